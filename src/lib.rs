@@ -1,0 +1,9 @@
+//! rebond: a physics engine of axis-aligned boxes made into an instrument.
+//!
+//! The pipeline, in reading order:
+//!
+//! 1. [`scene`] reads what a run is asked to be. It knows nothing of what comes of it.
+//! 2. [`physics`] moves boxes. It never names a file, a clock, a format or a pixel.
+
+pub mod physics;
+pub mod scene;

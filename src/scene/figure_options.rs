@@ -1,0 +1,80 @@
+/// How pictures of a scene look unless flags say otherwise: the scene's `[figure]`.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FigureOptions {
+    /// Width and height, px.
+    pub size: Option<[u32; 2]>,
+    /// Light or dark.
+    pub theme: Option<Theme>,
+    /// Frames per second of GIF and APNG.
+    pub fps: Option<f64>,
+    /// What is drawn beside the boxes.
+    pub show: Option<Vec<Overlay>>,
+    /// What the colour of a box tells.
+    pub color_by: Option<ColorBy>,
+}
+
+/// Declares a plain enum whose values have names in scenes and flags.
+macro_rules! named {
+    ($(#[$doc:meta])* $type:ident { $($(#[$value_doc:meta])* $value:ident = $name:literal,)+ }) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+        pub enum $type { $($(#[$value_doc])* $value,)+ }
+
+        impl $type {
+            /// Every value, in the order of the documentation.
+            pub const ALL: &'static [$type] = &[$($type::$value,)+];
+
+            /// The value of that name.
+            pub fn named(name: &str) -> Option<$type> {
+                $type::ALL.iter().copied().find(|value| value.name() == name)
+            }
+
+            /// Its name in scenes and flags.
+            pub const fn name(self) -> &'static str {
+                match self { $($type::$value => $name,)+ }
+            }
+        }
+    };
+}
+
+named! {
+    /// The colours of a picture.
+    Theme {
+        /// Dark on white, for print and bright rooms.
+        Light = "light",
+        /// Light on black, for dark rooms.
+        Dark = "dark",
+    }
+}
+
+named! {
+    /// What can be drawn beside the boxes.
+    Overlay {
+        /// An arrow for each velocity.
+        Velocity = "velocity",
+        /// The unit normal of each collision.
+        Normal = "normal",
+        /// The penetration vector of each collision.
+        Penetration = "penetration",
+        /// Where each box was.
+        Trail = "trail",
+        /// The name of each box.
+        Name = "name",
+        /// Lines every metre, or every few.
+        Grid = "grid",
+        /// The simulated time.
+        Clock = "clock",
+    }
+}
+
+named! {
+    /// What the colour of a box tells.
+    ColorBy {
+        /// Which body it is.
+        Body = "body",
+        /// What it is made of.
+        Material = "material",
+        /// How fast it is.
+        Speed = "speed",
+    }
+}
