@@ -4,6 +4,8 @@
 //!
 //! 1. [`scene`] reads what a run is asked to be. It knows nothing of what comes of it.
 //! 2. [`physics`] moves boxes. It never names a file, a clock, a format or a pixel.
+//! 3. [`render`] makes states into pictures. It never sees the engine.
 
 pub mod physics;
+pub mod render;
 pub mod scene;
