@@ -14,6 +14,14 @@ pub enum Error {
         /// What the system says.
         source: io::Error,
     },
+    /// The file cannot be created.
+    #[error("{}: cannot be created: {source}", path.display())]
+    Create {
+        /// Which file.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
     /// The file is there and is to stay.
     #[error("{}: exists already; --force overwrites it", path.display())]
     Exists {
@@ -50,5 +58,19 @@ pub enum Error {
         found: u64,
         /// How large it may be.
         limit: u64,
+    },
+    /// The writer was handed a step that is not the next one.
+    #[error("state {found} was to be recorded when state {due} was due")]
+    OutOfOrder {
+        /// The step that was due.
+        due: u64,
+        /// The step that came.
+        found: u64,
+    },
+    /// The world has bodies the recording does not know of.
+    #[error("step {step}: the world was changed by an event that was not recorded")]
+    Unrecorded {
+        /// The step.
+        step: u64,
     },
 }
