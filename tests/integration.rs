@@ -2,12 +2,12 @@
 
 #[path = "integration/bundled.rs"]
 mod bundled;
+#[path = "integration/clicks.rs"]
+mod clicks;
 #[path = "integration/command_line.rs"]
 mod command_line;
 #[path = "integration/command_line_errors.rs"]
 mod command_line_errors;
-#[path = "integration/clicks.rs"]
-mod clicks;
 #[path = "integration/handout_limits.rs"]
 mod handout_limits;
 #[path = "integration/live_events.rs"]

@@ -14,6 +14,9 @@ const DEFAULT_SIZE: [u32; 2] = [1280, 720];
 /// Frames per second of an animation nobody gave a rate.
 const DEFAULT_FPS: f64 = 30.0;
 
+/// The key under which a picture says what it shows.
+const STEPS: &str = "rebond steps";
+
 /// Browsers show delays under 2/100 s as 10/100 s.
 const FASTEST_GIF: f64 = 50.0;
 
@@ -41,9 +44,21 @@ impl Clip {
         let size = options.size.or(figure.size).unwrap_or(DEFAULT_SIZE);
         let [width, height] = source.scene.size;
         let camera = Camera::fit(Vector::new(width, height), size)?;
-        let metadata = metadata(&survey, &sampling, &style, size);
+        let metadata = metadata(survey.identity, &sampling, &style, size);
         let threads = options.jobs.or(std::thread::available_parallelism().ok()).unwrap_or(NonZero::<usize>::MIN);
         Ok(Clip { path: source.path.clone(), sampling, view: View { camera, style }, metadata, threads })
+    }
+
+    /// What the picture of one step of a sequence says of itself: that step, so that it does
+    /// not matter in how many parts a sequence was drawn.
+    pub fn metadata_of(&self, step: u64) -> Metadata {
+        let mut metadata = self.metadata.clone();
+        for (key, value) in &mut metadata.entries {
+            if key == STEPS {
+                *value = step.to_string();
+            }
+        }
+        metadata
     }
 
     /// The frames to draw, in order.
@@ -52,14 +67,8 @@ impl Clip {
     }
 }
 
-
 /// Animations are thinned to their frame rate, pictures only when asked to be.
-fn sampling(
-    options: &RenderOptions,
-    kind: Kind,
-    source: &Source,
-    survey: &Survey,
-) -> Result<Sampling, CommandError> {
+fn sampling(options: &RenderOptions, kind: Kind, source: &Source, survey: &Survey) -> Result<Sampling, CommandError> {
     let Some(last) = survey.last_step else {
         return Err(CommandError::NoSuchStep { what: "the recording has no state".into() });
     };
@@ -110,14 +119,15 @@ fn metadata(identity: Option<String>, sampling: &Sampling, style: &Style, size: 
         if show.is_empty() { "none".into() } else { show.join(",") },
         ColorBy::name(style.color_by)
     );
-    let steps = format!("{}..={} every {}", sampling.steps.start(), sampling.steps.end(), sampling.every);
+    let [first, last] = [sampling.steps.start(), sampling.steps.end()];
+    let steps = if first == last { first.to_string() } else { format!("{first} to {last} every {}", sampling.every) };
     let entry = |key: &str, value: String| (key.to_owned(), value);
     let identity = identity.unwrap_or_else(|| "none, the recording is unfinished".into());
     Metadata {
         entries: vec![
             entry("Software", concat!("rebond ", env!("CARGO_PKG_VERSION")).into()),
             entry("rebond recording", identity),
-            entry("rebond steps", steps),
+            entry(STEPS, steps),
             entry("rebond options", options),
         ],
     }

@@ -67,6 +67,9 @@ pub enum CommandError {
         /// What names would be accepted.
         expected: &'static str,
     },
+    /// A scene that was recorded just now did not replay the same.
+    #[error("the scene did not replay the same; this is a fault of rebond, please report it with the scene")]
+    NotTheSame,
     /// The run ended in an error of the engine; the recording tells it too.
     #[error("{error}; recorded up to there in {}", path.display())]
     Step {
@@ -95,6 +98,10 @@ impl CommandError {
 /// Tells the user on standard error. Should that be closed, the exit code remains.
 pub fn report(error: CommandError) -> Exit {
     let report = miette::Report::new(error);
+    let exit = match report.downcast_ref() {
+        Some(CommandError::NotTheSame) => Exit::Diverged,
+        Some(_) | None => Exit::Error,
+    };
     let _ = writeln!(io::stderr(), "{report:?}");
-    Exit::Error
+    exit
 }

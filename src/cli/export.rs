@@ -2,10 +2,7 @@ use super::arguments::ExportOptions;
 use super::error::CommandError;
 use super::{Exit, output};
 use crate::recording::{self, Frame, Health, Playback};
-use std::{
-    io::Write,
-    path::Path,
-};
+use std::{io::Write, path::Path};
 
 /// Writes the states of a recording as a table.
 pub fn run(options: &ExportOptions) -> Result<Exit, CommandError> {

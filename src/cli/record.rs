@@ -70,7 +70,7 @@ fn open_output(options: &RecordOptions) -> Result<Box<dyn Write + Send>, Command
 
 fn tell(options: &RecordOptions, recorded: &Recorded, skipped: u64) -> Result<(), CommandError> {
     if skipped > 0 {
-        output::note(format_args!("{skipped} event lines were skipped"));
+        output::note(format_args!("{skipped} event line(s) skipped"));
     }
     let end = &recorded.end;
     let line = format!(

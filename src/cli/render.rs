@@ -61,7 +61,6 @@ impl Kind {
     }
 }
 
-
 fn gif(options: &RenderOptions, clip: &Clip) -> Result<Exit, CommandError> {
     let mut frames = clip.frames()?;
     let bar = progress::bar("drawing", clip.sampling.count());

@@ -15,11 +15,7 @@ pub fn run(options: &ReplayOptions) -> Result<Exit, CommandError> {
 }
 
 /// Replays with a progress bar; the observer sees the collisions.
-pub fn judge<O: Observer>(
-    path: &Path,
-    steps: RangeInclusive<u64>,
-    observer: &mut O,
-) -> Result<Verdict, CommandError> {
+pub fn judge<O: Observer>(path: &Path, steps: RangeInclusive<u64>, observer: &mut O) -> Result<Verdict, CommandError> {
     let failed = |error| CommandError::recording(path, error);
     let recording = recording::open(path).map_err(failed)?;
     let bar = progress::bar("replaying", recording.header.steps);

@@ -3,11 +3,11 @@ use super::{frames, output, record, replay};
 use crate::physics::CollisionCount;
 use crate::recording::{Header, Playback};
 use crate::replay::Verdict;
-use crate::run::{self, LiveEvents};
+use crate::run;
 use crate::scene::{self, Scene};
 use std::{
     fs::File,
-    io::{Empty, Read},
+    io::Read,
     path::{Path, PathBuf},
 };
 use tempfile::TempDir;
@@ -52,7 +52,7 @@ fn is_recording(path: &Path) -> Result<bool, CommandError> {
 fn record_and_replay(scene: &Scene, path: &Path) -> Result<(), CommandError> {
     let file = File::create(path).map_err(CommandError::unwritable(path))?;
     let plan = run::RecordOptions { steps: scene.run.steps, every: 1 };
-    let recorded = record::record(scene, plan, None::<&mut LiveEvents<Empty>>, file, path)?;
+    let recorded = record::record(scene, plan, run::NO_LIVE_EVENTS, file, path)?;
     if let Some(error) = &recorded.error {
         output::note(format_args!("{error}; drawing what came before"));
     }
@@ -60,9 +60,7 @@ fn record_and_replay(scene: &Scene, path: &Path) -> Result<(), CommandError> {
     output::note(format_args!("{verdict}"));
     match verdict {
         Verdict::Same { .. } => Ok(()),
-        Verdict::Diverged(_) | Verdict::Truncated { .. } | Verdict::Corrupt { .. } => {
-            Err(CommandError::NotTheSame(verdict.to_string()))
-        }
+        Verdict::Diverged(_) | Verdict::Truncated { .. } | Verdict::Corrupt { .. } => Err(CommandError::NotTheSame),
     }
 }
 

@@ -22,7 +22,9 @@ pub enum RunError {
         source: io::Error,
     },
     /// A live event names a step that is over.
-    #[error("line {line} of the events names step {named}, but the run is at step {present} already; order the lines by step, or skip such lines with --lenient")]
+    #[error(
+        "line {line} of the events names step {named}, but the run is at step {present} already; order the lines by step, or skip such lines with --lenient"
+    )]
     Late {
         /// The line, from 1.
         line: u64,
@@ -32,7 +34,9 @@ pub enum RunError {
         present: u64,
     },
     /// A live event comes after the end of the run.
-    #[error("line {line} of the events names step {named}, but the run ends at step {last}; make it longer with --steps, or skip such lines with --lenient")]
+    #[error(
+        "line {line} of the events names step {named}, but the run ends at step {last}; make it longer with --steps, or skip such lines with --lenient"
+    )]
     AfterLastStep {
         /// The line, from 1.
         line: u64,

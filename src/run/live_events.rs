@@ -39,6 +39,20 @@ impl<R: BufRead> LiveEvents<R> {
         self.skipped
     }
 
+    /// What is done about an input that cannot be obeyed: it is skipped, or it ends the run.
+    ///
+    /// # Errors
+    /// `error`, when manners are strict.
+    pub fn refuse(&mut self, error: RunError) -> Result<(), RunError> {
+        match self.manners {
+            Manners::Strict => Err(error),
+            Manners::Lenient => {
+                self.skipped += 1;
+                Ok(())
+            }
+        }
+    }
+
     /// All inputs for the state `step`; waits for lines as long as there may be more.
     ///
     /// # Errors
@@ -57,10 +71,7 @@ impl<R: BufRead> LiveEvents<R> {
             match self.read_line(step) {
                 Ok(input) => self.pending = input,
                 Err(error @ RunError::Events { .. }) => return Err(error),
-                Err(error) => match self.manners {
-                    Manners::Strict => return Err(error),
-                    Manners::Lenient => self.skipped += 1,
-                },
+                Err(error) => self.refuse(error)?,
             }
         }
         Ok(self.pending.take_if(|input| input.step <= step))
@@ -104,3 +115,6 @@ fn read_bounded_line(lines: &mut impl BufRead, text: &mut Vec<u8>) -> std::io::R
     use std::io::Read;
     lines.by_ref().take(LONGEST_LINE).read_until(b'\n', text)
 }
+
+/// For runs that take no events but the scene's.
+pub const NO_LIVE_EVENTS: Option<&mut LiveEvents<std::io::Empty>> = None;

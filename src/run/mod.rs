@@ -8,15 +8,15 @@ mod live_events;
 mod names;
 mod record;
 
-use crate::physics::{BodyId, Engine, Event, Observer, Settings, StepError, Vector, World};
+use crate::physics::{Engine, Observer, Settings, StepError, Vector, World};
 use crate::recording::{Change, RecordedEvent};
 use crate::scene::{Action, Blueprint, Fault, Input, Place, Scene, SceneError, SceneSource, SpawnRequest};
 use names::Names;
 use std::collections::VecDeque;
 
 pub use error::RunError;
-pub use live_events::{LiveEvents, Manners};
-pub use record::{Recorded, RecordOptions, record};
+pub use live_events::{LiveEvents, Manners, NO_LIVE_EVENTS};
+pub use record::{RecordOptions, Recorded, record};
 
 /// A scene being run: the engine, and the inputs that are still to come.
 pub struct Run {
@@ -45,10 +45,16 @@ impl Run {
     /// Lets the inputs of the present step happen, the scene's and `live` ones: deletes, then
     /// spawns, then clicks. What they came to is returned; a click may come to nothing.
     ///
+    /// That a name is not alive or is taken shows only now in a scene with clicks and in live
+    /// events. Of a live one `refused` decides whether the run goes on without it.
+    ///
     /// # Errors
-    /// When a name is not alive or is taken, which a scene with clicks or live events shows
-    /// only now.
-    pub fn happen(&mut self, live: Vec<Input>) -> Result<Vec<RecordedEvent>, SceneError> {
+    /// When an input of the scene is refused, or `refused` says so.
+    pub fn happen(
+        &mut self,
+        live: Vec<Input>,
+        mut refused: impl FnMut(SceneError) -> Result<(), RunError>,
+    ) -> Result<Vec<RecordedEvent>, RunError> {
         let step = self.engine.present_step();
         let mut inputs = Vec::new();
         while self.scheduled.front().is_some_and(|input| input.step <= step) {
@@ -58,8 +64,16 @@ impl Run {
         inputs.sort_by_key(|input| phase(&input.action));
         let mut events = Vec::new();
         for Input { action, place, .. } in inputs {
-            let change = self.resolve(action).map_err(|fault| self.refusal(&place, fault))?;
-            events.extend(change.map(|change| self.apply(change)));
+            match self.resolve(action) {
+                Ok(change) => events.extend(change.map(|change| self.apply(change))),
+                Err(fault) => {
+                    let error = SceneError::at(&self.source, &place, fault);
+                    match place {
+                        Place::Scene(_) => return Err(error.into()),
+                        Place::Line(_) => refused(error)?,
+                    }
+                }
+            }
         }
         Ok(events)
     }
@@ -121,10 +135,6 @@ impl Run {
         self.engine.apply(&change.event());
         RecordedEvent { step: self.engine.present_step(), change }
     }
-
-    fn refusal(&self, place: &Place, fault: Fault) -> SceneError {
-        SceneError::at(&self.source, place, fault)
-    }
 }
 
 /// What the engine is told of a scene.
@@ -152,4 +162,3 @@ fn topmost(world: &World, point: Vector) -> Option<String> {
     let hit = world.bodies.iter().rev().find(|body| !body.is_infinite() && body.rect.has_point(point));
     hit.map(|body| body.name.clone())
 }
-

@@ -1,7 +1,7 @@
 use super::{LiveEvents, Run, RunError, settings};
 use crate::physics::{CollisionCount, StepError};
 use crate::recording::{End, Header, Outcome, SceneText, Versions, Writer};
-use crate::scene::Scene;
+use crate::scene::{Scene, SceneError};
 use std::io::{BufRead, Write};
 
 /// How a scene is to be recorded.
@@ -44,7 +44,11 @@ pub fn record<W: Write + Send + 'static>(
     let mut error = None;
     for step in 0..=options.steps {
         let due = live.as_mut().map(|live| live.due(step)).transpose()?;
-        for event in run.happen(due.unwrap_or_default())? {
+        let refused = |error: SceneError| match &mut live {
+            Some(live) => live.refuse(error.into()),
+            None => Err(error.into()),
+        };
+        for event in run.happen(due.unwrap_or_default(), refused)? {
             writer.event(&event)?;
         }
         writer.state(run.engine())?;

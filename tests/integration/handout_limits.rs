@@ -48,9 +48,8 @@ fn energy_at_e_1() {
         spawn(&mut engine, &format!("box {number}"), [2.0 + 3.0 * column, 1.0 + 1.75 * row], [1.0, 1.0], 1.0, velocity);
     }
     let mut table = String::from("step   energy change   worst overlap\n");
-    let energy = |engine: &Engine| {
-        invariants::kinetic_energy(engine.world()) + invariants::potential_energy(engine.world())
-    };
+    let energy =
+        |engine: &Engine| invariants::kinetic_energy(engine.world()) + invariants::potential_energy(engine.world());
     let first = energy(&engine);
     for _ in 0..6 {
         let change = (energy(&engine) - first) / first.abs();

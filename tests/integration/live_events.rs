@@ -54,7 +54,8 @@ fn events_take_effect_at_the_step_they_name() {
 #[test]
 fn without_a_step_they_take_effect_at_the_next() {
     let workplace = Workplace::with_scene(SCENE);
-    let spawn = |name: &str| format!(r#"{{"spawn": {{"name": "{name}", "at": [9.0, 5.0], "size": [1.0, 1.0], "mass": 2.0}}}}"#);
+    let spawn =
+        |name: &str| format!(r#"{{"spawn": {{"name": "{name}", "at": [9.0, 5.0], "size": [1.0, 1.0], "mass": 2.0}}}}"#);
     let lines = [spawn("b"), r#"{"delete": {"step": 4, "name": "b"}}"#.into(), spawn("c")].join("\n");
     let outcome = workplace.rebond_with_input("record scene.toml -o run.mcap --events -", &lines);
     assert_eq!(outcome.code, 0, "{outcome:?}");
