@@ -1,0 +1,1 @@
+//! Pictures as an endless GIF animation.
