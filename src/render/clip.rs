@@ -1,25 +1,6 @@
-use super::{Camera, DisplayList, Frame, Metadata, Picture, RenderError, Sampling, Style};
+use super::{Frame, Metadata, RenderError, Sampling, View};
 use std::io::Write;
 use std::num::NonZero;
-
-/// All that shapes a picture beside the frame itself.
-#[derive(Clone, Debug, PartialEq)]
-pub struct View {
-    /// Which part of the world is seen, and how large.
-    pub camera: Camera,
-    /// How it looks.
-    pub style: Style,
-}
-
-/// The shapes that show `frame`.
-pub fn compose(_frame: &Frame, _view: &View) -> DisplayList {
-    todo!("first pictures follow")
-}
-
-/// The pixels of a display list.
-pub fn draw(_list: &DisplayList) -> Picture {
-    todo!("first pictures follow")
-}
 
 /// Writes frames as an endless GIF animation, each on screen at its own instant.
 ///

@@ -1,0 +1,56 @@
+use super::Picture;
+
+/// Pixels as places in a palette of at most 256 colours.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Indexed {
+    /// The colours, in the order in which the pixels first use them.
+    pub palette: Vec<[u8; 4]>,
+    /// The place in the palette of each pixel.
+    pub pixels: Vec<u8>,
+}
+
+impl Indexed {
+    /// The picture with a palette of its own, if 256 colours are enough.
+    pub fn of(picture: &Picture) -> Option<Indexed> {
+        let mut colors = ColorTable::new();
+        let mut pixels = Vec::with_capacity(picture.pixels.len());
+        for run in picture.pixels.chunk_by(|a, b| a == b) {
+            let place = colors.place(run[0])?;
+            pixels.resize(pixels.len() + run.len(), place);
+        }
+        Some(Indexed { palette: colors.colors, pixels })
+    }
+}
+
+/// Colours and their places, found by a multiplicative hash of fixed seed.
+pub struct ColorTable {
+    pub colors: Vec<[u8; 4]>,
+    /// One more than the place of a colour; 0 is free.
+    slots: Vec<u16>,
+}
+
+const SLOTS: usize = 1024;
+
+impl ColorTable {
+    pub fn new() -> ColorTable {
+        ColorTable { colors: Vec::with_capacity(256), slots: vec![0; SLOTS] }
+    }
+
+    /// The place of a colour, which is new if need be; none when 256 others have one.
+    pub fn place(&mut self, color: [u8; 4]) -> Option<u8> {
+        let mut slot = u32::from_le_bytes(color).wrapping_mul(0x9e37_79b1) as usize >> 22;
+        loop {
+            match self.slots[slot] {
+                0 => break,
+                known if self.colors[usize::from(known) - 1] == color => return Some((known - 1) as u8),
+                _ => slot = (slot + 1) % SLOTS,
+            }
+        }
+        if self.colors.len() == 256 {
+            return None;
+        }
+        self.colors.push(color);
+        self.slots[slot] = self.colors.len() as u16;
+        Some((self.colors.len() - 1) as u8)
+    }
+}
