@@ -4,7 +4,7 @@ use super::frames::Frames;
 use super::render::Kind;
 use super::source::{Source, Survey};
 use crate::physics::Vector;
-use crate::render::{Camera, Metadata, Sampling, Style, Thinning, View};
+use crate::render::{Metadata, Sampling, Style, Thinning, View};
 use crate::scene::{ColorBy, FigureOptions, Overlay, Theme};
 use std::{num::NonZero, path::PathBuf};
 
@@ -40,13 +40,12 @@ impl Clip {
         let survey = Survey::of(&source.path)?;
         let sampling = sampling(options, kind, source, &survey)?;
         let figure = &source.scene.figure;
-        let style = style(options, figure, survey.top_speed);
+        let style = style(options, figure, &survey);
         let size = options.size.or(figure.size).unwrap_or(DEFAULT_SIZE);
         let [width, height] = source.scene.size;
-        let camera = Camera::fit(Vector::new(width, height), size)?;
         let metadata = metadata(survey.identity, &sampling, &style, size);
         let threads = options.jobs.or(std::thread::available_parallelism().ok()).unwrap_or(NonZero::<usize>::MIN);
-        Ok(Clip { path: source.path.clone(), sampling, view: View { camera, style }, metadata, threads })
+        Ok(Clip { path: source.path.clone(), sampling, view: View::fit(Vector::new(width, height), size, style)?, metadata, threads })
     }
 
     /// What the picture of one step of a sequence says of itself: that step, so that it does
@@ -93,14 +92,15 @@ fn sampling(options: &RenderOptions, kind: Kind, source: &Source, survey: &Surve
     Ok(sampling)
 }
 
-fn style(options: &RenderOptions, figure: &FigureOptions, top_speed: f64) -> Style {
+fn style(options: &RenderOptions, figure: &FigureOptions, survey: &Survey) -> Style {
     let default = Style::default();
     let flag = options.show.as_ref().map(|show| show.0.clone());
     Style {
         theme: options.theme.or(figure.theme).unwrap_or(default.theme),
         show: flag.or(figure.show.clone()).unwrap_or(default.show),
         color_by: options.color_by.or(figure.color_by).unwrap_or(default.color_by),
-        top_speed,
+        top_speed: survey.top_speed,
+        materials: survey.materials.clone(),
     }
 }
 

@@ -70,6 +70,10 @@ pub struct Survey {
     pub last_step: Option<u64>,
     /// The highest speed in any state, m/s.
     pub top_speed: f64,
+    /// The materials of its bodies, sorted.
+    pub materials: Vec<String>,
+    /// What names it in pictures; none if it is unfinished.
+    pub identity: Option<String>,
 }
 
 impl Survey {
