@@ -5,7 +5,7 @@ use super::error::CommandError;
 use super::output::{self, Folder};
 use super::progress;
 use super::source::Source;
-use crate::render;
+use crate::render::{self, Painter};
 use std::path::Path;
 
 /// Draws a scene or a recording.
@@ -77,7 +77,7 @@ fn picture(options: &RenderOptions, clip: &Clip) -> Result<Exit, CommandError> {
     let mut frames = clip.frames()?;
     output::write_file(&options.output.output, options.output.force, |output| {
         for frame in frames.by_ref() {
-            let picture = render::draw(&render::compose(&frame?, &clip.view));
+            let picture = Painter::new().draw(&render::compose(&frame?, &clip.view));
             render::png::encode(&picture, &clip.metadata, &mut *output)?;
         }
         Ok(())

@@ -1,7 +1,7 @@
 use super::error::CommandError;
 use super::{frames, output, record, replay};
 use crate::physics::CollisionCount;
-use crate::recording::{Header, Playback};
+use crate::recording::{Frame, Header, Playback};
 use crate::replay::Verdict;
 use crate::run;
 use crate::scene::{self, Scene};
@@ -80,17 +80,26 @@ impl Survey {
     /// Looks through the recording once.
     pub fn of(path: &Path) -> Result<Survey, CommandError> {
         let mut playback = Playback::new(frames::open(path)?);
-        let mut survey = Survey { last_step: None, top_speed: 0.0, identity: None };
+        let mut survey = Survey { last_step: None, top_speed: 0.0, materials: Vec::new(), identity: None };
         for frame in playback.by_ref() {
-            let frame = frame.map_err(|error| CommandError::recording(path, error))?;
-            survey.last_step = Some(frame.step);
-            for body in &frame.bodies {
-                let speed = body.velocity.norm();
-                if speed > survey.top_speed {
-                    survey.top_speed = speed;
-                }
+            survey.see(&frame.map_err(|error| CommandError::recording(path, error))?);
+        }
+        survey.materials.sort();
+        survey.identity = playback.end().map(|end| end.identity.to_string());
+        Ok(survey)
+    }
+
+    fn see(&mut self, frame: &Frame) {
+        self.last_step = Some(frame.step);
+        for body in &frame.bodies {
+            let speed = body.velocity.norm();
+            if speed > self.top_speed {
+                self.top_speed = speed;
+            }
+            let material = &body.known.spawn.material;
+            if !material.is_empty() && !self.materials.contains(material) {
+                self.materials.push(material.clone());
             }
         }
-        Ok(survey)
     }
 }

@@ -111,15 +111,17 @@ impl Run {
         let id = self.engine.next_id();
         let step = self.engine.present_step();
         if !self.names.take(&name, id) {
-            return Err(Fault::DuplicateName { name, step });
+            return Err(Fault::NameTaken { name, step });
         }
         Ok(Change::Spawn { id, color: request.color.clone(), spawn: request.spawn(name) })
     }
 
     fn delete(&mut self, name: &str) -> Result<Change, Fault> {
         let step = self.engine.present_step();
-        let id = self.names.free(name).ok_or_else(|| Fault::NotAlive { name: name.into(), step })?;
-        Ok(Change::Delete { id })
+        match self.names.free(name) {
+            Some(id) => Ok(Change::Delete { id }),
+            None => Err(Fault::NotAlive { name: name.into(), step, alive: self.names.first_alive() }),
+        }
     }
 
     /// The handout's mouse. What it hits it deletes, and then it spawns nothing: in the handout

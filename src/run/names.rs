@@ -28,4 +28,9 @@ impl Names {
     pub fn free(&mut self, name: &str) -> Option<BodyId> {
         self.alive.remove(name)
     }
+
+    /// Some of the names alive, for a message.
+    pub fn first_alive(&self) -> Vec<String> {
+        self.alive.keys().take(8).cloned().collect()
+    }
 }
