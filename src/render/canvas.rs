@@ -42,10 +42,10 @@ impl Canvas {
         let pixels = &mut self.pixels[row * self.width..][..self.width];
         let (first, last) = (left.div_ceil(4), right / 4);
         if left % 4 != 0 {
-            blend(&mut pixels[left / 4], ink, rows * covered(left / 4, left, right));
+            blend(&mut pixels[left / 4], ink, corner(rows, covered(left / 4, left, right)));
         }
         if right % 4 != 0 && (right / 4 != left / 4 || left % 4 == 0) {
-            blend(&mut pixels[last], ink, rows * covered(last, left, right));
+            blend(&mut pixels[last], ink, corner(rows, covered(last, left, right)));
         }
         if first >= last {
             return;
@@ -98,6 +98,12 @@ fn clamp(at: i64, most: usize) -> usize {
 fn covered(at: usize, from: usize, to: usize) -> u8 {
     let (from, to) = (from.max(4 * at), to.min(4 * at + 4));
     (to - from) as u8
+}
+
+/// The coverage of a pixel that is cut both ways, to the nearest quarter: a corner is one
+/// pixel, not worth colours of its own.
+const fn corner(rows: u8, columns: u8) -> u8 {
+    (rows * columns + 2) / 4 * 4
 }
 
 /// Lays ink over `coverage` sixteenths of a pixel, rounding to nearest.

@@ -1,30 +1,28 @@
-use super::Picture;
-
 /// Pixels as places in a palette of at most 256 colours.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Indexed {
-    /// The colours, in the order in which the pixels first use them.
+    /// The colours, in the order in which the pixels first have them.
     pub palette: Vec<[u8; 4]>,
     /// The place in the palette of each pixel.
     pub pixels: Vec<u8>,
 }
 
 impl Indexed {
-    /// The picture with a palette of its own, if 256 colours are enough.
-    pub fn of(picture: &Picture) -> Option<Indexed> {
+    /// The pixels with a palette of their own, if 256 colours are enough.
+    pub fn exact(pixels: &[[u8; 4]]) -> Option<Indexed> {
         let mut colors = ColorTable::new();
-        let mut pixels = Vec::with_capacity(picture.pixels.len());
-        for run in picture.pixels.chunk_by(|a, b| a == b) {
+        let mut places = Vec::with_capacity(pixels.len());
+        for run in pixels.chunk_by(|a, b| a == b) {
             let place = colors.place(run[0])?;
-            pixels.resize(pixels.len() + run.len(), place);
+            places.resize(places.len() + run.len(), place);
         }
-        Some(Indexed { palette: colors.colors, pixels })
+        Some(Indexed { palette: colors.colors, pixels: places })
     }
 }
 
 /// Colours and their places, found by a multiplicative hash of fixed seed.
-pub struct ColorTable {
-    pub colors: Vec<[u8; 4]>,
+struct ColorTable {
+    colors: Vec<[u8; 4]>,
     /// One more than the place of a colour; 0 is free.
     slots: Vec<u16>,
 }
@@ -32,12 +30,12 @@ pub struct ColorTable {
 const SLOTS: usize = 1024;
 
 impl ColorTable {
-    pub fn new() -> ColorTable {
+    fn new() -> ColorTable {
         ColorTable { colors: Vec::with_capacity(256), slots: vec![0; SLOTS] }
     }
 
     /// The place of a colour, which is new if need be; none when 256 others have one.
-    pub fn place(&mut self, color: [u8; 4]) -> Option<u8> {
+    fn place(&mut self, color: [u8; 4]) -> Option<u8> {
         let mut slot = u32::from_le_bytes(color).wrapping_mul(0x9e37_79b1) as usize >> 22;
         loop {
             match self.slots[slot] {

@@ -128,7 +128,7 @@ fn look() {
             let t1 = std::time::Instant::now();
             let picture = painter.draw(&list);
             let t2 = std::time::Instant::now();
-            let indexed = indexed::Indexed::of(&picture);
+            let indexed = indexed::Indexed::exact(&picture.pixels);
             let t3 = std::time::Instant::now();
             let mut out = vec![];
             png::encode(&picture, &Metadata::default(), &mut out).unwrap();

@@ -18,7 +18,7 @@ pub fn encode(picture: &Picture, metadata: &Metadata, output: impl Write) -> Res
     for (key, value) in &metadata.entries {
         encoder.add_itxt_chunk(key.clone(), value.clone()).map_err(refusal)?;
     }
-    match Indexed::of(picture) {
+    match Indexed::exact(&picture.pixels) {
         Some(indexed) => {
             encoder.set_color(ColorType::Indexed);
             encoder.set_palette(rgb(&indexed.palette));
