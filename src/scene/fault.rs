@@ -76,7 +76,7 @@ pub enum Fault {
     },
     /// A body of that name is alive already.
     #[error("the name {name:?} is taken at step {step}")]
-    DuplicateName {
+    NameTaken {
         /// The name.
         name: String,
         /// When it is asked for.
@@ -124,7 +124,7 @@ impl Fault {
             Fault::DuplicatePair { .. } => "keep one of the two: \"a/b\" and \"b/a\" are the same pair".into(),
             Fault::TooMany { what, limit } => format!("a scene may have up to {limit} {what}"),
             Fault::AfterLastStep { last, .. } => format!("use a step from 0 to {last}, or let the run last longer"),
-            Fault::DuplicateName { .. } => "choose another name, or delete the body that bears it first".into(),
+            Fault::NameTaken { .. } => "choose another name, or delete the body that bears it first".into(),
             Fault::NotAlive { alive, .. } if alive.is_empty() => "no body is alive then".into(),
             Fault::NotAlive { alive, .. } => format!("alive then: {}", alive.join(", ")),
             Fault::NoRoom { tries, .. } => format!(
@@ -146,7 +146,7 @@ impl Fault {
             Fault::NotOneEvent => "not one event",
             Fault::TooMany { .. } => "too many",
             Fault::AfterLastStep { .. } => "too late",
-            Fault::DuplicateName { .. } => "taken",
+            Fault::NameTaken { .. } => "taken",
             Fault::NotAlive { .. } => "not alive then",
             Fault::NoRoom { .. } => "no room",
         }

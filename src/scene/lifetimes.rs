@@ -76,7 +76,7 @@ impl Lifetimes {
         if let (Some(life), Name::Given(name)) = (self.bodies.get(&name), &name)
             && self.is_certain(life)
         {
-            let fault = Fault::DuplicateName { name: name.clone(), step };
+            let fault = Fault::NameTaken { name: name.clone(), step };
             return Err(Refusal::new(fault, place).after(life.place.clone()));
         }
         self.bodies.insert(name, Life { place, infinite, clicks: self.clicks, certain: true });
@@ -157,7 +157,7 @@ mod tests {
     #[test]
     fn a_name_is_free_again_at_the_step_its_body_goes() {
         assert_eq!(fault(&[spawn(0, A), delete(5, "a"), spawn(5, A), delete(9, "a")]), None);
-        let taken = Fault::DuplicateName { name: "a".into(), step: 5 };
+        let taken = Fault::NameTaken { name: "a".into(), step: 5 };
         assert_eq!(fault(&[spawn(0, A), spawn(5, A), delete(6, "a")]), Some(taken));
     }
 
@@ -184,9 +184,9 @@ mod tests {
     #[test]
     fn what_no_click_can_change_is_refused_all_the_same() {
         let infinite = "name = \"a\"\nmass = inf";
-        assert!(matches!(fault(&[spawn(0, infinite), click(3, ""), spawn(5, A)]), Some(Fault::DuplicateName { .. })));
+        assert!(matches!(fault(&[spawn(0, infinite), click(3, ""), spawn(5, A)]), Some(Fault::NameTaken { .. })));
         assert!(matches!(fault(&[click(3, ""), delete(5, "a")]), Some(Fault::NotAlive { .. })));
-        assert!(matches!(fault(&[click(3, CLICK_A), spawn(4, A), spawn(5, A)]), Some(Fault::DuplicateName { .. })));
+        assert!(matches!(fault(&[click(3, CLICK_A), spawn(4, A), spawn(5, A)]), Some(Fault::NameTaken { .. })));
         let twice = [spawn(0, A), click(3, ""), delete(5, "a"), delete(6, "a")];
         assert!(matches!(fault(&twice), Some(Fault::NotAlive { step: 6, .. })));
     }
