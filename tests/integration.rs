@@ -14,5 +14,7 @@ mod handout_limits;
 mod live_events;
 #[path = "integration/rebond.rs"]
 mod rebond;
+#[path = "integration/scene_errors.rs"]
+mod scene_errors;
 #[path = "integration/snapshot.rs"]
 mod snapshot;

@@ -116,10 +116,10 @@ impl Fault {
             Fault::UnknownKey { nearest: None, accepts, .. } => {
                 format!("these keys can stand here: {}", accepts.join(", "))
             }
-            Fault::MissingKey { accepts, .. } => format!("add it; it accepts {accepts}"),
+            Fault::MissingKey { accepts, .. } => format!("add it: {accepts}"),
             Fault::DuplicateKey { .. } => "keep one of the two".into(),
             Fault::EitherOr { keys } => format!("keep either `{}` or `{}`", keys[0], keys[1]),
-            Fault::BadValue { accepts, .. } => format!("it accepts {accepts}"),
+            Fault::BadValue { accepts, .. } => format!("give {accepts}"),
             Fault::NotOneEvent => "write one a line, for example {\"delete\": {\"name\": \"b\"}}".into(),
             Fault::DuplicatePair { .. } => "keep one of the two: \"a/b\" and \"b/a\" are the same pair".into(),
             Fault::TooMany { what, limit } => format!("a scene may have up to {limit} {what}"),

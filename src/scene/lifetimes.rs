@@ -125,3 +125,69 @@ impl Name {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::parse;
+
+    const START: &str = "[world]\nsize = [16.0, 9.0]\n[run]\nrate = 60\nsteps = 10\nsolver = \"handout\"\n";
+
+    fn spawn(step: u64, keys: &str) -> String {
+        format!("[[spawn]]\nstep = {step}\nat = [1.0, 2.0]\nsize = [1.0, 1.0]\n{keys}\n")
+    }
+
+    fn delete(step: u64, name: &str) -> String {
+        format!("[[delete]]\nstep = {step}\nname = \"{name}\"\n")
+    }
+
+    fn click(step: u64, spawn: &str) -> String {
+        format!("[[click]]\nstep = {step}\nat = [1.0, 2.0]\n{spawn}\n")
+    }
+
+    const A: &str = "name = \"a\"\nmass = 1.0";
+    const CLICK_A: &str = "spawn = { name = \"a\", size = [1.0, 1.0], mass = 1.0 }";
+
+    /// The fault of a scene of these events, if it has one.
+    fn fault(events: &[String]) -> Option<Fault> {
+        let error = parse("test.toml", &format!("{START}{}", events.concat())).err()?;
+        Some(error.fault().expect("a fault of the scene").clone())
+    }
+
+    #[test]
+    fn a_name_is_free_again_at_the_step_its_body_goes() {
+        assert_eq!(fault(&[spawn(0, A), delete(5, "a"), spawn(5, A), delete(9, "a")]), None);
+        let taken = Fault::NameTaken { name: "a".into(), step: 5 };
+        assert_eq!(fault(&[spawn(0, A), spawn(5, A), delete(6, "a")]), Some(taken));
+    }
+
+    #[test]
+    fn bodies_without_a_name_are_numbered_named_ones_counted() {
+        let events = [spawn(0, A), spawn(2, "mass = 1.0"), delete(5, "#2")];
+        assert_eq!(fault(&events), None);
+        let nobody = |name: &str, alive: &[&str]| {
+            let alive = alive.iter().map(|name| (*name).into()).collect();
+            Some(Fault::NotAlive { name: name.into(), step: 5, alive })
+        };
+        assert_eq!(fault(&[spawn(0, A), spawn(2, "mass = 1.0"), delete(5, "#1")]), nobody("#1", &["#2", "a"]));
+        assert_eq!(fault(&[spawn(2, "mass = 1.0"), delete(5, "#01")]), nobody("#01", &["#1"]));
+    }
+
+    #[test]
+    fn what_a_click_decides_is_left_to_the_run() {
+        assert_eq!(fault(&[spawn(0, A), click(3, ""), spawn(5, A)]), None, "the click may have deleted a");
+        assert_eq!(fault(&[spawn(0, A), click(3, ""), delete(5, "a")]), None, "or not");
+        assert_eq!(fault(&[click(3, CLICK_A), delete(5, "a")]), None, "the click may have spawned a");
+        assert_eq!(fault(&[click(3, CLICK_A), spawn(4, "mass = 1.0"), delete(5, "#1")]), None, "or not");
+    }
+
+    #[test]
+    fn what_no_click_can_change_is_refused_all_the_same() {
+        let infinite = "name = \"a\"\nmass = inf";
+        assert!(matches!(fault(&[spawn(0, infinite), click(3, ""), spawn(5, A)]), Some(Fault::NameTaken { .. })));
+        assert!(matches!(fault(&[click(3, ""), delete(5, "a")]), Some(Fault::NotAlive { .. })));
+        assert!(matches!(fault(&[click(3, CLICK_A), spawn(4, A), spawn(5, A)]), Some(Fault::NameTaken { .. })));
+        let twice = [spawn(0, A), click(3, ""), delete(5, "a"), delete(6, "a")];
+        assert!(matches!(fault(&twice), Some(Fault::NotAlive { step: 6, .. })));
+    }
+}

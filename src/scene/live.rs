@@ -4,7 +4,7 @@ use super::{
     Action, Fault, SceneError,
     action::{Request, read_click, read_delete, read_spawn},
     refusal::Refusal,
-    tree::{Key, Table, parse_json},
+    tree::{Key, Table, Value, parse_json},
 };
 
 /// One event of a JSON Lines file or pipe.
@@ -30,6 +30,7 @@ pub fn parse_line(number: u64, line: &str) -> Result<LiveEvent, SceneError> {
 
 fn read(line: &str) -> Result<LiveEvent, Refusal> {
     let root = parse_json(line)?;
+    let Value::Table(_) = root.value else { return Err(Refusal::new(Fault::NotOneEvent, root.span)) };
     let table = Table::open("", &root, &[SPAWN, DELETE, CLICK])?;
     let request = match (table.get(SPAWN), table.get(DELETE), table.get(CLICK)) {
         (Some(spawn), None, None) => read_spawn(spawn.node)?,
@@ -39,4 +40,29 @@ fn read(line: &str) -> Result<LiveEvent, Refusal> {
     };
     let Request { step, action, .. } = request;
     Ok(LiveEvent { step: step.map(|(step, _)| step), action })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::Vector;
+
+    #[test]
+    fn a_line_has_the_keys_of_the_scene_format() {
+        let line = r#"{"spawn": {"step": 30, "name": "b", "at": [2.0, 5.0], "size": [1, 1], "mass": "inf", "velocity": [-0.0, 2]}}"#;
+        let LiveEvent { step, action: Action::Spawn(request) } = parse_line(1, line).unwrap() else {
+            panic!("a spawn")
+        };
+        assert_eq!((step, request.name.as_deref(), request.mass), (Some(30), Some("b"), f64::INFINITY));
+        assert!(request.velocity.x.is_sign_positive(), "an infinite mass at rest has one zero only");
+        assert_eq!(request.rect.origin, Vector::new(2.0, 5.0));
+    }
+
+    #[test]
+    fn a_line_without_a_step_leaves_it_to_the_run() {
+        let delete = LiveEvent { step: None, action: Action::Delete { name: "#3".into() } };
+        assert_eq!(parse_line(1, r##"{"delete": {"name": "#3"}}"##).unwrap(), delete);
+        let click = LiveEvent { step: None, action: Action::Click { at: Vector::new(4.0, 5.0), spawn: None } };
+        assert_eq!(parse_line(2, r#"{"click": {"at": [4, 5e0]}}"#).unwrap(), click);
+    }
 }

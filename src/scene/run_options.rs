@@ -59,3 +59,30 @@ fn read_steps(table: &Table, rate: f64) -> Result<u64, Refusal> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::tree::parse_toml;
+
+    fn run(keys: &str) -> RunOptions {
+        read(&parse_toml(keys).unwrap()).unwrap()
+    }
+
+    #[test]
+    fn a_duration_is_rounded_to_the_nearest_step() {
+        let steps = |keys: &str| run(&format!("solver = \"handout\"\n{keys}")).steps;
+        assert_eq!(steps("rate = 60\nduration = 10.0"), 600);
+        assert_eq!(steps("rate = 0.3\nduration = 10"), 3);
+        assert_eq!(steps("rate = 7\nduration = 0.5"), 4, "3.5 goes away from 0");
+        assert_eq!(steps("rate = 1e-300\nduration = 1"), 0);
+    }
+
+    #[test]
+    fn the_limit_of_events_has_a_default() {
+        let run = run("rate = 100\nsteps = 5\nsolver = \"event-driven\"");
+        let expected =
+            RunOptions { rate: 100.0, steps: 5, solver: SolverKind::EventDriven, events_per_step: 1_000_000 };
+        assert_eq!(run, expected);
+    }
+}

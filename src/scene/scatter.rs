@@ -178,3 +178,66 @@ fn ordered<'a>(node: &'a Node, corners: Result<[[f64; 2]; 2], &'a Node>) -> Resu
 fn ranges([from, to]: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
     [[from[0], to[0]], [from[1], to[1]]]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{room::overlap, tree::Value, tree::parse_toml};
+    use proptest::prelude::*;
+
+    fn scatter(keys: &str) -> Scatter {
+        let root = parse_toml(&format!("[[scatter]]\n{keys}")).unwrap();
+        let Value::Table(entries) = &root.value else { panic!("a document is a table") };
+        Scatter::read(&entries[0].node.nodes().unwrap()[0]).unwrap()
+    }
+
+    fn sparse(seed: u64, count: u64) -> Scatter {
+        scatter(&format!(
+            "count = {count}\nseed = {seed}\nregion = [0.5, -2.5, 15.0, 4.0]\nsize = [[0.1, 0.1], [0.3, 0.4]]\n\
+             mass = [1.0, 3.0]\nvelocity = [[-1.0, 0.0], [1.0, 0.0]]"
+        ))
+    }
+
+    proptest! {
+        #[test]
+        fn boxes_lie_in_the_region_clear_of_each_other_and_of_what_was_there(seed: u64, count in 1_u64..150) {
+            let wall = Rect::new(Vector::new(4.0, -10.0), 1.0, 100.0);
+            let scatter = sparse(seed >> 1, count);
+            let rects: Vec<Rect> = scatter.expand([&wall].into_iter()).unwrap().iter().map(|body| body.rect).collect();
+            prop_assert_eq!(rects.len() as u64, count);
+            for (place, rect) in rects.iter().enumerate() {
+                let far = rect.far_corner();
+                prop_assert!(0.5 <= rect.origin.x && far.x <= 15.5 && -2.5 <= rect.origin.y && far.y <= 1.5);
+                prop_assert!((0.1..=0.3).contains(&rect.width()) && (0.1..=0.4).contains(&rect.height()));
+                prop_assert!(!overlap(rect, &wall));
+                prop_assert!(!rects[..place].iter().any(|other| overlap(rect, other)));
+            }
+        }
+
+        #[test]
+        fn a_seed_means_the_same_boxes(seed: u64) {
+            let seed = seed >> 1;
+            let boxes = |seed| sparse(seed, 5).expand([].iter()).unwrap();
+            prop_assert_eq!(boxes(seed), boxes(seed));
+            prop_assert_ne!(boxes(seed), boxes(seed + 1));
+        }
+    }
+
+    /// These very bits on every machine: the numbers are those of the same formulas in Python.
+    #[test]
+    fn seed_7_means_these_boxes() {
+        let [body] = sparse(7, 1).expand([].iter()).unwrap().try_into().unwrap();
+        let numbers = [body.rect.origin.x, body.rect.origin.y, body.rect.width(), body.rect.height(), body.mass];
+        let expected =
+            [4.1970825164984085, -0.6773401233888623, 0.1779659496782543, 0.10503648835844684, 2.8015213612137666];
+        assert_eq!(numbers, expected);
+    }
+
+    #[test]
+    fn a_region_that_just_fits_is_filled() {
+        let scatter =
+            scatter("count = 1\nregion = [0.1, 0.2, 1.0, 1.0]\nsize = [[1.0, 1.0], [1.0, 1.0]]\nmass = [inf, inf]");
+        let [body] = scatter.expand([].iter()).unwrap().try_into().unwrap();
+        assert_eq!((body.rect.origin, body.mass), (Vector::new(0.1, 0.2), f64::INFINITY));
+    }
+}

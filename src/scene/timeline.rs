@@ -130,3 +130,77 @@ impl Crowd {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Scene, parse};
+
+    const START: &str = "[world]\nsize = [16.0, 9.0]\n[run]\nrate = 60\nsteps = 10\nsolver = \"handout\"\n";
+    const BODY: &str = "at = [1.0, 2.0]\nsize = [1.0, 1.0]\nmass = 2.0";
+
+    fn scene(events: &str) -> Scene {
+        parse("test.toml", &format!("{START}{events}")).unwrap_or_else(|error| panic!("{error}"))
+    }
+
+    /// What happens, in order, in short.
+    fn happenings(scene: &Scene) -> Vec<String> {
+        let short = |input: &Input| match &input.action {
+            Action::Wall(request) => format!("{} wall {}", input.step, request.name.as_deref().unwrap_or_default()),
+            Action::Spawn(request) => format!("{} spawn {}", input.step, request.name.as_deref().unwrap_or("-")),
+            Action::Delete { name } => format!("{} delete {name}", input.step),
+            Action::Click { at, .. } => format!("{} click {}", input.step, at.x),
+        };
+        scene.inputs.iter().map(short).collect()
+    }
+
+    #[test]
+    fn steps_go_up_and_within_one_deletes_spawns_and_clicks_stand_as_in_the_file() {
+        let click = |x: u64, step: u64| format!("[[click]]\nstep = {step}\nat = [{x}, 0]\n");
+        let spawn = |name: &str, step: u64| format!("[[spawn]]\nname = \"{name}\"\nstep = {step}\n{BODY}\n");
+        let scatter =
+            "[[scatter]]\nstep = 3\ncount = 2\nregion = [8, 0, 4, 4]\nsize = [[1, 1], [1, 1]]\nmass = [1, 1]\n";
+        let delete = "[[delete]]\nstep = 3\nname = \"a\"\n";
+        let events = [&click(9, 3), &spawn("b", 3), &click(8, 3), scatter, &spawn("c", 3), delete, &spawn("a", 0)];
+        let expected =
+            ["0 spawn a", "3 delete a", "3 spawn b", "3 spawn -", "3 spawn -", "3 spawn c", "3 click 9", "3 click 8"];
+        assert_eq!(happenings(&scene(&events.map(|event| event as &str).concat())), expected);
+    }
+
+    #[test]
+    fn walls_come_first_and_reach_over_the_corners() {
+        let text = START.replace("9.0]", "9.0]\nwalls = true\nwall_material = \"steel\"");
+        let scene = parse("test.toml", &format!("{text}[[delete]]\nname = \"wall-top\"\n[[spawn]]\n{BODY}\n")).unwrap();
+        let expected = [
+            "0 wall wall-top",
+            "0 wall wall-bottom",
+            "0 wall wall-left",
+            "0 wall wall-right",
+            "0 delete wall-top",
+            "0 spawn -",
+        ];
+        assert_eq!(happenings(&scene), expected);
+        let rects: Vec<[f64; 4]> = scene.inputs[..4].iter().map(rect).collect();
+        let expected = [[-1.0, -1.0, 18.0, 1.0], [-1.0, 9.0, 18.0, 1.0], [-1.0, 0.0, 1.0, 9.0], [16.0, 0.0, 1.0, 9.0]];
+        assert_eq!(rects, expected);
+    }
+
+    fn rect(input: &Input) -> [f64; 4] {
+        let (Action::Wall(request) | Action::Spawn(request)) = &input.action else { panic!("a body") };
+        assert_eq!((request.mass, request.material.as_str()), (f64::INFINITY, "steel"));
+        let rect = request.rect;
+        [rect.origin.x, rect.origin.y, rect.width(), rect.height()]
+    }
+
+    #[test]
+    fn a_scatter_keeps_clear_of_walls_and_of_what_stands_before_it_at_its_step() {
+        let body = "[[spawn]]\nstep = 4\nat = [0.0, 0.0]\nsize = [3.0, 9.0]\nmass = 1.0\n";
+        let scatter = "[[scatter]]\nstep = 4\ncount = 6\nregion = [-1, -1, 6, 6]\nsize = [[0.5, 0.5], [0.5, 0.5]]\nmass = [1, 1]\n";
+        let text = START.replace("9.0]", "9.0]\nwalls = true");
+        let scene = parse("test.toml", &format!("{text}{body}{scatter}")).unwrap();
+        for input in &scene.inputs[5..] {
+            let Action::Spawn(request) = &input.action else { panic!("a body") };
+            assert!(request.rect.origin.x >= 3.0 && request.rect.origin.y >= 0.0, "{:?}", request.rect);
+        }
+    }
+}

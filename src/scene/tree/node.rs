@@ -39,6 +39,9 @@ pub type Reading<'a, T> = Result<T, &'a Node>;
 /// The longest name of a body, of a material, and the longest title, bytes.
 const LONGEST_TEXT: usize = 256;
 
+/// How many values of a list a message repeats.
+const LISTED: usize = 4;
+
 impl Value {
     /// The number written in decimal, as TOML and JSON have it.
     pub fn from_decimal(written: &str) -> Value {
@@ -145,8 +148,11 @@ impl Node {
             Value::Number(number) => format!("{number:?}"),
             Value::Beyond(written) => shortened(written),
             Value::Other(words) => (*words).into(),
-            Value::List(nodes) if nodes.len() == 1 => "a list of 1 value".into(),
-            Value::List(nodes) => format!("a list of {} values", nodes.len()),
+            Value::List(nodes) => {
+                let values: Vec<String> = nodes.iter().take(LISTED).map(Node::in_words).collect();
+                let more = if nodes.len() > LISTED { ", …" } else { "" };
+                shortened(&format!("[{}{more}]", values.join(", ")))
+            }
             Value::Table(_) => "a table".into(),
         }
     }
