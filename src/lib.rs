@@ -18,3 +18,8 @@ pub mod render;
 pub mod replay;
 pub mod run;
 pub mod scene;
+
+/// The README's examples are tests, too.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

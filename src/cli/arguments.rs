@@ -197,7 +197,10 @@ fn overlays(text: &str) -> Result<Overlays, String> {
     if text == "none" {
         return Ok(Overlays(Vec::new()));
     }
-    text.split(',').map(|name| named(name, Overlay::named, Overlay::ALL, Overlay::name)).collect::<Result<_, _>>().map(Overlays)
+    text.split(',')
+        .map(|name| named(name, Overlay::named, Overlay::ALL, Overlay::name))
+        .collect::<Result<_, _>>()
+        .map(Overlays)
 }
 
 fn theme(text: &str) -> Result<Theme, String> {

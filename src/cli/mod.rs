@@ -1,6 +1,7 @@
 //! The command line: one file per command, and the edge where errors become reports.
 
 mod arguments;
+mod clip;
 mod completions;
 mod error;
 mod exit;
@@ -12,6 +13,7 @@ mod progress;
 mod record;
 mod render;
 mod replay;
+mod source;
 
 pub use arguments::{Arguments, Command};
 pub use exit::Exit;

@@ -6,3 +6,10 @@ pub struct Metadata {
     /// Keys are 1 to 79 printable ASCII characters; values are any text.
     pub entries: Vec<(String, String)>,
 }
+
+impl std::fmt::Display for Metadata {
+    /// One `key: value` a line, which is how a GIF comment holds it.
+    fn fmt(&self, out: &mut std::fmt::Formatter) -> std::fmt::Result {
+        self.entries.iter().try_for_each(|(key, value)| writeln!(out, "{key}: {value}"))
+    }
+}

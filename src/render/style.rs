@@ -14,12 +14,19 @@ pub struct Style {
     /// Taken from the whole run, not from the part that is drawn, so that parts drawn apart
     /// fit together. Faster bodies are drawn as if they had this speed.
     pub top_speed: f64,
+    /// The materials of the run in the order of the legend; the palette is gone round by it.
+    pub materials: Vec<String>,
 }
 
 impl Style {
     /// Whether that overlay is asked for.
     pub fn shows(&self, overlay: Overlay) -> bool {
         self.show.contains(&overlay)
+    }
+
+    /// Whether a strip below the world is kept free for the clock or a legend.
+    pub fn has_footer(&self) -> bool {
+        self.shows(Overlay::Clock) || self.color_by != ColorBy::Body
     }
 }
 
@@ -31,6 +38,7 @@ impl Default for Style {
             show: vec![Overlay::Name, Overlay::Clock],
             color_by: ColorBy::Body,
             top_speed: 10.0,
+            materials: Vec::new(),
         }
     }
 }
