@@ -49,6 +49,16 @@ pub enum Error {
         /// Its format version.
         found: u32,
     },
+    /// It was made by an engine that computes otherwise.
+    #[error(
+        "the recording was made with engine semantics {found}, this rebond has {}: it can show the states but not \
+         replay them; replay it with the rebond it was made with",
+        super::SEMANTICS_VERSION
+    )]
+    OtherSemantics {
+        /// Its engine-semantics version.
+        found: u32,
+    },
     /// What was to be written is beyond what a recording may hold.
     #[error("{what} is more than a recording holds: {found}, at most {limit}")]
     TooLarge {

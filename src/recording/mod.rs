@@ -56,7 +56,7 @@ pub use keyframe::{Keyframe, KeyframeBody};
 pub use playback::{Frame, FrameBody, Playback};
 pub use reader::{Item, Recording, open};
 pub use state::RecordedState;
-pub use writer::{Finished, Outcome, Writer};
+pub use writer::{Finished, Outcome, Writer, numbers};
 
 #[cfg(test)]
 pub(crate) mod testing;

@@ -5,7 +5,7 @@ use std::{
 
 use crate::physics::Vector;
 
-use super::{BodyTable, Error, Header, Health, Item, KnownBody, RecordedState, Recording};
+use super::{BodyTable, End, Error, Header, Health, Item, KnownBody, RecordedState, Recording};
 
 /// A recording step by step: every state recorded in full, all bodies alive in it.
 ///
@@ -51,6 +51,11 @@ impl<R: Read + Seek> Playback<R> {
     /// In which state the file is; final once the playback has ended.
     pub fn health(&self) -> Health {
         self.recording.health()
+    }
+
+    /// How the run ended, once the playback has.
+    pub fn end(&self) -> Option<&End> {
+        self.recording.end()
     }
 
     /// The recording, to be read on.

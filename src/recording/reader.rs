@@ -97,6 +97,11 @@ impl<R: Read + Seek> Recording<R> {
         self.inbox.course.table()
     }
 
+    /// How the run ended, once that has been read.
+    pub fn end(&self) -> Option<&End> {
+        self.inbox.end.as_ref()
+    }
+
     /// The number of chunks met so far.
     pub fn chunks(&self) -> u64 {
         self.chunks

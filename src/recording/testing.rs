@@ -1,11 +1,20 @@
 //! Small recordings for tests, made by running the engine.
 
+use std::io::Cursor;
+
 use crate::physics::{
     CollisionCount, DEFAULT_EVENTS_PER_STEP, Engine, Rect, Restitution, RestitutionPair, Settings, SolverKind, Spawn,
     Vector,
 };
 
-use super::{Change, Finished, Header, Outcome, RecordedEvent, SceneText, Versions, Writer};
+use super::{
+    Change, Finished, Header, Item, Outcome, RecordedEvent, RecordedState, Recording, SceneText, Versions, Writer, cdr,
+    clock,
+    container::Container,
+    messages::{BodiesMessage, EventMessage},
+    metadata,
+    topic::Topic,
+};
 
 /// A run to record: settings and events, by step.
 #[derive(Clone, Debug)]
@@ -89,4 +98,33 @@ pub fn record(run: &Run) -> Vec<u8> {
     outcome.collisions = collisions.0;
     let Finished { write, .. } = writer.finish(&outcome).unwrap();
     write
+}
+
+/// Records with altered states; checksums are right, only the run could not be so.
+pub fn record_altered(run: &Run, mut alter: impl FnMut(&mut RecordedState)) -> Vec<u8> {
+    let Header { settings, scene, .. } = &run.header;
+    let mut container = Container::new(Vec::new(), metadata::of_header(&run.header), scene).unwrap();
+    let mut bytes = Vec::new();
+    let original = record(run);
+    for item in Recording::read(Cursor::new(original)).unwrap() {
+        let (topic, step) = match item.unwrap() {
+            Item::Event(event) => {
+                cdr::encode(&EventMessage::new(&event), &mut bytes);
+                (Topic::Events, event.step)
+            }
+            Item::Keyframe(keyframe) => {
+                cdr::encode(&BodiesMessage::new(&keyframe), &mut bytes);
+                (Topic::Bodies, keyframe.step)
+            }
+            Item::State(mut state) => {
+                alter(&mut state);
+                state.encode(&mut bytes);
+                (Topic::States, state.step)
+            }
+            Item::End(end) => return container.finish(metadata::of_end(&end)).unwrap(),
+            Item::Doubtful(_) | Item::Damaged(_) => panic!("a fresh recording is whole"),
+        };
+        container.message(topic, clock::nanoseconds(step, settings.rate), &bytes).unwrap();
+    }
+    panic!("a fresh recording has an end")
 }
