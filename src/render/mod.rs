@@ -18,6 +18,7 @@ mod indexed;
 mod layers;
 #[cfg(test)]
 mod look;
+mod lzw;
 mod metadata;
 mod painter;
 mod palette;
