@@ -9,6 +9,7 @@ mod camera;
 mod canvas;
 mod clip;
 mod color;
+pub mod compare;
 mod display_list;
 mod error;
 mod frame;
