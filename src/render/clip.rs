@@ -1,0 +1,112 @@
+use super::gif::{Animation, Compressed};
+use super::in_order::in_order;
+use super::patch::Patch;
+use super::{Frame, Metadata, Painter, Picture, RenderError, Sampling, View, compose, png};
+use std::io::Write;
+use std::num::NonZero;
+
+/// Writes one frame as a PNG file.
+///
+/// # Errors
+/// When `output` refuses.
+pub fn write_png(frame: &Frame, view: &View, metadata: &Metadata, output: impl Write) -> Result<(), RenderError> {
+    png::encode(&Painter::new().draw(&compose(frame, view)), metadata, output)
+}
+
+/// Hands the step and the PNG file of each frame to `output`, in order.
+///
+/// Frames are drawn and encoded on `threads` threads; the bytes do not depend on how many.
+/// `metadata` tells what is written into the file of a step.
+///
+/// # Errors
+/// The first error of `frames` or of `output`.
+pub fn write_png_sequence<E: From<RenderError>>(
+    frames: impl Iterator<Item = Result<Frame, E>>,
+    view: &View,
+    metadata: impl Fn(u64) -> Metadata + Sync,
+    threads: NonZero<usize>,
+    mut output: impl FnMut(u64, Vec<u8>) -> Result<(), E>,
+) -> Result<(), E> {
+    let worker = || {
+        let mut painter = Painter::new();
+        let metadata = &metadata;
+        move |frame: Frame| {
+            let picture = painter.draw(&compose(&frame, view));
+            let mut file = Vec::new();
+            png::encode(&picture, &metadata(frame.step), &mut file).map(|()| (frame.step, file))
+        }
+    };
+    in_order(frames, threads, worker, |result| {
+        let (step, file) = result?;
+        output(step, file)
+    })
+}
+
+/// Frames that one thread draws in a row; the one before them is drawn again to know what
+/// changes.
+const BATCH: usize = 16;
+
+/// Writes frames as an endless GIF animation, each on screen at its own instant.
+///
+/// `sampling` is what the frames were chosen by: it says how long each is shown. Frames are
+/// drawn on `threads` threads; the bytes do not depend on how many. Memory does not grow with
+/// the number of frames.
+///
+/// # Errors
+/// The first error of `frames`, or of the writer.
+pub fn write_gif<E: From<RenderError>>(
+    frames: impl Iterator<Item = Result<Frame, E>>,
+    view: &View,
+    sampling: &Sampling,
+    metadata: &Metadata,
+    threads: NonZero<usize>,
+    output: impl Write,
+) -> Result<(), E> {
+    let mut animation = Animation::new(view.camera.size, metadata, output)?;
+    let mut shown = 0;
+    let worker = || {
+        let mut painter = Painter::new();
+        move |batch: Batch| batch.compressed(view, &mut painter)
+    };
+    in_order(batches(frames), threads, worker, |pictures| {
+        for picture in pictures {
+            animation.add(picture, sampling.delay(shown))?;
+            shown += 1;
+        }
+        Ok(())
+    })?;
+    Ok(animation.finish()?)
+}
+
+/// Frames in a row, and the one before them unless they are the first.
+struct Batch {
+    before: Option<Frame>,
+    frames: Vec<Frame>,
+}
+
+impl Batch {
+    fn compressed(&self, view: &View, painter: &mut Painter) -> Vec<Compressed> {
+        let mut draw = |frame: &Frame| painter.draw(&compose(frame, view));
+        let mut before: Option<Picture> = self.before.as_ref().map(&mut draw);
+        let mut compressed = Vec::with_capacity(self.frames.len());
+        for frame in &self.frames {
+            let picture = draw(frame);
+            compressed.push(Compressed::new(Patch::between(before.as_ref(), &picture)));
+            before = Some(picture);
+        }
+        compressed
+    }
+}
+
+fn batches<E>(mut frames: impl Iterator<Item = Result<Frame, E>>) -> impl Iterator<Item = Result<Batch, E>> {
+    let mut before = None;
+    std::iter::from_fn(move || {
+        let batch: Result<Vec<Frame>, E> = frames.by_ref().take(BATCH).collect();
+        let frames = match batch {
+            Ok(frames) => frames,
+            Err(error) => return Some(Err(error)),
+        };
+        let last = frames.last()?.clone();
+        Some(Ok(Batch { before: before.replace(last), frames }))
+    })
+}

@@ -1,0 +1,33 @@
+/// Why there is no picture.
+#[derive(Debug, thiserror::Error)]
+pub enum RenderError {
+    /// The picture asked for cannot be held.
+    #[error("a picture of {width}×{height} pixels cannot be drawn: each side must be 1 to {largest} pixels")]
+    PictureSize {
+        /// Pixels.
+        width: u32,
+        /// Pixels.
+        height: u32,
+        /// Pixels a side may have.
+        largest: u32,
+    },
+    /// There is no such world.
+    #[error("a world of {width} m × {height} m cannot be shown: both must be finite and positive")]
+    WorldSize {
+        /// m.
+        width: f64,
+        /// m.
+        height: f64,
+    },
+    /// Two pictures of one animation differ in size.
+    #[error("a picture of {found:?} pixels does not fit an animation of {expected:?}")]
+    SizeChanged {
+        /// Pixels of the animation.
+        expected: [u32; 2],
+        /// Pixels of the picture.
+        found: [u32; 2],
+    },
+    /// The place written to refused.
+    #[error(transparent)]
+    Write(#[from] std::io::Error),
+}

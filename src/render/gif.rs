@@ -1,0 +1,89 @@
+//! Pictures as an endless GIF animation.
+
+use super::patch::Patch;
+use super::{Metadata, RenderError};
+use gif::{AnyExtension, DisposalMethod, Encoder, EncodingError, Extension, Frame, Repeat};
+use std::borrow::Cow;
+use std::io::Write;
+
+/// A GIF file being written, picture by picture.
+pub struct Animation<W: Write> {
+    encoder: Encoder<W>,
+}
+
+/// One picture of an animation, compressed: what takes the time, and any thread can do.
+pub struct Compressed(Frame<'static>);
+
+/// The longest a GIF can show one image, 1/100 s.
+const LONGEST_DELAY: u64 = 65_535;
+
+impl<W: Write> Animation<W> {
+    /// Begins an animation of that many pixels that starts over for ever.
+    ///
+    /// # Errors
+    /// When `output` refuses.
+    pub fn new(size: [u32; 2], metadata: &Metadata, output: W) -> Result<Animation<W>, RenderError> {
+        let [width, height] = size.map(|side| side as u16);
+        let mut encoder = Encoder::new(output, width, height, &[]).map_err(refusal)?;
+        encoder.set_repeat(Repeat::Infinite).map_err(refusal)?;
+        if !metadata.entries.is_empty() {
+            let comment = AnyExtension::from(Extension::Comment);
+            encoder.write_raw_extension(comment, &[metadata.to_string().as_bytes()]).map_err(refusal)?;
+        }
+        Ok(Animation { encoder })
+    }
+
+    /// Shows the next picture for `delay` hundredths of a second.
+    ///
+    /// # Errors
+    /// When the output refuses.
+    pub fn add(&mut self, picture: Compressed, delay: u64) -> Result<(), RenderError> {
+        let mut frame = picture.0;
+        let mut left = delay;
+        loop {
+            frame.delay = if left < LONGEST_DELAY { left } else { LONGEST_DELAY } as u16;
+            left -= u64::from(frame.delay);
+            self.encoder.write_lzw_pre_encoded_frame(&frame).map_err(refusal)?;
+            if left == 0 {
+                return Ok(());
+            }
+        }
+    }
+
+    /// Ends the file.
+    ///
+    /// # Errors
+    /// When the output refuses.
+    pub fn finish(self) -> Result<(), RenderError> {
+        let mut output = self.encoder.into_inner().map_err(refusal)?;
+        Ok(output.flush()?)
+    }
+}
+
+impl Compressed {
+    /// Compresses what of a picture differs from the one before it.
+    pub fn new(patch: Patch) -> Compressed {
+        let [left, top, width, height] =
+            [patch.at[0], patch.at[1], patch.size[0], patch.size[1]].map(|length| length as u16);
+        let mut frame = Frame {
+            dispose: DisposalMethod::Keep,
+            transparent: patch.unchanged,
+            left,
+            top,
+            width,
+            height,
+            palette: Some(patch.palette.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect()),
+            buffer: Cow::Owned(patch.pixels),
+            ..Frame::default()
+        };
+        frame.make_lzw_pre_encoded();
+        Compressed(frame)
+    }
+}
+
+fn refusal(error: EncodingError) -> RenderError {
+    match error {
+        EncodingError::Io(error) => RenderError::Write(error),
+        other => RenderError::Write(std::io::Error::other(other)),
+    }
+}

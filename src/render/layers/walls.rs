@@ -1,0 +1,42 @@
+use super::super::{Frame, Ink, Shape};
+use super::Page;
+use super::bodies::{inset, overlap, seen};
+use crate::physics::{Rect, Vector};
+
+/// The four walls as hatched slabs that reach to the border of the picture.
+pub fn draw(frame: &Frame, page: &Page, shapes: &mut Vec<Shape>) {
+    let walls = frame.sprites.iter().filter(|sprite| sprite.appearance.is_wall);
+    let slabs: Vec<Rect> = walls.filter_map(|sprite| seen(sprite, page)).collect();
+    let window = page.view.camera.window();
+    let seen: Vec<Rect> = slabs.iter().filter_map(|slab| overlap(slab, &window)).collect();
+    shapes.extend(seen.iter().map(|&rect| Shape::Rect { rect, ink: Ink::from(page.palette.wall) }));
+    seen.iter().for_each(|slab| hatch(slab, page, shapes));
+    slabs.iter().for_each(|slab| edge(slab, page, shapes));
+}
+
+/// Strokes from lower left to upper right, on one grid for all walls so that they meet.
+fn hatch(slab: &Rect, page: &Page, shapes: &mut Vec<Shape>) {
+    let (near, far) = (slab.origin, slab.far_corner());
+    let gap = 6.0 * page.line;
+    let first = ((near.x + near.y) / gap).ceil() as i64;
+    let last = ((far.x + far.y) / gap).floor() as i64;
+    let ink = Ink { color: page.palette.wall_edge, opacity: 110 };
+    for diagonal in first..=last {
+        let sum = diagonal as f64 * gap;
+        let at = |x: f64| Vector::new(x, sum - x);
+        let left = if sum - near.x > far.y { sum - far.y } else { near.x };
+        let right = if sum - far.x < near.y { sum - near.y } else { far.x };
+        if right - left >= 1.0 {
+            shapes.push(Shape::Polyline { points: vec![at(left), at(right)], width: page.line / 2.0, ink });
+        }
+    }
+}
+
+/// A line along the sides that are inside the picture.
+fn edge(slab: &Rect, page: &Page, shapes: &mut Vec<Shape>) {
+    let world = page.view.camera.rect(&Rect::new(Vector::ZERO, page.view.camera.world.x, page.view.camera.world.y));
+    let rim = inset(&world, -page.line);
+    if let Some(rect) = overlap(slab, &rim) {
+        shapes.push(Shape::Rect { rect, ink: Ink::from(page.palette.wall_edge) });
+    }
+}

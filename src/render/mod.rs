@@ -1,0 +1,46 @@
+//! The view: states made into pictures. It reads plain values, never the engine, never a file.
+//!
+//! A [`Frame`] seen through a [`View`] becomes a [`DisplayList`] of shapes in page units
+//! ([`compose`]), which a [`Painter`] draws to a [`Picture`] of pixels, which [`png`] and
+//! [`gif`] write. Each arrow is a pure function, so that pictures drawn on any number of
+//! threads, or in several parts, are the same to the bit.
+
+mod camera;
+mod canvas;
+mod clip;
+mod color;
+mod display_list;
+mod error;
+mod frame;
+pub mod gif;
+mod in_order;
+mod indexed;
+mod layers;
+#[cfg(test)]
+mod look;
+mod metadata;
+mod painter;
+mod palette;
+mod patch;
+mod picture;
+pub mod png;
+mod sampling;
+mod style;
+pub mod text;
+mod trails;
+mod view;
+
+pub use camera::Camera;
+pub use clip::{write_gif, write_png, write_png_sequence};
+pub use color::Color;
+pub use display_list::{DisplayList, Ink, Shape};
+pub use error::RenderError;
+pub use frame::{Appearance, Frame, Sprite};
+pub use layers::compose;
+pub use metadata::Metadata;
+pub use painter::Painter;
+pub use picture::Picture;
+pub use sampling::{FASTEST_GIF, Sampling, Thinning};
+pub use style::Style;
+pub use trails::Trails;
+pub use view::View;
