@@ -17,9 +17,6 @@ const DEFAULT_FPS: f64 = 30.0;
 /// The key under which a picture says what it shows.
 const STEPS: &str = "rebond steps";
 
-/// Browsers show delays under 2/100 s as 10/100 s.
-const FASTEST_GIF: f64 = 50.0;
-
 /// All that is decided before the first frame is drawn.
 pub struct Clip {
     /// The recording.
