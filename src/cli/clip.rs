@@ -45,7 +45,13 @@ impl Clip {
         let [width, height] = source.scene.size;
         let metadata = metadata(survey.identity, &sampling, &style, size);
         let threads = options.jobs.or(std::thread::available_parallelism().ok()).unwrap_or(NonZero::<usize>::MIN);
-        Ok(Clip { path: source.path.clone(), sampling, view: View::fit(Vector::new(width, height), size, style)?, metadata, threads })
+        Ok(Clip {
+            path: source.path.clone(),
+            sampling,
+            view: View::fit(Vector::new(width, height), size, style)?,
+            metadata,
+            threads,
+        })
     }
 
     /// What the picture of one step of a sequence says of itself: that step, so that it does

@@ -17,9 +17,13 @@ const RUNS: usize = 7;
 fn main() {
     println!("handout solver, elastic gas, 60 Hz\nbodies   ns per body-step      energy drift");
     BODIES.iter().for_each(|&bodies| stepping(bodies));
-    println!("\nrecording every state of a moving gas (zstd, as always)\nbodies   ns per body-step      bytes per body-step");
+    println!(
+        "\nrecording every state of a moving gas (zstd, as always)\nbodies   ns per body-step      bytes per body-step"
+    );
     BODIES.iter().for_each(|&bodies| recording(bodies));
-    println!("\ndrawing 1280x720 frames with names and clock, one thread, encoding included\nbodies   ms per frame PNG      ms per frame GIF");
+    println!(
+        "\ndrawing 1280x720 frames with names and clock, one thread, encoding included\nbodies   ms per frame PNG      ms per frame GIF"
+    );
     BODIES.iter().for_each(|&bodies| drawing(bodies));
 }
 
@@ -83,8 +87,7 @@ fn recording(bodies: usize) {
         states.push(engine);
     }
     let text = SceneText { file_name: "gas.toml".into(), text: scene.source.text.clone() };
-    let header =
-        Header { versions: Versions::CURRENT, settings: run::settings(&scene), steps, every: 1, scene: text };
+    let header = Header { versions: Versions::CURRENT, settings: run::settings(&scene), steps, every: 1, scene: text };
     let mut bytes = 0;
     let cost = measure(|| {
         let mut finished = None;
