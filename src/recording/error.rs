@@ -14,6 +14,14 @@ pub enum Error {
         /// What the system says.
         source: io::Error,
     },
+    /// The file cannot be created.
+    #[error("{}: cannot be created: {source}", path.display())]
+    Create {
+        /// Which file.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
     /// The file is there and is to stay.
     #[error("{}: exists already; --force overwrites it", path.display())]
     Exists {
@@ -41,6 +49,16 @@ pub enum Error {
         /// Its format version.
         found: u32,
     },
+    /// It was made by an engine that computes otherwise.
+    #[error(
+        "the recording was made with engine semantics {found}, this rebond has {}: it can show the states but not \
+         replay them; replay it with the rebond it was made with",
+        super::SEMANTICS_VERSION
+    )]
+    OtherSemantics {
+        /// Its engine-semantics version.
+        found: u32,
+    },
     /// What was to be written is beyond what a recording may hold.
     #[error("{what} is more than a recording holds: {found}, at most {limit}")]
     TooLarge {
@@ -50,5 +68,19 @@ pub enum Error {
         found: u64,
         /// How large it may be.
         limit: u64,
+    },
+    /// The writer was handed a step that is not the next one.
+    #[error("state {found} was to be recorded when state {due} was due")]
+    OutOfOrder {
+        /// The step that was due.
+        due: u64,
+        /// The step that came.
+        found: u64,
+    },
+    /// The world has bodies the recording does not know of.
+    #[error("step {step}: the world was changed by an event that was not recorded")]
+    Unrecorded {
+        /// The step.
+        step: u64,
     },
 }

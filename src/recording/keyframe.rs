@@ -1,4 +1,6 @@
-use crate::physics::{Memory, Settings, Snapshot, Vector};
+use std::sync::Arc;
+
+use crate::physics::{Body, BodyId, Memory, Rect, Settings, Snapshot, Vector};
 
 use super::{BodyTable, KnownBody};
 
@@ -10,7 +12,7 @@ pub struct Keyframe {
     /// The step.
     pub step: u64,
     /// The id the next body will get.
-    pub next_id: u32,
+    pub next_id: BodyId,
     /// The bodies alive, in creation order.
     pub bodies: Vec<KeyframeBody>,
     /// What the solver remembers beyond the bodies.
@@ -21,7 +23,7 @@ pub struct Keyframe {
 #[derive(Clone, Debug, PartialEq)]
 pub struct KeyframeBody {
     /// As it was spawned.
-    pub known: KnownBody,
+    pub known: Arc<KnownBody>,
     /// Where it is, m.
     pub position: Vector,
     /// m/s.
@@ -31,13 +33,48 @@ pub struct KeyframeBody {
 }
 
 impl Keyframe {
-    /// What [`Engine::restore`](crate::physics::Engine::restore) takes.
-    pub fn snapshot(&self, _settings: &Settings) -> Snapshot {
-        todo!()
+    /// The keyframe of a snapshot whose bodies are those of the table.
+    pub fn new(snapshot: Snapshot, table: &BodyTable) -> Keyframe {
+        let bodies = snapshot.bodies.iter().zip(table.bodies()).map(|(body, known)| KeyframeBody {
+            known: known.clone(),
+            position: body.rect.origin,
+            velocity: body.velocity,
+            force: body.force,
+        });
+        Keyframe { step: snapshot.step, next_id: snapshot.next_id, bodies: bodies.collect(), memory: snapshot.memory }
+    }
+
+    /// What [`Engine::restore`](crate::physics::Engine::restore) takes, given the settings
+    /// of the run.
+    pub fn snapshot(&self, settings: &Settings) -> Snapshot {
+        Snapshot {
+            step: self.step,
+            next_id: self.next_id,
+            bodies: self.bodies.iter().map(|body| body.body(settings)).collect(),
+            memory: self.memory.clone(),
+        }
     }
 
     /// The bodies alive.
     pub fn table(&self) -> BodyTable {
-        todo!()
+        self.bodies.iter().map(|body| body.known.clone()).collect()
+    }
+}
+
+impl KeyframeBody {
+    /// The body as the engine holds it.
+    fn body(&self, settings: &Settings) -> Body {
+        let KnownBody { id, spawn, .. } = &*self.known;
+        Body {
+            id: *id,
+            name: spawn.name.clone(),
+            rect: Rect::new(self.position, spawn.rect.width(), spawn.rect.height()),
+            mass: spawn.mass,
+            inverse_mass: 1.0 / spawn.mass,
+            velocity: self.velocity,
+            force: self.force,
+            constant_force: spawn.force,
+            material: settings.restitution.material(&spawn.material),
+        }
     }
 }

@@ -16,22 +16,39 @@
 //! | attachment        | the scene's TOML                                 | [`SceneText`]       |
 
 mod body_table;
+mod cdr;
+mod chunk;
+mod clock;
+mod container;
+mod course;
+mod digest;
 mod end;
 mod error;
 mod event;
+mod fields;
+mod file;
 mod header;
 mod health;
 mod identity;
+mod inbox;
 mod keyframe;
+pub mod limits;
+mod messages;
+mod metadata;
 mod playback;
 mod reader;
+mod records;
+mod resync;
 mod state;
+mod topic;
 mod writer;
 
 pub use body_table::{BodyTable, KnownBody};
+pub use digest::StateDigest;
 pub use end::End;
 pub use error::Error;
 pub use event::{Change, RecordedEvent};
+pub use file::{Overwrite, RecordingFile, Sync, create};
 pub use header::{FORMAT_VERSION, Header, SEMANTICS_VERSION, SceneText, Versions};
 pub use health::{Damage, Health};
 pub use identity::Identity;
@@ -39,4 +56,9 @@ pub use keyframe::{Keyframe, KeyframeBody};
 pub use playback::{Frame, FrameBody, Playback};
 pub use reader::{Item, Recording, open};
 pub use state::RecordedState;
-pub use writer::{Finished, Outcome, Overwrite, Sync, Writer, create};
+pub use writer::{Finished, Outcome, Writer, numbers};
+
+#[cfg(test)]
+pub(crate) mod testing;
+#[cfg(test)]
+mod tests;

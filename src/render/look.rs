@@ -155,3 +155,79 @@ fn look() {
         );
     }
 }
+
+pub fn moving(kind: &str, step: u64) -> Frame {
+    let mut frame = sample(kind);
+    let fold = |x: f64, range: f64| {
+        let m = x.rem_euclid(2.0 * range);
+        if m < range { m } else { 2.0 * range - m }
+    };
+    let t = step as f64 / 60.0;
+    for s in frame.sprites.iter_mut().filter(|s| !s.appearance.is_wall) {
+        let (w, h) = (s.rect.width(), s.rect.height());
+        s.rect = Rect::new(
+            Vector::new(
+                fold(s.rect.origin.x + s.velocity.x * t, 16.0 - w),
+                fold(s.rect.origin.y + s.velocity.y * t, 9.0 - h),
+            ),
+            w,
+            h,
+        );
+        s.trail.clear();
+    }
+    frame.collisions.clear();
+    frame.step = step;
+    frame.time = t;
+    frame
+}
+#[test]
+#[ignore]
+fn gif() {
+    for (name, kind, show, by) in [
+        ("few", "few", vec![Overlay::Name, Overlay::Clock], ColorBy::Body),
+        ("gas", "gas", vec![Overlay::Name, Overlay::Clock], ColorBy::Body),
+        ("gasplain", "gas", vec![], ColorBy::Body),
+        ("gasspeed", "gas", vec![Overlay::Velocity, Overlay::Grid, Overlay::Clock], ColorBy::Speed),
+        ("big", "big", vec![], ColorBy::Speed),
+    ] {
+        for threads in [1, 2] {
+            let style =
+                Style { theme: Theme::Light, show: show.clone(), color_by: by, top_speed: 7.0, materials: vec![] };
+            let view = View::fit(Vector::new(16.0, 9.0), [1280, 720], style).unwrap();
+            let sampling = Sampling::new(0..=299, 60.0, Thinning::Every(2));
+            let frames: Vec<_> = (0..150).map(|i| moving(kind, 2 * i)).collect();
+            let t = std::time::Instant::now();
+            let mut out = vec![];
+            write_gif::<RenderError>(
+                frames.iter().cloned().map(Ok),
+                &view,
+                &sampling,
+                &Metadata::default(),
+                threads.try_into().unwrap(),
+                &mut out,
+            )
+            .unwrap();
+            let e = t.elapsed().as_secs_f64() * 1e3 / 150.0;
+            let t = std::time::Instant::now();
+            let mut bytes = 0;
+            write_png_sequence::<RenderError>(
+                frames.iter().cloned().map(Ok),
+                &view,
+                |_| Metadata::default(),
+                threads.try_into().unwrap(),
+                |_, f| {
+                    bytes += f.len();
+                    Ok(())
+                },
+            )
+            .unwrap();
+            let p = t.elapsed().as_secs_f64() * 1e3 / 150.0;
+            eprintln!(
+                "{name} threads {threads}: gif {e:.2} ms/frame {} kB/frame; png {p:.2} ms/frame {} kB",
+                out.len() / 150_000,
+                bytes / 150_000
+            );
+            std::fs::write(format!("/tmp/look/{name}.gif"), &out).unwrap();
+        }
+    }
+}

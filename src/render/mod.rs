@@ -9,6 +9,7 @@ mod camera;
 mod canvas;
 mod clip;
 mod color;
+pub mod compare;
 mod display_list;
 mod error;
 mod frame;
@@ -18,6 +19,7 @@ mod indexed;
 mod layers;
 #[cfg(test)]
 mod look;
+mod lzw;
 mod metadata;
 mod painter;
 mod palette;
