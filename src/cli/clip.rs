@@ -4,7 +4,7 @@ use super::frames::Frames;
 use super::render::Kind;
 use super::source::{Source, Survey};
 use crate::physics::Vector;
-use crate::render::{Metadata, Sampling, Style, Thinning, View};
+use crate::render::{FASTEST_GIF, Metadata, Sampling, Style, Thinning, View};
 use crate::scene::{ColorBy, FigureOptions, Overlay, Theme};
 use std::{num::NonZero, path::PathBuf};
 

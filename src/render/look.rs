@@ -231,3 +231,53 @@ fn gif() {
         }
     }
 }
+
+#[test]
+#[ignore]
+fn stages() {
+    for (name, kind, show, by) in [
+        ("few", "few", vec![Overlay::Name, Overlay::Clock], ColorBy::Body),
+        ("gas", "gas", vec![Overlay::Name, Overlay::Clock], ColorBy::Body),
+        ("gasplain", "gas", vec![], ColorBy::Body),
+        ("gasspeed", "gas", vec![Overlay::Velocity, Overlay::Grid, Overlay::Clock], ColorBy::Speed),
+        ("big", "big", vec![], ColorBy::Speed),
+    ] {
+        let style = Style { theme: Theme::Light, show: show.clone(), color_by: by, top_speed: 7.0, materials: vec![] };
+        let view = View::fit(Vector::new(16.0, 9.0), [1280, 720], style).unwrap();
+        let (a, b) = (moving(kind, 10), moving(kind, 12));
+        let mut painter = Painter::new();
+        let pa = painter.draw(&compose(&a, &view));
+        let mut best = [f64::MAX; 6];
+        let mut n = 0;
+        let mut colors = 0;
+        for _ in 0..40 {
+            let t0 = std::time::Instant::now();
+            let list = compose(&b, &view);
+            let t1 = std::time::Instant::now();
+            let pb = painter.draw(&list);
+            let t2 = std::time::Instant::now();
+            let patch = patch::Patch::between(Some(&pa), &pb);
+            let t3 = std::time::Instant::now();
+            n = patch.pixels.len();
+            colors = patch.palette.len();
+            let c = lzw::compress(&patch.pixels);
+            let t4 = std::time::Instant::now();
+            let i = indexed::Indexed::exact(&pb.pixels);
+            let t5 = std::time::Instant::now();
+            let mut out = vec![];
+            png::encode(&pb, &Metadata::default(), &mut out).unwrap();
+            let t6 = std::time::Instant::now();
+            std::hint::black_box((c, i));
+            for (b, t) in best.iter_mut().zip([t1 - t0, t2 - t1, t3 - t2, t4 - t3, t5 - t4, t6 - t5]) {
+                let t = t.as_secs_f64() * 1e3;
+                if t < *b {
+                    *b = t
+                }
+            }
+        }
+        eprintln!(
+            "{name}: compose {:.3} draw {:.3} patch {:.3} ({n} px, {colors} col) lzw {:.3} index {:.3} png {:.3}",
+            best[0], best[1], best[2], best[3], best[4], best[5]
+        );
+    }
+}

@@ -9,6 +9,7 @@ mod camera;
 mod canvas;
 mod clip;
 mod color;
+mod color_table;
 pub mod compare;
 mod display_list;
 mod error;
