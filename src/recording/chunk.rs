@@ -136,10 +136,8 @@ fn header(body: &[u8]) -> Result<(TimeRange, &str, &[u8]), Malformed> {
     let compression = fields.text()?;
     let compressed_size = fields.u64()?;
     let data = fields.bytes(compressed_size)?;
-    match fields.rest() {
-        [] => Ok((declared, compression, data)),
-        [..] => Err(Malformed),
-    }
+    fields.end()?;
+    Ok((declared, compression, data))
 }
 
 /// Whether an uncompressed chunk ends where its last record does: the crate trusts it to.
@@ -163,8 +161,6 @@ fn index(body: &[u8]) -> Result<(u16, Vec<IndexEntry>), Malformed> {
     while !records.is_empty() {
         entries.push((records.u64()?, records.u64()?));
     }
-    match fields.rest() {
-        [] => Ok((channel, entries)),
-        [..] => Err(Malformed),
-    }
+    fields.end()?;
+    Ok((channel, entries))
 }

@@ -3,7 +3,7 @@ use std::collections::{BTreeMap, VecDeque};
 use mcap::records::op;
 
 use super::{
-    Damage, End, Header, Item, RecordedState, cdr,
+    Damage, End, Item, RecordedState, cdr,
     chunk::{ChunkRecord, RawMessage},
     course::Course,
     fields::{Fields, Malformed},
@@ -36,9 +36,9 @@ pub struct Locus {
 
 impl Inbox {
     /// At the start of the recording with that header.
-    pub fn new(header: &Header) -> Inbox {
+    pub fn new(course: Course) -> Inbox {
         Inbox {
-            course: Course::new(header),
+            course,
             ready: VecDeque::new(),
             damage: None,
             end: None,
@@ -62,19 +62,16 @@ impl Inbox {
 
     /// Takes a metadata record.
     pub fn metadata(&mut self, locus: Locus, body: &[u8]) {
-        let mut fields = Fields::new(body);
-        match (fields.text(), fields.map()) {
-            (Ok(metadata::END), Ok(map)) => {
-                match metadata::end(&map).and_then(|end| self.course.end(&end).map(|()| end)) {
-                    Ok(end) => {
-                        self.end = Some(end.clone());
-                        self.ready.push_back(Item::End(end));
-                    }
-                    Err(what) => self.note(locus, what),
+        match metadata::parse(body) {
+            Ok((metadata::END, map)) => match metadata::end(&map).and_then(|end| self.course.end(&end).map(|()| end)) {
+                Ok(end) => {
+                    self.end = Some(end.clone());
+                    self.ready.push_back(Item::End(end));
                 }
-            }
-            (Ok(_), Ok(_)) => {}
-            (Err(Malformed), _) | (_, Err(Malformed)) => self.note(locus, "the metadata is damaged".into()),
+                Err(what) => self.note(locus, what),
+            },
+            Ok(_) => {}
+            Err(Malformed) => self.note(locus, "the metadata is damaged".into()),
         }
     }
 

@@ -121,7 +121,7 @@ pub fn record_altered(run: &Run, mut alter: impl FnMut(&mut RecordedState)) -> V
                 state.encode(&mut bytes);
                 (Topic::States, state.step)
             }
-            Item::End(end) => return container.finish(metadata::of_end(&end)).unwrap(),
+            Item::End(end) => return container.finish(metadata::of_end(&run.header, &end)).unwrap(),
             Item::Doubtful(_) | Item::Damaged(_) => panic!("a fresh recording is whole"),
         };
         container.message(topic, clock::nanoseconds(step, settings.rate), &bytes).unwrap();
