@@ -50,7 +50,7 @@ impl Inbox {
     /// Takes a record of a chunk.
     pub fn chunk_record(&mut self, locus: Locus, record: &ChunkRecord<'_>) {
         let taken = match record.opcode {
-            op::MESSAGE => self.message(locus, record.body),
+            op::MESSAGE => self.message(locus, record),
             op::CHANNEL => self.channel(record.body),
             op::SCHEMA => Ok(()),
             other => Err(format!("a record of kind {other:#04x} does not belong into a chunk")),
@@ -89,8 +89,8 @@ impl Inbox {
         self.ready.push_back(Item::Damaged(damage));
     }
 
-    fn message(&mut self, locus: Locus, body: &[u8]) -> Result<(), String> {
-        let RawMessage { channel, data, .. } = RawMessage::parse(body).map_err(|Malformed| "a message is damaged")?;
+    fn message(&mut self, locus: Locus, record: &ChunkRecord<'_>) -> Result<(), String> {
+        let RawMessage { channel, data, .. } = record.message().ok_or("a message is damaged")?;
         let Some(topic) = self.channels.get(&channel).copied().flatten() else { return Ok(()) };
         match topic {
             Topic::Events => {

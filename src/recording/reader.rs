@@ -8,7 +8,7 @@ use mcap::{MAGIC, McapError, records::op};
 
 use super::{
     BodyTable, Damage, End, Error, Header, Health, Keyframe, RecordedEvent, RecordedState,
-    chunk::Chunk,
+    chunk::Chunks,
     course::Course,
     head::{self, Fault, Head},
     inbox::{Inbox, Locus},
@@ -23,8 +23,10 @@ pub struct Recording<R> {
     /// What the recording starts with.
     pub header: Header,
     records: Records<R>,
-    chunk: Option<OpenChunk>,
-    chunks: u64,
+    chunks: Chunks,
+    /// The chunk being read or the last one.
+    chunk: Locus,
+    chunk_count: u64,
     data_end: Option<u64>,
     suspect: Option<Fault>,
     inbox: Inbox,
@@ -46,12 +48,6 @@ pub enum Item {
     Damaged(Damage),
     /// How the run ended.
     End(End),
-}
-
-struct OpenChunk {
-    locus: Locus,
-    chunk: Chunk,
-    exhausted: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -87,8 +83,9 @@ impl<R: Read + Seek> Recording<R> {
         let mut recording = Recording {
             header,
             records,
-            chunk: None,
-            chunks: 0,
+            chunks: Chunks::new(),
+            chunk: Locus { chunk: None, offset: 0 },
+            chunk_count: 0,
             data_end: None,
             suspect,
             inbox,
@@ -121,15 +118,16 @@ impl<R: Read + Seek> Recording<R> {
 
     /// The number of chunks met so far.
     pub fn chunks(&self) -> u64 {
-        self.chunks
+        self.chunk_count
     }
 
     /// Goes on until something is ready or nothing more comes.
     fn advance(&mut self) -> Result<(), Error> {
         while self.inbox.ready.is_empty() && self.progress == Progress::Reading {
-            match &mut self.chunk {
-                Some(open) if !open.exhausted => open.next(&mut self.inbox),
-                Some(_) | None => self.next_record()?,
+            match self.chunks.next() {
+                Ok(Some(record)) => self.inbox.chunk_record(self.chunk, &record),
+                Ok(None) => self.next_record()?,
+                Err(what) => self.inbox.lose(self.chunk, what),
             }
         }
         Ok(())
@@ -151,9 +149,8 @@ impl<R: Read + Seek> Recording<R> {
         match opcode {
             op::CHUNK => return self.open_chunk(offset),
             op::MESSAGE_INDEX => {
-                let checked = self.chunk.as_ref().map_or(Ok(()), |open| open.chunk.check_index(body));
-                if let Err(what) = checked {
-                    self.inbox.note(Locus { chunk: Some(self.chunks), offset }, what);
+                if let Err(what) = self.chunks.check_index(body) {
+                    self.inbox.note(Locus { offset, ..self.chunk }, what);
                     return self.resume_after(offset);
                 }
             }
@@ -169,28 +166,25 @@ impl<R: Read + Seek> Recording<R> {
     }
 
     fn open_chunk(&mut self, offset: u64) -> Result<(), Error> {
-        self.chunks += 1;
-        let locus = Locus { chunk: Some(self.chunks), offset };
-        match Chunk::open(&self.records.body) {
-            Ok(chunk) => {
-                self.chunk = Some(OpenChunk { locus, chunk, exhausted: false });
-                Ok(())
-            }
+        self.chunk_count += 1;
+        self.chunk = Locus { chunk: Some(self.chunk_count), offset };
+        match self.chunks.open(&self.records.body) {
+            Ok(()) => Ok(()),
             Err(what) => {
-                self.inbox.lose(locus, what);
+                self.inbox.lose(self.chunk, what);
                 self.resume_after(offset)
             }
         }
     }
 
     fn resume_after(&mut self, offset: u64) -> Result<(), Error> {
-        self.chunk = None;
+        self.chunks.close();
         self.records.resume_after(offset).map_err(Error::Read)
     }
 
     /// Goes on at the next record that is one, after one that is not.
     fn mend(&mut self, broken: Broken) -> Result<(), Error> {
-        self.chunk = None;
+        self.chunks.close();
         if let McapError::Io(error) = broken.why {
             return Err(Error::Read(error));
         }
@@ -223,19 +217,6 @@ impl<R: Read + Seek> Recording<R> {
             (McapError::BadDataCrc { .. }, _, None) => section("somewhere between the chunks", MAGIC.len() as u64),
             (_, Some(data_end), _) => section("somewhere in the index", data_end),
             (_, None, _) => Fault { offset, what: why.to_string() },
-        }
-    }
-}
-
-impl OpenChunk {
-    fn next(&mut self, inbox: &mut Inbox) {
-        match self.chunk.next() {
-            Ok(Some(record)) => inbox.chunk_record(self.locus, &record),
-            Ok(None) => self.exhausted = true,
-            Err(what) => {
-                self.exhausted = true;
-                inbox.lose(self.locus, what);
-            }
         }
     }
 }

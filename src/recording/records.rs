@@ -37,7 +37,7 @@ pub struct Broken {
 }
 
 /// Bytes before the fields of a record: its kind and its length.
-pub const PREFIX_BYTES: u64 = 9;
+pub const PREFIX_BYTES: usize = 9;
 
 const READ_BYTES: usize = 64 << 10;
 
@@ -97,7 +97,7 @@ impl<R: Read + Seek> Records<R> {
                 Some(Ok(LinearReadEvent::Record { opcode, data })) => {
                     self.body.clear();
                     self.body.extend_from_slice(data);
-                    self.next_offset = offset + PREFIX_BYTES + data.len() as u64;
+                    self.next_offset = offset + (PREFIX_BYTES + data.len()) as u64;
                     return Ok(Some(Place { offset, opcode }));
                 }
             }

@@ -62,6 +62,15 @@ pub fn bounce(steps: u64) -> Run {
     Run { header, events }
 }
 
+/// As little as can be recorded over several chunks: one box that falls and goes.
+pub fn drop_and_delete() -> Run {
+    let Run { mut header, .. } = bounce(12);
+    header.settings.rate = 4.0;
+    let spawn = RecordedEvent { step: 0, change: Change::Spawn { id: 0, spawn: body("a"), color: None } };
+    let delete = RecordedEvent { step: 10, change: Change::Delete { id: 0 } };
+    Run { header, events: vec![spawn, delete] }
+}
+
 /// A box of 1 m and 1 kg at rest at (1, 1).
 pub fn body(name: &str) -> Spawn {
     Spawn {

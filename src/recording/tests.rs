@@ -4,7 +4,7 @@ use std::io::Cursor;
 
 use super::{
     Damage, Error, Health, Item, Playback, Recording,
-    testing::{bounce, record},
+    testing::{bounce, drop_and_delete, record},
 };
 use crate::physics::{CollisionCount, Engine};
 
@@ -88,8 +88,8 @@ fn a_cut_anywhere_keeps_all_whole_chunks() {
 
 #[test]
 fn every_flipped_bit_is_noticed_and_costs_one_chunk_at_most() {
-    const STATES_PER_CHUNK: usize = 20;
-    let bytes = record(&bounce(50));
+    const STATES_PER_CHUNK: usize = 4;
+    let bytes = record(&drop_and_delete());
     let (whole, _) = items(&bytes);
     for bit in 0..bytes.len() * 8 {
         let mut flipped = bytes.clone();
