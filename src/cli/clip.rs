@@ -4,7 +4,7 @@ use super::frames::Frames;
 use super::render::Kind;
 use super::source::{Source, Survey};
 use crate::physics::Vector;
-use crate::render::{Metadata, Sampling, Style, Thinning, View};
+use crate::render::{FASTEST_GIF, Metadata, Sampling, Style, Thinning, View};
 use crate::scene::{ColorBy, FigureOptions, Overlay, Theme};
 use std::{num::NonZero, path::PathBuf};
 
@@ -16,9 +16,6 @@ const DEFAULT_FPS: f64 = 30.0;
 
 /// The key under which a picture says what it shows.
 const STEPS: &str = "rebond steps";
-
-/// Browsers show delays under 2/100 s as 10/100 s.
-const FASTEST_GIF: f64 = 50.0;
 
 /// All that is decided before the first frame is drawn.
 pub struct Clip {

@@ -38,14 +38,16 @@ impl Canvas {
         }
     }
 
+    /// Fills a row between two edges in quarters, of which `rows` quarters are covered.
     fn fill_row(&mut self, row: usize, left: usize, right: usize, rows: u8, ink: Ink) {
         let pixels = &mut self.pixels[row * self.width..][..self.width];
         let (first, last) = (left.div_ceil(4), right / 4);
-        if left % 4 != 0 {
-            blend(&mut pixels[left / 4], ink, corner(rows, covered(left / 4, left, right)));
+        let mut cut = |at: usize| blend(&mut pixels[at], ink, corner(rows, covered(at, left, right)));
+        if 4 * first > left {
+            cut(left / 4);
         }
-        if right % 4 != 0 && (right / 4 != left / 4 || left % 4 == 0) {
-            blend(&mut pixels[last], ink, corner(rows, covered(last, left, right)));
+        if 4 * last < right && last >= first {
+            cut(last);
         }
         if first >= last {
             return;
@@ -114,5 +116,51 @@ fn blend(under: &mut [u8; 4], ink: Ink, coverage: u8) {
     for (under, over) in under.iter_mut().zip(over) {
         let sum = u32::from(*under) * (WHOLE - part) + u32::from(over) * part;
         *under = ((sum + WHOLE / 2) / WHOLE) as u8;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::Vector;
+
+    const WHITE: Color = Color::hex(0xffffff);
+    const BLACK: Color = Color::hex(0x000000);
+
+    /// What a black rectangle leaves of white, row by row.
+    fn greys(x: f64, y: f64, width: f64, height: f64) -> Vec<u8> {
+        let mut canvas = Canvas::new([4, 3], WHITE);
+        canvas.fill_rect(&Rect::new(Vector::new(x, y), width, height), Ink::from(BLACK));
+        canvas.pixels.iter().map(|pixel| pixel[0]).collect()
+    }
+
+    #[test]
+    fn whole_pixels_are_filled_whole() {
+        assert_eq!(greys(1.0, 1.0, 2.0, 1.0), [255, 255, 255, 255, 255, 0, 0, 255, 255, 255, 255, 255]);
+    }
+
+    #[test]
+    fn edges_cover_quarters() {
+        assert_eq!(greys(0.75, 0.0, 1.5, 1.0)[..4], [191, 0, 191, 255]);
+        assert_eq!(greys(1.0, 0.5, 1.0, 1.75), [255, 128, 255, 255, 255, 0, 255, 255, 255, 191, 255, 255]);
+        assert_eq!(greys(1.25, 0.0, 0.5, 1.0)[..4], [255, 128, 255, 255]);
+        assert_eq!(greys(1.0, 0.0, 0.5, 1.0)[..4], [255, 128, 255, 255]);
+    }
+
+    #[test]
+    fn what_lies_outside_is_cut_off() {
+        assert_eq!(greys(-5.0, -5.0, 50.0, 50.0), [0; 12]);
+        assert_eq!(greys(-5.0, 0.0, 3.0, 3.0), [255; 12]);
+        assert_eq!(greys(4.0, 0.0, 3.0, 3.0), [255; 12]);
+        assert_eq!(greys(f64::NAN, 0.0, 3.0, 3.0), [255; 12]);
+    }
+
+    #[test]
+    fn a_mask_is_placed_and_cut_off() {
+        let mut canvas = Canvas::new([2, 2], WHITE);
+        canvas.fill_mask(&[FULL, 8, 4, 0], 2, -1, -1, Ink::from(BLACK));
+        canvas.fill_mask(&[FULL, 8, 4, 0], 2, 1, 0, Ink { color: BLACK, opacity: 51 });
+        let greys: Vec<u8> = canvas.pixels.iter().map(|pixel| pixel[0]).collect();
+        assert_eq!(greys, [255, 204, 255, 242]);
     }
 }

@@ -1,7 +1,7 @@
 //! Pictures as an endless GIF animation.
 
 use super::patch::Patch;
-use super::{Metadata, RenderError};
+use super::{Metadata, RenderError, lzw};
 use gif::{AnyExtension, DisposalMethod, Encoder, EncodingError, Extension, Frame, Repeat};
 use std::borrow::Cow;
 use std::io::Write;
@@ -65,7 +65,7 @@ impl Compressed {
     pub fn new(patch: Patch) -> Compressed {
         let [left, top, width, height] =
             [patch.at[0], patch.at[1], patch.size[0], patch.size[1]].map(|length| length as u16);
-        let mut frame = Frame {
+        Compressed(Frame {
             dispose: DisposalMethod::Keep,
             transparent: patch.unchanged,
             left,
@@ -73,11 +73,9 @@ impl Compressed {
             width,
             height,
             palette: Some(patch.palette.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect()),
-            buffer: Cow::Owned(patch.pixels),
+            buffer: Cow::Owned(lzw::compress(&patch.pixels)),
             ..Frame::default()
-        };
-        frame.make_lzw_pre_encoded();
-        Compressed(frame)
+        })
     }
 }
 

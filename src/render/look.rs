@@ -155,3 +155,129 @@ fn look() {
         );
     }
 }
+
+pub fn moving(kind: &str, step: u64) -> Frame {
+    let mut frame = sample(kind);
+    let fold = |x: f64, range: f64| {
+        let m = x.rem_euclid(2.0 * range);
+        if m < range { m } else { 2.0 * range - m }
+    };
+    let t = step as f64 / 60.0;
+    for s in frame.sprites.iter_mut().filter(|s| !s.appearance.is_wall) {
+        let (w, h) = (s.rect.width(), s.rect.height());
+        s.rect = Rect::new(
+            Vector::new(
+                fold(s.rect.origin.x + s.velocity.x * t, 16.0 - w),
+                fold(s.rect.origin.y + s.velocity.y * t, 9.0 - h),
+            ),
+            w,
+            h,
+        );
+        s.trail.clear();
+    }
+    frame.collisions.clear();
+    frame.step = step;
+    frame.time = t;
+    frame
+}
+#[test]
+#[ignore]
+fn gif() {
+    for (name, kind, show, by) in [
+        ("few", "few", vec![Overlay::Name, Overlay::Clock], ColorBy::Body),
+        ("gas", "gas", vec![Overlay::Name, Overlay::Clock], ColorBy::Body),
+        ("gasplain", "gas", vec![], ColorBy::Body),
+        ("gasspeed", "gas", vec![Overlay::Velocity, Overlay::Grid, Overlay::Clock], ColorBy::Speed),
+        ("big", "big", vec![], ColorBy::Speed),
+    ] {
+        for threads in [1, 2] {
+            let style =
+                Style { theme: Theme::Light, show: show.clone(), color_by: by, top_speed: 7.0, materials: vec![] };
+            let view = View::fit(Vector::new(16.0, 9.0), [1280, 720], style).unwrap();
+            let sampling = Sampling::new(0..=299, 60.0, Thinning::Every(2));
+            let frames: Vec<_> = (0..150).map(|i| moving(kind, 2 * i)).collect();
+            let t = std::time::Instant::now();
+            let mut out = vec![];
+            write_gif::<RenderError>(
+                frames.iter().cloned().map(Ok),
+                &view,
+                &sampling,
+                &Metadata::default(),
+                threads.try_into().unwrap(),
+                &mut out,
+            )
+            .unwrap();
+            let e = t.elapsed().as_secs_f64() * 1e3 / 150.0;
+            let t = std::time::Instant::now();
+            let mut bytes = 0;
+            write_png_sequence::<RenderError>(
+                frames.iter().cloned().map(Ok),
+                &view,
+                |_| Metadata::default(),
+                threads.try_into().unwrap(),
+                |_, f| {
+                    bytes += f.len();
+                    Ok(())
+                },
+            )
+            .unwrap();
+            let p = t.elapsed().as_secs_f64() * 1e3 / 150.0;
+            eprintln!(
+                "{name} threads {threads}: gif {e:.2} ms/frame {} kB/frame; png {p:.2} ms/frame {} kB",
+                out.len() / 150_000,
+                bytes / 150_000
+            );
+            std::fs::write(format!("/tmp/look/{name}.gif"), &out).unwrap();
+        }
+    }
+}
+
+#[test]
+#[ignore]
+fn stages() {
+    for (name, kind, show, by) in [
+        ("few", "few", vec![Overlay::Name, Overlay::Clock], ColorBy::Body),
+        ("gas", "gas", vec![Overlay::Name, Overlay::Clock], ColorBy::Body),
+        ("gasplain", "gas", vec![], ColorBy::Body),
+        ("gasspeed", "gas", vec![Overlay::Velocity, Overlay::Grid, Overlay::Clock], ColorBy::Speed),
+        ("big", "big", vec![], ColorBy::Speed),
+    ] {
+        let style = Style { theme: Theme::Light, show: show.clone(), color_by: by, top_speed: 7.0, materials: vec![] };
+        let view = View::fit(Vector::new(16.0, 9.0), [1280, 720], style).unwrap();
+        let (a, b) = (moving(kind, 10), moving(kind, 12));
+        let mut painter = Painter::new();
+        let pa = painter.draw(&compose(&a, &view));
+        let mut best = [f64::MAX; 6];
+        let mut n = 0;
+        let mut colors = 0;
+        for _ in 0..40 {
+            let t0 = std::time::Instant::now();
+            let list = compose(&b, &view);
+            let t1 = std::time::Instant::now();
+            let pb = painter.draw(&list);
+            let t2 = std::time::Instant::now();
+            let patch = patch::Patch::between(Some(&pa), &pb);
+            let t3 = std::time::Instant::now();
+            n = patch.pixels.len();
+            colors = patch.palette.len();
+            let c = lzw::compress(&patch.pixels);
+            let t4 = std::time::Instant::now();
+            let i = indexed::Indexed::exact(&pb.pixels);
+            let t5 = std::time::Instant::now();
+            let mut out = vec![];
+            png::encode(&pb, &Metadata::default(), &mut out).unwrap();
+            let t6 = std::time::Instant::now();
+            std::hint::black_box((c, i));
+            for (b, t) in best.iter_mut().zip([t1 - t0, t2 - t1, t3 - t2, t4 - t3, t5 - t4, t6 - t5]) {
+                let t = t.as_secs_f64() * 1e3;
+                if t < *b {
+                    *b = t
+                }
+            }
+        }
+        eprintln!(
+            "{name}: compose {:.3} draw {:.3} patch {:.3} ({n} px, {colors} col) lzw {:.3} index {:.3} png {:.3}",
+            best[0], best[1], best[2], best[3], best[4], best[5]
+        );
+    }
+}

@@ -9,6 +9,8 @@ mod camera;
 mod canvas;
 mod clip;
 mod color;
+mod color_table;
+pub mod compare;
 mod display_list;
 mod error;
 mod frame;
@@ -18,6 +20,7 @@ mod indexed;
 mod layers;
 #[cfg(test)]
 mod look;
+mod lzw;
 mod metadata;
 mod painter;
 mod palette;

@@ -1,8 +1,9 @@
 use super::super::{Color, Frame, Ink, Shape, Sprite, palette};
-use super::Page;
+use super::{Page, names};
 use crate::physics::{Rect, Vector};
+use crate::scene::Overlay;
 
-/// The boxes, each with a border inside its edge.
+/// The boxes, each with a border inside its edge and its name if that fits.
 pub fn draw(frame: &Frame, page: &Page, shapes: &mut Vec<Shape>) {
     for sprite in frame.sprites.iter().filter(|sprite| !sprite.appearance.is_wall) {
         let Some(rect) = seen(sprite, page) else { continue };
@@ -10,6 +11,9 @@ pub fn draw(frame: &Frame, page: &Page, shapes: &mut Vec<Shape>) {
         filled(&rect, fill, page, shapes);
         if sprite.appearance.mass == f64::INFINITY {
             bolts(&rect, border_color(fill, page), page, shapes);
+        }
+        if page.view.style.shows(Overlay::Name) {
+            shapes.extend(names::inside(sprite, &rect, fill, page));
         }
     }
 }

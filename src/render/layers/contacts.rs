@@ -1,6 +1,6 @@
 use super::super::{Frame, Ink, Shape};
 use super::Page;
-use super::arrow::arrow;
+use super::arrow::Arrow;
 use super::bodies::overlap;
 use crate::physics::{Collision, Rect, Vector};
 use crate::scene::Overlay;
@@ -25,16 +25,15 @@ fn penetration(collision: &Collision, page: &Page, shapes: &mut Vec<Shape>) {
     let color = page.palette.penetration;
     shapes.push(Shape::Rect { rect: shared, ink: Ink { color, opacity: 140 } });
     let from = shared.center().sub(collision.penetration.mult(camera.scale / 2.0));
-    shapes.extend(arrow(from, from.add(collision.penetration.mult(camera.scale)), page.line, Ink::from(color)));
+    let to = from.add(collision.penetration.mult(camera.scale));
+    Arrow { from, to, width: page.line, color }.draw(page, shapes);
 }
 
 /// The unit normal, 2.5 heights of text long, from the middle of the contact.
 fn normal(collision: &Collision, page: &Page, shapes: &mut Vec<Shape>) {
     let from = page.view.camera.point(contact(&collision.rects));
     let to = from.add(collision.normal.mult(2.5 * page.text));
-    let halo = Ink { color: page.palette.background, opacity: 200 };
-    shapes.extend(arrow(from, to, 2.5 * page.line, halo));
-    shapes.extend(arrow(from, to, 1.5 * page.line, Ink::from(page.palette.normal)));
+    Arrow { from, to, width: 1.5 * page.line, color: page.palette.normal }.draw(page, shapes);
 }
 
 /// The middle of what two rectangles share, or of the gap between them.

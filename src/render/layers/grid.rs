@@ -10,12 +10,13 @@ pub fn draw(page: &Page, shapes: &mut Vec<Shape>) {
     let line = if page.line < 2.0 { 1.0 } else { (page.line / 2.0).round() };
     for (axis, extent) in [camera.world.x, camera.world.y].into_iter().enumerate() {
         let count = (extent / spacing * (1.0 + 1e-9)).floor() as u64;
-        for place in 0..=count {
+        for place in 1..=count {
             let at = place as f64 * spacing;
-            shapes.push(grid_line(page, axis, at, line));
-            if place > 0 {
-                shapes.push(label(page, axis, at, spacing, extent));
+            // The world's border has its walls.
+            if at < extent {
+                shapes.push(grid_line(page, axis, at, line));
             }
+            shapes.push(label(page, axis, at, spacing, extent));
         }
     }
 }

@@ -1,5 +1,5 @@
 use super::super::text::Line;
-use super::super::{Frame, Ink, Shape, Sprite, palette};
+use super::super::{Color, Frame, Ink, Shape, Sprite};
 use super::Page;
 use super::bodies::{overlap, seen, smaller};
 use crate::physics::{Rect, Vector};
@@ -8,42 +8,46 @@ use crate::scene::Overlay;
 /// More boxes than that, and names beside them would only be a clutter.
 const NAMED_OUTSIDE: usize = 40;
 
-/// The name of each box: inside if it fits, else beside it where nothing else is.
+/// Names that do not fit into their boxes, each beside its box where nothing else is.
+///
+/// Those that fit are drawn with their boxes, so that a box in front hides them too.
 pub fn draw(frame: &Frame, page: &Page, shapes: &mut Vec<Shape>) {
-    if !page.view.style.shows(Overlay::Name) {
-        return;
-    }
     let named = frame.sprites.iter().filter(|sprite| !sprite.appearance.is_wall);
     let boxes: Vec<(&Sprite, Rect)> = named.filter_map(|sprite| Some((sprite, seen(sprite, page)?))).collect();
+    if !page.view.style.shows(Overlay::Name) || boxes.len() > NAMED_OUTSIDE {
+        return;
+    }
     let mut taken: Vec<Rect> = boxes.iter().map(|(_, rect)| *rect).collect();
-    let outside = boxes.len() <= NAMED_OUTSIDE;
-    for (sprite, rect) in &boxes {
-        if let Some(shape) = inside(sprite, rect, page) {
-            shapes.push(shape);
-        } else if outside && let Some((place, shape)) = beside(sprite, rect, page, &taken) {
+    for (sprite, rect) in boxes.iter().filter(|(sprite, rect)| fitting(sprite, rect, page).is_none()) {
+        if let Some((place, shape)) = beside(sprite, rect, page, &taken) {
             taken.push(place);
             shapes.push(shape);
         }
     }
 }
 
+/// The name of a box within it, if it fits; in a corner where an arrow begins in the middle.
+pub fn inside(sprite: &Sprite, rect: &Rect, fill: Color, page: &Page) -> Option<Shape> {
+    let line = fitting(sprite, rect, page)?;
+    let margin = 4.0 * page.line;
+    let at = if page.view.style.shows(Overlay::Velocity) {
+        rect.origin.add(Vector::new(margin, margin + line.height()))
+    } else {
+        rect.center().add(Vector::new(-line.width / 2.0, line.height() / 2.0))
+    };
+    Some(Shape::Text { line, at, ink: Ink::from(page.palette.text_on(fill)) })
+}
+
 /// Sizes tried inside a box, in parts of the page's text.
 const SIZES: [f64; 3] = [1.0, 0.8, 0.65];
 
-fn inside(sprite: &Sprite, rect: &Rect, page: &Page) -> Option<Shape> {
+/// The name in the largest size that fits into the box, leaving room for an arrow.
+fn fitting(sprite: &Sprite, rect: &Rect, page: &Page) -> Option<Line> {
     let margin = 2.0 * page.line;
-    let arrows = page.view.style.shows(Overlay::Velocity);
-    let room = Vector::new(rect.width() - 2.0 * margin, rect.height() - 2.0 * margin);
-    let height = if arrows { room.y / 3.0 } else { room.y };
-    let line = SIZES
-        .iter()
-        .map(|size| Line::plain(&sprite.appearance.name, size * page.text))
-        .find(|line| line.width <= room.x && line.height() <= height)?;
-    let middle = rect.center().add(Vector::new(-line.width / 2.0, line.height() / 2.0));
-    let corner = rect.origin.add(Vector::new(2.0 * margin, 2.0 * margin + line.height()));
-    let at = if arrows { corner } else { middle };
-    let fill = palette::body_color(sprite, &page.view.style);
-    Some(Shape::Text { line, at, ink: Ink::from(page.palette.text_on(fill)) })
+    let (width, height) = (rect.width() - 2.0 * margin, rect.height() - 2.0 * margin);
+    let height = if page.view.style.shows(Overlay::Velocity) { height / 3.0 } else { height };
+    let lines = SIZES.iter().map(|size| Line::plain(&sprite.appearance.name, size * page.text));
+    lines.into_iter().find(|line| line.width <= width && line.height() <= height)
 }
 
 /// Above, below, right or left of the box, the first that is free.

@@ -1,6 +1,6 @@
-use super::super::{Frame, Ink, Shape, Sprite};
+use super::super::{Frame, Shape, Sprite};
 use super::Page;
-use super::arrow::arrow;
+use super::arrow::Arrow;
 use super::bodies::seen;
 use crate::physics::Vector;
 use crate::scene::Overlay;
@@ -14,9 +14,7 @@ pub fn draw(frame: &Frame, page: &Page, shapes: &mut Vec<Shape>) {
         let Some(rect) = seen(sprite, page) else { continue };
         let from = rect.center();
         let to = from.add(length(sprite, page));
-        let halo = arrow(from, to, 2.0 * page.line, Ink { color: page.palette.background, opacity: 200 });
-        shapes.extend(halo);
-        shapes.extend(arrow(from, to, page.line, Ink::from(page.palette.ink)));
+        Arrow { from, to, width: page.line, color: page.palette.ink }.draw(page, shapes);
     }
 }
 
