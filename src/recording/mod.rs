@@ -27,6 +27,7 @@ mod error;
 mod event;
 mod fields;
 mod file;
+mod head;
 mod header;
 mod health;
 mod identity;

@@ -20,8 +20,7 @@ use super::{
 pub struct Writer<W: Write> {
     container: Container<W>,
     identity: IdentityChain,
-    rate: f64,
-    every: u64,
+    header: Header,
     table: BodyTable,
     last_step: Option<u64>,
     spawns: u64,
@@ -63,8 +62,7 @@ impl<W: Write + Send + 'static> Writer<W> {
         Ok(Writer {
             container,
             identity: IdentityChain::new(header),
-            rate: header.settings.rate,
-            every: header.every,
+            header: header.clone(),
             table: BodyTable::default(),
             last_step: None,
             spawns: 0,
@@ -104,7 +102,7 @@ impl<W: Write + Send + 'static> Writer<W> {
         let step = engine.present_step();
         self.check_order(step)?;
         check("the number of bodies", engine.world().bodies.len(), limits::BODIES)?;
-        let second = clock::steps_per_second(self.rate);
+        let second = clock::steps_per_second(self.header.settings.rate);
         if step.is_multiple_of(second) {
             self.keyframe(engine)?;
         }
@@ -132,7 +130,7 @@ impl<W: Write + Send + 'static> Writer<W> {
             error: outcome.error.clone(),
             identity: self.identity.identity(),
         };
-        let write = self.container.finish(metadata::of_end(&end))?;
+        let write = self.container.finish(metadata::of_end(&self.header, &end))?;
         Ok(Finished { end, write })
     }
 
@@ -152,7 +150,7 @@ impl<W: Write + Send + 'static> Writer<W> {
         if world.bodies.len() != self.table.bodies().len() {
             return Err(Error::Unrecorded { step });
         }
-        let full = step.is_multiple_of(self.every);
+        let full = step.is_multiple_of(self.header.every);
         self.state.clear();
         self.digest.clear();
         for (place, body) in world.bodies.iter().enumerate() {
@@ -177,7 +175,7 @@ impl<W: Write + Send + 'static> Writer<W> {
     }
 
     fn put(&mut self, topic: Topic, step: u64) -> Result<(), Error> {
-        self.container.message(topic, clock::nanoseconds(step, self.rate), &self.bytes)
+        self.container.message(topic, clock::nanoseconds(step, self.header.settings.rate), &self.bytes)
     }
 }
 
