@@ -1,3 +1,9 @@
-//! The command line.
+//! The `rebond` command.
 
-fn main() {}
+use clap::Parser;
+use rebond::cli::{self, Arguments};
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    cli::run(Arguments::parse()).into()
+}

@@ -1,11 +1,27 @@
 //! All integration tests, in one binary: linking is most of what they cost.
 
+#[path = "integration/bundled.rs"]
+mod bundled;
+#[path = "integration/clicks.rs"]
+mod clicks;
 #[path = "integration/clips.rs"]
 mod clips;
+#[path = "integration/command_line.rs"]
+mod command_line;
+#[path = "integration/command_line_errors.rs"]
+mod command_line_errors;
 #[path = "integration/frames.rs"]
 mod frames;
+#[path = "integration/handout_limits.rs"]
+mod handout_limits;
+#[path = "integration/live_events.rs"]
+mod live_events;
+#[path = "integration/rebond.rs"]
+mod rebond;
 #[path = "integration/reference.rs"]
 mod reference;
+#[path = "integration/scene_errors.rs"]
+mod scene_errors;
 #[path = "integration/snapshot.rs"]
 mod snapshot;
 #[path = "integration/stills.rs"]

@@ -133,3 +133,7 @@ fn shares(c: &Body, b: &Body) -> [f64; 2] {
     let sum = speed_c + speed_b;
     [speed_c / sum, speed_b / sum]
 }
+
+#[cfg(test)]
+#[path = "handout_tests.rs"]
+mod tests;

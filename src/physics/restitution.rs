@@ -50,6 +50,19 @@ impl Restitution {
         self.default
     }
 
+    /// Every pair of named materials and its e, sorted: [`Restitution::new`] makes an equal
+    /// table of them.
+    pub fn pairs(&self) -> Vec<RestitutionPair> {
+        let mut pairs = Vec::new();
+        for (place, a) in self.names.iter().enumerate() {
+            for b in &self.names[place..] {
+                let restitution = self.between(self.material(a), self.material(b));
+                pairs.push(RestitutionPair { materials: [a.clone(), b.clone()], restitution });
+            }
+        }
+        pairs
+    }
+
     /// The material of that name; one that no pair names is all right.
     pub fn material(&self, name: &str) -> Material {
         match self.names.binary_search_by(|known| known.as_str().cmp(name)) {
@@ -81,5 +94,6 @@ mod tests {
         assert_eq!(table.between(wood, wood), 0.5);
         assert_eq!((table.between(steel, wood), table.between(wood, steel)), (0.7, 0.7));
         assert_eq!((table.between(other, steel), table.between(other, other)), (1.0, 1.0));
+        assert_eq!(Restitution::new(1.0, &table.pairs()), table);
     }
 }

@@ -60,20 +60,27 @@ impl Sampling {
         (last + 1).saturating_sub(first)
     }
 
-    /// How long the frame of that number, counted from 0, is on screen, 1/100 s.
+    /// How long a GIF shows the frame of that number, counted from 0, in 1/100 s.
     ///
-    /// Frame i appears at the true time i × every / rate rounded to 1/100 s, and stays until
-    /// the next appears: no rounding is ever carried on, and the delays of a clip add up to
-    /// its duration.
+    /// N frames over T seconds, from the first to the last step that may be shown, begin at
+    /// T·i/N rounded to 1/100 s: no rounding is carried on, and the delays add up to T. Only
+    /// where that would take delays under 2/100 s, which browsers slow down, is each 2/100 s.
     pub fn delay(&self, frame: u64) -> u64 {
-        self.appears(frame + 1) - self.appears(frame)
+        self.begins(frame + 1) - self.begins(frame)
     }
 
-    /// When a frame appears after the first one, 1/100 s.
-    fn appears(&self, frame: u64) -> u64 {
-        (100.0 * (frame as f64 * self.every as f64) / self.rate).round() as u64
+    fn begins(&self, frame: u64) -> u64 {
+        let frames = self.count();
+        let duration = 100.0 * (self.steps.end() - self.steps.start()) as f64 / self.rate;
+        if duration < SHORTEST_DELAY * frames as f64 {
+            return SHORTEST_DELAY as u64 * frame;
+        }
+        (duration * frame as f64 / frames as f64).round() as u64
     }
 }
+
+/// The shortest delay that browsers keep to, 1/100 s.
+const SHORTEST_DELAY: f64 = 2.0;
 
 impl std::fmt::Display for Sampling {
     /// What was sampled, for people: `every 2nd step, 30 frames/s`.
@@ -137,26 +144,42 @@ mod tests {
         assert_eq!([every(50.0), every(60.0), every(100.0), every(120.0), every(24.0)], [1, 2, 2, 3, 1]);
     }
 
+    fn delays(last: u64, rate: f64, every: u64) -> Vec<u64> {
+        let sampling = Sampling::new(0..=last, rate, Thinning::Every(every));
+        (0..sampling.count()).map(|frame| sampling.delay(frame)).collect()
+    }
+
     #[test]
-    fn delays_add_up_to_the_duration_and_put_each_frame_at_its_instant() {
-        for (rate, every) in [(60.0, 2), (60.0, 1), (30.0, 1), (1000.0, 33), (59.94, 2), (7.0, 1)] {
-            let sampling = Sampling::new(0..=600, rate, Thinning::Every(every));
-            let mut shown = 0;
-            for frame in 0..sampling.count() {
-                let exact = 100.0 * (frame * every) as f64 / rate;
-                assert!((shown as f64 - exact).abs() <= 0.5, "frame {frame} at {rate} Hz");
-                shown += sampling.delay(frame);
+    fn delays_add_up_to_the_duration() {
+        let cases = [(60.0, 600, 2), (60.0, 599, 2), (30.0, 7, 1), (1000.0, 5000, 33), (59.94, 600, 2), (7.0, 3, 1)];
+        for (rate, last, every) in cases {
+            let total: u64 = delays(last, rate, every).iter().sum();
+            assert_eq!(total, (100.0 * last as f64 / rate).round() as u64, "{last} steps at {rate} Hz");
+        }
+    }
+
+    #[test]
+    fn a_frame_is_never_a_frame_away_from_its_instant() {
+        for (rate, last, every) in [(60.0, 600, 2), (60.0, 601, 2), (1000.0, 5000, 33), (59.94, 6000, 2)] {
+            let mut begins = 0;
+            for (frame, delay) in (0..).zip(delays(last, rate, every)) {
+                let instant = 100.0 * (frame * every) as f64 / rate;
+                let apart = (begins as f64 - instant).abs();
+                assert!(apart < 100.0 * every as f64 / rate + 0.5, "frame {frame} at {rate} Hz: {apart}");
+                begins += delay;
             }
-            let duration = 100.0 * (sampling.count() * every) as f64 / rate;
-            assert_eq!(shown, duration.round() as u64);
         }
     }
 
     #[test]
     fn sixty_hertz_by_twos_alternates_between_3_and_4_hundredths() {
-        let sampling = Sampling::new(0..=12, 60.0, Thinning::Every(2));
-        let delays: Vec<u64> = (0..6).map(|frame| sampling.delay(frame)).collect();
-        assert_eq!(delays, [3, 4, 3, 3, 4, 3]);
+        assert_eq!(delays(600, 60.0, 2)[..8], [3, 4, 3, 3, 4, 3, 3, 4]);
+    }
+
+    #[test]
+    fn no_delay_is_shorter_than_browsers_keep_to() {
+        assert_eq!(delays(6, 50.0, 1), [2; 7]);
+        assert_eq!(delays(0, 60.0, 1), [2]);
     }
 
     #[test]

@@ -1,3 +1,8 @@
+use super::{
+    refusal::Refusal,
+    tree::{Key, Node, Table},
+};
+
 /// How pictures of a scene look unless flags say otherwise: the scene's `[figure]`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FigureOptions {
@@ -11,6 +16,46 @@ pub struct FigureOptions {
     pub show: Option<Vec<Overlay>>,
     /// What the colour of a box tells.
     pub color_by: Option<ColorBy>,
+}
+
+/// The widest and highest picture, px.
+const LARGEST: u64 = 8192;
+
+const SIZE: Key = Key { name: "size", accepts: "width and height, px: two whole numbers from 1 to 8192" };
+const THEME: Key = Key { name: "theme", accepts: "\"light\" or \"dark\"" };
+const FPS: Key = Key { name: "fps", accepts: "a positive number of frames per second, at most 1000" };
+const SHOW: Key = Key {
+    name: "show",
+    accepts: "a list of \"velocity\", \"normal\", \"penetration\", \"trail\", \"name\", \"grid\" and \"clock\", each at most once",
+};
+const COLOR_BY: Key = Key { name: "color_by", accepts: "\"body\", \"material\" or \"speed\"" };
+
+/// The scene's `[figure]`.
+pub(super) fn read(node: &Node) -> Result<FigureOptions, Refusal> {
+    let table = Table::open("figure", node, &[SIZE, THEME, FPS, SHOW, COLOR_BY])?;
+    Ok(FigureOptions {
+        size: table.optional(SIZE, |node| node.each(pixels))?,
+        theme: table.optional(THEME, |node| Theme::named(node.text()?).ok_or(node))?,
+        fps: table.optional(FPS, |node| node.number_where(|fps| 0.0 < fps && fps <= 1000.0))?,
+        show: table.optional(SHOW, overlays)?,
+        color_by: table.optional(COLOR_BY, |node| ColorBy::named(node.text()?).ok_or(node))?,
+    })
+}
+
+fn pixels(node: &Node) -> Result<u32, &Node> {
+    node.count_in(1..=LARGEST).map(|count| count as u32)
+}
+
+fn overlays(node: &Node) -> Result<Vec<Overlay>, &Node> {
+    let mut overlays = Vec::new();
+    for node in node.nodes()? {
+        let overlay = Overlay::named(node.text()?).ok_or(node)?;
+        if overlays.contains(&overlay) {
+            return Err(node);
+        }
+        overlays.push(overlay);
+    }
+    Ok(overlays)
 }
 
 /// Declares a plain enum whose values have names in scenes and flags.

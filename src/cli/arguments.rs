@@ -1,0 +1,232 @@
+use crate::scene::{ColorBy, Overlay, Theme};
+use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
+
+/// A physics engine of boxes that records, replays bit for bit, and draws itself
+#[derive(Debug, Parser)]
+#[command(version, arg_required_else_help = true, disable_help_subcommand = true, max_term_width = 100)]
+pub struct Arguments {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Run a scene and record its events and states
+    Record(RecordOptions),
+    /// Run a recording again and compare every recorded state bit for bit
+    Replay(ReplayOptions),
+    /// Draw a scene or a recording as GIF or PNG
+    Render(RenderOptions),
+    /// Write the states of a recording as a table
+    Export(ExportOptions),
+    /// Tell what is inside a recording
+    Info(InfoOptions),
+    /// Print the completions for a shell
+    Completions(CompletionsOptions),
+}
+
+/// Where a result goes, and whether something may stand there already.
+#[derive(Args, Debug)]
+pub struct OutputOptions {
+    /// The file to write, - for standard output
+    #[arg(short, long, value_name = "OUT")]
+    pub output: PathBuf,
+    /// Replace what is there
+    #[arg(short, long)]
+    pub force: bool,
+}
+
+/// Options of `record`.
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  rebond record recordings/two-boxes.toml -o two-boxes.mcap
+  rebond record scene.toml -o long.mcap --steps 100000 --every 100
+  printf '{\"click\": {\"step\": 30, \"at\": [4, 5]}}\\n' | rebond record scene.toml -o clicked.mcap --events -")]
+pub struct RecordOptions {
+    /// The scene, a TOML file
+    pub scene: PathBuf,
+    /// The recording to write, - for standard output
+    #[arg(short, long, value_name = "OUT.mcap")]
+    pub output: PathBuf,
+    /// Replace the recording that is there
+    #[arg(short, long)]
+    pub force: bool,
+    /// More events, one JSON object a line; - for standard input
+    #[arg(long, value_name = "FILE.jsonl")]
+    pub events: Option<PathBuf>,
+    /// Stop after that many steps, whatever the scene says
+    #[arg(long, value_name = "N")]
+    pub steps: Option<u64>,
+    /// Record the states of every N-th step only, digests of all
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
+    pub every: u64,
+    /// Wait for the disk at each flush, against loss of power
+    #[arg(long)]
+    pub sync: bool,
+    /// Skip event lines that are malformed or late, and count them
+    #[arg(long)]
+    pub lenient: bool,
+}
+
+/// Options of `replay`.
+#[derive(Args, Debug)]
+#[command(after_help = "\
+The last line of standard output is the verdict. Exit codes: 0 same, 3 diverged, 4 truncated or corrupt.
+
+Examples:
+  rebond replay recordings/two-boxes.mcap
+  rebond replay long.mcap --from 500 --to 600")]
+pub struct ReplayOptions {
+    /// The recording
+    pub recording: PathBuf,
+    /// The first step to compare
+    #[arg(long, value_name = "STEP")]
+    pub from: Option<u64>,
+    /// The last step to compare
+    #[arg(long, value_name = "STEP")]
+    pub to: Option<u64>,
+}
+
+/// Options of `render`.
+#[derive(Args, Debug)]
+#[command(after_help = "\
+OUT.gif is an animation, OUT.png with --at one picture, any other name a folder of
+000000.png, 000001.png, ... Flags override the scene's [figure].
+
+Examples:
+  rebond render recordings/two-boxes.toml -o two-boxes.gif
+  rebond render two-boxes.mcap -o frames/ --from 60 --to 120 --show velocity,name,clock
+  rebond render two-boxes.mcap -o impact.png --at 74 --theme dark --size 1920x1080")]
+pub struct RenderOptions {
+    /// A scene (.toml) or a recording (.mcap)
+    pub source: PathBuf,
+    /// Where the pictures go.
+    #[command(flatten)]
+    pub output: OutputOptions,
+    /// Draw the state of this step alone
+    #[arg(long, value_name = "STEP", conflicts_with_all = ["from", "to", "every", "fps"])]
+    pub at: Option<u64>,
+    /// The first step to draw
+    #[arg(long, value_name = "STEP")]
+    pub from: Option<u64>,
+    /// The last step to draw
+    #[arg(long, value_name = "STEP")]
+    pub to: Option<u64>,
+    /// Draw every N-th step, counted from step 0
+    #[arg(long, value_name = "N", conflicts_with = "fps", value_parser = clap::value_parser!(u64).range(1..))]
+    pub every: Option<u64>,
+    /// Draw about that many frames for each second
+    #[arg(long, value_parser = positive)]
+    pub fps: Option<f64>,
+    /// Width and height in pixels
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = picture_size)]
+    pub size: Option<[u32; 2]>,
+    /// light or dark
+    #[arg(long, value_parser = theme)]
+    pub theme: Option<Theme>,
+    /// What to draw beside the boxes: velocity, normal, penetration, trail, name, grid, clock; or none
+    #[arg(long, value_name = "LIST", value_parser = overlays)]
+    pub show: Option<Overlays>,
+    /// What colours tell: body, material or speed
+    #[arg(long, value_name = "WHAT", value_parser = color_by)]
+    pub color_by: Option<ColorBy>,
+    /// Threads to draw on [default: one for each processor]
+    #[arg(long, value_name = "N")]
+    pub jobs: Option<std::num::NonZero<usize>>,
+}
+
+/// Options of `export`.
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Columns: step,time,name,x,y,vx,vy; one row for each body alive at each step, walls included;
+decimals are the shortest that give the same number back.
+
+Examples:
+  rebond export two-boxes.mcap > two-boxes.csv
+  rebond export two-boxes.mcap -o two-boxes.jsonl --from 60 --to 120")]
+pub struct ExportOptions {
+    /// The recording
+    pub recording: PathBuf,
+    /// The table to write: .csv or .jsonl; - for CSV on standard output
+    #[arg(short, long, value_name = "FILE", default_value = "-")]
+    pub output: PathBuf,
+    /// Replace the table that is there
+    #[arg(short, long)]
+    pub force: bool,
+    /// The first step to write
+    #[arg(long, value_name = "STEP")]
+    pub from: Option<u64>,
+    /// The last step to write
+    #[arg(long, value_name = "STEP")]
+    pub to: Option<u64>,
+}
+
+/// Options of `info`.
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  rebond info two-boxes.mcap
+  rebond info two-boxes.mcap --json")]
+pub struct InfoOptions {
+    /// The recording
+    pub recording: PathBuf,
+    /// One JSON object in place of lines
+    #[arg(long)]
+    pub json: bool,
+}
+
+/// Options of `completions`.
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Example:
+  rebond completions bash > ~/.local/share/bash-completion/completions/rebond")]
+pub struct CompletionsOptions {
+    /// bash, zsh, fish, elvish or powershell
+    pub shell: clap_complete::Shell,
+}
+
+/// A list of overlays as one flag gives it.
+#[derive(Clone, Debug)]
+pub struct Overlays(pub Vec<Overlay>);
+
+fn overlays(text: &str) -> Result<Overlays, String> {
+    if text == "none" {
+        return Ok(Overlays(Vec::new()));
+    }
+    text.split(',')
+        .map(|name| named(name, Overlay::named, Overlay::ALL, Overlay::name))
+        .collect::<Result<_, _>>()
+        .map(Overlays)
+}
+
+fn theme(text: &str) -> Result<Theme, String> {
+    named(text, Theme::named, Theme::ALL, Theme::name)
+}
+
+fn color_by(text: &str) -> Result<ColorBy, String> {
+    named(text, ColorBy::named, ColorBy::ALL, ColorBy::name)
+}
+
+fn named<T: Copy>(
+    text: &str,
+    find: impl Fn(&str) -> Option<T>,
+    all: &[T],
+    name: impl Fn(T) -> &'static str,
+) -> Result<T, String> {
+    let names = || all.iter().map(|&value| name(value)).collect::<Vec<_>>().join(", ");
+    find(text).ok_or_else(|| format!("{text:?} is none of {}", names()))
+}
+
+fn picture_size(text: &str) -> Result<[u32; 2], String> {
+    let sides = text.split_once('x').and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]));
+    sides.filter(|sides: &[u32; 2]| !sides.contains(&0)).ok_or_else(|| "expected WIDTHxHEIGHT, such as 1280x720".into())
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number > 0.0);
+    number.ok_or_else(|| "expected a positive number".into())
+}

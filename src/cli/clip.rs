@@ -1,0 +1,140 @@
+use super::arguments::RenderOptions;
+use super::error::CommandError;
+use super::frames::Frames;
+use super::render::Kind;
+use super::source::{Source, Survey};
+use crate::physics::Vector;
+use crate::render::{Metadata, Sampling, Style, Thinning, View};
+use crate::scene::{ColorBy, FigureOptions, Overlay, Theme};
+use std::{num::NonZero, path::PathBuf};
+
+/// Width and height of a picture nobody gave a size, px.
+const DEFAULT_SIZE: [u32; 2] = [1280, 720];
+
+/// Frames per second of an animation nobody gave a rate.
+const DEFAULT_FPS: f64 = 30.0;
+
+/// The key under which a picture says what it shows.
+const STEPS: &str = "rebond steps";
+
+/// Browsers show delays under 2/100 s as 10/100 s.
+const FASTEST_GIF: f64 = 50.0;
+
+/// All that is decided before the first frame is drawn.
+pub struct Clip {
+    /// The recording.
+    pub path: PathBuf,
+    /// Which steps are drawn.
+    pub sampling: Sampling,
+    /// How.
+    pub view: View,
+    /// What the result says of itself.
+    pub metadata: Metadata,
+    /// How many threads draw.
+    pub threads: NonZero<usize>,
+}
+
+impl Clip {
+    /// Settles what the flags leave open: from the scene, then from defaults.
+    pub fn plan(options: &RenderOptions, kind: Kind, source: &Source) -> Result<Clip, CommandError> {
+        let survey = Survey::of(&source.path)?;
+        let sampling = sampling(options, kind, source, &survey)?;
+        let figure = &source.scene.figure;
+        let style = style(options, figure, &survey);
+        let size = options.size.or(figure.size).unwrap_or(DEFAULT_SIZE);
+        let [width, height] = source.scene.size;
+        let metadata = metadata(survey.identity, &sampling, &style, size);
+        let threads = options.jobs.or(std::thread::available_parallelism().ok()).unwrap_or(NonZero::<usize>::MIN);
+        Ok(Clip {
+            path: source.path.clone(),
+            sampling,
+            view: View::fit(Vector::new(width, height), size, style)?,
+            metadata,
+            threads,
+        })
+    }
+
+    /// What the picture of one step of a sequence says of itself: that step, so that it does
+    /// not matter in how many parts a sequence was drawn.
+    pub fn metadata_of(&self, step: u64) -> Metadata {
+        let mut metadata = self.metadata.clone();
+        for (key, value) in &mut metadata.entries {
+            if key == STEPS {
+                *value = step.to_string();
+            }
+        }
+        metadata
+    }
+
+    /// The frames to draw, in order.
+    pub fn frames(&self) -> Result<Frames, CommandError> {
+        Frames::new(&self.path, self.sampling.clone(), &self.view.style.show)
+    }
+}
+
+/// Animations are thinned to their frame rate, pictures only when asked to be.
+fn sampling(options: &RenderOptions, kind: Kind, source: &Source, survey: &Survey) -> Result<Sampling, CommandError> {
+    let Some(last) = survey.last_step else {
+        return Err(CommandError::NoSuchStep { what: "the recording has no state".into() });
+    };
+    let [from, to] = match options.at {
+        Some(step) => [step, step],
+        None => [options.from.unwrap_or(0), options.to.unwrap_or(last)],
+    };
+    let fps = source.scene.figure.fps.unwrap_or(DEFAULT_FPS);
+    let thinning = match (options.every, options.fps, kind) {
+        (Some(every), _, _) => Thinning::Every(every),
+        (None, Some(fps), _) => Thinning::FramesPerSecond(fps),
+        (None, None, Kind::Gif) => Thinning::FramesPerSecond(fps),
+        (None, None, Kind::Picture | Kind::Sequence) => Thinning::All,
+    };
+    let steps = from..=if to < last { to } else { last };
+    let sampling = Sampling::new(steps, source.header.settings.rate, thinning);
+    let sampling = if kind == Kind::Gif { sampling.no_faster_than(FASTEST_GIF) } else { sampling };
+    if sampling.count() == 0 {
+        let what = format!("steps {from} to {to}, every {}, of a recording whose last step is {last}", sampling.every);
+        return Err(CommandError::NoSuchStep { what });
+    }
+    Ok(sampling)
+}
+
+fn style(options: &RenderOptions, figure: &FigureOptions, survey: &Survey) -> Style {
+    let default = Style::default();
+    let flag = options.show.as_ref().map(|show| show.0.clone());
+    Style {
+        theme: options.theme.or(figure.theme).unwrap_or(default.theme),
+        show: flag.or(figure.show.clone()).unwrap_or(default.show),
+        color_by: options.color_by.or(figure.color_by).unwrap_or(default.color_by),
+        top_speed: survey.top_speed,
+        materials: survey.materials.clone(),
+    }
+}
+
+/// The identity of what is drawn, the steps, and every option that shapes the picture, in one
+/// fixed form and order. A picture says neither when nor where nor by how many it was made.
+fn metadata(identity: Option<String>, sampling: &Sampling, style: &Style, size: [u32; 2]) -> Metadata {
+    let mut show: Vec<Overlay> = style.show.clone();
+    show.sort();
+    show.dedup();
+    let show: Vec<&str> = show.into_iter().map(Overlay::name).collect();
+    let options = format!(
+        "size={}x{} theme={} show={} color_by={}",
+        size[0],
+        size[1],
+        Theme::name(style.theme),
+        if show.is_empty() { "none".into() } else { show.join(",") },
+        ColorBy::name(style.color_by)
+    );
+    let [first, last] = [sampling.steps.start(), sampling.steps.end()];
+    let steps = if first == last { first.to_string() } else { format!("{first} to {last} every {}", sampling.every) };
+    let entry = |key: &str, value: String| (key.to_owned(), value);
+    let identity = identity.unwrap_or_else(|| "none, the recording is unfinished".into());
+    Metadata {
+        entries: vec![
+            entry("Software", concat!("rebond ", env!("CARGO_PKG_VERSION")).into()),
+            entry("rebond recording", identity),
+            entry(STEPS, steps),
+            entry("rebond options", options),
+        ],
+    }
+}

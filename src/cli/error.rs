@@ -1,0 +1,107 @@
+use super::Exit;
+use crate::{recording, render::RenderError, run::RunError, scene::SceneError};
+use miette::Diagnostic;
+use std::{
+    io::{self, Write},
+    path::{Path, PathBuf},
+};
+
+/// Why a command could not be carried out.
+#[derive(Debug, thiserror::Error, Diagnostic)]
+pub enum CommandError {
+    /// The scene is refused.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Scene(#[from] SceneError),
+    /// The run could not be recorded.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Run(#[from] RunError),
+    /// A recording cannot be read or written.
+    #[error("{}: {source}", path.display())]
+    Recording {
+        /// Which one.
+        path: PathBuf,
+        /// What of it.
+        source: recording::Error,
+    },
+    /// A recording cannot be opened or created; the error names it.
+    #[error(transparent)]
+    RecordingFile(recording::Error),
+    /// There is no picture.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    /// A file cannot be read.
+    #[error("cannot read {}: {source}", path.display())]
+    Unreadable {
+        /// Which file.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// A result cannot be written.
+    #[error("cannot write {}: {source}", path.display())]
+    Unwritable {
+        /// Which file or folder.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// Standard output does not take any more.
+    #[error("cannot write to standard output: {0}")]
+    StandardOutput(#[source] io::Error),
+    /// Something stands where the result is to go.
+    #[error("{} exists already; give another name with -o, or --force to replace it", .0.display())]
+    Exists(PathBuf),
+    /// The steps asked for are not there.
+    #[error("there is nothing to show: {what}")]
+    NoSuchStep {
+        /// Which steps were asked for, and which there are.
+        what: String,
+    },
+    /// The name of the result does not say what it is to be.
+    #[error("cannot tell what {} is to be: {expected}", path.display())]
+    UnknownKind {
+        /// The name given.
+        path: PathBuf,
+        /// What names would be accepted.
+        expected: &'static str,
+    },
+    /// A scene that was recorded just now did not replay the same.
+    #[error("the scene did not replay the same; this is a fault of rebond, please report it with the scene")]
+    NotTheSame,
+    /// The run ended in an error of the engine; the recording tells it too.
+    #[error("{error}; recorded up to there in {}", path.display())]
+    Step {
+        /// The recording.
+        path: PathBuf,
+        /// What happened.
+        error: crate::physics::StepError,
+    },
+}
+
+impl CommandError {
+    /// The error of reading or writing a recording at `path`, which is named once.
+    pub fn recording(path: &Path, source: recording::Error) -> CommandError {
+        match source {
+            recording::Error::Open { .. } | recording::Error::Exists { .. } => CommandError::RecordingFile(source),
+            source => CommandError::Recording { path: path.into(), source },
+        }
+    }
+
+    /// The error of writing a result at `path`.
+    pub fn unwritable(path: &Path) -> impl Fn(io::Error) -> CommandError {
+        move |source| CommandError::Unwritable { path: path.into(), source }
+    }
+}
+
+/// Tells the user on standard error. Should that be closed, the exit code remains.
+pub fn report(error: CommandError) -> Exit {
+    let report = miette::Report::new(error);
+    let exit = match report.downcast_ref() {
+        Some(CommandError::NotTheSame) => Exit::Diverged,
+        Some(_) | None => Exit::Error,
+    };
+    let _ = writeln!(io::stderr(), "{report:?}");
+    exit
+}

@@ -1,0 +1,32 @@
+//! The command line: one file per command, and the edge where errors become reports.
+
+mod arguments;
+mod clip;
+mod completions;
+mod error;
+mod exit;
+mod export;
+mod frames;
+mod info;
+mod output;
+mod progress;
+mod record;
+mod render;
+mod replay;
+mod source;
+
+pub use arguments::{Arguments, Command};
+pub use exit::Exit;
+
+/// Runs one command to its end and says how it ended; errors are reported on the way.
+pub fn run(arguments: Arguments) -> Exit {
+    let result = match &arguments.command {
+        Command::Record(options) => record::run(options),
+        Command::Replay(options) => replay::run(options),
+        Command::Render(options) => render::run(options),
+        Command::Export(options) => export::run(options),
+        Command::Info(options) => info::run(options),
+        Command::Completions(options) => completions::run(options),
+    };
+    result.unwrap_or_else(error::report)
+}

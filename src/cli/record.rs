@@ -1,0 +1,89 @@
+use super::arguments::RecordOptions;
+use super::error::CommandError;
+use super::{Exit, output, progress};
+use crate::recording::{self, Overwrite, Sync};
+use crate::run::{self, LiveEvents, Manners, Recorded, RunError};
+use crate::scene::{self, Scene};
+use std::{
+    fs::File,
+    io::{self, BufRead, BufReader, Write},
+    path::Path,
+};
+
+/// Runs a scene and records it.
+pub fn run(options: &RecordOptions) -> Result<Exit, CommandError> {
+    let scene = scene::load(&options.scene)?;
+    let plan = run::RecordOptions { steps: options.steps.unwrap_or(scene.run.steps), every: options.every };
+    tell_unreached(&scene, plan.steps);
+    let manners = if options.lenient { Manners::Lenient } else { Manners::Strict };
+    let events = options.events.as_deref().map(open_events).transpose()?;
+    let mut live = events.map(|lines| LiveEvents::new(lines, manners, plan.steps));
+    let recorded = record(&scene, plan, live.as_mut(), open_output(options)?, &options.output)?;
+    tell(options, &recorded, live.map_or(0, |live| live.skipped()))?;
+    match recorded.error {
+        Some(error) => Err(CommandError::Step { path: options.output.clone(), error }),
+        None => Ok(Exit::Done),
+    }
+}
+
+/// Records with a progress bar; `path` is what errors call the output.
+pub fn record<W: Write + Send + 'static>(
+    scene: &Scene,
+    plan: run::RecordOptions,
+    live: Option<&mut LiveEvents<impl BufRead>>,
+    output: W,
+    path: &Path,
+) -> Result<Recorded, CommandError> {
+    let bar = progress::bar("recording", plan.steps);
+    let recorded = run::record(scene, plan, live, output, |step| bar.set_position(step));
+    bar.finish_and_clear();
+    recorded.map_err(|error| match error {
+        RunError::Recording(error) => CommandError::recording(path, error),
+        error => error.into(),
+    })
+}
+
+fn tell_unreached(scene: &Scene, steps: u64) {
+    let unreached = scene.inputs.iter().filter(|input| input.step > steps).count();
+    if unreached > 0 {
+        output::note(format_args!("{unreached} events of the scene come after step {steps} and do not happen"));
+    }
+}
+
+fn open_events(path: &Path) -> Result<Box<dyn BufRead>, CommandError> {
+    if path == Path::new("-") {
+        return Ok(Box::new(BufReader::new(io::stdin())));
+    }
+    let file = File::open(path).map_err(|source| CommandError::Unreadable { path: path.into(), source })?;
+    Ok(Box::new(BufReader::new(file)))
+}
+
+fn open_output(options: &RecordOptions) -> Result<Box<dyn Write + Send>, CommandError> {
+    if output::is_standard_output(&options.output) {
+        return Ok(Box::new(io::stdout()));
+    }
+    let overwrite = if options.force { Overwrite::Allowed } else { Overwrite::Refused };
+    let sync = if options.sync { Sync::Disk } else { Sync::Program };
+    let file = recording::create(&options.output, overwrite, sync);
+    Ok(Box::new(file.map_err(|error| CommandError::recording(&options.output, error))?))
+}
+
+fn tell(options: &RecordOptions, recorded: &Recorded, skipped: u64) -> Result<(), CommandError> {
+    if skipped > 0 {
+        output::note(format_args!("{skipped} event line(s) skipped"));
+    }
+    let end = &recorded.end;
+    let line = format!(
+        "{}: {} steps, {} bodies, {} collisions, identity {}\n",
+        options.output.display(),
+        end.steps,
+        end.bodies,
+        end.collisions,
+        end.identity
+    );
+    if output::is_standard_output(&options.output) {
+        output::note(format_args!("{}", line.trim_end()));
+        return Ok(());
+    }
+    output::print(line.as_bytes())
+}

@@ -1,0 +1,34 @@
+use super::arguments::ReplayOptions;
+use super::error::CommandError;
+use super::{Exit, output, progress};
+use crate::physics::{CollisionCount, Observer};
+use crate::recording;
+use crate::replay::{Verdict, replay};
+use std::{ops::RangeInclusive, path::Path};
+
+/// Runs a recording again and prints the verdict.
+pub fn run(options: &ReplayOptions) -> Result<Exit, CommandError> {
+    let steps = options.from.unwrap_or(0)..=options.to.unwrap_or(u64::MAX);
+    let verdict = judge(&options.recording, steps, &mut CollisionCount::default())?;
+    output::print(format!("{verdict}\n").as_bytes())?;
+    Ok(exit(&verdict))
+}
+
+/// Replays with a progress bar; the observer sees the collisions.
+pub fn judge<O: Observer>(path: &Path, steps: RangeInclusive<u64>, observer: &mut O) -> Result<Verdict, CommandError> {
+    let failed = |error| CommandError::recording(path, error);
+    let recording = recording::open(path).map_err(failed)?;
+    let bar = progress::bar("replaying", recording.header.steps);
+    let verdict = replay(recording, steps, observer, &mut |step| bar.set_position(step));
+    bar.finish_and_clear();
+    verdict.map_err(failed)
+}
+
+/// How a script sees the verdict.
+pub fn exit(verdict: &Verdict) -> Exit {
+    match verdict {
+        Verdict::Same { .. } => Exit::Done,
+        Verdict::Diverged(_) => Exit::Diverged,
+        Verdict::Truncated { .. } | Verdict::Corrupt { .. } => Exit::Damaged,
+    }
+}

@@ -1,0 +1,18 @@
+use super::Identity;
+
+/// How a run ended: what stands at the end of a finished recording.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct End {
+    /// Steps taken: the number of the last state.
+    pub steps: u64,
+    /// Collisions that gave an impulse.
+    pub collisions: u64,
+    /// Bodies that ever lived, walls included.
+    pub bodies: u64,
+    /// Spawns and deletes.
+    pub events: u64,
+    /// The engine's error, if the run ended in one.
+    pub error: Option<String>,
+    /// The digest of it all.
+    pub identity: Identity,
+}

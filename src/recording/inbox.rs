@@ -1,0 +1,137 @@
+use std::collections::{BTreeMap, VecDeque};
+
+use mcap::records::op;
+
+use super::{
+    Damage, End, Header, Item, RecordedState, cdr,
+    chunk::{ChunkRecord, RawMessage},
+    course::Course,
+    fields::{Fields, Malformed},
+    messages::{BodiesMessage, EventMessage},
+    metadata,
+    topic::{MESSAGE_ENCODING, Topic},
+};
+
+/// Turns records into the items they hold, or into the damage they are.
+pub struct Inbox {
+    /// What is known so far.
+    pub course: Course,
+    /// Items not yet taken.
+    pub ready: VecDeque<Item>,
+    /// The first damage.
+    pub damage: Option<Damage>,
+    /// How the run ended, once known.
+    pub end: Option<End>,
+    channels: BTreeMap<u16, Option<Topic>>,
+}
+
+/// Where in the file something was found.
+#[derive(Clone, Copy, Debug)]
+pub struct Locus {
+    /// The chunk, counted from 1; none outside of chunks.
+    pub chunk: Option<u64>,
+    /// Of the top-level record, bytes from the start of the file.
+    pub offset: u64,
+}
+
+impl Inbox {
+    /// At the start of the recording with that header.
+    pub fn new(header: &Header) -> Inbox {
+        Inbox {
+            course: Course::new(header),
+            ready: VecDeque::new(),
+            damage: None,
+            end: None,
+            // What a recording declares in its first chunk, should that be damaged.
+            channels: (1..).zip(Topic::ALL.map(Some)).collect(),
+        }
+    }
+
+    /// Takes a record of a chunk.
+    pub fn chunk_record(&mut self, locus: Locus, record: &ChunkRecord<'_>) {
+        let taken = match record.opcode {
+            op::MESSAGE => self.message(locus, record.body),
+            op::CHANNEL => self.channel(record.body),
+            op::SCHEMA => Ok(()),
+            other => Err(format!("a record of kind {other:#04x} does not belong into a chunk")),
+        };
+        if let Err(what) = taken {
+            self.lose(locus, what);
+        }
+    }
+
+    /// Takes a metadata record.
+    pub fn metadata(&mut self, locus: Locus, body: &[u8]) {
+        let mut fields = Fields::new(body);
+        match (fields.text(), fields.map()) {
+            (Ok(metadata::END), Ok(map)) => {
+                match metadata::end(&map).and_then(|end| self.course.end(&end).map(|()| end)) {
+                    Ok(end) => {
+                        self.end = Some(end.clone());
+                        self.ready.push_back(Item::End(end));
+                    }
+                    Err(what) => self.note(locus, what),
+                }
+            }
+            (Ok(_), Ok(_)) => {}
+            (Err(Malformed), _) | (_, Err(Malformed)) => self.note(locus, "the metadata is damaged".into()),
+        }
+    }
+
+    /// Notes damage that has cost messages.
+    pub fn lose(&mut self, locus: Locus, what: String) {
+        self.course.lose();
+        self.note(locus, what);
+    }
+
+    /// Notes damage that has cost nothing.
+    pub fn note(&mut self, locus: Locus, what: String) {
+        let Locus { chunk, offset } = locus;
+        let damage = Damage { chunk, offset, what, after: self.course.last_step() };
+        self.damage.get_or_insert_with(|| damage.clone());
+        self.ready.push_back(Item::Damaged(damage));
+    }
+
+    fn message(&mut self, locus: Locus, body: &[u8]) -> Result<(), String> {
+        let RawMessage { channel, data, .. } = RawMessage::parse(body).map_err(|Malformed| "a message is damaged")?;
+        let Some(topic) = self.channels.get(&channel).copied().flatten() else { return Ok(()) };
+        match topic {
+            Topic::Events => {
+                let event = cdr::decode::<EventMessage>(data)?.event()?;
+                self.course.event(&event, data)?;
+                self.ready.push_back(Item::Event(event));
+            }
+            Topic::Bodies => {
+                let keyframe = cdr::decode::<BodiesMessage>(data)?.keyframe()?;
+                self.course.keyframe(&keyframe)?;
+                self.ready.push_back(Item::Keyframe(keyframe));
+            }
+            Topic::States => self.state(locus, cdr::decode(data)?)?,
+        }
+        Ok(())
+    }
+
+    fn state(&mut self, locus: Locus, state: RecordedState) -> Result<(), String> {
+        let doubt = self.course.state(&state)?;
+        match doubt {
+            None => self.ready.push_back(Item::State(state)),
+            Some(what) => {
+                self.ready.push_back(Item::Doubtful(state));
+                self.note(locus, what);
+            }
+        }
+        Ok(())
+    }
+
+    fn channel(&mut self, body: &[u8]) -> Result<(), String> {
+        let mut fields = Fields::new(body);
+        let mut read = || Ok((fields.u16()?, fields.u16()?, fields.text()?, fields.text()?));
+        let (id, _schema, name, encoding) = read().map_err(|Malformed| "a channel is damaged")?;
+        let topic = Topic::named(name);
+        if topic.is_some() && encoding != MESSAGE_ENCODING {
+            return Err(format!("the topic {name} is encoded as {encoding:?}"));
+        }
+        self.channels.insert(id, topic);
+        Ok(())
+    }
+}

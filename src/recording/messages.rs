@@ -1,0 +1,188 @@
+//! Events and keyframes as they are laid out in messages, and back, checked.
+//!
+//! The structs mirror `schemas/*.msg` field by field: the order is the format.
+
+use serde::{Deserialize, Serialize};
+
+use crate::physics::{BodyId, Memory, Rect, Spawn, Vector};
+
+use super::{Change, Keyframe, KeyframeBody, KnownBody, RecordedEvent, limits};
+
+/// `rebond_msgs/msg/Event`.
+#[derive(Serialize, Deserialize)]
+pub struct EventMessage {
+    step: u64,
+    spawn: Vec<SpawnMessage>,
+    delete: Vec<BodyId>,
+}
+
+/// `rebond_msgs/Spawn`.
+#[derive(Serialize, Deserialize)]
+struct SpawnMessage {
+    id: BodyId,
+    name: String,
+    x: f64,
+    y: f64,
+    width: f64,
+    height: f64,
+    mass: f64,
+    vx: f64,
+    vy: f64,
+    fx: f64,
+    fy: f64,
+    material: String,
+    color: String,
+}
+
+/// `rebond_msgs/msg/Bodies`.
+#[derive(Serialize, Deserialize)]
+pub struct BodiesMessage {
+    step: u64,
+    next_id: BodyId,
+    spawned: Vec<SpawnMessage>,
+    x: Vec<f64>,
+    y: Vec<f64>,
+    vx: Vec<f64>,
+    vy: Vec<f64>,
+    fx: Vec<f64>,
+    fy: Vec<f64>,
+    solver_integers: Vec<u64>,
+    solver_numbers: Vec<f64>,
+}
+
+impl EventMessage {
+    /// The message of an event.
+    pub fn new(event: &RecordedEvent) -> EventMessage {
+        let (spawn, delete) = match &event.change {
+            Change::Spawn { id, spawn, color } => (vec![SpawnMessage::new(*id, spawn, color.as_deref())], vec![]),
+            Change::Delete { id } => (vec![], vec![*id]),
+        };
+        EventMessage { step: event.step, spawn, delete }
+    }
+
+    /// The event of a message.
+    ///
+    /// # Errors
+    /// In words, if it is not one this program could have recorded.
+    pub fn event(self) -> Result<RecordedEvent, String> {
+        let found = (self.spawn.len(), self.delete.len());
+        let change = match (self.spawn.into_iter().next(), self.delete.first()) {
+            (Some(spawn), None) if found.0 == 1 => {
+                let KnownBody { id, spawn, color } = spawn.body()?;
+                Change::Spawn { id, spawn, color }
+            }
+            (None, Some(&id)) if found.1 == 1 => Change::Delete { id },
+            _ => return Err(format!("an event of {} spawns and {} deletes", found.0, found.1)),
+        };
+        Ok(RecordedEvent { step: self.step, change })
+    }
+}
+
+impl SpawnMessage {
+    fn new(id: BodyId, spawn: &Spawn, color: Option<&str>) -> SpawnMessage {
+        SpawnMessage {
+            id,
+            name: spawn.name.clone(),
+            x: spawn.rect.origin.x,
+            y: spawn.rect.origin.y,
+            width: spawn.rect.width(),
+            height: spawn.rect.height(),
+            mass: spawn.mass,
+            vx: spawn.velocity.x,
+            vy: spawn.velocity.y,
+            fx: spawn.force.x,
+            fy: spawn.force.y,
+            material: spawn.material.clone(),
+            color: color.unwrap_or_default().into(),
+        }
+    }
+
+    fn body(self) -> Result<KnownBody, String> {
+        self.check()?;
+        let spawn = Spawn {
+            rect: Rect::new(Vector::new(self.x, self.y), self.width, self.height),
+            mass: self.mass,
+            velocity: Vector::new(self.vx, self.vy),
+            force: Vector::new(self.fx, self.fy),
+            name: self.name,
+            material: self.material,
+        };
+        let color = (!self.color.is_empty()).then_some(self.color);
+        Ok(KnownBody { id: self.id, spawn, color })
+    }
+
+    fn check(&self) -> Result<(), String> {
+        if let Some(long) =
+            [&self.name, &self.material, &self.color].into_iter().find(|s| s.len() > limits::STRING_BYTES)
+        {
+            return Err(format!("body {} has a string of {} bytes", self.id, long.len()));
+        }
+        let finite = [self.x, self.y, self.vx, self.vy, self.fx, self.fy].into_iter().all(f64::is_finite);
+        let size = [self.width, self.height].into_iter().all(|side| side.is_finite() && side > 0.0);
+        if finite && size && self.mass > 0.0 {
+            Ok(())
+        } else {
+            Err(format!("body {:?} has impossible constants", self.name))
+        }
+    }
+}
+
+impl BodiesMessage {
+    /// The message of a keyframe.
+    pub fn new(keyframe: &Keyframe) -> BodiesMessage {
+        let column = |number: fn(&KeyframeBody) -> f64| keyframe.bodies.iter().map(number).collect();
+        BodiesMessage {
+            step: keyframe.step,
+            next_id: keyframe.next_id,
+            spawned: keyframe.bodies.iter().map(|body| SpawnMessage::from(&*body.known)).collect(),
+            x: column(|body| body.position.x),
+            y: column(|body| body.position.y),
+            vx: column(|body| body.velocity.x),
+            vy: column(|body| body.velocity.y),
+            fx: column(|body| body.force.x),
+            fy: column(|body| body.force.y),
+            solver_integers: keyframe.memory.integers.clone(),
+            solver_numbers: keyframe.memory.numbers.clone(),
+        }
+    }
+
+    /// The keyframe of a message.
+    ///
+    /// # Errors
+    /// In words, if it is not one this program could have recorded.
+    pub fn keyframe(self) -> Result<Keyframe, String> {
+        let columns = [&self.x, &self.y, &self.vx, &self.vy, &self.fx, &self.fy];
+        if columns.iter().any(|column| column.len() != self.spawned.len()) {
+            return Err("a keyframe with columns of different lengths".into());
+        }
+        if columns.into_iter().flatten().any(|number| !number.is_finite()) {
+            return Err("a keyframe with a number that is not finite".into());
+        }
+        if self.spawned.windows(2).any(|pair| pair[0].id >= pair[1].id)
+            || self.spawned.last().is_some_and(|last| last.id >= self.next_id)
+        {
+            return Err("a keyframe with ids out of order".into());
+        }
+        let at = |x: &[f64], y: &[f64], place: usize| Vector::new(x[place], y[place]);
+        let bodies = self.spawned.into_iter().enumerate().map(|(place, spawn)| {
+            Ok(KeyframeBody {
+                known: spawn.body()?.into(),
+                position: at(&self.x, &self.y, place),
+                velocity: at(&self.vx, &self.vy, place),
+                force: at(&self.fx, &self.fy, place),
+            })
+        });
+        Ok(Keyframe {
+            step: self.step,
+            next_id: self.next_id,
+            bodies: bodies.collect::<Result<_, String>>()?,
+            memory: Memory { integers: self.solver_integers, numbers: self.solver_numbers },
+        })
+    }
+}
+
+impl From<&KnownBody> for SpawnMessage {
+    fn from(body: &KnownBody) -> SpawnMessage {
+        SpawnMessage::new(body.id, &body.spawn, body.color.as_deref())
+    }
+}

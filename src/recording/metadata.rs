@@ -1,0 +1,200 @@
+//! The two metadata records, `rebond` at the start and `rebond_end` at the end.
+//!
+//! Every value is text. A float stands there twice, as the shortest decimal that reads
+//! back to it and as its bits: `0.95 0x3fee666666666666`; the bits count. Each record has a
+//! checksum of its own, as MCAP gives metadata none.
+
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    fmt::Display,
+    str::FromStr,
+};
+
+use xxhash_rust::xxh3::Xxh3;
+
+use crate::physics::{Restitution, RestitutionPair, Settings, SolverKind, Vector};
+
+use super::{End, Error, FORMAT_VERSION, Header, SceneText, Versions, limits};
+
+/// The name of the record at the start.
+pub const START: &str = "rebond";
+
+/// The name of the record at the end.
+pub const END: &str = "rebond_end";
+
+/// Keys and values of one record.
+pub type Map = BTreeMap<String, String>;
+
+/// The record at the start.
+pub fn of_header(header: &Header) -> Map {
+    let mut map = of_settings(header);
+    put(&mut map, "steps", header.steps);
+    put(&mut map, "every", header.every);
+    put(&mut map, "scene_checksum", checksum_of_text(&header.scene.text));
+    sealed(map)
+}
+
+/// What of the record at the start decides about the course of the run.
+pub fn of_settings(header: &Header) -> Map {
+    let Header { versions, settings, .. } = header;
+    let mut map = Map::new();
+    put(&mut map, "format_version", versions.format);
+    put(&mut map, "semantics_version", versions.semantics);
+    put(&mut map, "solver", settings.solver.name());
+    put(&mut map, "rate", float(settings.rate));
+    put(&mut map, "events_per_step", settings.events_per_step);
+    if let Some(gravity) = settings.gravity {
+        put(&mut map, "gravity_x", float(gravity.x));
+        put(&mut map, "gravity_y", float(gravity.y));
+    }
+    put(&mut map, "restitution", float(settings.restitution.default_restitution()));
+    for RestitutionPair { materials, restitution } in settings.restitution.pairs() {
+        put(&mut map, &pair_key(&materials), float(restitution));
+    }
+    map
+}
+
+/// The record at the end.
+pub fn of_end(end: &End) -> Map {
+    let mut map = Map::new();
+    put(&mut map, "steps", end.steps);
+    put(&mut map, "collisions", end.collisions);
+    put(&mut map, "bodies", end.bodies);
+    put(&mut map, "events", end.events);
+    put(&mut map, "identity", end.identity);
+    if let Some(error) = &end.error {
+        put(&mut map, "error", error);
+    }
+    sealed(map)
+}
+
+/// The header of a record at the start and its scene.
+///
+/// # Errors
+/// If it is newer than this program or not as it was written.
+pub fn header(map: &Map, scene: SceneText) -> Result<Header, Error> {
+    let damaged = |what| Error::NotARecording { what };
+    let format = value(map, "format_version").map_err(damaged)?;
+    if format > FORMAT_VERSION {
+        return Err(Error::NewerFormat { found: format });
+    }
+    unsealed(map).map_err(damaged)?;
+    let header = header_fields(map, format, scene).map_err(damaged)?;
+    match value::<String>(map, "scene_checksum") {
+        Ok(sum) if sum == checksum_of_text(&header.scene.text) => Ok(header),
+        Ok(_) | Err(_) => Err(damaged("the scene's text is not the one that was recorded".into())),
+    }
+}
+
+/// The end that a record at the end tells.
+///
+/// # Errors
+/// In words, if it is not as it was written.
+pub fn end(map: &Map) -> Result<End, String> {
+    unsealed(map)?;
+    Ok(End {
+        steps: value(map, "steps")?,
+        collisions: value(map, "collisions")?,
+        bodies: value(map, "bodies")?,
+        events: value(map, "events")?,
+        error: map.get("error").cloned(),
+        identity: value(map, "identity")?,
+    })
+}
+
+fn header_fields(map: &Map, format: u32, scene: SceneText) -> Result<Header, String> {
+    let solver: String = value(map, "solver")?;
+    let gravity = match map.contains_key("gravity_x") {
+        true => Some(Vector::new(finite(map, "gravity_x")?, finite(map, "gravity_y")?)),
+        false => None,
+    };
+    let rate = finite(map, "rate")?;
+    let every = value(map, "every")?;
+    if rate <= 0.0 || every == 0 {
+        return Err("the rate or the thinning is not positive".into());
+    }
+    let settings = Settings {
+        solver: SolverKind::named(&solver).ok_or_else(|| format!("the solver {solver:?} is unknown"))?,
+        rate,
+        gravity,
+        restitution: restitution(map)?,
+        events_per_step: value(map, "events_per_step")?,
+    };
+    let versions = Versions { format, semantics: value(map, "semantics_version")? };
+    Ok(Header { versions, settings, steps: value(map, "steps")?, every, scene })
+}
+
+fn restitution(map: &Map) -> Result<Restitution, String> {
+    let mut pairs = Vec::new();
+    for key in map.keys().filter(|key| key.starts_with(PAIR)) {
+        let materials = serde_json::from_str(&key[PAIR.len()..]).map_err(|_| format!("the pair {key:?} is damaged"))?;
+        pairs.push(RestitutionPair { materials, restitution: finite(map, key)? });
+    }
+    let names: BTreeSet<&String> = pairs.iter().flat_map(|pair: &RestitutionPair| &pair.materials).collect();
+    if names.len() > limits::MATERIALS {
+        return Err(format!("its restitution table names {} materials", names.len()));
+    }
+    let default = finite(map, "restitution")?;
+    let all = pairs.iter().map(|pair| pair.restitution).chain([default]);
+    match all.into_iter().all(|e| (0.0..=1.0).contains(&e)) {
+        true => Ok(Restitution::new(default, &pairs)),
+        false => Err("a restitution lies outside of 0 to 1".into()),
+    }
+}
+
+const PAIR: &str = "restitution ";
+
+fn pair_key(materials: &[String; 2]) -> String {
+    format!("{PAIR}{}", serde_json::json!(materials))
+}
+
+fn put(map: &mut Map, key: &str, value: impl Display) {
+    map.insert(key.into(), value.to_string());
+}
+
+fn value<T: FromStr>(map: &Map, key: &str) -> Result<T, String> {
+    let text = map.get(key).ok_or_else(|| format!("its metadata has no {key:?}"))?;
+    text.parse().map_err(|_| format!("its metadata has {key:?} = {text:?}"))
+}
+
+fn float(number: f64) -> String {
+    format!("{number:?} 0x{:016x}", number.to_bits())
+}
+
+fn finite(map: &Map, key: &str) -> Result<f64, String> {
+    let text: String = value(map, key)?;
+    text.split_once(" 0x")
+        .and_then(|(_, bits)| u64::from_str_radix(bits, 16).ok())
+        .map(f64::from_bits)
+        .filter(|number| number.is_finite())
+        .ok_or_else(|| format!("its metadata has {key:?} = {text:?}"))
+}
+
+const CHECKSUM: &str = "checksum";
+
+fn sealed(mut map: Map) -> Map {
+    let sum = checksum(&map);
+    put(&mut map, CHECKSUM, sum);
+    map
+}
+
+fn unsealed(map: &Map) -> Result<(), String> {
+    match map.get(CHECKSUM) == Some(&checksum(map)) {
+        true => Ok(()),
+        false => Err("its metadata does not fit its checksum".into()),
+    }
+}
+
+/// XXH3 over all keys and values but the checksum itself, each with its length.
+fn checksum(map: &Map) -> String {
+    let mut hash = Xxh3::new();
+    for text in map.iter().filter(|(key, _)| *key != CHECKSUM).flat_map(|(key, value)| [key, value]) {
+        hash.update(&(text.len() as u64).to_le_bytes());
+        hash.update(text.as_bytes());
+    }
+    format!("{:016x}", hash.digest())
+}
+
+fn checksum_of_text(text: &str) -> String {
+    format!("{:016x}", xxhash_rust::xxh3::xxh3_64(text.as_bytes()))
+}

@@ -1,0 +1,64 @@
+//! What went in and what came out, as one MCAP file that any reader of MCAP understands.
+//!
+//! A recording holds the settings, the scene's text, every event that was applied, every
+//! state (or its digest) and about once a second a keyframe from which a run goes on to
+//! the bit. [`Writer`] streams it out, [`Recording`] reads it back strictly: what it hands
+//! over has passed every checksum and every limit, and what cannot is located, never
+//! guessed. [`Playback`] shows a recording step by step to those who draw or tabulate.
+//!
+//! | topic or record   | holds                                            | type                |
+//! |-------------------|--------------------------------------------------|---------------------|
+//! | `/events`         | every spawn and delete: what replay feeds in     | [`RecordedEvent`]   |
+//! | `/states`         | one message a step: digest, movable bodies       | [`RecordedState`]   |
+//! | `/bodies`         | about once a second: everything, to start from   | [`Keyframe`]        |
+//! | metadata `rebond` | settings and versions                            | [`Header`]          |
+//! | metadata `rebond_end` | how the run ended, its identity              | [`End`]             |
+//! | attachment        | the scene's TOML                                 | [`SceneText`]       |
+
+mod body_table;
+mod cdr;
+mod chunk;
+mod clock;
+mod container;
+mod course;
+mod digest;
+mod end;
+mod error;
+mod event;
+mod fields;
+mod file;
+mod header;
+mod health;
+mod identity;
+mod inbox;
+mod keyframe;
+pub mod limits;
+mod messages;
+mod metadata;
+mod playback;
+mod reader;
+mod records;
+mod resync;
+mod state;
+mod topic;
+mod writer;
+
+pub use body_table::{BodyTable, KnownBody};
+pub use digest::StateDigest;
+pub use end::End;
+pub use error::Error;
+pub use event::{Change, RecordedEvent};
+pub use file::{Overwrite, RecordingFile, Sync, create};
+pub use header::{FORMAT_VERSION, Header, SEMANTICS_VERSION, SceneText, Versions};
+pub use health::{Damage, Health};
+pub use identity::Identity;
+pub use keyframe::{Keyframe, KeyframeBody};
+pub use playback::{Frame, FrameBody, Playback};
+pub use reader::{Item, Recording, open};
+pub use state::RecordedState;
+pub use writer::{Finished, Outcome, Writer, numbers};
+
+#[cfg(test)]
+pub(crate) mod testing;
+#[cfg(test)]
+mod tests;

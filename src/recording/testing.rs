@@ -1,0 +1,130 @@
+//! Small recordings for tests, made by running the engine.
+
+use std::io::Cursor;
+
+use crate::physics::{
+    CollisionCount, DEFAULT_EVENTS_PER_STEP, Engine, Rect, Restitution, RestitutionPair, Settings, SolverKind, Spawn,
+    Vector,
+};
+
+use super::{
+    Change, Finished, Header, Item, Outcome, RecordedEvent, RecordedState, Recording, SceneText, Versions, Writer, cdr,
+    clock,
+    container::Container,
+    messages::{BodiesMessage, EventMessage},
+    metadata,
+    topic::Topic,
+};
+
+/// A run to record: settings and events, by step.
+#[derive(Clone, Debug)]
+pub struct Run {
+    pub header: Header,
+    pub events: Vec<RecordedEvent>,
+}
+
+/// Two boxes between four walls, a third that comes and one that goes.
+pub fn bounce(steps: u64) -> Run {
+    let restitution =
+        Restitution::new(0.9, &[RestitutionPair { materials: ["steel".into(), "wood".into()], restitution: 0.7 }]);
+    let header = Header {
+        versions: Versions::CURRENT,
+        settings: Settings {
+            solver: SolverKind::Handout,
+            rate: 20.0,
+            gravity: Some(Vector::new(0.0, 9.81)),
+            restitution,
+            events_per_step: DEFAULT_EVENTS_PER_STEP,
+        },
+        steps,
+        every: 1,
+        scene: SceneText { file_name: "bounce.toml".into(), text: "title = \"Bounce\"\n".into() },
+    };
+    let mut events = Vec::new();
+    let mut spawn = |step, spawn: Spawn, color: Option<&str>| {
+        let id = events.len() as u32;
+        events.push(RecordedEvent { step, change: Change::Spawn { id, spawn, color: color.map(String::from) } });
+    };
+    for (name, [x, y, width, height]) in [
+        ("wall-top", [-1.0, -1.0, 10.0, 1.0]),
+        ("wall-bottom", [-1.0, 6.0, 10.0, 1.0]),
+        ("wall-left", [-1.0, 0.0, 1.0, 6.0]),
+        ("wall-right", [8.0, 0.0, 1.0, 6.0]),
+    ] {
+        let rect = Rect::new(Vector::new(x, y), width, height);
+        spawn(0, Spawn { rect, mass: f64::INFINITY, ..body(name) }, None);
+    }
+    spawn(0, Spawn { velocity: Vector::new(3.0, -1.0), material: "steel".into(), ..body("a") }, Some("#3366cc"));
+    let rect = Rect::new(Vector::new(5.0, 3.0), 0.5, 1.5);
+    spawn(0, Spawn { rect, mass: 2.0, force: Vector::new(-1.0, 0.0), material: "wood".into(), ..body("c") }, None);
+    spawn(10, Spawn { rect: Rect::new(Vector::new(2.5, 0.5), 1.0, 1.0), ..body("b") }, None);
+    events.push(RecordedEvent { step: 25, change: Change::Delete { id: 4 } });
+    Run { header, events }
+}
+
+/// A box of 1 m and 1 kg at rest at (1, 1).
+pub fn body(name: &str) -> Spawn {
+    Spawn {
+        name: name.into(),
+        rect: Rect::new(Vector::new(1.0, 1.0), 1.0, 1.0),
+        mass: 1.0,
+        velocity: Vector::ZERO,
+        force: Vector::ZERO,
+        material: String::new(),
+    }
+}
+
+/// Runs and records: the bytes of the file.
+pub fn record(run: &Run) -> Vec<u8> {
+    let mut writer = Writer::new(Vec::new(), &run.header).unwrap();
+    let mut engine = Engine::new(run.header.settings.clone());
+    let mut collisions = CollisionCount::default();
+    let mut outcome = Outcome::default();
+    loop {
+        let step = engine.present_step();
+        for event in run.events.iter().filter(|event| event.step == step) {
+            engine.apply(&event.change.event());
+            writer.event(event).unwrap();
+        }
+        writer.state(&engine).unwrap();
+        if engine.present_step() == run.header.steps {
+            break;
+        }
+        if let Err(error) = engine.step(&mut collisions) {
+            outcome.error = Some(error.to_string());
+            break;
+        }
+    }
+    outcome.collisions = collisions.0;
+    let Finished { write, .. } = writer.finish(&outcome).unwrap();
+    write
+}
+
+/// Records with altered states; checksums are right, only the run could not be so.
+pub fn record_altered(run: &Run, mut alter: impl FnMut(&mut RecordedState)) -> Vec<u8> {
+    let Header { settings, scene, .. } = &run.header;
+    let mut container = Container::new(Vec::new(), metadata::of_header(&run.header), scene).unwrap();
+    let mut bytes = Vec::new();
+    let original = record(run);
+    for item in Recording::read(Cursor::new(original)).unwrap() {
+        let (topic, step) = match item.unwrap() {
+            Item::Event(event) => {
+                cdr::encode(&EventMessage::new(&event), &mut bytes);
+                (Topic::Events, event.step)
+            }
+            Item::Keyframe(keyframe) => {
+                cdr::encode(&BodiesMessage::new(&keyframe), &mut bytes);
+                (Topic::Bodies, keyframe.step)
+            }
+            Item::State(mut state) => {
+                alter(&mut state);
+                state.encode(&mut bytes);
+                (Topic::States, state.step)
+            }
+            Item::End(end) => return container.finish(metadata::of_end(&end)).unwrap(),
+            Item::Doubtful(_) | Item::Damaged(_) => panic!("a fresh recording is whole"),
+        };
+        container.message(topic, clock::nanoseconds(step, settings.rate), &bytes).unwrap();
+    }
+    panic!("a fresh recording has an end")
+}

@@ -1,0 +1,119 @@
+//! Writing and reading together.
+
+use std::io::Cursor;
+
+use super::{
+    Damage, Error, Health, Item, Playback, Recording,
+    testing::{bounce, record},
+};
+use crate::physics::{CollisionCount, Engine};
+
+fn read(bytes: &[u8]) -> Result<Recording<Cursor<&[u8]>>, Error> {
+    Recording::read(Cursor::new(bytes))
+}
+
+/// All items and the health of a recording whose head can be read.
+fn items(bytes: &[u8]) -> (Vec<Item>, Health) {
+    let mut recording = read(bytes).unwrap();
+    let items = recording.by_ref().map(|item| item.unwrap()).collect();
+    (items, recording.health())
+}
+
+fn states(items: &[Item]) -> Vec<u64> {
+    items.iter().filter_map(|item| if let Item::State(state) = item { Some(state.step) } else { None }).collect()
+}
+
+#[test]
+fn what_was_written_is_read() {
+    let run = bounce(50);
+    let bytes = record(&run);
+    let recording = read(&bytes).unwrap();
+    assert_eq!(recording.header, run.header);
+    let (items, health) = items(&bytes);
+    assert_eq!(health, Health::Whole);
+    assert_eq!(states(&items), (0..=50).collect::<Vec<_>>());
+    let events: Vec<_> = items
+        .iter()
+        .filter_map(|item| if let Item::Event(event) = item { Some(event.clone()) } else { None })
+        .collect();
+    assert_eq!(events, run.events);
+    let Some(Item::End(end)) = items.last() else { panic!("no end") };
+    assert_eq!((end.steps, end.bodies, end.events, &end.error), (50, 7, 8, &None));
+}
+
+#[test]
+fn the_same_run_gives_the_same_bytes() {
+    assert_eq!(record(&bounce(50)), record(&bounce(50)));
+}
+
+#[test]
+fn playback_shows_every_state_of_the_engine() {
+    let run = bounce(50);
+    let bytes = record(&run);
+    let frames: Vec<_> = Playback::new(read(&bytes).unwrap()).map(Result::unwrap).collect();
+    let mut engine = Engine::new(run.header.settings.clone());
+    for frame in &frames {
+        for event in run.events.iter().filter(|event| event.step == frame.step) {
+            engine.apply(&event.change.event());
+        }
+        let shown: Vec<_> = frame.bodies.iter().map(|body| (body.known.id, body.position, body.velocity)).collect();
+        let there: Vec<_> =
+            engine.world().bodies.iter().map(|body| (body.id, body.rect.origin, body.velocity)).collect();
+        assert_eq!(shown, there);
+        engine.step(&mut CollisionCount::default()).unwrap();
+    }
+    assert_eq!(frames.len(), 51);
+}
+
+#[test]
+fn a_cut_anywhere_keeps_all_whole_chunks() {
+    let bytes = record(&bounce(50));
+    let (whole, _) = items(&bytes);
+    let mut last = 0;
+    for cut in 0..bytes.len() {
+        let Ok(recording) = read(&bytes[..cut]) else {
+            assert_eq!(last, 0, "the head is lost behind states");
+            continue;
+        };
+        drop(recording);
+        let (part, health) = items(&bytes[..cut]);
+        let after = states(&part).last().copied();
+        assert_eq!(health, Health::Truncated { after }, "cut at {cut}");
+        assert_eq!(part, whole[..part.len()], "cut at {cut}");
+        assert!(part.len() >= last, "cut at {cut} gives less than before");
+        last = part.len();
+    }
+    assert_eq!(last, whole.len());
+}
+
+#[test]
+fn every_flipped_bit_is_noticed_and_costs_one_chunk_at_most() {
+    let bytes = record(&bounce(50));
+    let (whole, _) = items(&bytes);
+    let per_chunk = 21;
+    for bit in 0..bytes.len() * 8 {
+        let mut flipped = bytes.clone();
+        flipped[bit / 8] ^= 1 << (bit % 8);
+        let Ok(mut recording) = read(&flipped) else { continue };
+        let part: Vec<_> = recording.by_ref().map(|item| item.unwrap()).collect();
+        let Health::Corrupt(Damage { offset, .. }) = recording.health() else {
+            panic!("bit {bit} of {}: {:?}", bytes.len() * 8, recording.health())
+        };
+        assert!(offset <= bit as u64 / 8, "bit {bit} is blamed on byte {offset}");
+        let kept = states(&part);
+        assert!(kept.len() + per_chunk >= states(&whole).len(), "bit {bit} costs {} states", 51 - kept.len());
+        for item in &part {
+            assert!(matches!(item, Item::Damaged(_)) || whole.contains(item), "bit {bit} invents {item:?}");
+        }
+    }
+}
+
+#[test]
+fn thinned_states_have_their_digest() {
+    let mut run = bounce(50);
+    run.header.every = 10;
+    let (items, health) = items(&record(&run));
+    assert_eq!(health, Health::Whole);
+    let full = items.iter().filter(|item| matches!(item, Item::State(state) if !state.id.is_empty())).count();
+    assert_eq!((states(&items).len(), full), (51, 6));
+}

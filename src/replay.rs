@@ -1,0 +1,196 @@
+//! Running a recording again and comparing every state to the bit.
+
+mod verdict;
+
+use std::{
+    io::{Read, Seek},
+    ops::RangeInclusive,
+};
+
+use crate::{
+    physics::{Engine, Observer},
+    recording::{
+        BodyTable, Change, End, Error, Health, Item, RecordedEvent, RecordedState, Recording, SEMANTICS_VERSION,
+        StateDigest, numbers,
+    },
+};
+
+pub use verdict::{Difference, Divergence, Verdict, ulps};
+
+/// Runs `recording` again and compares the states of `steps` (both ends included).
+///
+/// `progress` hears of each step done. The observer sees the collisions of the replay.
+///
+/// # Errors
+/// If the recording cannot be read for reasons outside of it, or is of an engine this
+/// program does not have.
+pub fn replay<R: Read + Seek, O: Observer>(
+    mut recording: Recording<R>,
+    steps: RangeInclusive<u64>,
+    observer: &mut O,
+    progress: &mut dyn FnMut(u64),
+) -> Result<Verdict, Error> {
+    let found = recording.header.versions.semantics;
+    if found != SEMANTICS_VERSION {
+        return Err(Error::OtherSemantics { found });
+    }
+    let mut again = Again::new(&recording, steps);
+    while let Some(item) = recording.next() {
+        let outcome = match item? {
+            Item::Event(event) => again.event(event, observer),
+            Item::State(state) | Item::Doubtful(state) => {
+                progress(state.step);
+                again.state(&state, recording.table(), observer)
+            }
+            Item::Keyframe(_) => Ok(()),
+            Item::Damaged(_) => break,
+            Item::End(end) => again.end(end, observer),
+        };
+        if let Err(divergence) = outcome {
+            return Ok(Verdict::Diverged(divergence));
+        }
+        if again.is_done() {
+            break;
+        }
+    }
+    Ok(again.verdict(recording.health()))
+}
+
+/// The engine that does it all again, and how far it agreed.
+struct Again {
+    engine: Engine,
+    steps: RangeInclusive<u64>,
+    compared: Option<RangeInclusive<u64>>,
+    last_event: Option<String>,
+    then_error: Option<String>,
+    digest: StateDigest,
+}
+
+impl Again {
+    fn new<R>(recording: &Recording<R>, steps: RangeInclusive<u64>) -> Again {
+        Again {
+            engine: Engine::new(recording.header.settings.clone()),
+            steps,
+            compared: None,
+            last_event: None,
+            then_error: None,
+            digest: StateDigest::default(),
+        }
+    }
+
+    /// Whether there is nothing more to compare.
+    fn is_done(&self) -> bool {
+        self.compared.as_ref().is_some_and(|compared| compared.end() == self.steps.end())
+    }
+
+    fn event<O: Observer>(&mut self, event: RecordedEvent, observer: &mut O) -> Result<(), Box<Divergence>> {
+        self.go_to(event.step, observer)?;
+        let (verb, name) = match &event.change {
+            Change::Spawn { id, spawn, .. } => ("spawn", (*id == self.engine.next_id()).then(|| spawn.name.clone())),
+            Change::Delete { id } => ("delete", self.engine.world().body(*id).map(|body| body.name.clone())),
+        };
+        let Some(name) = name else {
+            return Err(self.off_course(format!("the replay has no place for a recorded {verb}")));
+        };
+        self.engine.apply(&event.change.event());
+        self.last_event = Some(format!("{verb} {name:?} at step {}", event.step));
+        Ok(())
+    }
+
+    fn state<O: Observer>(
+        &mut self,
+        state: &RecordedState,
+        table: Option<&BodyTable>,
+        observer: &mut O,
+    ) -> Result<(), Box<Divergence>> {
+        self.go_to(state.step, observer)?;
+        if !self.steps.contains(&state.step) {
+            return Ok(());
+        }
+        if let Some(difference) = self.difference(state, table) {
+            return Err(self.diverged(difference));
+        }
+        let first = self.compared.as_ref().map_or(state.step, |compared| *compared.start());
+        self.compared = Some(first..=state.step);
+        Ok(())
+    }
+
+    /// The recorded error must come again; its words are the recording's.
+    fn end<O: Observer>(&mut self, end: End, observer: &mut O) -> Result<(), Box<Divergence>> {
+        let Some(recorded) = end.error else { return Ok(()) };
+        match self.engine.step(observer) {
+            Err(error) if error.to_string() == recorded => {
+                self.then_error = Some(recorded);
+                Ok(())
+            }
+            Err(error) => {
+                Err(self.off_course(format!("the recorded error is {recorded:?}, the replay's is \"{error}\"")))
+            }
+            Ok(()) => Err(self.off_course(format!("the recorded error {recorded:?} does not come again"))),
+        }
+    }
+
+    fn go_to<O: Observer>(&mut self, step: u64, observer: &mut O) -> Result<(), Box<Divergence>> {
+        while self.engine.present_step() < step {
+            if let Err(error) = self.engine.step(observer) {
+                return Err(self.off_course(format!("the replay ends in an error that was not recorded: {error}")));
+            }
+        }
+        Ok(())
+    }
+
+    /// The first difference between the recorded state and the engine's.
+    fn difference(&mut self, state: &RecordedState, table: Option<&BodyTable>) -> Option<Difference> {
+        if !state.id.is_empty()
+            && let Some(difference) = table.and_then(|table| self.different_number(state, table))
+        {
+            return Some(difference);
+        }
+        self.digest.clear();
+        for body in &self.engine.world().bodies {
+            self.digest.body(body.id, numbers(body));
+        }
+        let (recorded, replayed) = (state.digest, self.digest.value());
+        (recorded != replayed).then_some(Difference::Digest { recorded, replayed })
+    }
+
+    fn different_number(&self, state: &RecordedState, table: &BodyTable) -> Option<Difference> {
+        for (known, moved) in table.with_state(state) {
+            let Some(body) = self.engine.world().body(known.id) else {
+                return Some(Difference::Course { what: format!("the replay has no body {:?}", known.spawn.name) });
+            };
+            let recorded = moved.unwrap_or_else(|| known.first_numbers());
+            let pairs = recorded.into_iter().zip(numbers(body)).zip(["x", "y", "vx", "vy"]);
+            for ((recorded, replayed), field) in pairs {
+                if recorded.to_bits() != replayed.to_bits() {
+                    let body = body.name.clone();
+                    return Some(Difference::Number { body, field, recorded, replayed });
+                }
+            }
+        }
+        None
+    }
+
+    fn verdict(self, health: Health) -> Verdict {
+        let steps = self.compared.as_ref().map_or(0, |compared| compared.end() - compared.start());
+        let done = self.is_done();
+        match health {
+            Health::Corrupt(damage) => Verdict::Corrupt { damage, steps },
+            Health::Truncated { after } if !done => Verdict::Truncated { after, steps },
+            Health::Truncated { .. } | Health::Whole => {
+                Verdict::Same { steps, bodies: self.engine.next_id().into(), then_error: self.then_error }
+            }
+        }
+    }
+
+    fn off_course(&self, what: String) -> Box<Divergence> {
+        self.diverged(Difference::Course { what })
+    }
+
+    fn diverged(&self, difference: Difference) -> Box<Divergence> {
+        Box::new(Divergence { step: self.engine.present_step(), difference, last_event: self.last_event.clone() })
+    }
+}
+
+#[cfg(test)]
+mod tests;

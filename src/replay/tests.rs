@@ -1,0 +1,149 @@
+use std::io::Cursor;
+
+use super::*;
+use crate::{
+    physics::{Collision, CollisionCount, Rect, Vector},
+    recording::testing::{Run, body, bounce, record, record_altered},
+};
+
+fn verdict_of(bytes: &[u8], steps: RangeInclusive<u64>) -> String {
+    let recording = Recording::read(Cursor::new(bytes)).unwrap();
+    replay(recording, steps, &mut CollisionCount::default(), &mut |_| {}).unwrap().to_string()
+}
+
+fn verdict(bytes: &[u8]) -> String {
+    verdict_of(bytes, 0..=u64::MAX)
+}
+
+fn flip(number: &mut f64) {
+    *number = f64::from_bits(number.to_bits() ^ 1);
+}
+
+/// With the digest that the numbers of the state would have had in the run.
+fn seal(run: &Run, state: &mut RecordedState) {
+    let mut digest = StateDigest::default();
+    let mut table = BodyTable::default();
+    run.events.iter().filter(|event| event.step <= state.step).for_each(|event| table.apply(&event.change));
+    for (known, moved) in table.with_state(state) {
+        digest.body(known.id, moved.unwrap_or_else(|| known.first_numbers()));
+    }
+    state.digest = digest.value();
+}
+
+#[test]
+fn a_recording_replays_the_same() {
+    assert_eq!(verdict(&record(&bounce(50))), "same: 50 steps, 7 bodies");
+}
+
+#[test]
+fn a_range_of_steps_is_compared_alone() {
+    let bytes = record(&bounce(50));
+    assert_eq!(verdict_of(&bytes, 20..=30), "same: 10 steps, 7 bodies");
+    let altered = record_altered(&bounce(50), |state| {
+        if state.step == 31 {
+            flip(&mut state.x[0])
+        }
+    });
+    assert_eq!(verdict_of(&altered, 20..=30), "same: 10 steps, 7 bodies");
+}
+
+#[test]
+fn one_flipped_bit_of_one_number_is_reported_exactly() {
+    let run = bounce(50);
+    for sealed in [false, true] {
+        let mut was = None;
+        let bytes = record_altered(&run, |state| {
+            if state.step == 17 {
+                was = Some(state.vy[1]);
+                flip(&mut state.vy[1]);
+                if sealed {
+                    seal(&run, state);
+                }
+            }
+        });
+        let replayed = was.unwrap();
+        let recorded = f64::from_bits(replayed.to_bits() ^ 1);
+        assert_eq!(
+            verdict(&bytes),
+            format!(
+                "diverged at step 17: body \"c\" vy recorded {recorded:?} replayed {replayed:?} (1 ulp), \
+                 after event spawn \"b\" at step 10"
+            )
+        );
+    }
+}
+
+#[test]
+fn the_first_differing_body_and_field_are_named() {
+    let bytes = record_altered(&bounce(50), |state| {
+        if state.step == 40 {
+            [&mut state.vx[1], &mut state.y[1], &mut state.vy[0]].into_iter().for_each(flip);
+        }
+    });
+    let found = verdict(&bytes);
+    assert!(found.starts_with("diverged at step 40: body \"c\" vy recorded "), "{found}");
+    assert!(found.ends_with(" (1 ulp), after event delete \"a\" at step 25"), "{found}");
+}
+
+#[test]
+fn a_state_thinned_away_diverges_by_its_digest() {
+    let mut run = bounce(50);
+    run.header.every = 10;
+    assert_eq!(verdict(&record(&run)), "same: 50 steps, 7 bodies");
+    let mut digest = 0;
+    let bytes = record_altered(&run, |state| {
+        if state.step == 5 {
+            digest = state.digest;
+            state.digest ^= 1;
+        }
+    });
+    let recorded = digest ^ 1;
+    assert_eq!(
+        verdict(&bytes),
+        format!(
+            "diverged at step 5: the digest of all bodies recorded {recorded:016x} replayed {digest:016x}, \
+             after event spawn \"c\" at step 0"
+        )
+    );
+}
+
+#[test]
+fn a_recorded_error_comes_again() {
+    let mut run = bounce(50);
+    let fast = body("fast");
+    let spawn = crate::physics::Spawn {
+        rect: Rect::new(Vector::new(1e300, 1e300), 1.0, 1.0),
+        velocity: Vector::new(1.7e308, 0.0),
+        force: Vector::new(1.7e308, 0.0),
+        ..fast
+    };
+    let change = Change::Spawn { id: 7, spawn, color: None };
+    run.events.push(RecordedEvent { step: 30, change });
+    let found = verdict(&record(&run));
+    let error = "step 31: body \"fast\" left the finite numbers; start it smaller or slower";
+    assert_eq!(found, format!("same: 31 steps, then the recorded error: {error}"));
+}
+
+#[test]
+fn what_is_left_of_a_cut_recording_is_the_same() {
+    let bytes = record(&bounce(50));
+    let cut = &bytes[..bytes.len() / 2];
+    let found = verdict(cut);
+    assert!(found.starts_with("truncated after step ") && found.ends_with(" same"), "{found}");
+}
+
+#[test]
+fn the_observer_sees_the_collisions_of_the_run() {
+    let run = bounce(50);
+    let mut collisions: Vec<Collision> = Vec::new();
+    let recording = Recording::read(Cursor::new(record(&run))).unwrap();
+    replay(recording, 0..=u64::MAX, &mut collisions, &mut |_| {}).unwrap();
+    let mut count = CollisionCount::default();
+    collisions.iter().for_each(|collision| count.collision(collision));
+    let end = Recording::read(Cursor::new(record(&run))).unwrap().filter_map(|item| match item {
+        Ok(Item::End(end)) => Some(end.collisions),
+        _ => None,
+    });
+    assert_eq!(end.collect::<Vec<_>>(), [count.0]);
+    assert!(count.0 > 0);
+}

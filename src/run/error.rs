@@ -1,0 +1,48 @@
+use crate::{recording, scene::SceneError};
+use std::io;
+
+/// Why a run could not be recorded to its end.
+///
+/// A step the engine could not complete is no such error: it is part of what is recorded.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+pub enum RunError {
+    /// An input is refused.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Scene(#[from] SceneError),
+    /// The recording cannot be written.
+    #[error(transparent)]
+    Recording(#[from] recording::Error),
+    /// Live events cannot be read.
+    #[error("cannot read the events after line {line}: {source}")]
+    Events {
+        /// Lines read before.
+        line: u64,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// A live event names a step that is over.
+    #[error(
+        "line {line} of the events names step {named}, but the run is at step {present} already; order the lines by step, or skip such lines with --lenient"
+    )]
+    Late {
+        /// The line, from 1.
+        line: u64,
+        /// The step it names.
+        named: u64,
+        /// The step the run is at.
+        present: u64,
+    },
+    /// A live event comes after the end of the run.
+    #[error(
+        "line {line} of the events names step {named}, but the run ends at step {last}; make it longer with --steps, or skip such lines with --lenient"
+    )]
+    AfterLastStep {
+        /// The line, from 1.
+        line: u64,
+        /// The step it names.
+        named: u64,
+        /// The last step.
+        last: u64,
+    },
+}

@@ -1,0 +1,147 @@
+//! What the spine costs: stepping, recording, drawing. `cargo bench --bench spine`
+//!
+//! Each figure is the median of several runs, with the spread beside it, and the error of
+//! what was computed beside the cost of computing it.
+
+use rebond::{
+    physics::{CollisionCount, Engine, invariants},
+    recording::{Header, Outcome, SceneText, Versions, Writer},
+    render::{self, Appearance, Frame, Metadata, Painter, Sampling, Sprite, Style, Thinning, View, png},
+    run, scene,
+};
+use std::{io, num::NonZero, sync::Arc, time::Instant};
+
+const BODIES: [usize; 3] = [10, 100, 1000];
+const RUNS: usize = 7;
+
+fn main() {
+    println!("handout solver, elastic gas, 60 Hz\nbodies   ns per body-step      energy drift");
+    BODIES.iter().for_each(|&bodies| stepping(bodies));
+    println!(
+        "\nrecording every state of a moving gas (zstd, as always)\nbodies   ns per body-step      bytes per body-step"
+    );
+    BODIES.iter().for_each(|&bodies| recording(bodies));
+    println!(
+        "\ndrawing 1280x720 frames with names and clock, one thread, encoding included\nbodies   ms per frame PNG      ms per frame GIF"
+    );
+    BODIES.iter().for_each(|&bodies| drawing(bodies));
+}
+
+/// A scene of that many unit boxes, packed to a tenth, between walls.
+fn gas(bodies: usize) -> scene::Scene {
+    let side = (bodies as f64 * 10.0).sqrt();
+    let text = format!(
+        "[world]\nsize = [{side}, {side}]\nwalls = true\n[run]\nrate = 60\nsteps = 100\nsolver = \"handout\"\n\
+         [[scatter]]\ncount = {bodies}\nseed = 1\nregion = [0.0, 0.0, {side}, {side}]\nsize = [[1.0, 1.0], [1.0, 1.0]]\n\
+         mass = [1.0, 1.0]\nvelocity = [[-5.0, -5.0], [5.0, 5.0]]\n"
+    );
+    scene::parse("gas.toml", &text).expect("a scene")
+}
+
+/// The engine of the gas at its first state.
+fn started(scene: &scene::Scene) -> Engine {
+    let mut run = run::Run::new(scene);
+    run.happen(Vec::new(), |error| Err(error.into())).expect("a scene's own events");
+    run.engine().clone()
+}
+
+/// Median and spread of `RUNS` measurements, after one that is not counted.
+fn measure(mut run: impl FnMut() -> f64) -> String {
+    run();
+    let mut figures: Vec<f64> = (0..RUNS).map(|_| run()).collect();
+    figures.sort_by(f64::total_cmp);
+    format!("{:8.2} ({:.2}–{:.2})", figures[RUNS / 2], figures[0], figures[RUNS - 1])
+}
+
+fn nanoseconds(work: impl FnOnce()) -> f64 {
+    let start = Instant::now();
+    work();
+    start.elapsed().as_secs_f64() * 1e9
+}
+
+fn stepping(bodies: usize) {
+    let engine = started(&gas(bodies));
+    let steps = 20_000_000 / (bodies * bodies).max(1000) / 100 + 20;
+    let energy = invariants::kinetic_energy(engine.world());
+    let mut drift = 0.0;
+    let cost = measure(|| {
+        let mut engine = engine.clone();
+        let elapsed = nanoseconds(|| {
+            for _ in 0..steps {
+                engine.step(&mut CollisionCount::default()).expect("finite numbers");
+            }
+        });
+        drift = invariants::kinetic_energy(engine.world()) / energy - 1.0;
+        elapsed / (steps * bodies) as f64
+    });
+    println!("{bodies:6}   {cost:22} {drift:+.1e} in {steps} steps");
+}
+
+fn recording(bodies: usize) {
+    let scene = gas(bodies);
+    let steps = 120;
+    let mut states = vec![started(&scene)];
+    for _ in 0..steps {
+        let mut engine = states[states.len() - 1].clone();
+        engine.step(&mut CollisionCount::default()).expect("finite numbers");
+        states.push(engine);
+    }
+    let text = SceneText { file_name: "gas.toml".into(), text: scene.source.text.clone() };
+    let header = Header { versions: Versions::CURRENT, settings: run::settings(&scene), steps, every: 1, scene: text };
+    let mut bytes = 0;
+    let cost = measure(|| {
+        let mut finished = None;
+        let elapsed = nanoseconds(|| {
+            let mut writer = Writer::new(io::Cursor::new(Vec::new()), &header).expect("memory");
+            states.iter().for_each(|engine| writer.state(engine).expect("memory"));
+            finished = writer.finish(&Outcome::default()).ok();
+        });
+        bytes = finished.map_or(0, |finished| finished.write.into_inner().len());
+        elapsed / (steps as f64 * bodies as f64)
+    });
+    println!("{bodies:6}   {cost:22} {:.1}", bytes as f64 / (steps as f64 * bodies as f64));
+}
+
+fn drawing(bodies: usize) {
+    let scene = gas(bodies);
+    let mut engine = started(&scene);
+    let mut frames = Vec::new();
+    for step in 0..60_u64 {
+        frames.push(frame(&engine, step));
+        engine.step(&mut CollisionCount::default()).expect("finite numbers");
+    }
+    let world = rebond::physics::Vector::new(scene.size[0], scene.size[1]);
+    let view = View::fit(world, [1280, 720], Style::default()).expect("a view");
+    let count = frames.len() as f64;
+    let png = measure(|| {
+        let mut painter = Painter::new();
+        let draw = |frame| {
+            let picture = painter.draw(&render::compose(frame, &view));
+            png::encode(&picture, &Metadata::default(), io::sink()).expect("a sink");
+        };
+        nanoseconds(|| frames.iter().for_each(draw)) / count / 1e6
+    });
+    let sampling = Sampling::new(0..=59, 60.0, Thinning::All);
+    let gif = measure(|| {
+        let frames = frames.iter().cloned().map(Ok::<_, render::RenderError>);
+        let one = NonZero::<usize>::MIN;
+        let write = || render::write_gif(frames, &view, &sampling, &Metadata::default(), one, io::sink());
+        nanoseconds(|| write().expect("a sink")) / count / 1e6
+    });
+    println!("{bodies:6}   {png:22} {gif}");
+}
+
+fn frame(engine: &Engine, step: u64) -> Frame {
+    let sprites = engine.world().bodies.iter().map(|body| {
+        let appearance = Appearance {
+            id: body.id,
+            name: body.name.clone(),
+            material: String::new(),
+            color: None,
+            mass: body.mass,
+            is_wall: body.is_infinite(),
+        };
+        Sprite { appearance: Arc::new(appearance), rect: body.rect, velocity: body.velocity, trail: Vec::new() }
+    });
+    Frame { step, time: step as f64 / 60.0, sprites: sprites.collect(), collisions: Vec::new() }
+}

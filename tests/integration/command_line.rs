@@ -1,0 +1,175 @@
+//! The commands as the README shows them, on a small scene.
+
+use crate::rebond::Workplace;
+use crate::snapshot::assert_text;
+
+/// A scene with all that a recording can hold: walls, gravity, materials, a spawn and a delete.
+pub const SCENE: &str = r##"title = "A small run"
+[world]
+size = [8.0, 4.5]
+walls = true
+wall_material = "steel"
+gravity = [0.0, 9.81]
+[run]
+rate = 60
+steps = 90
+solver = "handout"
+[restitution]
+default = 0.5
+"steel/steel" = 0.95
+[[spawn]]
+name = "c"
+at = [1.0, 1.0]
+size = [1.0, 1.0]
+mass = 2.0
+velocity = [3.0, 0.0]
+material = "steel"
+color = "#3366cc"
+[[spawn]]
+at = [5.0, 2.0]
+size = [0.5, 0.75]
+mass = 1.0
+[[spawn]]
+step = 30
+name = "late"
+at = [3.0, 0.25]
+size = [0.5, 0.5]
+mass = 1.0
+[[delete]]
+step = 60
+name = "late"
+[figure]
+size = [320, 180]
+"##;
+
+fn recorded() -> Workplace {
+    let workplace = Workplace::with_scene(SCENE);
+    workplace.done("record scene.toml -o run.mcap");
+    workplace
+}
+
+#[test]
+fn record_says_what_it_recorded() {
+    let workplace = Workplace::with_scene(SCENE);
+    let outcome = workplace.done("record scene.toml -o run.mcap");
+    assert_text("record", &outcome.output);
+    assert_eq!(outcome.errors, "", "silence in a pipe");
+    assert_eq!(workplace.names(), ["run.mcap", "scene.toml"]);
+}
+
+#[test]
+fn the_same_scene_gives_the_same_bytes() {
+    let workplace = recorded();
+    workplace.done("record scene.toml -o again.mcap");
+    assert!(workplace.read("run.mcap") == workplace.read("again.mcap"));
+    workplace.done("record scene.toml -o -");
+}
+
+#[test]
+fn standard_output_takes_the_recording_byte_for_byte() {
+    let workplace = recorded();
+    let output = std::process::Command::new(env!("CARGO_BIN_EXE_rebond"))
+        .args(["record", "scene.toml", "-o", "-"])
+        .current_dir(workplace.path("."))
+        .output()
+        .unwrap();
+    assert!(output.stdout == workplace.read("run.mcap"));
+}
+
+#[test]
+fn replay_ends_with_the_verdict() {
+    let outcome = recorded().done("replay run.mcap");
+    assert_eq!(outcome.output.lines().last(), Some("same: 90 steps, 7 bodies"));
+    assert_eq!(outcome.errors, "");
+}
+
+#[test]
+fn a_thinned_recording_replays_the_same() {
+    let workplace = recorded();
+    workplace.done("record scene.toml -o thin.mcap --every 10 --steps 85");
+    let outcome = workplace.done("replay thin.mcap");
+    assert_eq!(outcome.output.lines().last(), Some("same: 85 steps, 7 bodies"));
+    let rows = workplace.done("export thin.mcap").output;
+    let mut steps: Vec<&str> = rows.lines().skip(1).filter_map(|row| row.split(',').next()).collect();
+    steps.dedup();
+    assert_eq!(steps, ["0", "10", "20", "30", "40", "50", "60", "70", "80"]);
+    assert!(workplace.read("thin.mcap").len() < workplace.read("run.mcap").len());
+}
+
+#[test]
+fn export_writes_a_row_for_each_body_and_step() {
+    let workplace = recorded();
+    let outcome = workplace.done("export run.mcap --from 29 --to 31");
+    assert_text("export", &outcome.output);
+    workplace.done("export run.mcap -o table.jsonl --from 29 --to 31");
+    assert_text("export-json-lines", &String::from_utf8(workplace.read("table.jsonl")).unwrap());
+    workplace.done("export run.mcap -o table.csv --from 29 --to 31");
+    assert_eq!(workplace.read("table.csv"), outcome.output.as_bytes());
+}
+
+#[test]
+fn info_tells_one_thing_a_line() {
+    let workplace = recorded();
+    assert_text("info", &workplace.done("info run.mcap").output);
+    let json = workplace.done("info run.mcap --json").output;
+    assert_text("info-json", &json);
+    let value: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+    assert_eq!(value["steps"], 90);
+}
+
+#[test]
+fn render_makes_a_gif_of_the_true_duration() {
+    let workplace = Workplace::with_scene(SCENE);
+    let outcome = workplace.done("render scene.toml -o run.gif");
+    assert!(outcome.errors.contains("same: 90 steps, 7 bodies"), "{outcome:?}");
+    assert_eq!(workplace.names(), ["run.gif", "scene.toml"]);
+    let file = workplace.read("run.gif");
+    let mut decoder = gif::DecodeOptions::new().read_info(&file[..]).unwrap();
+    let mut hundredths = 0;
+    let mut frames = 0;
+    while let Some(frame) = decoder.read_next_frame().unwrap() {
+        hundredths += u32::from(frame.delay);
+        frames += 1;
+    }
+    assert_eq!((frames, hundredths), (46, 150), "steps 0, 2, … 90 over 1.5 s");
+}
+
+#[test]
+fn a_recording_and_its_scene_give_the_same_pictures() {
+    let workplace = recorded();
+    workplace.done("render scene.toml -o of-scene.gif --show velocity,name,clock");
+    workplace.done("render run.mcap -o of-recording.gif --show velocity,name,clock --jobs 1");
+    assert!(workplace.read("of-scene.gif") == workplace.read("of-recording.gif"));
+}
+
+#[test]
+fn parts_of_a_sequence_join_byte_for_byte() {
+    let workplace = recorded();
+    workplace.done("render run.mcap -o whole --every 10 --show trail,normal,penetration,grid,clock");
+    workplace.done("render run.mcap -o parts --every 10 --to 44 --show trail,normal,penetration,grid,clock");
+    workplace.done("render run.mcap -o parts --every 10 --from 45 --show trail,normal,penetration,grid,clock");
+    for step in (0..=90).step_by(10) {
+        let [whole, part] = ["whole", "parts"].map(|folder| workplace.read(&format!("{folder}/{step:06}.png")));
+        assert!(whole == part, "step {step}");
+    }
+    workplace.done("render run.mcap -o one.png --at 40 --show trail,normal,penetration,grid,clock");
+}
+
+#[test]
+fn completions_know_the_commands() {
+    for shell in ["bash", "zsh", "fish"] {
+        let script = Workplace::new().done(&format!("completions {shell}")).output;
+        assert!(script.contains("replay") && script.contains("--theme"), "{shell}");
+    }
+}
+
+#[test]
+fn help_has_examples_and_fits_a_screen() {
+    let workplace = Workplace::new();
+    for command in ["record", "replay", "render", "export", "info", "completions"] {
+        let help = workplace.done(&format!("{command} --help")).output;
+        assert!(help.contains("Example"), "{command}");
+        assert!(help.lines().count() <= 50, "{command}: {}", help.lines().count());
+    }
+    assert_text("help", &workplace.done("--help").output);
+}

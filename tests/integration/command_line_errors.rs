@@ -1,0 +1,118 @@
+//! What goes wrong says so in one sentence, with the exit code of its kind, and loses nothing.
+
+use crate::command_line::SCENE;
+use crate::rebond::Workplace;
+use crate::snapshot::assert_text;
+
+#[test]
+fn bad_input_is_told_in_one_sentence() {
+    let workplace = Workplace::with_scene(SCENE);
+    workplace.done("record scene.toml -o run.mcap");
+    workplace.write("broken.toml", &SCENE.replace("mass = 2.0", "mass = -2.0"));
+    workplace.write("not-a-recording.mcap", "hello");
+    workplace.write("empty.mcap", "");
+    let lines = [
+        "record missing.toml -o out.mcap",
+        "record broken.toml -o out.mcap",
+        "record scene.toml -o run.mcap",
+        "record scene.toml -o no/such/folder/out.mcap",
+        "record scene.toml -o out.mcap --events missing.jsonl",
+        "replay missing.mcap",
+        "replay not-a-recording.mcap",
+        "replay empty.mcap",
+        "info not-a-recording.mcap",
+        "export run.mcap -o table.xlsx",
+        "export run.mcap -o run.mcap",
+        "render missing.toml -o out.gif",
+        "render run.mcap -o out.png",
+        "render run.mcap -o out.bmp",
+        "render run.mcap -o out.png --at 91",
+        "render run.mcap -o out.gif --from 80 --to 70",
+        "render run.mcap -o scene.toml/frames",
+        "render run.mcap -o out.gif --size 99999x10",
+    ];
+    let mut told = String::new();
+    for line in lines {
+        let before = workplace.names();
+        let outcome = workplace.rebond(line);
+        assert_eq!(outcome.code, 1, "{line}: {outcome:?}");
+        assert_eq!(outcome.output, "", "{line}: errors go to standard error");
+        assert_eq!(workplace.names(), before, "{line}: nothing appears, nothing goes");
+        told += &format!("$ rebond {line}\n{}\n", outcome.errors);
+    }
+    assert_text("errors-of-commands", &told);
+}
+
+#[test]
+fn wrong_usage_ends_with_2() {
+    let workplace = Workplace::with_scene(SCENE);
+    let lines = [
+        "",
+        "recrod scene.toml",
+        "record scene.toml",
+        "record scene.toml -o out.mcap --every 0",
+        "render scene.toml -o out.gif --show speed",
+        "render scene.toml -o out.gif --theme pink",
+        "render scene.toml -o out.gif --size 1280",
+        "render scene.toml -o out.gif --fps 0",
+        "render scene.toml -o out.gif --at 3 --from 2",
+    ];
+    for line in lines {
+        let outcome = workplace.rebond(line);
+        assert_eq!(outcome.code, 2, "{line}: {outcome:?}");
+        assert!(!outcome.errors.is_empty());
+    }
+}
+
+#[test]
+fn nothing_is_overwritten_without_force() {
+    let workplace = Workplace::with_scene(SCENE);
+    workplace.done("record scene.toml -o run.mcap");
+    for (line, kept) in [
+        ("record scene.toml --steps 10 -o kept.mcap", "kept.mcap"),
+        ("render run.mcap -o kept.gif", "kept.gif"),
+        ("render run.mcap -o kept.png --at 7", "kept.png"),
+        ("export run.mcap -o kept.csv", "kept.csv"),
+    ] {
+        workplace.write(kept, "precious");
+        let outcome = workplace.rebond(line);
+        assert_eq!(outcome.code, 1, "{line}");
+        assert_eq!(workplace.read(kept), b"precious", "{line}");
+        workplace.done(&format!("{line} --force"));
+        assert_ne!(workplace.read(kept), b"precious", "{line}");
+    }
+    workplace.done("render run.mcap -o frames --every 45");
+    let first = workplace.read("frames/000045.png");
+    assert_eq!(workplace.rebond("render run.mcap -o frames --every 45 --theme dark").code, 1);
+    assert!(first == workplace.read("frames/000045.png"));
+    workplace.done("render run.mcap -o frames --every 45 --theme dark --force");
+    assert!(first != workplace.read("frames/000045.png"));
+}
+
+/// Numbers that overflow are the one way a step of the handout's solver can fail.
+#[test]
+fn an_error_inside_a_step_names_step_and_body_and_leaves_a_recording() {
+    let scene = "[world]\nsize = [16.0, 9.0]\n[run]\nrate = 1\nsteps = 50\nsolver = \"handout\"\n\
+                 [[spawn]]\nname = \"rocket\"\nat = [0.0, 0.0]\nsize = [1.0, 1.0]\nmass = 1e-300\nforce = [1e7, 0.0]\n";
+    let workplace = Workplace::with_scene(scene);
+    let outcome = workplace.rebond("record scene.toml -o run.mcap");
+    assert_eq!(outcome.code, 1, "{outcome:?}");
+    assert_text("error-inside-a-step", &outcome.errors);
+    let replayed = workplace.done("replay run.mcap");
+    assert_text("replay-of-an-error", &replayed.output);
+    workplace.done("export run.mcap");
+    workplace.done("info run.mcap");
+}
+
+#[test]
+fn a_truncated_recording_says_how_far_it_is_the_same() {
+    let workplace = Workplace::with_scene(SCENE);
+    workplace.done("record scene.toml -o run.mcap");
+    let bytes = workplace.read("run.mcap");
+    std::fs::write(workplace.path("cut.mcap"), &bytes[..bytes.len() * 2 / 3]).unwrap();
+    let outcome = workplace.rebond("replay cut.mcap");
+    assert_eq!(outcome.code, 4, "{outcome:?}");
+    let verdict = outcome.output.lines().last().unwrap();
+    assert!(verdict.starts_with("truncated after step "), "{verdict}");
+    assert!(verdict.ends_with(" steps same"), "{verdict}");
+}

@@ -1,0 +1,95 @@
+//! What the handout's algorithm cannot do, shown as it is. A change of any number here is a
+//! change of the algorithm as printed.
+
+use crate::snapshot::assert_text;
+use rebond::physics::{
+    CollisionCount, DEFAULT_EVENTS_PER_STEP, Engine, Event, Rect, Restitution, Settings, SolverKind, Spawn, Vector,
+    invariants,
+};
+use std::fmt::Write;
+
+fn engine(gravity: Option<Vector>, restitution: f64) -> Engine {
+    Engine::new(Settings {
+        solver: SolverKind::Handout,
+        rate: 60.0,
+        gravity,
+        restitution: Restitution::new(restitution, &[]),
+        events_per_step: DEFAULT_EVENTS_PER_STEP,
+    })
+}
+
+fn spawn(engine: &mut Engine, name: &str, at: [f64; 2], size: [f64; 2], mass: f64, velocity: [f64; 2]) {
+    engine.apply(&Event::Spawn(Spawn {
+        name: name.into(),
+        rect: Rect::new(Vector::new(at[0], at[1]), size[0], size[1]),
+        mass,
+        velocity: Vector::new(velocity[0], velocity[1]),
+        force: Vector::ZERO,
+        material: String::new(),
+    }));
+}
+
+fn advance(engine: &mut Engine, steps: u64) {
+    for _ in 0..steps {
+        engine.step(&mut CollisionCount::default()).expect("finite numbers");
+    }
+}
+
+/// A gas of 16 boxes between four walls at e = 1: its energy should stay, and its boxes apart.
+#[test]
+fn energy_at_e_1() {
+    let mut engine = engine(Some(Vector::new(0.0, 9.81)), 1.0);
+    spawn(&mut engine, "floor", [-1.0, 9.0], [18.0, 1.0], f64::INFINITY, [0.0, 0.0]);
+    spawn(&mut engine, "left", [-1.0, -91.0], [1.0, 100.0], f64::INFINITY, [0.0, 0.0]);
+    spawn(&mut engine, "right", [16.0, -91.0], [1.0, 100.0], f64::INFINITY, [0.0, 0.0]);
+    for number in 0..16_u32 {
+        let (column, row) = (f64::from(number % 4), f64::from(number / 4));
+        let velocity = [1.5 - column + 0.25 * row, 0.5 * row - 0.75];
+        spawn(&mut engine, &format!("box {number}"), [2.0 + 3.0 * column, 1.0 + 1.75 * row], [1.0, 1.0], 1.0, velocity);
+    }
+    let mut table = String::from("step   energy change   worst overlap\n");
+    let energy =
+        |engine: &Engine| invariants::kinetic_energy(engine.world()) + invariants::potential_energy(engine.world());
+    let first = energy(&engine);
+    for _ in 0..6 {
+        let change = (energy(&engine) - first) / first.abs();
+        let overlap = invariants::worst_overlap(engine.world());
+        writeln!(table, "{:4}   {:12.3} %   {overlap:11.3} m", engine.present_step(), 100.0 * change).unwrap();
+        advance(&mut engine, 120);
+    }
+    assert_text("handout-energy-at-e-1", &table);
+}
+
+/// Ten boxes stacked at e = 0: nothing should move.
+#[test]
+fn a_stack_that_sinks() {
+    let mut engine = engine(Some(Vector::new(0.0, 9.81)), 0.0);
+    spawn(&mut engine, "floor", [-1.0, 10.0], [18.0, 1.0], f64::INFINITY, [0.0, 0.0]);
+    for number in 0..10_u32 {
+        spawn(&mut engine, &format!("box {number}"), [7.5, 9.0 - f64::from(number)], [1.0, 1.0], 1.0, [0.0, 0.0]);
+    }
+    let mut table = String::from("step   top of the stack   worst overlap\n");
+    for _ in 0..6 {
+        let top = engine.world().bodies[10].rect.origin.y;
+        let overlap = invariants::worst_overlap(engine.world());
+        writeln!(table, "{:4}   {top:14.6} m   {overlap:11.6} m", engine.present_step()).unwrap();
+        advance(&mut engine, 120);
+    }
+    assert_text("handout-stack-that-sinks", &table);
+}
+
+/// The handout's last paragraph: what is too fast goes through.
+#[test]
+fn a_bullet_that_passes() {
+    let mut table = String::from("speed (m/s)   after 30 steps\n");
+    for speed in [20.0, 40.0, 60.0, 80.0, 120.0, 240.0] {
+        let mut engine = engine(None, 1.0);
+        spawn(&mut engine, "wall", [8.0, 0.0], [0.2, 9.0], f64::INFINITY, [0.0, 0.0]);
+        spawn(&mut engine, "bullet", [1.0, 4.25], [0.5, 0.5], 0.1, [speed, 0.0]);
+        advance(&mut engine, 30);
+        let bullet = &engine.world().bodies[1];
+        let outcome = if bullet.velocity.x < 0.0 { "bounced back" } else { "passed through" };
+        writeln!(table, "{speed:11}   {outcome}, x = {} m", bullet.rect.origin.x).unwrap();
+    }
+    assert_text("handout-bullet-that-passes", &table);
+}

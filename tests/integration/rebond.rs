@@ -1,0 +1,101 @@
+//! The program as users run it, in a folder of its own.
+
+use assert_cmd::Command;
+use std::{
+    fs,
+    path::{Path, PathBuf},
+};
+use tempfile::TempDir;
+
+/// A folder to run the program in; gone with it.
+pub struct Workplace {
+    folder: TempDir,
+}
+
+/// What a command left behind.
+#[derive(Debug)]
+pub struct Outcome {
+    /// Exit code.
+    pub code: i32,
+    /// Standard output.
+    pub output: String,
+    /// Standard error.
+    pub errors: String,
+}
+
+impl Workplace {
+    /// An empty folder.
+    pub fn new() -> Workplace {
+        Workplace { folder: TempDir::new().expect("a temporary folder") }
+    }
+
+    /// A folder with one scene in it, `scene.toml`.
+    pub fn with_scene(text: &str) -> Workplace {
+        let workplace = Workplace::new();
+        workplace.write("scene.toml", text);
+        workplace
+    }
+
+    /// The path of a file in the folder.
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    /// Writes a file.
+    pub fn write(&self, name: &str, text: &str) {
+        fs::write(self.path(name), text).expect("a file in a temporary folder");
+    }
+
+    /// Reads a file.
+    pub fn read(&self, name: &str) -> Vec<u8> {
+        fs::read(self.path(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+    }
+
+    /// The names in the folder, sorted.
+    pub fn names(&self) -> Vec<String> {
+        let entries = fs::read_dir(self.folder.path()).expect("the folder");
+        let mut names: Vec<String> =
+            entries.map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned()).collect();
+        names.sort();
+        names
+    }
+
+    /// Runs `rebond` with the words of `line`.
+    pub fn rebond(&self, line: &str) -> Outcome {
+        self.rebond_with_input(line, "")
+    }
+
+    /// Runs `rebond` with something on standard input.
+    pub fn rebond_with_input(&self, line: &str, input: &str) -> Outcome {
+        let output = Command::new(env!("CARGO_BIN_EXE_rebond"))
+            .args(line.split_whitespace())
+            .current_dir(self.folder.path())
+            .env("NO_COLOR", "1")
+            .env("COLUMNS", "100")
+            .write_stdin(input)
+            .output()
+            .expect("the program runs");
+        Outcome {
+            code: output.status.code().unwrap_or(-1),
+            output: String::from_utf8_lossy(&output.stdout).into_owned(),
+            errors: String::from_utf8_lossy(&output.stderr).into_owned(),
+        }
+    }
+
+    /// Runs `rebond` and expects it to be done without an error.
+    pub fn done(&self, line: &str) -> Outcome {
+        let outcome = self.rebond(line);
+        assert_eq!(outcome.code, 0, "rebond {line}: {outcome:?}");
+        outcome
+    }
+}
+
+/// The bundled scenes, sorted by name.
+pub fn bundled_scenes() -> Vec<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("recordings");
+    let entries = fs::read_dir(folder).expect("the folder of scenes");
+    let mut scenes: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
+    scenes.retain(|path| path.extension().is_some_and(|extension| extension == "toml"));
+    scenes.sort();
+    scenes
+}
