@@ -1,5 +1,5 @@
 use super::canvas::{Canvas, FULL};
-use super::text::{Font, Glyph, Line};
+use super::text::{Font, Glyph, Line, Segment, UNITS_PER_EM};
 use super::{Color, DisplayList, Ink, Picture, Shape};
 use crate::physics::Vector;
 use std::collections::BTreeMap;
@@ -106,10 +106,32 @@ impl Painter {
 }
 
 fn glyph_stencil((id, size, x, y): GlyphKey) -> Stencil {
-    let quarter = |count: u8| f32::from(count) / 4.0;
+    let [size, x, y] = [size, u32::from(x), u32::from(y)].map(|quarters| quarters as f32 / 4.0);
+    let scale = size / UNITS_PER_EM as f32;
+    let place = |[across, up]: [f32; 2]| [x + across * scale, y - up * scale];
     let mut path = PathBuilder::new();
-    Font::embedded().outline(id, size as f32 / 4.0, quarter(x), quarter(y), &mut path);
+    for segment in Font::embedded().outline(id) {
+        add_segment(&mut path, segment, place);
+    }
     path.finish().and_then(|path| Stencil::of(&path, &Window::around(&path))).unwrap_or_else(Stencil::empty)
+}
+
+fn add_segment(path: &mut PathBuilder, segment: Segment, place: impl Fn([f32; 2]) -> [f32; 2]) {
+    match segment {
+        Segment::Move(to) => {
+            let [x, y] = place(to);
+            path.move_to(x, y);
+        }
+        Segment::Line(to) => {
+            let [x, y] = place(to);
+            path.line_to(x, y);
+        }
+        Segment::Quadratic(points) => {
+            let [[cx, cy], [x, y]] = points.map(place);
+            path.quad_to(cx, cy, x, y);
+        }
+        Segment::Close => path.close(),
+    }
 }
 
 /// Fills what `outline` makes of the points; it sees them moved near the origin, where f32

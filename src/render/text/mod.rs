@@ -7,5 +7,5 @@
 mod font;
 mod line;
 
-pub use font::Font;
+pub use font::{Font, Segment, UNITS_PER_EM};
 pub use line::{Glyph, Line};
