@@ -49,6 +49,13 @@ impl Font {
         f64::from(self.metrics.advance_width(GlyphId::from(glyph)).unwrap_or(0.0))
     }
 
+    /// The smallest rectangle around a glyph.
+    pub fn bounds(&self, glyph: u16) -> Bounds {
+        let bounds = self.metrics.bounds(GlyphId::from(glyph)).unwrap_or_default();
+        let [left, right, top] = [bounds.x_min, bounds.x_max, bounds.y_max].map(f64::from);
+        Bounds { left, right, top }
+    }
+
     /// What the distance between two neighbours is changed by.
     ///
     /// OpenType lets the first pair table that knows the pair decide.
@@ -64,6 +71,17 @@ impl Font {
         outline.draw(settings, &mut pen).expect("the embedded font's outlines are sound");
         pen.0
     }
+}
+
+/// How far a glyph reaches from its origin, y **up**.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// To the right, where it begins.
+    pub left: f64,
+    /// To the right, where it ends.
+    pub right: f64,
+    /// Upwards.
+    pub top: f64,
 }
 
 /// A piece of an outline; each begins where the one before it ended.
