@@ -5,6 +5,7 @@
 //! of pixels, which [`png`] and [`gif`] write. Each arrow is a pure function, so that pictures drawn on any number of
 //! threads, or in several parts, are the same to the bit.
 
+mod area;
 mod camera;
 mod canvas;
 mod clip;

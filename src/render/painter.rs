@@ -56,9 +56,9 @@ impl Painter {
             && (known.size, known.background) == (list.size, list.background)
             && known.shapes == list.backdrop
         {
-            return Canvas { width, height, pixels: known.pixels.clone() };
+            return Canvas::from_pixels([width, height], known.pixels.clone());
         }
-        let mut canvas = Canvas::new(list.size, list.background);
+        let mut canvas = Canvas::new([width, height], list.background);
         for shape in &list.backdrop {
             self.draw_shape(&mut canvas, shape);
         }
@@ -77,6 +77,11 @@ impl Painter {
             Shape::Polygon { points, ink } => fill_path(canvas, points, *ink, |points| polygon(points, true)),
             Shape::Polyline { points, width, ink } => {
                 fill_path(canvas, points, *ink, |points| stroke(points, *width));
+            }
+            Shape::Clip { window, shapes } => {
+                let outside = canvas.narrow(window);
+                shapes.iter().for_each(|shape| self.draw_shape(canvas, shape));
+                canvas.clip = outside;
             }
             Shape::Text { line, at, ink } => self.draw_line(canvas, line, *at, *ink),
         }
@@ -181,10 +186,14 @@ impl Window {
         }
     }
 
-    /// The page as seen from a point of it.
+    /// What of the page can be drawn on, as seen from a point of it.
     fn page(canvas: &Canvas, point: Vector) -> Window {
-        let [x, y] = [-point.x as f32, -point.y as f32];
-        Window { from: [x, y], to: [x + canvas.width as f32, y + canvas.height as f32] }
+        let from = |at: usize, origin: f64| (at as f64 - origin) as f32;
+        let clip = &canvas.clip;
+        Window {
+            from: [from(clip.left, point.x), from(clip.top, point.y)],
+            to: [from(clip.right, point.x), from(clip.bottom, point.y)],
+        }
     }
 
     fn meet(&self, other: &Window) -> Option<Window> {

@@ -53,9 +53,10 @@ pub fn encode(list: &DisplayList, metadata: &Metadata, mut output: impl Write) -
 }
 
 fn opacities(list: &DisplayList) -> BTreeSet<u8> {
-    let inks = list.backdrop.iter().chain(&list.shapes).map(|shape| match shape {
-        Shape::Rect { ink, .. } | Shape::Polygon { ink, .. } => ink,
-        Shape::Polyline { ink, .. } | Shape::Text { ink, .. } => ink,
+    let inks = list.leaves().filter_map(|shape| match shape {
+        Shape::Rect { ink, .. } | Shape::Polygon { ink, .. } => Some(ink),
+        Shape::Polyline { ink, .. } | Shape::Text { ink, .. } => Some(ink),
+        Shape::Clip { .. } => None,
     });
     inks.map(|ink| ink.opacity).chain([255]).collect()
 }
@@ -97,11 +98,23 @@ fn draw_shape(content: &mut Content, shape: &Shape, last: &mut Option<Ink>) {
             draw_points(content, points);
             content.stroke();
         }
+        Shape::Clip { window, shapes } => draw_clip(content, window, shapes, last),
         Shape::Text { line, at, ink } => {
             fill_with(content, *ink, last);
             draw_line(content, line, *at);
         }
     }
+}
+
+fn draw_clip(content: &mut Content, window: &crate::physics::Rect, shapes: &[Shape], last: &mut Option<Ink>) {
+    let [x, y, width, height] =
+        [window.origin.x, window.origin.y, window.width(), window.height()].map(|along| along.round() as f32);
+    content.save_state();
+    content.rect(x, y, width, height).clip_nonzero().end_path();
+    let before = *last;
+    shapes.iter().for_each(|shape| draw_shape(content, shape, last));
+    content.restore_state();
+    *last = before;
 }
 
 /// Sets colour and opacity of what follows, unless they are set already.

@@ -2,7 +2,7 @@
 
 use super::text::{Font, Line, Segment, UNITS_PER_EM};
 use super::{DisplayList, Ink, Metadata, RenderError, Shape};
-use crate::physics::Vector;
+use crate::physics::{Rect, Vector};
 use std::collections::BTreeSet;
 use std::fmt::{self, Display, Formatter};
 use std::io::Write;
@@ -31,9 +31,9 @@ pub fn encode(list: &DisplayList, metadata: &Metadata, mut output: impl Write) -
 
 /// Every glyph that is used, once, in font units and with y up.
 fn glyphs(list: &DisplayList, output: &mut impl Write) -> Result<(), RenderError> {
-    let lines = list.backdrop.iter().chain(&list.shapes).filter_map(|shape| match shape {
+    let lines = list.leaves().filter_map(|shape| match shape {
         Shape::Text { line, .. } => Some(line),
-        Shape::Rect { .. } | Shape::Polygon { .. } | Shape::Polyline { .. } => None,
+        Shape::Rect { .. } | Shape::Polygon { .. } | Shape::Polyline { .. } | Shape::Clip { .. } => None,
     });
     let used: BTreeSet<u16> = lines.flat_map(|line| line.glyphs.iter().map(|glyph| glyph.id)).collect();
     writeln!(output, "<defs>")?;
@@ -65,8 +65,21 @@ fn encode_shape(shape: &Shape, output: &mut impl Write) -> Result<(), RenderErro
             Number(*width),
             Stroke(*ink)
         )?,
+        Shape::Clip { window, shapes } => encode_clip(window, shapes, output)?,
         Shape::Text { line, at, ink } => encode_line(line, *at, *ink, output)?,
     }
+    Ok(())
+}
+
+/// A picture in the picture: what leaves it is not seen.
+fn encode_clip(window: &Rect, shapes: &[Shape], output: &mut impl Write) -> Result<(), RenderError> {
+    let [x, y, width, height] = [window.origin.x, window.origin.y, window.width(), window.height()].map(f64::round);
+    writeln!(
+        output,
+        "<svg x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" viewBox=\"{x} {y} {width} {height}\">"
+    )?;
+    shapes.iter().try_for_each(|shape| encode_shape(shape, output))?;
+    writeln!(output, "</svg>")?;
     Ok(())
 }
 
@@ -169,7 +182,6 @@ impl Display for Escaped<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::Rect;
     use crate::render::Color;
 
     fn encoded(shape: Shape, metadata: &Metadata) -> String {
