@@ -26,7 +26,7 @@ pub struct Palette {
 
 /// Okabe and Ito's colours, told apart by all common kinds of colour vision; their black is
 /// left to text. With four walls the first box is blue.
-const BODIES: [Color; 7] = [
+pub const BODIES: [Color; 7] = [
     Color::hex(0x56b4e9),
     Color::hex(0xe69f00),
     Color::hex(0xcc79a7),
