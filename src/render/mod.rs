@@ -18,8 +18,6 @@ pub mod gif;
 mod in_order;
 mod indexed;
 mod layers;
-#[cfg(test)]
-mod look;
 mod lzw;
 mod metadata;
 mod painter;
