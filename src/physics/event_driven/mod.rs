@@ -158,6 +158,7 @@ impl EventDriven {
         self.schedule.begin(step);
         let mut events = 0;
         while let Some((slot, turn)) = self.schedule.next(step) {
+            self.now = self.now.or_later(turn.at);
             let outlook = self.outlooks[slot as usize];
             match outlook.meeting {
                 Some(meeting) if !outlook.leaving.is_before(meeting.turn.at) => {
@@ -169,7 +170,6 @@ impl EventDriven {
                     if events > self.limit {
                         return Err(self.too_many(world, step, turn.pair));
                     }
-                    self.now = self.now.or_later(turn.at);
                     self.changed.push(slot);
                     self.happen(world, turn.pair, meeting.kind, observer)?;
                 }

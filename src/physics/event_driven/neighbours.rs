@@ -263,8 +263,8 @@ impl Neighbours {
         }
     }
 
-    /// When a body leaves its cell; never for an anchored one.
-    pub fn leaving(&self, clock: &Clock, slot: Slot, mover: &Mover) -> Instant {
+    /// When after `now` a body leaves its cell; never for an anchored one.
+    pub fn leaving(&self, clock: &Clock, slot: Slot, mover: &Mover, now: Instant) -> Instant {
         let seat = self.seats[slot as usize];
         if seat.grid == NONE {
             return Instant::NEVER;
@@ -274,10 +274,11 @@ impl Neighbours {
         for axis in AXES {
             let motion = &mover.motion[axis];
             let low = seat.cell[axis] as f64 * side;
-            let centre = motion.position + mover.size[axis] / 2.0;
-            let ahead = closing_time((low + side * (1.0 + SLACK)) - centre, motion.velocity, motion.acceleration);
-            let behind = closing_time(centre - (low - side * SLACK), -motion.velocity, -motion.acceleration);
-            let leaves = clock.after(motion.since, if ahead < behind { ahead } else { behind });
+            let (position, velocity) = motion.at(clock, now);
+            let centre = position + mover.size[axis] / 2.0;
+            let ahead = closing_time((low + side * (1.0 + SLACK)) - centre, velocity, motion.acceleration);
+            let behind = closing_time(centre - (low - side * SLACK), -velocity, -motion.acceleration);
+            let leaves = clock.after(now, if ahead < behind { ahead } else { behind });
             if leaves.is_before(first) {
                 first = leaves;
             }

@@ -87,19 +87,18 @@ impl EventDriven {
         let (clock, movers, contacts) = (&self.clock, &self.movers, &self.contacts);
         self.neighbours.near(slot, mover, |other| ask(clock, movers, contacts, slot, other, &mut first));
         self.foresee_partings(slot, &mut first);
-        let leaving = self.neighbours.leaving(&self.clock, slot, mover);
+        let leaving = self.neighbours.leaving(&self.clock, slot, mover, self.now);
         self.expect(slot, Outlook { meeting: first, leaving });
     }
 
     /// Moves a body to its next cell and asks those who came near by it.
     pub(super) fn cross(&mut self, slot: Slot) {
-        let leaving = self.outlooks[slot as usize].leaving;
         let mut first = self.outlooks[slot as usize].meeting;
         let (clock, movers, contacts) = (&self.clock, &self.movers, &self.contacts);
         let mover = &movers[slot as usize];
         self.neighbours
-            .cross(clock, slot, mover, leaving, |other| ask(clock, movers, contacts, slot, other, &mut first));
-        let leaving = self.neighbours.leaving(&self.clock, slot, mover);
+            .cross(clock, slot, mover, self.now, |other| ask(clock, movers, contacts, slot, other, &mut first));
+        let leaving = self.neighbours.leaving(&self.clock, slot, mover, self.now);
         self.expect(slot, Outlook { meeting: first, leaving });
     }
 
