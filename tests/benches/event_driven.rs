@@ -47,7 +47,8 @@ fn measure(name: &str, scene: &Scene) {
     }
     let cost = start.elapsed().as_secs_f64() * 1e9 / (bodies as u64 * scene.run.steps) as f64;
     let after = total(&run);
-    let drift = (after.0 + after.1 - kinetic - potential) / if kinetic > 0.0 { kinetic } else { 1.0 };
+    let scale = kinetic + potential.abs();
+    let drift = (after.0 + after.1 - kinetic - potential) / if scale > 0.0 { scale } else { 1.0 };
     let overlap = if bodies <= 20_000 { invariants::worst_overlap(run.engine().world()) } else { f64::NAN };
     println!(
         "{name:28} {bodies:6} {:8} {cost:13.2} {drift:13.1e} {overlap:11.1e} {:11}",

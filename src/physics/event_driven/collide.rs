@@ -110,8 +110,8 @@ impl EventDriven {
         if e == 1.0 {
             return 1.0;
         }
-        let [a, b] = [first.free_fall[axis].abs(), second.free_fall[axis].abs()];
-        let acceleration = if a > b { a } else { b };
+        let accelerations = first.free_fall.iter().chain(&second.free_fall);
+        let acceleration = accelerations.fold(0.0, |most, a| if a.abs() > most { a.abs() } else { most });
         let velocities = encounter.velocity[0].abs() + encounter.velocity[1].abs();
         let captured = encounter.approach < capture_speed(acceleration, self.coordinates(encounter, axis), velocities);
         if captured { 0.0 } else { e }

@@ -56,14 +56,13 @@ impl Blow {
 ///
 /// Bouncing up at this speed a body would rise by no more than C units in the last place of
 /// its coordinates, v = √(2·a·C·ulp), and the bounces after that would be rounding, not
-/// motion. Where nothing accelerates it, the limit is C units in the last place of the
-/// velocities. So ends a Zeno sequence of bounces; what is cut off takes less than
-/// 2·v/(a·(1 − e)).
+/// motion. So ends a Zeno sequence of bounces; what is cut off takes less than
+/// 2·v/(a·(1 − e)). Where nothing accelerates, the limit is a motion by C units in the last
+/// place of the coordinates in a second, or of the velocities, if that is more.
 pub fn capture_speed(acceleration: f64, coordinates: f64, velocities: f64) -> f64 {
     const C: f64 = 128.0 * f64::EPSILON;
-    let of_height = (2.0 * acceleration * coordinates * C).sqrt();
-    let of_speed = velocities * C;
-    if of_height > of_speed { of_height } else { of_speed }
+    let limits = [(2.0 * acceleration * coordinates * C).sqrt(), coordinates * C, velocities * C];
+    limits.into_iter().fold(0.0, |greatest, limit| if limit > greatest { limit } else { greatest })
 }
 
 #[cfg(test)]
