@@ -8,28 +8,53 @@ use crate::physics::Rect;
 /// colours seldom are more than a palette holds.
 pub struct Canvas {
     pub width: usize,
-    pub height: usize,
     pub pixels: Vec<[u8; 4]>,
+    /// Only pixels in there change.
+    pub clip: Clip,
+}
+
+/// Columns `left` to before `right`, rows `top` to before `bottom`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Clip {
+    pub left: usize,
+    pub top: usize,
+    pub right: usize,
+    pub bottom: usize,
 }
 
 /// A pixel wholly covered.
 pub const FULL: u8 = 16;
 
 impl Canvas {
-    pub fn new(size: [u32; 2], background: Color) -> Canvas {
-        let [width, height] = size.map(|side| side as usize);
-        Canvas { width, height, pixels: vec![pixel(background); width * height] }
+    pub fn new(size: [usize; 2], background: Color) -> Canvas {
+        Canvas::from_pixels(size, vec![pixel(background); size[0] * size[1]])
+    }
+
+    pub fn from_pixels([width, height]: [usize; 2], pixels: Vec<[u8; 4]>) -> Canvas {
+        Canvas { width, pixels, clip: Clip { left: 0, top: 0, right: width, bottom: height } }
     }
 
     pub fn into_picture(self) -> Picture {
-        Picture { size: [self.width as u32, self.height as u32], pixels: self.pixels }
+        let height = self.pixels.len() / self.width;
+        Picture { size: [self.width as u32, height as u32], pixels: self.pixels }
+    }
+
+    /// Lets only pixels change that lie in `window` too, and tells which could before.
+    pub fn narrow(&mut self, window: &Rect) -> Clip {
+        let outside = self.clip;
+        let far = window.far_corner();
+        let whole = |at: f64, from: usize, to: usize| (at.round() as i64).clamp(from as i64, to as i64) as usize;
+        let [left, right] = [window.origin.x, far.x].map(|at| whole(at, outside.left, outside.right));
+        let [top, bottom] = [window.origin.y, far.y].map(|at| whole(at, outside.top, outside.bottom));
+        self.clip = Clip { left, top, right, bottom };
+        outside
     }
 
     /// Fills a rectangle given in px, its edges rounded to quarters of a pixel.
     pub fn fill_rect(&mut self, rect: &Rect, ink: Ink) {
-        let far = rect.far_corner();
-        let (left, right) = (quarters(rect.origin.x, self.width), quarters(far.x, self.width));
-        let (top, bottom) = (quarters(rect.origin.y, self.height), quarters(far.y, self.height));
+        let (far, clip) = (rect.far_corner(), self.clip);
+        let [left, right] = [rect.origin.x, far.x].map(|at| quarters(at, clip.left, clip.right));
+        let [top, bottom] = [rect.origin.y, far.y].map(|at| quarters(at, clip.top, clip.bottom));
         if left >= right {
             return;
         }
@@ -62,16 +87,15 @@ impl Canvas {
     /// Draws through a mask of `width` columns whose upper-left corner is at (x, y);
     /// its values are sixteenths.
     pub fn fill_mask(&mut self, mask: &[u8], width: usize, x: i64, y: i64, ink: Ink) {
-        let first = clamp(-x, width);
-        let last = clamp(self.width as i64 - x, width);
-        if first >= last {
+        let clip = self.clip;
+        let columns = (clip.left as i64 - x).max(0)..(clip.right as i64 - x).min(width as i64);
+        let rows = clip.top as i64..clip.bottom as i64;
+        if columns.is_empty() {
             return;
         }
-        for (row, coverage) in (y..).zip(mask.chunks_exact(width)) {
-            if row < 0 || row >= self.height as i64 {
-                continue;
-            }
-            let start = row as usize * self.width + (x + first as i64) as usize;
+        let (first, last) = (columns.start as usize, columns.end as usize);
+        for (row, coverage) in (y..).zip(mask.chunks_exact(width)).filter(|(row, _)| rows.contains(row)) {
+            let start = row as usize * self.width + (x + columns.start) as usize;
             let under = &mut self.pixels[start..][..last - first];
             for (under, &coverage) in under.iter_mut().zip(&coverage[first..last]) {
                 if coverage != 0 {
@@ -87,13 +111,9 @@ pub const fn pixel(color: Color) -> [u8; 4] {
     [color.r, color.g, color.b, 255]
 }
 
-/// A coordinate in quarters of a pixel, pulled into the picture.
-fn quarters(at: f64, pixels: usize) -> usize {
-    clamp((at * 4.0).round() as i64, 4 * pixels)
-}
-
-fn clamp(at: i64, most: usize) -> usize {
-    at.clamp(0, most as i64) as usize
+/// A coordinate in quarters of a pixel, pulled between two pixels' edges.
+fn quarters(at: f64, from: usize, to: usize) -> usize {
+    ((at * 4.0).round() as i64).clamp(4 * from as i64, 4 * to as i64) as usize
 }
 
 /// How many of the quarters of pixel `at` lie between two edges given in quarters.

@@ -43,6 +43,13 @@ pub enum Shape {
         /// What it is drawn with.
         ink: Ink,
     },
+    /// Shapes of which only what lies in a window is seen.
+    Clip {
+        /// px; its edges are rounded to whole pixels.
+        window: Rect,
+        /// Drawn in this order.
+        shapes: Vec<Shape>,
+    },
     /// A line of text.
     Text {
         /// Its glyphs.
@@ -61,6 +68,25 @@ pub struct Ink {
     pub color: Color,
     /// 255 hides what is beneath, 0 leaves it.
     pub opacity: u8,
+}
+
+impl Shape {
+    /// This shape, or those within it: everything that is really drawn.
+    pub fn leaves(&self) -> Box<dyn Iterator<Item = &Shape> + '_> {
+        match self {
+            Shape::Clip { shapes, .. } => Box::new(shapes.iter().flat_map(Shape::leaves)),
+            Shape::Rect { .. } | Shape::Polygon { .. } | Shape::Polyline { .. } | Shape::Text { .. } => {
+                Box::new(std::iter::once(self))
+            }
+        }
+    }
+}
+
+impl DisplayList {
+    /// Everything that is really drawn, in order.
+    pub fn leaves(&self) -> impl Iterator<Item = &Shape> {
+        self.backdrop.iter().chain(&self.shapes).flat_map(Shape::leaves)
+    }
 }
 
 impl From<Color> for Ink {
@@ -91,6 +117,11 @@ impl Display for Shape {
             Shape::Polyline { points, width, ink } => {
                 write!(out, "line of {} {ink}", Length(*width))?;
                 points.iter().try_for_each(|&point| write!(out, " {}", Place(point)))
+            }
+            Shape::Clip { window, shapes } => {
+                let size = [window.width(), window.height()].map(Length);
+                write!(out, "window {} {}×{}", Place(window.origin), size[0], size[1])?;
+                shapes.iter().try_for_each(|shape| write!(out, "\n  {shape}"))
             }
             Shape::Text { line, at, ink } => {
                 write!(out, "text {:?} {} size {} {ink}", line.text, Place(*at), Length(line.size))
