@@ -33,6 +33,7 @@ mod header;
 mod health;
 mod identity;
 mod inbox;
+mod index;
 mod keyframe;
 pub mod limits;
 mod messages;
