@@ -8,10 +8,10 @@ use std::{
 };
 
 use crate::{
-    physics::{Engine, Observer},
+    physics::{Engine, Memory, Observer, Settings},
     recording::{
-        BodyTable, Change, End, Error, Health, Item, RecordedEvent, RecordedState, Recording, SEMANTICS_VERSION,
-        StateDigest, numbers,
+        BodyTable, Change, End, Error, Health, Item, Keyframe, RecordedEvent, RecordedState, Recording,
+        SEMANTICS_VERSION, StateDigest, numbers,
     },
 };
 
@@ -19,7 +19,9 @@ pub use verdict::{Difference, Divergence, Verdict, ulps};
 
 /// Runs `recording` again and compares the states of `steps` (both ends included).
 ///
-/// `progress` hears of each step done. The observer sees the collisions of the replay.
+/// It starts at the last keyframe before them, and goes on from the next keyframe behind
+/// what cannot be read. `progress` hears of each step done. The observer sees the
+/// collisions of the replay.
 ///
 /// # Errors
 /// If the recording cannot be read for reasons outside of it, or is of an engine this
@@ -34,23 +36,19 @@ pub fn replay<R: Read + Seek, O: Observer>(
     if found != SEMANTICS_VERSION {
         return Err(Error::OtherSemantics { found });
     }
-    let mut again = Again::new(&recording, steps);
-    while let Some(item) = recording.next() {
-        let outcome = match item? {
-            Item::Event(event) => again.event(event, observer),
-            Item::State(state) | Item::Doubtful(state) => {
-                progress(state.step);
-                again.state(&state, recording.table(), observer)
-            }
-            Item::Keyframe(_) => Ok(()),
-            Item::Damaged(_) => break,
-            Item::End(end) => again.end(end, observer),
-        };
-        if let Err(divergence) = outcome {
-            return Ok(Verdict::Diverged(divergence));
+    if *steps.start() > 0 {
+        recording.seek(*steps.start())?;
+    }
+    let mut again = Again::new(recording.header.settings.clone(), steps);
+    while !again.is_done()
+        && let Some(item) = recording.next()
+    {
+        let item = item?;
+        if let Item::State(state) | Item::Doubtful(state) = &item {
+            progress(state.step);
         }
-        if again.is_done() {
-            break;
+        if let Err(divergence) = again.item(item, recording.table(), observer) {
+            return Ok(Verdict::Diverged(divergence));
         }
     }
     Ok(again.verdict(recording.health()))
@@ -58,20 +56,42 @@ pub fn replay<R: Read + Seek, O: Observer>(
 
 /// The engine that does it all again, and how far it agreed.
 struct Again {
+    settings: Settings,
     engine: Engine,
+    course: Course,
     steps: RangeInclusive<u64>,
-    compared: Option<RangeInclusive<u64>>,
+    /// Steps from one state that came out again to the next.
+    same: u64,
+    /// The last state that came out again.
+    last: Option<u64>,
+    /// What a keyframe says the solver remembers at the next state.
+    memory: Option<Memory>,
     last_event: Option<String>,
     then_error: Option<String>,
     digest: StateDigest,
 }
 
+/// How the engine stands to the recording.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Course {
+    /// Nothing has happened: the first thing is step 0, or a keyframe.
+    Fresh,
+    /// The engine is where the recording is.
+    On,
+    /// Events may be missing until the next keyframe.
+    Lost,
+}
+
 impl Again {
-    fn new<R>(recording: &Recording<R>, steps: RangeInclusive<u64>) -> Again {
+    fn new(settings: Settings, steps: RangeInclusive<u64>) -> Again {
         Again {
-            engine: Engine::new(recording.header.settings.clone()),
+            engine: Engine::new(settings.clone()),
+            settings,
+            course: Course::Fresh,
             steps,
-            compared: None,
+            same: 0,
+            last: None,
+            memory: None,
             last_event: None,
             then_error: None,
             digest: StateDigest::default(),
@@ -80,10 +100,49 @@ impl Again {
 
     /// Whether there is nothing more to compare.
     fn is_done(&self) -> bool {
-        self.compared.as_ref().is_some_and(|compared| compared.end() == self.steps.end())
+        self.last == Some(*self.steps.end())
+    }
+
+    fn item<O: Observer>(
+        &mut self,
+        item: Item,
+        table: Option<&BodyTable>,
+        observer: &mut O,
+    ) -> Result<(), Box<Divergence>> {
+        match (item, self.course) {
+            (Item::Keyframe(keyframe), Course::On) => {
+                self.memory = Some(keyframe.memory);
+                Ok(())
+            }
+            (Item::Keyframe(keyframe), Course::Fresh | Course::Lost) => self.restore(&keyframe),
+            (Item::Damaged(_), course) => {
+                self.course = if table.is_some() { course } else { Course::Lost };
+                Ok(())
+            }
+            (_, Course::Lost) => Ok(()),
+            (Item::Event(event), Course::Fresh | Course::On) => self.event(event, observer),
+            (Item::State(state) | Item::Doubtful(state), Course::Fresh | Course::On) => {
+                self.state(&state, table, observer)
+            }
+            (Item::End(end), Course::Fresh | Course::On) => self.end(end, observer),
+        }
+    }
+
+    fn restore(&mut self, keyframe: &Keyframe) -> Result<(), Box<Divergence>> {
+        match Engine::restore(self.settings.clone(), keyframe.snapshot(&self.settings)) {
+            Ok(engine) => {
+                self.engine = engine;
+                self.course = Course::On;
+                self.last = None;
+                self.memory = None;
+                Ok(())
+            }
+            Err(error) => Err(self.off_course(error.to_string())),
+        }
     }
 
     fn event<O: Observer>(&mut self, event: RecordedEvent, observer: &mut O) -> Result<(), Box<Divergence>> {
+        self.course = Course::On;
         self.go_to(event.step, observer)?;
         let (verb, name) = match &event.change {
             Change::Spawn { id, spawn, .. } => ("spawn", (*id == self.engine.next_id()).then(|| spawn.name.clone())),
@@ -103,6 +162,7 @@ impl Again {
         table: Option<&BodyTable>,
         observer: &mut O,
     ) -> Result<(), Box<Divergence>> {
+        self.course = Course::On;
         self.go_to(state.step, observer)?;
         if !self.steps.contains(&state.step) {
             return Ok(());
@@ -110,9 +170,15 @@ impl Again {
         if let Some(difference) = self.difference(state, table) {
             return Err(self.diverged(difference));
         }
-        let first = self.compared.as_ref().map_or(state.step, |compared| *compared.start());
-        self.compared = Some(first..=state.step);
-        Ok(())
+        let follows = self.last.is_some_and(|last| last + 1 == state.step);
+        self.same += u64::from(follows);
+        self.last = Some(state.step);
+        match self.memory.take() {
+            Some(memory) if !same_memory(&memory, &self.engine.snapshot().memory) => {
+                Err(self.off_course("the solver remembers other things than the keyframe says".into()))
+            }
+            Some(_) | None => Ok(()),
+        }
     }
 
     /// The recorded error must come again; its words are the recording's.
@@ -172,8 +238,7 @@ impl Again {
     }
 
     fn verdict(self, health: Health) -> Verdict {
-        let steps = self.compared.as_ref().map_or(0, |compared| compared.end() - compared.start());
-        let done = self.is_done();
+        let (steps, done) = (self.same, self.is_done());
         match health {
             Health::Corrupt(damage) => Verdict::Corrupt { damage, steps },
             Health::Truncated { after } if !done => Verdict::Truncated { after, steps },
@@ -190,6 +255,11 @@ impl Again {
     fn diverged(&self, difference: Difference) -> Box<Divergence> {
         Box::new(Divergence { step: self.engine.present_step(), difference, last_event: self.last_event.clone() })
     }
+}
+
+fn same_memory(a: &Memory, b: &Memory) -> bool {
+    let bits = |memory: &Memory| memory.numbers.iter().map(|number| number.to_bits()).collect::<Vec<_>>();
+    a.integers == b.integers && bits(a) == bits(b)
 }
 
 #[cfg(test)]

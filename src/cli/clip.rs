@@ -1,7 +1,7 @@
 use super::arguments::RenderOptions;
 use super::error::CommandError;
 use super::frames::Frames;
-use super::render::Kind;
+use super::kind::Kind;
 use super::source::{Source, Survey};
 use crate::physics::Vector;
 use crate::render::{FASTEST_GIF, Metadata, Sampling, Style, Thinning, View};

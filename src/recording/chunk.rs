@@ -124,7 +124,10 @@ impl Chunks {
     /// # Errors
     /// In words, if they differ.
     pub fn check_index(&self, body: &[u8]) -> Result<(), String> {
-        let Some(chunk) = &self.chunk else { return Ok(()) };
+        let Some(chunk) = &self.chunk else { return Err("a message index stands behind no chunk".into()) };
+        if !self.usable {
+            return Ok(()); // The chunk is damaged, as was said already.
+        }
         match index(body) {
             Ok((channel, entries)) if chunk.index.get(&channel).is_some_and(|found| *found == entries) => Ok(()),
             Ok(_) | Err(Malformed) => Err("the message index does not fit its chunk".into()),

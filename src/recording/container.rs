@@ -40,6 +40,7 @@ impl<W: Write> Container<W> {
             .map_err(write_error)?;
         put_metadata(&mut mcap, metadata::START, start)?;
         mcap.attach(&attachment(scene)).map_err(write_error)?;
+        mcap.flush().map_err(write_error)?;
         let mut channels = [Channel { id: 0, sequence: 0 }; Topic::ALL.len()];
         for (channel, topic) in channels.iter_mut().zip(Topic::ALL) {
             channel.id = declare(&mut mcap, topic).map_err(write_error)?;

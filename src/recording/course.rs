@@ -46,6 +46,12 @@ impl Course {
         self.table.as_ref()
     }
 
+    /// Something is left out here, and what follows stands for itself.
+    pub fn jump(&mut self) {
+        self.lose();
+        self.last_step = None;
+    }
+
     /// Something was lost here.
     pub fn lose(&mut self) {
         self.gapless = false;

@@ -47,6 +47,18 @@ impl Inbox {
         }
     }
 
+    /// Starts over somewhere else in the recording, with the channels of its index.
+    pub fn jump(&mut self, channels: &[Vec<u8>]) {
+        self.course.jump();
+        self.ready.clear();
+        self.damage = None;
+        self.end = None;
+        for body in channels {
+            // The index has passed its checksum; what is no channel there is none of ours.
+            let _ = self.channel(body);
+        }
+    }
+
     /// Takes a record of a chunk.
     pub fn chunk_record(&mut self, locus: Locus, record: &ChunkRecord<'_>) {
         let taken = match record.opcode {

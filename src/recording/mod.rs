@@ -15,6 +15,7 @@
 //! | metadata `rebond_end` | how the run ended, its identity              | [`End`]             |
 //! | attachment        | the scene's TOML                                 | [`SceneText`]       |
 
+mod batch;
 mod body_table;
 mod cdr;
 mod chunk;
@@ -32,18 +33,21 @@ mod header;
 mod health;
 mod identity;
 mod inbox;
+mod index;
 mod keyframe;
 pub mod limits;
 mod messages;
 mod metadata;
 mod playback;
 mod reader;
+mod recorder;
 mod records;
 mod resync;
 mod state;
 mod topic;
 mod writer;
 
+pub use batch::numbers;
 pub use body_table::{BodyTable, KnownBody};
 pub use digest::StateDigest;
 pub use end::End;
@@ -57,7 +61,7 @@ pub use keyframe::{Keyframe, KeyframeBody};
 pub use playback::{Frame, FrameBody, Playback};
 pub use reader::{Item, Recording, open};
 pub use state::RecordedState;
-pub use writer::{Finished, Outcome, Writer, numbers};
+pub use writer::{Finished, Outcome, Writer};
 
 #[cfg(test)]
 pub(crate) mod testing;

@@ -13,6 +13,7 @@ use super::{BodyTable, End, Error, Header, Health, Item, KnownBody, RecordedStat
 /// trusted: see [`Playback::health`].
 pub struct Playback<R> {
     recording: Recording<R>,
+    from: u64,
 }
 
 /// One state of a [`Playback`].
@@ -40,7 +41,17 @@ pub struct FrameBody {
 impl<R: Read + Seek> Playback<R> {
     /// Plays `recording` from where it stands.
     pub fn new(recording: Recording<R>) -> Playback<R> {
-        Playback { recording }
+        Playback { recording, from: 0 }
+    }
+
+    /// Goes to `step`: the next frame is that of it or, if that is not recorded, the first
+    /// one after it. What comes before is not read, but for less than about a second.
+    ///
+    /// # Errors
+    /// If the system cannot read.
+    pub fn seek(&mut self, step: u64) -> Result<(), Error> {
+        self.from = step;
+        self.recording.seek(step)
     }
 
     /// What the recording starts with.
@@ -77,12 +88,13 @@ impl<R: Read + Seek> Iterator for Playback<R> {
         loop {
             match self.recording.next()? {
                 Err(error) => return Some(Err(error)),
-                Ok(Item::State(state)) => {
+                Ok(Item::State(state)) if state.step >= self.from => {
                     if let Some(frame) = self.frame(&state) {
                         return Some(Ok(frame));
                     }
                 }
-                Ok(Item::Event(_) | Item::Keyframe(_) | Item::Doubtful(_) | Item::Damaged(_) | Item::End(_)) => {}
+                Ok(Item::State(_) | Item::Doubtful(_) | Item::Event(_) | Item::Keyframe(_)) => {}
+                Ok(Item::Damaged(_) | Item::End(_)) => {}
             }
         }
     }

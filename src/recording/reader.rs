@@ -9,9 +9,11 @@ use mcap::{MAGIC, McapError, records::op};
 use super::{
     BodyTable, Damage, End, Error, Header, Health, Keyframe, RecordedEvent, RecordedState,
     chunk::Chunks,
+    clock,
     course::Course,
     head::{self, Fault, Head},
     inbox::{Inbox, Locus},
+    index::{self, Index},
     records::{Broken, Place, Records},
     resync::{self, Remedy},
 };
@@ -30,6 +32,8 @@ pub struct Recording<R> {
     data_end: Option<u64>,
     suspect: Option<Fault>,
     inbox: Inbox,
+    /// Where the chunks are, once that was asked for.
+    index: Option<Index>,
     progress: Progress,
 }
 
@@ -75,26 +79,94 @@ impl<R: Read + Seek> Recording<R> {
     /// If it is no recording or newer than this program.
     pub fn read(read: R) -> Result<Recording<R>, Error> {
         let mut records = Records::new(read);
-        let Head { header, has_scene, pending, faults, suspect } = head::read(&mut records)?;
-        let mut inbox = Inbox::new(Course::new(&header, has_scene));
-        for Fault { offset, what } in faults {
-            inbox.note(Locus { chunk: None, offset }, what);
-        }
+        let head = head::read(&mut records)?;
+        let inbox = Inbox::new(Course::new(&head.header, head.has_scene));
         let mut recording = Recording {
-            header,
+            header: head.header.clone(),
             records,
             chunks: Chunks::new(),
             chunk: Locus { chunk: None, offset: 0 },
             chunk_count: 0,
             data_end: None,
-            suspect,
+            suspect: None,
             inbox,
+            index: None,
             progress: Progress::Reading,
         };
-        if let Some(place) = pending {
-            recording.record(place)?;
-        }
+        recording.behind(head)?;
         Ok(recording)
+    }
+
+    /// Goes to the last keyframe at or before `step`, which is then the next item; to the
+    /// start if there is none. Nothing before it is read, so [`Recording::health`] tells
+    /// of the rest only.
+    ///
+    /// # Errors
+    /// If the system cannot read.
+    pub fn seek(&mut self, step: u64) -> Result<(), Error> {
+        let index = match self.index.take() {
+            Some(index) => index,
+            None => index::read(&mut self.records).map_err(Error::Read)?,
+        };
+        let time = clock::nanoseconds(step, self.header.settings.rate);
+        let after = index.chunks.partition_point(|chunk| chunk.first_time <= time);
+        let mut found = false;
+        for place in (0..after).rev() {
+            found = self.seek_keyframe(&index, place, step)?;
+            if found {
+                break;
+            }
+        }
+        self.index = Some(index);
+        if found { Ok(()) } else { self.restart() }
+    }
+
+    /// Whether the chunk has a keyframe at or before `step`; if so, that is the next item.
+    fn seek_keyframe(&mut self, index: &Index, place: usize, step: u64) -> Result<bool, Error> {
+        self.go_to(index.chunks[place].offset)?;
+        self.inbox.jump(&index.channels);
+        self.chunk_count = place as u64;
+        self.next_record()?;
+        while let Ok(Some(record)) = self.chunks.next() {
+            self.inbox.chunk_record(self.chunk, &record);
+            match self.inbox.ready.pop_front() {
+                Some(Item::Keyframe(keyframe)) if keyframe.step <= step => {
+                    self.inbox.ready.push_front(Item::Keyframe(keyframe));
+                    return Ok(true);
+                }
+                Some(Item::Keyframe(_) | Item::Damaged(_)) => return Ok(false),
+                Some(Item::Event(_) | Item::State(_) | Item::Doubtful(_) | Item::End(_)) | None => {}
+            }
+        }
+        Ok(false)
+    }
+
+    /// Reads on at `offset`, where a record starts.
+    fn go_to(&mut self, offset: u64) -> Result<(), Error> {
+        self.chunks.close();
+        self.data_end = None;
+        self.suspect = None;
+        self.progress = Progress::Reading;
+        self.records.seek(offset).map_err(Error::Read)
+    }
+
+    fn restart(&mut self) -> Result<(), Error> {
+        self.go_to(0)?;
+        self.records.rewind().map_err(Error::Read)?;
+        let head = head::read(&mut self.records)?;
+        self.inbox.jump(&[]);
+        self.inbox.course = Course::new(&head.header, head.has_scene);
+        self.chunk_count = 0;
+        self.behind(head)
+    }
+
+    /// Goes on behind the head.
+    fn behind(&mut self, head: Head) -> Result<(), Error> {
+        self.suspect = head.suspect;
+        for Fault { offset, what } in head.faults {
+            self.inbox.note(Locus { chunk: None, offset }, what);
+        }
+        head.pending.map_or(Ok(()), |place| self.record(place))
     }
 
     /// What reading has shown so far; final once the iterator has ended.

@@ -114,3 +114,34 @@ fn thinned_states_have_their_digest() {
     let full = items.iter().filter(|item| matches!(item, Item::State(state) if !state.id.is_empty())).count();
     assert_eq!((states(&items).len(), full), (51, 6));
 }
+
+#[test]
+fn seeking_equals_stepping_for_every_step_and_backwards_too() {
+    let bytes = record(&bounce(50));
+    let frames: Vec<_> = Playback::new(read(&bytes).unwrap()).map(Result::unwrap).collect();
+    let cut = &bytes[..bytes.len() * 3 / 4];
+    for (bytes, last) in [(bytes.as_slice(), 50), (cut, states(&items(cut).0).last().copied().unwrap())] {
+        let mut playback = Playback::new(read(bytes).unwrap());
+        for step in (0..=last).chain((0..=last).rev()) {
+            playback.seek(step).unwrap();
+            assert_eq!(playback.next().unwrap().unwrap(), frames[step as usize]);
+        }
+        playback.seek(last + 1).unwrap();
+        assert!(playback.next().is_none());
+    }
+}
+
+#[test]
+fn seeking_reads_little() {
+    let bytes = record(&bounce(2000));
+    let mut recording = read(&bytes).unwrap();
+    recording.seek(1990).unwrap();
+    let (items, chunk) = (recording.by_ref().map(Result::unwrap).collect::<Vec<_>>(), recording.chunks());
+    let Some(Item::Keyframe(keyframe)) = items.first() else { panic!("no keyframe first") };
+    assert_eq!(keyframe.step, 1980);
+    assert_eq!(states(&items), (1980..=2000).collect::<Vec<_>>());
+    assert_eq!(recording.health(), Health::Whole);
+    let mut whole = read(&bytes).unwrap();
+    whole.by_ref().for_each(drop);
+    assert_eq!(chunk, whole.chunks());
+}

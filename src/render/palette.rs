@@ -104,6 +104,8 @@ pub fn body_color(sprite: &Sprite, style: &Style) -> Color {
     match style.color_by {
         ColorBy::Body => appearance.color.unwrap_or_else(|| cycled(u64::from(appearance.id))),
         ColorBy::Material => material_color(&appearance.material, style),
+        // What is never pushed keeps its speed for life: a colour for that would tell nothing.
+        ColorBy::Speed if appearance.mass == f64::INFINITY => appearance.color.unwrap_or(PLAIN),
         ColorBy::Speed => speed_color(sprite.velocity.norm(), style.top_speed),
     }
 }

@@ -133,6 +133,31 @@ fn what_is_left_of_a_cut_recording_is_the_same() {
 }
 
 #[test]
+fn every_range_starts_from_a_keyframe_and_is_the_same() {
+    let bytes = record(&bounce(50));
+    for from in 0..=50 {
+        assert_eq!(verdict_of(&bytes, from..=u64::MAX), format!("same: {} steps, 7 bodies", 50 - from));
+    }
+    let altered = record_altered(&bounce(50), |state| {
+        if state.step == 31 {
+            flip(&mut state.x[0])
+        }
+    });
+    assert!(verdict_of(&altered, 25..=40).starts_with("diverged at step 31: body \"c\" x recorded "));
+}
+
+#[test]
+fn replay_goes_on_behind_a_damaged_chunk() {
+    let mut bytes = record(&bounce(100));
+    let place = bytes.len() / 3;
+    bytes[place] ^= 1;
+    let found = verdict(&bytes);
+    assert!(found.starts_with("corrupt chunk "), "{found}");
+    let same: u64 = found.rsplit(' ').nth(2).unwrap().parse().unwrap();
+    assert!((100 - 21..100).contains(&same), "{found}");
+}
+
+#[test]
 fn the_observer_sees_the_collisions_of_the_run() {
     let run = bounce(50);
     let mut collisions: Vec<Collision> = Vec::new();
