@@ -4,6 +4,8 @@
 mod bundled;
 #[path = "integration/clicks.rs"]
 mod clicks;
+#[path = "integration/clips.rs"]
+mod clips;
 #[path = "integration/command_line.rs"]
 mod command_line;
 #[path = "integration/command_line_errors.rs"]
@@ -12,6 +14,8 @@ mod command_line_errors;
 mod event_driven_contacts;
 #[path = "integration/event_driven_impacts.rs"]
 mod event_driven_impacts;
+#[path = "integration/frames.rs"]
+mod frames;
 #[path = "integration/handout_limits.rs"]
 mod handout_limits;
 #[path = "integration/laboratory.rs"]
@@ -20,7 +24,11 @@ mod laboratory;
 mod live_events;
 #[path = "integration/rebond.rs"]
 mod rebond;
+#[path = "integration/reference.rs"]
+mod reference;
 #[path = "integration/scene_errors.rs"]
 mod scene_errors;
 #[path = "integration/snapshot.rs"]
 mod snapshot;
+#[path = "integration/stills.rs"]
+mod stills;

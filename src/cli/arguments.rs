@@ -43,7 +43,7 @@ pub struct OutputOptions {
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
-  rebond record recordings/two-boxes.toml -o two-boxes.mcap
+  rebond record recordings/figure-1.toml -o figure-1.mcap
   rebond record scene.toml -o long.mcap --steps 100000 --every 100
   printf '{\"click\": {\"step\": 30, \"at\": [4, 5]}}\\n' | rebond record scene.toml -o clicked.mcap --events -")]
 pub struct RecordOptions {
@@ -78,7 +78,7 @@ pub struct RecordOptions {
 The last line of standard output is the verdict. Exit codes: 0 same, 3 diverged, 4 truncated or corrupt.
 
 Examples:
-  rebond replay recordings/two-boxes.mcap
+  rebond replay recordings/figure-1.mcap
   rebond replay long.mcap --from 500 --to 600")]
 pub struct ReplayOptions {
     /// The recording
@@ -98,9 +98,9 @@ OUT.gif is an animation, OUT.png with --at one picture, any other name a folder 
 000000.png, 000001.png, ... Flags override the scene's [figure].
 
 Examples:
-  rebond render recordings/two-boxes.toml -o two-boxes.gif
-  rebond render two-boxes.mcap -o frames/ --from 60 --to 120 --show velocity,name,clock
-  rebond render two-boxes.mcap -o impact.png --at 74 --theme dark --size 1920x1080")]
+  rebond render recordings/figure-1.toml -o figure-1.gif
+  rebond render figure-1.mcap -o frames/ --from 60 --to 120 --show velocity,name,clock
+  rebond render figure-1.mcap -o impact.png --at 74 --theme dark --size 1920x1080")]
 pub struct RenderOptions {
     /// A scene (.toml) or a recording (.mcap)
     pub source: PathBuf,
@@ -146,8 +146,8 @@ Columns: step,time,name,x,y,vx,vy; one row for each body alive at each step, wal
 decimals are the shortest that give the same number back.
 
 Examples:
-  rebond export two-boxes.mcap > two-boxes.csv
-  rebond export two-boxes.mcap -o two-boxes.jsonl --from 60 --to 120")]
+  rebond export figure-1.mcap > figure-1.csv
+  rebond export figure-1.mcap -o figure-1.jsonl --from 60 --to 120")]
 pub struct ExportOptions {
     /// The recording
     pub recording: PathBuf,
@@ -169,8 +169,8 @@ pub struct ExportOptions {
 #[derive(Args, Debug)]
 #[command(after_help = "\
 Examples:
-  rebond info two-boxes.mcap
-  rebond info two-boxes.mcap --json")]
+  rebond info figure-1.mcap
+  rebond info figure-1.mcap --json")]
 pub struct InfoOptions {
     /// The recording
     pub recording: PathBuf,

@@ -1,10 +1,10 @@
 use super::arguments::RenderOptions;
 use super::error::CommandError;
 use super::frames::Frames;
-use super::render::Kind;
+use super::kind::Kind;
 use super::source::{Source, Survey};
 use crate::physics::Vector;
-use crate::render::{Metadata, Sampling, Style, Thinning, View};
+use crate::render::{FASTEST_GIF, Metadata, Sampling, Style, Thinning, View};
 use crate::scene::{ColorBy, FigureOptions, Overlay, Theme};
 use std::{num::NonZero, path::PathBuf};
 
@@ -16,9 +16,6 @@ const DEFAULT_FPS: f64 = 30.0;
 
 /// The key under which a picture says what it shows.
 const STEPS: &str = "rebond steps";
-
-/// Browsers show delays under 2/100 s as 10/100 s.
-const FASTEST_GIF: f64 = 50.0;
 
 /// All that is decided before the first frame is drawn.
 pub struct Clip {
@@ -92,7 +89,9 @@ fn sampling(options: &RenderOptions, kind: Kind, source: &Source, survey: &Surve
     let sampling = Sampling::new(steps, source.header.settings.rate, thinning);
     let sampling = if kind == Kind::Gif { sampling.no_faster_than(FASTEST_GIF) } else { sampling };
     if sampling.count() == 0 {
-        let what = format!("steps {from} to {to}, every {}, of a recording whose last step is {last}", sampling.every);
+        let every = sampling.every;
+        let asked = if from == to { format!("step {from}") } else { format!("steps {from} to {to} by {every}") };
+        let what = format!("{asked} of a recording whose last step is {last}");
         return Err(CommandError::NoSuchStep { what });
     }
     Ok(sampling)

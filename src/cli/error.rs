@@ -1,6 +1,6 @@
 use super::Exit;
 use crate::{recording, render::RenderError, run::RunError, scene::SceneError};
-use miette::Diagnostic;
+use miette::{Diagnostic, MietteHandlerOpts};
 use std::{
     io::{self, Write},
     path::{Path, PathBuf},
@@ -84,7 +84,9 @@ impl CommandError {
     /// The error of reading or writing a recording at `path`, which is named once.
     pub fn recording(path: &Path, source: recording::Error) -> CommandError {
         match source {
-            recording::Error::Open { .. } | recording::Error::Exists { .. } => CommandError::RecordingFile(source),
+            recording::Error::Open { .. } | recording::Error::Create { .. } | recording::Error::Exists { .. } => {
+                CommandError::RecordingFile(source)
+            }
             source => CommandError::Recording { path: path.into(), source },
         }
     }
@@ -96,7 +98,12 @@ impl CommandError {
 }
 
 /// Tells the user on standard error. Should that be closed, the exit code remains.
+///
+/// Each error is one sentence that says what the system said, so causes are not listed again,
+/// and it stays on one line, so that a script can find words in it.
 pub fn report(error: CommandError) -> Exit {
+    let handler = || MietteHandlerOpts::new().without_cause_chain().wrap_lines(false).build();
+    let _ = miette::set_hook(Box::new(move |_| Box::new(handler()))); // Fails only if set before.
     let report = miette::Report::new(error);
     let exit = match report.downcast_ref() {
         Some(CommandError::NotTheSame) => Exit::Diverged,

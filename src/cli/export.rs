@@ -9,12 +9,14 @@ pub fn run(options: &ExportOptions) -> Result<Exit, CommandError> {
     let format = Format::of(&options.output)?;
     let failed = |error| CommandError::recording(&options.recording, error);
     let mut playback = Playback::new(recording::open(&options.recording).map_err(failed)?);
+    let mut reached = Reached::End;
     output::write_file(&options.output, options.force, |table| {
         let failed_write = CommandError::unwritable(&options.output);
         table.write_all(format.heading().as_bytes()).map_err(&failed_write)?;
         for frame in playback.by_ref() {
             let frame = frame.map_err(failed)?;
             if frame.step > options.to.unwrap_or(u64::MAX) {
+                reached = Reached::LastStep;
                 break;
             }
             if frame.step >= options.from.unwrap_or(0) {
@@ -23,20 +25,30 @@ pub fn run(options: &ExportOptions) -> Result<Exit, CommandError> {
         }
         Ok(())
     })?;
-    Ok(tell_damage(&options.recording, &playback.health()))
+    Ok(tell_damage(&options.recording, &playback.health(), reached))
+}
+
+/// How much of a recording was read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reached {
+    /// All of it.
+    End,
+    /// The last step that was asked for: what comes after it was not looked at.
+    LastStep,
 }
 
 /// Says what of a recording could not be read, and how a script sees that.
-pub fn tell_damage(path: &Path, health: &Health) -> Exit {
-    match health {
-        Health::Whole => return Exit::Done,
-        Health::Truncated { after: Some(step) } => {
-            output::note(format_args!("{} is truncated after step {step}", path.display()));
+pub fn tell_damage(path: &Path, health: &Health, reached: Reached) -> Exit {
+    let path = path.display();
+    match (health, reached) {
+        (Health::Whole, _) | (Health::Truncated { .. }, Reached::LastStep) => return Exit::Done,
+        (Health::Truncated { after: Some(step) }, Reached::End) => {
+            output::note(format_args!("{path} is truncated after step {step}"));
         }
-        Health::Truncated { after: None } => {
-            output::note(format_args!("{} is truncated before its first state", path.display()));
+        (Health::Truncated { after: None }, Reached::End) => {
+            output::note(format_args!("{path} is truncated before its first state"));
         }
-        Health::Corrupt(damage) => output::note(format_args!("{} is corrupt: {damage}", path.display())),
+        (Health::Corrupt(damage), _) => output::note(format_args!("{path} is corrupt: {damage}")),
     }
     Exit::Damaged
 }

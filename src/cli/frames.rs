@@ -1,7 +1,8 @@
 //! Recorded states made into frames to draw.
 
 use super::error::CommandError;
-use super::{export, replay};
+use super::export::{Reached, tell_damage};
+use super::replay;
 use crate::physics::{BodyId, Collision, Observer};
 use crate::recording::{self, FrameBody, KnownBody, Playback};
 use crate::render::{Appearance, Color, Frame, Sampling, Sprite, Trails};
@@ -22,6 +23,7 @@ pub struct Frames {
     trails: Option<Trails>,
     collisions: BTreeMap<u64, Vec<Collision>>,
     appearances: BTreeMap<BodyId, Arc<Appearance>>,
+    reached: Reached,
 }
 
 impl Frames {
@@ -31,12 +33,13 @@ impl Frames {
         let contacts = show.contains(&Overlay::Normal) || show.contains(&Overlay::Penetration);
         let collisions = if contacts { collisions(path, &sampling)? } else { BTreeMap::new() };
         let playback = Playback::new(open(path)?);
-        Ok(Frames { path: path.into(), playback, sampling, trails, collisions, appearances: BTreeMap::new() })
+        let (path, appearances) = (path.into(), BTreeMap::new());
+        Ok(Frames { path, playback, sampling, trails, collisions, appearances, reached: Reached::End })
     }
 
     /// How the recording was found to be, once all frames were taken.
     pub fn tell_damage(&self) -> super::Exit {
-        export::tell_damage(&self.path, &self.playback.health())
+        tell_damage(&self.path, &self.playback.health(), self.reached)
     }
 
     fn frame(&mut self, state: recording::Frame) -> Option<Frame> {
@@ -68,7 +71,10 @@ impl Iterator for Frames {
         loop {
             match self.playback.next()? {
                 Err(error) => return Some(Err(CommandError::recording(&self.path, error))),
-                Ok(state) if state.step > *self.sampling.steps.end() => return None,
+                Ok(state) if state.step > *self.sampling.steps.end() => {
+                    self.reached = Reached::LastStep;
+                    return None;
+                }
                 Ok(state) => {
                     if let Some(frame) = self.frame(state) {
                         return Some(Ok(frame));

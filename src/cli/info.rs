@@ -1,5 +1,147 @@
-use super::{Exit, arguments::InfoOptions, error::CommandError};
-/// x
-pub fn run(_: &InfoOptions) -> Result<Exit, CommandError> {
-    todo!()
+use super::arguments::InfoOptions;
+use super::error::CommandError;
+use super::{Exit, frames, output};
+use crate::recording::{Change, Header, Health, Item, Recording, Versions};
+use crate::scene;
+use serde::Serialize;
+use std::{
+    fs,
+    io::{Read, Seek},
+    path::Path,
+};
+
+/// Prints what is inside a recording.
+pub fn run(options: &InfoOptions) -> Result<Exit, CommandError> {
+    let path = &options.recording;
+    let mut recording = frames::open(path)?;
+    let bytes = fs::metadata(path).map_err(|source| CommandError::Unreadable { path: path.clone(), source })?.len();
+    let info = Info::read(path, &mut recording, bytes)?;
+    let text = if options.json { info.json() } else { info.lines() };
+    output::print(text.as_bytes())?;
+    Ok(if recording.health() == Health::Whole { Exit::Done } else { Exit::Damaged })
+}
+
+/// What is inside a recording, in the order in which it is printed.
+#[derive(Serialize)]
+struct Info {
+    title: Option<String>,
+    scene: String,
+    solver: &'static str,
+    versions: String,
+    /// Hz.
+    rate: f64,
+    /// The number of the last state.
+    steps: Option<u64>,
+    /// Simulated seconds up to it.
+    duration: Option<f64>,
+    /// States in full are those of every so many steps.
+    every: u64,
+    /// Bodies that ever lived, walls included.
+    bodies: u64,
+    /// Spawns and deletes, walls included.
+    events: u64,
+    spawns: u64,
+    deletes: u64,
+    /// Unknown until the run has ended.
+    collisions: Option<u64>,
+    keyframes: u64,
+    chunks: u64,
+    bytes: u64,
+    error: Option<String>,
+    identity: Option<String>,
+    health: String,
+}
+
+impl Info {
+    fn read<R: Read + Seek>(path: &Path, recording: &mut Recording<R>, bytes: u64) -> Result<Info, CommandError> {
+        let mut info = Info::of_header(&recording.header, bytes);
+        for item in recording.by_ref() {
+            info.count(&item.map_err(|error| CommandError::recording(path, error))?);
+        }
+        info.duration = info.steps.map(|steps| steps as f64 / info.rate);
+        info.events = info.spawns + info.deletes;
+        info.bodies = info.spawns;
+        info.chunks = recording.chunks();
+        info.health = health(&recording.health());
+        Ok(info)
+    }
+
+    fn of_header(header: &Header, bytes: u64) -> Info {
+        let Versions { format, semantics } = header.versions;
+        Info {
+            title: scene::parse(&header.scene.file_name, &header.scene.text).ok().and_then(|scene| scene.title),
+            scene: header.scene.file_name.clone(),
+            solver: header.settings.solver.name(),
+            versions: format!("format {format}, semantics {semantics}"),
+            rate: header.settings.rate,
+            steps: None,
+            duration: None,
+            every: header.every,
+            bodies: 0,
+            events: 0,
+            spawns: 0,
+            deletes: 0,
+            collisions: None,
+            keyframes: 0,
+            chunks: 0,
+            bytes,
+            error: None,
+            identity: None,
+            health: String::new(),
+        }
+    }
+
+    fn count(&mut self, item: &Item) {
+        match item {
+            Item::Event(event) => match event.change {
+                Change::Spawn { .. } => self.spawns += 1,
+                Change::Delete { .. } => self.deletes += 1,
+            },
+            Item::State(state) | Item::Doubtful(state) => self.steps = Some(state.step),
+            Item::Keyframe(_) => self.keyframes += 1,
+            Item::Damaged(_) => {}
+            Item::End(end) => {
+                self.collisions = Some(end.collisions);
+                self.error = end.error.clone();
+                self.identity = Some(end.identity.to_string());
+            }
+        }
+    }
+
+    fn json(&self) -> String {
+        let text = serde_json::to_string_pretty(self).expect("plain values with text for keys");
+        text + "\n"
+    }
+
+    /// One `key: value` a line; what is not known is left out, but for what every recording has.
+    fn lines(&self) -> String {
+        let value = serde_json::to_value(self).expect("plain values with text for keys");
+        let mut lines = String::new();
+        for (key, value) in value.as_object().into_iter().flatten() {
+            let text = match value {
+                serde_json::Value::Null if key == "title" || key == "error" => continue,
+                serde_json::Value::Null => "unknown, the recording is unfinished".into(),
+                serde_json::Value::String(text) => text.clone(),
+                serde_json::Value::Number(number) => whole_or_not(number),
+                value => value.to_string(),
+            };
+            lines += &format!("{key}: {text}\n");
+        }
+        lines
+    }
+}
+
+/// 60 rather than 60.0.
+fn whole_or_not(number: &serde_json::Number) -> String {
+    let text = number.to_string();
+    text.strip_suffix(".0").map_or(text.clone(), str::to_owned)
+}
+
+fn health(health: &Health) -> String {
+    match health {
+        Health::Whole => "whole".into(),
+        Health::Truncated { after: Some(step) } => format!("truncated after step {step}"),
+        Health::Truncated { after: None } => "truncated before the first state".into(),
+        Health::Corrupt(damage) => format!("corrupt {damage}"),
+    }
 }

@@ -8,6 +8,7 @@ mod exit;
 mod export;
 mod frames;
 mod info;
+mod kind;
 mod output;
 mod progress;
 mod record;

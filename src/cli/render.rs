@@ -2,11 +2,11 @@ use super::Exit;
 use super::arguments::RenderOptions;
 use super::clip::Clip;
 use super::error::CommandError;
+use super::kind::Kind;
 use super::output::{self, Folder};
 use super::progress;
 use super::source::Source;
 use crate::render::{self, Painter};
-use std::path::Path;
 
 /// Draws a scene or a recording.
 pub fn run(options: &RenderOptions) -> Result<Exit, CommandError> {
@@ -20,45 +20,6 @@ pub fn run(options: &RenderOptions) -> Result<Exit, CommandError> {
         Kind::Sequence => sequence(options, &clip)?,
     };
     Ok(exit)
-}
-
-/// What is to be made, as the name of the result says.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
-    /// One animation.
-    Gif,
-    /// One state.
-    Picture,
-    /// A folder with a picture a step.
-    Sequence,
-}
-
-impl Kind {
-    fn of(options: &RenderOptions) -> Result<Kind, CommandError> {
-        let path = &options.output.output;
-        let unknown = |expected| Err(CommandError::UnknownKind { path: path.clone(), expected });
-        let extension = path.extension().and_then(|extension| extension.to_str());
-        match (extension, options.at) {
-            (Some("png"), Some(_)) => Ok(Kind::Picture),
-            (Some("png"), None) => unknown("one picture needs --at STEP; a folder of pictures has a name without .png"),
-            (Some("gif"), None) => Ok(Kind::Gif),
-            (None, Some(_)) if output::is_standard_output(path) => Ok(Kind::Picture),
-            (None, None) if output::is_standard_output(path) => Ok(Kind::Gif),
-            (None, None) => Ok(Kind::Sequence),
-            (_, Some(_)) => unknown("--at STEP makes one picture, OUT.png"),
-            (Some(_), None) if path.is_dir() || path.as_os_str().to_string_lossy().ends_with('/') => Ok(Kind::Sequence),
-            (Some(_), None) => unknown("OUT.gif, OUT.png with --at STEP, or a folder OUT/"),
-        }
-    }
-
-    /// Refuses early what would be refused after all the work.
-    fn refuse_existing(self, path: &Path, force: bool) -> Result<(), CommandError> {
-        match self {
-            Kind::Sequence => Ok(()),
-            Kind::Gif | Kind::Picture if output::is_standard_output(path) => Ok(()),
-            Kind::Gif | Kind::Picture => output::refuse_existing(path, force),
-        }
-    }
 }
 
 fn gif(options: &RenderOptions, clip: &Clip) -> Result<Exit, CommandError> {

@@ -50,6 +50,11 @@ impl Restitution {
         self.default
     }
 
+    /// The materials that some pair names, sorted.
+    pub fn names(&self) -> &[String] {
+        &self.names
+    }
+
     /// Every pair of named materials and its e, sorted: [`Restitution::new`] makes an equal
     /// table of them.
     pub fn pairs(&self) -> Vec<RestitutionPair> {

@@ -11,13 +11,23 @@ use super::{
     records::PREFIX_BYTES,
 };
 
-/// The records of one chunk, handed out only once all of it has passed its checksum.
-pub struct Chunk {
+/// Opens chunks one after the other and hands out their records, each chunk's only once
+/// all of it has passed its checksum.
+pub struct Chunks {
+    /// Kept from chunk to chunk: making one costs as much as reading a small chunk.
     reader: LinearReader,
+    /// Whether the reader can take another chunk.
+    usable: bool,
+    chunk: Option<Chunk>,
+}
+
+/// What is known of the chunk being read.
+struct Chunk {
     declared: TimeRange,
     found: Option<TimeRange>,
     position: u64,
     index: BTreeMap<u16, Vec<IndexEntry>>,
+    exhausted: bool,
 }
 
 /// First and last log time of a chunk, simulated nanoseconds.
@@ -48,58 +58,64 @@ pub struct RawMessage<'a> {
     pub data: &'a [u8],
 }
 
-impl Chunk {
+impl Chunks {
+    /// With no chunk open.
+    pub fn new() -> Chunks {
+        Chunks { reader: strict(), usable: true, chunk: None }
+    }
+
     /// Opens the chunk whose record has this body.
     ///
     /// # Errors
     /// In words, if its header is not sound. Its checksum is verified by the first
-    /// [`Chunk::next`].
-    pub fn open(body: &[u8]) -> Result<Chunk, String> {
+    /// [`Chunks::next`].
+    pub fn open(&mut self, body: &[u8]) -> Result<(), String> {
+        self.close();
         let (declared, compression, data) = header(body).map_err(|Malformed| "its header is damaged")?;
         if compression.is_empty() && !is_whole_records(data) {
             return Err("its records do not fill it".into());
         }
-        let options = LinearReaderOptions::default()
-            .with_skip_start_magic(true)
-            .with_skip_end_magic(true)
-            .with_prevalidate_chunk_crcs(true)
-            .with_record_length_limit(limits::RECORD_BYTES);
-        let mut reader = LinearReader::new_with_options(options);
-        let total = PREFIX_BYTES as usize + body.len();
-        let space = reader.insert(total);
+        let space = self.reader.insert(PREFIX_BYTES + body.len());
         space[0] = op::CHUNK;
-        space[1..PREFIX_BYTES as usize].copy_from_slice(&(body.len() as u64).to_le_bytes());
-        space[PREFIX_BYTES as usize..total].copy_from_slice(body);
-        reader.notify_read(total);
-        Ok(Chunk { reader, declared, found: None, position: 0, index: BTreeMap::new() })
+        space[1..PREFIX_BYTES].copy_from_slice(&(body.len() as u64).to_le_bytes());
+        space[PREFIX_BYTES..][..body.len()].copy_from_slice(body);
+        self.reader.notify_read(PREFIX_BYTES + body.len());
+        self.chunk = Some(Chunk { declared, found: None, position: 0, index: BTreeMap::new(), exhausted: false });
+        Ok(())
     }
 
-    /// The next record, or none behind the last one.
+    /// Forgets the open chunk.
+    pub fn close(&mut self) {
+        let unread = self.chunk.take().is_some_and(|chunk| !chunk.exhausted);
+        if unread || !self.usable {
+            self.reader = strict();
+            self.usable = true;
+        }
+    }
+
+    /// The next record of the open chunk, or none behind the last one.
     ///
     /// # Errors
-    /// In words, if the chunk does not fit its checksum or its header.
+    /// In words, if the chunk does not fit its checksum or its header; nothing more of it
+    /// can be read then.
     pub fn next(&mut self) -> Result<Option<ChunkRecord<'_>>, String> {
+        let Some(chunk) = self.chunk.as_mut().filter(|chunk| !chunk.exhausted) else { return Ok(None) };
         match self.reader.next_event() {
             Some(Ok(LinearReadEvent::Record { opcode, data })) => {
-                let offset = self.position;
-                self.position += PREFIX_BYTES + data.len() as u64;
-                if opcode == op::MESSAGE
-                    && let Ok(message) = RawMessage::parse(data)
-                {
-                    let RawMessage { channel, log_time, .. } = message;
-                    let range = self.found.get_or_insert(TimeRange { first: log_time, last: log_time });
-                    *range = TimeRange { first: range.first.min(log_time), last: range.last.max(log_time) };
-                    self.index.entry(channel).or_default().push((log_time, offset));
-                }
-                Ok(Some(ChunkRecord { opcode, body: data }))
+                let record = ChunkRecord { opcode, body: data };
+                chunk.note(&record);
+                Ok(Some(record))
             }
-            Some(Err(error)) => Err(error.to_string()),
-            None | Some(Ok(LinearReadEvent::ReadRequest(_))) => match self.found {
-                Some(found) if found != self.declared => {
-                    Err("its header tells another time range than its messages".into())
-                }
-                Some(_) | None => Ok(None),
-            },
+            Some(Err(error)) => {
+                chunk.exhausted = true;
+                self.usable = false;
+                Err(error.to_string())
+            }
+            None | Some(Ok(LinearReadEvent::ReadRequest(_))) => {
+                chunk.exhausted = true;
+                chunk.check_times()?;
+                Ok(None)
+            }
         }
     }
 
@@ -108,16 +124,44 @@ impl Chunk {
     /// # Errors
     /// In words, if they differ.
     pub fn check_index(&self, body: &[u8]) -> Result<(), String> {
+        let Some(chunk) = &self.chunk else { return Ok(()) };
         match index(body) {
-            Ok((channel, entries)) if self.index.get(&channel).is_some_and(|found| *found == entries) => Ok(()),
+            Ok((channel, entries)) if chunk.index.get(&channel).is_some_and(|found| *found == entries) => Ok(()),
             Ok(_) | Err(Malformed) => Err("the message index does not fit its chunk".into()),
         }
     }
 }
 
+impl Chunk {
+    fn note(&mut self, record: &ChunkRecord<'_>) {
+        let offset = self.position;
+        self.position += (PREFIX_BYTES + record.body.len()) as u64;
+        let Some(message) = record.message() else { return };
+        let RawMessage { channel, log_time, .. } = message;
+        let TimeRange { first, last } = self.found.unwrap_or(TimeRange { first: log_time, last: log_time });
+        self.found = Some(TimeRange { first: first.min(log_time), last: last.max(log_time) });
+        self.index.entry(channel).or_default().push((log_time, offset));
+    }
+
+    fn check_times(&self) -> Result<(), String> {
+        match self.found {
+            Some(found) if found != self.declared => {
+                Err("its header tells another time range than its messages".into())
+            }
+            Some(_) | None => Ok(()),
+        }
+    }
+}
+
+impl ChunkRecord<'_> {
+    /// The message this is, if it is one.
+    pub fn message(&self) -> Option<RawMessage<'_>> {
+        (self.opcode == op::MESSAGE).then(|| RawMessage::parse(self.body).ok()).flatten()
+    }
+}
+
 impl<'a> RawMessage<'a> {
-    /// The message of a record's body.
-    pub fn parse(body: &'a [u8]) -> Result<RawMessage<'a>, Malformed> {
+    fn parse(body: &'a [u8]) -> Result<RawMessage<'a>, Malformed> {
         let mut fields = Fields::new(body);
         let channel = fields.u16()?;
         let _sequence = fields.u32()?;
@@ -125,6 +169,15 @@ impl<'a> RawMessage<'a> {
         let _publish_time = fields.u64()?;
         Ok(RawMessage { channel, log_time, data: fields.rest() })
     }
+}
+
+fn strict() -> LinearReader {
+    let options = LinearReaderOptions::default()
+        .with_skip_start_magic(true)
+        .with_skip_end_magic(true)
+        .with_prevalidate_chunk_crcs(true)
+        .with_record_length_limit(limits::RECORD_BYTES);
+    LinearReader::new_with_options(options)
 }
 
 /// Time range, compression and data of a chunk record that ends with its data.
@@ -136,10 +189,8 @@ fn header(body: &[u8]) -> Result<(TimeRange, &str, &[u8]), Malformed> {
     let compression = fields.text()?;
     let compressed_size = fields.u64()?;
     let data = fields.bytes(compressed_size)?;
-    match fields.rest() {
-        [] => Ok((declared, compression, data)),
-        [..] => Err(Malformed),
-    }
+    fields.end()?;
+    Ok((declared, compression, data))
 }
 
 /// Whether an uncompressed chunk ends where its last record does: the crate trusts it to.
@@ -163,8 +214,6 @@ fn index(body: &[u8]) -> Result<(u16, Vec<IndexEntry>), Malformed> {
     while !records.is_empty() {
         entries.push((records.u64()?, records.u64()?));
     }
-    match fields.rest() {
-        [] => Ok((channel, entries)),
-        [..] => Err(Malformed),
-    }
+    fields.end()?;
+    Ok((channel, entries))
 }

@@ -7,7 +7,7 @@ use mcap::{Attachment, McapError, records::MessageHeader, write::NoSeek};
 
 use super::{
     Error, SceneText, limits,
-    metadata::Map,
+    metadata::{self, LIBRARY, Map},
     topic::{MESSAGE_ENCODING, SCHEMA_ENCODING, Topic},
 };
 
@@ -26,9 +26,6 @@ struct Channel {
     sequence: u32,
 }
 
-/// What the file says it was written by.
-const LIBRARY: &str = concat!("rebond/", env!("CARGO_PKG_VERSION"));
-
 impl<W: Write> Container<W> {
     /// Writes what stands before the messages.
     pub fn new(write: W, start: Map, scene: &SceneText) -> Result<Container<W>, Error> {
@@ -41,8 +38,9 @@ impl<W: Write> Container<W> {
             .disable_seeking(true)
             .create(NoSeek::new(BufWriter::new(write)))
             .map_err(write_error)?;
-        put_metadata(&mut mcap, super::metadata::START, start)?;
+        put_metadata(&mut mcap, metadata::START, start)?;
         mcap.attach(&attachment(scene)).map_err(write_error)?;
+        mcap.flush().map_err(write_error)?;
         let mut channels = [Channel { id: 0, sequence: 0 }; Topic::ALL.len()];
         for (channel, topic) in channels.iter_mut().zip(Topic::ALL) {
             channel.id = declare(&mut mcap, topic).map_err(write_error)?;
@@ -66,7 +64,7 @@ impl<W: Write> Container<W> {
 
     /// Writes what stands after the messages, index included.
     pub fn finish(mut self, end: Map) -> Result<W, Error> {
-        put_metadata(&mut self.mcap, super::metadata::END, end)?;
+        put_metadata(&mut self.mcap, metadata::END, end)?;
         self.mcap.finish().map_err(write_error)?;
         let mut buffer = self.mcap.into_inner().into_inner();
         buffer.flush().map_err(Error::Write)?;

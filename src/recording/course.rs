@@ -22,14 +22,14 @@ pub struct Course {
 }
 
 impl Course {
-    /// At the start of the recording with that header.
-    pub fn new(header: &Header) -> Course {
+    /// At the start of the recording with that header, whose scene may be lost.
+    pub fn new(header: &Header, has_scene: bool) -> Course {
         Course {
             every: header.every,
             last_step: None,
             gapless: true,
             table: Some(BodyTable::default()),
-            identity: Some(IdentityChain::new(header)),
+            identity: has_scene.then(|| IdentityChain::new(header)),
             next_id: 0,
             events: 0,
             digest: StateDigest::default(),

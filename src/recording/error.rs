@@ -35,9 +35,20 @@ pub enum Error {
     #[error("the recording cannot be written: {0}")]
     Write(#[source] io::Error),
     /// It is not a recording of this program.
-    #[error("not a recording made by rebond: {what}")]
+    #[error("not a recording of rebond: {what}")]
     NotARecording {
         /// What gives it away.
+        what: &'static str,
+    },
+    /// It ends before its settings do.
+    #[error("truncated before its settings: nothing in it can be read")]
+    CutHead,
+    /// Its settings are damaged, and there is no second copy of them.
+    #[error("corrupt at byte {offset}: {what}; without the settings nothing else can be read")]
+    DamagedHead {
+        /// Of the damaged record, bytes from the start of the file.
+        offset: u64,
+        /// What is wrong there.
         what: String,
     },
     /// It is newer than this program.

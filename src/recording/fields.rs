@@ -36,6 +36,14 @@ impl<'a> Fields<'a> {
         self.rest
     }
 
+    /// Nothing, if nothing is left.
+    pub fn end(self) -> Result<(), Malformed> {
+        match self.rest {
+            [] => Ok(()),
+            [..] => Err(Malformed),
+        }
+    }
+
     /// A number of 2 bytes.
     pub fn u16(&mut self) -> Result<u16, Malformed> {
         self.array().map(u16::from_le_bytes)

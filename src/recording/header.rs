@@ -39,8 +39,8 @@ impl Versions {
     pub const CURRENT: Versions = Versions { format: FORMAT_VERSION, semantics: SEMANTICS_VERSION };
 }
 
-/// A scene file as it was when recorded.
-#[derive(Clone, Debug, PartialEq, Eq)]
+/// A scene file as it was when recorded; empty if that part of the recording is lost.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct SceneText {
     /// Its name without folders; never a path.
     pub file_name: String,

@@ -3,7 +3,7 @@ use std::collections::{BTreeMap, VecDeque};
 use mcap::records::op;
 
 use super::{
-    Damage, End, Header, Item, RecordedState, cdr,
+    Damage, End, Item, RecordedState, cdr,
     chunk::{ChunkRecord, RawMessage},
     course::Course,
     fields::{Fields, Malformed},
@@ -36,9 +36,9 @@ pub struct Locus {
 
 impl Inbox {
     /// At the start of the recording with that header.
-    pub fn new(header: &Header) -> Inbox {
+    pub fn new(course: Course) -> Inbox {
         Inbox {
-            course: Course::new(header),
+            course,
             ready: VecDeque::new(),
             damage: None,
             end: None,
@@ -50,7 +50,7 @@ impl Inbox {
     /// Takes a record of a chunk.
     pub fn chunk_record(&mut self, locus: Locus, record: &ChunkRecord<'_>) {
         let taken = match record.opcode {
-            op::MESSAGE => self.message(locus, record.body),
+            op::MESSAGE => self.message(locus, record),
             op::CHANNEL => self.channel(record.body),
             op::SCHEMA => Ok(()),
             other => Err(format!("a record of kind {other:#04x} does not belong into a chunk")),
@@ -62,19 +62,16 @@ impl Inbox {
 
     /// Takes a metadata record.
     pub fn metadata(&mut self, locus: Locus, body: &[u8]) {
-        let mut fields = Fields::new(body);
-        match (fields.text(), fields.map()) {
-            (Ok(metadata::END), Ok(map)) => {
-                match metadata::end(&map).and_then(|end| self.course.end(&end).map(|()| end)) {
-                    Ok(end) => {
-                        self.end = Some(end.clone());
-                        self.ready.push_back(Item::End(end));
-                    }
-                    Err(what) => self.note(locus, what),
+        match metadata::parse(body) {
+            Ok((metadata::END, map)) => match metadata::end(&map).and_then(|end| self.course.end(&end).map(|()| end)) {
+                Ok(end) => {
+                    self.end = Some(end.clone());
+                    self.ready.push_back(Item::End(end));
                 }
-            }
-            (Ok(_), Ok(_)) => {}
-            (Err(Malformed), _) | (_, Err(Malformed)) => self.note(locus, "the metadata is damaged".into()),
+                Err(what) => self.note(locus, what),
+            },
+            Ok(_) => {}
+            Err(Malformed) => self.note(locus, "the metadata is damaged".into()),
         }
     }
 
@@ -92,8 +89,8 @@ impl Inbox {
         self.ready.push_back(Item::Damaged(damage));
     }
 
-    fn message(&mut self, locus: Locus, body: &[u8]) -> Result<(), String> {
-        let RawMessage { channel, data, .. } = RawMessage::parse(body).map_err(|Malformed| "a message is damaged")?;
+    fn message(&mut self, locus: Locus, record: &ChunkRecord<'_>) -> Result<(), String> {
+        let RawMessage { channel, data, .. } = record.message().ok_or("a message is damaged")?;
         let Some(topic) = self.channels.get(&channel).copied().flatten() else { return Ok(()) };
         match topic {
             Topic::Events => {

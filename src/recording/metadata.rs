@@ -2,7 +2,8 @@
 //!
 //! Every value is text. A float stands there twice, as the shortest decimal that reads
 //! back to it and as its bits: `0.95 0x3fee666666666666`; the bits count. Each record has a
-//! checksum of its own, as MCAP gives metadata none.
+//! checksum of its own, as MCAP gives metadata none. `checksum` and `format_version` mean
+//! the same in every format to come, so that an older program knows a newer recording.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -14,7 +15,11 @@ use xxhash_rust::xxh3::Xxh3;
 
 use crate::physics::{Restitution, RestitutionPair, Settings, SolverKind, Vector};
 
-use super::{End, Error, FORMAT_VERSION, Header, SceneText, Versions, limits};
+use super::{
+    End, FORMAT_VERSION, Header, SceneText, Versions,
+    fields::{Fields, Malformed},
+    limits,
+};
 
 /// The name of the record at the start.
 pub const START: &str = "rebond";
@@ -22,15 +27,26 @@ pub const START: &str = "rebond";
 /// The name of the record at the end.
 pub const END: &str = "rebond_end";
 
+/// What the file says it was written by.
+pub const LIBRARY: &str = concat!("rebond/", env!("CARGO_PKG_VERSION"));
+
 /// Keys and values of one record.
 pub type Map = BTreeMap<String, String>;
+
+/// Name, keys and values of a metadata record.
+pub fn parse(body: &[u8]) -> Result<(&str, Map), Malformed> {
+    let mut fields = Fields::new(body);
+    let named = (fields.text()?, fields.map()?);
+    fields.end()?;
+    Ok(named)
+}
 
 /// The record at the start.
 pub fn of_header(header: &Header) -> Map {
     let mut map = of_settings(header);
     put(&mut map, "steps", header.steps);
     put(&mut map, "every", header.every);
-    put(&mut map, "scene_checksum", checksum_of_text(&header.scene.text));
+    put(&mut map, "library", LIBRARY);
     sealed(map)
 }
 
@@ -54,10 +70,11 @@ pub fn of_settings(header: &Header) -> Map {
     map
 }
 
-/// The record at the end.
-pub fn of_end(end: &End) -> Map {
-    let mut map = Map::new();
-    put(&mut map, "steps", end.steps);
+/// The record at the end: how the run ended, and the header again in case its own record
+/// is damaged.
+pub fn of_end(header: &Header, end: &End) -> Map {
+    let mut map = of_header(header);
+    put(&mut map, "steps_taken", end.steps);
     put(&mut map, "collisions", end.collisions);
     put(&mut map, "bodies", end.bodies);
     put(&mut map, "events", end.events);
@@ -68,21 +85,34 @@ pub fn of_end(end: &End) -> Map {
     sealed(map)
 }
 
-/// The header of a record at the start and its scene.
+/// The header that either record tells, without the scene, which stands elsewhere.
 ///
 /// # Errors
 /// If it is newer than this program or not as it was written.
-pub fn header(map: &Map, scene: SceneText) -> Result<Header, Error> {
-    let damaged = |what| Error::NotARecording { what };
-    let format = value(map, "format_version").map_err(damaged)?;
+pub fn header(map: &Map) -> Result<Header, Refusal> {
+    unsealed(map)?;
+    let format = value(map, "format_version")?;
     if format > FORMAT_VERSION {
-        return Err(Error::NewerFormat { found: format });
+        return Err(Refusal::Newer { format });
     }
-    unsealed(map).map_err(damaged)?;
-    let header = header_fields(map, format, scene).map_err(damaged)?;
-    match value::<String>(map, "scene_checksum") {
-        Ok(sum) if sum == checksum_of_text(&header.scene.text) => Ok(header),
-        Ok(_) | Err(_) => Err(damaged("the scene's text is not the one that was recorded".into())),
+    Ok(header_fields(map, format)?)
+}
+
+/// Why a record does not tell a header.
+#[derive(Debug, PartialEq, Eq)]
+pub enum Refusal {
+    /// Its format is newer than this program.
+    Newer {
+        /// The version.
+        format: u32,
+    },
+    /// It is not as it was written; in words.
+    Damaged(String),
+}
+
+impl From<String> for Refusal {
+    fn from(what: String) -> Refusal {
+        Refusal::Damaged(what)
     }
 }
 
@@ -93,7 +123,7 @@ pub fn header(map: &Map, scene: SceneText) -> Result<Header, Error> {
 pub fn end(map: &Map) -> Result<End, String> {
     unsealed(map)?;
     Ok(End {
-        steps: value(map, "steps")?,
+        steps: value(map, "steps_taken")?,
         collisions: value(map, "collisions")?,
         bodies: value(map, "bodies")?,
         events: value(map, "events")?,
@@ -102,7 +132,7 @@ pub fn end(map: &Map) -> Result<End, String> {
     })
 }
 
-fn header_fields(map: &Map, format: u32, scene: SceneText) -> Result<Header, String> {
+fn header_fields(map: &Map, format: u32) -> Result<Header, String> {
     let solver: String = value(map, "solver")?;
     let gravity = match map.contains_key("gravity_x") {
         true => Some(Vector::new(finite(map, "gravity_x")?, finite(map, "gravity_y")?)),
@@ -121,6 +151,7 @@ fn header_fields(map: &Map, format: u32, scene: SceneText) -> Result<Header, Str
         events_per_step: value(map, "events_per_step")?,
     };
     let versions = Versions { format, semantics: value(map, "semantics_version")? };
+    let scene = SceneText::default();
     Ok(Header { versions, settings, steps: value(map, "steps")?, every, scene })
 }
 
@@ -132,7 +163,7 @@ fn restitution(map: &Map) -> Result<Restitution, String> {
     }
     let names: BTreeSet<&String> = pairs.iter().flat_map(|pair: &RestitutionPair| &pair.materials).collect();
     if names.len() > limits::MATERIALS {
-        return Err(format!("its restitution table names {} materials", names.len()));
+        return Err(format!("the restitution table names {} materials", names.len()));
     }
     let default = finite(map, "restitution")?;
     let all = pairs.iter().map(|pair| pair.restitution).chain([default]);
@@ -153,8 +184,8 @@ fn put(map: &mut Map, key: &str, value: impl Display) {
 }
 
 fn value<T: FromStr>(map: &Map, key: &str) -> Result<T, String> {
-    let text = map.get(key).ok_or_else(|| format!("its metadata has no {key:?}"))?;
-    text.parse().map_err(|_| format!("its metadata has {key:?} = {text:?}"))
+    let text = map.get(key).ok_or_else(|| format!("the metadata has no {key:?}"))?;
+    text.parse().map_err(|_| format!("the metadata has {key:?} = {text:?}"))
 }
 
 fn float(number: f64) -> String {
@@ -167,7 +198,7 @@ fn finite(map: &Map, key: &str) -> Result<f64, String> {
         .and_then(|(_, bits)| u64::from_str_radix(bits, 16).ok())
         .map(f64::from_bits)
         .filter(|number| number.is_finite())
-        .ok_or_else(|| format!("its metadata has {key:?} = {text:?}"))
+        .ok_or_else(|| format!("the metadata has {key:?} = {text:?}"))
 }
 
 const CHECKSUM: &str = "checksum";
@@ -181,7 +212,7 @@ fn sealed(mut map: Map) -> Map {
 fn unsealed(map: &Map) -> Result<(), String> {
     match map.get(CHECKSUM) == Some(&checksum(map)) {
         true => Ok(()),
-        false => Err("its metadata does not fit its checksum".into()),
+        false => Err("the metadata does not fit its checksum".into()),
     }
 }
 
@@ -193,8 +224,4 @@ fn checksum(map: &Map) -> String {
         hash.update(text.as_bytes());
     }
     format!("{:016x}", hash.digest())
-}
-
-fn checksum_of_text(text: &str) -> String {
-    format!("{:016x}", xxhash_rust::xxh3::xxh3_64(text.as_bytes()))
 }

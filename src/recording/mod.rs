@@ -15,6 +15,7 @@
 //! | metadata `rebond_end` | how the run ended, its identity              | [`End`]             |
 //! | attachment        | the scene's TOML                                 | [`SceneText`]       |
 
+mod batch;
 mod body_table;
 mod cdr;
 mod chunk;
@@ -27,6 +28,7 @@ mod error;
 mod event;
 mod fields;
 mod file;
+mod head;
 mod header;
 mod health;
 mod identity;
@@ -37,12 +39,14 @@ mod messages;
 mod metadata;
 mod playback;
 mod reader;
+mod recorder;
 mod records;
 mod resync;
 mod state;
 mod topic;
 mod writer;
 
+pub use batch::numbers;
 pub use body_table::{BodyTable, KnownBody};
 pub use digest::StateDigest;
 pub use end::End;
@@ -56,7 +60,7 @@ pub use keyframe::{Keyframe, KeyframeBody};
 pub use playback::{Frame, FrameBody, Playback};
 pub use reader::{Item, Recording, open};
 pub use state::RecordedState;
-pub use writer::{Finished, Outcome, Writer, numbers};
+pub use writer::{Finished, Outcome, Writer};
 
 #[cfg(test)]
 pub(crate) mod testing;

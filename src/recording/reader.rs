@@ -4,16 +4,16 @@ use std::{
     path::Path,
 };
 
-use mcap::{McapError, records::op};
+use mcap::{MAGIC, McapError, records::op};
 
 use super::{
-    BodyTable, Damage, End, Error, Header, Health, Keyframe, RecordedEvent, RecordedState, SceneText,
-    chunk::Chunk,
-    fields::{Fields, Malformed},
+    BodyTable, Damage, End, Error, Header, Health, Keyframe, RecordedEvent, RecordedState,
+    chunk::Chunks,
+    course::Course,
+    head::{self, Fault, Head},
     inbox::{Inbox, Locus},
-    metadata,
     records::{Broken, Place, Records},
-    resync,
+    resync::{self, Remedy},
 };
 
 /// A recording being read from its start: an iterator of [`Item`]s in file order.
@@ -23,9 +23,12 @@ pub struct Recording<R> {
     /// What the recording starts with.
     pub header: Header,
     records: Records<R>,
-    chunk: Option<OpenChunk>,
-    chunks: u64,
-    in_summary: bool,
+    chunks: Chunks,
+    /// The chunk being read or the last one.
+    chunk: Locus,
+    chunk_count: u64,
+    data_end: Option<u64>,
+    suspect: Option<Fault>,
     inbox: Inbox,
     progress: Progress,
 }
@@ -45,12 +48,6 @@ pub enum Item {
     Damaged(Damage),
     /// How the run ended.
     End(End),
-}
-
-struct OpenChunk {
-    locus: Locus,
-    chunk: Chunk,
-    exhausted: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -78,9 +75,26 @@ impl<R: Read + Seek> Recording<R> {
     /// If it is no recording or newer than this program.
     pub fn read(read: R) -> Result<Recording<R>, Error> {
         let mut records = Records::new(read);
-        let header = read_header(&mut records)?;
-        let inbox = Inbox::new(&header);
-        Ok(Recording { header, records, chunk: None, chunks: 0, in_summary: false, inbox, progress: Progress::Reading })
+        let Head { header, has_scene, pending, faults, suspect } = head::read(&mut records)?;
+        let mut inbox = Inbox::new(Course::new(&header, has_scene));
+        for Fault { offset, what } in faults {
+            inbox.note(Locus { chunk: None, offset }, what);
+        }
+        let mut recording = Recording {
+            header,
+            records,
+            chunks: Chunks::new(),
+            chunk: Locus { chunk: None, offset: 0 },
+            chunk_count: 0,
+            data_end: None,
+            suspect,
+            inbox,
+            progress: Progress::Reading,
+        };
+        if let Some(place) = pending {
+            recording.record(place)?;
+        }
+        Ok(recording)
     }
 
     /// What reading has shown so far; final once the iterator has ended.
@@ -104,15 +118,16 @@ impl<R: Read + Seek> Recording<R> {
 
     /// The number of chunks met so far.
     pub fn chunks(&self) -> u64 {
-        self.chunks
+        self.chunk_count
     }
 
     /// Goes on until something is ready or nothing more comes.
     fn advance(&mut self) -> Result<(), Error> {
         while self.inbox.ready.is_empty() && self.progress == Progress::Reading {
-            match &mut self.chunk {
-                Some(open) if !open.exhausted => open.next(&mut self.inbox),
-                Some(_) | None => self.next_record()?,
+            match self.chunks.next() {
+                Ok(Some(record)) => self.inbox.chunk_record(self.chunk, &record),
+                Ok(None) => self.next_record()?,
+                Err(what) => self.inbox.lose(self.chunk, what),
             }
         }
         Ok(())
@@ -120,7 +135,7 @@ impl<R: Read + Seek> Recording<R> {
 
     fn next_record(&mut self) -> Result<(), Error> {
         match self.records.advance() {
-            Ok(Some(place)) if !self.in_summary => self.record(place),
+            Ok(Some(place)) if self.data_end.is_none() => self.record(place)?,
             Ok(Some(_)) => {} // Nothing but copies and the index: its checksum is enough.
             Ok(None) => self.progress = Progress::Done,
             Err(broken) => self.mend(broken)?,
@@ -128,74 +143,80 @@ impl<R: Read + Seek> Recording<R> {
         Ok(())
     }
 
-    fn record(&mut self, Place { offset, opcode }: Place) {
+    fn record(&mut self, Place { offset, opcode }: Place) -> Result<(), Error> {
         let body = &self.records.body;
         let outside = Locus { chunk: None, offset };
         match opcode {
-            op::CHUNK => self.open_chunk(offset),
+            op::CHUNK => return self.open_chunk(offset),
             op::MESSAGE_INDEX => {
-                let checked = self.chunk.as_ref().map_or(Ok(()), |open| open.chunk.check_index(body));
-                if let Err(what) = checked {
-                    self.inbox.note(Locus { chunk: Some(self.chunks), offset }, what);
+                if let Err(what) = self.chunks.check_index(body) {
+                    self.inbox.note(Locus { offset, ..self.chunk }, what);
+                    return self.resume_after(offset);
                 }
             }
             op::METADATA => self.inbox.metadata(outside, body),
             op::ATTACHMENT => {}
-            op::DATA_END => self.in_summary = true,
-            other => self.inbox.lose(outside, format!("a record of kind {other:#04x} does not belong here")),
+            op::DATA_END => self.data_end = Some(offset),
+            other => {
+                self.inbox.lose(outside, format!("a record of kind {other:#04x} does not belong here"));
+                return self.resume_after(offset);
+            }
+        }
+        Ok(())
+    }
+
+    fn open_chunk(&mut self, offset: u64) -> Result<(), Error> {
+        self.chunk_count += 1;
+        self.chunk = Locus { chunk: Some(self.chunk_count), offset };
+        match self.chunks.open(&self.records.body) {
+            Ok(()) => Ok(()),
+            Err(what) => {
+                self.inbox.lose(self.chunk, what);
+                self.resume_after(offset)
+            }
         }
     }
 
-    fn open_chunk(&mut self, offset: u64) {
-        self.chunks += 1;
-        let locus = Locus { chunk: Some(self.chunks), offset };
-        self.chunk = match Chunk::open(&self.records.body) {
-            Ok(chunk) => Some(OpenChunk { locus, chunk, exhausted: false }),
-            Err(what) => {
-                self.inbox.lose(locus, what);
-                None
-            }
-        };
+    fn resume_after(&mut self, offset: u64) -> Result<(), Error> {
+        self.chunks.close();
+        self.records.resume_after(offset).map_err(Error::Read)
     }
 
     /// Goes on at the next record that is one, after one that is not.
-    fn mend(&mut self, Broken { offset, why }: Broken) -> Result<(), Error> {
-        self.chunk = None;
-        let read = self.records.read();
-        let cut = match why {
-            McapError::Io(error) => return Err(Error::Read(error)),
-            McapError::UnexpectedEof => !resync::ends_as_mcap(read).map_err(Error::Read)?,
-            _ => false,
+    fn mend(&mut self, broken: Broken) -> Result<(), Error> {
+        self.chunks.close();
+        if let McapError::Io(error) = broken.why {
+            return Err(Error::Read(error));
+        }
+        let remedy = match self.data_end {
+            Some(_) => resync::hopeless(self.records.read(), &broken),
+            None => resync::remedy(self.records.read(), &broken),
         };
-        let next = match self.in_summary {
-            true => None,
-            false => resync::next_record(read, offset + 1).map_err(Error::Read)?,
-        };
+        let Fault { offset, what } = self.blame(broken);
         let locus = Locus { chunk: None, offset };
-        match next {
-            Some(next) => {
-                self.inbox.lose(locus, why.to_string());
+        match remedy.map_err(Error::Read)? {
+            Remedy::GoOn(next) => {
+                self.inbox.lose(locus, what);
                 self.records.seek(next).map_err(Error::Read)?;
             }
-            None if cut => self.progress = Progress::Cut,
-            None => {
-                self.inbox.note(locus, why.to_string());
+            Remedy::Cut => self.progress = Progress::Cut,
+            Remedy::None => {
+                self.inbox.note(locus, what);
                 self.progress = Progress::Done;
             }
         }
         Ok(())
     }
-}
 
-impl OpenChunk {
-    fn next(&mut self, inbox: &mut Inbox) {
-        match self.chunk.next() {
-            Ok(Some(record)) => inbox.chunk_record(self.locus, &record),
-            Ok(None) => self.exhausted = true,
-            Err(what) => {
-                self.exhausted = true;
-                inbox.lose(self.locus, what);
-            }
+    /// Where the fault lies: what no checksum of its own guards is only known by section.
+    fn blame(&self, Broken { offset, why }: Broken) -> Fault {
+        let section =
+            |what: &str, from: u64| Fault { offset: from, what: format!("{what}, up to byte {offset}: {why}") };
+        match (&why, self.data_end, &self.suspect) {
+            (McapError::BadDataCrc { .. }, _, Some(fault)) => fault.clone(),
+            (McapError::BadDataCrc { .. }, _, None) => section("somewhere between the chunks", MAGIC.len() as u64),
+            (_, Some(data_end), _) => section("somewhere in the index", data_end),
+            (_, None, _) => Fault { offset, what: why.to_string() },
         }
     }
 }
@@ -211,48 +232,5 @@ impl<R: Read + Seek> Iterator for Recording<R> {
                 Some(Err(error))
             }
         }
-    }
-}
-
-/// Reads up to the scene's text.
-fn read_header<R: Read + Seek>(records: &mut Records<R>) -> Result<Header, Error> {
-    let mut start = None;
-    let damaged = |what: &str| Error::NotARecording { what: what.into() };
-    while let Some(place) = records.advance().map_err(head_error)? {
-        let mut fields = Fields::new(&records.body);
-        match place.opcode {
-            op::METADATA => {
-                let name = fields.text().map_err(|Malformed| damaged("its metadata is damaged"))?;
-                if name == metadata::START {
-                    start = Some(fields.map().map_err(|Malformed| damaged("its metadata is damaged"))?);
-                }
-            }
-            op::ATTACHMENT => {
-                let start = start.ok_or_else(|| damaged("it has no metadata \"rebond\""))?;
-                let scene = scene(fields).map_err(|Malformed| damaged("the scene's text is damaged"))?;
-                return metadata::header(&start, scene);
-            }
-            op::CHUNK | op::DATA_END => break,
-            _ => {}
-        }
-    }
-    Err(damaged("it has no metadata \"rebond\" or no scene at its start"))
-}
-
-fn scene(mut fields: Fields<'_>) -> Result<SceneText, Malformed> {
-    let _log_time = fields.u64()?;
-    let _create_time = fields.u64()?;
-    let file_name = fields.text()?.into();
-    let _media_type = fields.text()?;
-    let length = fields.u64()?;
-    let text = str::from_utf8(fields.bytes(length)?).map_err(|_| Malformed)?.into();
-    Ok(SceneText { file_name, text })
-}
-
-fn head_error(Broken { offset, why }: Broken) -> Error {
-    match why {
-        McapError::Io(error) => Error::Read(error),
-        McapError::BadMagic => Error::NotARecording { what: "it does not start as an MCAP file".into() },
-        other => Error::NotARecording { what: format!("its record at byte {offset} cannot be read: {other}") },
     }
 }

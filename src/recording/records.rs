@@ -5,7 +5,7 @@ use mcap::{
     sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions},
 };
 
-use super::limits;
+use super::{limits, resync};
 
 /// The top-level records of a file in order, chunks unopened.
 ///
@@ -37,15 +37,22 @@ pub struct Broken {
 }
 
 /// Bytes before the fields of a record: its kind and its length.
-pub const PREFIX_BYTES: u64 = 9;
+pub const PREFIX_BYTES: usize = 9;
 
 const READ_BYTES: usize = 64 << 10;
 
 impl<R: Read + Seek> Records<R> {
     /// The records from the start of the file.
     pub fn new(read: R) -> Records<R> {
-        let reader = LinearReader::new_with_options(strict().with_validate_data_section_crc(true));
-        Records { read, reader, next_offset: MAGIC.len() as u64, body: Vec::new() }
+        Records { read, reader: from_start(), next_offset: MAGIC.len() as u64, body: Vec::new() }
+    }
+
+    /// Starts again from the start of the file.
+    pub fn rewind(&mut self) -> io::Result<()> {
+        self.read.rewind()?;
+        self.reader = from_start();
+        self.next_offset = MAGIC.len() as u64;
+        Ok(())
     }
 
     /// Goes on from `offset`, where a record starts. The checksum of the data section
@@ -55,6 +62,13 @@ impl<R: Read + Seek> Records<R> {
         self.reader = LinearReader::new_with_options(strict().with_skip_start_magic(true));
         self.next_offset = offset;
         Ok(())
+    }
+
+    /// Goes on with the next record behind a damaged one, whose length is not to be
+    /// trusted. If there is none, where its length says.
+    pub fn resume_after(&mut self, offset: u64) -> io::Result<()> {
+        let next = resync::next_record(&mut self.read, offset + 1)?.unwrap_or(self.next_offset);
+        self.seek(next)
     }
 
     /// What is read from.
@@ -83,12 +97,16 @@ impl<R: Read + Seek> Records<R> {
                 Some(Ok(LinearReadEvent::Record { opcode, data })) => {
                     self.body.clear();
                     self.body.extend_from_slice(data);
-                    self.next_offset = offset + PREFIX_BYTES + data.len() as u64;
+                    self.next_offset = offset + (PREFIX_BYTES + data.len()) as u64;
                     return Ok(Some(Place { offset, opcode }));
                 }
             }
         }
     }
+}
+
+fn from_start() -> LinearReader {
+    LinearReader::new_with_options(strict().with_validate_data_section_crc(true))
 }
 
 fn strict() -> LinearReaderOptions {

@@ -52,7 +52,7 @@ impl RecordedState {
 
     /// Replaces the contents of `bytes` by the message of this state.
     ///
-    /// The bytes are those of [`cdr::encode`]; whole columns at a time they cost the
+    /// The bytes are those of `cdr::encode`; whole columns at a time they cost the
     /// stepping thread a tenth.
     pub fn encode(&self, bytes: &mut Vec<u8>) {
         bytes.clear();

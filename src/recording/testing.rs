@@ -62,6 +62,15 @@ pub fn bounce(steps: u64) -> Run {
     Run { header, events }
 }
 
+/// As little as can be recorded over several chunks: one box that falls and goes.
+pub fn drop_and_delete() -> Run {
+    let Run { mut header, .. } = bounce(12);
+    header.settings.rate = 4.0;
+    let spawn = RecordedEvent { step: 0, change: Change::Spawn { id: 0, spawn: body("a"), color: None } };
+    let delete = RecordedEvent { step: 10, change: Change::Delete { id: 0 } };
+    Run { header, events: vec![spawn, delete] }
+}
+
 /// A box of 1 m and 1 kg at rest at (1, 1).
 pub fn body(name: &str) -> Spawn {
     Spawn {
@@ -121,7 +130,7 @@ pub fn record_altered(run: &Run, mut alter: impl FnMut(&mut RecordedState)) -> V
                 state.encode(&mut bytes);
                 (Topic::States, state.step)
             }
-            Item::End(end) => return container.finish(metadata::of_end(&end)).unwrap(),
+            Item::End(end) => return container.finish(metadata::of_end(&run.header, &end)).unwrap(),
             Item::Doubtful(_) | Item::Damaged(_) => panic!("a fresh recording is whole"),
         };
         container.message(topic, clock::nanoseconds(step, settings.rate), &bytes).unwrap();

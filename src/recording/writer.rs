@@ -1,35 +1,27 @@
-use std::io::Write;
-
-use crate::physics::{Body, Engine, World};
-
-use super::{
-    BodyTable, Change, End, Error, Header, Keyframe, RecordedEvent, RecordedState, StateDigest, cdr, clock,
-    container::Container,
-    identity::IdentityChain,
-    limits,
-    messages::{BodiesMessage, EventMessage},
-    metadata,
-    topic::Topic,
+use std::{
+    io::{self, Write},
+    sync::mpsc::{Receiver, SyncSender, sync_channel},
+    thread::{Builder, JoinHandle},
 };
+
+use crate::physics::Engine;
+
+use super::{Change, End, Error, Header, RecordedEvent, batch::Batch, batch::Entry, clock, limits, recorder::Recorder};
 
 /// Streams a recording out while the engine runs. Memory does not grow with the run.
 ///
 /// For each step: the events applied to it, then [`Writer::state`]. A writer dropped
 /// without [`Writer::finish`] leaves a file that is readable up to its last flush, which
 /// happens after every batch of events and about every second of simulated time.
+///
+/// Encoding and compressing happen on a thread of its own, in one order whatever the
+/// number of processors; an error there is returned by a later call.
 pub struct Writer<W: Write> {
-    container: Container<W>,
-    identity: IdentityChain,
-    rate: f64,
-    every: u64,
-    table: BodyTable,
+    background: Option<Background<W>>,
+    batch: Batch,
+    steps_per_second: u64,
     last_step: Option<u64>,
-    spawns: u64,
-    events: u64,
     unflushed_events: bool,
-    state: RecordedState,
-    digest: StateDigest,
-    bytes: Vec<u8>,
 }
 
 /// How a run ended, as the one who ran it knows.
@@ -54,117 +46,67 @@ impl<W: Write + Send + 'static> Writer<W> {
     /// Writes the head of a recording.
     ///
     /// # Errors
-    /// If writing fails or the scene is too large.
+    /// If writing fails or the header is too large.
     pub fn new(write: W, header: &Header) -> Result<Writer<W>, Error> {
         check("the scene's text in bytes", header.scene.text.len(), limits::SCENE_BYTES)?;
         check("the scene's file name in bytes", header.scene.file_name.len(), limits::STRING_BYTES)?;
-        let mut container = Container::new(write, metadata::of_header(header), &header.scene)?;
-        container.flush()?;
+        check("the number of materials", header.settings.restitution.names().len(), limits::MATERIALS)?;
         Ok(Writer {
-            container,
-            identity: IdentityChain::new(header),
-            rate: header.settings.rate,
-            every: header.every,
-            table: BodyTable::default(),
+            background: Some(Background::new(Recorder::new(write, header)?)?),
+            batch: Batch::default(),
+            steps_per_second: clock::steps_per_second(header.settings.rate),
             last_step: None,
-            spawns: 0,
-            events: 0,
             unflushed_events: false,
-            state: RecordedState::default(),
-            digest: StateDigest::default(),
-            bytes: Vec::new(),
         })
     }
 
     /// Records one event that was applied to the present step.
     ///
     /// # Errors
-    /// If writing fails or a name is too long.
+    /// If writing has failed or a name is too long.
     pub fn event(&mut self, event: &RecordedEvent) -> Result<(), Error> {
         if let Change::Spawn { spawn, color, .. } = &event.change {
-            let color = color.as_deref().unwrap_or_default();
-            for text in [spawn.name.as_str(), &spawn.material, color] {
+            for text in [&spawn.name, &spawn.material, color.as_ref().unwrap_or(&String::new())] {
                 check("a name in bytes", text.len(), limits::STRING_BYTES)?;
             }
-            self.spawns += 1;
         }
-        self.table.apply(&event.change);
-        self.events += 1;
         self.unflushed_events = true;
-        cdr::encode(&EventMessage::new(event), &mut self.bytes);
-        self.identity.event(&self.bytes);
-        self.put(Topic::Events, event.step)
+        self.batch.entries.push(Entry::Event(event.clone()));
+        Ok(())
     }
 
     /// Records the state of the engine's present step, with a keyframe when one is due.
     ///
     /// # Errors
-    /// If writing fails, there are too many bodies, or events were not recorded.
+    /// If writing has failed, there are too many bodies, or events were not recorded.
     pub fn state(&mut self, engine: &Engine) -> Result<(), Error> {
         let step = engine.present_step();
         self.check_order(step)?;
         check("the number of bodies", engine.world().bodies.len(), limits::BODIES)?;
-        let second = clock::steps_per_second(self.rate);
-        if step.is_multiple_of(second) {
-            self.keyframe(engine)?;
+        if step.is_multiple_of(self.steps_per_second) {
+            self.batch.entries.push(Entry::Snapshot(engine.snapshot()));
         }
-        self.sample(step, engine.world())?;
-        self.identity.state(step, self.state.digest);
-        self.state.encode(&mut self.bytes);
-        self.put(Topic::States, step)?;
-        if self.unflushed_events || (step + 1).is_multiple_of(second) {
+        self.batch.push_state(engine);
+        let flush = self.unflushed_events || (step + 1).is_multiple_of(self.steps_per_second);
+        if flush {
             self.unflushed_events = false;
-            self.container.flush()?;
+            self.batch.entries.push(Entry::Flush);
         }
-        Ok(())
+        match flush || self.batch.is_large() {
+            true => self.hand_over(),
+            false => Ok(()),
+        }
     }
 
     /// Writes the end of the recording and its index.
     ///
     /// # Errors
     /// If writing fails; the file is then readable up to its last flush.
-    pub fn finish(self, outcome: &Outcome) -> Result<Finished<W>, Error> {
-        let end = End {
-            steps: self.last_step.unwrap_or(0),
-            collisions: outcome.collisions,
-            bodies: self.spawns,
-            events: self.events,
-            error: outcome.error.clone(),
-            identity: self.identity.identity(),
-        };
-        let write = self.container.finish(metadata::of_end(&end))?;
+    pub fn finish(mut self, outcome: &Outcome) -> Result<Finished<W>, Error> {
+        self.hand_over()?;
+        let background = self.background.take().ok_or_else(failed_before)?;
+        let (end, write) = background.join()?.finish(outcome)?;
         Ok(Finished { end, write })
-    }
-
-    /// A keyframe too large for one record is left out: a seek then starts before it.
-    fn keyframe(&mut self, engine: &Engine) -> Result<(), Error> {
-        let step = engine.present_step();
-        let keyframe = Keyframe::new(engine.snapshot(), &self.table);
-        cdr::encode(&BodiesMessage::new(&keyframe), &mut self.bytes);
-        match self.bytes.len() <= limits::MESSAGE_BYTES {
-            true => self.put(Topic::Bodies, step),
-            false => Ok(()),
-        }
-    }
-
-    /// Fills the state and its digest from the world.
-    fn sample(&mut self, step: u64, world: &World) -> Result<(), Error> {
-        if world.bodies.len() != self.table.bodies().len() {
-            return Err(Error::Unrecorded { step });
-        }
-        let full = step.is_multiple_of(self.every);
-        self.state.clear();
-        self.digest.clear();
-        for (place, body) in world.bodies.iter().enumerate() {
-            let numbers = numbers(body);
-            self.digest.body(body.id, numbers);
-            if full && !(body.is_infinite() && self.table.bodies()[place].stands_at(numbers)) {
-                self.state.push(body.id, numbers);
-            }
-        }
-        self.state.step = step;
-        self.state.digest = self.digest.value();
-        Ok(())
     }
 
     fn check_order(&mut self, step: u64) -> Result<(), Error> {
@@ -176,15 +118,68 @@ impl<W: Write + Send + 'static> Writer<W> {
         Ok(())
     }
 
-    fn put(&mut self, topic: Topic, step: u64) -> Result<(), Error> {
-        self.container.message(topic, clock::nanoseconds(step, self.rate), &self.bytes)
+    fn hand_over(&mut self) -> Result<(), Error> {
+        let background = self.background.as_ref().ok_or_else(failed_before)?;
+        let next = background.used.try_recv().unwrap_or_default();
+        let batch = std::mem::replace(&mut self.batch, next);
+        match background.batches.send(batch) {
+            Ok(()) => Ok(()),
+            // The thread has ended, which it does only with an error.
+            Err(_) => match self.background.take().ok_or_else(failed_before)?.join() {
+                Ok(_) => Err(failed_before()),
+                Err(error) => Err(error),
+            },
+        }
     }
 }
 
-/// What a state says of a body: x, y (m), vx, vy (m/s).
-pub fn numbers(body: &Body) -> [f64; 4] {
-    let (position, velocity) = (body.rect.origin, body.velocity);
-    [position.x, position.y, velocity.x, velocity.y]
+/// The thread that encodes, compresses and writes.
+struct Background<W: Write> {
+    batches: SyncSender<Batch>,
+    used: Receiver<Batch>,
+    thread: JoinHandle<Result<Recorder<W>, Error>>,
+}
+
+/// Batches that may wait: enough to keep both threads busy.
+const WAITING: usize = 2;
+
+impl<W: Write + Send + 'static> Background<W> {
+    fn new(mut recorder: Recorder<W>) -> Result<Background<W>, Error> {
+        let (batches, incoming) = sync_channel::<Batch>(WAITING);
+        let (outgoing, used) = sync_channel(WAITING + 1);
+        let work = move || {
+            for mut batch in incoming {
+                recorder.write(&mut batch)?;
+                batch.clear();
+                // Whoever does not want it back makes a new one.
+                let _ = outgoing.try_send(batch);
+            }
+            Ok(recorder)
+        };
+        let thread = Builder::new().name("recording".into()).spawn(work).map_err(Error::Write)?;
+        Ok(Background { batches, used, thread })
+    }
+}
+
+impl<W: Write> Background<W> {
+    /// Waits until all is written.
+    fn join(self) -> Result<Recorder<W>, Error> {
+        drop(self.batches);
+        self.thread.join().unwrap_or_else(|_| Err(failed_before()))
+    }
+}
+
+impl<W: Write> Drop for Writer<W> {
+    /// What was handed over is still written; nobody is left to hear of errors.
+    fn drop(&mut self) {
+        if let Some(background) = self.background.take() {
+            let _ = background.join();
+        }
+    }
+}
+
+fn failed_before() -> Error {
+    Error::Write(io::Error::other("writing has failed before"))
 }
 
 fn check(what: &'static str, found: usize, limit: usize) -> Result<(), Error> {

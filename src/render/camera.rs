@@ -10,11 +10,11 @@ use crate::physics::{Rect, Vector};
 pub struct Camera {
     /// Width and height of the picture, px.
     pub size: [u32; 2],
-    /// Height of the strip at the bottom that shows no world, px.
-    pub footer: u32,
+    /// The part of the picture where the world is seen, px.
+    pub window: Rect,
     /// Pixels per metre, the same along x and y.
     pub scale: f64,
-    /// The point of the world seen at the upper-left corner of the picture, m.
+    /// The point of the world that would be seen at the upper-left corner of the picture, m.
     pub origin: Vector,
     /// Width and height of the world, m: where its border is.
     pub world: Vector,
@@ -33,14 +33,24 @@ impl Camera {
     pub fn fit(world: Vector, size: [u32; 2], footer: bool) -> Result<Camera, RenderError> {
         check(world, size)?;
         let shorter = if size[0] < size[1] { size[0] } else { size[1] };
-        let margin = f64::from(shorter / 40);
         let footer = if footer { shorter / 18 } else { 0 };
-        let [width, height] = [size[0], size[1] - footer].map(f64::from);
-        let across = (width - 2.0 * margin) / world.x;
-        let down = (height - 2.0 * margin) / world.y;
+        let window = Rect::new(Vector::ZERO, f64::from(size[0]), f64::from(size[1] - footer));
+        let area = Rect::new(Vector::ZERO, world.x, world.y);
+        Ok(Camera::over(&area, size, window, f64::from(shorter / 40)).with_world(world))
+    }
+
+    /// The camera that shows a part of the world, in m, in the middle of a part of the picture,
+    /// in px, with at least a margin around it, in px.
+    pub fn over(area: &Rect, size: [u32; 2], window: Rect, margin: f64) -> Camera {
+        let across = (window.width() - 2.0 * margin) / area.width();
+        let down = (window.height() - 2.0 * margin) / area.height();
         let scale = if across < down { across } else { down };
-        let origin = Vector::new((world.x - width / scale) / 2.0, (world.y - height / scale) / 2.0);
-        Ok(Camera { size, footer, scale, origin, world })
+        let origin = area.center().sub(window.center().mult(1.0 / scale));
+        Camera { size, window, scale, origin, world: area.far_corner() }
+    }
+
+    fn with_world(self, world: Vector) -> Camera {
+        Camera { world, ..self }
     }
 
     /// Where a point of the world is seen, px.
@@ -53,11 +63,6 @@ impl Camera {
     pub fn rect(&self, rect: &Rect) -> Rect {
         let (near, far) = (self.point(rect.origin), self.point(rect.far_corner()));
         Rect::new(near, far.x - near.x, far.y - near.y)
-    }
-
-    /// The part of the page where the world is seen, px.
-    pub fn window(&self) -> Rect {
-        Rect::new(Vector::ZERO, f64::from(self.size[0]), f64::from(self.size[1] - self.footer))
     }
 }
 

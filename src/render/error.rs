@@ -19,15 +19,13 @@ pub enum RenderError {
         /// m.
         height: f64,
     },
-    /// Two pictures of one animation differ in size.
-    #[error("a picture of {found:?} pixels does not fit an animation of {expected:?}")]
-    SizeChanged {
-        /// Pixels of the animation.
-        expected: [u32; 2],
-        /// Pixels of the picture.
-        found: [u32; 2],
-    },
     /// The place written to refused.
     #[error(transparent)]
     Write(#[from] std::io::Error),
+    /// The file read from refused.
+    #[error(transparent)]
+    Read(std::io::Error),
+    /// A picture's file is damaged or of another kind.
+    #[error("no PNG file that can be read: {0}")]
+    Unreadable(String),
 }

@@ -1,14 +1,16 @@
 //! The view: states made into pictures. It reads plain values, never the engine, never a file.
 //!
 //! A [`Frame`] seen through a [`View`] becomes a [`DisplayList`] of shapes in page units
-//! ([`compose`]), which a [`Painter`] draws to a [`Picture`] of pixels, which [`png`] and
-//! [`gif`] write. Each arrow is a pure function, so that pictures drawn on any number of
+//! ([`compose`]), which [`svg`] and [`pdf`] write as it is and a [`Painter`] draws to a [`Picture`]
+//! of pixels, which [`png`] and [`gif`] write. Each arrow is a pure function, so that pictures drawn on any number of
 //! threads, or in several parts, are the same to the bit.
 
+mod area;
 mod camera;
 mod canvas;
 mod clip;
 mod color;
+mod color_table;
 pub mod compare;
 mod display_list;
 mod error;
@@ -17,17 +19,17 @@ pub mod gif;
 mod in_order;
 mod indexed;
 mod layers;
-#[cfg(test)]
-mod look;
 mod lzw;
 mod metadata;
 mod painter;
 mod palette;
 mod patch;
+pub mod pdf;
 mod picture;
 pub mod png;
 mod sampling;
 mod style;
+pub mod svg;
 pub mod text;
 mod trails;
 mod view;

@@ -1,5 +1,5 @@
 use super::canvas::{Canvas, FULL};
-use super::text::{Font, Glyph, Line};
+use super::text::{Font, Glyph, Line, Segment, UNITS_PER_EM};
 use super::{Color, DisplayList, Ink, Picture, Shape};
 use crate::physics::Vector;
 use std::collections::BTreeMap;
@@ -56,9 +56,9 @@ impl Painter {
             && (known.size, known.background) == (list.size, list.background)
             && known.shapes == list.backdrop
         {
-            return Canvas { width, height, pixels: known.pixels.clone() };
+            return Canvas::from_pixels([width, height], known.pixels.clone());
         }
-        let mut canvas = Canvas::new(list.size, list.background);
+        let mut canvas = Canvas::new([width, height], list.background);
         for shape in &list.backdrop {
             self.draw_shape(&mut canvas, shape);
         }
@@ -77,6 +77,11 @@ impl Painter {
             Shape::Polygon { points, ink } => fill_path(canvas, points, *ink, |points| polygon(points, true)),
             Shape::Polyline { points, width, ink } => {
                 fill_path(canvas, points, *ink, |points| stroke(points, *width));
+            }
+            Shape::Clip { window, shapes } => {
+                let outside = canvas.narrow(window);
+                shapes.iter().for_each(|shape| self.draw_shape(canvas, shape));
+                canvas.clip = outside;
             }
             Shape::Text { line, at, ink } => self.draw_line(canvas, line, *at, *ink),
         }
@@ -106,10 +111,32 @@ impl Painter {
 }
 
 fn glyph_stencil((id, size, x, y): GlyphKey) -> Stencil {
-    let quarter = |count: u8| f32::from(count) / 4.0;
+    let [size, x, y] = [size, u32::from(x), u32::from(y)].map(|quarters| quarters as f32 / 4.0);
+    let scale = size / UNITS_PER_EM as f32;
+    let place = |[across, up]: [f32; 2]| [x + across * scale, y - up * scale];
     let mut path = PathBuilder::new();
-    Font::embedded().outline(id, size as f32 / 4.0, quarter(x), quarter(y), &mut path);
+    for segment in Font::embedded().outline(id) {
+        add_segment(&mut path, segment, place);
+    }
     path.finish().and_then(|path| Stencil::of(&path, &Window::around(&path))).unwrap_or_else(Stencil::empty)
+}
+
+fn add_segment(path: &mut PathBuilder, segment: Segment, place: impl Fn([f32; 2]) -> [f32; 2]) {
+    match segment {
+        Segment::Move(to) => {
+            let [x, y] = place(to);
+            path.move_to(x, y);
+        }
+        Segment::Line(to) => {
+            let [x, y] = place(to);
+            path.line_to(x, y);
+        }
+        Segment::Quadratic(points) => {
+            let [[cx, cy], [x, y]] = points.map(place);
+            path.quad_to(cx, cy, x, y);
+        }
+        Segment::Close => path.close(),
+    }
 }
 
 /// Fills what `outline` makes of the points; it sees them moved near the origin, where f32
@@ -159,10 +186,14 @@ impl Window {
         }
     }
 
-    /// The page as seen from a point of it.
+    /// What of the page can be drawn on, as seen from a point of it.
     fn page(canvas: &Canvas, point: Vector) -> Window {
-        let [x, y] = [-point.x as f32, -point.y as f32];
-        Window { from: [x, y], to: [x + canvas.width as f32, y + canvas.height as f32] }
+        let from = |at: usize, origin: f64| (at as f64 - origin) as f32;
+        let clip = &canvas.clip;
+        Window {
+            from: [from(clip.left, point.x), from(clip.top, point.y)],
+            to: [from(clip.right, point.x), from(clip.bottom, point.y)],
+        }
     }
 
     fn meet(&self, other: &Window) -> Option<Window> {

@@ -3,6 +3,9 @@ use std::ops::RangeInclusive;
 /// The most frames per second a GIF is given: browsers slow down delays under 2/100 s.
 pub const FASTEST_GIF: f64 = 50.0;
 
+/// The shortest time browsers show a GIF's frame for, 1/100 s.
+const SHORTEST_DELAY: u64 = 2;
+
 /// How many of the steps a clip shows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Thinning {
@@ -62,16 +65,31 @@ impl Sampling {
 
     /// How long the frame of that number, counted from 0, is on screen, 1/100 s.
     ///
-    /// Frame i appears at the true time i × every / rate rounded to 1/100 s, and stays until
-    /// the next appears: no rounding is ever carried on, and the delays of a clip add up to
-    /// its duration.
+    /// Frame i appears at its true time, rounded to 1/100 s, and stays until the next appears:
+    /// no rounding is ever carried on. The delays add up to the true time from the first step
+    /// to the last; since the last frame has to be seen before that, it and perhaps the one
+    /// before it appear up to 2/100 s early. Only a clip at 50 frames/s has no room for that
+    /// and is longer by one frame.
     pub fn delay(&self, frame: u64) -> u64 {
         self.appears(frame + 1) - self.appears(frame)
     }
 
-    /// When a frame appears after the first one, 1/100 s.
+    /// When a frame appears after the first one, 1/100 s; the one after the last at the end.
     fn appears(&self, frame: u64) -> u64 {
-        (100.0 * (frame as f64 * self.every as f64) / self.rate).round() as u64
+        let count = self.count();
+        let (first, last) = (*self.steps.start(), *self.steps.end());
+        let least = SHORTEST_DELAY * count;
+        let total = self.hundredths(last - first).max(least);
+        if frame == 0 {
+            return 0;
+        }
+        let step = (first.div_ceil(self.every) + frame) * self.every;
+        let latest = total - SHORTEST_DELAY * count.saturating_sub(frame);
+        if frame < count { self.hundredths(step - first).min(latest) } else { total }
+    }
+
+    fn hundredths(&self, steps: u64) -> u64 {
+        (100.0 * steps as f64 / self.rate).round() as u64
     }
 }
 
@@ -139,24 +157,32 @@ mod tests {
 
     #[test]
     fn delays_add_up_to_the_duration_and_put_each_frame_at_its_instant() {
-        for (rate, every) in [(60.0, 2), (60.0, 1), (30.0, 1), (1000.0, 33), (59.94, 2), (7.0, 1)] {
-            let sampling = Sampling::new(0..=600, rate, Thinning::Every(every));
-            let mut shown = 0;
-            for frame in 0..sampling.count() {
-                let exact = 100.0 * (frame * every) as f64 / rate;
-                assert!((shown as f64 - exact).abs() <= 0.5, "frame {frame} at {rate} Hz");
-                shown += sampling.delay(frame);
+        for (rate, every) in [(60.0, 2), (30.0, 1), (120.0, 3), (1000.0, 33), (59.94, 2), (7.0, 1)] {
+            for (from, to) in [(0, 600), (0, 601), (17, 480)] {
+                let sampling = Sampling::new(from..=to, rate, Thinning::Every(every));
+                let mut shown = 0;
+                for (frame, step) in (0..).zip(steps(&sampling)) {
+                    let exact = 100.0 * (step - from) as f64 / rate;
+                    let early = if frame == 0 { exact } else { 2.0 };
+                    assert!(shown as f64 - exact <= 0.5 && exact - shown as f64 <= early + 0.5, "step {step}");
+                    assert!(sampling.delay(frame) >= SHORTEST_DELAY);
+                    shown += sampling.delay(frame);
+                }
+                assert_eq!(shown, (100.0 * (to - from) as f64 / rate).round() as u64, "at {rate} Hz");
             }
-            let duration = 100.0 * (sampling.count() * every) as f64 / rate;
-            assert_eq!(shown, duration.round() as u64);
         }
     }
 
     #[test]
     fn sixty_hertz_by_twos_alternates_between_3_and_4_hundredths() {
-        let sampling = Sampling::new(0..=12, 60.0, Thinning::Every(2));
-        let delays: Vec<u64> = (0..6).map(|frame| sampling.delay(frame)).collect();
-        assert_eq!(delays, [3, 4, 3, 3, 4, 3]);
+        let delays = |last| {
+            let sampling = Sampling::new(0..=last, 60.0, Thinning::Every(2));
+            (0..sampling.count()).map(|frame| sampling.delay(frame)).collect::<Vec<u64>>()
+        };
+        assert_eq!(delays(12), [3, 4, 3, 3, 3, 2, 2]);
+        assert_eq!(delays(0), [2]);
+        let fastest = Sampling::new(0..=3, 50.0, Thinning::All);
+        assert_eq!((0..4).map(|frame| fastest.delay(frame)).collect::<Vec<u64>>(), [2, 2, 2, 2]);
     }
 
     #[test]

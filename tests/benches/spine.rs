@@ -5,7 +5,7 @@
 
 use rebond::{
     physics::{CollisionCount, Engine, invariants},
-    recording::{Header, Outcome, SceneText, Versions, Writer},
+    recording::{Header, Outcome, RecordedEvent, SceneText, Versions, Writer},
     render::{self, Appearance, Frame, Metadata, Painter, Sampling, Sprite, Style, Thinning, View, png},
     run, scene,
 };
@@ -38,11 +38,11 @@ fn gas(bodies: usize) -> scene::Scene {
     scene::parse("gas.toml", &text).expect("a scene")
 }
 
-/// The engine of the gas at its first state.
-fn started(scene: &scene::Scene) -> Engine {
+/// The engine of the gas at its first state, and the events that led there.
+fn started(scene: &scene::Scene) -> (Engine, Vec<RecordedEvent>) {
     let mut run = run::Run::new(scene);
-    run.happen(Vec::new(), |error| Err(error.into())).expect("a scene's own events");
-    run.engine().clone()
+    let events = run.happen(Vec::new(), |error| Err(error.into())).expect("a scene's own events");
+    (run.engine().clone(), events)
 }
 
 /// Median and spread of `RUNS` measurements, after one that is not counted.
@@ -60,8 +60,8 @@ fn nanoseconds(work: impl FnOnce()) -> f64 {
 }
 
 fn stepping(bodies: usize) {
-    let engine = started(&gas(bodies));
-    let steps = 20_000_000 / (bodies * bodies).max(1000) / 100 + 20;
+    let (engine, _) = started(&gas(bodies));
+    let steps = [20_000, 2_000, 60][bodies.ilog10() as usize - 1];
     let energy = invariants::kinetic_energy(engine.world());
     let mut drift = 0.0;
     let cost = measure(|| {
@@ -80,7 +80,8 @@ fn stepping(bodies: usize) {
 fn recording(bodies: usize) {
     let scene = gas(bodies);
     let steps = 120;
-    let mut states = vec![started(&scene)];
+    let (engine, events) = started(&scene);
+    let mut states = vec![engine];
     for _ in 0..steps {
         let mut engine = states[states.len() - 1].clone();
         engine.step(&mut CollisionCount::default()).expect("finite numbers");
@@ -93,6 +94,7 @@ fn recording(bodies: usize) {
         let mut finished = None;
         let elapsed = nanoseconds(|| {
             let mut writer = Writer::new(io::Cursor::new(Vec::new()), &header).expect("memory");
+            events.iter().for_each(|event| writer.event(event).expect("memory"));
             states.iter().for_each(|engine| writer.state(engine).expect("memory"));
             finished = writer.finish(&Outcome::default()).ok();
         });
@@ -104,7 +106,7 @@ fn recording(bodies: usize) {
 
 fn drawing(bodies: usize) {
     let scene = gas(bodies);
-    let mut engine = started(&scene);
+    let (mut engine, _) = started(&scene);
     let mut frames = Vec::new();
     for step in 0..60_u64 {
         frames.push(frame(&engine, step));

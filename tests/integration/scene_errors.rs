@@ -2,6 +2,7 @@
 
 use crate::snapshot::assert_text;
 use miette::{GraphicalReportHandler, GraphicalTheme};
+use proptest::prelude::*;
 use rebond::scene::{self, SceneError, live};
 
 /// A scene that is fine, to be spoilt in one place.
@@ -178,3 +179,60 @@ fn lines_of_events() {
         .collect();
     assert_text("scene-errors-events", &told.join("\n"));
 }
+
+/// Pieces that mean something to one of the parsers or to the checks behind them.
+const PIECES: [&str; 24] = [
+    "[[spawn]]",
+    "[spawn]",
+    "[[click]]",
+    "[[scatter]]",
+    "[[delete]]",
+    "name = \"c\"",
+    "name = \"#1\"",
+    "step = 9",
+    "inf",
+    "-inf",
+    "nan",
+    "1e308",
+    "-1",
+    "0",
+    "18446744073709551616",
+    "\"",
+    "'",
+    "\n",
+    "[",
+    "]",
+    "{",
+    "}",
+    "é\u{0}",
+    "\r",
+];
+
+proptest! {
+    #[test]
+    fn no_text_makes_reading_panic_or_an_error_point_outside(
+        cut in 0..=GOOD.len(),
+        skip in 0_usize..40,
+        pieces in prop::collection::vec(prop::sample::select(&PIECES[..]), 0..6),
+    ) {
+        let text = format!("{}{}{}", &GOOD[..cut], pieces.join(" "), &GOOD[GOOD.len().min(cut + skip)..]);
+        if let Err(error) = scene::parse("two.toml", &text) {
+            rendered(&error);
+        }
+    }
+
+    #[test]
+    fn no_line_makes_reading_panic_or_an_error_point_outside(
+        cut in 0..=EVENT.len(),
+        skip in 0_usize..20,
+        pieces in prop::collection::vec(prop::sample::select(&PIECES[..]), 0..6),
+    ) {
+        let line = format!("{}{}{}", &EVENT[..cut], pieces.join(""), &EVENT[EVENT.len().min(cut + skip)..]);
+        if let Err(error) = live::parse_line(3, &line) {
+            rendered(&error);
+        }
+    }
+}
+
+/// A line that is fine.
+const EVENT: &str = r#"{"spawn": {"step": 30, "name": "b", "at": [2.0, 5.0], "size": [1.0, 1.0], "mass": "inf"}}"#;

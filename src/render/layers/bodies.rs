@@ -1,3 +1,4 @@
+use super::super::area::{inset, larger, overlap, smaller};
 use super::super::{Color, Frame, Ink, Shape, Sprite, palette};
 use super::{Page, names};
 use crate::physics::{Rect, Vector};
@@ -21,23 +22,7 @@ pub fn draw(frame: &Frame, page: &Page, shapes: &mut Vec<Shape>) {
 /// Where a body is seen, px, if any of it is.
 pub fn seen(sprite: &Sprite, page: &Page) -> Option<Rect> {
     let rect = page.view.camera.rect(&sprite.rect);
-    overlap(&rect, &page.view.camera.window()).map(|_| rect)
-}
-
-/// The part two rectangles share, if it has an area.
-pub fn overlap(a: &Rect, b: &Rect) -> Option<Rect> {
-    let (far_a, far_b) = (a.far_corner(), b.far_corner());
-    let x = [larger(a.origin.x, b.origin.x), smaller(far_a.x, far_b.x)];
-    let y = [larger(a.origin.y, b.origin.y), smaller(far_a.y, far_b.y)];
-    (x[0] < x[1] && y[0] < y[1]).then(|| Rect::new(Vector::new(x[0], y[0]), x[1] - x[0], y[1] - y[0]))
-}
-
-pub const fn larger(a: f64, b: f64) -> f64 {
-    if a > b { a } else { b }
-}
-
-pub const fn smaller(a: f64, b: f64) -> f64 {
-    if a < b { a } else { b }
+    overlap(&rect, &page.view.camera.window).map(|_| rect)
 }
 
 fn border_color(fill: Color, page: &Page) -> Color {
@@ -57,11 +42,6 @@ fn filled(rect: &Rect, fill: Color, page: &Page, shapes: &mut Vec<Shape>) {
     }
     shapes.push(Shape::Rect { rect, ink: Ink::from(border_color(fill, page)) });
     shapes.push(Shape::Rect { rect: inner, ink: Ink::from(fill) });
-}
-
-/// The rectangle `by` px inside another.
-pub fn inset(rect: &Rect, by: f64) -> Rect {
-    Rect::new(rect.origin.add(Vector::new(by, by)), rect.width() - 2.0 * by, rect.height() - 2.0 * by)
 }
 
 /// A bolt in each corner tells a body that is never pushed.

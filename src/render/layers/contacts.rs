@@ -1,7 +1,7 @@
+use super::super::area::overlap;
 use super::super::{Frame, Ink, Shape};
 use super::Page;
 use super::arrow::Arrow;
-use super::bodies::overlap;
 use crate::physics::{Collision, Rect, Vector};
 use crate::scene::Overlay;
 

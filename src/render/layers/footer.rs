@@ -9,13 +9,9 @@ use crate::scene::{ColorBy, Overlay};
 /// The strip below the world: the clock on the left, what colours mean on the right.
 pub fn draw(frame: &Frame, page: &Page, shapes: &mut Vec<Shape>) {
     let camera = &page.view.camera;
-    if camera.footer == 0 {
-        return;
-    }
     let [width, height] = camera.size.map(f64::from);
-    let top = height - f64::from(camera.footer);
+    let top = camera.window.far_corner().y;
     let strip = Rect::new(Vector::new(0.0, top), width, height - top);
-    shapes.push(Shape::Rect { rect: strip, ink: Ink::from(page.palette.background) });
     if page.view.style.shows(Overlay::Clock) {
         clock(frame.time, page, &strip, shapes);
     }

@@ -12,7 +12,10 @@ pub fn draw(page: &Page, shapes: &mut Vec<Shape>) {
         let count = (extent / spacing * (1.0 + 1e-9)).floor() as u64;
         for place in 1..=count {
             let at = place as f64 * spacing;
-            shapes.push(grid_line(page, axis, at, line));
+            // The world's border has its walls.
+            if at < extent {
+                shapes.push(grid_line(page, axis, at, line));
+            }
             shapes.push(label(page, axis, at, spacing, extent));
         }
     }

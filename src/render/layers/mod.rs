@@ -10,6 +10,7 @@ mod trails;
 mod velocities;
 mod walls;
 
+use super::area::{larger, smaller};
 use super::palette::Palette;
 use super::{DisplayList, Frame, Shape, View};
 use crate::scene::Overlay;
@@ -17,52 +18,62 @@ use crate::scene::Overlay;
 /// The shapes that show `frame`.
 pub fn compose(frame: &Frame, view: &View) -> DisplayList {
     let page = Page::new(view);
-    let mut shapes = Vec::with_capacity(8 * frame.sprites.len());
-    for layer in LAYERS {
-        layer(frame, &page, &mut shapes);
-    }
+    let mut shapes = vec![world(frame, &page)];
+    footer::draw(frame, &page, &mut shapes);
     DisplayList {
         size: view.camera.size,
         background: page.palette.background,
-        backdrop: backdrop(frame, &page),
+        backdrop: vec![backdrop(frame, &page)],
         shapes,
     }
 }
 
-/// What adds its shapes to those beneath.
-type Layer = fn(&Frame, &Page, &mut Vec<Shape>);
-
-const LAYERS: [Layer; 6] = [trails::draw, bodies::draw, velocities::draw, contacts::draw, names::draw, footer::draw];
-
-fn backdrop(frame: &Frame, page: &Page) -> Vec<Shape> {
+/// What does not move, seen through the page's window.
+pub fn backdrop(frame: &Frame, page: &Page) -> Shape {
     let mut shapes = Vec::new();
     walls::draw(frame, page, &mut shapes);
     if page.view.style.shows(Overlay::Grid) {
         grid::draw(page, &mut shapes);
     }
-    shapes
+    Shape::Clip { window: page.view.camera.window, shapes }
 }
 
+/// What moves, seen through the page's window.
+pub fn world(frame: &Frame, page: &Page) -> Shape {
+    let mut shapes = Vec::with_capacity(8 * frame.sprites.len());
+    for layer in LAYERS {
+        layer(frame, page, &mut shapes);
+    }
+    Shape::Clip { window: page.view.camera.window, shapes }
+}
+
+/// What adds its shapes to those beneath.
+type Layer = fn(&Frame, &Page, &mut Vec<Shape>);
+
+const LAYERS: [Layer; 5] = [trails::draw, bodies::draw, velocities::draw, contacts::draw, names::draw];
+
 /// What every layer needs to know of the picture.
-struct Page<'a> {
-    view: &'a View,
-    palette: Palette,
+pub struct Page<'a> {
+    /// What is seen, and how.
+    pub view: &'a View,
+    /// The colours of its theme.
+    pub palette: Palette,
     /// Height of an em of text, px.
-    text: f64,
+    pub text: f64,
     /// Width of a line, px; a whole number.
-    line: f64,
+    pub line: f64,
 }
 
 impl Page<'_> {
-    fn new(view: &View) -> Page<'_> {
+    /// A picture with lines and text that suit its size.
+    pub fn new(view: &View) -> Page<'_> {
         let [width, height] = view.camera.size.map(f64::from);
-        let unit = (if width < height { width } else { height }) / 720.0;
-        let line = (2.0 * unit).round();
+        let unit = smaller(width, height) / 720.0;
         Page {
             view,
             palette: Palette::of(view.style.theme),
             text: if unit < 0.6 { 12.0 } else { (21.0 * unit).round() },
-            line: if line < 1.0 { 1.0 } else { line },
+            line: larger((2.0 * unit).round(), 1.0),
         }
     }
 }

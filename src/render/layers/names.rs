@@ -1,7 +1,8 @@
+use super::super::area::{contains, overlap};
 use super::super::text::Line;
 use super::super::{Color, Frame, Ink, Shape, Sprite};
 use super::Page;
-use super::bodies::{overlap, seen, smaller};
+use super::bodies::seen;
 use crate::physics::{Rect, Vector};
 use crate::scene::Overlay;
 
@@ -67,9 +68,5 @@ fn beside(sprite: &Sprite, rect: &Rect, page: &Page, taken: &[Rect]) -> Option<(
 }
 
 fn is_free(place: &Rect, page: &Page, taken: &[Rect]) -> bool {
-    let window = page.view.camera.window();
-    let whole = smaller(place.origin.x, place.origin.y) >= 0.0
-        && place.far_corner().x <= window.width()
-        && place.far_corner().y <= window.height();
-    whole && taken.iter().all(|other| overlap(place, other).is_none())
+    contains(&page.view.camera.window, place) && taken.iter().all(|other| overlap(place, other).is_none())
 }

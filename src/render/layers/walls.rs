@@ -1,13 +1,14 @@
+use super::super::area::{inset, overlap};
 use super::super::{Frame, Ink, Shape};
 use super::Page;
-use super::bodies::{inset, overlap, seen};
+use super::bodies::seen;
 use crate::physics::{Rect, Vector};
 
 /// The four walls as hatched slabs that reach to the border of the picture.
 pub fn draw(frame: &Frame, page: &Page, shapes: &mut Vec<Shape>) {
     let walls = frame.sprites.iter().filter(|sprite| sprite.appearance.is_wall);
     let slabs: Vec<Rect> = walls.filter_map(|sprite| seen(sprite, page)).collect();
-    let window = page.view.camera.window();
+    let window = page.view.camera.window;
     let seen: Vec<Rect> = slabs.iter().filter_map(|slab| overlap(slab, &window)).collect();
     shapes.extend(seen.iter().map(|&rect| Shape::Rect { rect, ink: Ink::from(page.palette.wall) }));
     seen.iter().for_each(|slab| hatch(slab, page, shapes));

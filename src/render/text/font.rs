@@ -5,7 +5,6 @@ use skrifa::raw::tables::gpos::{PairPos, PositionSubtables};
 use skrifa::raw::{FontRef, TableProvider};
 use skrifa::{GlyphId, MetadataProvider, charmap::Charmap};
 use std::sync::LazyLock;
-use tiny_skia::PathBuilder;
 
 /// Units of the font per em.
 pub const UNITS_PER_EM: f64 = 1000.0;
@@ -50,6 +49,13 @@ impl Font {
         f64::from(self.metrics.advance_width(GlyphId::from(glyph)).unwrap_or(0.0))
     }
 
+    /// The smallest rectangle around a glyph.
+    pub fn bounds(&self, glyph: u16) -> Bounds {
+        let bounds = self.metrics.bounds(GlyphId::from(glyph)).unwrap_or_default();
+        let [left, right, top] = [bounds.x_min, bounds.x_max, bounds.y_max].map(f64::from);
+        Bounds { left, right, top }
+    }
+
     /// What the distance between two neighbours is changed by.
     ///
     /// OpenType lets the first pair table that knows the pair decide.
@@ -57,13 +63,38 @@ impl Font {
         self.kerning.iter().find_map(|table| pair_advance(table, left, right)).map_or(0.0, f64::from)
     }
 
-    /// Adds the outline of a glyph, `size` pixels to the em, with its origin at (x, y).
-    pub fn outline(&self, glyph: u16, size: f32, x: f32, y: f32, path: &mut PathBuilder) {
-        let Some(outline) = self.outlines.get(GlyphId::from(glyph)) else { return };
+    /// The outline of a glyph around its origin, y **up**.
+    pub fn outline(&self, glyph: u16) -> Vec<Segment> {
+        let Some(outline) = self.outlines.get(GlyphId::from(glyph)) else { return Vec::new() };
         let settings = DrawSettings::unhinted(Size::unscaled(), LocationRef::default());
-        let mut pen = Pen { path, scale: size / UNITS_PER_EM as f32, x, y };
+        let mut pen = Pen(Vec::new());
         outline.draw(settings, &mut pen).expect("the embedded font's outlines are sound");
+        pen.0
     }
+}
+
+/// How far a glyph reaches from its origin, y **up**.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// To the right, where it begins.
+    pub left: f64,
+    /// To the right, where it ends.
+    pub right: f64,
+    /// Upwards.
+    pub top: f64,
+}
+
+/// A piece of an outline; each begins where the one before it ended.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Segment {
+    /// Begins a contour at a point.
+    Move([f32; 2]),
+    /// A straight line to a point.
+    Line([f32; 2]),
+    /// A parabola: control point, end.
+    Quadratic([[f32; 2]; 2]),
+    /// Back to where the contour began.
+    Close,
 }
 
 /// The font's pair tables, in the order in which they are asked.
@@ -96,42 +127,58 @@ fn pair_advance(table: &PairPos, left: u16, right: u16) -> Option<i16> {
     }
 }
 
-/// Scales an outline, turns it over (fonts have y up, pages down) and moves it.
-struct Pen<'a> {
-    path: &'a mut PathBuilder,
-    scale: f32,
-    x: f32,
-    y: f32,
-}
+struct Pen(Vec<Segment>);
 
-impl Pen<'_> {
-    fn place(&self, x: f32, y: f32) -> (f32, f32) {
-        (self.x + x * self.scale, self.y - y * self.scale)
-    }
-}
-
-impl OutlinePen for Pen<'_> {
+impl OutlinePen for Pen {
     fn move_to(&mut self, x: f32, y: f32) {
-        let (x, y) = self.place(x, y);
-        self.path.move_to(x, y);
+        self.0.push(Segment::Move([x, y]));
     }
 
     fn line_to(&mut self, x: f32, y: f32) {
-        let (x, y) = self.place(x, y);
-        self.path.line_to(x, y);
+        self.0.push(Segment::Line([x, y]));
     }
 
     fn quad_to(&mut self, cx: f32, cy: f32, x: f32, y: f32) {
-        let ((cx, cy), (x, y)) = (self.place(cx, cy), self.place(x, y));
-        self.path.quad_to(cx, cy, x, y);
+        self.0.push(Segment::Quadratic([[cx, cy], [x, y]]));
     }
 
-    fn curve_to(&mut self, ax: f32, ay: f32, bx: f32, by: f32, x: f32, y: f32) {
-        let ((ax, ay), (bx, by), (x, y)) = (self.place(ax, ay), self.place(bx, by), self.place(x, y));
-        self.path.cubic_to(ax, ay, bx, by, x, y);
+    fn curve_to(&mut self, _: f32, _: f32, _: f32, _: f32, _: f32, _: f32) {
+        unreachable!("the embedded font is a TrueType font, which has parabolas only");
     }
 
     fn close(&mut self) {
-        self.path.close();
+        self.0.push(Segment::Close);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_font_has_what_labels_need() {
+        let needed = "azAZ09äÿŁαωΑΩ𝑎𝑧𝐴𝑍ℎ𝛼𝜔′⃗̂·×−±≤≥→⊖Δ²₁⊥∞√";
+        for character in needed.chars() {
+            assert_ne!(Font::embedded().glyph(character), 0, "{character:?}");
+        }
+    }
+
+    #[test]
+    fn a_character_the_font_lacks_is_a_box() {
+        assert_eq!(Font::embedded().glyph('字'), 0);
+        assert!(!Font::embedded().outline(0).is_empty());
+    }
+
+    /// Advances with kerning as HarfBuzz gives them for this font.
+    #[test]
+    fn kerning_is_that_of_a_shaper() {
+        let advances = |text: &str| {
+            let font = Font::embedded();
+            let glyphs: Vec<u16> = text.chars().map(|character| font.glyph(character)).collect();
+            let pairs = glyphs.windows(2).map(|pair| font.advance(pair[0]) + font.kerning(pair[0], pair[1]));
+            pairs.collect::<Vec<f64>>()
+        };
+        assert_eq!(advances("AVATo"), [618.0, 575.0, 658.0, 533.0]);
+        assert_eq!(advances("Wall-left"), [884.0, 480.0, 283.0, 283.0, 315.0, 283.0, 464.0, 307.0]);
     }
 }

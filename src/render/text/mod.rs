@@ -6,6 +6,7 @@
 
 mod font;
 mod line;
+mod math;
 
-pub use font::Font;
+pub use font::{Bounds, Font, Segment, UNITS_PER_EM};
 pub use line::{Glyph, Line};

@@ -41,13 +41,11 @@ impl<'a> Table<'a> {
 
     /// The table `name`, whose keys the scene's author chooses.
     pub fn of_any_keys(name: &'static str, node: &'a Node) -> Result<Table<'a>, Refusal> {
-        match &node.value {
-            Value::Table(entries) => Ok(Table { name, span: node.span.clone(), entries }),
-            _ => {
-                let fault = Fault::BadValue { key: name.into(), found: node.in_words(), accepts: "a table of keys" };
-                Err(Refusal::new(fault, node.span.clone()))
-            }
-        }
+        let Value::Table(entries) = &node.value else {
+            let fault = Fault::BadValue { key: name.into(), found: node.in_words(), accepts: "a table of keys" };
+            return Err(Refusal::new(fault, node.span.clone()));
+        };
+        Ok(Table { name, span: node.span.clone(), entries })
     }
 
     /// What stands in it, in the order of the text.

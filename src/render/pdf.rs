@@ -1,0 +1,185 @@
+//! Display lists as PDF files: for Beamer and print, sharp in any size.
+
+use super::text::{Font, Line, Segment, UNITS_PER_EM};
+use super::{Color, DisplayList, Ink, Metadata, RenderError, Shape};
+use crate::physics::Vector;
+use pdf_writer::types::LineJoinStyle;
+use pdf_writer::{Content, Finish, Name, Pdf, Rect, Ref, TextStr};
+use std::collections::BTreeSet;
+use std::io::Write;
+
+/// A pixel is 1/96 inch, as in SVG; a point is 1/72 inch.
+const POINTS_PER_PIXEL: f32 = 0.75;
+
+const CATALOG: Ref = Ref::new(1);
+const PAGES: Ref = Ref::new(2);
+const PAGE: Ref = Ref::new(3);
+const CONTENT: Ref = Ref::new(4);
+const INFO: Ref = Ref::new(5);
+
+/// Writes a display list as a PDF file of one page; text is outlines.
+///
+/// # Errors
+/// When `output` refuses.
+pub fn encode(list: &DisplayList, metadata: &Metadata, mut output: impl Write) -> Result<(), RenderError> {
+    let [width, height] = list.size.map(|side| side as f32 * POINTS_PER_PIXEL);
+    let opacities = opacities(list);
+    let mut pdf = Pdf::new();
+    pdf.catalog(CATALOG).pages(PAGES);
+    pdf.pages(PAGES).kids([PAGE]).count(1);
+    let mut page = pdf.page(PAGE);
+    page.parent(PAGES).media_box(Rect::new(0.0, 0.0, width, height)).contents(CONTENT);
+    let mut resources = page.resources();
+    let mut states = resources.ext_g_states();
+    for &opacity in &opacities {
+        let part = f32::from(opacity) / 255.0;
+        states
+            .insert(Name(opacity_name(opacity).as_bytes()))
+            .start::<pdf_writer::writers::ExtGraphicsState>()
+            .non_stroking_alpha(part)
+            .stroking_alpha(part);
+    }
+    states.finish();
+    resources.finish();
+    page.finish();
+    pdf.stream(CONTENT, &content(list, height));
+    let mut info = pdf.document_info(INFO);
+    for (key, value) in &metadata.entries {
+        info.insert(Name(key.as_bytes())).primitive(TextStr(value));
+    }
+    info.finish();
+    output.write_all(&pdf.finish())?;
+    Ok(())
+}
+
+fn opacities(list: &DisplayList) -> BTreeSet<u8> {
+    let inks = list.leaves().filter_map(|shape| match shape {
+        Shape::Rect { ink, .. } | Shape::Polygon { ink, .. } => Some(ink),
+        Shape::Polyline { ink, .. } | Shape::Text { ink, .. } => Some(ink),
+        Shape::Clip { .. } => None,
+    });
+    inks.map(|ink| ink.opacity).chain([255]).collect()
+}
+
+fn opacity_name(opacity: u8) -> String {
+    format!("a{opacity}")
+}
+
+/// What is drawn, in pixels with y down: the first matrix turns the page over.
+fn content(list: &DisplayList, height: f32) -> Vec<u8> {
+    let mut content = Content::new();
+    content.transform([POINTS_PER_PIXEL, 0.0, 0.0, -POINTS_PER_PIXEL, 0.0, height]);
+    content.set_line_join(LineJoinStyle::BevelJoin);
+    let mut last = None;
+    fill_with(&mut content, Ink::from(list.background), &mut last);
+    content.rect(0.0, 0.0, list.size[0] as f32, list.size[1] as f32).fill_nonzero();
+    for shape in list.backdrop.iter().chain(&list.shapes) {
+        draw_shape(&mut content, shape, &mut last);
+    }
+    content.finish().to_vec()
+}
+
+fn draw_shape(content: &mut Content, shape: &Shape, last: &mut Option<Ink>) {
+    match shape {
+        Shape::Rect { rect, ink } => {
+            fill_with(content, *ink, last);
+            let [x, y, width, height] =
+                [rect.origin.x, rect.origin.y, rect.width(), rect.height()].map(|along| along as f32);
+            content.rect(x, y, width, height).fill_nonzero();
+        }
+        Shape::Polygon { points, ink } => {
+            fill_with(content, *ink, last);
+            draw_points(content, points);
+            content.close_path().fill_nonzero();
+        }
+        Shape::Polyline { points, width, ink } => {
+            fill_with(content, *ink, last);
+            content.set_line_width(*width as f32);
+            draw_points(content, points);
+            content.stroke();
+        }
+        Shape::Clip { window, shapes } => draw_clip(content, window, shapes, last),
+        Shape::Text { line, at, ink } => {
+            fill_with(content, *ink, last);
+            draw_line(content, line, *at);
+        }
+    }
+}
+
+fn draw_clip(content: &mut Content, window: &crate::physics::Rect, shapes: &[Shape], last: &mut Option<Ink>) {
+    let [x, y, width, height] =
+        [window.origin.x, window.origin.y, window.width(), window.height()].map(|along| along.round() as f32);
+    content.save_state();
+    content.rect(x, y, width, height).clip_nonzero().end_path();
+    let before = *last;
+    shapes.iter().for_each(|shape| draw_shape(content, shape, last));
+    content.restore_state();
+    *last = before;
+}
+
+/// Sets colour and opacity of what follows, unless they are set already.
+fn fill_with(content: &mut Content, ink: Ink, last: &mut Option<Ink>) {
+    if *last == Some(ink) {
+        return;
+    }
+    let [r, g, b] = components(ink.color);
+    content.set_fill_rgb(r, g, b).set_stroke_rgb(r, g, b);
+    content.set_parameters(Name(opacity_name(ink.opacity).as_bytes()));
+    *last = Some(ink);
+}
+
+fn components(color: Color) -> [f32; 3] {
+    [color.r, color.g, color.b].map(|component| f32::from(component) / 255.0)
+}
+
+fn draw_points(content: &mut Content, points: &[Vector]) {
+    for (place, point) in points.iter().enumerate() {
+        let (x, y) = (point.x as f32, point.y as f32);
+        if place == 0 {
+            content.move_to(x, y)
+        } else {
+            content.line_to(x, y)
+        };
+    }
+}
+
+/// All glyphs of a line as one path.
+fn draw_line(content: &mut Content, line: &Line, at: Vector) {
+    for glyph in &line.glyphs {
+        let (x, y) = ((at.x + glyph.x) as f32, (at.y + glyph.y) as f32);
+        let scale = (glyph.size / UNITS_PER_EM) as f32;
+        draw_outline(content, &Font::embedded().outline(glyph.id), |[across, up]| [x + across * scale, y - up * scale]);
+    }
+    content.fill_nonzero();
+}
+
+fn draw_outline(content: &mut Content, outline: &[Segment], place: impl Fn([f32; 2]) -> [f32; 2]) {
+    let mut from = [0.0; 2];
+    for segment in outline {
+        match *segment {
+            Segment::Move(to) => {
+                from = place(to);
+                content.move_to(from[0], from[1]);
+            }
+            Segment::Line(to) => {
+                from = place(to);
+                content.line_to(from[0], from[1]);
+            }
+            Segment::Quadratic(points) => {
+                let [control, to] = points.map(&place);
+                let [a, b] = [from, to].map(|end| third(end, control));
+                content.cubic_to(a[0], a[1], b[0], b[1], to[0], to[1]);
+                from = to;
+            }
+            Segment::Close => {
+                content.close_path();
+            }
+        }
+    }
+}
+
+/// PDF has no parabolas; a cubic is the same curve if its control points lie two thirds of the
+/// way from the ends to the parabola's.
+fn third(end: [f32; 2], control: [f32; 2]) -> [f32; 2] {
+    [0, 1].map(|axis| (end[axis] + 2.0 * control[axis]) / 3.0)
+}

@@ -1,0 +1,215 @@
+//! Display lists as SVG files: for slides and print, sharp in any size.
+
+use super::text::{Font, Line, Segment, UNITS_PER_EM};
+use super::{DisplayList, Ink, Metadata, RenderError, Shape};
+use crate::physics::{Rect, Vector};
+use std::collections::BTreeSet;
+use std::fmt::{self, Display, Formatter};
+use std::io::Write;
+
+/// Writes a display list as an SVG file of its own: text is outlines, nothing is referred to.
+///
+/// # Errors
+/// When `output` refuses.
+pub fn encode(list: &DisplayList, metadata: &Metadata, mut output: impl Write) -> Result<(), RenderError> {
+    let [width, height] = list.size;
+    writeln!(
+        output,
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\">"
+    )?;
+    if !metadata.entries.is_empty() {
+        writeln!(output, "<metadata>{}</metadata>", Escaped(&metadata.to_string()))?;
+    }
+    glyphs(list, &mut output)?;
+    writeln!(output, "<rect width=\"{width}\" height=\"{height}\" fill=\"{}\"/>", list.background)?;
+    for shape in list.backdrop.iter().chain(&list.shapes) {
+        encode_shape(shape, &mut output)?;
+    }
+    writeln!(output, "</svg>")?;
+    Ok(())
+}
+
+/// Every glyph that is used, once, in font units and with y up.
+fn glyphs(list: &DisplayList, output: &mut impl Write) -> Result<(), RenderError> {
+    let lines = list.leaves().filter_map(|shape| match shape {
+        Shape::Text { line, .. } => Some(line),
+        Shape::Rect { .. } | Shape::Polygon { .. } | Shape::Polyline { .. } | Shape::Clip { .. } => None,
+    });
+    let used: BTreeSet<u16> = lines.flat_map(|line| line.glyphs.iter().map(|glyph| glyph.id)).collect();
+    writeln!(output, "<defs>")?;
+    for id in used {
+        write!(output, "<path id=\"g{id}\" d=\"")?;
+        Font::embedded().outline(id).iter().try_for_each(|segment| write!(output, "{}", Data(segment)))?;
+        writeln!(output, "\"/>")?;
+    }
+    writeln!(output, "</defs>")?;
+    Ok(())
+}
+
+fn encode_shape(shape: &Shape, output: &mut impl Write) -> Result<(), RenderError> {
+    match shape {
+        Shape::Rect { rect, ink } => writeln!(
+            output,
+            "<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"{}/>",
+            Number(rect.origin.x),
+            Number(rect.origin.y),
+            Number(rect.width()),
+            Number(rect.height()),
+            Fill(*ink)
+        )?,
+        Shape::Polygon { points, ink } => writeln!(output, "<polygon points=\"{}\"{}/>", Points(points), Fill(*ink))?,
+        Shape::Polyline { points, width, ink } => writeln!(
+            output,
+            "<polyline points=\"{}\" fill=\"none\" stroke-linejoin=\"bevel\" stroke-width=\"{}\"{}/>",
+            Points(points),
+            Number(*width),
+            Stroke(*ink)
+        )?,
+        Shape::Clip { window, shapes } => encode_clip(window, shapes, output)?,
+        Shape::Text { line, at, ink } => encode_line(line, *at, *ink, output)?,
+    }
+    Ok(())
+}
+
+/// A picture in the picture: what leaves it is not seen.
+fn encode_clip(window: &Rect, shapes: &[Shape], output: &mut impl Write) -> Result<(), RenderError> {
+    let [x, y, width, height] = [window.origin.x, window.origin.y, window.width(), window.height()].map(f64::round);
+    writeln!(
+        output,
+        "<svg x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" viewBox=\"{x} {y} {width} {height}\">"
+    )?;
+    shapes.iter().try_for_each(|shape| encode_shape(shape, output))?;
+    writeln!(output, "</svg>")?;
+    Ok(())
+}
+
+/// A group of glyphs that says what it reads.
+fn encode_line(line: &Line, at: Vector, ink: Ink, output: &mut impl Write) -> Result<(), RenderError> {
+    writeln!(output, "<g role=\"img\" aria-label=\"{}\"{}>", Escaped(&line.text), Fill(ink))?;
+    for glyph in &line.glyphs {
+        let scale = glyph.size / UNITS_PER_EM;
+        writeln!(
+            output,
+            "<use href=\"#g{}\" transform=\"translate({} {}) scale({scale} {})\"/>",
+            glyph.id,
+            Number(at.x + glyph.x),
+            Number(at.y + glyph.y),
+            -scale
+        )?;
+    }
+    writeln!(output, "</g>")?;
+    Ok(())
+}
+
+/// A coordinate to the hundredth of a pixel, without needless zeros.
+struct Number(f64);
+
+impl Display for Number {
+    fn fmt(&self, out: &mut Formatter) -> fmt::Result {
+        // Adding 0 turns −0 into 0.
+        write!(out, "{}", (self.0 * 100.0).round() / 100.0 + 0.0)
+    }
+}
+
+struct Points<'a>(&'a [Vector]);
+
+impl Display for Points<'_> {
+    fn fmt(&self, out: &mut Formatter) -> fmt::Result {
+        for (place, point) in self.0.iter().enumerate() {
+            let space = if place == 0 { "" } else { " " };
+            write!(out, "{space}{},{}", Number(point.x), Number(point.y))?;
+        }
+        Ok(())
+    }
+}
+
+struct Fill(Ink);
+
+impl Display for Fill {
+    fn fmt(&self, out: &mut Formatter) -> fmt::Result {
+        write!(out, " fill=\"{}\"", self.0.color)?;
+        match self.0.opacity {
+            255 => Ok(()),
+            opacity => write!(out, " fill-opacity=\"{}\"", f32::from(opacity) / 255.0),
+        }
+    }
+}
+
+struct Stroke(Ink);
+
+impl Display for Stroke {
+    fn fmt(&self, out: &mut Formatter) -> fmt::Result {
+        write!(out, " stroke=\"{}\"", self.0.color)?;
+        match self.0.opacity {
+            255 => Ok(()),
+            opacity => write!(out, " stroke-opacity=\"{}\"", f32::from(opacity) / 255.0),
+        }
+    }
+}
+
+struct Data<'a>(&'a Segment);
+
+impl Display for Data<'_> {
+    fn fmt(&self, out: &mut Formatter) -> fmt::Result {
+        match self.0 {
+            Segment::Move([x, y]) => write!(out, "M{x} {y}"),
+            Segment::Line([x, y]) => write!(out, "L{x} {y}"),
+            Segment::Quadratic([[cx, cy], [x, y]]) => write!(out, "Q{cx} {cy} {x} {y}"),
+            Segment::Close => write!(out, "Z"),
+        }
+    }
+}
+
+/// Text as XML wants it; characters that XML cannot hold are left out.
+struct Escaped<'a>(&'a str);
+
+impl Display for Escaped<'_> {
+    fn fmt(&self, out: &mut Formatter) -> fmt::Result {
+        for character in self.0.chars() {
+            match character {
+                '&' => out.write_str("&amp;")?,
+                '<' => out.write_str("&lt;")?,
+                '>' => out.write_str("&gt;")?,
+                '"' => out.write_str("&quot;")?,
+                '\n' | '\t' | ' '.. => write!(out, "{character}")?,
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render::Color;
+
+    fn encoded(shape: Shape, metadata: &Metadata) -> String {
+        let list =
+            DisplayList { size: [8, 6], background: Color::hex(0xffffff), backdrop: Vec::new(), shapes: vec![shape] };
+        let mut file = Vec::new();
+        encode(&list, metadata, &mut file).unwrap();
+        String::from_utf8(file).unwrap()
+    }
+
+    #[test]
+    fn a_rectangle_is_a_rectangle() {
+        let ink = Ink { color: Color::hex(0x0072b2), opacity: 51 };
+        let rect = Rect::new(Vector::new(-0.001, 2.25), 3.0, 1.0);
+        let file = encoded(Shape::Rect { rect, ink }, &Metadata::default());
+        assert!(
+            file.contains("<rect x=\"0\" y=\"2.25\" width=\"3\" height=\"1\" fill=\"#0072b2\" fill-opacity=\"0.2\"/>"),
+            "{file}"
+        );
+    }
+
+    #[test]
+    fn text_and_metadata_are_escaped() {
+        let line = Line::plain("<\"&\u{1}\">", 10.0);
+        let text = Shape::Text { line, at: Vector::ZERO, ink: Ink::from(Color::hex(0)) };
+        let entries = vec![("a<b".to_owned(), "c&d".to_owned())];
+        let file = encoded(text, &Metadata { entries });
+        assert!(file.contains("aria-label=\"&lt;&quot;&amp;&quot;&gt;\""), "{file}");
+        assert!(file.contains("<metadata>a&lt;b: c&amp;d\n</metadata>"), "{file}");
+    }
+}

@@ -1,0 +1,108 @@
+//! Frames made by hand, for pictures that no solver has a say in.
+
+use rebond::physics::{Collision, Rect, Vector};
+use rebond::render::{Appearance, Frame, Sprite, Style, View};
+use rebond::scene::{ColorBy, Overlay, Theme};
+use std::sync::Arc;
+
+/// The world of [`collision`] and [`moving`], m.
+pub const WORLD: Vector = Vector::new(16.0, 9.0);
+
+/// A small picture of that world.
+pub fn view(theme: Theme, show: &[Overlay], color_by: ColorBy) -> View {
+    let materials = ["ice", "steel", "wood"].map(str::to_owned).to_vec();
+    let style = Style { theme, show: show.to_vec(), color_by, top_speed: 7.5, materials };
+    View::fit(WORLD, [640, 360], style).unwrap()
+}
+
+/// Two boxes that meet, some others, and four walls.
+pub fn collision() -> Frame {
+    let mut sprites = walls();
+    sprites.push(sprite(4, "c", "steel", [4.5, 3.0, 2.0, 1.5], [3.0, 0.5]));
+    sprites.push(sprite(5, "b", "wood", [6.4, 3.75, 1.5, 1.5], [-2.0, -1.0]));
+    sprites.push(sprite(6, "floating", "", [2.0, 6.0, 0.5, 0.5], [0.0, 0.0]));
+    sprites.push(sprite(7, "Δ", "ice", [10.0, 8.0, 1.0, 1.0], [7.5, 0.0]));
+    sprites.push(sprite(8, "hull", "steel", [10.25, 7.2, 3.0, 0.8], [0.0, -4.0]));
+    sprites.push(sprite(9, "leaving", "wood", [15.5, 1.0, 2.0, 1.0], [20.0, 0.0]));
+    sprites.push(Sprite {
+        appearance: Arc::new(Appearance { mass: f64::INFINITY, ..appearance(10, "anchor", "") }),
+        ..sprite(10, "", "", [11.0, 2.0, 2.5, 1.5], [0.0, 0.0])
+    });
+    for sprite in &mut sprites[4..] {
+        sprite.trail = trail(sprite);
+    }
+    let collisions = vec![meeting([&sprites[4], &sprites[5]])];
+    Frame { step: 75, time: 1.25, sprites, collisions }
+}
+
+/// Boxes on straight lines between the walls, 60 steps a second.
+pub fn moving(count: u32, step: u64) -> Frame {
+    let mut sprites = walls();
+    let time = step as f64 / 60.0;
+    for number in 0..count {
+        let part = |k: u32| f64::from((number * k + 3) % 97) / 97.0;
+        let (width, height) = (0.4 + part(31), 0.4 + part(57));
+        let velocity = [6.0 * part(11) - 3.0, 6.0 * part(23) - 3.0];
+        let x = folded(part(41) * 15.0 + velocity[0] * time, WORLD.x - width);
+        let y = folded(part(73) * 8.0 + velocity[1] * time, WORLD.y - height);
+        sprites.push(sprite(number + 4, &format!("#{number}"), "steel", [x, y, width, height], velocity));
+    }
+    Frame { step, time, sprites, collisions: Vec::new() }
+}
+
+/// A place on a line that goes to and fro between 0 and `range`.
+fn folded(place: f64, range: f64) -> f64 {
+    let place = place.rem_euclid(2.0 * range);
+    if place < range { place } else { 2.0 * range - place }
+}
+
+fn walls() -> Vec<Sprite> {
+    let (x, y) = (WORLD.x, WORLD.y);
+    let walls = [
+        ("wall-top", [-1.0, -1.0, x + 2.0, 1.0]),
+        ("wall-bottom", [-1.0, y, x + 2.0, 1.0]),
+        ("wall-left", [-1.0, 0.0, 1.0, y]),
+        ("wall-right", [x, 0.0, 1.0, y]),
+    ];
+    let wall = |id: u32, name: &str| Appearance { mass: f64::INFINITY, is_wall: true, ..appearance(id, name, "") };
+    let sprites = walls.iter().zip(0..).map(|((name, rect), id)| Sprite {
+        appearance: Arc::new(wall(id, name)),
+        ..sprite(id, name, "", *rect, [0.0, 0.0])
+    });
+    sprites.collect()
+}
+
+fn sprite(id: u32, name: &str, material: &str, [x, y, width, height]: [f64; 4], [vx, vy]: [f64; 2]) -> Sprite {
+    Sprite {
+        appearance: Arc::new(appearance(id, name, material)),
+        rect: Rect::new(Vector::new(x, y), width, height),
+        velocity: Vector::new(vx, vy),
+        trail: Vec::new(),
+    }
+}
+
+fn appearance(id: u32, name: &str, material: &str) -> Appearance {
+    Appearance { id, name: name.into(), material: material.into(), color: None, mass: 1.0, is_wall: false }
+}
+
+/// Where a body in free fall with this velocity was in the last half second.
+fn trail(sprite: &Sprite) -> Vec<Vector> {
+    let fallen = |ago: f64| Vector::new(0.0, 4.9 * ago * ago);
+    let place = |ago: f64| sprite.rect.center().sub(sprite.velocity.mult(ago)).add(fallen(ago));
+    (0..=30).rev().map(|step| place(f64::from(step) / 60.0)).collect()
+}
+
+fn meeting([c, b]: [&Sprite; 2]) -> Collision {
+    Collision {
+        step: 74,
+        time: 0.0,
+        bodies: [c.appearance.id, b.appearance.id],
+        rects: [c.rect, b.rect],
+        normal: Vector::new(-1.0, 0.0),
+        penetration: Vector::new(c.rect.origin.x - b.rect.origin.x + c.rect.width(), 0.0).mult(-1.0),
+        shares: [0.6, 0.4],
+        impulse: 5.0,
+        before: [c.velocity, b.velocity],
+        after: [b.velocity, c.velocity],
+    }
+}
