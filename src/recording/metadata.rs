@@ -16,7 +16,7 @@ use xxhash_rust::xxh3::Xxh3;
 use crate::physics::{Restitution, RestitutionPair, Settings, SolverKind, Vector};
 
 use super::{
-    End, FORMAT_VERSION, Header, SceneText, Versions,
+    End, FORMAT_VERSION, Gap, Header, SceneText, Versions,
     fields::{Fields, Malformed},
     limits,
 };
@@ -67,6 +67,9 @@ pub fn of_settings(header: &Header) -> Map {
     for RestitutionPair { materials, restitution } in settings.restitution.pairs() {
         put(&mut map, &pair_key(&materials), float(restitution));
     }
+    if !header.gaps.is_empty() {
+        put(&mut map, "gaps", header.gaps.iter().map(Gap::to_string).collect::<Vec<_>>().join(" "));
+    }
     map
 }
 
@@ -75,12 +78,17 @@ pub fn of_settings(header: &Header) -> Map {
 pub fn of_end(header: &Header, end: &End) -> Map {
     let mut map = of_header(header);
     put(&mut map, "steps_taken", end.steps);
-    put(&mut map, "collisions", end.collisions);
     put(&mut map, "bodies", end.bodies);
     put(&mut map, "events", end.events);
     put(&mut map, "identity", end.identity);
+    if let Some(collisions) = end.collisions {
+        put(&mut map, "collisions", collisions);
+    }
     if let Some(error) = &end.error {
         put(&mut map, "error", error);
+    }
+    if end.recovered {
+        put(&mut map, "recovered", "yes");
     }
     sealed(map)
 }
@@ -124,10 +132,11 @@ pub fn end(map: &Map) -> Result<End, String> {
     unsealed(map)?;
     Ok(End {
         steps: value(map, "steps_taken")?,
-        collisions: value(map, "collisions")?,
+        collisions: map.get("collisions").map(|_| value(map, "collisions")).transpose()?,
         bodies: value(map, "bodies")?,
         events: value(map, "events")?,
         error: map.get("error").cloned(),
+        recovered: map.contains_key("recovered"),
         identity: value(map, "identity")?,
     })
 }
@@ -152,7 +161,11 @@ fn header_fields(map: &Map, format: u32) -> Result<Header, String> {
     };
     let versions = Versions { format, semantics: value(map, "semantics_version")? };
     let scene = SceneText::default();
-    Ok(Header { versions, settings, steps: value(map, "steps")?, every, scene })
+    Ok(Header { versions, settings, steps: value(map, "steps")?, every, scene, gaps: gaps(map)? })
+}
+
+fn gaps(map: &Map) -> Result<Vec<Gap>, String> {
+    map.get("gaps").map_or("", String::as_str).split_whitespace().map(str::parse).collect()
 }
 
 fn restitution(map: &Map) -> Result<Restitution, String> {
