@@ -238,3 +238,56 @@ fn checksum(map: &Map) -> String {
     }
     format!("{:016x}", hash.digest())
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::{collection::vec, prelude::*};
+
+    use super::*;
+    use crate::recording::Identity;
+
+    fn pair() -> impl Strategy<Value = RestitutionPair> {
+        ((".*", ".*"), 0.0..=1.0).prop_map(|((a, b), restitution)| RestitutionPair { materials: [a, b], restitution })
+    }
+
+    fn gravity() -> impl Strategy<Value = Option<Vector>> {
+        let finite = || prop::num::f64::NORMAL | prop::num::f64::SUBNORMAL | prop::num::f64::ZERO;
+        prop::option::of((finite(), finite()).prop_map(|(x, y)| Vector::new(x, y)))
+    }
+
+    proptest! {
+        #[test]
+        fn headers_and_ends_come_back(
+            rate in prop::num::f64::NORMAL.prop_map(f64::abs),
+            gravity in gravity(),
+            default in 0.0..=1.0,
+            pairs in vec(pair(), 0..4),
+            (events_per_step, steps, every) in any::<(u64, u64, u64)>(),
+            (collisions, error, recovered) in any::<(Option<u64>, Option<String>, bool)>(),
+        ) {
+            let restitution = Restitution::new(default, &pairs);
+            let settings = Settings { solver: SolverKind::EventDriven, rate, gravity, restitution, events_per_step };
+            let gaps = vec![Gap { after: None, before: 7 }, Gap { after: Some(9), before: 12 }];
+            let every = every.max(1);
+            let (versions, scene) = (Versions::CURRENT, SceneText::default());
+            let wanted = Header { versions, settings, steps, every, scene, gaps };
+            let end = End { steps, collisions, bodies: 3, events: 4, error, recovered, identity: Identity(5) };
+            for map in [of_header(&wanted), of_end(&wanted, &end)] {
+                let found = header(&map).unwrap();
+                prop_assert_eq!(format!("{found:?}"), format!("{wanted:?}"), "-0.0 counts, so compare the text");
+            }
+            prop_assert_eq!(super::end(&of_end(&wanted, &end)).unwrap(), end);
+        }
+    }
+
+    #[test]
+    fn a_changed_value_does_not_fit_the_checksum() {
+        let mut map = sealed(Map::from([("a".into(), "1".into()), ("b".into(), "2".into())]));
+        assert_eq!(unsealed(&map), Ok(()));
+        map.insert("a".into(), "12".into());
+        assert!(unsealed(&map).is_err());
+        map.insert("a".into(), "1".into());
+        map.insert("b1".into(), String::new());
+        assert!(unsealed(&map).is_err());
+    }
+}

@@ -68,6 +68,8 @@ pub use state::RecordedState;
 pub use writer::{Finished, Outcome, Writer};
 
 #[cfg(test)]
+mod hostile_tests;
+#[cfg(test)]
 pub(crate) mod testing;
 #[cfg(test)]
 mod tests;

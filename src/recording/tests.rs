@@ -198,3 +198,14 @@ fn a_damaged_recording_recovers_with_a_gap_and_replays_the_same() {
 fn verdict(bytes: &[u8]) -> String {
     replay(read(bytes).unwrap(), 0..=u64::MAX, &mut CollisionCount::default(), &mut |_| {}).unwrap().to_string()
 }
+
+#[test]
+fn a_large_recording_cut_anywhere_keeps_all_whole_chunks() {
+    let bytes = record(&bounce(1500));
+    let (whole, _) = items(&bytes);
+    for cut in (0..bytes.len()).step_by(997).filter(|cut| read(&bytes[..*cut]).is_ok()) {
+        let (part, health) = items(&bytes[..cut]);
+        assert_eq!(health, Health::Truncated { after: states(&part).last().copied() }, "cut at {cut}");
+        assert_eq!(part, whole[..part.len()], "cut at {cut}");
+    }
+}
