@@ -9,9 +9,11 @@
 //! 4. [`recording`] writes what went in and what came out to MCAP and reads it back strictly.
 //! 5. [`replay`] runs a recording again and says whether every bit came out the same.
 //! 6. [`render`] makes states into pictures. It never sees the engine.
-//! 7. [`cli`] puts these together for the command line; nothing else reports errors to people.
+//! 7. [`figure`] makes states and collisions into lecture figures, in the view's shapes.
+//! 8. [`cli`] puts these together for the command line; nothing else reports errors to people.
 
 pub mod cli;
+pub mod figure;
 pub mod physics;
 pub mod recording;
 pub mod render;

@@ -10,10 +10,16 @@ mod clips;
 mod command_line;
 #[path = "integration/command_line_errors.rs"]
 mod command_line_errors;
+#[path = "integration/event_driven_contacts.rs"]
+mod event_driven_contacts;
+#[path = "integration/event_driven_impacts.rs"]
+mod event_driven_impacts;
 #[path = "integration/frames.rs"]
 mod frames;
 #[path = "integration/handout_limits.rs"]
 mod handout_limits;
+#[path = "integration/laboratory.rs"]
+mod laboratory;
 #[path = "integration/live_events.rs"]
 mod live_events;
 #[path = "integration/rebond.rs"]

@@ -1,5 +1,5 @@
 use crate::scene::{ColorBy, Overlay, Theme};
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
 /// A physics engine of boxes that records, replays bit for bit, and draws itself
@@ -20,6 +20,8 @@ pub enum Command {
     Replay(ReplayOptions),
     /// Draw a scene or a recording as GIF or PNG
     Render(RenderOptions),
+    /// Draw a lecture figure of a scene or a recording as PNG, SVG or PDF
+    Figure(FigureCommandOptions),
     /// Write the states of a recording as a table
     Export(ExportOptions),
     /// Tell what is inside a recording
@@ -91,6 +93,23 @@ pub struct ReplayOptions {
     pub to: Option<u64>,
 }
 
+/// How pictures look; what no flag says the scene's `[figure]` says.
+#[derive(Args, Debug)]
+pub struct LookOptions {
+    /// Width and height in pixels
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = picture_size)]
+    pub size: Option<[u32; 2]>,
+    /// light or dark
+    #[arg(long, value_parser = theme)]
+    pub theme: Option<Theme>,
+    /// What to draw beside the boxes: velocity, normal, penetration, trail, name, grid, clock; or none
+    #[arg(long, value_name = "LIST", value_parser = overlays)]
+    pub show: Option<Overlays>,
+    /// What colours tell: body, material or speed
+    #[arg(long, value_name = "WHAT", value_parser = color_by)]
+    pub color_by: Option<ColorBy>,
+}
+
 /// Options of `render`.
 #[derive(Args, Debug)]
 #[command(after_help = "\
@@ -122,21 +141,80 @@ pub struct RenderOptions {
     /// Draw about that many frames for each second
     #[arg(long, value_parser = positive)]
     pub fps: Option<f64>,
-    /// Width and height in pixels
-    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = picture_size)]
-    pub size: Option<[u32; 2]>,
-    /// light or dark
-    #[arg(long, value_parser = theme)]
-    pub theme: Option<Theme>,
-    /// What to draw beside the boxes: velocity, normal, penetration, trail, name, grid, clock; or none
-    #[arg(long, value_name = "LIST", value_parser = overlays)]
-    pub show: Option<Overlays>,
-    /// What colours tell: body, material or speed
-    #[arg(long, value_name = "WHAT", value_parser = color_by)]
-    pub color_by: Option<ColorBy>,
+    /// How it looks.
+    #[command(flatten)]
+    pub look: LookOptions,
     /// Threads to draw on [default: one for each processor]
     #[arg(long, value_name = "N")]
     pub jobs: Option<std::num::NonZero<usize>>,
+}
+
+/// Options of `figure`.
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Examples:
+  rebond figure collision recordings/figure-1.toml -o collision.svg
+  rebond figure minkowski figure-1.mcap -o minkowski.pdf --pair c,b
+  rebond figure filmstrip figure-1.mcap -o strip.png --from 40 --to 90 --every 10
+  rebond figure spacetime recordings/head-on.toml -o cradle.png --axis x --theme dark")]
+pub struct FigureCommandOptions {
+    /// Which figure
+    pub kind: FigureKind,
+    /// A scene (.toml) or a recording (.mcap)
+    pub source: PathBuf,
+    /// The file to write: .png, .svg or .pdf.
+    #[command(flatten)]
+    pub output: OutputOptions,
+    /// How it looks.
+    #[command(flatten)]
+    pub look: LookOptions,
+    /// collision, minkowski: the first collision from this step on
+    #[arg(long, value_name = "STEP", default_value_t = 0)]
+    pub step: u64,
+    /// collision, minkowski: only of these two bodies
+    #[arg(long, value_name = "A,B", value_parser = pair)]
+    pub pair: Option<[String; 2]>,
+    /// spacetime: which coordinate to draw over time
+    #[arg(long, default_value = "x")]
+    pub axis: FigureAxis,
+    /// The first step to draw
+    #[arg(long, value_name = "STEP")]
+    pub from: Option<u64>,
+    /// The last step to draw
+    #[arg(long, value_name = "STEP")]
+    pub to: Option<u64>,
+    /// Draw every N-th step, counted from step 0 [default: as many as suit the figure]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    pub every: Option<u64>,
+    /// What is written below
+    #[arg(long, value_name = "TEXT")]
+    pub caption: Option<String>,
+}
+
+/// Which figure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum FigureKind {
+    /// The handout's figure 1: before, the overlap and its normal, after
+    Collision,
+    /// The handout's figure 2: the Minkowski difference and the four ways out
+    Minkowski,
+    /// Many instants in one picture, fading
+    Strobe,
+    /// Places against time
+    Spacetime,
+    /// Energy and momentum against time, with their drift
+    Energy,
+    /// Panels of chosen steps
+    Filmstrip,
+}
+
+/// Which coordinate a space-time figure shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum FigureAxis {
+    /// To the right
+    X,
+    /// Downwards
+    Y,
 }
 
 /// Options of `export`.
@@ -224,6 +302,11 @@ fn named<T: Copy>(
 fn picture_size(text: &str) -> Result<[u32; 2], String> {
     let sides = text.split_once('x').and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]));
     sides.filter(|sides: &[u32; 2]| !sides.contains(&0)).ok_or_else(|| "expected WIDTHxHEIGHT, such as 1280x720".into())
+}
+
+fn pair(text: &str) -> Result<[String; 2], String> {
+    let names = text.split_once(',').filter(|(a, b)| !a.is_empty() && !b.is_empty() && !b.contains(','));
+    names.map(|(a, b)| [a.to_owned(), b.to_owned()]).ok_or_else(|| "expected two names, such as c,b".into())
 }
 
 fn positive(text: &str) -> Result<f64, String> {

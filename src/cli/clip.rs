@@ -2,20 +2,14 @@ use super::arguments::RenderOptions;
 use super::error::CommandError;
 use super::frames::Frames;
 use super::kind::Kind;
+use super::look;
 use super::source::{Source, Survey};
 use crate::physics::Vector;
-use crate::render::{FASTEST_GIF, Metadata, Sampling, Style, Thinning, View};
-use crate::scene::{ColorBy, FigureOptions, Overlay, Theme};
+use crate::render::{FASTEST_GIF, Metadata, Sampling, Thinning, View};
 use std::{num::NonZero, path::PathBuf};
-
-/// Width and height of a picture nobody gave a size, px.
-const DEFAULT_SIZE: [u32; 2] = [1280, 720];
 
 /// Frames per second of an animation nobody gave a rate.
 const DEFAULT_FPS: f64 = 30.0;
-
-/// The key under which a picture says what it shows.
-const STEPS: &str = "rebond steps";
 
 /// All that is decided before the first frame is drawn.
 pub struct Clip {
@@ -37,10 +31,10 @@ impl Clip {
         let survey = Survey::of(&source.path)?;
         let sampling = sampling(options, kind, source, &survey)?;
         let figure = &source.scene.figure;
-        let style = style(options, figure, &survey);
-        let size = options.size.or(figure.size).unwrap_or(DEFAULT_SIZE);
+        let style = look::style(&options.look, figure, &survey);
+        let size = look::size(&options.look, figure);
         let [width, height] = source.scene.size;
-        let metadata = metadata(survey.identity, &sampling, &style, size);
+        let metadata = look::metadata(&survey, steps_in_words(&sampling), &style, size, "");
         let threads = options.jobs.or(std::thread::available_parallelism().ok()).unwrap_or(NonZero::<usize>::MIN);
         Ok(Clip {
             path: source.path.clone(),
@@ -56,7 +50,7 @@ impl Clip {
     pub fn metadata_of(&self, step: u64) -> Metadata {
         let mut metadata = self.metadata.clone();
         for (key, value) in &mut metadata.entries {
-            if key == STEPS {
+            if key == look::STEPS {
                 *value = step.to_string();
             }
         }
@@ -97,43 +91,8 @@ fn sampling(options: &RenderOptions, kind: Kind, source: &Source, survey: &Surve
     Ok(sampling)
 }
 
-fn style(options: &RenderOptions, figure: &FigureOptions, survey: &Survey) -> Style {
-    let default = Style::default();
-    let flag = options.show.as_ref().map(|show| show.0.clone());
-    Style {
-        theme: options.theme.or(figure.theme).unwrap_or(default.theme),
-        show: flag.or(figure.show.clone()).unwrap_or(default.show),
-        color_by: options.color_by.or(figure.color_by).unwrap_or(default.color_by),
-        top_speed: survey.top_speed,
-        materials: survey.materials.clone(),
-    }
-}
-
-/// The identity of what is drawn, the steps, and every option that shapes the picture, in one
-/// fixed form and order. A picture says neither when nor where nor by how many it was made.
-fn metadata(identity: Option<String>, sampling: &Sampling, style: &Style, size: [u32; 2]) -> Metadata {
-    let mut show: Vec<Overlay> = style.show.clone();
-    show.sort();
-    show.dedup();
-    let show: Vec<&str> = show.into_iter().map(Overlay::name).collect();
-    let options = format!(
-        "size={}x{} theme={} show={} color_by={}",
-        size[0],
-        size[1],
-        Theme::name(style.theme),
-        if show.is_empty() { "none".into() } else { show.join(",") },
-        ColorBy::name(style.color_by)
-    );
+/// The steps that are drawn, in canonical form.
+pub fn steps_in_words(sampling: &Sampling) -> String {
     let [first, last] = [sampling.steps.start(), sampling.steps.end()];
-    let steps = if first == last { first.to_string() } else { format!("{first} to {last} every {}", sampling.every) };
-    let entry = |key: &str, value: String| (key.to_owned(), value);
-    let identity = identity.unwrap_or_else(|| "none, the recording is unfinished".into());
-    Metadata {
-        entries: vec![
-            entry("Software", concat!("rebond ", env!("CARGO_PKG_VERSION")).into()),
-            entry("rebond recording", identity),
-            entry(STEPS, steps),
-            entry("rebond options", options),
-        ],
-    }
+    if first == last { first.to_string() } else { format!("{first} to {last} every {}", sampling.every) }
 }

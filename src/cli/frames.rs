@@ -3,8 +3,8 @@
 use super::error::CommandError;
 use super::export::{Reached, tell_damage};
 use super::replay;
-use crate::physics::{BodyId, Collision, Observer};
-use crate::recording::{self, FrameBody, KnownBody, Playback};
+use crate::physics::{BodyId, Collision, Observer, Spawn};
+use crate::recording::{self, FrameBody, Playback};
 use crate::render::{Appearance, Color, Frame, Sampling, Sprite, Trails};
 use crate::scene::Overlay;
 use std::{
@@ -57,7 +57,10 @@ impl Frames {
 
     fn sprite(&mut self, body: &FrameBody) -> Sprite {
         let known = &body.known;
-        let appearance = self.appearances.entry(known.id).or_insert_with(|| Arc::new(appearance(known)));
+        let appearance = self
+            .appearances
+            .entry(known.id)
+            .or_insert_with(|| Arc::new(appearance(known.id, &known.spawn, known.color.as_deref())));
         let mut rect = known.spawn.rect;
         rect.origin = body.position;
         Sprite { appearance: appearance.clone(), rect, velocity: body.velocity, trail: Vec::new() }
@@ -95,14 +98,14 @@ fn trail_steps(rate: f64) -> u64 {
     rate.ceil() as u64
 }
 
-fn appearance(known: &KnownBody) -> Appearance {
-    let spawn = &known.spawn;
+/// How a body that was spawned so looks.
+pub fn appearance(id: BodyId, spawn: &Spawn, color: Option<&str>) -> Appearance {
     let is_wall = spawn.mass == f64::INFINITY && spawn.name.starts_with("wall-");
     Appearance {
-        id: known.id,
+        id,
         name: spawn.name.clone(),
         material: spawn.material.clone(),
-        color: known.color.as_deref().and_then(Color::parse),
+        color: color.and_then(Color::parse),
         mass: spawn.mass,
         is_wall,
     }

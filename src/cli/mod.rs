@@ -6,9 +6,12 @@ mod completions;
 mod error;
 mod exit;
 mod export;
+mod figure;
+mod figure_data;
 mod frames;
 mod info;
 mod kind;
+mod look;
 mod output;
 mod progress;
 mod record;
@@ -25,6 +28,7 @@ pub fn run(arguments: Arguments) -> Exit {
         Command::Record(options) => record::run(options),
         Command::Replay(options) => replay::run(options),
         Command::Render(options) => render::run(options),
+        Command::Figure(options) => figure::run(options),
         Command::Export(options) => export::run(options),
         Command::Info(options) => info::run(options),
         Command::Completions(options) => completions::run(options),

@@ -64,7 +64,10 @@ fn sequence(options: &RenderOptions, clip: &Clip) -> Result<Exit, CommandError> 
 /// Says what was drawn: a clip cannot show every step of every run.
 fn tell(options: &RenderOptions, clip: &Clip) -> Result<(), CommandError> {
     let path = &options.output.output;
-    let line = format!("{}: {}", path.display(), clip.sampling);
+    let line = match options.at {
+        Some(step) => format!("{}: step {step}", path.display()),
+        None => format!("{}: {}", path.display(), clip.sampling),
+    };
     if output::is_standard_output(path) {
         output::note(format_args!("{line}"));
         return Ok(());

@@ -5,7 +5,8 @@
 //! of pixels, which [`png`] and [`gif`] write. Each arrow is a pure function, so that pictures drawn on any number of
 //! threads, or in several parts, are the same to the bit.
 
-mod area;
+pub(crate) mod area;
+mod arrow;
 mod camera;
 mod canvas;
 mod clip;
@@ -18,11 +19,12 @@ mod frame;
 pub mod gif;
 mod in_order;
 mod indexed;
-mod layers;
+pub(crate) mod layers;
+mod look;
 mod lzw;
 mod metadata;
 mod painter;
-mod palette;
+pub(crate) mod palette;
 mod patch;
 pub mod pdf;
 mod picture;
@@ -34,6 +36,7 @@ pub mod text;
 mod trails;
 mod view;
 
+pub use arrow::Arrow;
 pub use camera::Camera;
 pub use clip::{write_gif, write_png, write_png_sequence};
 pub use color::Color;
@@ -41,8 +44,10 @@ pub use display_list::{DisplayList, Ink, Shape};
 pub use error::RenderError;
 pub use frame::{Appearance, Frame, Sprite};
 pub use layers::compose;
+pub use look::Look;
 pub use metadata::Metadata;
 pub use painter::Painter;
+pub use palette::Palette;
 pub use picture::Picture;
 pub use sampling::{FASTEST_GIF, Sampling, Thinning};
 pub use style::Style;

@@ -26,7 +26,7 @@ pub struct Palette {
 
 /// Okabe and Ito's colours, told apart by all common kinds of colour vision; their black is
 /// left to text. With four walls the first box is blue.
-const BODIES: [Color; 7] = [
+pub const BODIES: [Color; 7] = [
     Color::hex(0x56b4e9),
     Color::hex(0xe69f00),
     Color::hex(0xcc79a7),
@@ -104,6 +104,8 @@ pub fn body_color(sprite: &Sprite, style: &Style) -> Color {
     match style.color_by {
         ColorBy::Body => appearance.color.unwrap_or_else(|| cycled(u64::from(appearance.id))),
         ColorBy::Material => material_color(&appearance.material, style),
+        // What is never pushed keeps its speed for life: a colour for that would tell nothing.
+        ColorBy::Speed if appearance.mass == f64::INFINITY => appearance.color.unwrap_or(PLAIN),
         ColorBy::Speed => speed_color(sprite.velocity.norm(), style.top_speed),
     }
 }

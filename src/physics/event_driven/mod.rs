@@ -1,41 +1,290 @@
 //! The exact solver: from event to event. See [`EventDriven`].
 
-use super::{Memory, Observer, Settings, SnapshotError, StepError, World};
+mod collide;
+mod contact;
+mod impact;
+mod instant;
+mod least_change;
+mod meeting;
+mod memory;
+mod motion;
+mod mover;
+mod neighbours;
+mod outlook;
+mod sampling;
+mod schedule;
+mod separation;
+mod settle;
+
+use super::{Body, BodyId, Observer, Settings, StepError, World};
+use contact::{Contacts, Pushed};
+use instant::{Clock, Instant};
+use meeting::Kind;
+use motion::Motion;
+use mover::{AXES, Mover, Slot, Traits};
+use neighbours::Neighbours;
+use outlook::Outlook;
+use sampling::Moving;
+use schedule::Schedule;
 
 /// The exact solver's own state.
+///
+/// What it *is* are the motions, the contacts and the bodies not yet admitted; that is what
+/// [`EventDriven::memory`] keeps. Grids, schedule and outlooks are derived from it, and
+/// nothing of how they were derived shows in any result.
 #[derive(Clone, Debug)]
-pub struct EventDriven {}
+pub struct EventDriven {
+    clock: Clock,
+    /// m/s², along x and y.
+    gravity: [f64; 2],
+    /// How much may happen in a step.
+    limit: u64,
+    /// By slot, in creation order; deleted ones leave a gap.
+    movers: Vec<Mover>,
+    traits: Vec<Traits>,
+    contacts: Contacts,
+    /// How many bodies carry a force of their own along each axis.
+    forced: [u32; 2],
+    /// Spawned since the last step: they may overlap others yet.
+    fresh: Vec<Slot>,
+    /// How far the present step has come.
+    now: Instant,
+    neighbours: Neighbours,
+    schedule: Schedule,
+    outlooks: Vec<Outlook>,
+    moving: Moving,
+    /// Bodies whose motion or contacts changed at the present instant.
+    changed: Vec<Slot>,
+    /// How many bodies the grids and the schedule were made for.
+    made_for: usize,
+    blocks: [Vec<Pushed>; 2],
+}
 
 impl EventDriven {
     /// The solver of an empty world.
-    pub fn new(_settings: &Settings) -> EventDriven {
-        EventDriven {}
+    pub fn new(settings: &Settings) -> EventDriven {
+        let clock = Clock::new(settings.rate);
+        let gravity = settings.gravity.map_or([0.0; 2], |gravity| [gravity.x, gravity.y]);
+        EventDriven {
+            clock,
+            gravity,
+            limit: settings.events_per_step,
+            movers: Vec::new(),
+            traits: Vec::new(),
+            contacts: Contacts::default(),
+            forced: [0; 2],
+            fresh: Vec::new(),
+            now: Instant::start_of(0),
+            neighbours: Neighbours::new(1.0),
+            schedule: Schedule::new(clock, 0, 0),
+            outlooks: Vec::new(),
+            moving: Moving::default(),
+            changed: Vec::new(),
+            made_for: 0,
+            blocks: [Vec::new(), Vec::new()],
+        }
     }
 
     /// The last body of the world has just been added.
-    pub fn spawned(&mut self, _world: &World, _step: u64) {}
+    pub fn spawned(&mut self, world: &World, step: u64) {
+        let place = world.bodies.len() - 1;
+        let slot = self.add(&world.bodies[place], place, Instant::start_of(step));
+        self.fresh.push(slot);
+    }
+
+    fn add(&mut self, body: &Body, place: usize, since: Instant) -> Slot {
+        let slot = self.movers.len() as Slot;
+        let force = [body.constant_force.x, body.constant_force.y];
+        let infinite = body.is_infinite();
+        let free_fall = AXES.map(|axis| match infinite {
+            true => 0.0,
+            false => self.gravity[axis] + force[axis] * body.inverse_mass,
+        });
+        let state = [(body.rect.origin.x, body.velocity.x), (body.rect.origin.y, body.velocity.y)];
+        let motion = AXES.map(|axis| {
+            let (position, velocity) = state[axis];
+            Motion { position, velocity, acceleration: free_fall[axis], since }
+        });
+        let size = [body.rect.width(), body.rect.height()];
+        self.movers.push(Mover { motion, size, since, generation: 0, infinite, held: [[false; 2]; 2], hurry: [0; 2] });
+        let forced = AXES.map(|axis| !infinite && force[axis] != 0.0);
+        AXES.into_iter().for_each(|axis| self.forced[axis] += u32::from(forced[axis]));
+        let (mass, material) = (body.mass, body.material);
+        self.traits.push(Traits { id: body.id, place: place as u32, mass, material, free_fall, forced, alive: true });
+        self.contacts.add_body();
+        self.outlooks.push(Outlook::NOTHING);
+        self.moving.add_body();
+        slot
+    }
 
     /// The body at `place` is about to be removed.
-    pub fn deleting(&mut self, _world: &World, _place: usize, _step: u64) {}
-
-    /// Moves the world on by one step.
-    ///
-    /// # Errors
-    /// When the step cannot be completed.
-    pub fn step<O: Observer>(&mut self, _world: &mut World, step: u64, _observer: &mut O) -> Result<(), StepError> {
-        Err(StepError::TooManyEvents { step, limit: 0, bodies: Vec::new() })
+    pub fn deleting(&mut self, world: &World, place: usize, step: u64) {
+        let Some(slot) = self.slot(world.bodies[place].id) else { return };
+        self.now = Instant::start_of(step);
+        self.traits[slot as usize].alive = false;
+        AXES.into_iter().for_each(|axis| self.forced[axis] -= u32::from(self.traits[slot as usize].forced[axis]));
+        for traits in &mut self.traits[slot as usize + 1..] {
+            traits.place = traits.place.saturating_sub(1);
+        }
+        if let Some(fresh) = self.fresh.iter().position(|fresh| *fresh == slot) {
+            self.fresh.remove(fresh);
+            return;
+        }
+        self.movers[slot as usize].generation += 1;
+        self.neighbours.remove(slot);
+        self.schedule.set(slot, None);
+        self.moving.forget(slot);
+        self.release(slot);
     }
 
-    /// All that [`EventDriven::restore`] needs.
-    pub fn memory(&self) -> Memory {
-        Memory::default()
+    fn slot(&self, id: BodyId) -> Option<Slot> {
+        self.traits.binary_search_by_key(&id, |traits| traits.id).ok().map(|slot| slot as Slot)
     }
 
-    /// Takes up where [`EventDriven::memory`] was taken.
+    /// Moves the world on by one step: admits the newcomers, lets happen what happens, samples.
     ///
     /// # Errors
-    /// When the memory is not one of this solver's.
-    pub fn restore(&mut self, _world: &World, _step: u64, _memory: &Memory) -> Result<(), SnapshotError> {
+    /// [`StepError::Crushed`] if a body is pressed between infinite masses,
+    /// [`StepError::TooManyEvents`] beyond the limit, [`StepError::NotFinite`] if a number
+    /// overflows; the world then still shows the state before the step.
+    pub fn step<O: Observer>(&mut self, world: &mut World, step: u64, observer: &mut O) -> Result<(), StepError> {
+        self.now = Instant::start_of(step);
+        self.admit(world, step);
+        self.run(world, step, observer)?;
+        self.sample(world, step)
+    }
+
+    fn run<O: Observer>(&mut self, world: &World, step: u64, observer: &mut O) -> Result<(), StepError> {
+        self.schedule.begin(step);
+        let mut events = 0;
+        while let Some((slot, turn)) = self.schedule.next(step) {
+            self.now = self.now.or_later(turn.at);
+            let outlook = self.outlooks[slot as usize];
+            match outlook.meeting {
+                Some(meeting) if !outlook.leaving.is_before(meeting.turn.at) => {
+                    if self.movers[meeting.partner as usize].generation != meeting.generation {
+                        self.predict(slot);
+                        continue;
+                    }
+                    events += 1;
+                    if events > self.limit {
+                        return Err(self.too_many(world, step, turn.pair));
+                    }
+                    self.changed.push(slot);
+                    self.happen(world, turn.pair, meeting.kind, observer)?;
+                }
+                Some(_) | None => self.cross(slot),
+            }
+        }
         Ok(())
+    }
+
+    /// Lets two bodies meet, and looks ahead again for all whom it concerned.
+    fn happen<O: Observer>(
+        &mut self,
+        world: &World,
+        pair: [Slot; 2],
+        kind: Kind,
+        observer: &mut O,
+    ) -> Result<(), StepError> {
+        match kind {
+            Kind::Touch(axis) => self.collide(world, pair, axis, true, observer)?,
+            Kind::Corner => {
+                self.collide(world, pair, 0, false, observer)?;
+                self.collide(world, pair, 1, false, observer)?;
+            }
+            Kind::Part(axis) => self.part(pair, axis),
+        }
+        self.predict_changed();
+        Ok(())
+    }
+
+    /// Takes up the bodies spawned since the last step.
+    fn admit(&mut self, world: &World, step: u64) {
+        if self.fresh.is_empty() {
+            return;
+        }
+        let fresh = std::mem::take(&mut self.fresh);
+        let many = self.movers.len() > 2 * self.made_for || self.movers.len() > 2 * world.bodies.len() + 64;
+        if many || fresh.iter().any(|slot| self.movers[*slot as usize].is_anchored()) {
+            self.fresh = fresh;
+            if self.movers.len() > world.bodies.len() {
+                self.forget_deleted(world, step);
+            }
+            let fresh = std::mem::take(&mut self.fresh);
+            self.make(step);
+            self.separate(&fresh);
+            self.changed.extend((0..self.movers.len() as Slot).filter(|slot| self.traits[*slot as usize].alive));
+        } else {
+            for slot in &fresh {
+                self.neighbours.insert(&self.clock, *slot, &self.movers[*slot as usize], self.now);
+            }
+            self.separate(&fresh);
+            self.changed.extend(fresh);
+        }
+        self.predict_changed();
+    }
+
+    /// Closes the gaps that deleted bodies leave.
+    fn forget_deleted(&mut self, world: &World, step: u64) {
+        let memory = self.memory();
+        let taken_up = self.take_up(world, step, &memory);
+        debug_assert_eq!(taken_up, Ok(()));
+    }
+
+    /// Makes grids and schedule anew, fit for the bodies there are.
+    fn make(&mut self, step: u64) {
+        self.made_for = self.movers.len();
+        self.neighbours = Neighbours::new(self.usual_size());
+        self.schedule = Schedule::new(self.clock, step, self.movers.len());
+        for slot in 0..self.movers.len() {
+            if self.traits[slot].alive && self.fresh.binary_search(&(slot as Slot)).is_err() {
+                self.neighbours.insert(&self.clock, slot as Slot, &self.movers[slot], self.now);
+            }
+        }
+    }
+
+    /// A size that nine tenths of the moving bodies do not exceed, m.
+    fn usual_size(&self) -> f64 {
+        let moving = (0..self.movers.len()).filter(|slot| self.traits[*slot].alive && !self.movers[*slot].infinite);
+        let longer = |[width, height]: [f64; 2]| if width > height { width } else { height };
+        let mut sizes: Vec<f64> = moving.map(|slot| longer(self.movers[slot].size)).collect();
+        sizes.sort_unstable_by(f64::total_cmp);
+        sizes.get(sizes.len() * 9 / 10).copied().unwrap_or(1.0)
+    }
+
+    /// Gives a body a new motion along one axis from now on.
+    fn redirect(&mut self, slot: Slot, axis: usize, [position, velocity, acceleration]: [f64; 3]) {
+        let mover = &mut self.movers[slot as usize];
+        mover.motion[axis] = Motion { position, velocity, acceleration, since: self.now };
+        mover.since = self.now;
+        self.mark(slot);
+    }
+
+    /// Notes that what was foretold of this body does not hold any more.
+    fn mark(&mut self, slot: Slot) {
+        let mover = &mut self.movers[slot as usize];
+        if !mover.infinite {
+            mover.generation = mover.generation.wrapping_add(1);
+            self.changed.push(slot);
+        }
+    }
+
+    fn predict_changed(&mut self) {
+        let mut changed = std::mem::take(&mut self.changed);
+        if changed.len() > 2 {
+            changed.sort_unstable();
+        }
+        changed.dedup();
+        for slot in &changed {
+            self.predict(*slot);
+            self.moving.update(*slot, &self.movers[*slot as usize]);
+        }
+        changed.clear();
+        self.changed = changed;
+    }
+
+    fn name(&self, world: &World, slot: Slot) -> String {
+        world.bodies[self.traits[slot as usize].place as usize].name.clone()
     }
 }

@@ -1,7 +1,6 @@
 use super::super::area::overlap;
-use super::super::{Frame, Ink, Shape};
+use super::super::{Arrow, Frame, Ink, Shape};
 use super::Page;
-use super::arrow::Arrow;
 use crate::physics::{Collision, Rect, Vector};
 use crate::scene::Overlay;
 
@@ -22,18 +21,18 @@ fn penetration(collision: &Collision, page: &Page, shapes: &mut Vec<Shape>) {
     let camera = &page.view.camera;
     let [c, b] = collision.rects.map(|rect| camera.rect(&rect));
     let Some(shared) = overlap(&c, &b) else { return };
-    let color = page.palette.penetration;
+    let color = page.look.palette.penetration;
     shapes.push(Shape::Rect { rect: shared, ink: Ink { color, opacity: 140 } });
     let from = shared.center().sub(collision.penetration.mult(camera.scale / 2.0));
     let to = from.add(collision.penetration.mult(camera.scale));
-    Arrow { from, to, width: page.line, color }.draw(page, shapes);
+    Arrow { from, to, width: page.look.line, color }.draw(&page.look, shapes);
 }
 
 /// The unit normal, 2.5 heights of text long, from the middle of the contact.
 fn normal(collision: &Collision, page: &Page, shapes: &mut Vec<Shape>) {
     let from = page.view.camera.point(contact(&collision.rects));
-    let to = from.add(collision.normal.mult(2.5 * page.text));
-    Arrow { from, to, width: 1.5 * page.line, color: page.palette.normal }.draw(page, shapes);
+    let to = from.add(collision.normal.mult(2.5 * page.look.text));
+    Arrow { from, to, width: 1.5 * page.look.line, color: page.look.palette.normal }.draw(&page.look, shapes);
 }
 
 /// The middle of what two rectangles share, or of the gap between them.

@@ -28,21 +28,21 @@ fn baseline(line: &Line, strip: &Rect) -> f64 {
 }
 
 fn margin(page: &Page) -> f64 {
-    page.text.round()
+    page.look.text.round()
 }
 
 fn clock(time: f64, page: &Page, strip: &Rect, shapes: &mut Vec<Shape>) {
-    let line = Line::plain(&format!("𝑡 = {time:.2} s"), page.text);
+    let line = Line::plain(&format!("𝑡 = {time:.2} s"), page.look.text);
     let at = Vector::new(margin(page), baseline(&line, strip));
-    shapes.push(Shape::Text { line, at, ink: Ink::from(page.palette.ink) });
+    shapes.push(Shape::Text { line, at, ink: Ink::from(page.look.palette.ink) });
 }
 
 /// A bar of the scale's colours between 0 and the top speed.
 fn speeds(page: &Page, strip: &Rect, shapes: &mut Vec<Shape>) {
     let top = page.view.style.top_speed;
     let (zero, end) = (text("0", page), text(&format!("{} m/s", number(top, top / 10.0)), page));
-    let swatch = (0.75 * page.text).round();
-    let gap = (0.4 * page.text).round();
+    let swatch = (0.75 * page.look.text).round();
+    let gap = (0.4 * page.look.text).round();
     let mut x = (strip.width() - margin(page) - end.width).round();
     shapes.push(Shape::Text { at: Vector::new(x, baseline(&end, strip)), line: end, ink: muted(page) });
     x -= gap + swatch * SPEEDS.len() as f64;
@@ -56,8 +56,8 @@ fn speeds(page: &Page, strip: &Rect, shapes: &mut Vec<Shape>) {
 
 /// A coloured square and the name of each material, the last one at the right border.
 fn materials(page: &Page, strip: &Rect, shapes: &mut Vec<Shape>) {
-    let swatch = (0.75 * page.text).round();
-    let gap = (0.4 * page.text).round();
+    let swatch = (0.75 * page.look.text).round();
+    let gap = (0.4 * page.look.text).round();
     let mut x = strip.width() - margin(page);
     for name in page.view.style.materials.iter().rev() {
         let line = text(name, page);
@@ -72,11 +72,11 @@ fn materials(page: &Page, strip: &Rect, shapes: &mut Vec<Shape>) {
 }
 
 fn text(text: &str, page: &Page) -> Line {
-    Line::plain(text, 0.85 * page.text)
+    Line::plain(text, 0.85 * page.look.text)
 }
 
 fn muted(page: &Page) -> Ink {
-    Ink::from(page.palette.muted)
+    Ink::from(page.look.palette.muted)
 }
 
 /// A rectangle in the middle of the strip's height.

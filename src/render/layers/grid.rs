@@ -6,8 +6,8 @@ use crate::physics::{Rect, Vector};
 /// Lines every 1, 2 or 5 × 10ⁿ m inside the world, with their place in metres.
 pub fn draw(page: &Page, shapes: &mut Vec<Shape>) {
     let camera = &page.view.camera;
-    let spacing = round_spacing(5.0 * page.text / camera.scale);
-    let line = if page.line < 2.0 { 1.0 } else { (page.line / 2.0).round() };
+    let spacing = round_spacing(5.0 * page.look.text / camera.scale);
+    let line = if page.look.line < 2.0 { 1.0 } else { (page.look.line / 2.0).round() };
     for (axis, extent) in [camera.world.x, camera.world.y].into_iter().enumerate() {
         let count = (extent / spacing * (1.0 + 1e-9)).floor() as u64;
         for place in 1..=count {
@@ -44,21 +44,21 @@ fn grid_line(page: &Page, axis: usize, at: f64, width: f64) -> Shape {
         0 => Rect::new(Vector::new(seen.x.round(), near.y), width, far.y - near.y),
         _ => Rect::new(Vector::new(near.x, seen.y.round()), far.x - near.x, width),
     };
-    Shape::Rect { rect, ink: Ink::from(page.palette.grid) }
+    Shape::Rect { rect, ink: Ink::from(page.look.palette.grid) }
 }
 
 /// The number of a line, inside the world beside the upper or left border.
 fn label(page: &Page, axis: usize, at: f64, spacing: f64, extent: f64) -> Shape {
     let camera = &page.view.camera;
     let unit = if at + spacing > extent * (1.0 + 1e-9) { " m" } else { "" };
-    let line = Line::plain(&format!("{}{unit}", number(at, spacing)), 0.7 * page.text);
+    let line = Line::plain(&format!("{}{unit}", number(at, spacing)), 0.7 * page.look.text);
     let (near, seen) = (camera.point(Vector::ZERO), camera.point(Vector::new(at, at)));
-    let gap = 2.0 * page.line;
+    let gap = 2.0 * page.look.line;
     let place = match axis {
         0 => Vector::new(seen.x - line.width - gap, near.y + line.height() + 1.5 * gap),
         _ => Vector::new(near.x + gap, seen.y - gap),
     };
-    Shape::Text { line, at: place, ink: Ink::from(page.palette.muted) }
+    Shape::Text { line, at: place, ink: Ink::from(page.look.palette.muted) }
 }
 
 /// A multiple of `spacing` with as many decimals as the spacing has.

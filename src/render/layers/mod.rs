@@ -1,18 +1,15 @@
 //! What a frame is made of, layer by layer, from the back to the front.
 
-mod arrow;
-mod bodies;
+pub mod bodies;
 mod contacts;
 mod footer;
-mod grid;
+pub mod grid;
 mod names;
 mod trails;
 mod velocities;
 mod walls;
 
-use super::area::{larger, smaller};
-use super::palette::Palette;
-use super::{DisplayList, Frame, Shape, View};
+use super::{DisplayList, Frame, Look, Shape, View};
 use crate::scene::Overlay;
 
 /// The shapes that show `frame`.
@@ -22,7 +19,7 @@ pub fn compose(frame: &Frame, view: &View) -> DisplayList {
     footer::draw(frame, &page, &mut shapes);
     DisplayList {
         size: view.camera.size,
-        background: page.palette.background,
+        background: page.look.palette.background,
         backdrop: vec![backdrop(frame, &page)],
         shapes,
     }
@@ -52,28 +49,17 @@ type Layer = fn(&Frame, &Page, &mut Vec<Shape>);
 
 const LAYERS: [Layer; 5] = [trails::draw, bodies::draw, velocities::draw, contacts::draw, names::draw];
 
-/// What every layer needs to know of the picture.
+/// A picture being made: what is seen in it, and how it looks.
 pub struct Page<'a> {
-    /// What is seen, and how.
+    /// What is seen.
     pub view: &'a View,
-    /// The colours of its theme.
-    pub palette: Palette,
-    /// Height of an em of text, px.
-    pub text: f64,
-    /// Width of a line, px; a whole number.
-    pub line: f64,
+    /// Colours and sizes.
+    pub look: Look,
 }
 
 impl Page<'_> {
     /// A picture with lines and text that suit its size.
     pub fn new(view: &View) -> Page<'_> {
-        let [width, height] = view.camera.size.map(f64::from);
-        let unit = smaller(width, height) / 720.0;
-        Page {
-            view,
-            palette: Palette::of(view.style.theme),
-            text: if unit < 0.6 { 12.0 } else { (21.0 * unit).round() },
-            line: larger((2.0 * unit).round(), 1.0),
-        }
+        Page { view, look: Look::new(view.style.theme, view.camera.size) }
     }
 }

@@ -30,13 +30,13 @@ pub fn draw(frame: &Frame, page: &Page, shapes: &mut Vec<Shape>) {
 /// The name of a box within it, if it fits; in a corner where an arrow begins in the middle.
 pub fn inside(sprite: &Sprite, rect: &Rect, fill: Color, page: &Page) -> Option<Shape> {
     let line = fitting(sprite, rect, page)?;
-    let margin = 4.0 * page.line;
+    let margin = 4.0 * page.look.line;
     let at = if page.view.style.shows(Overlay::Velocity) {
         rect.origin.add(Vector::new(margin, margin + line.height()))
     } else {
         rect.center().add(Vector::new(-line.width / 2.0, line.height() / 2.0))
     };
-    Some(Shape::Text { line, at, ink: Ink::from(page.palette.text_on(fill)) })
+    Some(Shape::Text { line, at, ink: Ink::from(page.look.palette.text_on(fill)) })
 }
 
 /// Sizes tried inside a box, in parts of the page's text.
@@ -44,17 +44,17 @@ const SIZES: [f64; 3] = [1.0, 0.8, 0.65];
 
 /// The name in the largest size that fits into the box, leaving room for an arrow.
 fn fitting(sprite: &Sprite, rect: &Rect, page: &Page) -> Option<Line> {
-    let margin = 2.0 * page.line;
+    let margin = 2.0 * page.look.line;
     let (width, height) = (rect.width() - 2.0 * margin, rect.height() - 2.0 * margin);
     let height = if page.view.style.shows(Overlay::Velocity) { height / 3.0 } else { height };
-    let lines = SIZES.iter().map(|size| Line::plain(&sprite.appearance.name, size * page.text));
+    let lines = SIZES.iter().map(|size| Line::plain(&sprite.appearance.name, size * page.look.text));
     lines.into_iter().find(|line| line.width <= width && line.height() <= height)
 }
 
 /// Above, below, right or left of the box, the first that is free.
 fn beside(sprite: &Sprite, rect: &Rect, page: &Page, taken: &[Rect]) -> Option<(Rect, Shape)> {
-    let line = Line::plain(&sprite.appearance.name, 0.8 * page.text);
-    let (width, height, gap) = (line.width, line.height(), 2.0 * page.line);
+    let line = Line::plain(&sprite.appearance.name, 0.8 * page.look.text);
+    let (width, height, gap) = (line.width, line.height(), 2.0 * page.look.line);
     let (near, far, middle) = (rect.origin, rect.far_corner(), rect.center());
     let places = [
         Vector::new(middle.x - width / 2.0, near.y - gap - height),
@@ -64,7 +64,7 @@ fn beside(sprite: &Sprite, rect: &Rect, page: &Page, taken: &[Rect]) -> Option<(
     ];
     let place = places.into_iter().map(|at| Rect::new(at, width, height)).find(|place| is_free(place, page, taken))?;
     let at = place.origin.add(Vector::new(0.0, height));
-    Some((place, Shape::Text { line, at, ink: Ink::from(page.palette.ink) }))
+    Some((place, Shape::Text { line, at, ink: Ink::from(page.look.palette.ink) }))
 }
 
 fn is_free(place: &Rect, page: &Page, taken: &[Rect]) -> bool {

@@ -18,15 +18,15 @@ pub fn draw(frame: &Frame, page: &Page, shapes: &mut Vec<Shape>) {
 
 fn trail(sprite: &Sprite, page: &Page, shapes: &mut Vec<Shape>) {
     let points: Vec<Vector> = sprite.trail.iter().map(|&place| page.view.camera.point(place)).collect();
-    let color = palette::body_color(sprite, &page.view.style).mix(page.palette.background, 15);
+    let color = palette::body_color(sprite, &page.view.style).mix(page.look.palette.background, 15);
     let cuts = points.len().saturating_sub(1);
     for part in 0..PARTS {
         let (from, to) = (cuts * part / PARTS, cuts * (part + 1) / PARTS);
         let faint = (80 * (PARTS - 1 - part) / PARTS) as u8;
-        let ink = Ink::from(color.mix(page.palette.background, faint));
+        let ink = Ink::from(color.mix(page.look.palette.background, faint));
         let seen = without_repeats(&points[from..if from < to { to + 1 } else { from }]);
         if seen.len() > 1 && is_near(&seen, page) {
-            shapes.push(Shape::Polyline { points: seen, width: 1.5 * page.line, ink });
+            shapes.push(Shape::Polyline { points: seen, width: 1.5 * page.look.line, ink });
         }
     }
 }

@@ -1,6 +1,5 @@
-use super::super::{Frame, Shape, Sprite};
+use super::super::{Arrow, Frame, Shape, Sprite};
 use super::Page;
-use super::arrow::Arrow;
 use super::bodies::seen;
 use crate::physics::Vector;
 use crate::scene::Overlay;
@@ -14,7 +13,7 @@ pub fn draw(frame: &Frame, page: &Page, shapes: &mut Vec<Shape>) {
         let Some(rect) = seen(sprite, page) else { continue };
         let from = rect.center();
         let to = from.add(length(sprite, page));
-        Arrow { from, to, width: page.line, color: page.palette.ink }.draw(page, shapes);
+        Arrow { from, to, width: page.look.line, color: page.look.palette.ink }.draw(&page.look, shapes);
     }
 }
 
@@ -25,5 +24,5 @@ fn length(sprite: &Sprite, page: &Page) -> Vector {
     let speed = sprite.velocity.norm();
     let top = page.view.style.top_speed;
     let slowed = if speed > top { sprite.velocity.mult(top / speed) } else { sprite.velocity };
-    slowed.mult(LONGEST * page.text / top)
+    slowed.mult(LONGEST * page.look.text / top)
 }

@@ -1,26 +1,28 @@
-use super::super::{Color, Ink, Shape};
-use super::Page;
+use super::{Color, Ink, Look, Shape};
 use crate::physics::Vector;
 
 /// An arrow from one point to another in px, and what sets it off from what is beneath.
 pub struct Arrow {
+    /// Where it begins, px.
     pub from: Vector,
+    /// Where its tip is, px.
     pub to: Vector,
     /// Thickness of the shaft, px.
     pub width: f64,
+    /// What it is drawn with.
     pub color: Color,
 }
 
 impl Arrow {
     /// Adds the arrow on a halo of the page's colour; nothing if it is too short to be seen.
-    pub fn draw(&self, page: &Page, shapes: &mut Vec<Shape>) {
+    pub fn draw(&self, look: &Look, shapes: &mut Vec<Shape>) {
         let along = self.to.sub(self.from);
         let length = along.norm();
         // An arrow of no direction is none, and one of no finite length cannot be drawn.
         if length >= self.width && length.is_finite() {
-            let halo = Ink { color: page.palette.background, opacity: 200 };
+            let halo = Ink { color: look.palette.background, opacity: 200 };
             let along = along.mult(1.0 / length);
-            shapes.push(self.outline(along, length, page.line / 2.0, halo));
+            shapes.push(self.outline(along, length, look.line / 2.0, halo));
             shapes.push(self.outline(along, length, 0.0, Ink::from(self.color)));
         }
     }

@@ -1,0 +1,162 @@
+use super::number::significant;
+use super::panels::outline;
+use crate::physics::{Rect, Vector};
+use crate::render::layers::grid::{number, round_spacing};
+use crate::render::text::Line;
+use crate::render::{Look, Shape};
+
+/// A diagram: a frame with two scales, and where numbers lie in it.
+pub struct Axes {
+    /// What is within the frame, px.
+    pub frame: Rect,
+    /// The numbers at its left and right border.
+    pub x: Range,
+    /// The numbers at its lower and upper border.
+    pub y: Range,
+}
+
+/// From one number to a larger one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Range {
+    /// The smaller.
+    pub from: f64,
+    /// The larger.
+    pub to: f64,
+}
+
+impl Range {
+    /// The range of some numbers, if there are finite ones; wide enough to divide by.
+    pub fn of(values: impl Iterator<Item = f64>) -> Option<Range> {
+        let finite = values.filter(|value| value.is_finite());
+        let range = finite.map(|value| Range { from: value, to: value }).reduce(|a, b| Range {
+            from: if b.from < a.from { b.from } else { a.from },
+            to: if b.to > a.to { b.to } else { a.to },
+        })?;
+        let size = if range.from.abs() > range.to.abs() { range.from.abs() } else { range.to.abs() };
+        let least = if size > 0.0 { size * 1e-12 } else { 1.0 };
+        if range.to - range.from >= least {
+            return Some(range);
+        }
+        Some(Range { from: range.from - least / 2.0, to: range.to + least / 2.0 })
+    }
+
+    /// The range with a part of its length added at both ends.
+    pub fn widened(self, part: f64) -> Range {
+        let by = part * (self.to - self.from);
+        Range { from: self.from - by, to: self.to + by }
+    }
+
+    /// The range that holds a number too.
+    pub fn with(self, value: f64) -> Range {
+        Range {
+            from: if value < self.from { value } else { self.from },
+            to: if value > self.to { value } else { self.to },
+        }
+    }
+
+    /// Where a number lies between the ends, 0 to 1.
+    fn part(self, value: f64) -> f64 {
+        (value - self.from) / (self.to - self.from)
+    }
+}
+
+/// What the two scales of a diagram are called, as markup.
+pub struct Titles<'a> {
+    /// Below the diagram.
+    pub x: &'a str,
+    /// Above its left border.
+    pub y: &'a str,
+}
+
+impl Axes {
+    /// A diagram in the given room, which also holds numbers and titles.
+    pub fn within(room: &Rect, x: Range, y: Range, look: &Look) -> Axes {
+        let (left, below, above) = (3.6 * look.text, 2.4 * look.text, 1.5 * look.text);
+        let origin = room.origin.add(Vector::new(left, above));
+        let (width, height) = (room.width() - left - 0.5 * look.text, room.height() - above - below);
+        let whole = |rect: Rect| {
+            let (near, far) = (rect.origin, rect.far_corner());
+            let near = Vector::new(near.x.round(), near.y.round());
+            Rect::new(near, far.x.round() - near.x, far.y.round() - near.y)
+        };
+        Axes { frame: whole(Rect::new(origin, width, height)), x, y }
+    }
+
+    /// Where a pair of numbers lies, px.
+    pub fn point(&self, x: f64, y: f64) -> Vector {
+        let across = self.x.part(x) * self.frame.width();
+        let up = self.y.part(y) * self.frame.height();
+        Vector::new(self.frame.origin.x + across, self.frame.far_corner().y - up)
+    }
+
+    /// Draws grid lines, numbers, titles and the frame.
+    pub fn draw(&self, titles: &Titles, look: &Look, shapes: &mut Vec<Shape>) {
+        let thin = if look.line < 2.0 { 1.0 } else { (look.line / 2.0).round() };
+        for x in ticks(self.x, self.frame.width() / (5.0 * look.text)) {
+            let at = self.point(x.value, self.y.from).x.round();
+            shapes.push(line_rect(at, self.frame.origin.y, thin, self.frame.height(), look));
+            let line = Line::math(&x.label, 0.8 * look.text);
+            let place = Vector::new(at - line.width / 2.0, self.frame.far_corner().y + 1.1 * look.text);
+            shapes.push(Shape::Text { line, at: place, ink: look.palette.muted.into() });
+        }
+        for y in ticks(self.y, self.frame.height() / (3.0 * look.text)) {
+            let at = self.point(self.x.from, y.value).y.round();
+            shapes.push(line_rect(self.frame.origin.x, at, self.frame.width(), thin, look));
+            let line = Line::math(&y.label, 0.8 * look.text);
+            let place = Vector::new(self.frame.origin.x - line.width - 0.5 * look.text, at + line.height() / 2.0);
+            shapes.push(Shape::Text { line, at: place, ink: look.palette.muted.into() });
+        }
+        shapes.extend(outline(&self.frame, thin, look.palette.wall_edge.into()));
+        self.draw_titles(titles, look, shapes);
+    }
+
+    fn draw_titles(&self, titles: &Titles, look: &Look, shapes: &mut Vec<Shape>) {
+        let x = Line::math(titles.x, 0.9 * look.text);
+        let far = self.frame.far_corner();
+        let below = Vector::new((far.x - x.width).round(), (far.y + 2.2 * look.text).round());
+        shapes.push(Shape::Text { line: x, at: below, ink: look.palette.ink.into() });
+        let y = Line::math(titles.y, 0.9 * look.text);
+        let above = Vector::new(self.frame.origin.x, (self.frame.origin.y - 0.5 * look.text).round());
+        shapes.push(Shape::Text { line: y, at: above, ink: look.palette.ink.into() });
+    }
+
+    /// Draws a line through pairs of numbers, as fine as can be seen.
+    pub fn curve(&self, points: impl Iterator<Item = [f64; 2]>, width: f64, ink: crate::render::Ink) -> Shape {
+        let mut seen: Vec<Vector> = Vec::new();
+        for [x, y] in points {
+            let at = self.point(x, y);
+            let far = seen.last().is_none_or(|last| at.sub(*last).norm() >= 0.5);
+            if far && at.is_finite() {
+                seen.push(at);
+            }
+        }
+        Shape::Clip { window: self.frame, shapes: vec![Shape::Polyline { points: seen, width, ink }] }
+    }
+}
+
+struct Tick {
+    value: f64,
+    label: String,
+}
+
+/// Multiples of 1, 2 or 5 × 10ⁿ within a range, at most about `most` of them.
+fn ticks(range: Range, most: f64) -> Vec<Tick> {
+    let most = if most < 2.0 { 2.0 } else { most };
+    let spacing = round_spacing((range.to - range.from) / most);
+    let first = (range.from / spacing).ceil();
+    let count = ((range.to / spacing).floor() - first) as i64 + 1;
+    let tick = |place: i64| {
+        let value = (first + place as f64) * spacing;
+        Tick { value, label: tick_label(value, spacing) }
+    };
+    (0..count.clamp(0, 100)).map(tick).collect()
+}
+
+fn tick_label(value: f64, spacing: f64) -> String {
+    let size = value.abs();
+    if value != 0.0 && !(1e-4..1e5).contains(&size) { significant(value, 4) } else { number(value + 0.0, spacing) }
+}
+
+fn line_rect(x: f64, y: f64, width: f64, height: f64, look: &Look) -> Shape {
+    Shape::Rect { rect: Rect::new(Vector::new(x, y), width, height), ink: look.palette.grid.into() }
+}

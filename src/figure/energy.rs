@@ -1,0 +1,111 @@
+use super::FigureOptions;
+use super::axes::{Axes, Range, Titles};
+use super::number::significant;
+use super::panels::Panels;
+use crate::physics::{Rect, Vector};
+use crate::render::text::Line;
+use crate::render::{Color, DisplayList, Ink, Shape, palette};
+
+/// What of a state is, or should be, conserved.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EnergySample {
+    /// s.
+    pub time: f64,
+    /// Kinetic energy of the finite masses, J.
+    pub kinetic: f64,
+    /// Their potential energy, J.
+    pub potential: f64,
+    /// Their momentum, kg·m/s.
+    pub momentum: Vector,
+}
+
+impl EnergySample {
+    fn total(&self) -> f64 {
+        self.kinetic + self.potential
+    }
+}
+
+/// One line of a diagram.
+struct Series {
+    name: &'static str,
+    color: Color,
+    values: Vec<[f64; 2]>,
+}
+
+/// Energy and momentum over time, with the drift of the whole written on it.
+pub fn energy(samples: &[EnergySample], options: &FigureOptions) -> DisplayList {
+    let mut panels = Panels::new(options);
+    let Some(time) = Range::of(samples.iter().map(|sample| sample.time)) else { return panels.finish() };
+    let (room, upper) = (panels.room, (panels.room.height() * 0.6).round());
+    let above = Rect::new(room.origin, room.width(), upper);
+    let below = Rect::new(room.origin.add(Vector::new(0.0, upper)), room.width(), room.height() - upper);
+    diagram(&energies(samples, &panels), &above, time, "E / \"J\"", Some(drift(samples)), &mut panels);
+    diagram(&momenta(samples), &below, time, "p / \"(kg·m/s)\"", None, &mut panels);
+    panels.finish()
+}
+
+fn values(samples: &[EnergySample], value: impl Fn(&EnergySample) -> f64) -> Vec<[f64; 2]> {
+    samples.iter().map(|sample| [sample.time, value(sample)]).collect()
+}
+
+/// The potential energy only where there is one.
+fn energies(samples: &[EnergySample], panels: &Panels) -> Vec<Series> {
+    let kinetic = Series { name: "kinetic", color: palette::BODIES[5], values: values(samples, |s| s.kinetic) };
+    if samples.iter().all(|sample| sample.potential == 0.0) {
+        return vec![kinetic];
+    }
+    let potential = Series { name: "potential", color: palette::BODIES[0], values: values(samples, |s| s.potential) };
+    let total = Series { name: "total", color: panels.look.palette.ink, values: values(samples, EnergySample::total) };
+    vec![kinetic, potential, total]
+}
+
+fn momenta(samples: &[EnergySample]) -> Vec<Series> {
+    vec![
+        Series { name: "p_x", color: palette::BODIES[6], values: values(samples, |s| s.momentum.x) },
+        Series { name: "p_y", color: palette::BODIES[2], values: values(samples, |s| s.momentum.y) },
+    ]
+}
+
+/// How far the last total energy is from the first.
+fn drift(samples: &[EnergySample]) -> String {
+    let (Some(first), Some(last)) = (samples.first(), samples.last()) else { return String::new() };
+    let (change, size) = (last.total() - first.total(), first.total().abs());
+    match size {
+        0.0 => format!("ΔE = {} \"J\"", significant(change, 3)),
+        size => format!("ΔE/E = {}", significant(change / size, 3)),
+    }
+}
+
+fn diagram(series: &[Series], room: &Rect, time: Range, title: &str, note: Option<String>, panels: &mut Panels) {
+    let all = series.iter().flat_map(|series| series.values.iter().map(|value| value[1]));
+    let Some(range) = Range::of(all) else { return };
+    let axes = Axes::within(room, time, range.with(0.0).widened(0.08), &panels.look);
+    axes.draw(&Titles { x: "t / \"s\"", y: title }, &panels.look, &mut panels.shapes);
+    for series in series {
+        let ink = Ink::from(series.color);
+        panels.shapes.push(axes.curve(series.values.iter().copied(), 1.25 * panels.look.line, ink));
+    }
+    legend(series, note, &axes, panels);
+}
+
+/// Names above the diagram, in the colours of their lines, and a note before them.
+fn legend(series: &[Series], note: Option<String>, axes: &Axes, panels: &mut Panels) {
+    let text = 0.9 * panels.look.text;
+    let baseline = (axes.frame.origin.y - 0.5 * panels.look.text).round();
+    let mut x = axes.frame.far_corner().x;
+    for series in series.iter().rev() {
+        let line = Line::math(series.name, text);
+        let swatch = (1.2 * text).round();
+        x = (x - line.width).round();
+        let at = Vector::new(x, baseline);
+        let bar = Rect::new(at.add(Vector::new(-swatch - 0.3 * text, -0.4 * text)), swatch, 1.5 * panels.look.line);
+        panels.shapes.push(Shape::Rect { rect: bar, ink: series.color.into() });
+        panels.shapes.push(Shape::Text { line, at, ink: panels.look.palette.ink.into() });
+        x = bar.origin.x - 0.8 * text;
+    }
+    if let Some(note) = note {
+        let line = Line::math(&note, text);
+        let at = Vector::new((axes.frame.center().x - line.width / 2.0).round(), baseline);
+        panels.shapes.push(Shape::Text { line, at, ink: panels.look.palette.ink.into() });
+    }
+}

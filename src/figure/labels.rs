@@ -1,0 +1,115 @@
+use crate::physics::{Rect, Vector};
+use crate::render::area::{contains, overlap};
+use crate::render::text::Line;
+use crate::render::{Ink, Shape};
+
+/// Puts labels where they hide as little as can be.
+pub struct Labels {
+    /// What they are to stay within, px.
+    page: Rect,
+    /// What is there already, px, and how much it matters.
+    taken: Vec<(Rect, f64)>,
+}
+
+/// How much worse it is to leave the page than to hide something.
+const LEAVING: f64 = 100.0;
+
+impl Labels {
+    /// Labels within `page`.
+    pub fn within(page: Rect) -> Labels {
+        Labels { page, taken: Vec::new() }
+    }
+
+    /// Keeps labels off a rectangle, the more the larger `weight`.
+    pub fn avoid(&mut self, rect: Rect, weight: f64) {
+        self.taken.push((rect, weight));
+    }
+
+    /// Keeps labels off a straight line.
+    pub fn avoid_line(&mut self, from: Vector, to: Vector, weight: f64) {
+        const PIECES: u32 = 16;
+        for piece in 0..=PIECES {
+            let at = from.add(to.sub(from).mult(f64::from(piece) / f64::from(PIECES)));
+            self.avoid(Rect::new(at.sub(Vector::new(3.0, 3.0)), 6.0, 6.0), weight);
+        }
+    }
+
+    /// The label in that of the places around `anchor` where it hides least, `gap` px off.
+    ///
+    /// Places are tried from `towards` around; of equal ones the first is taken.
+    pub fn place(&mut self, line: Line, anchor: Vector, towards: Vector, gap: f64, ink: Ink) -> Shape {
+        let places = around(towards).map(|direction| beside(&line, anchor, direction, gap));
+        let mut best = places[0];
+        for place in places {
+            if self.cost(&place) < self.cost(&best) {
+                best = place;
+            }
+        }
+        self.avoid(best, 4.0);
+        let at = best.origin.add(Vector::new(0.0, line.height()));
+        Shape::Text { line, at: Vector::new(at.x.round(), at.y.round()), ink }
+    }
+
+    fn cost(&self, place: &Rect) -> f64 {
+        let area = |rect: &Rect| rect.width() * rect.height();
+        let hidden = self.taken.iter().filter_map(|(rect, weight)| Some(weight * area(&overlap(place, rect)?)));
+        let outside = if contains(&self.page, place) { 0.0 } else { LEAVING * area(place) };
+        hidden.sum::<f64>() + outside
+    }
+}
+
+/// Eight directions, from the given one outwards to both sides.
+fn around(towards: Vector) -> [Vector; 8] {
+    const HALF: f64 = std::f64::consts::FRAC_1_SQRT_2;
+    let length = towards.norm();
+    let ahead = if length > 0.0 { towards.mult(1.0 / length) } else { Vector::new(0.0, -1.0) };
+    let right = Vector::new(-ahead.y, ahead.x);
+    let turned = |forth: f64, side: f64| ahead.mult(forth).add(right.mult(side));
+    [
+        turned(1.0, 0.0),
+        turned(HALF, HALF),
+        turned(HALF, -HALF),
+        turned(0.0, 1.0),
+        turned(0.0, -1.0),
+        turned(-HALF, HALF),
+        turned(-HALF, -HALF),
+        turned(-1.0, 0.0),
+    ]
+}
+
+/// Where a label stands that touches a circle of radius `gap` around `anchor` in a direction.
+fn beside(line: &Line, anchor: Vector, direction: Vector, gap: f64) -> Rect {
+    let (width, height) = (line.width, line.height());
+    let middle = anchor.add(direction.mult(gap));
+    let aside = Vector::new(direction.x * width / 2.0, direction.y * height / 2.0);
+    Rect::new(middle.add(aside).sub(Vector::new(width / 2.0, height / 2.0)), width, height)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::render::Color;
+
+    fn place(labels: &mut Labels, anchor: Vector) -> Vector {
+        let line = Line::plain("label", 10.0);
+        match labels.place(line, anchor, Vector::new(1.0, 0.0), 5.0, Ink::from(Color::hex(0))) {
+            Shape::Text { at, .. } => at,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn a_label_goes_where_it_is_sent_if_it_may() {
+        let mut labels = Labels::within(Rect::new(Vector::ZERO, 200.0, 100.0));
+        assert_eq!(place(&mut labels, Vector::new(50.0, 50.0)).x, 55.0);
+    }
+
+    #[test]
+    fn labels_keep_off_each_other_and_the_border() {
+        let mut labels = Labels::within(Rect::new(Vector::ZERO, 60.0, 100.0));
+        let first = place(&mut labels, Vector::new(50.0, 50.0));
+        let second = place(&mut labels, Vector::new(50.0, 50.0));
+        assert!(first.x < 40.0, "{first:?} leaves the page");
+        assert_ne!(first, second);
+    }
+}

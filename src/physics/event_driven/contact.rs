@@ -1,0 +1,103 @@
+//! Which boxes rest on each other: a contact is a flag, never a tested gap.
+//!
+//! Along its axis the two have the same velocity, and stay together until an acceleration
+//! or a blow parts them, or one slides past the other's edge.
+
+use super::mover::{Mover, Slot};
+
+/// One side of a contact.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Contact {
+    /// The body touched.
+    pub other: Slot,
+    /// The axis along which they touch.
+    pub axis: usize,
+    /// Whether the other lies towards greater coordinates.
+    pub ahead: bool,
+}
+
+/// A body that is pushed, and which body pushes it (itself, if the blow hits it).
+#[derive(Clone, Copy, Debug)]
+pub struct Pushed {
+    /// Who is pushed.
+    pub slot: Slot,
+    /// By whom.
+    pub by: Slot,
+}
+
+/// All contacts, kept with each body of finite mass that has a part in them.
+#[derive(Clone, Debug, Default)]
+pub struct Contacts {
+    of: Vec<Vec<Contact>>,
+}
+
+impl Contacts {
+    /// Makes room for one more body.
+    pub fn add_body(&mut self) {
+        self.of.push(Vec::new());
+    }
+
+    /// The contacts of a body; none are listed with an infinite mass.
+    pub fn of(&self, slot: Slot) -> &[Contact] {
+        &self.of[slot as usize]
+    }
+
+    /// The axis along which two bodies are in contact, if they are; ask for a finite mass.
+    pub fn between(&self, slot: Slot, other: Slot) -> Option<usize> {
+        self.of[slot as usize].iter().find(|contact| contact.other == other).map(|contact| contact.axis)
+    }
+
+    /// Enters a contact: the second body lies ahead of the first.
+    pub fn join(&mut self, movers: &[Mover], [first, second]: [Slot; 2], axis: usize) {
+        for (slot, other, ahead) in [(first, second, true), (second, first, false)] {
+            if !movers[slot as usize].infinite {
+                self.of[slot as usize].push(Contact { other, axis, ahead });
+            }
+        }
+    }
+
+    /// Strikes a contact out.
+    pub fn part(&mut self, slot: Slot, other: Slot) {
+        self.of[slot as usize].retain(|contact| contact.other != other);
+        self.of[other as usize].retain(|contact| contact.other != slot);
+    }
+
+    /// Whether contacts lead on from a body, in a direction along an axis, to an infinite mass.
+    pub fn holds(&self, movers: &[Mover], slot: Slot, axis: usize, ahead: bool) -> bool {
+        self.of[slot as usize].iter().any(|contact| {
+            contact.axis == axis && contact.ahead == ahead && movers[contact.other as usize].is_immovable(axis, ahead)
+        })
+    }
+
+    /// Collects the body and all that a push along the axis would push with it, nearest first,
+    /// each with the one that pushes it.
+    pub fn pushed(&self, movers: &[Mover], slot: Slot, axis: usize, ahead: bool, pushed: &mut Vec<Pushed>) {
+        pushed.clear();
+        pushed.push(Pushed { slot, by: slot });
+        let mut next = 0;
+        while let Some(Pushed { slot: by, .. }) = pushed.get(next).copied() {
+            next += 1;
+            for contact in self.of(by) {
+                let slot = contact.other;
+                let along = contact.axis == axis && contact.ahead == ahead && !movers[slot as usize].infinite;
+                if along && !pushed.iter().any(|known| known.slot == slot) {
+                    pushed.push(Pushed { slot, by });
+                }
+            }
+        }
+    }
+
+    /// The bodies of finite mass joined to these, directly or through others, by contacts
+    /// along the axis, in creation order.
+    pub fn group(&self, movers: &[Mover], slots: &[Slot], axis: usize) -> Vec<Slot> {
+        let mut seen = std::collections::BTreeSet::new();
+        let mut open: Vec<Slot> = slots.iter().copied().filter(|slot| !movers[*slot as usize].infinite).collect();
+        while let Some(slot) = open.pop() {
+            if seen.insert(slot) {
+                let others = self.of(slot).iter().filter(|contact| contact.axis == axis).map(|contact| contact.other);
+                open.extend(others.filter(|other| !movers[*other as usize].infinite));
+            }
+        }
+        seen.into_iter().collect()
+    }
+}

@@ -1,0 +1,98 @@
+use super::instant::{Clock, Instant};
+
+/// How a body moves along one axis from a reference instant on: x = p + v·t + ½·a·t².
+///
+/// Each axis has its own reference, so that a blow along x leaves every bit of y alone.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    /// Position at the reference instant, m.
+    pub position: f64,
+    /// Velocity at the reference instant, m/s.
+    pub velocity: f64,
+    /// Constant acceleration, m/s².
+    pub acceleration: f64,
+    /// The reference instant.
+    pub since: Instant,
+}
+
+impl Motion {
+    /// The position after t seconds from the reference, m.
+    pub fn position_after(&self, t: f64) -> f64 {
+        self.position + t * (self.velocity + 0.5 * self.acceleration * t)
+    }
+
+    /// The velocity after t seconds from the reference, m/s.
+    pub fn velocity_after(&self, t: f64) -> f64 {
+        self.velocity + self.acceleration * t
+    }
+
+    /// Position, m, and velocity, m/s, at an instant.
+    pub fn at(&self, clock: &Clock, instant: Instant) -> (f64, f64) {
+        let t = clock.seconds(self.since, instant);
+        (self.position_after(t), self.velocity_after(t))
+    }
+
+    /// Whether it neither moves nor begins to.
+    pub fn is_still(&self) -> bool {
+        self.velocity == 0.0 && self.acceleration == 0.0
+    }
+}
+
+/// Seconds until a gap closes that shrinks at `speed` and ever faster by `acceleration`.
+///
+/// The root of g − c·t − ½·b·t² = 0 at which the gap is shrinking; infinite if there is
+/// none. There the closing speed is s = √(c² + 2·b·g), so t = (s − c)/b, which for c > 0
+/// is written 2·g/(c + s) to subtract nothing (the stable form of the quadratic formula;
+/// Kahan, "On the cost of floating-point computation without extra-precise arithmetic",
+/// 2004). A gap of exactly 0 that shrinks or is pressed closes at once; a negative gap has
+/// to open first.
+pub fn closing_time(gap: f64, speed: f64, acceleration: f64) -> f64 {
+    if acceleration == 0.0 {
+        return if speed > 0.0 && gap >= 0.0 { gap / speed } else { f64::INFINITY };
+    }
+    let square = speed * speed + 2.0 * acceleration * gap;
+    if square < 0.0 {
+        return f64::INFINITY;
+    }
+    let final_speed = square.sqrt();
+    if speed > 0.0 {
+        if gap >= 0.0 { 2.0 * gap / (speed + final_speed) } else { f64::INFINITY }
+    } else if acceleration > 0.0 {
+        (final_speed - speed) / acceleration
+    } else {
+        f64::INFINITY
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_parabola_starts_at_its_reference() {
+        let since = Instant::start_of(2);
+        let motion = Motion { position: 1.0, velocity: 3.0, acceleration: -2.0, since };
+        let clock = Clock::new(2.0);
+        assert_eq!(motion.at(&clock, since), (1.0, 3.0));
+        assert_eq!(motion.at(&clock, Instant::start_of(4)), (3.0, 1.0));
+    }
+
+    #[test]
+    fn the_gap_closes_at_the_root_where_it_shrinks() {
+        assert_eq!(closing_time(6.0, 2.0, 0.0), 3.0);
+        assert_eq!(closing_time(6.0, -2.0, 0.0), f64::INFINITY);
+        assert_eq!(closing_time(4.0, 0.0, 2.0), 2.0, "from rest: t = sqrt(2g/b)");
+        assert_eq!(closing_time(0.0, -3.0, 2.0), 3.0, "thrown up from the floor: t = 2v/g");
+        assert_eq!(closing_time(4.0, 5.0, -2.0), 1.0, "the first of the roots 1 and 4");
+        assert_eq!(closing_time(4.0, 3.0, -2.0), f64::INFINITY, "turns back before it arrives");
+        assert_eq!(closing_time(-4.0, -5.0, 2.0), 4.0, "opens at 1, closes at 4");
+        assert_eq!(closing_time(-4.0, 1.0, 2.0), f64::INFINITY, "inside and going deeper");
+        assert_eq!(closing_time(0.0, 0.0, 1.0), 0.0);
+    }
+
+    #[test]
+    fn a_far_smaller_acceleration_changes_the_root_by_no_more_than_it_should() {
+        let t = closing_time(1.0, 1.0, 1e-18);
+        assert_eq!(t, 1.0, "the textbook formula would give 0 or 2");
+    }
+}

@@ -1,0 +1,72 @@
+//! What can be seen of the motions: the state at each step.
+
+use super::mover::{Mover, Slot};
+use super::{EventDriven, instant::Instant};
+use crate::physics::{StepError, Vector, World};
+
+const NONE: u32 = u32::MAX;
+
+/// The bodies whose state changes from step to step: only they are copied.
+#[derive(Clone, Debug, Default)]
+pub struct Moving {
+    slots: Vec<Slot>,
+    /// For each body its place in `slots`.
+    places: Vec<u32>,
+    /// Bodies that came to rest in this step: to be copied once more.
+    stopped: Vec<Slot>,
+}
+
+impl Moving {
+    /// Makes room for one more body.
+    pub fn add_body(&mut self) {
+        self.places.push(NONE);
+    }
+
+    /// A body has a new motion.
+    pub fn update(&mut self, slot: Slot, mover: &Mover) {
+        if mover.motion[0].is_still() && mover.motion[1].is_still() {
+            self.remove(slot);
+            self.stopped.push(slot);
+        } else if self.places[slot as usize] == NONE {
+            self.places[slot as usize] = self.slots.len() as u32;
+            self.slots.push(slot);
+        }
+    }
+
+    /// A body is no more.
+    pub fn forget(&mut self, slot: Slot) {
+        self.remove(slot);
+        self.stopped.retain(|stopped| *stopped != slot);
+    }
+
+    fn remove(&mut self, slot: Slot) {
+        let place = self.places[slot as usize];
+        if place != NONE {
+            self.slots.swap_remove(place as usize);
+            if let Some(moved) = self.slots.get(place as usize) {
+                self.places[*moved as usize] = place;
+            }
+            self.places[slot as usize] = NONE;
+        }
+    }
+}
+
+impl EventDriven {
+    /// Writes the state at the end of the step into the world.
+    pub(super) fn sample(&mut self, world: &mut World, step: u64) -> Result<(), StepError> {
+        let instant = Instant::start_of(step + 1);
+        let stopped = std::mem::take(&mut self.moving.stopped);
+        for slot in self.moving.slots.iter().chain(&stopped) {
+            let mover = &self.movers[*slot as usize];
+            let body = &mut world.bodies[self.traits[*slot as usize].place as usize];
+            let (x, vx) = mover.motion[0].at(&self.clock, instant);
+            let (y, vy) = mover.motion[1].at(&self.clock, instant);
+            body.rect.origin = Vector::new(x, y);
+            body.velocity = Vector::new(vx, vy);
+            if !(body.velocity.is_finite() && body.rect.origin.is_finite()) {
+                return Err(StepError::NotFinite { step, body: body.name.clone() });
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,216 @@
+//! What happens next: a wheel of short time slices, and a heap for the slice at hand.
+//!
+//! Every body has at most one turn pending. The slices only sort roughly; inside a slice
+//! turns come in their total order, so that how finely time is sliced changes no result.
+
+use super::instant::{Clock, Instant};
+use super::mover::Slot;
+use std::cmp::{Ordering, Reverse};
+use std::collections::BinaryHeap;
+
+const NONE: u32 = u32::MAX;
+
+/// The wheel reaches so many steps ahead; what comes later is looked at again then.
+const STEPS: u64 = 64;
+
+/// When something happens and, of all that happens at that instant, in which order: by the
+/// lower body of the pair, then the higher, then the kind of meeting.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Turn {
+    /// The instant.
+    pub at: Instant,
+    /// The two bodies, the earlier created first; the same twice for a body on its own.
+    pub pair: [Slot; 2],
+}
+
+impl Turn {
+    /// Whether this turn comes before `other`.
+    pub fn is_before(&self, other: &Turn) -> bool {
+        self.at.is_before(other.at) || (self.at == other.at && self.pair < other.pair)
+    }
+}
+
+/// A turn in the heap, still valid if the body's stamp is the same.
+#[derive(Clone, Copy, Debug)]
+struct Waiting {
+    turn: Turn,
+    slot: Slot,
+    stamp: u32,
+}
+
+impl PartialEq for Waiting {
+    fn eq(&self, other: &Waiting) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Waiting {}
+
+impl PartialOrd for Waiting {
+    fn partial_cmp(&self, other: &Waiting) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Waiting {
+    fn cmp(&self, other: &Waiting) -> Ordering {
+        if self.turn.is_before(&other.turn) {
+            Ordering::Less
+        } else if other.turn.is_before(&self.turn) {
+            Ordering::Greater
+        } else {
+            self.slot.cmp(&other.slot)
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Pending {
+    turn: Turn,
+    slice: u64,
+    stamp: u32,
+    /// The place in the wheel, or [`NONE`].
+    place: u32,
+    previous: Slot,
+    next: Slot,
+}
+
+const IDLE: Pending = Pending {
+    turn: Turn { at: Instant::NEVER, pair: [NONE; 2] },
+    slice: u64::MAX,
+    stamp: 0,
+    place: NONE,
+    previous: NONE,
+    next: NONE,
+};
+
+/// The turns of all bodies.
+#[derive(Clone, Debug)]
+pub struct Schedule {
+    clock: Clock,
+    /// Slices a step; a power of two.
+    slices: u64,
+    /// The slice at hand.
+    present: u64,
+    /// First body of each slice of the wheel.
+    wheel: Vec<Slot>,
+    /// How many bodies wait in each step of the wheel.
+    waiting: Vec<u32>,
+    pending: Vec<Pending>,
+    heap: BinaryHeap<Reverse<Waiting>>,
+}
+
+impl Schedule {
+    /// An empty schedule at the start of a step, fit for so many bodies.
+    pub fn new(clock: Clock, step: u64, bodies: usize) -> Schedule {
+        let slices = (bodies as u64 / 4).clamp(1, 1 << 12).next_power_of_two();
+        Schedule {
+            clock,
+            slices,
+            present: step * slices,
+            wheel: vec![NONE; (STEPS * slices) as usize],
+            waiting: vec![0; STEPS as usize],
+            pending: Vec::new(),
+            heap: BinaryHeap::new(),
+        }
+    }
+
+    /// Replaces a body's turn.
+    pub fn set(&mut self, slot: Slot, turn: Option<Turn>) {
+        if self.pending.len() <= slot as usize {
+            self.pending.resize(slot as usize + 1, IDLE);
+        }
+        self.unlink(slot);
+        let pending = &mut self.pending[slot as usize];
+        pending.stamp = pending.stamp.wrapping_add(1);
+        if let Some(turn) = turn {
+            pending.turn = turn;
+            self.enter(slot);
+        }
+    }
+
+    /// The first turn of all, if it is due by the end of the step, and the body whose it is.
+    pub fn next(&mut self, step: u64) -> Option<(Slot, Turn)> {
+        let end = (step + 1) * self.slices;
+        loop {
+            while let Some(Reverse(first)) = self.heap.peek().copied() {
+                self.heap.pop();
+                if self.pending[first.slot as usize].stamp == first.stamp {
+                    return Some((first.slot, first.turn));
+                }
+            }
+            if self.present + 1 >= end {
+                return None;
+            }
+            self.advance();
+        }
+    }
+
+    /// Enters the step: what is due in its first slice is at hand.
+    pub fn begin(&mut self, step: u64) {
+        if self.present < step * self.slices {
+            self.present = step * self.slices;
+            self.open();
+        }
+    }
+
+    /// Goes on to the next slice, or over the rest of a step in which nobody waits.
+    fn advance(&mut self) {
+        let step = self.present / self.slices;
+        let empty = self.waiting[(step % STEPS) as usize] == 0;
+        self.present = if empty { (step + 1) * self.slices - 1 } else { self.present + 1 };
+        self.open();
+    }
+
+    /// Puts what waits in the present slice into the heap, or further off if it is not due.
+    fn open(&mut self) {
+        let place = (self.present % self.wheel.len() as u64) as usize;
+        let mut slot = self.wheel[place];
+        while slot != NONE {
+            let next = self.pending[slot as usize].next;
+            self.unlink(slot);
+            self.enter(slot);
+            slot = next;
+        }
+    }
+
+    fn enter(&mut self, slot: Slot) {
+        let pending = &mut self.pending[slot as usize];
+        let within = (pending.turn.at.offset * self.clock.rate * self.slices as f64) as u64;
+        let within = if within < self.slices { within } else { self.slices - 1 };
+        let slice = (pending.turn.at.step as u64).saturating_mul(self.slices).saturating_add(within);
+        if slice <= self.present {
+            self.heap.push(Reverse(Waiting { turn: pending.turn, slot, stamp: pending.stamp }));
+            return;
+        }
+        let furthest = (self.present / self.slices + STEPS) * self.slices - 1;
+        pending.slice = if slice < furthest { slice } else { furthest };
+        let place = (pending.slice % self.wheel.len() as u64) as usize;
+        pending.place = place as u32;
+        pending.previous = NONE;
+        pending.next = self.wheel[place];
+        let next = pending.next;
+        self.waiting[(pending.slice / self.slices % STEPS) as usize] += 1;
+        self.wheel[place] = slot;
+        if next != NONE {
+            self.pending[next as usize].previous = slot;
+        }
+    }
+
+    fn unlink(&mut self, slot: Slot) {
+        let pending = self.pending[slot as usize];
+        if pending.place == NONE {
+            return;
+        }
+        self.waiting[(pending.slice / self.slices % STEPS) as usize] -= 1;
+        if pending.previous == NONE {
+            self.wheel[pending.place as usize] = pending.next;
+        } else {
+            self.pending[pending.previous as usize].next = pending.next;
+        }
+        if pending.next != NONE {
+            self.pending[pending.next as usize].previous = pending.previous;
+        }
+        self.pending[slot as usize].place = NONE;
+    }
+}

@@ -1,0 +1,214 @@
+//! The exact solver's resting contacts.
+
+use crate::laboratory::*;
+use rebond::physics::{Event, Vector, invariants};
+
+const EARTH: Option<[f64; 2]> = Some([0.0, 9.81]);
+
+/// A floor and a stack of unit boxes on it, the first lowest.
+fn stack(masses: impl Iterator<Item = f64>) -> Vec<Sketch> {
+    let mut bodies = vec![sketch([0.0, 0.0], [4.0, 1.0], INFINITE)];
+    bodies.extend(masses.enumerate().map(|(n, mass)| sketch([1.0, -1.0 - n as f64], [1.0, 1.0], mass)));
+    bodies
+}
+
+fn stays_for(steps: u64, conditions: Conditions, bodies: &[Sketch]) {
+    let mut engine = world(conditions, bodies);
+    let before = all_bits(&engine);
+    assert_eq!(count(&mut engine, steps), 0);
+    assert_eq!(all_bits(&engine), before);
+}
+
+#[test]
+fn stacks_of_any_height_and_mass_ratio_do_not_move() {
+    let conditions = |restitution| Conditions { gravity: EARTH, restitution, ..Conditions::default() };
+    for restitution in [0.0, 0.5, 1.0] {
+        stays_for(100_000, conditions(restitution), &stack([1.0].into_iter()));
+        stays_for(10_000, conditions(restitution), &stack((0..50).map(|_| 1.0)));
+        stays_for(10_000, conditions(restitution), &stack((0..10).map(|n| if n % 2 == 0 { 1.0 } else { 1e12 })));
+        stays_for(1000, conditions(restitution), &stack((0..1000).map(|n| 1.0 + f64::from(n))));
+    }
+}
+
+/// `cargo test --release -- --ignored`
+#[test]
+#[ignore = "a million steps"]
+fn stacks_do_not_move_in_a_million_steps() {
+    let conditions = Conditions { gravity: EARTH, restitution: 0.0, ..Conditions::default() };
+    stays_for(1_000_000, conditions, &stack((0..1000).map(|n| if n % 2 == 0 { 1.0 } else { 1e12 })));
+}
+
+/// Decimal coordinates leave gaps and overlaps of an ulp: they count as contact and stay.
+#[test]
+fn a_stack_written_in_decimals_stays_where_it_was_put() {
+    let mut bodies = vec![sketch([0.0, 0.0], [4.0, 1.0], INFINITE)];
+    bodies.extend((1..=300).map(|n| sketch([1.0, -0.1 * f64::from(n)], [1.0, 0.1], 1.0)));
+    for restitution in [0.0, 0.3, 1.0] {
+        stays_for(100, Conditions { gravity: EARTH, restitution, ..Conditions::default() }, &bodies);
+        let mut upside_down = bodies.clone();
+        upside_down[1..].reverse();
+        stays_for(100, Conditions { gravity: EARTH, restitution, ..Conditions::default() }, &upside_down);
+    }
+}
+
+#[test]
+fn a_stack_rests_on_a_moving_platform_and_on_a_wall_when_gravity_is_sideways() {
+    let mut bodies = stack((0..5).map(|_| 1.0));
+    bodies.iter_mut().for_each(|body| body.velocity = [0.0, -0.75]);
+    let mut engine = world(Conditions { gravity: EARTH, restitution: 0.4, ..Conditions::default() }, &bodies);
+    assert_eq!(count(&mut engine, 600), 0);
+    for (n, body) in engine.world().bodies.iter().enumerate() {
+        assert_eq!(body.velocity, Vector::new(0.0, -0.75));
+        assert_close(body.rect.origin.y, -(n as f64) - 7.5, 1e-14);
+    }
+    let sideways = [
+        sketch([-1.0, 0.0], [1.0, 9.0], INFINITE),
+        sketch([0.0, 1.0], [1.0, 1.0], 1.0),
+        sketch([1.0, 1.5], [1.0, 1.0], 1e9),
+    ];
+    stays_for(600, Conditions { gravity: Some([-3.0, 0.0]), restitution: 0.5, ..Conditions::default() }, &sideways);
+}
+
+#[test]
+fn a_stack_wakes_the_instant_its_foot_is_deleted() {
+    let mut engine = world(
+        Conditions { gravity: Some([0.0, 10.0]), restitution: 0.0, ..Conditions::default() },
+        &stack((0..50).map(|n| 1.0 + f64::from(n % 7))),
+    );
+    run(&mut engine, 60);
+    engine.apply(&Event::Delete(1));
+    run(&mut engine, 6);
+    for id in 2..=50 {
+        let fallen = body(&engine, id);
+        assert_close(fallen.velocity.y, 1.0, 1e-15);
+        assert_close(fallen.rect.origin.y, -f64::from(id) + 0.05, 1e-13);
+    }
+    run(&mut engine, 60);
+    for id in 2..=50 {
+        assert_eq!(body(&engine, id).velocity, Vector::ZERO);
+        assert_close(body(&engine, id).rect.origin.y, 1.0 - f64::from(id), 1e-13);
+    }
+    assert!(invariants::worst_overlap(engine.world()) <= 1e-13);
+}
+
+#[test]
+fn a_box_slides_past_an_edge_and_falls_from_there() {
+    let table = sketch([0.0, 0.0], [2.0, 1.0], INFINITE);
+    let rider = sketch([1.0, -1.0], [0.5, 1.0], 1.0).moving(1.0, 0.0);
+    let conditions = Conditions { gravity: Some([0.0, 10.0]), restitution: 0.5, ..Conditions::default() };
+    let mut engine = world(conditions, &[table, rider]);
+    run(&mut engine, 60);
+    assert_eq!(body(&engine, 1).rect.origin.y, -1.0, "it leaves the edge at 1 s exactly");
+    run(&mut engine, 30);
+    assert_close(body(&engine, 1).rect.origin.y, -1.0 + 5.0 * 0.25, 1e-14);
+    assert_close(body(&engine, 1).rect.origin.x, 2.5, 1e-14);
+}
+
+#[test]
+fn forces_press_boxes_against_a_wall_and_through_each_other_never() {
+    let bodies = [
+        sketch([-1.0, 0.0], [1.0, 4.0], INFINITE),
+        sketch([0.0, 1.0], [1.0, 1.0], 1.0),
+        sketch([1.0, 1.2], [1.0, 1.0], 5.0).pushed(-3.0, 0.0),
+        sketch([2.0, 0.9], [1.0, 1.0], 2.0).pushed(1.0, 0.0),
+    ];
+    let conditions = Conditions { restitution: 0.0, rate: 64.0, ..Conditions::default() };
+    let mut engine = world(conditions, &bodies);
+    run(&mut engine, 128);
+    assert_eq!(body(&engine, 1).rect.origin.x, 0.0);
+    assert_eq!(body(&engine, 2).rect.origin.x, 1.0);
+    assert_close(body(&engine, 3).rect.origin.x, 3.0, 1e-14);
+}
+
+#[test]
+fn a_pushed_train_moves_as_one() {
+    let bodies = [
+        sketch([0.0, 0.0], [1.0, 1.0], 1.0).pushed(12.0, 0.0),
+        sketch([1.0, 0.0], [1.0, 1.0], 2.0),
+        sketch([2.0, 0.0], [1.0, 1.0], 3.0),
+    ];
+    for restitution in [0.0, 0.7, 1.0] {
+        let mut engine = world(Conditions { restitution, rate: 64.0, ..Conditions::default() }, &bodies);
+        assert_eq!(count(&mut engine, 64), 0);
+        for id in 0..3 {
+            assert_close(body(&engine, id).rect.origin.x, f64::from(id) + 1.0, 1e-15);
+            assert_eq!(body(&engine, id).velocity.x, 2.0);
+        }
+    }
+}
+
+/// Height h, restitution e: at rest after √(2h/g)·(1 + e)/(1 − e).
+#[test]
+fn a_bouncing_ball_comes_to_rest_when_the_series_says() {
+    for e in [0.3_f64, 0.5, 0.8, 0.95] {
+        let floor = sketch([0.0, 0.0], [4.0, 1.0], INFINITE);
+        let ball = sketch([1.0, -2.25], [1.0, 1.0], 1.0);
+        let conditions =
+            Conditions { gravity: Some([0.0, 10.0]), restitution: e, rate: 1000.0, ..Conditions::default() };
+        let mut engine = world(conditions, &[floor, ball]);
+        let total = 0.5 * (1.0 + e) / (1.0 - e);
+        let steps = (total * 1000.0) as u64;
+        let collisions = run(&mut engine, steps + 2);
+        let last = collisions.last().unwrap();
+        let end = last.step as f64 / 1000.0 + last.time;
+        assert!(end <= total + 1e-12 && end >= total - 1e-5, "e = {e}: at rest at {end}, the series says {total}");
+        assert!(collisions.len() < 400);
+        assert_eq!(body(&engine, 1).velocity, Vector::ZERO);
+        assert_eq!(body(&engine, 1).rect.origin.y, -1.0);
+    }
+}
+
+#[test]
+fn a_row_of_clay_is_hit_once_and_moves_as_one() {
+    let mut bodies: Vec<_> = (0..1000).map(|n| sketch([f64::from(n), 0.0], [1.0, 1.0], 1.0)).collect();
+    bodies.push(sketch([-2.0, 0.0], [1.0, 1.0], 24.0).moving(1.0, 0.0));
+    let mut engine = world(Conditions { restitution: 0.0, ..Conditions::default() }, &bodies);
+    count(&mut engine, 61);
+    for body in &engine.world().bodies {
+        assert_close(body.velocity.x, 24.0 / 1024.0, 1e-15);
+    }
+    assert!(invariants::worst_overlap(engine.world()) <= 1e-12);
+}
+
+#[test]
+fn overlapping_spawns_are_put_apart_and_gain_no_energy() {
+    let mut bodies = walls(10.0, 10.0);
+    bodies.extend((0..60).map(|n| {
+        let n = f64::from(n);
+        sketch([4.0 + 0.02 * n, 5.0 - 0.013 * n], [0.5 + 0.01 * n, 0.6], 1.0).moving(0.1 * n - 3.0, 1.0)
+    }));
+    bodies.push(bodies[20].clone());
+    let mut engine = world(Conditions::default(), &bodies);
+    let before = invariants::kinetic_energy(engine.world());
+    for _ in 0..60 {
+        run(&mut engine, 1);
+        assert!(invariants::worst_overlap(engine.world()) <= 1e-13);
+        assert!((invariants::kinetic_energy(engine.world()) - before).abs() <= 1e-12 * before);
+    }
+}
+
+#[test]
+fn an_infinite_mass_spawned_into_a_pile_makes_room() {
+    let mut bodies = walls(6.0, 6.0);
+    bodies.extend((0..16).map(|n| sketch([f64::from(n % 4) * 1.2, 2.0 + f64::from(n / 4)], [1.0, 1.0], 1.0)));
+    let mut engine = world(Conditions { gravity: EARTH, restitution: 0.2, ..Conditions::default() }, &bodies);
+    run(&mut engine, 60);
+    spawn(&mut engine, &sketch([1.5, 3.5], [1.5, 1.5], INFINITE));
+    for _ in 0..120 {
+        run(&mut engine, 1);
+        assert!(invariants::worst_overlap(engine.world()) <= 1e-13);
+    }
+}
+
+/// A resting body takes a blow like what it rests on, and gives its load no part of it.
+#[test]
+fn a_blow_from_above_leaves_a_stack_alone() {
+    let mut bodies = stack([1.0, 1e-6, 1e6].into_iter());
+    bodies.push(sketch([1.2, -9.0], [1.0, 1.0], 1e3).moving(0.0, 20.0));
+    let mut engine = world(Conditions { gravity: EARTH, restitution: 0.5, ..Conditions::default() }, &bodies);
+    let before: Vec<_> = (1..=3).map(|id| bits(body(&engine, id))).collect();
+    let collisions = run(&mut engine, 600);
+    assert!(collisions.len() > 5);
+    assert_eq!((1..=3).map(|id| bits(body(&engine, id))).collect::<Vec<_>>(), before);
+    assert_eq!(body(&engine, 4).velocity, Vector::ZERO);
+}

@@ -1,0 +1,120 @@
+//! Worlds built in code for the exact solver, and what is measured on them.
+
+use rebond::physics::{
+    Body, BodyId, Collision, CollisionCount, Engine, Event, Rect, Restitution, Settings, SolverKind, Spawn, Vector,
+};
+
+pub const INFINITE: f64 = f64::INFINITY;
+
+/// What a world is told: 60 Hz, e = 1, no gravity, unless it says otherwise.
+#[derive(Clone, Copy)]
+pub struct Conditions {
+    pub rate: f64,
+    pub restitution: f64,
+    pub gravity: Option<[f64; 2]>,
+    pub events_per_step: u64,
+}
+
+impl Default for Conditions {
+    fn default() -> Conditions {
+        Conditions { rate: 60.0, restitution: 1.0, gravity: None, events_per_step: 1_000_000 }
+    }
+}
+
+/// A body to be: position and size, mass, velocity, force.
+#[derive(Clone, Debug)]
+pub struct Sketch {
+    pub at: [f64; 2],
+    pub size: [f64; 2],
+    pub mass: f64,
+    pub velocity: [f64; 2],
+    pub force: [f64; 2],
+}
+
+pub fn sketch(at: [f64; 2], size: [f64; 2], mass: f64) -> Sketch {
+    Sketch { at, size, mass, velocity: [0.0; 2], force: [0.0; 2] }
+}
+
+impl Sketch {
+    pub fn moving(self, x: f64, y: f64) -> Sketch {
+        Sketch { velocity: [x, y], ..self }
+    }
+
+    pub fn pushed(self, x: f64, y: f64) -> Sketch {
+        Sketch { force: [x, y], ..self }
+    }
+}
+
+/// The handout's four walls around a room.
+pub fn walls(width: f64, height: f64) -> Vec<Sketch> {
+    vec![
+        sketch([-1.0, -1.0], [width + 2.0, 1.0], INFINITE),
+        sketch([-1.0, height], [width + 2.0, 1.0], INFINITE),
+        sketch([-1.0, 0.0], [1.0, height], INFINITE),
+        sketch([width, 0.0], [1.0, height], INFINITE),
+    ]
+}
+
+pub fn settings(conditions: Conditions) -> Settings {
+    Settings {
+        solver: SolverKind::EventDriven,
+        rate: conditions.rate,
+        gravity: conditions.gravity.map(|[x, y]| Vector::new(x, y)),
+        restitution: Restitution::new(conditions.restitution, &[]),
+        events_per_step: conditions.events_per_step,
+    }
+}
+
+/// A world with these bodies in it.
+pub fn world(conditions: Conditions, bodies: &[Sketch]) -> Engine {
+    let mut engine = Engine::new(settings(conditions));
+    bodies.iter().for_each(|body| spawn(&mut engine, body));
+    engine
+}
+
+pub fn spawn(engine: &mut Engine, body: &Sketch) {
+    let vector = |[x, y]: [f64; 2]| Vector::new(x, y);
+    engine.apply(&Event::Spawn(Spawn {
+        name: format!("{}", engine.next_id()),
+        rect: Rect::new(vector(body.at), body.size[0], body.size[1]),
+        mass: body.mass,
+        velocity: vector(body.velocity),
+        force: vector(body.force),
+        material: String::new(),
+    }));
+}
+
+/// Steps on and gives what collided.
+pub fn run(engine: &mut Engine, steps: u64) -> Vec<Collision> {
+    let mut collisions: Vec<Collision> = Vec::new();
+    for _ in 0..steps {
+        engine.step(&mut collisions).unwrap_or_else(|error| panic!("{error}"));
+    }
+    collisions
+}
+
+/// Steps on and counts what collided.
+pub fn count(engine: &mut Engine, steps: u64) -> u64 {
+    let mut collisions = CollisionCount::default();
+    for _ in 0..steps {
+        engine.step(&mut collisions).unwrap_or_else(|error| panic!("{error}"));
+    }
+    collisions.0
+}
+
+pub fn body(engine: &Engine, id: BodyId) -> &Body {
+    engine.world().body(id).unwrap()
+}
+
+/// x, y, vx, vy as bits, so that nothing compares equal that is not.
+pub fn bits(body: &Body) -> [u64; 4] {
+    [body.rect.origin.x, body.rect.origin.y, body.velocity.x, body.velocity.y].map(f64::to_bits)
+}
+
+pub fn all_bits(engine: &Engine) -> Vec<[u64; 4]> {
+    engine.world().bodies.iter().map(bits).collect()
+}
+
+pub fn assert_close(found: f64, expected: f64, tolerance: f64) {
+    assert!((found - expected).abs() <= tolerance, "found {found}, expected {expected} ± {tolerance:e}");
+}
