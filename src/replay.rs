@@ -119,6 +119,10 @@ impl Again {
                 self.course = if table.is_some() { course } else { Course::Lost };
                 Ok(())
             }
+            (Item::Gap(_), _) => {
+                self.course = Course::Lost;
+                Ok(())
+            }
             (_, Course::Lost) => Ok(()),
             (Item::Event(event), Course::Fresh | Course::On) => self.event(event, observer),
             (Item::State(state) | Item::Doubtful(state), Course::Fresh | Course::On) => {

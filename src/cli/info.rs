@@ -99,9 +99,9 @@ impl Info {
             },
             Item::State(state) | Item::Doubtful(state) => self.steps = Some(state.step),
             Item::Keyframe(_) => self.keyframes += 1,
-            Item::Damaged(_) => {}
+            Item::Damaged(_) | Item::Gap(_) => {}
             Item::End(end) => {
-                self.collisions = Some(end.collisions);
+                self.collisions = end.collisions;
                 self.error = end.error.clone();
                 self.identity = Some(end.identity.to_string());
             }

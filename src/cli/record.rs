@@ -78,7 +78,7 @@ fn tell(options: &RecordOptions, recorded: &Recorded, skipped: u64) -> Result<()
         options.output.display(),
         end.steps,
         end.bodies,
-        end.collisions,
+        end.collisions.unwrap_or_default(),
         end.identity
     );
     if output::is_standard_output(&options.output) {

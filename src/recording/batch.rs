@@ -28,8 +28,6 @@ pub enum Entry {
         /// How many of the rows not yet used are its own.
         rows: usize,
     },
-    /// Everything up to here is to be readable.
-    Flush,
 }
 
 /// A body as a state sees it.

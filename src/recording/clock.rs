@@ -17,6 +17,11 @@ pub fn steps_per_second(rate: f64) -> u64 {
     (rate.round() as u64).max(1)
 }
 
+/// Whether the state of `step` is the last one of its second, after which a writer flushes.
+pub fn ends_second(step: u64, rate: f64) -> bool {
+    (step % steps_per_second(rate)) + 1 == steps_per_second(rate)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

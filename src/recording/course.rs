@@ -1,5 +1,7 @@
+use std::collections::VecDeque;
+
 use super::{
-    BodyTable, Change, End, Header, Keyframe, RecordedEvent, RecordedState, StateDigest, identity::IdentityChain,
+    BodyTable, Change, End, Gap, Header, Keyframe, RecordedEvent, RecordedState, StateDigest, identity::IdentityChain,
     limits,
 };
 
@@ -19,6 +21,8 @@ pub struct Course {
     next_id: u32,
     events: u64,
     digest: StateDigest,
+    /// What a recovered recording says is missing, still to come.
+    gaps: VecDeque<Gap>,
 }
 
 impl Course {
@@ -33,6 +37,7 @@ impl Course {
             next_id: 0,
             events: 0,
             digest: StateDigest::default(),
+            gaps: header.gaps.iter().copied().collect(),
         }
     }
 
@@ -57,6 +62,18 @@ impl Course {
         self.gapless = false;
         self.table = None;
         self.identity = None;
+    }
+
+    /// The gap that something of step `step` stands behind, if it is the first to.
+    pub fn cross_gap(&mut self, step: u64) -> Option<Gap> {
+        let gap = *self.gaps.front()?;
+        if gap.after != self.last_step || gap.before != step {
+            return None;
+        }
+        self.gaps.pop_front();
+        self.gapless = false;
+        self.table = None;
+        Some(gap)
     }
 
     /// Follows an event, encoded as `message`.

@@ -1,5 +1,7 @@
 use crate::physics::Settings;
 
+use super::Gap;
+
 /// The version of the file format this program writes: topics, schemas, metadata.
 ///
 /// A reader refuses a newer one and reads every older one.
@@ -23,6 +25,8 @@ pub struct Header {
     pub every: u64,
     /// The scene as it was written by hand.
     pub scene: SceneText,
+    /// What is missing from a recovered recording; empty for any other.
+    pub gaps: Vec<Gap>,
 }
 
 /// Which format and which engine a recording was made with.

@@ -107,11 +107,13 @@ impl Inbox {
         match topic {
             Topic::Events => {
                 let event = cdr::decode::<EventMessage>(data)?.event()?;
+                self.cross_gap(event.step);
                 self.course.event(&event, data)?;
                 self.ready.push_back(Item::Event(event));
             }
             Topic::Bodies => {
                 let keyframe = cdr::decode::<BodiesMessage>(data)?.keyframe()?;
+                self.cross_gap(keyframe.step);
                 self.course.keyframe(&keyframe)?;
                 self.ready.push_back(Item::Keyframe(keyframe));
             }
@@ -120,7 +122,12 @@ impl Inbox {
         Ok(())
     }
 
+    fn cross_gap(&mut self, step: u64) {
+        self.ready.extend(self.course.cross_gap(step).map(Item::Gap));
+    }
+
     fn state(&mut self, locus: Locus, state: RecordedState) -> Result<(), String> {
+        self.cross_gap(state.step);
         let doubt = self.course.state(&state)?;
         match doubt {
             None => self.ready.push_back(Item::State(state)),

@@ -186,3 +186,94 @@ impl From<&KnownBody> for SpawnMessage {
         SpawnMessage::new(body.id, &body.spawn, body.color.as_deref())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Arc;
+
+    use proptest::{collection::vec, prelude::*};
+
+    use super::{super::cdr, *};
+
+    /// Any finite double, -0.0 and subnormals included.
+    fn finite() -> impl Strategy<Value = f64> {
+        prop::num::f64::NORMAL | prop::num::f64::SUBNORMAL | prop::num::f64::ZERO
+    }
+
+    fn positive() -> impl Strategy<Value = f64> {
+        (prop::num::f64::NORMAL | prop::num::f64::SUBNORMAL).prop_map(f64::abs)
+    }
+
+    fn vector() -> impl Strategy<Value = Vector> {
+        (finite(), finite()).prop_map(|(x, y)| Vector::new(x, y))
+    }
+
+    fn spawn() -> impl Strategy<Value = Spawn> {
+        let mass = prop_oneof![positive(), Just(f64::INFINITY)];
+        (".*", vector(), positive(), positive(), mass, vector(), vector(), ".*").prop_map(
+            |(name, origin, width, height, mass, velocity, force, material)| Spawn {
+                name,
+                rect: Rect::new(origin, width, height),
+                mass,
+                velocity,
+                force,
+                material,
+            },
+        )
+    }
+
+    fn known(id: BodyId) -> impl Strategy<Value = KnownBody> {
+        (spawn(), prop::option::of(".+")).prop_map(move |(spawn, color)| KnownBody { id, spawn, color })
+    }
+
+    fn body(id: BodyId) -> impl Strategy<Value = KeyframeBody> {
+        (known(id), vector(), vector(), vector()).prop_map(|(known, position, velocity, force)| KeyframeBody {
+            known: Arc::new(known),
+            position,
+            velocity,
+            force,
+        })
+    }
+
+    /// Equal to the bit: what `==` says of values whose text distinguishes -0.0.
+    fn same<T: PartialEq + std::fmt::Debug>(a: &T, b: &T) -> bool {
+        a == b && format!("{a:?}") == format!("{b:?}")
+    }
+
+    proptest! {
+        #[test]
+        fn events_come_back(step: u64, id: BodyId, body in known(0), deletes: bool) {
+            let change = match deletes {
+                true => Change::Delete { id },
+                false => Change::Spawn { id, spawn: body.spawn, color: body.color },
+            };
+            let event = RecordedEvent { step, change };
+            let mut bytes = Vec::new();
+            cdr::encode(&EventMessage::new(&event), &mut bytes);
+            let back = cdr::decode::<EventMessage>(&bytes).unwrap().event().unwrap();
+            prop_assert!(same(&back, &event), "{back:?}");
+        }
+
+        #[test]
+        fn keyframes_come_back(
+            step: u64,
+            bodies in (body(3), body(7), body(8)),
+            integers in vec(any::<u64>(), 0..5),
+            numbers in vec(finite(), 0..5),
+        ) {
+            let bodies = vec![bodies.0, bodies.1, bodies.2];
+            let keyframe = Keyframe { step, next_id: 9, bodies, memory: Memory { integers, numbers } };
+            let mut bytes = Vec::new();
+            cdr::encode(&BodiesMessage::new(&keyframe), &mut bytes);
+            let back = cdr::decode::<BodiesMessage>(&bytes).unwrap().keyframe().unwrap();
+            prop_assert!(same(&back, &keyframe), "{back:?}");
+        }
+
+        #[test]
+        fn any_bytes_are_a_message_or_an_error(bytes in vec(any::<u8>(), 0..300)) {
+            let with_header = [cdr::HEADER.as_slice(), &bytes].concat();
+            let _ = cdr::decode::<EventMessage>(&with_header).map(EventMessage::event);
+            let _ = cdr::decode::<BodiesMessage>(&with_header).map(BodiesMessage::keyframe);
+        }
+    }
+}

@@ -16,7 +16,7 @@ use xxhash_rust::xxh3::Xxh3;
 use crate::physics::{Restitution, RestitutionPair, Settings, SolverKind, Vector};
 
 use super::{
-    End, FORMAT_VERSION, Header, SceneText, Versions,
+    End, FORMAT_VERSION, Gap, Header, SceneText, Versions,
     fields::{Fields, Malformed},
     limits,
 };
@@ -67,6 +67,9 @@ pub fn of_settings(header: &Header) -> Map {
     for RestitutionPair { materials, restitution } in settings.restitution.pairs() {
         put(&mut map, &pair_key(&materials), float(restitution));
     }
+    if !header.gaps.is_empty() {
+        put(&mut map, "gaps", header.gaps.iter().map(Gap::to_string).collect::<Vec<_>>().join(" "));
+    }
     map
 }
 
@@ -75,12 +78,17 @@ pub fn of_settings(header: &Header) -> Map {
 pub fn of_end(header: &Header, end: &End) -> Map {
     let mut map = of_header(header);
     put(&mut map, "steps_taken", end.steps);
-    put(&mut map, "collisions", end.collisions);
     put(&mut map, "bodies", end.bodies);
     put(&mut map, "events", end.events);
     put(&mut map, "identity", end.identity);
+    if let Some(collisions) = end.collisions {
+        put(&mut map, "collisions", collisions);
+    }
     if let Some(error) = &end.error {
         put(&mut map, "error", error);
+    }
+    if end.recovered {
+        put(&mut map, "recovered", "yes");
     }
     sealed(map)
 }
@@ -124,10 +132,11 @@ pub fn end(map: &Map) -> Result<End, String> {
     unsealed(map)?;
     Ok(End {
         steps: value(map, "steps_taken")?,
-        collisions: value(map, "collisions")?,
+        collisions: map.get("collisions").map(|_| value(map, "collisions")).transpose()?,
         bodies: value(map, "bodies")?,
         events: value(map, "events")?,
         error: map.get("error").cloned(),
+        recovered: map.contains_key("recovered"),
         identity: value(map, "identity")?,
     })
 }
@@ -152,7 +161,11 @@ fn header_fields(map: &Map, format: u32) -> Result<Header, String> {
     };
     let versions = Versions { format, semantics: value(map, "semantics_version")? };
     let scene = SceneText::default();
-    Ok(Header { versions, settings, steps: value(map, "steps")?, every, scene })
+    Ok(Header { versions, settings, steps: value(map, "steps")?, every, scene, gaps: gaps(map)? })
+}
+
+fn gaps(map: &Map) -> Result<Vec<Gap>, String> {
+    map.get("gaps").map_or("", String::as_str).split_whitespace().map(str::parse).collect()
 }
 
 fn restitution(map: &Map) -> Result<Restitution, String> {
@@ -224,4 +237,57 @@ fn checksum(map: &Map) -> String {
         hash.update(text.as_bytes());
     }
     format!("{:016x}", hash.digest())
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::{collection::vec, prelude::*};
+
+    use super::*;
+    use crate::recording::Identity;
+
+    fn pair() -> impl Strategy<Value = RestitutionPair> {
+        ((".*", ".*"), 0.0..=1.0).prop_map(|((a, b), restitution)| RestitutionPair { materials: [a, b], restitution })
+    }
+
+    fn gravity() -> impl Strategy<Value = Option<Vector>> {
+        let finite = || prop::num::f64::NORMAL | prop::num::f64::SUBNORMAL | prop::num::f64::ZERO;
+        prop::option::of((finite(), finite()).prop_map(|(x, y)| Vector::new(x, y)))
+    }
+
+    proptest! {
+        #[test]
+        fn headers_and_ends_come_back(
+            rate in prop::num::f64::NORMAL.prop_map(f64::abs),
+            gravity in gravity(),
+            default in 0.0..=1.0,
+            pairs in vec(pair(), 0..4),
+            (events_per_step, steps, every) in any::<(u64, u64, u64)>(),
+            (collisions, error, recovered) in any::<(Option<u64>, Option<String>, bool)>(),
+        ) {
+            let restitution = Restitution::new(default, &pairs);
+            let settings = Settings { solver: SolverKind::EventDriven, rate, gravity, restitution, events_per_step };
+            let gaps = vec![Gap { after: None, before: 7 }, Gap { after: Some(9), before: 12 }];
+            let every = every.max(1);
+            let (versions, scene) = (Versions::CURRENT, SceneText::default());
+            let wanted = Header { versions, settings, steps, every, scene, gaps };
+            let end = End { steps, collisions, bodies: 3, events: 4, error, recovered, identity: Identity(5) };
+            for map in [of_header(&wanted), of_end(&wanted, &end)] {
+                let found = header(&map).unwrap();
+                prop_assert_eq!(format!("{found:?}"), format!("{wanted:?}"), "-0.0 counts, so compare the text");
+            }
+            prop_assert_eq!(super::end(&of_end(&wanted, &end)).unwrap(), end);
+        }
+    }
+
+    #[test]
+    fn a_changed_value_does_not_fit_the_checksum() {
+        let mut map = sealed(Map::from([("a".into(), "1".into()), ("b".into(), "2".into())]));
+        assert_eq!(unsealed(&map), Ok(()));
+        map.insert("a".into(), "12".into());
+        assert!(unsealed(&map).is_err());
+        map.insert("a".into(), "1".into());
+        map.insert("b1".into(), String::new());
+        assert!(unsealed(&map).is_err());
+    }
 }

@@ -28,6 +28,7 @@ mod error;
 mod event;
 mod fields;
 mod file;
+mod gap;
 mod head;
 mod header;
 mod health;
@@ -42,6 +43,7 @@ mod playback;
 mod reader;
 mod recorder;
 mod records;
+mod recover;
 mod resync;
 mod state;
 mod topic;
@@ -54,15 +56,19 @@ pub use end::End;
 pub use error::Error;
 pub use event::{Change, RecordedEvent};
 pub use file::{Overwrite, RecordingFile, Sync, create};
+pub use gap::Gap;
 pub use header::{FORMAT_VERSION, Header, SEMANTICS_VERSION, SceneText, Versions};
 pub use health::{Damage, Health};
 pub use identity::Identity;
 pub use keyframe::{Keyframe, KeyframeBody};
 pub use playback::{Frame, FrameBody, Playback};
 pub use reader::{Item, Recording, open};
+pub use recover::{Recovery, recover};
 pub use state::RecordedState;
 pub use writer::{Finished, Outcome, Writer};
 
+#[cfg(test)]
+mod hostile_tests;
 #[cfg(test)]
 pub(crate) mod testing;
 #[cfg(test)]

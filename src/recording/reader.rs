@@ -7,7 +7,7 @@ use std::{
 use mcap::{MAGIC, McapError, records::op};
 
 use super::{
-    BodyTable, Damage, End, Error, Header, Health, Keyframe, RecordedEvent, RecordedState,
+    BodyTable, Damage, End, Error, Gap, Header, Health, Keyframe, RecordedEvent, RecordedState,
     chunk::Chunks,
     clock,
     course::Course,
@@ -50,6 +50,8 @@ pub enum Item {
     Doubtful(RecordedState),
     /// Something could not be read here; events may be missing until the next keyframe.
     Damaged(Damage),
+    /// Here a recovered recording has a gap; events are missing until the next keyframe.
+    Gap(Gap),
     /// How the run ended.
     End(End),
 }
@@ -135,7 +137,7 @@ impl<R: Read + Seek> Recording<R> {
                     return Ok(true);
                 }
                 Some(Item::Keyframe(_) | Item::Damaged(_)) => return Ok(false),
-                Some(Item::Event(_) | Item::State(_) | Item::Doubtful(_) | Item::End(_)) | None => {}
+                Some(Item::Event(_) | Item::State(_) | Item::Doubtful(_) | Item::Gap(_) | Item::End(_)) | None => {}
             }
         }
         Ok(false)
@@ -150,7 +152,11 @@ impl<R: Read + Seek> Recording<R> {
         self.records.seek(offset).map_err(Error::Read)
     }
 
-    fn restart(&mut self) -> Result<(), Error> {
+    /// Goes to the start.
+    ///
+    /// # Errors
+    /// If the system cannot read.
+    pub fn restart(&mut self) -> Result<(), Error> {
         self.go_to(0)?;
         self.records.rewind().map_err(Error::Read)?;
         let head = head::read(&mut self.records)?;

@@ -1,6 +1,6 @@
 use std::io::Write;
 
-use crate::physics::Snapshot;
+use crate::physics::BodyId;
 
 use super::{
     BodyTable, Change, End, Error, Header, Keyframe, Outcome, RecordedEvent, RecordedState, StateDigest,
@@ -22,8 +22,9 @@ pub struct Recorder<W: Write> {
     identity: IdentityChain,
     table: BodyTable,
     steps: u64,
-    spawns: u64,
+    next_id: BodyId,
     events: u64,
+    unflushed_events: bool,
     state: RecordedState,
     digest: StateDigest,
     bytes: Vec<u8>,
@@ -41,8 +42,9 @@ impl<W: Write> Recorder<W> {
             identity: IdentityChain::new(header),
             table: BodyTable::default(),
             steps: 0,
-            spawns: 0,
+            next_id: 0,
             events: 0,
+            unflushed_events: false,
             state: RecordedState::default(),
             digest: StateDigest::default(),
             bytes: Vec::new(),
@@ -58,13 +60,12 @@ impl<W: Write> Recorder<W> {
         for entry in batch.entries.drain(..) {
             match entry {
                 Entry::Event(event) => self.event(&event)?,
-                Entry::Snapshot(snapshot) => self.keyframe(snapshot)?,
+                Entry::Snapshot(snapshot) => self.keyframe(&Keyframe::new(snapshot, &self.table))?,
                 Entry::State { step, rows: count } => {
                     let (own, rest) = rows.split_at(count);
                     rows = rest;
-                    self.state(step, own)?;
+                    self.rows(step, own)?;
                 }
-                Entry::Flush => self.container.flush()?,
             }
         }
         Ok(())
@@ -74,62 +75,89 @@ impl<W: Write> Recorder<W> {
     ///
     /// # Errors
     /// If writing fails; the file is then readable up to its last flush.
-    pub fn finish(self, outcome: &Outcome) -> Result<(End, W), Error> {
+    pub fn finish(self, outcome: Outcome, recovered: bool) -> Result<(End, W), Error> {
         let end = End {
             steps: self.steps,
             collisions: outcome.collisions,
-            bodies: self.spawns,
+            bodies: self.next_id.into(),
             events: self.events,
-            error: outcome.error.clone(),
+            error: outcome.error,
+            recovered,
             identity: self.identity.identity(),
         };
         let write = self.container.finish(metadata::of_end(&self.header, &end))?;
         Ok((end, write))
     }
 
-    fn event(&mut self, event: &RecordedEvent) -> Result<(), Error> {
+    /// Writes an event.
+    ///
+    /// # Errors
+    /// If writing fails.
+    pub fn event(&mut self, event: &RecordedEvent) -> Result<(), Error> {
         self.table.apply(&event.change);
         self.events += 1;
-        self.spawns += u64::from(matches!(event.change, Change::Spawn { .. }));
+        self.unflushed_events = true;
+        if let Change::Spawn { id, .. } = event.change {
+            self.next_id = id + 1;
+        }
         cdr::encode(&EventMessage::new(event), &mut self.bytes);
         self.identity.event(&self.bytes);
         self.put(Topic::Events, event.step)
     }
 
-    /// A keyframe too large for one record is left out: a seek then starts before it.
-    fn keyframe(&mut self, snapshot: Snapshot) -> Result<(), Error> {
-        let step = snapshot.step;
-        let keyframe = Keyframe::new(snapshot, &self.table);
-        cdr::encode(&BodiesMessage::new(&keyframe), &mut self.bytes);
+    /// Writes a keyframe. One too large for a record is left out: a seek then starts before
+    /// it.
+    ///
+    /// # Errors
+    /// If writing fails.
+    pub fn keyframe(&mut self, keyframe: &Keyframe) -> Result<(), Error> {
+        self.next_id = keyframe.next_id;
+        cdr::encode(&BodiesMessage::new(keyframe), &mut self.bytes);
         match self.bytes.len() <= limits::MESSAGE_BYTES {
-            true => self.put(Topic::Bodies, step),
+            true => self.put(Topic::Bodies, keyframe.step),
             false => Ok(()),
         }
     }
 
-    fn state(&mut self, step: u64, rows: &[Row]) -> Result<(), Error> {
+    /// Writes a state, and hands everything down at the end of a second and after events.
+    ///
+    /// # Errors
+    /// If writing fails.
+    pub fn state(&mut self, state: &RecordedState) -> Result<(), Error> {
+        self.steps = state.step;
+        self.identity.state(state.step, state.digest);
+        state.encode(&mut self.bytes);
+        self.put(Topic::States, state.step)?;
+        if self.unflushed_events || clock::ends_second(state.step, self.header.settings.rate) {
+            self.unflushed_events = false;
+            self.container.flush()?;
+        }
+        Ok(())
+    }
+
+    fn rows(&mut self, step: u64, rows: &[Row]) -> Result<(), Error> {
         if rows.len() != self.table.bodies().len() {
             return Err(Error::Unrecorded { step });
         }
-        self.steps = step;
-        self.sample(step, rows);
-        self.identity.state(step, self.state.digest);
-        self.state.encode(&mut self.bytes);
-        self.put(Topic::States, step)
+        let mut state = std::mem::take(&mut self.state);
+        self.sample(step, rows, &mut state);
+        let written = self.state(&state);
+        self.state = state;
+        written
     }
 
-    fn sample(&mut self, step: u64, rows: &[Row]) {
+    fn sample(&mut self, step: u64, rows: &[Row], state: &mut RecordedState) {
         let full = step.is_multiple_of(self.header.every);
-        self.state.clear();
+        state.clear();
         self.digest.clear();
         for (row, known) in rows.iter().zip(self.table.bodies()) {
             self.digest.body(row.id, row.numbers);
             if full && !(row.infinite && known.stands_at(row.numbers)) {
-                self.state.push(row.id, row.numbers);
+                state.push(row.id, row.numbers);
             }
         }
-        self.state.step = step;
-        self.state.digest = self.digest.value();
+        state.step = step;
+        state.digest = self.digest.value();
     }
 
     fn put(&mut self, topic: Topic, step: u64) -> Result<(), Error> {

@@ -38,6 +38,7 @@ pub fn bounce(steps: u64) -> Run {
         },
         steps,
         every: 1,
+        gaps: Vec::new(),
         scene: SceneText { file_name: "bounce.toml".into(), text: "title = \"Bounce\"\n".into() },
     };
     let mut events = Vec::new();
@@ -104,8 +105,8 @@ pub fn record(run: &Run) -> Vec<u8> {
             break;
         }
     }
-    outcome.collisions = collisions.0;
-    let Finished { write, .. } = writer.finish(&outcome).unwrap();
+    outcome.collisions = Some(collisions.0);
+    let Finished { write, .. } = writer.finish(outcome).unwrap();
     write
 }
 
@@ -131,7 +132,7 @@ pub fn record_altered(run: &Run, mut alter: impl FnMut(&mut RecordedState)) -> V
                 (Topic::States, state.step)
             }
             Item::End(end) => return container.finish(metadata::of_end(&run.header, &end)).unwrap(),
-            Item::Doubtful(_) | Item::Damaged(_) => panic!("a fresh recording is whole"),
+            Item::Doubtful(_) | Item::Gap(_) | Item::Damaged(_) => panic!("a fresh recording is whole"),
         };
         container.message(topic, clock::nanoseconds(step, settings.rate), &bytes).unwrap();
     }

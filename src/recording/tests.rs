@@ -3,10 +3,13 @@
 use std::io::Cursor;
 
 use super::{
-    Damage, Error, Health, Item, Playback, Recording,
+    Damage, Error, Health, Item, Playback, Recording, Recovery, recover,
     testing::{bounce, drop_and_delete, record},
 };
-use crate::physics::{CollisionCount, Engine};
+use crate::{
+    physics::{CollisionCount, Engine},
+    replay::replay,
+};
 
 fn read(bytes: &[u8]) -> Result<Recording<Cursor<&[u8]>>, Error> {
     Recording::read(Cursor::new(bytes))
@@ -144,4 +147,65 @@ fn seeking_reads_little() {
     let mut whole = read(&bytes).unwrap();
     whole.by_ref().for_each(drop);
     assert_eq!(chunk, whole.chunks());
+}
+
+fn recovered(bytes: &[u8]) -> (Recovery, Vec<u8>) {
+    recover(&mut read(bytes).unwrap(), Vec::new()).unwrap()
+}
+
+#[test]
+fn a_whole_recording_recovers_to_itself() {
+    let bytes = record(&bounce(50));
+    let (recovery, again) = recovered(&bytes);
+    assert!(again == bytes);
+    assert_eq!(recovery.to_string(), "recovered 51 states up to step 50\nnothing was lost");
+}
+
+#[test]
+fn a_cut_recording_recovers_to_a_whole_one_that_replays_the_same() {
+    let bytes = record(&bounce(50));
+    for cut in (0..bytes.len()).step_by(97).filter(|cut| read(&bytes[..*cut]).is_ok()) {
+        let (recovery, fixed) = recovered(&bytes[..cut]);
+        let (there, health) = items(&fixed);
+        assert_eq!(health, Health::Whole, "cut at {cut}");
+        let (left, _) = items(&bytes[..cut]);
+        let without_end = |items: Vec<Item>| items.into_iter().filter(|item| !matches!(item, Item::End(_))).collect();
+        let (there, left): (Vec<_>, Vec<_>) = (without_end(there), without_end(left));
+        assert_eq!(there, left, "cut at {cut}");
+        let after = recovery.end.steps;
+        assert_eq!(verdict(&fixed), format!("same: {after} steps, {} bodies", recovery.end.bodies));
+    }
+}
+
+#[test]
+fn a_damaged_recording_recovers_with_a_gap_and_replays_the_same() {
+    let bytes = record(&bounce(100));
+    for place in (0..bytes.len()).step_by(101) {
+        let mut damaged = bytes.clone();
+        damaged[place] ^= 0x10;
+        let (recovery, fixed) = recovered(&damaged);
+        let (there, health) = items(&fixed);
+        assert_eq!(health, Health::Whole, "byte {place}");
+        assert_eq!(states(&there), states(&items(&damaged).0), "byte {place}");
+        assert!(verdict(&fixed).starts_with("same: "), "byte {place}: {}", verdict(&fixed));
+        let missing: u64 = recovery.gaps.iter().map(|gap| gap.missing_states()).sum();
+        let tail = 100 - recovery.end.steps;
+        assert_eq!(recovery.states + missing + tail, 101, "byte {place}: {recovery}");
+        assert!(recovered(&fixed).1 == fixed, "byte {place}: recovering twice changes something");
+    }
+}
+
+fn verdict(bytes: &[u8]) -> String {
+    replay(read(bytes).unwrap(), 0..=u64::MAX, &mut CollisionCount::default(), &mut |_| {}).unwrap().to_string()
+}
+
+#[test]
+fn a_large_recording_cut_anywhere_keeps_all_whole_chunks() {
+    let bytes = record(&bounce(1500));
+    let (whole, _) = items(&bytes);
+    for cut in (0..bytes.len()).step_by(997).filter(|cut| read(&bytes[..*cut]).is_ok()) {
+        let (part, health) = items(&bytes[..cut]);
+        assert_eq!(health, Health::Truncated { after: states(&part).last().copied() }, "cut at {cut}");
+        assert_eq!(part, whole[..part.len()], "cut at {cut}");
+    }
 }

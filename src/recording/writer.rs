@@ -19,7 +19,7 @@ use super::{Change, End, Error, Header, RecordedEvent, batch::Batch, batch::Entr
 pub struct Writer<W: Write> {
     background: Option<Background<W>>,
     batch: Batch,
-    steps_per_second: u64,
+    rate: f64,
     last_step: Option<u64>,
     unflushed_events: bool,
 }
@@ -27,8 +27,8 @@ pub struct Writer<W: Write> {
 /// How a run ended, as the one who ran it knows.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Outcome {
-    /// Collisions that gave an impulse.
-    pub collisions: u64,
+    /// Collisions that gave an impulse, if they were counted.
+    pub collisions: Option<u64>,
     /// The engine's error, if the run ended in one.
     pub error: Option<String>,
 }
@@ -54,7 +54,7 @@ impl<W: Write + Send + 'static> Writer<W> {
         Ok(Writer {
             background: Some(Background::new(Recorder::new(write, header)?)?),
             batch: Batch::default(),
-            steps_per_second: clock::steps_per_second(header.settings.rate),
+            rate: header.settings.rate,
             last_step: None,
             unflushed_events: false,
         })
@@ -83,16 +83,12 @@ impl<W: Write + Send + 'static> Writer<W> {
         let step = engine.present_step();
         self.check_order(step)?;
         check("the number of bodies", engine.world().bodies.len(), limits::BODIES)?;
-        if step.is_multiple_of(self.steps_per_second) {
+        if step.is_multiple_of(clock::steps_per_second(self.rate)) {
             self.batch.entries.push(Entry::Snapshot(engine.snapshot()));
         }
         self.batch.push_state(engine);
-        let flush = self.unflushed_events || (step + 1).is_multiple_of(self.steps_per_second);
-        if flush {
-            self.unflushed_events = false;
-            self.batch.entries.push(Entry::Flush);
-        }
-        match flush || self.batch.is_large() {
+        let flushes = std::mem::take(&mut self.unflushed_events) || clock::ends_second(step, self.rate);
+        match flushes || self.batch.is_large() {
             true => self.hand_over(),
             false => Ok(()),
         }
@@ -102,10 +98,10 @@ impl<W: Write + Send + 'static> Writer<W> {
     ///
     /// # Errors
     /// If writing fails; the file is then readable up to its last flush.
-    pub fn finish(mut self, outcome: &Outcome) -> Result<Finished<W>, Error> {
+    pub fn finish(mut self, outcome: Outcome) -> Result<Finished<W>, Error> {
         self.hand_over()?;
         let background = self.background.take().ok_or_else(failed_before)?;
-        let (end, write) = background.join()?.finish(outcome)?;
+        let (end, write) = background.join()?.finish(outcome, false)?;
         Ok(Finished { end, write })
     }
 

@@ -60,8 +60,8 @@ pub fn record<W: Write + Send + 'static>(
             break;
         }
     }
-    let outcome = Outcome { collisions: collisions.0, error: error.as_ref().map(StepError::to_string) };
-    Ok(Recorded { end: writer.finish(&outcome)?.end, error })
+    let outcome = Outcome { collisions: Some(collisions.0), error: error.as_ref().map(StepError::to_string) };
+    Ok(Recorded { end: writer.finish(outcome)?.end, error })
 }
 
 fn header(scene: &Scene, options: RecordOptions) -> Header {
@@ -72,5 +72,6 @@ fn header(scene: &Scene, options: RecordOptions) -> Header {
         steps: options.steps,
         every: options.every,
         scene: text,
+        gaps: Vec::new(),
     }
 }
