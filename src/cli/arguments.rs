@@ -26,6 +26,8 @@ pub enum Command {
     Export(ExportOptions),
     /// Tell what is inside a recording
     Info(InfoOptions),
+    /// Save all that can be read of a damaged or unfinished recording
+    Recover(RecoverOptions),
     /// Print the completions for a shell
     Completions(CompletionsOptions),
 }
@@ -158,7 +160,8 @@ Examples:
   rebond figure filmstrip figure-1.mcap -o strip.png --from 40 --to 90 --every 10
   rebond figure spacetime recordings/head-on.toml -o cradle.png --axis x --theme dark")]
 pub struct FigureCommandOptions {
-    /// Which figure
+    /// collision, minkowski, strobe, spacetime, energy or filmstrip
+    #[arg(hide_possible_values = true)]
     pub kind: FigureKind,
     /// A scene (.toml) or a recording (.mcap)
     pub source: PathBuf,
@@ -174,8 +177,8 @@ pub struct FigureCommandOptions {
     /// collision, minkowski: only of these two bodies
     #[arg(long, value_name = "A,B", value_parser = pair)]
     pub pair: Option<[String; 2]>,
-    /// spacetime: which coordinate to draw over time
-    #[arg(long, default_value = "x")]
+    /// spacetime: which coordinate to draw over time, x or y
+    #[arg(long, default_value = "x", hide_possible_values = true)]
     pub axis: FigureAxis,
     /// The first step to draw
     #[arg(long, value_name = "STEP")]
@@ -255,6 +258,21 @@ pub struct InfoOptions {
     /// One JSON object in place of lines
     #[arg(long)]
     pub json: bool,
+}
+
+/// Options of `recover`.
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Nothing is invented: what is missing is said to be missing, and the rest replays the same.
+
+Example:
+  rebond recover broken.mcap -o fixed.mcap")]
+pub struct RecoverOptions {
+    /// The damaged recording
+    pub recording: PathBuf,
+    /// Where the new recording goes.
+    #[command(flatten)]
+    pub output: OutputOptions,
 }
 
 /// Options of `completions`.

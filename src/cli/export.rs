@@ -9,6 +9,7 @@ pub fn run(options: &ExportOptions) -> Result<Exit, CommandError> {
     let format = Format::of(&options.output)?;
     let failed = |error| CommandError::recording(&options.recording, error);
     let mut playback = Playback::new(recording::open(&options.recording).map_err(failed)?);
+    playback.seek(options.from.unwrap_or(0)).map_err(failed)?;
     let mut reached = Reached::End;
     output::write_file(&options.output, options.force, |table| {
         let failed_write = CommandError::unwritable(&options.output);

@@ -32,7 +32,11 @@ impl Frames {
         let trails = show.contains(&Overlay::Trail).then(|| Trails::new(trail_steps(sampling.rate)));
         let contacts = show.contains(&Overlay::Normal) || show.contains(&Overlay::Penetration);
         let collisions = if contacts { collisions(path, &sampling)? } else { BTreeMap::new() };
-        let playback = Playback::new(open(path)?);
+        let mut playback = Playback::new(open(path)?);
+        // A trail that is whole at the first frame began before it.
+        let before = if trails.is_some() { trail_steps(sampling.rate) } else { 0 };
+        let first = sampling.steps.start().saturating_sub(before);
+        playback.seek(first).map_err(|error| CommandError::recording(path, error))?;
         let (path, appearances) = (path.into(), BTreeMap::new());
         Ok(Frames { path, playback, sampling, trails, collisions, appearances, reached: Reached::End })
     }

@@ -15,6 +15,7 @@ mod look;
 mod output;
 mod progress;
 mod record;
+mod recover;
 mod render;
 mod replay;
 mod source;
@@ -31,6 +32,7 @@ pub fn run(arguments: Arguments) -> Exit {
         Command::Figure(options) => figure::run(options),
         Command::Export(options) => export::run(options),
         Command::Info(options) => info::run(options),
+        Command::Recover(options) => recover::run(options),
         Command::Completions(options) => completions::run(options),
     };
     result.unwrap_or_else(error::report)

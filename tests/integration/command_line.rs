@@ -166,10 +166,52 @@ fn completions_know_the_commands() {
 #[test]
 fn help_has_examples_and_fits_a_screen() {
     let workplace = Workplace::new();
-    for command in ["record", "replay", "render", "export", "info", "completions"] {
+    for command in ["record", "replay", "render", "figure", "export", "info", "recover", "completions"] {
         let help = workplace.done(&format!("{command} --help")).output;
         assert!(help.contains("Example"), "{command}");
         assert!(help.lines().count() <= 50, "{command}: {}", help.lines().count());
     }
     assert_text("help", &workplace.done("--help").output);
+}
+
+#[test]
+fn recover_saves_what_can_be_read_and_it_replays_the_same() {
+    let workplace = recorded();
+    workplace.done("recover run.mcap -o whole.mcap");
+    assert!(workplace.read("run.mcap") == workplace.read("whole.mcap"), "a whole recording comes out as it was");
+    let bytes = workplace.read("run.mcap");
+    std::fs::write(workplace.path("cut.mcap"), &bytes[..bytes.len() * 2 / 3]).unwrap();
+    let recovered = workplace.done("recover cut.mcap -o fixed.mcap").output;
+    assert!(recovered.starts_with("recovered ") && recovered.contains("lost"), "{recovered}");
+    let verdict = workplace.rebond("replay fixed.mcap");
+    assert!(verdict.output.lines().last().unwrap().contains("same"), "{verdict:?}");
+}
+
+#[test]
+fn a_range_is_the_same_wherever_a_reader_starts() {
+    let workplace = recorded();
+    let whole = workplace.done("export run.mcap").output;
+    for from in [0, 1, 45, 59, 60, 61, 90] {
+        let part = workplace.done(&format!("export run.mcap --from {from}")).output;
+        let step = |row: &&str| row.split(',').next().and_then(|step| step.parse::<u64>().ok());
+        let expected: Vec<&str> = whole.lines().skip(1).filter(|row| step(row) >= Some(from)).collect();
+        assert_eq!(part.lines().skip(1).collect::<Vec<&str>>(), expected, "from {from}");
+    }
+}
+
+#[test]
+fn figures_of_every_kind_are_drawn_in_every_format() {
+    let workplace = recorded();
+    for kind in ["collision", "minkowski", "strobe", "spacetime", "energy", "filmstrip"] {
+        for (format, mark) in [("png", "PNG"), ("svg", "<svg"), ("pdf", "%PDF")] {
+            workplace.done(&format!("figure {kind} run.mcap -o {kind}.{format}"));
+            let file = workplace.read(&format!("{kind}.{format}"));
+            assert!(file.windows(mark.len()).take(200).any(|bytes| bytes == mark.as_bytes()), "{kind}.{format}");
+        }
+        workplace.done(&format!("figure {kind} scene.toml -o again-{kind}.png"));
+        let [first, again] = [format!("{kind}.png"), format!("again-{kind}.png")].map(|name| workplace.read(&name));
+        assert!(first == again, "{kind} of the scene and of its recording");
+    }
+    assert_eq!(workplace.rebond("figure collision run.mcap -o none.png --step 90").code, 1);
+    assert_eq!(workplace.rebond("figure collision run.mcap -o none.bmp").code, 1);
 }

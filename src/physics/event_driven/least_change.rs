@@ -145,8 +145,8 @@ impl Network {
     fn reach(&self, rounding: f64) -> Vec<Option<Step>> {
         let mut reached = vec![None; self.supply.len()];
         let mut queue = Vec::new();
-        for member in 0..self.supply.len() {
-            if self.supply[member] > rounding {
+        for (member, supply) in self.supply.iter().enumerate() {
+            if *supply > rounding {
                 reached[member] = Some(Step::Source);
                 queue.push(member);
             }

@@ -1,0 +1,22 @@
+use super::arguments::RecoverOptions;
+use super::error::CommandError;
+use super::{Exit, frames, output};
+use crate::recording;
+
+/// Saves all that can be read of a damaged recording, and says what could not.
+pub fn run(options: &RecoverOptions) -> Result<Exit, CommandError> {
+    let failed = |error| CommandError::recording(&options.recording, error);
+    let mut recording = frames::open(&options.recording)?;
+    let mut recovery = None;
+    output::write_file(&options.output.output, options.output.force, |output| {
+        recovery = Some(recording::recover(&mut recording, output).map_err(failed)?.0);
+        Ok(())
+    })?;
+    let told = recovery.map_or(String::new(), |recovery| format!("{recovery}\n"));
+    if output::is_standard_output(&options.output.output) {
+        output::note(format_args!("{}", told.trim_end()));
+    } else {
+        output::print(told.as_bytes())?;
+    }
+    Ok(Exit::Done)
+}
