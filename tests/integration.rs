@@ -10,6 +10,8 @@ mod clips;
 mod command_line;
 #[path = "integration/command_line_errors.rs"]
 mod command_line_errors;
+#[path = "integration/crashes.rs"]
+mod crashes;
 #[path = "integration/event_driven_contacts.rs"]
 mod event_driven_contacts;
 #[path = "integration/event_driven_impacts.rs"]
