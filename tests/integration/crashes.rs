@@ -86,3 +86,17 @@ fn a_folder_that_is_not_there_is_an_error() {
     assert!(recorded.errors.contains("missing/run.mcap"), "{recorded:?}");
     assert_eq!(workplace.names(), ["scene.toml"]);
 }
+
+#[test]
+fn a_recording_cut_before_its_settings_is_damaged() {
+    let workplace = Workplace::with_scene(ENDLESS);
+    workplace.done("record scene.toml -o run.mcap --steps 10");
+    for length in [0, 5, 8, 100] {
+        std::fs::write(workplace.path("cut.mcap"), &workplace.read("run.mcap")[..length]).unwrap();
+        let replayed = workplace.rebond("replay cut.mcap");
+        assert_eq!(replayed.code, 4, "{replayed:?}");
+        assert!(replayed.errors.contains("cut.mcap: truncated before its settings"), "{replayed:?}");
+    }
+    workplace.write("cut.mcap", "no recording");
+    assert_eq!(workplace.rebond("replay cut.mcap").code, 1);
+}
