@@ -10,6 +10,8 @@ mod clips;
 mod command_line;
 #[path = "integration/command_line_errors.rs"]
 mod command_line_errors;
+#[path = "integration/crashes.rs"]
+mod crashes;
 #[path = "integration/double_double.rs"]
 mod double_double;
 #[path = "integration/event_driven_contacts.rs"]

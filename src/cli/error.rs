@@ -107,6 +107,7 @@ pub fn report(error: CommandError) -> Exit {
     let report = miette::Report::new(error);
     let exit = match report.downcast_ref() {
         Some(CommandError::NotTheSame) => Exit::Diverged,
+        Some(CommandError::Recording { source, .. }) if source.is_damage() => Exit::Damaged,
         Some(_) | None => Exit::Error,
     };
     let _ = writeln!(io::stderr(), "{report:?}");

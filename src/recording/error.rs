@@ -95,3 +95,11 @@ pub enum Error {
         step: u64,
     },
 }
+
+impl Error {
+    /// Whether it is a recording of ours that is cut or damaged, before anything of it can be
+    /// read.
+    pub const fn is_damage(&self) -> bool {
+        matches!(self, Error::CutHead | Error::DamagedHead { .. })
+    }
+}

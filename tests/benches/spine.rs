@@ -88,7 +88,14 @@ fn recording(bodies: usize) {
         states.push(engine);
     }
     let text = SceneText { file_name: "gas.toml".into(), text: scene.source.text.clone() };
-    let header = Header { versions: Versions::CURRENT, settings: run::settings(&scene), steps, every: 1, scene: text };
+    let header = Header {
+        versions: Versions::CURRENT,
+        settings: run::settings(&scene),
+        steps,
+        every: 1,
+        scene: text,
+        gaps: Vec::new(),
+    };
     let mut bytes = 0;
     let cost = measure(|| {
         let mut finished = None;
@@ -96,7 +103,7 @@ fn recording(bodies: usize) {
             let mut writer = Writer::new(io::Cursor::new(Vec::new()), &header).expect("memory");
             events.iter().for_each(|event| writer.event(event).expect("memory"));
             states.iter().for_each(|engine| writer.state(engine).expect("memory"));
-            finished = writer.finish(&Outcome::default()).ok();
+            finished = writer.finish(Outcome::default()).ok();
         });
         bytes = finished.map_or(0, |finished| finished.write.into_inner().len());
         elapsed / (steps as f64 * bodies as f64)

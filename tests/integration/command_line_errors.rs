@@ -10,7 +10,6 @@ fn bad_input_is_told_in_one_sentence() {
     workplace.done("record scene.toml -o run.mcap");
     workplace.write("broken.toml", &SCENE.replace("mass = 2.0", "mass = -2.0"));
     workplace.write("not-a-recording.mcap", "hello");
-    workplace.write("empty.mcap", "");
     let lines = [
         "record missing.toml -o out.mcap",
         "record broken.toml -o out.mcap",
@@ -19,7 +18,6 @@ fn bad_input_is_told_in_one_sentence() {
         "record scene.toml -o out.mcap --events missing.jsonl",
         "replay missing.mcap",
         "replay not-a-recording.mcap",
-        "replay empty.mcap",
         "info not-a-recording.mcap",
         "export run.mcap -o table.xlsx",
         "export run.mcap -o run.mcap",

@@ -1,0 +1,102 @@
+//! What is left of a recording when its writer dies or its output fails.
+
+use crate::rebond::Workplace;
+use rebond::recording::{self, Health};
+use std::{
+    process::{Child, Command, Stdio},
+    thread,
+    time::Duration,
+};
+
+/// So long that nobody waits for its end.
+const ENDLESS: &str = r#"
+[world]
+size = [16.0, 9.0]
+[run]
+rate = 60
+steps = 100000000
+solver = "handout"
+[[scatter]]
+count = 20
+seed = 1
+region = [0.5, 0.5, 15.0, 8.0]
+size = [[0.3, 0.3], [0.6, 0.6]]
+mass = [1.0, 1.0]
+velocity = [[-2.0, -2.0], [2.0, 2.0]]
+"#;
+
+fn start(workplace: &Workplace, output: &str, stdout: Stdio) -> Child {
+    Command::new(env!("CARGO_BIN_EXE_rebond"))
+        .args(["record", "scene.toml", "-o", output])
+        .current_dir(workplace.path(""))
+        .stdin(Stdio::null())
+        .stdout(stdout)
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("the program starts")
+}
+
+#[test]
+fn a_killed_recording_keeps_what_was_flushed() {
+    let mut last_steps = Vec::new();
+    for milliseconds in [20, 70, 150, 310, 640] {
+        let workplace = Workplace::with_scene(ENDLESS);
+        let mut writer = start(&workplace, "run.mcap", Stdio::null());
+        thread::sleep(Duration::from_millis(milliseconds));
+        writer.kill().unwrap();
+        writer.wait().unwrap();
+        let Ok(mut recording) = recording::open(&workplace.path("run.mcap")) else {
+            continue; // Killed before the head was written.
+        };
+        recording.by_ref().for_each(|item| drop(item.unwrap()));
+        let Health::Truncated { after } = recording.health() else { panic!("{:?}", recording.health()) };
+        let replayed = workplace.rebond("replay run.mcap");
+        assert_eq!(replayed.code, 4, "{replayed:?}");
+        if let Some(step) = after {
+            assert_eq!(replayed.output, format!("truncated after step {step}: {step} steps same\n"));
+            last_steps.push(step);
+        }
+    }
+    assert!(last_steps.last().is_some_and(|step| *step >= 59), "nothing was flushed: {last_steps:?}");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_is_an_error() {
+    let workplace = Workplace::with_scene(ENDLESS);
+    let recorded = workplace.rebond("record scene.toml -o /dev/full");
+    assert_eq!(recorded.code, 1, "{recorded:?}");
+    assert!(recorded.errors.contains("/dev/full"), "{recorded:?}");
+    assert!(recorded.errors.contains("No space left on device"), "{recorded:?}");
+}
+
+#[test]
+fn a_closed_pipe_is_an_error() {
+    let workplace = Workplace::with_scene(ENDLESS);
+    let mut writer = start(&workplace, "-", Stdio::piped());
+    drop(writer.stdout.take());
+    assert_eq!(writer.wait().unwrap().code(), Some(1));
+}
+
+#[test]
+fn a_folder_that_is_not_there_is_an_error() {
+    let workplace = Workplace::with_scene(ENDLESS);
+    let recorded = workplace.rebond("record scene.toml -o missing/run.mcap");
+    assert_eq!(recorded.code, 1, "{recorded:?}");
+    assert!(recorded.errors.contains("missing/run.mcap"), "{recorded:?}");
+    assert_eq!(workplace.names(), ["scene.toml"]);
+}
+
+#[test]
+fn a_recording_cut_before_its_settings_is_damaged() {
+    let workplace = Workplace::with_scene(ENDLESS);
+    workplace.done("record scene.toml -o run.mcap --steps 10");
+    for length in [0, 5, 8, 100] {
+        std::fs::write(workplace.path("cut.mcap"), &workplace.read("run.mcap")[..length]).unwrap();
+        let replayed = workplace.rebond("replay cut.mcap");
+        assert_eq!(replayed.code, 4, "{replayed:?}");
+        assert!(replayed.errors.contains("cut.mcap: truncated before its settings"), "{replayed:?}");
+    }
+    workplace.write("cut.mcap", "no recording");
+    assert_eq!(workplace.rebond("replay cut.mcap").code, 1);
+}
