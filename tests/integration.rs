@@ -14,6 +14,8 @@ mod command_line_errors;
 mod event_driven_contacts;
 #[path = "integration/event_driven_impacts.rs"]
 mod event_driven_impacts;
+#[path = "integration/figures.rs"]
+mod figures;
 #[path = "integration/frames.rs"]
 mod frames;
 #[path = "integration/handout_limits.rs"]
