@@ -11,21 +11,22 @@ use crate::render::text::Line;
 use crate::render::{Arrow, Camera, Color, Look, Shape};
 
 /// What happens where the two meet, as large as is needed to see it.
-pub struct CloseUp<'a> {
-    pub pair: &'a Pair,
+pub struct CloseUp {
+    /// The pair in pale colours, so that vectors stand out.
+    pair: Pair,
     /// Pixels per metre.
     scale: f64,
     /// How many times larger than elsewhere in the figure.
     zoom: f64,
 }
 
-impl<'a> CloseUp<'a> {
+impl CloseUp {
     /// The close-up beside pictures with `scale` pixels per metre.
-    pub fn new(pair: &'a Pair, scale: f64, look: &Look) -> CloseUp<'a> {
+    pub fn new(pair: &Pair, scale: f64, look: &Look) -> CloseUp {
         let depth = pair.collision.penetration.norm() * scale;
         let wanted = 5.0 * look.text;
         let zoom = if depth > 0.0 && depth < wanted { smaller(round_spacing(wanted / depth), 1e9) } else { 1.0 };
-        CloseUp { pair, scale: scale * zoom, zoom }
+        CloseUp { pair: pair.paler(look), scale: scale * zoom, zoom }
     }
 
     /// The boxes, what they share, and the vectors there.
@@ -37,7 +38,7 @@ impl<'a> CloseUp<'a> {
         let mut shapes = self.pair.boxes(&camera, rects, &look);
         let seen = rects.map(|rect| camera.rect(&rect));
         if let Some(rect) = overlap(&seen[0], &seen[1]) {
-            let pale = look.palette.penetration.mix(look.palette.background, 60);
+            let pale = look.palette.penetration.mix(look.palette.background, 70);
             shapes.push(Shape::Rect { rect, ink: pale.into() });
         }
         for at in [0, 1] {

@@ -9,6 +9,7 @@ use crate::render::{Appearance, Arrow, Camera, Color, Look, Shape, Sprite, palet
 use std::sync::Arc;
 
 /// The two boxes of a collision, and how they are drawn.
+#[derive(Clone)]
 pub struct Pair {
     /// Told with [`ROLES`] as they are drawn.
     pub collision: Collision,
@@ -55,6 +56,11 @@ impl Pair {
         let all = tips.map(|tip| Rect::new(tip, 0.0, 0.0)).fold(boxes, |all, tip| union(&all, &tip));
         let by = 0.06 * size;
         Rect::new(all.origin.sub(Vector::new(by, by)), all.width() + 2.0 * by, all.height() + 2.0 * by)
+    }
+
+    /// The same pair in paler colours.
+    pub fn paler(&self, look: &Look) -> Pair {
+        Pair { colors: self.colors.map(|color| color.mix(look.palette.background, 45)), ..self.clone() }
     }
 
     /// Pixels per metre with which all of it is seen in a panel.
