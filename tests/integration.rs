@@ -22,6 +22,8 @@ mod event_driven_impacts;
 mod event_driven_laws;
 #[path = "integration/event_driven_truth.rs"]
 mod event_driven_truth;
+#[path = "integration/figures.rs"]
+mod figures;
 #[path = "integration/frames.rs"]
 mod frames;
 #[path = "integration/handout_limits.rs"]

@@ -1,6 +1,7 @@
 use super::number::significant;
 use super::panels::outline;
 use crate::physics::{Rect, Vector};
+use crate::render::area::{larger, smaller};
 use crate::render::layers::grid::{number, round_spacing};
 use crate::render::text::Line;
 use crate::render::{Look, Shape};
@@ -15,24 +16,22 @@ pub struct Axes {
     pub y: Range,
 }
 
-/// From one number to a larger one.
+/// From one number to another one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range {
-    /// The smaller.
+    /// At the left or lower border.
     pub from: f64,
-    /// The larger.
+    /// At the right or upper border.
     pub to: f64,
 }
 
 impl Range {
     /// The range of some numbers, if there are finite ones; wide enough to divide by.
     pub fn of(values: impl Iterator<Item = f64>) -> Option<Range> {
-        let finite = values.filter(|value| value.is_finite());
-        let range = finite.map(|value| Range { from: value, to: value }).reduce(|a, b| Range {
-            from: if b.from < a.from { b.from } else { a.from },
-            to: if b.to > a.to { b.to } else { a.to },
-        })?;
-        let size = if range.from.abs() > range.to.abs() { range.from.abs() } else { range.to.abs() };
+        let mut finite = values.filter(|value| value.is_finite());
+        let first = finite.next()?;
+        let range = finite.fold(Range { from: first, to: first }, Range::with);
+        let size = larger(range.from.abs(), range.to.abs());
         let least = if size > 0.0 { size * 1e-12 } else { 1.0 };
         if range.to - range.from >= least {
             return Some(range);
@@ -48,10 +47,7 @@ impl Range {
 
     /// The range that holds a number too.
     pub fn with(self, value: f64) -> Range {
-        Range {
-            from: if value < self.from { value } else { self.from },
-            to: if value > self.to { value } else { self.to },
-        }
+        Range { from: smaller(value, self.from), to: larger(value, self.to) }
     }
 
     /// Where a number lies between the ends, 0 to 1.
@@ -142,9 +138,10 @@ struct Tick {
 /// Multiples of 1, 2 or 5 × 10ⁿ within a range, at most about `most` of them.
 fn ticks(range: Range, most: f64) -> Vec<Tick> {
     let most = if most < 2.0 { 2.0 } else { most };
-    let spacing = round_spacing((range.to - range.from) / most);
-    let first = (range.from / spacing).ceil();
-    let count = ((range.to / spacing).floor() - first) as i64 + 1;
+    let (low, high) = (smaller(range.from, range.to), larger(range.from, range.to));
+    let spacing = round_spacing((high - low) / most);
+    let first = (low / spacing).ceil();
+    let count = ((high / spacing).floor() - first) as i64 + 1;
     let tick = |place: i64| {
         let value = (first + place as f64) * spacing;
         Tick { value, label: tick_label(value, spacing) }

@@ -13,7 +13,7 @@ pub struct EnergySample {
     pub time: f64,
     /// Kinetic energy of the finite masses, J.
     pub kinetic: f64,
-    /// Their potential energy, J.
+    /// Their potential energy, J; figures count it from its least value.
     pub potential: f64,
     /// Their momentum, kg·m/s.
     pub momentum: Vector,
@@ -35,6 +35,7 @@ struct Series {
 /// Energy and momentum over time, with the drift of the whole written on it.
 pub fn energy(samples: &[EnergySample], options: &FigureOptions) -> DisplayList {
     let mut panels = Panels::new(options);
+    let samples = &from_least(samples);
     let Some(time) = Range::of(samples.iter().map(|sample| sample.time)) else { return panels.finish() };
     let (room, upper) = (panels.room, (panels.room.height() * 0.6).round());
     let above = Rect::new(room.origin, room.width(), upper);
@@ -42,6 +43,15 @@ pub fn energy(samples: &[EnergySample], options: &FigureOptions) -> DisplayList 
     diagram(&energies(samples, &panels), &above, time, "E / \"J\"", Some(drift(samples)), &mut panels);
     diagram(&momenta(samples), &below, time, "p / \"(kg·m/s)\"", None, &mut panels);
     panels.finish()
+}
+
+/// Potential energy has no zero of its own: counted from its least value, the whole is what
+/// the run had to give, and a drift in parts of it means something.
+fn from_least(samples: &[EnergySample]) -> Vec<EnergySample> {
+    let least = Range::of(samples.iter().map(|sample| sample.potential)).map_or(0.0, |range| range.from);
+    let constant = samples.iter().all(|sample| sample.potential == least);
+    let zero = |sample: &EnergySample| if constant { 0.0 } else { sample.potential - least };
+    samples.iter().map(|sample| EnergySample { potential: zero(sample), ..*sample }).collect()
 }
 
 fn values(samples: &[EnergySample], value: impl Fn(&EnergySample) -> f64) -> Vec<[f64; 2]> {

@@ -1,9 +1,10 @@
 use super::FigureOptions;
-use super::panels::{Panels, outline};
+use super::panels::{Panels, outline, world_view};
 use crate::physics::{Rect, Vector};
+use crate::render::area::inset;
 use crate::render::layers::{self, Page};
 use crate::render::text::Line;
-use crate::render::{Camera, DisplayList, Frame, Look, View};
+use crate::render::{DisplayList, Frame, Look};
 
 /// Chosen instants side by side, each with its time: read like a page, row by row.
 pub fn filmstrip(frames: &[Frame], options: &FigureOptions) -> DisplayList {
@@ -29,11 +30,8 @@ fn columns(count: usize, room: &Rect, world: Vector) -> usize {
 fn picture(frame: &Frame, place: &Rect, panels: &mut Panels, options: &FigureOptions) {
     let look = Look { text: (0.8 * panels.look.text).round(), ..panels.look };
     let room = Rect::new(place.origin, place.width(), place.height() - 1.6 * look.text);
-    let fitted =
-        Camera::over(&Rect::new(Vector::ZERO, options.world.x, options.world.y), options.size, room, look.line);
-    let world = fitted.rect(&Rect::new(Vector::ZERO, options.world.x, options.world.y));
-    let camera = Camera { window: world, ..fitted };
-    let view = View { camera, style: options.style.clone() };
+    let view = world_view(&room, look.line, options);
+    let world = inset(&view.camera.window, look.line);
     let page = Page { view: &view, look };
     panels.shapes.push(layers::backdrop(frame, &page));
     panels.shapes.push(layers::world(frame, &page));

@@ -1,7 +1,30 @@
 use crate::physics::{Rect, Vector};
-use crate::render::area::{contains, overlap};
+use crate::render::area::{contains, larger, overlap, smaller};
 use crate::render::text::Line;
-use crate::render::{Ink, Shape};
+use crate::render::{Color, Ink, Look, Shape};
+
+/// A line of text that has found its place.
+pub struct Label {
+    /// What it says.
+    pub line: Line,
+    /// Where its baseline begins, px.
+    pub at: Vector,
+    /// What it is written with.
+    pub color: Color,
+}
+
+impl Label {
+    /// Adds the label on a halo of the page's colour, so that it reads on anything.
+    pub fn draw(self, look: &Look, shapes: &mut Vec<Shape>) {
+        let halo = Ink { color: look.palette.background, opacity: 160 };
+        let width = (look.line / 2.0).ceil();
+        for (x, y) in [(-0.8, -0.8), (0.8, -0.8), (-0.8, 0.8), (0.8, 0.8)] {
+            let at = self.at.add(Vector::new(x, y).mult(width));
+            shapes.push(Shape::Text { line: self.line.clone(), at, ink: halo });
+        }
+        shapes.push(Shape::Text { line: self.line, at: self.at, ink: self.color.into() });
+    }
+}
 
 /// Puts labels where they hide as little as can be.
 pub struct Labels {
@@ -27,17 +50,26 @@ impl Labels {
 
     /// Keeps labels off a straight line.
     pub fn avoid_line(&mut self, from: Vector, to: Vector, weight: f64) {
-        const PIECES: u32 = 16;
-        for piece in 0..=PIECES {
-            let at = from.add(to.sub(from).mult(f64::from(piece) / f64::from(PIECES)));
+        let pieces = larger(smaller((to.sub(from).norm() / 6.0).ceil(), 400.0), 1.0);
+        for piece in 0..=pieces as u32 {
+            let at = from.add(to.sub(from).mult(f64::from(piece) / pieces));
             self.avoid(Rect::new(at.sub(Vector::new(3.0, 3.0)), 6.0, 6.0), weight);
+        }
+    }
+
+    /// Keeps labels off the border of a rectangle.
+    pub fn avoid_border(&mut self, rect: &Rect, weight: f64) {
+        let (near, far) = (rect.origin, rect.far_corner());
+        let corners = [near, Vector::new(far.x, near.y), far, Vector::new(near.x, far.y), near];
+        for side in corners.windows(2) {
+            self.avoid_line(side[0], side[1], weight);
         }
     }
 
     /// The label in that of the places around `anchor` where it hides least, `gap` px off.
     ///
     /// Places are tried from `towards` around; of equal ones the first is taken.
-    pub fn place(&mut self, line: Line, anchor: Vector, towards: Vector, gap: f64, ink: Ink) -> Shape {
+    pub fn place(&mut self, line: Line, anchor: Vector, towards: Vector, gap: f64, color: Color) -> Label {
         let places = around(towards).map(|direction| beside(&line, anchor, direction, gap));
         let mut best = places[0];
         for place in places {
@@ -47,7 +79,7 @@ impl Labels {
         }
         self.avoid(best, 4.0);
         let at = best.origin.add(Vector::new(0.0, line.height()));
-        Shape::Text { line, at: Vector::new(at.x.round(), at.y.round()), ink }
+        Label { line, at: Vector::new(at.x.round(), at.y.round()), color }
     }
 
     fn cost(&self, place: &Rect) -> f64 {
@@ -88,14 +120,9 @@ fn beside(line: &Line, anchor: Vector, direction: Vector, gap: f64) -> Rect {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::Color;
-
     fn place(labels: &mut Labels, anchor: Vector) -> Vector {
         let line = Line::plain("label", 10.0);
-        match labels.place(line, anchor, Vector::new(1.0, 0.0), 5.0, Ink::from(Color::hex(0))) {
-            Shape::Text { at, .. } => at,
-            other => panic!("{other:?}"),
-        }
+        labels.place(line, anchor, Vector::new(1.0, 0.0), 5.0, Color::hex(0)).at
     }
 
     #[test]

@@ -1,90 +1,142 @@
+use super::FigureOptions;
 use super::labels::Labels;
 use super::number::significant;
-use super::panels::{Panels, dashed, outline};
-use super::{FigureOptions, collision::Pair};
+use super::pair::Pair;
+use super::panels::{Panels, above_caption, caption, dashed, outline};
 use crate::physics::{Collision, Rect, Vector};
-use crate::render::area::smaller;
+use crate::render::area::{larger, smaller};
 use crate::render::layers::bodies::border_color;
+use crate::render::layers::grid::round_spacing;
 use crate::render::text::Line;
-use crate::render::{Appearance, Arrow, Camera, Color, DisplayList, Ink, Look, Shape};
+use crate::render::{Appearance, Arrow, Camera, Color, DisplayList, Look, Shape};
 
-/// The handout's figure 2: c and b where they met, and their Minkowski difference s = b ⊖ c
-/// around the origin, with the vectors from the origin to its four sides; the shortest is the
-/// penetration vector n⃗.
+/// The handout's figure 2: (a) c and b where they met; (b) their Minkowski difference
+/// s = b ⊖ c around the origin, with the vectors from the origin to its four sides, of which
+/// the shortest is the penetration vector n⃗; (c) the same close by, where n⃗ is too short.
 pub fn minkowski(collision: &Collision, bodies: [&Appearance; 2], options: &FigureOptions) -> DisplayList {
     let mut panels = Panels::new(options);
     let pair = Pair::new(collision, bodies, options);
-    let places = panels.grid(2, 2);
-    let [left, right] = [places[0], places[1]].map(|place| above_caption(&place, &panels.look));
-    let difference = collision.rects[0].minkowski_difference(&collision.rects[1]);
-    let scale = smaller(pair.scale(&left), scale_of(&difference, &right, &panels.look));
-    pair.draw_met(&left, scale, &mut panels);
-    draw_difference(&difference, &right, scale, &pair, &mut panels);
-    caption(&left, "(a) the boxes c and b", &mut panels);
-    caption(&right, "(b) s = b ⊖ c holds the origin", &mut panels);
+    let difference = Difference::new(&pair, &panels.look);
+    let rooms = |count: usize, panels: &Panels| -> Vec<Rect> {
+        panels.grid(count, count).iter().map(|place| above_caption(place, &panels.look)).collect()
+    };
+    let scale = |room: &Rect| smaller(pair.scale(room), difference.scale(room));
+    let two = rooms(2, &panels);
+    let zoom = difference.zoom(scale(&two[0]), &panels.look);
+    let rooms = if zoom == 1.0 { two } else { rooms(3, &panels) };
+    let scale = scale(&rooms[0]);
+    pair.draw_met(&rooms[0], scale, &mut panels);
+    caption(&rooms[0], "\"(a) the boxes\" c \"and\" b", &mut panels);
+    difference.draw(&rooms[1], scale, difference.middle, zoom == 1.0, &mut panels);
+    caption(&rooms[1], "\"(b)\" s = b ⊖ c \"around the origin\"", &mut panels);
+    if let Some(room) = rooms.get(2) {
+        difference.draw(room, scale * zoom, Vector::ZERO, true, &mut panels);
+        caption(room, &format!("\"(c)\" {} \"times larger\"", significant(zoom, 1)), &mut panels);
+    }
     panels.finish()
 }
 
-/// The part of a panel that is not caption.
-pub fn above_caption(place: &Rect, look: &Look) -> Rect {
-    Rect::new(place.origin, place.width(), place.height() - 2.0 * look.text)
+/// s = b ⊖ c and how it is drawn.
+struct Difference {
+    rect: Rect,
+    fill: Color,
+    /// From the origin to the four sides, in the handout's order: left, right, top, bottom.
+    vectors: [Vector; 4],
+    /// The place of the shortest of them.
+    shortest: usize,
+    /// The middle of what is shown, m.
+    middle: Vector,
+    /// Width and height of what is shown, m.
+    extent: Vector,
 }
 
-/// What is written below a panel.
-pub fn caption(room: &Rect, markup: &str, panels: &mut Panels) {
-    let line = Line::math(markup, panels.look.text);
-    let at = Vector::new(room.center().x, room.far_corner().y + 1.5 * panels.look.text);
-    panels.centered(line, at, panels.look.palette.ink.into());
-}
+/// Parts of the smaller box that are shown at most on each side of the origin.
+const FARTHEST: f64 = 2.5;
 
-/// The difference and the origin, with room for arrows around.
-fn shown(difference: &Rect) -> Rect {
-    let far = difference.far_corner();
-    let [left, top] = [smaller(difference.origin.x, 0.0), smaller(difference.origin.y, 0.0)];
-    let right = if far.x > 0.0 { far.x } else { 0.0 };
-    let bottom = if far.y > 0.0 { far.y } else { 0.0 };
-    let by = 0.12 * if right - left > bottom - top { right - left } else { bottom - top };
-    Rect::new(Vector::new(left - by, top - by), right - left + 2.0 * by, bottom - top + 2.0 * by)
-}
-
-fn scale_of(difference: &Rect, room: &Rect, look: &Look) -> f64 {
-    Camera::over(&shown(difference), [1, 1], *room, look.text).scale
-}
-
-fn draw_difference(difference: &Rect, room: &Rect, scale: f64, pair: &Pair, panels: &mut Panels) {
-    let look = panels.look;
-    let at_rest = Camera::over(&shown(difference), [1, 1], *room, 0.0);
-    let origin = shown(difference).center().sub(room.center().mult(1.0 / scale));
-    let camera = Camera { scale, origin, ..at_rest };
-    let seen = camera.rect(difference);
-    let fill = pair.colors[0].mix(pair.colors[1], 50).mix(look.palette.background, 60);
-    panels.shapes.push(Shape::Rect { rect: seen, ink: fill.into() });
-    panels.shapes.extend(outline(&seen, look.line, border_color(fill, &look).into()));
-    let mut labels = Labels::within(*room);
-    let zero = camera.point(Vector::ZERO);
-    draw_axes(zero, room, &mut labels, panels);
-    let vectors = to_sides(difference);
-    let shortest = shortest(&vectors);
-    for (place, vector) in vectors.iter().enumerate() {
-        let (width, color) =
-            if place == shortest { (2.0 * look.line, look.palette.penetration) } else { (look.line, blue(&look)) };
-        let arrow = Arrow { from: zero, to: zero.add(vector.mult(scale)), width, color };
-        labels.avoid_line(arrow.from, arrow.to, 2.0);
-        arrow.draw(&look, &mut panels.shapes);
+impl Difference {
+    fn new(pair: &Pair, look: &Look) -> Difference {
+        let [c, b] = &pair.collision.rects;
+        let rect = c.minkowski_difference(b);
+        let size = smaller(larger(c.width(), c.height()), larger(b.width(), b.height()));
+        let most = FARTHEST * size;
+        let far = rect.far_corner();
+        let near = Vector::new(larger(smaller(rect.origin.x, 0.0), -most), larger(smaller(rect.origin.y, 0.0), -most));
+        let end = Vector::new(smaller(larger(far.x, 0.0), most), smaller(larger(far.y, 0.0), most));
+        let vectors = to_sides(&rect);
+        let extent = end.sub(near);
+        let margin = 0.25 * larger(extent.x, extent.y);
+        Difference {
+            rect,
+            fill: pair.colors[0].mix(pair.colors[1], 50).mix(look.palette.background, 65),
+            vectors,
+            shortest: shortest(&vectors),
+            middle: near.add(end).mult(0.5),
+            extent: extent.add(Vector::new(margin, margin)),
+        }
     }
-    let s = Line::math("s", 1.2 * look.text);
-    let corner = seen.far_corner().sub(Vector::new(1.2 * look.text, 0.8 * look.text));
-    panels.shapes.push(Shape::Text { line: s, at: corner, ink: look.palette.ink.into() });
-    let vector = vectors[shortest];
-    let length = significant(vector.norm(), 3);
-    let line = Line::math(&format!("n⃗,  |n⃗| = {length} \"m\""), look.text);
-    let middle = zero.add(vector.mult(scale / 2.0));
-    let aside = Vector::new(vector.y, -vector.x);
-    let label = labels.place(line, middle, aside, look.text, look.palette.penetration.into());
-    panels.shapes.push(label);
+
+    /// Pixels per metre with which all that is shown fits into a panel.
+    fn scale(&self, room: &Rect) -> f64 {
+        smaller(room.width() / self.extent.x, room.height() / self.extent.y)
+    }
+
+    /// How many times larger n⃗ must be drawn to be seen well.
+    fn zoom(&self, scale: f64, look: &Look) -> f64 {
+        let (length, wanted) = (self.vectors[self.shortest].norm() * scale, 5.0 * look.text);
+        let is_seen = length == 0.0 || length >= 0.5 * wanted;
+        if is_seen { 1.0 } else { smaller(round_spacing(wanted / length), 1e9) }
+    }
+
+    /// The difference in a panel whose middle shows the point `middle`, m; the length of the
+    /// shortest vector is written where it is seen best.
+    fn draw(&self, room: &Rect, scale: f64, middle: Vector, measured: bool, panels: &mut Panels) {
+        let look = panels.look;
+        let origin = middle.sub(room.center().mult(1.0 / scale));
+        let world = self.rect.far_corner();
+        let camera = Camera { size: [1, 1], window: *room, scale, origin, world };
+        let seen = camera.rect(&self.rect);
+        let mut shapes = vec![Shape::Rect { rect: seen, ink: self.fill.into() }];
+        shapes.extend(outline(&seen, look.line, border_color(self.fill, &look).into()));
+        let zero = camera.point(Vector::ZERO);
+        let mut labels = Labels::within(*room);
+        labels.avoid_border(&seen, 1.0);
+        draw_axes(zero, room, &mut labels, &look, &mut shapes);
+        for (vector, color, width) in self.candidates(&look) {
+            let arrow = Arrow { from: zero, to: zero.add(vector.mult(scale)), width, color };
+            labels.avoid_line(arrow.from, arrow.to, 2.0);
+            arrow.draw(&look, &mut shapes);
+        }
+        self.name(&seen, room, &mut labels, &look, &mut shapes);
+        if measured {
+            self.measure_shortest(zero, scale, &mut labels, &look, &mut shapes);
+        }
+        panels.shapes.push(Shape::Clip { window: *room, shapes });
+    }
+
+    /// The four vectors, the shortest last and marked.
+    fn candidates(&self, look: &Look) -> Vec<(Vector, Color, f64)> {
+        let others = (0..4).filter(|&place| place != self.shortest);
+        let mut candidates: Vec<_> = others.map(|place| (self.vectors[place], blue(look), look.line)).collect();
+        candidates.push((self.vectors[self.shortest], look.palette.penetration, 2.0 * look.line));
+        candidates
+    }
+
+    fn name(&self, seen: &Rect, room: &Rect, labels: &mut Labels, look: &Look, shapes: &mut Vec<Shape>) {
+        let Some(part) = crate::render::area::overlap(seen, room) else { return };
+        let corner = part.far_corner().sub(Vector::new(look.text, look.text));
+        let line = Line::math("s", 1.2 * look.text);
+        labels.place(line, corner, Vector::new(-1.0, -1.0), 0.0, look.palette.ink).draw(look, shapes);
+    }
+
+    fn measure_shortest(&self, zero: Vector, scale: f64, labels: &mut Labels, look: &Look, shapes: &mut Vec<Shape>) {
+        let vector = self.vectors[self.shortest];
+        let line = Line::math(&format!("|n⃗| = {} \"m\"", significant(vector.norm(), 3)), look.text);
+        let aside = Vector::new(vector.y, -vector.x);
+        let middle = zero.add(vector.mult(scale / 2.0));
+        labels.place(line, middle, aside, look.text, look.palette.penetration).draw(look, shapes);
+    }
 }
 
-/// From the origin to the four sides, in the handout's order: left, right, top, bottom.
 fn to_sides(s: &Rect) -> [Vector; 4] {
     let far = s.far_corner();
     [Vector::new(s.origin.x, 0.0), Vector::new(far.x, 0.0), Vector::new(0.0, s.origin.y), Vector::new(0.0, far.y)]
@@ -107,29 +159,22 @@ fn blue(look: &Look) -> Color {
 }
 
 /// The axes through the origin, dashed, with their names and that of the origin.
-fn draw_axes(zero: Vector, room: &Rect, labels: &mut Labels, panels: &mut Panels) {
-    let look = panels.look;
-    let ink: Ink = look.palette.muted.into();
+fn draw_axes(zero: Vector, room: &Rect, labels: &mut Labels, look: &Look, shapes: &mut Vec<Shape>) {
     let far = room.far_corner();
+    let muted = look.palette.muted;
     let ends = [
         [Vector::new(room.origin.x, zero.y), Vector::new(far.x, zero.y)],
         [Vector::new(zero.x, room.origin.y), Vector::new(zero.x, far.y)],
     ];
     for [from, to] in ends {
-        panels.shapes.extend(dashed(from, to, 3.0 * look.line, look.line / 2.0, ink));
+        shapes.extend(dashed(from, to, 3.0 * look.line, look.line / 2.0, muted.into()));
+        labels.avoid_line(from, to, 1.0);
     }
     for ([_, end], name) in ends.iter().zip(["x", "y"]) {
         let back = zero.sub(*end).mult(look.text / zero.sub(*end).norm());
-        let label =
-            labels.place(Line::math(name, look.text), end.add(back), Vector::new(-1.0, -1.0), 0.6 * look.text, ink);
-        panels.shapes.push(label);
+        let line = Line::math(name, look.text);
+        labels.place(line, end.add(back), Vector::new(-1.0, -1.0), 0.6 * look.text, muted).draw(look, shapes);
     }
-    let label = labels.place(
-        Line::math("0", look.text),
-        zero,
-        Vector::new(-1.0, 1.0),
-        0.5 * look.text,
-        look.palette.ink.into(),
-    );
-    panels.shapes.push(label);
+    let line = Line::math("0", look.text);
+    labels.place(line, zero, Vector::new(-1.0, 1.0), 0.5 * look.text, look.palette.ink).draw(look, shapes);
 }

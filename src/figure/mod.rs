@@ -5,12 +5,14 @@
 //! engine: what happened comes as data.
 
 mod axes;
+mod close_up;
 mod collision;
 mod energy;
 mod filmstrip;
 mod labels;
 mod minkowski;
 mod number;
+mod pair;
 mod panels;
 mod spacetime;
 mod strobe;

@@ -1,7 +1,8 @@
 use super::FigureOptions;
 use crate::physics::{Rect, Vector};
+use crate::render::area::inset;
 use crate::render::text::Line;
-use crate::render::{DisplayList, Ink, Look, Shape};
+use crate::render::{Camera, DisplayList, Ink, Look, Shape, View};
 
 /// A figure being made: a page with room for panels, and a caption below.
 pub struct Panels {
@@ -34,7 +35,7 @@ impl Panels {
 
     /// The room in equal parts, `columns` in a row, with gaps between.
     pub fn grid(&self, count: usize, columns: usize) -> Vec<Rect> {
-        let rows = count.div_ceil(columns);
+        let rows = count.div_ceil(columns).max(1);
         let gap = self.look.text.round();
         let width = ((self.room.width() - gap * (columns - 1) as f64) / columns as f64).floor();
         let height = ((self.room.height() - gap * (rows - 1) as f64) / rows as f64).floor();
@@ -60,6 +61,26 @@ impl Panels {
             shapes: self.shapes,
         }
     }
+}
+
+/// The part of a panel that is not caption.
+pub fn above_caption(place: &Rect, look: &Look) -> Rect {
+    Rect::new(place.origin, place.width(), place.height() - 2.0 * look.text)
+}
+
+/// What is written below a panel.
+pub fn caption(room: &Rect, markup: &str, panels: &mut Panels) {
+    let line = Line::math(markup, panels.look.text);
+    let at = Vector::new(room.center().x, room.far_corner().y + 1.5 * panels.look.text);
+    panels.centered(line, at, panels.look.palette.ink.into());
+}
+
+/// The whole world in the middle of a part of the page, with a margin for its walls, px.
+pub fn world_view(room: &Rect, margin: f64, options: &FigureOptions) -> View {
+    let world = Rect::new(Vector::ZERO, options.world.x, options.world.y);
+    let camera = Camera::over(&world, options.size, *room, margin);
+    let window = inset(&camera.rect(&world), -margin);
+    View { camera: Camera { window, ..camera }, style: options.style.clone() }
 }
 
 /// A frame of four thin rectangles around the outside of another, px.

@@ -5,7 +5,7 @@ use super::panels::Panels;
 use crate::physics::{BodyId, Vector};
 use crate::render::layers::bodies::border_color;
 use crate::render::text::Line;
-use crate::render::{Color, DisplayList, Frame, Ink, Shape, Sprite, palette};
+use crate::render::{Color, DisplayList, Frame, Ink, Palette, Shape, Sprite, palette};
 use std::collections::BTreeMap;
 
 /// Which coordinate a diagram shows.
@@ -50,12 +50,13 @@ struct Band {
 }
 
 fn bands(frames: &[Frame], axis: Axis, options: &FigureOptions) -> Vec<Band> {
+    let wall = Palette::of(options.style.theme).wall;
     let mut bands: BTreeMap<BodyId, Band> = BTreeMap::new();
     for frame in frames {
         for sprite in &frame.sprites {
             let band = bands.entry(sprite.appearance.id).or_insert_with(|| Band {
                 name: sprite.appearance.name.clone(),
-                color: palette::body_color(sprite, &options.style),
+                color: if sprite.appearance.is_wall { wall } else { palette::body_color(sprite, &options.style) },
                 is_wall: sprite.appearance.is_wall,
                 spans: Vec::new(),
             });
@@ -63,7 +64,7 @@ fn bands(frames: &[Frame], axis: Axis, options: &FigureOptions) -> Vec<Band> {
             band.spans.push([frame.time, from, to]);
         }
     }
-    bands.into_values().filter(|band| !band.is_wall).collect()
+    bands.into_values().filter(|band| !band.is_wall || band.is_beside(options, axis)).collect()
 }
 
 fn extent(sprite: &Sprite, axis: Axis) -> [f64; 2] {
@@ -77,11 +78,23 @@ fn extent(sprite: &Sprite, axis: Axis) -> [f64; 2] {
 /// The whole time, and all places where a body ever is.
 fn ranges(frames: &[Frame], bands: &[Band]) -> Option<(Range, Range)> {
     let time = Range::of(frames.iter().map(|frame| frame.time))?;
-    let places = bands.iter().flat_map(|band| band.spans.iter().flat_map(|&[_, from, to]| [from, to]));
+    let places = bands
+        .iter()
+        .filter(|band| !band.is_wall)
+        .flat_map(|band| band.spans.iter().flat_map(|&[_, from, to]| [from, to]));
     Some((time, Range::of(places)?.widened(0.05)))
 }
 
 impl Band {
+    /// Whether a wall bounds the world along the axis, and does not span it.
+    fn is_beside(&self, options: &FigureOptions, axis: Axis) -> bool {
+        let extent = match axis {
+            Axis::X => options.world.x,
+            Axis::Y => options.world.y,
+        };
+        self.spans.iter().all(|&[_, from, to]| to <= 0.0 || from >= extent)
+    }
+
     fn draw(&self, axes: &Axes, panels: &Panels) -> Vec<Shape> {
         let edge = |side: usize| -> Vec<Vector> {
             let points = self.spans.iter().map(|span| axes.point(span[0], span[side]));
@@ -105,12 +118,11 @@ impl Band {
 /// Each name at the beginning of its band, inside if the band is wide enough.
 fn name(bands: &[Band], axes: &Axes, panels: &mut Panels) {
     let mut labels = Labels::within(axes.frame);
-    for band in bands {
+    for band in bands.iter().filter(|band| !band.is_wall) {
         let Some(&[time, from, to]) = band.spans.first() else { continue };
         let at = axes.point(time, (from + to) / 2.0);
         let line = Line::plain(&band.name, 0.8 * panels.look.text);
-        let (ink, gap) = (panels.look.palette.ink.into(), 0.4 * panels.look.text);
-        let shape = labels.place(line, at, Vector::new(1.0, 0.0), gap, ink);
-        panels.shapes.push(shape);
+        let (color, gap) = (panels.look.palette.ink, 0.4 * panels.look.text);
+        labels.place(line, at, Vector::new(1.0, 0.0), gap, color).draw(&panels.look, &mut panels.shapes);
     }
 }

@@ -1,25 +1,24 @@
 use super::FigureOptions;
-use super::panels::Panels;
+use super::panels::{Panels, world_view};
 use crate::physics::{Rect, Vector};
 use crate::render::layers::bodies::{draw_box, seen};
 use crate::render::layers::{self, Page};
 use crate::render::text::Line;
-use crate::render::{Camera, Color, DisplayList, Frame, Ink, Shape, Sprite, View, palette};
+use crate::render::{Color, DisplayList, Frame, Ink, Shape, Sprite, palette};
 
 /// Many instants in one picture, the earlier the fainter: how things moved.
 pub fn strobe(frames: &[Frame], options: &FigureOptions) -> DisplayList {
     let mut panels = Panels::new(options);
     let Some((last, earlier)) = frames.split_last() else { return panels.finish() };
-    let footer = 1.6 * panels.look.text;
-    let window = Rect::new(Vector::ZERO, f64::from(options.size[0]), (panels.room.far_corner().y - footer).round());
-    let area = Rect::new(Vector::ZERO, options.world.x, options.world.y);
-    let camera = Camera::over(&area, options.size, window, panels.look.text.round());
-    let view = View { camera, style: options.style.clone() };
+    let room = panels.room;
+    let above = Rect::new(room.origin, room.width(), room.height() - 1.6 * panels.look.text);
+    let view = world_view(&above, panels.look.text.round(), options);
     let page = Page { view: &view, look: panels.look };
     panels.shapes.push(layers::backdrop(last, &page));
     panels.shapes.push(ghosts(earlier, last, &page));
     panels.shapes.push(layers::world(last, &page));
     let times = Line::math(&span(frames), panels.look.text);
+    let window = view.camera.window;
     let at = Vector::new(window.center().x, window.far_corner().y + 1.2 * panels.look.text);
     panels.centered(times, at, panels.look.palette.ink.into());
     panels.finish()

@@ -1,7 +1,6 @@
-use super::gif::{Animation, Compressed};
 use super::in_order::in_order;
 use super::patch::Patch;
-use super::{Frame, Metadata, Painter, Picture, RenderError, Sampling, View, compose, png};
+use super::{Frame, Metadata, Painter, Picture, RenderError, Sampling, View, apng, compose, gif, png};
 use std::io::Write;
 use std::num::NonZero;
 
@@ -62,20 +61,60 @@ pub fn write_gif<E: From<RenderError>>(
     threads: NonZero<usize>,
     output: impl Write,
 ) -> Result<(), E> {
-    let mut animation = Animation::new(view.camera.size, metadata, output)?;
+    let mut animation = gif::Animation::new(view.camera.size, metadata, output)?;
     let mut shown = 0;
-    let worker = || {
-        let mut painter = Painter::new();
-        move |batch: Batch| batch.compressed(view, &mut painter)
-    };
-    in_order(batches(frames), threads, worker, |pictures| {
-        for picture in pictures {
-            animation.add(picture, sampling.delay(shown))?;
-            shown += 1;
-        }
+    let compress = |patch: Patch| gif::Compressed::new(&patch);
+    each_change(frames, view, threads, compress, |picture| {
+        animation.add(picture, sampling.delay(shown))?;
+        shown += 1;
         Ok(())
     })?;
     Ok(animation.finish()?)
+}
+
+/// Writes frames as an endless animated PNG, with every colour and every instant exact.
+///
+/// `sampling` is what the frames were chosen by: it says how many they are and how long each
+/// is shown. Threads and memory are as for [`write_gif`].
+///
+/// # Errors
+/// The first error of `frames`, or of the writer; and when there are fewer frames than the
+/// sampling says, which stands at the beginning of the file.
+pub fn write_apng<E: From<RenderError>>(
+    frames: impl Iterator<Item = Result<Frame, E>>,
+    view: &View,
+    sampling: &Sampling,
+    metadata: &Metadata,
+    threads: NonZero<usize>,
+    output: impl Write,
+) -> Result<(), E> {
+    let count = sampling.count();
+    let mut animation = apng::Animation::new(view.camera.size, count, metadata, output)?;
+    let mut shown = 0;
+    let compress = |patch: Patch| apng::Compressed::new(&patch);
+    each_change(frames, view, threads, compress, |picture| {
+        animation.add(&picture?, sampling.exact_delay(shown))?;
+        shown += 1;
+        Ok(())
+    })?;
+    Ok(animation.finish(count)?)
+}
+
+/// Draws frames on several threads, does `compress` there on what changes from each to the
+/// next, and hands the results to `output` in order.
+fn each_change<T: Send, E: From<RenderError>>(
+    frames: impl Iterator<Item = Result<Frame, E>>,
+    view: &View,
+    threads: NonZero<usize>,
+    compress: impl Fn(Patch) -> T + Sync,
+    mut output: impl FnMut(T) -> Result<(), E>,
+) -> Result<(), E> {
+    let worker = || {
+        let mut painter = Painter::new();
+        let compress = &compress;
+        move |batch: Batch| batch.changes(view, &mut painter, compress)
+    };
+    in_order(batches(frames), threads, worker, |changes| changes.into_iter().try_for_each(&mut output))
 }
 
 /// Frames in a row, and the one before them unless they are the first.
@@ -85,16 +124,16 @@ struct Batch {
 }
 
 impl Batch {
-    fn compressed(&self, view: &View, painter: &mut Painter) -> Vec<Compressed> {
+    fn changes<T>(&self, view: &View, painter: &mut Painter, compress: impl Fn(Patch) -> T) -> Vec<T> {
         let mut draw = |frame: &Frame| painter.draw(&compose(frame, view));
         let mut before: Option<Picture> = self.before.as_ref().map(&mut draw);
-        let mut compressed = Vec::with_capacity(self.frames.len());
+        let mut changes = Vec::with_capacity(self.frames.len());
         for frame in &self.frames {
             let picture = draw(frame);
-            compressed.push(Compressed::new(Patch::between(before.as_ref(), &picture)));
+            changes.push(compress(Patch::between(before.as_ref(), &picture)));
             before = Some(picture);
         }
-        compressed
+        changes
     }
 }
 

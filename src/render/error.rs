@@ -19,6 +19,14 @@ pub enum RenderError {
         /// m.
         height: f64,
     },
+    /// An animation has not the number of pictures it begins by announcing.
+    #[error("an animation of {expected} pictures was to be written, but there are {found}")]
+    PictureCount {
+        /// As announced.
+        expected: u64,
+        /// As they came.
+        found: u64,
+    },
     /// The place written to refused.
     #[error(transparent)]
     Write(#[from] std::io::Error),

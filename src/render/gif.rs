@@ -1,6 +1,7 @@
 //! Pictures as an endless GIF animation.
 
-use super::patch::Patch;
+use super::indexed::Indexed;
+use super::patch::{Patch, UNCHANGED};
 use super::{Metadata, RenderError, lzw};
 use gif::{AnyExtension, DisposalMethod, Encoder, EncodingError, Extension, Frame, Repeat};
 use std::borrow::Cow;
@@ -62,18 +63,22 @@ impl<W: Write> Animation<W> {
 
 impl Compressed {
     /// Compresses what of a picture differs from the one before it.
-    pub fn new(patch: Patch) -> Compressed {
-        let [left, top, width, height] =
-            [patch.at[0], patch.at[1], patch.size[0], patch.size[1]].map(|length| length as u16);
+    ///
+    /// Exact when that has at most 256 colours, leaving a pixel as it was counted as one; else
+    /// each pixel takes the nearest of 256.
+    pub fn new(patch: &Patch) -> Compressed {
+        let [[left, top], [width, height]] = [patch.at, patch.size].map(|pair| pair.map(|length| length as u16));
+        let indexed = Indexed::exact(&patch.pixels).unwrap_or_else(|| Indexed::nearest(&patch.pixels));
+        let unchanged = indexed.palette.iter().position(|&color| color == UNCHANGED);
         Compressed(Frame {
             dispose: DisposalMethod::Keep,
-            transparent: patch.unchanged,
+            transparent: unchanged.map(|place| place as u8),
             left,
             top,
             width,
             height,
-            palette: Some(patch.palette.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect()),
-            buffer: Cow::Owned(lzw::compress(&patch.pixels)),
+            palette: Some(indexed.palette.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect()),
+            buffer: Cow::Owned(lzw::compress(&indexed.pixels)),
             ..Frame::default()
         })
     }

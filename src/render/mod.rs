@@ -2,9 +2,10 @@
 //!
 //! A [`Frame`] seen through a [`View`] becomes a [`DisplayList`] of shapes in page units
 //! ([`compose`]), which [`svg`] and [`pdf`] write as it is and a [`Painter`] draws to a [`Picture`]
-//! of pixels, which [`png`] and [`gif`] write. Each arrow is a pure function, so that pictures drawn on any number of
+//! of pixels, which [`png`], [`apng`] and [`gif`] write. Each arrow is a pure function, so that pictures drawn on any number of
 //! threads, or in several parts, are the same to the bit.
 
+pub mod apng;
 pub(crate) mod area;
 mod arrow;
 mod camera;
@@ -38,7 +39,7 @@ mod view;
 
 pub use arrow::Arrow;
 pub use camera::Camera;
-pub use clip::{write_gif, write_png, write_png_sequence};
+pub use clip::{write_apng, write_gif, write_png, write_png_sequence};
 pub use color::Color;
 pub use display_list::{DisplayList, Ink, Shape};
 pub use error::RenderError;

@@ -1,29 +1,26 @@
 use super::Picture;
-use super::indexed::Indexed;
 
-/// What of a picture differs from the one before it: a rectangle of indexed pixels.
+/// What of a picture differs from the one before it: the rectangle that holds all of it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Patch {
     /// Its upper-left corner in the picture, px.
     pub at: [u32; 2],
     /// Width and height, px.
     pub size: [u32; 2],
-    /// At most 256 colours.
-    pub palette: Vec<[u8; 4]>,
-    /// The palette's place that leaves a pixel as it was.
-    pub unchanged: Option<u8>,
-    /// Places in the palette, row by row.
-    pub pixels: Vec<u8>,
+    /// Row by row; transparent where a pixel stays as it was.
+    pub pixels: Vec<[u8; 4]>,
 }
+
+/// No pixel of a picture has this value: theirs are opaque.
+pub const UNCHANGED: [u8; 4] = [0; 4];
 
 impl Patch {
     /// All of `after`, or what of it differs from `before`; both have the same size.
-    ///
-    /// Exact when the pixels that differ have at most 256 colours, that of a pixel that stays
-    /// as it was included; else each takes the nearest of some.
     pub fn between(before: Option<&Picture>, after: &Picture) -> Patch {
-        let Some(before) = before else { return whole(after) };
-        let Some(area) = changed_area(before, after) else { return nothing() };
+        let Some(before) = before else {
+            return Patch { at: [0, 0], size: after.size, pixels: after.pixels.clone() };
+        };
+        let Some(area) = changed_area(before, after) else { return Patch::nothing() };
         let width = after.size[0] as usize;
         let mut pixels = Vec::with_capacity((area.right - area.left) * (area.bottom - area.top));
         for row in area.top..area.bottom {
@@ -31,28 +28,15 @@ impl Patch {
             let both = before.pixels[span.clone()].iter().zip(&after.pixels[span]);
             pixels.extend(both.map(|(before, after)| if before == after { UNCHANGED } else { *after }));
         }
-        let [left, top] = [area.left, area.top].map(|at| at as u32);
+        let at = [area.left, area.top].map(|at| at as u32);
         let size = [area.right - area.left, area.bottom - area.top].map(|side| side as u32);
-        index([left, top], size, &pixels)
+        Patch { at, size, pixels }
     }
-}
 
-/// No pixel of a picture has this value: theirs are opaque.
-const UNCHANGED: [u8; 4] = [0; 4];
-
-fn whole(picture: &Picture) -> Patch {
-    index([0, 0], picture.size, &picture.pixels)
-}
-
-/// One pixel that leaves what was: every picture of an animation needs an image.
-fn nothing() -> Patch {
-    index([0, 0], [1, 1], &[UNCHANGED])
-}
-
-fn index(at: [u32; 2], size: [u32; 2], pixels: &[[u8; 4]]) -> Patch {
-    let Indexed { palette, pixels } = Indexed::exact(pixels).unwrap_or_else(|| Indexed::nearest(pixels));
-    let unchanged = palette.iter().position(|&color| color == UNCHANGED).map(|place| place as u8);
-    Patch { at, size, palette, unchanged, pixels }
+    /// One pixel that leaves what was: every picture of an animation needs an image.
+    fn nothing() -> Patch {
+        Patch { at: [0, 0], size: [1, 1], pixels: vec![UNCHANGED] }
+    }
 }
 
 /// Columns `left` to before `right`, rows `top` to before `bottom`.

@@ -12,27 +12,34 @@ use std::io::{BufRead, Seek, Write};
 /// # Errors
 /// When `output` refuses.
 pub fn encode(picture: &Picture, metadata: &Metadata, output: impl Write) -> Result<(), RenderError> {
-    let [width, height] = picture.size;
+    match Indexed::exact(&picture.pixels) {
+        Some(indexed) => {
+            let mut encoder = encoder(picture.size, ColorType::Indexed, metadata, output)?;
+            encoder.set_palette(rgb(&indexed.palette));
+            finish(encoder, &indexed.pixels)
+        }
+        None => finish(encoder(picture.size, ColorType::Rgb, metadata, output)?, &rgb(&picture.pixels)),
+    }
+}
+
+/// A PNG file with its metadata, ready for its pixels.
+pub(super) fn encoder<'a, W: Write>(
+    [width, height]: [u32; 2],
+    color: ColorType,
+    metadata: &Metadata,
+    output: W,
+) -> Result<Encoder<'a, W>, RenderError> {
     let mut encoder = Encoder::new(output, width, height);
+    encoder.set_color(color);
     encoder.set_depth(BitDepth::Eight);
-    // The one level whose bytes no other crate's choice of a deflate library can change.
+    // The one level whose bytes no other crate's choice of a deflate library can change; it
+    // looks for zeros, which most pixels are when those above them are taken away.
     encoder.set_compression(Compression::Fast);
+    encoder.set_filter(Filter::Up);
     for (key, value) in &metadata.entries {
         encoder.add_itxt_chunk(key.clone(), value.clone()).map_err(refusal)?;
     }
-    match Indexed::exact(&picture.pixels) {
-        Some(indexed) => {
-            encoder.set_color(ColorType::Indexed);
-            encoder.set_palette(rgb(&indexed.palette));
-            encoder.set_filter(Filter::Up);
-            finish(encoder, &indexed.pixels)
-        }
-        None => {
-            encoder.set_color(ColorType::Rgb);
-            encoder.set_filter(Filter::Up);
-            finish(encoder, &rgb(&picture.pixels))
-        }
-    }
+    Ok(encoder)
 }
 
 /// Pixels a picture may have at most to be read: a damaged file may claim any size.
@@ -91,7 +98,7 @@ fn rgb(pixels: &[[u8; 4]]) -> Vec<u8> {
     pixels.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect()
 }
 
-fn refusal(error: EncodingError) -> RenderError {
+pub(super) fn refusal(error: EncodingError) -> RenderError {
     match error {
         EncodingError::IoError(error) => RenderError::Write(error),
         other => RenderError::Write(std::io::Error::other(other)),

@@ -1,3 +1,4 @@
+use super::apng::Delay;
 use std::ops::RangeInclusive;
 
 /// The most frames per second a GIF is given: browsers slow down delays under 2/100 s.
@@ -74,6 +75,21 @@ impl Sampling {
         self.appears(frame + 1) - self.appears(frame)
     }
 
+    /// How long an animated PNG shows the frame of that number, counted from 0.
+    ///
+    /// Each frame is shown exactly as long as the steps it stands for, the last one too, since
+    /// the format counts in parts of a second of one's choice; rates that are no whole number
+    /// of Hz are told in 1/10000 s, with no rounding carried on.
+    pub fn exact_delay(&self, frame: u64) -> Delay {
+        if let (Some(parts), Some(per_second)) = (whole(self.every as f64), whole(self.rate)) {
+            return Delay { parts, per_second };
+        }
+        const FINE: u16 = 10_000;
+        let begins = |frame: u64| (f64::from(FINE) * (frame as f64 * self.every as f64) / self.rate).round() as u64;
+        let parts = u16::try_from(begins(frame + 1) - begins(frame)).unwrap_or(u16::MAX);
+        Delay { parts, per_second: FINE }
+    }
+
     /// When a frame appears after the first one, 1/100 s; the one after the last at the end.
     fn appears(&self, frame: u64) -> u64 {
         let count = self.count();
@@ -91,6 +107,11 @@ impl Sampling {
     fn hundredths(&self, steps: u64) -> u64 {
         (100.0 * steps as f64 / self.rate).round() as u64
     }
+}
+
+fn whole(number: f64) -> Option<u16> {
+    let rounded = number as u16;
+    (f64::from(rounded) == number && rounded > 0).then_some(rounded)
 }
 
 impl std::fmt::Display for Sampling {
@@ -183,6 +204,18 @@ mod tests {
         assert_eq!(delays(0), [2]);
         let fastest = Sampling::new(0..=3, 50.0, Thinning::All);
         assert_eq!((0..4).map(|frame| fastest.delay(frame)).collect::<Vec<u64>>(), [2, 2, 2, 2]);
+    }
+
+    #[test]
+    fn an_animated_png_counts_in_steps() {
+        let delay = |rate, every, frame| {
+            let delay = Sampling::new(0..=600, rate, Thinning::Every(every)).exact_delay(frame);
+            (delay.parts, delay.per_second)
+        };
+        assert_eq!([delay(60.0, 1, 0), delay(60.0, 2, 7), delay(1000.0, 33, 0)], [(1, 60), (2, 60), (33, 1000)]);
+        assert_eq!([delay(59.94, 1, 0), delay(59.94, 1, 1)], [(167, 10_000), (167, 10_000)]);
+        assert_eq!((0..5994).map(|frame| u64::from(delay(59.94, 1, frame).0)).sum::<u64>(), 1_000_000);
+        assert_eq!(delay(0.01, 1, 0), (u16::MAX, 10_000));
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use crate::frames::{WORLD, moving, view};
 use rebond::render::{
-    Frame, Metadata, Painter, Picture, RenderError, Sampling, Thinning, View, compose, png, write_gif,
+    Frame, Metadata, Painter, Picture, RenderError, Sampling, Thinning, View, compose, png, write_apng, write_gif,
     write_png_sequence,
 };
 use rebond::scene::{ColorBy, Overlay, Theme};
@@ -131,6 +131,71 @@ fn the_bytes_of_a_gif_do_not_depend_on_the_threads() {
         assert!(one == gif(&frames, &view, 2), "2 threads write other bytes");
         assert!(one == gif(&frames, &view, 5), "5 threads write other bytes");
     }
+}
+
+fn apng(frames: &[Frame], view: &View, threads: usize) -> Vec<u8> {
+    let metadata = Metadata { entries: vec![("rebond steps".into(), "0 to 79 every 2".into())] };
+    let mut file = Vec::new();
+    let frames = frames.iter().cloned().map(Ok::<_, RenderError>);
+    write_apng(frames, view, &sampling(), &metadata, NonZero::new(threads).unwrap(), &mut file).unwrap();
+    file
+}
+
+/// What a viewer of animated PNG shows, and for how many parts of a second.
+fn shown_apng(file: &[u8]) -> Vec<(Picture, [u16; 2])> {
+    let mut reader = ::png::Decoder::new(Cursor::new(file)).read_info().unwrap();
+    let size = [reader.info().width, reader.info().height];
+    let count = reader.info().animation_control.unwrap().num_frames;
+    let mut screen = Picture { size, pixels: vec![[0; 4]; (size[0] * size[1]) as usize] };
+    let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
+    let mut pictures = Vec::new();
+    for _ in 0..count {
+        reader.next_frame(&mut bytes).unwrap();
+        let control = *reader.info().frame_control().unwrap();
+        assert_eq!((control.dispose_op, control.blend_op), (::png::DisposeOp::None, ::png::BlendOp::Over));
+        let pixels = bytes.as_chunks::<4>().0.chunks_exact(control.width as usize);
+        for (row, from) in (control.y_offset..).zip(pixels.take(control.height as usize)) {
+            let start = (row * size[0] + control.x_offset) as usize;
+            for (to, from) in screen.pixels[start..].iter_mut().zip(from).filter(|(_, from)| from[3] != 0) {
+                *to = *from;
+            }
+        }
+        pictures.push((screen.clone(), [control.delay_num, control.delay_den]));
+    }
+    pictures
+}
+
+#[test]
+fn an_animated_png_shows_the_drawn_pixels_at_their_instants() {
+    let view = small(Theme::Light, Overlay::ALL, ColorBy::Speed);
+    let frames = frames(MANY);
+    let (pictures, delays): (Vec<Picture>, Vec<[u16; 2]>) = shown_apng(&apng(&frames, &view, 1)).into_iter().unzip();
+    assert!(pictures == drawn(&frames, &view), "a frame differs");
+    assert_eq!(delays, [[2, 60]; 40]);
+}
+
+#[test]
+fn an_animated_png_is_a_picture_that_tells_where_it_is_from() {
+    let view = small(Theme::Light, &[], ColorBy::Body);
+    let frames = frames(3);
+    let (picture, metadata) = png::decode(Cursor::new(apng(&frames, &view, 2))).unwrap();
+    assert!(picture == drawn(&frames, &view)[0], "not the first frame");
+    assert_eq!(metadata.entries, [("rebond steps".to_owned(), "0 to 79 every 2".to_owned())]);
+}
+
+#[test]
+fn the_bytes_of_an_animated_png_do_not_depend_on_the_threads() {
+    let view = small(Theme::Dark, &[Overlay::Name], ColorBy::Body);
+    let frames = frames(9);
+    assert!(apng(&frames, &view, 1) == apng(&frames, &view, 3), "3 threads write other bytes");
+}
+
+#[test]
+fn an_animated_png_of_too_few_frames_is_an_error() {
+    let view = small(Theme::Light, &[], ColorBy::Body);
+    let frames = frames(1)[..39].to_vec().into_iter().map(Ok::<_, RenderError>);
+    let end = write_apng(frames, &view, &sampling(), &Metadata::default(), NonZero::<usize>::MIN, std::io::sink());
+    assert_eq!(end.unwrap_err().to_string(), "an animation of 40 pictures was to be written, but there are 39");
 }
 
 fn sequence(frames: &[Frame], view: &View, threads: usize) -> Vec<(u64, Vec<u8>)> {

@@ -36,7 +36,7 @@ fn normal(collision: &Collision, page: &Page, shapes: &mut Vec<Shape>) {
 }
 
 /// The middle of what two rectangles share, or of the gap between them.
-fn contact([c, b]: &[Rect; 2]) -> Vector {
+pub fn contact([c, b]: &[Rect; 2]) -> Vector {
     let middle = |c: [f64; 2], b: [f64; 2]| {
         let from = if c[0] > b[0] { c[0] } else { b[0] };
         let to = if c[1] < b[1] { c[1] } else { b[1] };

@@ -1,7 +1,7 @@
 //! What a frame is made of, layer by layer, from the back to the front.
 
 pub mod bodies;
-mod contacts;
+pub mod contacts;
 mod footer;
 pub mod grid;
 mod names;
