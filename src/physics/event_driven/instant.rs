@@ -33,6 +33,15 @@ impl Instant {
 /// Steps beyond this are not whole numbers any more: an event out there never happens.
 const LAST_STEP: f64 = (1u64 << 53) as f64;
 
+/// The greatest whole number below a positive one; infinity for what is too large to tell.
+fn whole_below(number: f64) -> f64 {
+    if number >= LAST_STEP || number.is_nan() {
+        return f64::INFINITY;
+    }
+    let whole = number as i64 as f64;
+    if whole == number { whole - 1.0 } else { whole }
+}
+
 /// Counts seconds between instants.
 #[derive(Clone, Copy, Debug)]
 pub struct Clock {
@@ -50,7 +59,9 @@ impl Clock {
 
     /// Seconds from one instant to another.
     pub fn seconds(&self, from: Instant, to: Instant) -> f64 {
-        (to.step - from.step) / self.rate + (to.offset - from.offset)
+        let steps = to.step - from.step;
+        let offset = to.offset - from.offset;
+        if steps == 0.0 { offset } else { steps / self.rate + offset }
     }
 
     /// The instant so many seconds (not negative) after another.
@@ -62,7 +73,7 @@ impl Clock {
         if offset <= self.period {
             return Instant { step: from.step, offset };
         }
-        let steps = (offset * self.rate).ceil() - 1.0;
+        let steps = whole_below(offset * self.rate);
         if from.step + steps < LAST_STEP {
             let rest = offset - steps / self.rate;
             let offset = if rest < 0.0 {

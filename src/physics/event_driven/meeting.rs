@@ -6,11 +6,28 @@ use super::mover::{AXES, Mover};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Kind {
     /// Their faces meet along the axis.
-    Touch(usize),
+    Touch(u8),
     /// Their corners meet.
     Corner,
     /// Two in contact along the axis slide past each other's edge.
-    Part(usize),
+    Part(u8),
+}
+
+/// Where a body is at an instant, and how fast.
+pub struct State<'a> {
+    mover: &'a Mover,
+    at: Instant,
+    position: [f64; 2],
+    velocity: [f64; 2],
+}
+
+impl<'a> State<'a> {
+    /// The state at an instant.
+    #[inline]
+    pub fn new(clock: &Clock, mover: &'a Mover, at: Instant) -> State<'a> {
+        let [(x, vx), (y, vy)] = [mover.motion[0].at(clock, at), mover.motion[1].at(clock, at)];
+        State { mover, at, position: [x, y], velocity: [vx, vy] }
+    }
 }
 
 /// How one box stands to another along one axis at the instant from which both are known.
@@ -36,17 +53,17 @@ pub fn tolerance(scale: f64) -> f64 {
 }
 
 impl Relative {
-    fn new(clock: &Clock, axis: usize, instant: Instant, first: &Mover, second: &Mover) -> Relative {
-        let (a, b) = (&first.motion[axis], &second.motion[axis]);
-        let (a_position, a_velocity) = a.at(clock, instant);
-        let (b_position, b_velocity) = b.at(clock, instant);
-        let sizes = [first.size[axis], second.size[axis]];
+    #[inline]
+    fn new(clock: &Clock, axis: usize, first: &State, second: &Mover) -> Relative {
+        let a = first.position[axis];
+        let (b, velocity) = second.motion[axis].at(clock, first.at);
+        let sizes = [first.mover.size[axis], second.size[axis]];
         Relative {
-            distance: b_position - a_position,
-            velocity: b_velocity - a_velocity,
-            acceleration: b.acceleration - a.acceleration,
+            distance: b - a,
+            velocity: velocity - first.velocity[axis],
+            acceleration: second.motion[axis].acceleration - first.mover.motion[axis].acceleration,
             sizes,
-            tolerance: tolerance(a_position.abs() + b_position.abs() + (sizes[0] + sizes[1])),
+            tolerance: tolerance(a.abs() + b.abs() + (sizes[0] + sizes[1])),
         }
     }
 
@@ -60,6 +77,15 @@ impl Relative {
     fn gap(&self) -> f64 {
         let [ahead, behind] = self.gaps(self.distance);
         if ahead > behind { ahead } else { behind }
+    }
+
+    /// Whether the second box, ahead or behind, ever moves towards the first.
+    fn can_close(&self, ahead: bool) -> bool {
+        if ahead {
+            self.velocity < 0.0 || self.acceleration < 0.0
+        } else {
+            self.velocity > 0.0 || self.acceleration > 0.0
+        }
     }
 
     /// Seconds until the faces meet, the second box being ahead of the first or behind it.
@@ -111,19 +137,58 @@ enum Overlap {
 /// other by a positive length. If they begin to overlap there at the same instant, it is a
 /// corner; if they just cease to, or slide along each other's line, they do not meet: so a
 /// box passes the seam between two tiles.
-pub fn meeting(clock: &Clock, first: &Mover, second: &Mover) -> Option<(Instant, Kind)> {
-    let from = first.since.or_later(second.since);
-    let x = Relative::new(clock, 0, from, first, second);
+#[inline]
+pub fn meeting(clock: &Clock, first: &State, second: &Mover) -> Option<(Instant, Kind)> {
+    if first.at.is_before(second.since) {
+        meeting_from(clock, &State::new(clock, first.mover, second.since), second)
+    } else {
+        meeting_from(clock, first, second)
+    }
+}
+
+#[inline]
+fn meeting_from(clock: &Clock, first: &State, second: &Mover) -> Option<(Instant, Kind)> {
+    let x = Relative::new(clock, 0, first, second);
     if separates(&x) {
         return None;
     }
-    let y = Relative::new(clock, 1, from, first, second);
+    let y = Relative::new(clock, 1, first, second);
     if separates(&y) {
         return None;
     }
-    let (seconds, kind) = first_meeting(&[x, y])?;
-    let at = clock.after(from, seconds);
+    let axes = [x, y];
+    let (seconds, kind) = match straight_meeting(&axes) {
+        Some(met) => met?,
+        None => first_meeting(&axes)?,
+    };
+    let at = clock.after(first.at, seconds);
     (at != Instant::NEVER).then_some((at, kind))
+}
+
+/// The meeting of two boxes that are apart and do not accelerate: the axis on which they are
+/// beside each other last is the one along which they meet, if they still are on the other.
+///
+/// The outer option is none where this simple way does not apply.
+fn straight_meeting(axes: &[Relative; 2]) -> Option<Option<(f64, Kind)>> {
+    if axes[0].acceleration != 0.0 || axes[1].acceleration != 0.0 {
+        return None;
+    }
+    let [x, y] = [axes[0].gap(), axes[1].gap()];
+    let axis = if x > 0.0 && y > 0.0 {
+        usize::from(x * axes[1].velocity.abs() < y * axes[0].velocity.abs())
+    } else if x > 0.0 && y < -axes[1].tolerance {
+        0
+    } else if y > 0.0 && x < -axes[0].tolerance {
+        1
+    } else {
+        return None;
+    };
+    let seconds = (if axis == 0 { x } else { y }) / axes[axis].velocity.abs();
+    Some(match axes[1 - axis].overlap(seconds) {
+        Overlap::Face => Some((seconds, Kind::Touch(axis as u8))),
+        Overlap::Corner => Some((seconds, Kind::Corner)),
+        Overlap::None => None,
+    })
 }
 
 /// Whether the boxes are apart on this axis and will ever be: the commonest case, seen at once.
@@ -139,10 +204,13 @@ fn first_meeting(axes: &[Relative; 2]) -> Option<(f64, Kind)> {
     let deep = deepest_within(axes);
     for axis in AXES {
         for ahead in [true, false] {
+            if !axes[axis].can_close(ahead) {
+                continue;
+            }
             let seconds = axes[axis].closing(ahead, deep == Some((axis, ahead)));
             if seconds < least {
                 let kind = match axes[1 - axis].overlap(seconds) {
-                    Overlap::Face => Kind::Touch(axis),
+                    Overlap::Face => Kind::Touch(axis as u8),
                     Overlap::Corner => Kind::Corner,
                     Overlap::None => continue,
                 };
@@ -168,7 +236,7 @@ fn deepest_within(axes: &[Relative; 2]) -> Option<(usize, bool)> {
 /// When two boxes in contact along `axis` slide past each other's edge, if nothing intervenes.
 pub fn parting(clock: &Clock, axis: usize, first: &Mover, second: &Mover) -> Option<Instant> {
     let from = first.since.or_later(second.since);
-    let seconds = Relative::new(clock, 1 - axis, from, first, second).parting();
+    let seconds = Relative::new(clock, 1 - axis, &State::new(clock, first, from), second).parting();
     let at = clock.after(from, seconds);
     (at != Instant::NEVER).then_some(at)
 }

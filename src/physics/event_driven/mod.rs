@@ -58,6 +58,7 @@ pub struct EventDriven {
     /// How many bodies the grids and the schedule were made for.
     made_for: usize,
     blocks: [Vec<Pushed>; 2],
+    came_near: Vec<Slot>,
 }
 
 impl EventDriven {
@@ -82,6 +83,7 @@ impl EventDriven {
             changed: Vec::new(),
             made_for: 0,
             blocks: [Vec::new(), Vec::new()],
+            came_near: Vec::new(),
         }
     }
 
@@ -188,12 +190,12 @@ impl EventDriven {
         observer: &mut O,
     ) -> Result<(), StepError> {
         match kind {
-            Kind::Touch(axis) => self.collide(world, pair, axis, true, observer)?,
+            Kind::Touch(axis) => self.collide(world, pair, usize::from(axis), true, observer)?,
             Kind::Corner => {
                 self.collide(world, pair, 0, false, observer)?;
                 self.collide(world, pair, 1, false, observer)?;
             }
-            Kind::Part(axis) => self.part(pair, axis),
+            Kind::Part(axis) => self.part(pair, usize::from(axis)),
         }
         self.predict_changed();
         Ok(())
@@ -244,13 +246,14 @@ impl EventDriven {
         }
     }
 
-    /// A size that nine tenths of the moving bodies do not exceed, m.
+    /// The greatest size of moving bodies, but for a few much larger than the rest, m.
     fn usual_size(&self) -> f64 {
         let moving = (0..self.movers.len()).filter(|slot| self.traits[*slot].alive && !self.movers[*slot].infinite);
         let longer = |[width, height]: [f64; 2]| if width > height { width } else { height };
         let mut sizes: Vec<f64> = moving.map(|slot| longer(self.movers[slot].size)).collect();
         sizes.sort_unstable_by(f64::total_cmp);
-        sizes.get(sizes.len() * 9 / 10).copied().unwrap_or(1.0)
+        let Some(large) = sizes.get(sizes.len() * 9 / 10) else { return 1.0 };
+        sizes[sizes.partition_point(|size| *size <= 2.0 * large) - 1]
     }
 
     /// Gives a body a new motion along one axis from now on.

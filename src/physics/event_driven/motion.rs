@@ -27,7 +27,11 @@ impl Motion {
     }
 
     /// Position, m, and velocity, m/s, at an instant.
+    #[inline]
     pub fn at(&self, clock: &Clock, instant: Instant) -> (f64, f64) {
+        if self.is_still() {
+            return (self.position, self.velocity);
+        }
         let t = clock.seconds(self.since, instant);
         (self.position_after(t), self.velocity_after(t))
     }
@@ -46,6 +50,7 @@ impl Motion {
 /// Kahan, "On the cost of floating-point computation without extra-precise arithmetic",
 /// 2004). A gap of exactly 0 that shrinks or is pressed closes at once; a negative gap has
 /// to open first.
+#[inline]
 pub fn closing_time(gap: f64, speed: f64, acceleration: f64) -> f64 {
     if acceleration == 0.0 {
         return if speed > 0.0 && gap >= 0.0 { gap / speed } else { f64::INFINITY };

@@ -11,7 +11,7 @@ const NONE: u32 = u32::MAX;
 
 /// A box is at most this fraction of its cell's side, so that with [`SLACK`] on either side
 /// it never reaches beyond the neighbouring cells.
-const FILL: f64 = 0.9;
+const FILL: f64 = 0.93;
 
 /// A box has left its cell when its centre is this fraction of the side outside it. Without
 /// it a rounding could make a box cross the same border for ever.
@@ -102,7 +102,7 @@ impl Grid {
     }
 
     fn cell(&self, point: [f64; 2]) -> [i64; 2] {
-        point.map(|coordinate| (coordinate / self.side).floor() as i64)
+        point.map(|coordinate| floor(coordinate / self.side))
     }
 
     fn anchor(&mut self, slot: Slot, [low, high]: [[f64; 2]; 2]) {
@@ -133,7 +133,7 @@ impl Grid {
 impl Neighbours {
     /// Grids for boxes whose usual longer side is `size`, m.
     pub fn new(size: f64) -> Neighbours {
-        Neighbours { base: size / FILL * 1.02, grids: Vec::new(), seats: Vec::new(), anchored: Vec::new() }
+        Neighbours { base: size / FILL, grids: Vec::new(), seats: Vec::new(), anchored: Vec::new() }
     }
 
     /// Enters a body.
@@ -240,7 +240,9 @@ impl Neighbours {
             let (_, velocity) = mover.motion[axis].at(clock, now);
             let fall = mover.motion[axis].acceleration.abs() * clock.period;
             let covered = (velocity.abs() + fall) * clock.period / CELLS_PER_STEP;
-            for need in [mover.size[axis] / FILL, covered, centre[axis].abs() / (1u64 << 40) as f64] {
+            for need in
+                [mover.size[axis] / FILL * (1.0 - f64::EPSILON), covered, centre[axis].abs() / (1u64 << 40) as f64]
+            {
                 if need > needed {
                     needed = need;
                 }
@@ -263,34 +265,49 @@ impl Neighbours {
         }
     }
 
+    /// Whether a body is surely in the right grid: a quick look that spares a long one.
+    fn suits(&self, clock: &Clock, grid: usize, mover: &Mover, speed: f64) -> bool {
+        let side = self.grids[grid].side;
+        let larger = mover.size[0] + mover.size[1];
+        speed * clock.period < side && larger * 2.0 > side
+    }
+
     /// When after `now` a body leaves its cell; never for an anchored one.
     pub fn leaving(&self, clock: &Clock, slot: Slot, mover: &Mover, now: Instant) -> Instant {
-        let seat = self.seats[slot as usize];
-        if seat.grid == NONE {
-            return Instant::NEVER;
-        }
+        let seat = &self.seats[slot as usize];
         let side = self.grids[seat.grid as usize].side;
-        let mut first = Instant::NEVER;
+        let mut first = f64::INFINITY;
         for axis in AXES {
             let motion = &mover.motion[axis];
+            if motion.is_still() {
+                continue;
+            }
             let low = seat.cell[axis] as f64 * side;
             let (position, velocity) = motion.at(clock, now);
             let centre = position + mover.size[axis] / 2.0;
+            if motion.acceleration == 0.0 {
+                let border = if velocity > 0.0 { low + side * (1.0 + SLACK) } else { low - side * SLACK };
+                let leaves = (border - centre) / velocity;
+                first = if leaves < first { leaves } else { first };
+                continue;
+            }
             let ahead = closing_time((low + side * (1.0 + SLACK)) - centre, velocity, motion.acceleration);
             let behind = closing_time(centre - (low - side * SLACK), -velocity, -motion.acceleration);
-            let leaves = clock.after(now, if ahead < behind { ahead } else { behind });
-            if leaves.is_before(first) {
-                first = leaves;
-            }
+            let leaves = if ahead < behind { ahead } else { behind };
+            first = if leaves < first { leaves } else { first };
         }
-        first
+        clock.after(now, if first > 0.0 { first } else { 0.0 })
     }
 
     /// Moves a body to the cell it is in now and shows each that may have come near.
     pub fn cross(&mut self, clock: &Clock, slot: Slot, mover: &Mover, now: Instant, mut show: impl FnMut(Slot)) {
         let seat = self.seats[slot as usize];
-        let centre = centre(clock, mover, now);
-        let grid = self.grid_for(clock, mover, now, centre);
+        let states = [mover.motion[0].at(clock, now), mover.motion[1].at(clock, now)];
+        let centre = [states[0].0 + mover.size[0] / 2.0, states[1].0 + mover.size[1] / 2.0];
+        let mut grid = seat.grid as usize;
+        if !self.suits(clock, grid, mover, states[0].1.abs() + states[1].1.abs()) {
+            grid = self.grid_for(clock, mover, now, centre);
+        }
         if grid != seat.grid as usize {
             self.rise(slot);
             self.sit(slot, grid, centre);
@@ -300,11 +317,10 @@ impl Neighbours {
         let cell = self.grids[grid].cell(centre);
         self.unlink(slot);
         self.link(slot, cell);
-        for y in -1..=1 {
-            for x in -1..=1 {
-                let other = [cell[0].saturating_add(x), cell[1].saturating_add(y)];
-                if AXES.iter().any(|axis| other[*axis].abs_diff(seat.cell[*axis]) > 1) {
-                    self.show_bucket(grid, other, &mut show);
+        for y in cell[1].saturating_sub(1)..=cell[1].saturating_add(1) {
+            for x in cell[0].saturating_sub(1)..=cell[0].saturating_add(1) {
+                if x.abs_diff(seat.cell[0]) > 1 || y.abs_diff(seat.cell[1]) > 1 {
+                    self.show_bucket(grid, [x, y], &mut show);
                 }
             }
         }
@@ -317,10 +333,15 @@ impl Neighbours {
     pub fn near(&self, slot: Slot, mover: &Mover, mut show: impl FnMut(Slot)) {
         let seat = &self.seats[slot as usize];
         let grid = seat.grid as usize;
-        let [x, y] = seat.cell;
-        for y in [y.saturating_sub(1), y, y.saturating_add(1)] {
-            for x in [x.saturating_sub(1), x, x.saturating_add(1)] {
-                self.show_bucket(grid, [x, y], &mut show);
+        let (cells, mask) = (&self.grids[grid], self.grids[grid].buckets.len() as u64 - 1);
+        let middle = cells.bucket(seat.cell) as u64;
+        for row in [middle.wrapping_sub(cells.row), middle, middle.wrapping_add(cells.row)] {
+            for bucket in [row.wrapping_sub(1), row, row.wrapping_add(1)] {
+                let mut slot = cells.buckets[(bucket & mask) as usize].first;
+                while slot != NONE {
+                    show(slot);
+                    slot = self.seats[slot as usize].next;
+                }
             }
         }
         self.show_anchors(grid, seat.cell, &mut show);
@@ -385,6 +406,12 @@ impl Neighbours {
         }
         self.anchored.iter().for_each(|(slot, _)| show(*slot));
     }
+}
+
+/// The greatest whole number not above this one, as far as there are such numbers.
+fn floor(number: f64) -> i64 {
+    let whole = number as i64;
+    if whole as f64 > number { whole.saturating_sub(1) } else { whole }
 }
 
 fn centre(clock: &Clock, mover: &Mover, now: Instant) -> [f64; 2] {

@@ -1,7 +1,7 @@
 //! What each body expects next: its first meeting, and when it leaves its cell.
 
 use super::instant::Instant;
-use super::meeting::{Kind, meeting, parting};
+use super::meeting::{Kind, State, meeting, parting};
 use super::mover::{Mover, Slot};
 use super::schedule::Turn;
 use super::{Contacts, EventDriven, instant::Clock};
@@ -60,19 +60,38 @@ fn pair(slot: Slot, other: Slot) -> [Slot; 2] {
     if slot < other { [slot, other] } else { [other, slot] }
 }
 
-/// Asks when a body meets another and keeps it if it is the first meeting.
-fn ask(clock: &Clock, movers: &[Mover], contacts: &Contacts, slot: Slot, other: Slot, first: &mut Option<Meeting>) {
-    let (mover, partner) = (&movers[slot as usize], &movers[other as usize]);
-    if slot == other || (mover.infinite && partner.infinite) {
-        return;
+/// A body that asks others when they meet, and keeps the first answer.
+struct Asker<'a> {
+    clock: &'a Clock,
+    movers: &'a [Mover],
+    contacts: &'a Contacts,
+    slot: Slot,
+    /// Since when it has moved as it does.
+    state: State<'a>,
+    first: Option<Meeting>,
+}
+
+impl<'a> Asker<'a> {
+    fn new(solver: &'a EventDriven, slot: Slot, first: Option<Meeting>) -> Asker<'a> {
+        let mover = &solver.movers[slot as usize];
+        let state = State::new(&solver.clock, mover, mover.since);
+        Asker { clock: &solver.clock, movers: &solver.movers, contacts: &solver.contacts, slot, state, first }
     }
-    let in_contact = if mover.infinite { contacts.between(other, slot) } else { contacts.between(slot, other) };
-    if in_contact.is_some() {
-        return;
-    }
-    if let Some((at, kind)) = meeting(clock, mover, partner) {
-        let turn = Turn { at, pair: pair(slot, other) };
-        keep_first(first, Meeting { turn, kind, partner: other, generation: partner.generation });
+
+    fn ask(&mut self, other: Slot) {
+        let partner = &self.movers[other as usize];
+        let infinite = self.movers[self.slot as usize].infinite;
+        if self.slot == other || (infinite && partner.infinite) {
+            return;
+        }
+        let [finite, known] = if infinite { [other, self.slot] } else { [self.slot, other] };
+        if self.contacts.between(finite, known).is_some() {
+            return;
+        }
+        if let Some((at, kind)) = meeting(self.clock, &self.state, partner) {
+            let turn = Turn { at, pair: pair(self.slot, other) };
+            keep_first(&mut self.first, Meeting { turn, kind, partner: other, generation: partner.generation });
+        }
     }
 }
 
@@ -83,9 +102,9 @@ impl EventDriven {
         if mover.is_anchored() {
             return;
         }
-        let mut first = None;
-        let (clock, movers, contacts) = (&self.clock, &self.movers, &self.contacts);
-        self.neighbours.near(slot, mover, |other| ask(clock, movers, contacts, slot, other, &mut first));
+        let mut asker = Asker::new(self, slot, None);
+        self.neighbours.near(slot, mover, |other| asker.ask(other));
+        let mut first = asker.first;
         self.foresee_partings(slot, &mut first);
         let leaving = self.neighbours.leaving(&self.clock, slot, mover, self.now);
         self.expect(slot, Outlook { meeting: first, leaving });
@@ -93,11 +112,14 @@ impl EventDriven {
 
     /// Moves a body to its next cell and asks those who came near by it.
     pub(super) fn cross(&mut self, slot: Slot) {
-        let mut first = self.outlooks[slot as usize].meeting;
-        let (clock, movers, contacts) = (&self.clock, &self.movers, &self.contacts);
-        let mover = &movers[slot as usize];
-        self.neighbours
-            .cross(clock, slot, mover, self.now, |other| ask(clock, movers, contacts, slot, other, &mut first));
+        let mut came_near = std::mem::take(&mut self.came_near);
+        let mover = &self.movers[slot as usize];
+        self.neighbours.cross(&self.clock, slot, mover, self.now, |other| came_near.push(other));
+        let mut asker = Asker::new(self, slot, self.outlooks[slot as usize].meeting);
+        came_near.drain(..).for_each(|other| asker.ask(other));
+        let first = asker.first;
+        self.came_near = came_near;
+        let mover = &self.movers[slot as usize];
         let leaving = self.neighbours.leaving(&self.clock, slot, mover, self.now);
         self.expect(slot, Outlook { meeting: first, leaving });
     }
@@ -107,7 +129,7 @@ impl EventDriven {
             let partner = &self.movers[contact.other as usize];
             if let Some(at) = parting(&self.clock, contact.axis, &self.movers[slot as usize], partner) {
                 let turn = Turn { at, pair: pair(slot, contact.other) };
-                let kind = Kind::Part(contact.axis);
+                let kind = Kind::Part(contact.axis as u8);
                 keep_first(first, Meeting { turn, kind, partner: contact.other, generation: partner.generation });
             }
         }

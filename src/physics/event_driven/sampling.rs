@@ -1,7 +1,7 @@
 //! What can be seen of the motions: the state at each step.
 
+use super::EventDriven;
 use super::mover::{Mover, Slot};
-use super::{EventDriven, instant::Instant};
 use crate::physics::{StepError, Vector, World};
 
 const NONE: u32 = u32::MAX;
@@ -54,16 +54,18 @@ impl Moving {
 impl EventDriven {
     /// Writes the state at the end of the step into the world.
     pub(super) fn sample(&mut self, world: &mut World, step: u64) -> Result<(), StepError> {
-        let instant = Instant::start_of(step + 1);
+        let end = (step + 1) as f64;
         let stopped = std::mem::take(&mut self.moving.stopped);
         for slot in self.moving.slots.iter().chain(&stopped) {
             let mover = &self.movers[*slot as usize];
             let body = &mut world.bodies[self.traits[*slot as usize].place as usize];
-            let (x, vx) = mover.motion[0].at(&self.clock, instant);
-            let (y, vy) = mover.motion[1].at(&self.clock, instant);
+            let [(x, vx), (y, vy)] = [&mover.motion[0], &mover.motion[1]].map(|motion| {
+                let t = (end - motion.since.step) / self.clock.rate - motion.since.offset;
+                (motion.position_after(t), motion.velocity_after(t))
+            });
             body.rect.origin = Vector::new(x, y);
             body.velocity = Vector::new(vx, vy);
-            if !(body.velocity.is_finite() && body.rect.origin.is_finite()) {
+            if !(x - x + (y - y) + (vx - vx) + (vy - vy) == 0.0) {
                 return Err(StepError::NotFinite { step, body: body.name.clone() });
             }
         }

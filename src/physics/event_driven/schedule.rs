@@ -10,6 +10,9 @@ use std::collections::BinaryHeap;
 
 const NONE: u32 = u32::MAX;
 
+/// With so many bodies for each slice of a step, few meet in a slice.
+const BODIES_PER_SLICE: u64 = 16;
+
 /// The wheel reaches so many steps ahead; what comes later is looked at again then.
 const STEPS: u64 = 64;
 
@@ -88,8 +91,8 @@ const IDLE: Pending = Pending {
 #[derive(Clone, Debug)]
 pub struct Schedule {
     clock: Clock,
-    /// Slices a step; a power of two.
-    slices: u64,
+    /// Slices a step: 2 to this power.
+    fineness: u32,
     /// The slice at hand.
     present: u64,
     /// First body of each slice of the wheel.
@@ -103,12 +106,12 @@ pub struct Schedule {
 impl Schedule {
     /// An empty schedule at the start of a step, fit for so many bodies.
     pub fn new(clock: Clock, step: u64, bodies: usize) -> Schedule {
-        let slices = (bodies as u64 / 4).clamp(1, 1 << 12).next_power_of_two();
+        let fineness = (bodies as u64 / BODIES_PER_SLICE).clamp(1, 1 << 10).next_power_of_two().trailing_zeros();
         Schedule {
             clock,
-            slices,
-            present: step * slices,
-            wheel: vec![NONE; (STEPS * slices) as usize],
+            fineness,
+            present: step << fineness,
+            wheel: vec![NONE; (STEPS << fineness) as usize],
             waiting: vec![0; STEPS as usize],
             pending: Vec::new(),
             heap: BinaryHeap::new(),
@@ -131,7 +134,7 @@ impl Schedule {
 
     /// The first turn of all, if it is due by the end of the step, and the body whose it is.
     pub fn next(&mut self, step: u64) -> Option<(Slot, Turn)> {
-        let end = (step + 1) * self.slices;
+        let end = (step + 1) << self.fineness;
         loop {
             while let Some(Reverse(first)) = self.heap.peek().copied() {
                 self.heap.pop();
@@ -148,23 +151,23 @@ impl Schedule {
 
     /// Enters the step: what is due in its first slice is at hand.
     pub fn begin(&mut self, step: u64) {
-        if self.present < step * self.slices {
-            self.present = step * self.slices;
+        if self.present < step << self.fineness {
+            self.present = step << self.fineness;
             self.open();
         }
     }
 
     /// Goes on to the next slice, or over the rest of a step in which nobody waits.
     fn advance(&mut self) {
-        let step = self.present / self.slices;
+        let step = self.present >> self.fineness;
         let empty = self.waiting[(step % STEPS) as usize] == 0;
-        self.present = if empty { (step + 1) * self.slices - 1 } else { self.present + 1 };
+        self.present = if empty { ((step + 1) << self.fineness) - 1 } else { self.present + 1 };
         self.open();
     }
 
     /// Puts what waits in the present slice into the heap, or further off if it is not due.
     fn open(&mut self) {
-        let place = (self.present % self.wheel.len() as u64) as usize;
+        let place = (self.present & (self.wheel.len() as u64 - 1)) as usize;
         let mut slot = self.wheel[place];
         while slot != NONE {
             let next = self.pending[slot as usize].next;
@@ -176,21 +179,21 @@ impl Schedule {
 
     fn enter(&mut self, slot: Slot) {
         let pending = &mut self.pending[slot as usize];
-        let within = (pending.turn.at.offset * self.clock.rate * self.slices as f64) as u64;
-        let within = if within < self.slices { within } else { self.slices - 1 };
-        let slice = (pending.turn.at.step as u64).saturating_mul(self.slices).saturating_add(within);
+        let last = (1 << self.fineness) - 1;
+        let within = (pending.turn.at.offset * self.clock.rate * (1_u64 << self.fineness) as f64) as u64;
+        let slice = ((pending.turn.at.step as u64) << self.fineness) + if within < last { within } else { last };
         if slice <= self.present {
             self.heap.push(Reverse(Waiting { turn: pending.turn, slot, stamp: pending.stamp }));
             return;
         }
-        let furthest = (self.present / self.slices + STEPS) * self.slices - 1;
+        let furthest = (((self.present >> self.fineness) + STEPS) << self.fineness) - 1;
         pending.slice = if slice < furthest { slice } else { furthest };
-        let place = (pending.slice % self.wheel.len() as u64) as usize;
+        let place = (pending.slice & (self.wheel.len() as u64 - 1)) as usize;
         pending.place = place as u32;
         pending.previous = NONE;
         pending.next = self.wheel[place];
         let next = pending.next;
-        self.waiting[(pending.slice / self.slices % STEPS) as usize] += 1;
+        self.waiting[((pending.slice >> self.fineness) % STEPS) as usize] += 1;
         self.wheel[place] = slot;
         if next != NONE {
             self.pending[next as usize].previous = slot;
@@ -202,7 +205,7 @@ impl Schedule {
         if pending.place == NONE {
             return;
         }
-        self.waiting[(pending.slice / self.slices % STEPS) as usize] -= 1;
+        self.waiting[((pending.slice >> self.fineness) % STEPS) as usize] -= 1;
         if pending.previous == NONE {
             self.wheel[pending.place as usize] = pending.next;
         } else {
