@@ -2,7 +2,7 @@
 
 use super::EventDriven;
 use super::contact::Pushed;
-use super::impact::{Blow, capture_speed};
+use super::impact::{Blow, LONGEST_HURRY, capture_speed, is_no_way};
 use super::meeting::tolerance;
 use super::mover::{AXES, Slot};
 use crate::physics::{Collision, Observer, Rect, StepError, Vector, World};
@@ -100,8 +100,8 @@ impl EventDriven {
         }
     }
 
-    /// The e of this impact: the materials', or 0 below the capture speed.
-    fn restitution(&self, world: &World, encounter: &Encounter, axis: usize) -> f64 {
+    /// The e of this impact: the materials', or 0 where a Zeno sequence is to end.
+    fn restitution(&mut self, world: &World, encounter: &Encounter, axis: usize) -> f64 {
         let [first, second] = encounter.slots.map(|slot| &self.traits[slot as usize]);
         let e = world.restitution.between(first.material, second.material);
         if encounter.approach <= 0.0 {
@@ -113,8 +113,24 @@ impl EventDriven {
         let accelerations = first.free_fall.iter().chain(&second.free_fall);
         let acceleration = accelerations.fold(0.0, |most, a| if a.abs() > most { a.abs() } else { most });
         let velocities = encounter.velocity[0].abs() + encounter.velocity[1].abs();
-        let captured = encounter.approach < capture_speed(acceleration, self.coordinates(encounter, axis), velocities);
-        if captured { 0.0 } else { e }
+        let coordinates = self.coordinates(encounter, axis);
+        let hurries = encounter.slots.map(|slot| self.hurry(slot, axis, coordinates) > LONGEST_HURRY);
+        let slow = encounter.approach < capture_speed(acceleration, coordinates, velocities);
+        if slow || hurries != [false; 2] { 0.0 } else { e }
+    }
+
+    /// Counts the impacts of a body that follow each other without any way between them.
+    fn hurry(&mut self, slot: Slot, axis: usize, coordinates: f64) -> u8 {
+        let mover = &mut self.movers[slot as usize];
+        if mover.infinite {
+            return 0;
+        }
+        let motion = &mover.motion[axis];
+        let t = self.clock.seconds(motion.since, self.now);
+        let way = t * (motion.velocity.abs() + 0.5 * motion.acceleration.abs() * t);
+        let hurry = &mut mover.hurry[axis];
+        *hurry = if is_no_way(way, coordinates) { hurry.saturating_add(1) } else { 0 };
+        *hurry
     }
 
     /// How large the coordinates are whose rounding decides whether the two touch, m.
@@ -211,7 +227,7 @@ impl EventDriven {
         slot
     }
 
-    /// The error of a step in which more happened than is allowed: a squeeze, if it is one.
+    /// The error of a step in which more happened than is allowed.
     pub(super) fn too_many(&self, world: &World, step: u64, pair: [Slot; 2]) -> StepError {
         let bodies = pair.map(|slot| self.name(world, slot)).to_vec();
         StepError::TooManyEvents { step, limit: self.limit, bodies }

@@ -52,6 +52,9 @@ impl Blow {
     }
 }
 
+/// Ways and heights of this many units in the last place of the coordinates are rounding.
+const C: f64 = 128.0 * f64::EPSILON;
+
 /// An impact slower than this is plastic where e < 1, m/s.
 ///
 /// Bouncing up at this speed a body would rise by no more than C units in the last place of
@@ -60,9 +63,20 @@ impl Blow {
 /// 2·v/(a·(1 − e)). Where nothing accelerates, the limit is a motion by C units in the last
 /// place of the coordinates in a second, or of the velocities, if that is more.
 pub fn capture_speed(acceleration: f64, coordinates: f64, velocities: f64) -> f64 {
-    const C: f64 = 128.0 * f64::EPSILON;
     let limits = [(2.0 * acceleration * coordinates * C).sqrt(), coordinates * C, velocities * C];
     limits.into_iter().fold(0.0, |greatest, limit| if limit > greatest { limit } else { greatest })
+}
+
+/// After this many impacts in a row without a way between them, e < 1 becomes 0.
+///
+/// A light box under a heavy falling one bounces faster and faster in a gap that shrinks to
+/// nothing in finite time, and only after infinitely many impacts, all below any
+/// resolution, are both at rest. That limit is the plastic impact of all of them.
+pub const LONGEST_HURRY: u8 = 100;
+
+/// Whether a way, m, is nothing among coordinates of that size, m.
+pub fn is_no_way(way: f64, coordinates: f64) -> bool {
+    way <= coordinates * C
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! The solver's state as flat lists, and back.
 //!
-//! Integers: [`LAYOUT`], the number of bodies; for each its two reference steps; the number
+//! Integers: [`LAYOUT`], the number of bodies; for each and axis its reference step
+//! and its impacts in a row; the number
 //! of contacts; for each the places behind and ahead and the axis; the number of bodies not
 //! yet admitted, and their places. Numbers: for each body and axis position, velocity,
 //! acceleration and offset of the reference instant. Bodies by their place in the world.
@@ -21,8 +22,9 @@ impl EventDriven {
         memory.integers.extend([LAYOUT, alive.len() as u64]);
         let mut contacts: Vec<[u64; 3]> = Vec::new();
         for slot in alive {
-            for motion in &self.movers[slot].motion {
-                memory.integers.push(motion.since.step as u64);
+            let mover = &self.movers[slot];
+            for (motion, hurry) in mover.motion.iter().zip(mover.hurry) {
+                memory.integers.extend([motion.since.step as u64, u64::from(hurry)]);
                 memory.numbers.extend([motion.position, motion.velocity, motion.acceleration, motion.since.offset]);
             }
             contacts.extend(self.contacts_of(slot));
@@ -71,9 +73,11 @@ impl EventDriven {
         self.clear();
         for (place, body) in world.bodies.iter().enumerate() {
             let slot = self.add(body, place, Instant::start_of(step));
-            self.movers[slot as usize].motion = [reader.motion(step)?, reader.motion(step)?];
-            let [x, y] = self.movers[slot as usize].motion;
-            self.movers[slot as usize].since = x.since.or_later(y.since);
+            let mover = &mut self.movers[slot as usize];
+            for axis in AXES {
+                (mover.motion[axis], mover.hurry[axis]) = reader.motion(step)?;
+            }
+            mover.since = mover.motion[0].since.or_later(mover.motion[1].since);
         }
         self.restore_contacts(&mut reader)?;
         for _ in 0..reader.integer()? {
@@ -154,8 +158,9 @@ impl Reader<'_> {
         if place < bodies as u64 { Ok(place as Slot) } else { Err(format!("there is no body at place {place}")) }
     }
 
-    fn motion(&mut self, step: u64) -> Result<Motion, String> {
+    fn motion(&mut self, step: u64) -> Result<(Motion, u8), String> {
         let since = self.integer()?;
+        let hurry = u8::try_from(self.integer()?).map_err(|_| "a body has too many impacts in a row")?;
         if since > step {
             return Err(format!("a body moves since step {since}, which is to come"));
         }
@@ -165,7 +170,7 @@ impl Reader<'_> {
             return Err(format!("a step has no instant {offset} s"));
         }
         let since = Instant { step: since as f64, offset };
-        Ok(Motion { position, velocity, acceleration, since })
+        Ok((Motion { position, velocity, acceleration, since }, hurry))
     }
 
     fn end(&self) -> Result<(), String> {

@@ -106,7 +106,7 @@ impl EventDriven {
             Motion { position, velocity, acceleration: free_fall[axis], since }
         });
         let size = [body.rect.width(), body.rect.height()];
-        self.movers.push(Mover { motion, size, since, generation: 0, infinite, held: [[false; 2]; 2] });
+        self.movers.push(Mover { motion, size, since, generation: 0, infinite, held: [[false; 2]; 2], hurry: [0; 2] });
         let forced = AXES.map(|axis| !infinite && force[axis] != 0.0);
         AXES.into_iter().for_each(|axis| self.forced[axis] += u32::from(forced[axis]));
         let (mass, material) = (body.mass, body.material);

@@ -1,4 +1,4 @@
-use super::instant::{Clock, Instant};
+use super::instant::Instant;
 use super::motion::Motion;
 use crate::physics::{BodyId, Material};
 
@@ -23,6 +23,8 @@ pub struct Mover {
     pub infinite: bool,
     /// For each axis, whether contacts lead on from it to an infinite mass: behind, ahead.
     pub held: [[bool; 2]; 2],
+    /// For each axis, how many impacts in a row have come without any way between them.
+    pub hurry: [u8; 2],
 }
 
 impl Mover {
@@ -34,12 +36,6 @@ impl Mover {
     /// Whether a push along the axis (`ahead`: towards greater coordinates) cannot move it.
     pub fn is_immovable(&self, axis: usize, ahead: bool) -> bool {
         self.infinite || self.held[axis][usize::from(ahead)]
-    }
-
-    /// The near and the far face along an axis at an instant, m.
-    pub fn faces(&self, clock: &Clock, axis: usize, instant: Instant) -> [f64; 2] {
-        let (near, _) = self.motion[axis].at(clock, instant);
-        [near, near + self.size[axis]]
     }
 }
 
