@@ -10,10 +10,16 @@ mod clips;
 mod command_line;
 #[path = "integration/command_line_errors.rs"]
 mod command_line_errors;
+#[path = "integration/double_double.rs"]
+mod double_double;
 #[path = "integration/event_driven_contacts.rs"]
 mod event_driven_contacts;
 #[path = "integration/event_driven_impacts.rs"]
 mod event_driven_impacts;
+#[path = "integration/event_driven_laws.rs"]
+mod event_driven_laws;
+#[path = "integration/event_driven_truth.rs"]
+mod event_driven_truth;
 #[path = "integration/frames.rs"]
 mod frames;
 #[path = "integration/handout_limits.rs"]

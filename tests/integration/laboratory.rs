@@ -7,7 +7,7 @@ use rebond::physics::{
 pub const INFINITE: f64 = f64::INFINITY;
 
 /// What a world is told: 60 Hz, e = 1, no gravity, unless it says otherwise.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub struct Conditions {
     pub rate: f64,
     pub restitution: f64,
