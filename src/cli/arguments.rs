@@ -18,7 +18,7 @@ pub enum Command {
     Record(RecordOptions),
     /// Run a recording again and compare every recorded state bit for bit
     Replay(ReplayOptions),
-    /// Draw a scene or a recording as GIF or PNG
+    /// Draw a scene or a recording as GIF, animated PNG or PNG
     Render(RenderOptions),
     /// Draw a lecture figure of a scene or a recording as PNG, SVG or PDF
     Figure(FigureCommandOptions),
@@ -115,7 +115,7 @@ pub struct LookOptions {
 /// Options of `render`.
 #[derive(Args, Debug)]
 #[command(after_help = "\
-OUT.gif is an animation, OUT.png with --at one picture, any other name a folder of
+OUT.gif and OUT.apng are animations, OUT.png with --at one picture, any other name a folder of
 000000.png, 000001.png, ... Flags override the scene's [figure].
 
 Examples:

@@ -76,12 +76,13 @@ fn sampling(options: &RenderOptions, kind: Kind, source: &Source, survey: &Surve
     let thinning = match (options.every, options.fps, kind) {
         (Some(every), _, _) => Thinning::Every(every),
         (None, Some(fps), _) => Thinning::FramesPerSecond(fps),
-        (None, None, Kind::Gif) => Thinning::FramesPerSecond(fps),
+        (None, None, Kind::Gif | Kind::Apng) => Thinning::FramesPerSecond(fps),
         (None, None, Kind::Picture | Kind::Sequence) => Thinning::All,
     };
     let steps = from..=if to < last { to } else { last };
     let sampling = Sampling::new(steps, source.header.settings.rate, thinning);
     let sampling = if kind == Kind::Gif { sampling.no_faster_than(FASTEST_GIF) } else { sampling };
+    let sampling = sampling.among_every(source.header.every);
     if sampling.count() == 0 {
         let every = sampling.every;
         let asked = if from == to { format!("step {from}") } else { format!("steps {from} to {to} by {every}") };

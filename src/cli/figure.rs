@@ -112,7 +112,7 @@ fn sampling(options: &FigureCommandOptions, source: &Source, survey: &Survey) ->
     };
     let fitting = to.saturating_sub(from).div_ceil(wanted - 1).max(1);
     let every = Thinning::Every(options.every.unwrap_or(fitting));
-    let sampling = Sampling::new(from..=to, source.header.settings.rate, every);
+    let sampling = Sampling::new(from..=to, source.header.settings.rate, every).among_every(source.header.every);
     if sampling.count() == 0 {
         let what = format!("steps {from} to {to} by {} of a recording whose last step is {last}", sampling.every);
         return Err(CommandError::NoSuchStep { what });

@@ -15,19 +15,25 @@ pub fn run(options: &RenderOptions) -> Result<Exit, CommandError> {
     let source = Source::open(&options.source)?;
     let clip = Clip::plan(options, kind, &source)?;
     let exit = match kind {
-        Kind::Gif => gif(options, &clip)?,
+        Kind::Gif | Kind::Apng => animation(options, &clip, kind)?,
         Kind::Picture => picture(options, &clip)?,
         Kind::Sequence => sequence(options, &clip)?,
     };
     Ok(exit)
 }
 
-fn gif(options: &RenderOptions, clip: &Clip) -> Result<Exit, CommandError> {
+fn animation(options: &RenderOptions, clip: &Clip, kind: Kind) -> Result<Exit, CommandError> {
     let mut frames = clip.frames()?;
     let bar = progress::bar("drawing", clip.sampling.count());
     output::write_file(&options.output.output, options.output.force, |output| {
         let frames = bar.wrap_iter(frames.by_ref());
-        render::write_gif(frames, &clip.view, &clip.sampling, &clip.metadata, clip.threads, output)
+        let Clip { view, sampling, metadata, threads, .. } = clip;
+        match kind {
+            Kind::Apng => render::write_apng(frames, view, sampling, metadata, *threads, output),
+            Kind::Gif | Kind::Picture | Kind::Sequence => {
+                render::write_gif(frames, view, sampling, metadata, *threads, output)
+            }
+        }
     })?;
     bar.finish_and_clear();
     tell(options, clip)?;

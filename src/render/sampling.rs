@@ -49,6 +49,14 @@ impl Sampling {
         Sampling { every: self.every.max(least), ..self }
     }
 
+    /// The same, thinned further if need be to a grid on which every `recorded`-th step lies: for
+    /// recordings that hold no other states. 0 counts as 1.
+    pub fn among_every(self, recorded: u64) -> Sampling {
+        let recorded = recorded.max(1);
+        let common = (1..=recorded).find(|times| (self.every.saturating_mul(*times)).is_multiple_of(recorded));
+        Sampling { every: self.every.saturating_mul(common.unwrap_or(recorded)), ..self }
+    }
+
     /// Whether that step becomes a frame.
     pub fn shows(&self, step: u64) -> bool {
         self.steps.contains(&step) && step.is_multiple_of(self.every)
@@ -174,6 +182,15 @@ mod tests {
     fn a_gif_shows_at_most_50_frames_per_second() {
         let every = |rate| Sampling::new(0..=10, rate, Thinning::All).no_faster_than(FASTEST_GIF).every;
         assert_eq!([every(50.0), every(60.0), every(100.0), every(120.0), every(24.0)], [1, 2, 2, 3, 1]);
+    }
+
+    #[test]
+    fn only_recorded_steps_become_frames() {
+        let every = |every, recorded| Sampling::new(0..=90, 60.0, Thinning::Every(every)).among_every(recorded).every;
+        assert_eq!(
+            [every(2, 1), every(2, 10), every(4, 10), every(7, 3), every(10, 2), every(3, 0)],
+            [2, 10, 20, 21, 10, 3]
+        );
     }
 
     #[test]

@@ -135,6 +135,23 @@ fn render_makes_a_gif_of_the_true_duration() {
 }
 
 #[test]
+fn an_animation_of_a_thinned_recording_shows_what_was_recorded() {
+    let workplace = Workplace::with_scene(SCENE);
+    workplace.done("record scene.toml -o thin.mcap --every 10");
+    for name in ["thin.gif", "thin.apng"] {
+        let outcome = workplace.done(&format!("render thin.mcap -o {name}"));
+        assert!(outcome.output.contains("every 10th step"), "{outcome:?}");
+    }
+    let file = workplace.read("thin.gif");
+    let mut decoder = gif::DecodeOptions::new().read_info(&file[..]).unwrap();
+    let mut delays = Vec::new();
+    while let Some(frame) = decoder.read_next_frame().unwrap() {
+        delays.push(u32::from(frame.delay));
+    }
+    assert_eq!((delays.len(), delays.iter().sum::<u32>()), (10, 150));
+}
+
+#[test]
 fn a_recording_and_its_scene_give_the_same_pictures() {
     let workplace = recorded();
     workplace.done("render scene.toml -o of-scene.gif --show velocity,name,clock");
