@@ -65,7 +65,7 @@ impl EventDriven {
             });
             body.rect.origin = Vector::new(x, y);
             body.velocity = Vector::new(vx, vy);
-            if !(x - x + (y - y) + (vx - vx) + (vy - vy) == 0.0) {
+            if !(body.rect.origin.is_finite() && body.velocity.is_finite()) {
                 return Err(StepError::NotFinite { step, body: body.name.clone() });
             }
         }
