@@ -166,6 +166,42 @@ proptest! {
     }
 }
 
+/// Any magnitude a float can have, either sign.
+fn wild() -> impl Strategy<Value = f64> {
+    prop_oneof![
+        3 => -5.0..5.0,
+        1 => (-300..300_i32, -9.0..9.0).prop_map(|(exponent, digit): (i32, f64)| format!("{digit}e{exponent}").parse().unwrap()),
+        1 => (8..20_i32, -9.0..9.0).prop_map(|(exponent, digit): (i32, f64)| format!("{digit}e{exponent}").parse().unwrap()),
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 256, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn no_numbers_make_it_hang_or_panic(
+        numbers in prop::collection::vec([wild(), wild(), wild(), wild(), wild(), wild(), wild(), wild(), wild()], 2..8),
+        gravity in [wild(), wild()],
+        restitution in 0.0..=1.0,
+        rate in wild(),
+    ) {
+        let positive = |number: f64| number.abs() + f64::MIN_POSITIVE;
+        let bodies: Vec<Sketch> = numbers.iter().enumerate().map(|(n, [x, y, width, height, mass, vx, vy, fx, fy])| {
+            let mass = if n % 3 == 2 { INFINITE } else { positive(*mass) };
+            sketch([*x, *y], [positive(*width), positive(*height)], mass).moving(*vx, *vy).pushed(*fx, *fy)
+        }).collect();
+        let rate = positive(rate);
+        prop_assume!((1.0 / rate).is_finite());
+        let gravity = Some(gravity);
+        let mut engine = world(Conditions { rate, restitution, gravity, events_per_step: 1000 }, &bodies);
+        for _ in 0..5 {
+            if engine.step(&mut Vec::new()).is_err() {
+                break;
+            }
+        }
+    }
+}
+
 fn mirror(body: &Sketch, axis: usize) -> Sketch {
     let mut image = body.clone();
     image.at[axis] = ROOM - body.at[axis] - body.size[axis];

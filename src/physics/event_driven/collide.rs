@@ -35,6 +35,7 @@ impl EventDriven {
     ) -> Result<(), StepError> {
         let encounter = self.encounter(pair, axis);
         if encounter.approach <= 0.0 && !face {
+            self.renew(&encounter, axis);
             return Ok(());
         }
         if encounter.approach > 0.0 && encounter.immovable == [true; 2] {
@@ -79,6 +80,17 @@ impl EventDriven {
             position: states.map(|(position, _)| position),
             velocity,
             approach: velocity[0] - velocity[1],
+        }
+    }
+
+    /// Takes the present instant as the reference of two that only graze: the past is over.
+    fn renew(&mut self, encounter: &Encounter, axis: usize) {
+        for side in AXES {
+            let slot = encounter.slots[side];
+            if !self.movers[slot as usize].infinite {
+                let acceleration = self.movers[slot as usize].motion[axis].acceleration;
+                self.redirect(slot, axis, [encounter.position[side], encounter.velocity[side], acceleration]);
+            }
         }
     }
 

@@ -25,7 +25,7 @@ pub struct Pushed {
     pub by: Slot,
 }
 
-/// All contacts, kept with each body of finite mass that has a part in them.
+/// All contacts, kept in creation order of the other with each body of finite mass that has a part in them.
 #[derive(Clone, Debug, Default)]
 pub struct Contacts {
     of: Vec<Vec<Contact>>,
@@ -51,7 +51,10 @@ impl Contacts {
     pub fn join(&mut self, movers: &[Mover], [first, second]: [Slot; 2], axis: usize) {
         for (slot, other, ahead) in [(first, second, true), (second, first, false)] {
             if !movers[slot as usize].infinite {
-                self.of[slot as usize].push(Contact { other, axis, ahead });
+                let contacts = &mut self.of[slot as usize];
+                let contact = Contact { other, axis, ahead };
+                let place = contacts.partition_point(|known| *known < contact);
+                contacts.insert(place, contact);
             }
         }
     }

@@ -145,11 +145,9 @@ impl Network {
     fn reach(&self, rounding: f64) -> Vec<Option<Step>> {
         let mut reached = vec![None; self.supply.len()];
         let mut queue = Vec::new();
-        for (member, supply) in self.supply.iter().enumerate() {
-            if *supply > rounding {
-                reached[member] = Some(Step::Source);
-                queue.push(member);
-            }
+        for (member, _) in self.supply.iter().enumerate().filter(|(_, supply)| **supply > rounding) {
+            reached[member] = Some(Step::Source);
+            queue.push(member);
         }
         let mut next = 0;
         while let Some(member) = queue.get(next).copied() {

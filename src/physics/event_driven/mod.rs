@@ -27,6 +27,10 @@ use outlook::Outlook;
 use sampling::Moving;
 use schedule::Schedule;
 
+/// So often a body may look around in a step beyond the limit of events: far more than any
+/// speed makes it, but no scene, however strange, shall hang.
+const GLANCES_PER_BODY: u64 = 1000;
+
 /// The exact solver's own state.
 ///
 /// What it *is* are the motions, the contacts and the bodies not yet admitted; that is what
@@ -148,7 +152,7 @@ impl EventDriven {
     /// # Errors
     /// [`StepError::Crushed`] if a body is pressed between infinite masses,
     /// [`StepError::TooManyEvents`] beyond the limit, [`StepError::NotFinite`] if a number
-    /// overflows; the world then still shows the state before the step.
+    /// overflows. In the first two cases the world still shows the state before the step.
     pub fn step<O: Observer>(&mut self, world: &mut World, step: u64, observer: &mut O) -> Result<(), StepError> {
         self.now = Instant::start_of(step);
         self.admit(world, step);
@@ -158,8 +162,13 @@ impl EventDriven {
 
     fn run<O: Observer>(&mut self, world: &World, step: u64, observer: &mut O) -> Result<(), StepError> {
         self.schedule.begin(step);
-        let mut events = 0;
+        let (mut events, mut glances) = (0, 0);
+        let most_glances = self.limit.saturating_add(GLANCES_PER_BODY * self.movers.len() as u64);
         while let Some((slot, turn)) = self.schedule.next(step) {
+            glances += 1;
+            if glances - events > most_glances {
+                return Err(self.too_many(world, step, turn.pair));
+            }
             self.now = self.now.or_later(turn.at);
             let outlook = self.outlooks[slot as usize];
             match outlook.meeting {

@@ -23,6 +23,9 @@ const RATIO: f64 = 4.0;
 /// A box crosses at most about this many cells in a step; a faster one sits in a coarser grid.
 const CELLS_PER_STEP: f64 = 4.0;
 
+/// No cell is so many cells away from the origin that its borders could not be told apart.
+const FURTHEST_CELL: f64 = (1u64 << 40) as f64;
+
 /// An anchored box is entered in its cells one by one only while they are at most so many
 /// for each bucket of the grid.
 const ANCHOR_CELLS_PER_BUCKET: f64 = 4.0;
@@ -240,9 +243,7 @@ impl Neighbours {
             let (_, velocity) = mover.motion[axis].at(clock, now);
             let fall = mover.motion[axis].acceleration.abs() * clock.period;
             let covered = (velocity.abs() + fall) * clock.period / CELLS_PER_STEP;
-            for need in
-                [mover.size[axis] / FILL * (1.0 - f64::EPSILON), covered, centre[axis].abs() / (1u64 << 40) as f64]
-            {
+            for need in [mover.size[axis] / FILL * (1.0 - f64::EPSILON), covered, centre[axis].abs() / FURTHEST_CELL] {
                 if need > needed {
                     needed = need;
                 }
@@ -266,10 +267,10 @@ impl Neighbours {
     }
 
     /// Whether a body is surely in the right grid: a quick look that spares a long one.
-    fn suits(&self, clock: &Clock, grid: usize, mover: &Mover, speed: f64) -> bool {
+    fn suits(&self, clock: &Clock, grid: usize, mover: &Mover, distance: f64, speed: f64) -> bool {
         let side = self.grids[grid].side;
         let larger = mover.size[0] + mover.size[1];
-        speed * clock.period < side && larger * 2.0 > side
+        distance < side * FURTHEST_CELL && speed * clock.period < side && larger * 2.0 > side
     }
 
     /// When after `now` a body leaves its cell; never for an anchored one.
@@ -305,7 +306,8 @@ impl Neighbours {
         let states = [mover.motion[0].at(clock, now), mover.motion[1].at(clock, now)];
         let centre = [states[0].0 + mover.size[0] / 2.0, states[1].0 + mover.size[1] / 2.0];
         let mut grid = seat.grid as usize;
-        if !self.suits(clock, grid, mover, states[0].1.abs() + states[1].1.abs()) {
+        let speed = states[0].1.abs() + states[1].1.abs();
+        if !self.suits(clock, grid, mover, centre[0].abs() + centre[1].abs(), speed) {
             grid = self.grid_for(clock, mover, now, centre);
         }
         if grid != seat.grid as usize {

@@ -65,7 +65,7 @@ impl EventDriven {
             });
             body.rect.origin = Vector::new(x, y);
             body.velocity = Vector::new(vx, vy);
-            if !(x.is_finite() & y.is_finite() & vx.is_finite() & vy.is_finite()) {
+            if !(body.rect.origin.is_finite() && body.velocity.is_finite()) {
                 return Err(StepError::NotFinite { step, body: body.name.clone() });
             }
         }
