@@ -1,3 +1,4 @@
+use super::stencil::Stencil;
 use super::{Color, Ink, Picture};
 use crate::physics::Rect;
 
@@ -82,6 +83,11 @@ impl Canvas {
         } else {
             pixels[first..last].iter_mut().for_each(|under| blend(under, ink, rows * 4));
         }
+    }
+
+    /// Draws through a stencil.
+    pub fn fill_stencil(&mut self, stencil: Stencil, ink: Ink) {
+        self.fill_mask(&stencil.coverage, stencil.width, stencil.left, stencil.top, ink);
     }
 
     /// Draws through a mask of `width` columns whose upper-left corner is at (x, y);

@@ -34,7 +34,7 @@ pub enum Shape {
         /// What fills it.
         ink: Ink,
     },
-    /// A line through points.
+    /// A line through points, with round ends and corners.
     Polyline {
         /// px.
         points: Vec<Vector>,

@@ -3,7 +3,7 @@
 use super::text::{Font, Line, Segment, UNITS_PER_EM};
 use super::{Color, DisplayList, Ink, Metadata, RenderError, Shape};
 use crate::physics::Vector;
-use pdf_writer::types::LineJoinStyle;
+use pdf_writer::types::{LineCapStyle, LineJoinStyle};
 use pdf_writer::{Content, Finish, Name, Pdf, Rect, Ref, TextStr};
 use std::collections::BTreeSet;
 use std::io::Write;
@@ -69,7 +69,7 @@ fn opacity_name(opacity: u8) -> String {
 fn content(list: &DisplayList, height: f32) -> Vec<u8> {
     let mut content = Content::new();
     content.transform([POINTS_PER_PIXEL, 0.0, 0.0, -POINTS_PER_PIXEL, 0.0, height]);
-    content.set_line_join(LineJoinStyle::BevelJoin);
+    content.set_line_join(LineJoinStyle::RoundJoin).set_line_cap(LineCapStyle::RoundCap);
     let mut last = None;
     fill_with(&mut content, Ink::from(list.background), &mut last);
     content.rect(0.0, 0.0, list.size[0] as f32, list.size[1] as f32).fill_nonzero();

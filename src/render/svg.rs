@@ -60,7 +60,7 @@ fn encode_shape(shape: &Shape, output: &mut impl Write) -> Result<(), RenderErro
         Shape::Polygon { points, ink } => writeln!(output, "<polygon points=\"{}\"{}/>", Points(points), Fill(*ink))?,
         Shape::Polyline { points, width, ink } => writeln!(
             output,
-            "<polyline points=\"{}\" fill=\"none\" stroke-linejoin=\"bevel\" stroke-width=\"{}\"{}/>",
+            "<polyline points=\"{}\" fill=\"none\" stroke-linecap=\"round\" stroke-linejoin=\"round\" stroke-width=\"{}\"{}/>",
             Points(points),
             Number(*width),
             Stroke(*ink)
