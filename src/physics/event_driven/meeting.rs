@@ -240,3 +240,72 @@ pub fn parting(clock: &Clock, axis: usize, first: &Mover, second: &Mover) -> Opt
     let at = clock.after(from, seconds);
     (at != Instant::NEVER).then_some(at)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::event_driven::motion::Motion;
+
+    const CLOCK: Clock = Clock { rate: 1.0, period: 1.0 };
+
+    /// A unit box: position, velocity, acceleration.
+    fn mover(x: [f64; 3], y: [f64; 3]) -> Mover {
+        let since = Instant::start_of(0);
+        let motion =
+            [x, y].map(|[position, velocity, acceleration]| Motion { position, velocity, acceleration, since });
+        let held = [[false; 2]; 2];
+        Mover { motion, size: [1.0; 2], since, generation: 0, place: 0, infinite: false, held, hurry: [0; 2] }
+    }
+
+    fn seconds(first: &Mover, second: &Mover) -> Option<(f64, Kind)> {
+        let met = |first: &Mover, second: &Mover| {
+            let (at, kind) = meeting(&CLOCK, &State::new(&CLOCK, first, first.since), second)?;
+            Some((CLOCK.seconds(Instant::start_of(0), at), kind))
+        };
+        assert_eq!(met(first, second), met(second, first), "it does not matter who asks");
+        met(first, second)
+    }
+
+    #[test]
+    fn faces_meet_where_the_boxes_are_beside_each_other() {
+        let standing = mover([0.0; 3], [0.0; 3]);
+        assert_eq!(seconds(&standing, &mover([3.0, -1.0, 0.0], [0.5, 0.0, 0.0])), Some((2.0, Kind::Touch(0))));
+        assert_eq!(seconds(&standing, &mover([3.0, -1.0, 0.0], [0.5, 0.5, 0.0])), None, "it has passed by then");
+        assert_eq!(seconds(&standing, &mover([3.0, -1.0, 0.0], [-4.0, 1.0, 0.0])), Some((3.0, Kind::Touch(1))));
+        assert_eq!(seconds(&standing, &mover([0.5, 0.0, 0.0], [-3.0, 0.0, 4.0])), Some((1.0, Kind::Touch(1))));
+    }
+
+    #[test]
+    fn a_thrown_box_comes_down_on_what_it_flew_over() {
+        let standing = mover([4.0, 0.0, 0.0], [0.0; 3]);
+        let thrown = mover([0.0, 1.0, 0.0], [-0.5, -2.5, 1.0]);
+        assert_eq!(seconds(&standing, &thrown).map(|(_, kind)| kind), Some(Kind::Touch(1)));
+    }
+
+    #[test]
+    fn corners_and_edges() {
+        let standing = mover([0.0; 3], [0.0; 3]);
+        assert_eq!(seconds(&standing, &mover([3.0, -1.0, 0.0], [3.0, -1.0, 0.0])), Some((2.0, Kind::Corner)));
+        assert_eq!(seconds(&standing, &mover([3.0, -1.0, 0.0], [1.0, 0.0, 0.0])), None, "edge along edge");
+        assert_eq!(seconds(&standing, &mover([3.0, -1.0, 0.0], [1.0 - 1e-16, 0.0, 0.0])), None, "but for a rounding");
+        assert_eq!(seconds(&standing, &mover([3.0, -1.0, 0.0], [0.0, 0.5, 0.0])), None, "parting as they arrive");
+    }
+
+    #[test]
+    fn touching_boxes_meet_at_once_if_they_approach_or_are_pressed() {
+        let standing = mover([0.0; 3], [0.0; 3]);
+        assert_eq!(seconds(&standing, &mover([0.0; 3], [-1.0, 1.0, 0.0])), Some((0.0, Kind::Touch(1))));
+        assert_eq!(seconds(&standing, &mover([0.0; 3], [-1.0, 0.0, 9.81])), Some((0.0, Kind::Touch(1))));
+        assert_eq!(seconds(&standing, &mover([0.0; 3], [-1.0 + 3e-16, 0.0, 9.81])), Some((0.0, Kind::Touch(1))));
+        assert_eq!(seconds(&standing, &mover([0.0; 3], [-1.0, 0.0, -9.81])), None);
+        assert_eq!(seconds(&standing, &mover([0.0; 3], [-1.0, 0.0, 0.0])), None);
+    }
+
+    #[test]
+    fn a_box_in_contact_parts_when_it_has_slid_past_the_edge() {
+        let table = mover([0.0; 3], [0.0; 3]);
+        let sliding = mover([0.25, 0.5, 0.0], [-1.0, 0.0, 0.0]);
+        assert_eq!(parting(&CLOCK, 1, &table, &sliding), Some(CLOCK.after(Instant::start_of(0), 1.5)));
+        assert_eq!(parting(&CLOCK, 1, &table, &mover([0.25, 0.0, 0.0], [-1.0, 0.0, 0.0])), None);
+    }
+}
