@@ -183,13 +183,16 @@ impl EventDriven {
             self.redirect(pushed.slot, axis, [position, velocity, mover.motion[axis].acceleration]);
         }
         for pushed in block {
-            for contact in self.contacts.of(pushed.slot).to_vec() {
+            let mut next = 0;
+            while let Some(contact) = self.contacts.of(pushed.slot).get(next).copied() {
                 let (_, others) = self.movers[contact.other as usize].motion[axis].at(&self.clock, self.now);
-                if contact.axis == axis && others != velocity {
-                    self.contacts.part(pushed.slot, contact.other);
-                    self.mark(contact.other);
-                    touched.extend([pushed.slot, contact.other]);
+                if contact.axis != axis || others == velocity {
+                    next += 1;
+                    continue;
                 }
+                self.contacts.part(pushed.slot, contact.other);
+                self.mark(contact.other);
+                touched.extend([pushed.slot, contact.other]);
             }
         }
     }

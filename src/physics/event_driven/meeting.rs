@@ -28,15 +28,21 @@ impl<'a> State<'a> {
         let [(x, vx), (y, vy)] = [mover.motion[0].at(clock, at), mover.motion[1].at(clock, at)];
         State { mover, at, position: [x, y], velocity: [vx, vy] }
     }
+
+    /// Whether the body's mass is infinite.
+    pub fn is_infinite(&self) -> bool {
+        self.mover.infinite
+    }
 }
 
 /// How one box stands to another along one axis at the instant from which both are known.
 struct Relative {
-    /// From the first to the second, m, m/s, m/s².
-    distance: f64,
+    /// The gap if the second is ahead of the first, and if it is behind, m; both negative
+    /// where the boxes overlap on this axis.
+    gaps: [f64; 2],
+    /// Of the second as the first sees it, m/s and m/s².
     velocity: f64,
     acceleration: f64,
-    sizes: [f64; 2],
     /// What counts as touching: rounding of the coordinates, m.
     tolerance: f64,
 }
@@ -57,26 +63,26 @@ impl Relative {
     fn new(clock: &Clock, axis: usize, first: &State, second: &Mover) -> Relative {
         let a = first.position[axis];
         let (b, velocity) = second.motion[axis].at(clock, first.at);
-        let sizes = [first.mover.size[axis], second.size[axis]];
+        let [a_size, b_size] = [first.mover.size[axis], second.size[axis]];
         Relative {
-            distance: b - a,
+            gaps: [(b - a) - a_size, (a - b) - b_size],
             velocity: velocity - first.velocity[axis],
             acceleration: second.motion[axis].acceleration - first.mover.motion[axis].acceleration,
-            sizes,
-            tolerance: tolerance(a.abs() + b.abs() + (sizes[0] + sizes[1])),
+            tolerance: tolerance(a.abs() + b.abs() + (a_size + b_size)),
         }
-    }
-
-    /// The gaps between the first and the second's near face, and the other way round, m;
-    /// both negative where the boxes overlap on this axis.
-    fn gaps(&self, distance: f64) -> [f64; 2] {
-        [distance - self.sizes[0], -distance - self.sizes[1]]
     }
 
     /// Of the two gaps the wider one: how far the boxes are apart, m.
     fn gap(&self) -> f64 {
-        let [ahead, behind] = self.gaps(self.distance);
+        let [ahead, behind] = self.gaps;
         if ahead > behind { ahead } else { behind }
+    }
+
+    /// Whether the boxes are apart on this axis and will ever be: the commonest case, seen at once.
+    #[inline]
+    fn separates(&self) -> bool {
+        let [ahead, behind] = self.gaps;
+        self.acceleration == 0.0 && ((ahead > 0.0 && self.velocity >= 0.0) || (behind > 0.0 && self.velocity <= 0.0))
     }
 
     /// Whether the second box, ahead or behind, ever moves towards the first.
@@ -94,7 +100,7 @@ impl Relative {
     fn closing(&self, ahead: bool, touching: bool) -> f64 {
         let side = if ahead { -1.0 } else { 1.0 };
         let (speed, acceleration) = (side * self.velocity, side * self.acceleration);
-        let gap = self.gaps(self.distance)[usize::from(!ahead)];
+        let gap = self.gaps[usize::from(!ahead)];
         let rests = speed == 0.0 && acceleration > 0.0 && gap.abs() <= self.tolerance;
         let gap = if touching || rests || (gap < 0.0 && gap >= -self.tolerance) { 0.0 } else { gap };
         closing_time(gap, speed, acceleration)
@@ -102,7 +108,7 @@ impl Relative {
 
     /// Seconds until the boxes no longer overlap on this axis.
     fn parting(&self) -> f64 {
-        let [ahead, behind] = self.gaps(self.distance).map(|gap| if gap > 0.0 { 0.0 } else { -gap });
+        let [ahead, behind] = self.gaps.map(|gap| if gap > 0.0 { 0.0 } else { -gap });
         let past_ahead = closing_time(ahead, self.velocity, self.acceleration);
         let past_behind = closing_time(behind, -self.velocity, -self.acceleration);
         if past_ahead < past_behind { past_ahead } else { past_behind }
@@ -110,8 +116,8 @@ impl Relative {
 
     /// How the boxes overlap on this axis after t seconds.
     fn overlap(&self, t: f64) -> Overlap {
-        let distance = self.distance + t * (self.velocity + 0.5 * self.acceleration * t);
-        let [ahead, behind] = self.gaps(distance);
+        let way = t * (self.velocity + 0.5 * self.acceleration * t);
+        let [ahead, behind] = [self.gaps[0] + way, self.gaps[1] - way];
         let gap = if ahead > behind { ahead } else { behind };
         if gap < -self.tolerance {
             return Overlap::Face;
@@ -149,14 +155,14 @@ pub fn meeting(clock: &Clock, first: &State, second: &Mover) -> Option<(Instant,
 #[inline]
 fn meeting_from(clock: &Clock, first: &State, second: &Mover) -> Option<(Instant, Kind)> {
     let x = Relative::new(clock, 0, first, second);
-    if separates(&x) {
+    if x.separates() {
         return None;
     }
     let y = Relative::new(clock, 1, first, second);
-    if separates(&y) {
+    if y.separates() {
         return None;
     }
-    let axes = [x, y];
+    let axes = [&x, &y];
     let (seconds, kind) = match straight_meeting(&axes) {
         Some(met) => met?,
         None => first_meeting(&axes)?,
@@ -169,7 +175,7 @@ fn meeting_from(clock: &Clock, first: &State, second: &Mover) -> Option<(Instant
 /// beside each other last is the one along which they meet, if they still are on the other.
 ///
 /// The outer option is none where this simple way does not apply.
-fn straight_meeting(axes: &[Relative; 2]) -> Option<Option<(f64, Kind)>> {
+fn straight_meeting(axes: &[&Relative; 2]) -> Option<Option<(f64, Kind)>> {
     if axes[0].acceleration != 0.0 || axes[1].acceleration != 0.0 {
         return None;
     }
@@ -191,14 +197,7 @@ fn straight_meeting(axes: &[Relative; 2]) -> Option<Option<(f64, Kind)>> {
     })
 }
 
-/// Whether the boxes are apart on this axis and will ever be: the commonest case, seen at once.
-fn separates(relative: &Relative) -> bool {
-    let [ahead, behind] = relative.gaps(relative.distance);
-    relative.acceleration == 0.0
-        && ((ahead > 0.0 && relative.velocity >= 0.0) || (behind > 0.0 && relative.velocity <= 0.0))
-}
-
-fn first_meeting(axes: &[Relative; 2]) -> Option<(f64, Kind)> {
+fn first_meeting(axes: &[&Relative; 2]) -> Option<(f64, Kind)> {
     let mut best = None;
     let mut least = f64::INFINITY;
     let deep = deepest_within(axes);
@@ -223,13 +222,13 @@ fn first_meeting(axes: &[Relative; 2]) -> Option<(f64, Kind)> {
 }
 
 /// If the boxes overlap, which can only be rounding, the axis and side of the shallower overlap.
-fn deepest_within(axes: &[Relative; 2]) -> Option<(usize, bool)> {
+fn deepest_within(axes: &[&Relative; 2]) -> Option<(usize, bool)> {
     let [x, y] = [axes[0].gap(), axes[1].gap()];
     if !(x < 0.0 && y < 0.0) {
         return None;
     }
     let axis = usize::from(y > x);
-    let [ahead, behind] = axes[axis].gaps(axes[axis].distance);
+    let [ahead, behind] = axes[axis].gaps;
     Some((axis, ahead > behind))
 }
 
@@ -239,4 +238,73 @@ pub fn parting(clock: &Clock, axis: usize, first: &Mover, second: &Mover) -> Opt
     let seconds = Relative::new(clock, 1 - axis, &State::new(clock, first, from), second).parting();
     let at = clock.after(from, seconds);
     (at != Instant::NEVER).then_some(at)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::event_driven::motion::Motion;
+
+    const CLOCK: Clock = Clock { rate: 1.0, period: 1.0 };
+
+    /// A unit box: position, velocity, acceleration.
+    fn mover(x: [f64; 3], y: [f64; 3]) -> Mover {
+        let since = Instant::start_of(0);
+        let motion =
+            [x, y].map(|[position, velocity, acceleration]| Motion { position, velocity, acceleration, since });
+        let held = [[false; 2]; 2];
+        Mover { motion, size: [1.0; 2], since, generation: 0, place: 0, infinite: false, held, hurry: [0; 2] }
+    }
+
+    fn seconds(first: &Mover, second: &Mover) -> Option<(f64, Kind)> {
+        let met = |first: &Mover, second: &Mover| {
+            let (at, kind) = meeting(&CLOCK, &State::new(&CLOCK, first, first.since), second)?;
+            Some((CLOCK.seconds(Instant::start_of(0), at), kind))
+        };
+        assert_eq!(met(first, second), met(second, first), "it does not matter who asks");
+        met(first, second)
+    }
+
+    #[test]
+    fn faces_meet_where_the_boxes_are_beside_each_other() {
+        let standing = mover([0.0; 3], [0.0; 3]);
+        assert_eq!(seconds(&standing, &mover([3.0, -1.0, 0.0], [0.5, 0.0, 0.0])), Some((2.0, Kind::Touch(0))));
+        assert_eq!(seconds(&standing, &mover([3.0, -1.0, 0.0], [0.5, 0.5, 0.0])), None, "it has passed by then");
+        assert_eq!(seconds(&standing, &mover([3.0, -1.0, 0.0], [-4.0, 1.0, 0.0])), Some((3.0, Kind::Touch(1))));
+        assert_eq!(seconds(&standing, &mover([0.5, 0.0, 0.0], [-3.0, 0.0, 4.0])), Some((1.0, Kind::Touch(1))));
+    }
+
+    #[test]
+    fn a_thrown_box_comes_down_on_what_it_flew_over() {
+        let standing = mover([4.0, 0.0, 0.0], [0.0; 3]);
+        let thrown = mover([0.0, 1.0, 0.0], [-0.5, -2.5, 1.0]);
+        assert_eq!(seconds(&standing, &thrown).map(|(_, kind)| kind), Some(Kind::Touch(1)));
+    }
+
+    #[test]
+    fn corners_and_edges() {
+        let standing = mover([0.0; 3], [0.0; 3]);
+        assert_eq!(seconds(&standing, &mover([3.0, -1.0, 0.0], [3.0, -1.0, 0.0])), Some((2.0, Kind::Corner)));
+        assert_eq!(seconds(&standing, &mover([3.0, -1.0, 0.0], [1.0, 0.0, 0.0])), None, "edge along edge");
+        assert_eq!(seconds(&standing, &mover([3.0, -1.0, 0.0], [1.0 - 1e-16, 0.0, 0.0])), None, "but for a rounding");
+        assert_eq!(seconds(&standing, &mover([3.0, -1.0, 0.0], [0.0, 0.5, 0.0])), None, "parting as they arrive");
+    }
+
+    #[test]
+    fn touching_boxes_meet_at_once_if_they_approach_or_are_pressed() {
+        let standing = mover([0.0; 3], [0.0; 3]);
+        assert_eq!(seconds(&standing, &mover([0.0; 3], [-1.0, 1.0, 0.0])), Some((0.0, Kind::Touch(1))));
+        assert_eq!(seconds(&standing, &mover([0.0; 3], [-1.0, 0.0, 9.81])), Some((0.0, Kind::Touch(1))));
+        assert_eq!(seconds(&standing, &mover([0.0; 3], [-1.0 + 3e-16, 0.0, 9.81])), Some((0.0, Kind::Touch(1))));
+        assert_eq!(seconds(&standing, &mover([0.0; 3], [-1.0, 0.0, -9.81])), None);
+        assert_eq!(seconds(&standing, &mover([0.0; 3], [-1.0, 0.0, 0.0])), None);
+    }
+
+    #[test]
+    fn a_box_in_contact_parts_when_it_has_slid_past_the_edge() {
+        let table = mover([0.0; 3], [0.0; 3]);
+        let sliding = mover([0.25, 0.5, 0.0], [-1.0, 0.0, 0.0]);
+        assert_eq!(parting(&CLOCK, 1, &table, &sliding), Some(CLOCK.after(Instant::start_of(0), 1.5)));
+        assert_eq!(parting(&CLOCK, 1, &table, &mover([0.25, 0.0, 0.0], [-1.0, 0.0, 0.0])), None);
+    }
 }

@@ -37,7 +37,7 @@ impl EventDriven {
     }
 
     fn place(&self, slot: Slot) -> u64 {
-        u64::from(self.traits[slot as usize].place)
+        u64::from(self.movers[slot as usize].place)
     }
 
     /// The contacts that this body has to report: each is reported once.

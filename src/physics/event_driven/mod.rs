@@ -1,4 +1,32 @@
 //! The exact solver: from event to event. See [`EventDriven`].
+//!
+//! Boxes neither turn nor rub, so between events each moves on a parabola along each axis
+//! (`motion`), each pair meets at a root known in closed form (`meeting`), and there is no
+//! time step to trade against error: a step only says when the state is sampled.
+//!
+//! One step: newcomers are admitted and put apart (`separation`); what is due happens in its
+//! total order (`schedule`): boxes collide (`collide`, `impact`), slide off edges and take
+//! up or end contacts (`contact`, `settle`, `least_change`), and whoever that concerned looks
+//! ahead again among its neighbours (`outlook`, `neighbours`); what moved is sampled
+//! (`sampling`). `memory` is what must be kept to go on to the bit.
+//!
+//! The rules where mechanics leaves a choice:
+//!
+//! - **Simultaneous impacts**: of all pairs that approach at an instant the one lowest in
+//!   creation order goes first, then again the lowest, until none approaches. So touching
+//!   cradles hand a blow on from pair to pair.
+//! - **Contacts** take a blow as one: a body that rests, directly or through others, against
+//!   an infinite mass answers like that mass, with the e of the impact; a free one together
+//!   with all that it pushes. (Handing it on from pair to pair would be the other choice; it
+//!   needs endlessly many impacts in a resting stack.) A contact is what presses, or what a
+//!   plastic impact joined; bodies that merely touch are not in contact.
+//! - **Corners** that meet exactly are hit on both axes. Boxes whose edges only slide along
+//!   each other's line do not meet.
+//! - **Zeno**: where e < 1, impacts slower than `impact::capture_speed`, and those after
+//!   `impact::LONGEST_HURRY` impacts without a way between them, are plastic.
+//! - **Rounding**: after an impact the body ahead is put exactly on the other's face (or the
+//!   one behind, if the body ahead cannot move). Coordinates a few units in the last place
+//!   apart touch, if nothing else tells them apart.
 
 mod collide;
 mod contact;
@@ -112,11 +140,20 @@ impl EventDriven {
             Motion { position, velocity, acceleration: free_fall[axis], since }
         });
         let size = [body.rect.width(), body.rect.height()];
-        self.movers.push(Mover { motion, size, since, generation: 0, infinite, held: [[false; 2]; 2], hurry: [0; 2] });
+        self.movers.push(Mover {
+            motion,
+            size,
+            since,
+            generation: 0,
+            place: place as u32,
+            infinite,
+            held: [[false; 2]; 2],
+            hurry: [0; 2],
+        });
         let forced = AXES.map(|axis| !infinite && force[axis] != 0.0);
         AXES.into_iter().for_each(|axis| self.forced[axis] += u32::from(forced[axis]));
         let (mass, material) = (body.mass, body.material);
-        self.traits.push(Traits { id: body.id, place: place as u32, mass, material, free_fall, forced, alive: true });
+        self.traits.push(Traits { id: body.id, mass, material, free_fall, forced, alive: true });
         self.contacts.add_body();
         self.outlooks.push(Outlook::NOTHING);
         self.moving.add_body();
@@ -129,8 +166,8 @@ impl EventDriven {
         self.now = Instant::start_of(step);
         self.traits[slot as usize].alive = false;
         AXES.into_iter().for_each(|axis| self.forced[axis] -= u32::from(self.traits[slot as usize].forced[axis]));
-        for traits in &mut self.traits[slot as usize + 1..] {
-            traits.place = traits.place.saturating_sub(1);
+        for later in &mut self.movers[slot as usize + 1..] {
+            later.place = later.place.saturating_sub(1);
         }
         if let Some(fresh) = self.fresh.iter().position(|fresh| *fresh == slot) {
             self.fresh.remove(fresh);
@@ -297,6 +334,6 @@ impl EventDriven {
     }
 
     fn name(&self, world: &World, slot: Slot) -> String {
-        world.bodies[self.traits[slot as usize].place as usize].name.clone()
+        world.bodies[self.movers[slot as usize].place as usize].name.clone()
     }
 }

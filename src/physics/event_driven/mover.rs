@@ -19,6 +19,8 @@ pub struct Mover {
     pub since: Instant,
     /// Counts the changes of its motion and contacts, so that who met it can tell.
     pub generation: u32,
+    /// Its place among the bodies of the world.
+    pub place: u32,
     /// Whether its mass is infinite.
     pub infinite: bool,
     /// For each axis, whether contacts lead on from it to an infinite mass: behind, ahead.
@@ -44,8 +46,6 @@ impl Mover {
 pub struct Traits {
     /// Its number in the world.
     pub id: BodyId,
-    /// Its place among the bodies of the world.
-    pub place: u32,
     /// kg.
     pub mass: f64,
     /// For the restitution table.

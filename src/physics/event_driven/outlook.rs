@@ -80,18 +80,21 @@ impl<'a> Asker<'a> {
 
     fn ask(&mut self, other: Slot) {
         let partner = &self.movers[other as usize];
-        let infinite = self.movers[self.slot as usize].infinite;
-        if self.slot == other || (infinite && partner.infinite) {
+        if self.slot == other || (self.state.is_infinite() && partner.infinite) {
             return;
         }
-        let [finite, known] = if infinite { [other, self.slot] } else { [self.slot, other] };
-        if self.contacts.between(finite, known).is_some() {
-            return;
-        }
-        if let Some((at, kind)) = meeting(self.clock, &self.state, partner) {
+        if let Some((at, kind)) = meeting(self.clock, &self.state, partner)
+            && !self.touches(other)
+        {
             let turn = Turn { at, pair: pair(self.slot, other) };
             keep_first(&mut self.first, Meeting { turn, kind, partner: other, generation: partner.generation });
         }
+    }
+
+    /// Whether it is in contact with another body.
+    fn touches(&self, other: Slot) -> bool {
+        let [finite, known] = if self.state.is_infinite() { [other, self.slot] } else { [self.slot, other] };
+        self.contacts.between(finite, known).is_some()
     }
 }
 

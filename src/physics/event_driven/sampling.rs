@@ -58,7 +58,7 @@ impl EventDriven {
         let stopped = std::mem::take(&mut self.moving.stopped);
         for slot in self.moving.slots.iter().chain(&stopped) {
             let mover = &self.movers[*slot as usize];
-            let body = &mut world.bodies[self.traits[*slot as usize].place as usize];
+            let body = &mut world.bodies[mover.place as usize];
             let [(x, vx), (y, vy)] = [&mover.motion[0], &mover.motion[1]].map(|motion| {
                 let t = (end - motion.since.step) / self.clock.rate - motion.since.offset;
                 (motion.position_after(t), motion.velocity_after(t))

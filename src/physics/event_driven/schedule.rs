@@ -11,10 +11,10 @@ use std::collections::BinaryHeap;
 const NONE: u32 = u32::MAX;
 
 /// With so many bodies for each slice of a step, few meet in a slice.
-const BODIES_PER_SLICE: u64 = 16;
+const BODIES_PER_SLICE: u64 = 8;
 
 /// The wheel reaches so many steps ahead; what comes later is looked at again then.
-const STEPS: u64 = 64;
+const STEPS: u64 = 32;
 
 /// When something happens and, of all that happens at that instant, in which order: by the
 /// lower body of the pair, then the higher, then the kind of meeting.
@@ -215,5 +215,47 @@ impl Schedule {
             self.pending[pending.next as usize].previous = pending.previous;
         }
         self.pending[slot as usize].place = NONE;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn turn(step: f64, offset: f64, pair: [Slot; 2]) -> Option<Turn> {
+        Some(Turn { at: Instant { step, offset }, pair })
+    }
+
+    fn order(bodies: usize) -> Vec<(u64, Slot)> {
+        let mut schedule = Schedule::new(Clock::new(10.0), 0, bodies);
+        schedule.set(0, turn(0.0, 0.05, [0, 4]));
+        schedule.set(1, turn(0.0, 0.05, [0, 3]));
+        schedule.set(2, turn(0.0, 0.1, [2, 2]));
+        schedule.set(3, turn(0.0, 0.01, [3, 3]));
+        schedule.set(4, turn(200.0, 0.0, [4, 4]));
+        schedule.set(5, turn(3.0, 0.02, [5, 5]));
+        schedule.set(6, turn(0.0, 0.02, [6, 6]));
+        schedule.set(6, None);
+        schedule.set(3, turn(2.0, 0.07, [3, 3]));
+        let mut order = Vec::new();
+        for step in 0..=200 {
+            schedule.begin(step);
+            while let Some((slot, _)) = schedule.next(step) {
+                order.push((step, slot));
+                schedule.set(slot, if slot == 5 && step == 3 { turn(3.0, 0.03, [5, 5]) } else { None });
+                if order.len() == 6 {
+                    schedule.set(5, None);
+                }
+            }
+        }
+        order
+    }
+
+    #[test]
+    fn turns_come_in_their_total_order_however_finely_time_is_sliced() {
+        let expected = [(0, 1), (0, 0), (0, 2), (2, 3), (3, 5), (3, 5), (200, 4)];
+        for bodies in [1, 100, 10_000] {
+            assert_eq!(order(bodies), expected);
+        }
     }
 }
