@@ -58,10 +58,9 @@ impl Clock {
     }
 
     /// Seconds from one instant to another.
+    #[inline]
     pub fn seconds(&self, from: Instant, to: Instant) -> f64 {
-        let steps = to.step - from.step;
-        let offset = to.offset - from.offset;
-        if steps == 0.0 { offset } else { steps / self.rate + offset }
+        (to.step - from.step) / self.rate + (to.offset - from.offset)
     }
 
     /// The instant so many seconds (not negative) after another.

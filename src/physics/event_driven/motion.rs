@@ -29,9 +29,6 @@ impl Motion {
     /// Position, m, and velocity, m/s, at an instant.
     #[inline]
     pub fn at(&self, clock: &Clock, instant: Instant) -> (f64, f64) {
-        if self.is_still() {
-            return (self.position, self.velocity);
-        }
         let t = clock.seconds(self.since, instant);
         (self.position_after(t), self.velocity_after(t))
     }

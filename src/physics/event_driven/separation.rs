@@ -37,10 +37,10 @@ impl EventDriven {
     pub(super) fn separate(&mut self, fresh: &[Slot]) {
         let mut waiting = self.displaced(fresh);
         waiting.extend(fresh.iter().copied().filter(|slot| !self.movers[*slot as usize].infinite));
-        while !waiting.is_empty() {
-            let slot = waiting.remove(0);
+        for place in 0..waiting.len() {
+            let slot = waiting[place];
             let block = self.block_of(slot);
-            if let Some(low) = self.free_place(slot, block, &waiting) {
+            if let Some(low) = self.free_place(slot, block, &waiting[place + 1..]) {
                 self.neighbours.remove(slot);
                 for axis in AXES {
                     let motion = self.movers[slot as usize].motion[axis];
@@ -62,7 +62,7 @@ impl EventDriven {
             });
             displaced.retain(|other| {
                 !self.movers[*other as usize].infinite
-                    && !fresh.contains(other)
+                    && fresh.binary_search(other).is_err()
                     && block.overlaps(&self.block_of(*other))
             });
         }
@@ -82,18 +82,20 @@ impl EventDriven {
     }
 
     /// The nearest free place for a body that overlaps something; none if it overlaps nothing.
+    ///
+    /// Those `absent`, in creation order, are not there yet.
     fn free_place(&self, slot: Slot, block: Block, absent: &[Slot]) -> Option<[f64; 2]> {
         let mut reach = if block.size[0] > block.size[1] { block.size[0] } else { block.size[1] };
-        let mut obstacles = self.obstacles(slot, &block, reach, absent);
+        let mut obstacles = self.obstacles(slot, &block, 0.0, absent);
         if !obstacles.iter().any(|obstacle| block.overlaps(obstacle)) {
             return None;
         }
         for _ in 0..64 {
+            obstacles = self.obstacles(slot, &block, reach, absent);
             if let Some(place) = nearest_free(&block, &obstacles, reach) {
                 return Some(place);
             }
             reach *= 2.0;
-            obstacles = self.obstacles(slot, &block, reach, absent);
         }
         None
     }
@@ -105,7 +107,7 @@ impl EventDriven {
         self.neighbours.within(low, high, |other| near.push(other));
         near.sort_unstable();
         near.dedup();
-        near.retain(|other| *other != slot && !absent.contains(other));
+        near.retain(|other| *other != slot && absent.binary_search(other).is_err());
         near.into_iter().map(|other| self.block_of(other)).collect()
     }
 }
