@@ -1,0 +1,62 @@
+//! SVG and PDF show what our pixels show, as other people's renderers see it.
+
+#[path = "../../integration/frames.rs"]
+mod frames;
+
+use hayro::hayro_interpret::InterpreterSettings;
+use hayro::hayro_syntax::Pdf;
+use hayro::{RenderCache, RenderSettings};
+use rebond::render::{DisplayList, Metadata, Painter, Picture, compose, pdf, svg};
+use rebond::scene::{ColorBy, Overlay, Theme};
+use resvg::{tiny_skia, usvg};
+
+/// Renderers differ by a pixel's edge: a few pixels differ much and none of an area does.
+fn assert_alike(ours: &Picture, theirs: &[[u8; 4]], what: &str) {
+    assert_eq!(ours.pixels.len(), theirs.len(), "{what}");
+    let difference = |(a, b): (&[u8; 4], &[u8; 4])| (0..3).map(|at| a[at].abs_diff(b[at])).max().unwrap_or(0);
+    let differences: Vec<u8> = ours.pixels.iter().zip(theirs).map(difference).collect();
+    let mean = differences.iter().map(|&difference| f64::from(difference)).sum::<f64>() / differences.len() as f64;
+    let far = differences.iter().filter(|&&difference| difference > 100).count();
+    assert!(mean < 2.0, "{what}: {mean} on average");
+    assert!(far * 50_000 < differences.len(), "{what}: {far} pixels differ by more than 100");
+}
+
+fn rasterised_svg(list: &DisplayList) -> Vec<[u8; 4]> {
+    let mut file = Vec::new();
+    svg::encode(list, &Metadata::default(), &mut file).unwrap();
+    let tree = usvg::Tree::from_data(&file, &usvg::Options::default()).unwrap();
+    let mut pixels = tiny_skia::Pixmap::new(list.size[0], list.size[1]).unwrap();
+    resvg::render(&tree, tiny_skia::Transform::identity(), &mut pixels.as_mut());
+    pixels.data().as_chunks::<4>().0.to_vec()
+}
+
+fn rasterised_pdf(list: &DisplayList) -> Vec<[u8; 4]> {
+    let mut file = Vec::new();
+    pdf::encode(list, &Metadata::default(), &mut file).unwrap();
+    let document = Pdf::new(file).unwrap();
+    // A pixel is 3/4 of a point.
+    let settings = RenderSettings { x_scale: 4.0 / 3.0, y_scale: 4.0 / 3.0, ..RenderSettings::default() };
+    let page = &document.pages()[0];
+    let pixels = hayro::render(page, &RenderCache::new(), &InterpreterSettings::default(), &settings);
+    pixels.data_as_u8_slice().as_chunks::<4>().0.to_vec()
+}
+
+#[test]
+fn frames_look_the_same_in_every_format() {
+    for theme in Theme::ALL {
+        for color_by in ColorBy::ALL {
+            let list = compose(&frames::collision(), &frames::view(*theme, Overlay::ALL, *color_by));
+            let ours = Painter::new().draw(&list);
+            assert_alike(&ours, &rasterised_svg(&list), &format!("SVG, {theme:?}, {color_by:?}"));
+            assert_alike(&ours, &rasterised_pdf(&list), &format!("PDF, {theme:?}, {color_by:?}"));
+        }
+    }
+}
+
+#[test]
+fn a_crowd_looks_the_same_in_every_format() {
+    let list = compose(&frames::moving(60, 30), &frames::view(Theme::Light, Overlay::ALL, ColorBy::Body));
+    let ours = Painter::new().draw(&list);
+    assert_alike(&ours, &rasterised_svg(&list), "SVG");
+    assert_alike(&ours, &rasterised_pdf(&list), "PDF");
+}
