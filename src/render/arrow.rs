@@ -20,32 +20,26 @@ impl Arrow {
         let length = along.norm();
         // An arrow of no direction is none, and one of no finite length cannot be drawn.
         if length >= self.width && length.is_finite() {
-            let halo = Ink { color: look.palette.background, opacity: 200 };
             let along = along.mult(1.0 / length);
-            shapes.push(self.outline(along, length, look.line / 2.0, halo));
-            shapes.push(self.outline(along, length, 0.0, Ink::from(self.color)));
+            shapes.extend(self.grown(along, length, look.line / 2.0, look.palette.background));
+            shapes.extend(self.grown(along, length, 0.0, self.color));
         }
     }
 
-    /// The arrow grown by `grow` px on all sides; its head shrinks with a short shaft.
-    fn outline(&self, along: Vector, length: f64, grow: f64, ink: Ink) -> Shape {
+    /// Shaft and head, grown by `grow` px on all sides; the head shrinks with a short shaft.
+    fn grown(&self, along: Vector, length: f64, grow: f64, color: Color) -> [Shape; 2] {
         let aside = Vector::new(-along.y, along.x);
         let place = |forth: f64, side: f64| self.from.add(along.mult(forth)).add(aside.mult(side));
         let full = 5.0 * self.width;
         let head = if length < 2.0 * full { length / 2.0 } else { full };
-        let half = self.width / 2.0 + grow;
         let wing = HEAD_SLOPE * head + self.width / 4.0 + 1.5 * grow;
-        let (tail, neck, tip) = (-grow, length - head - grow, length + 2.0 * grow);
-        let points = vec![
-            place(tail, half),
-            place(neck, half),
-            place(neck, wing),
-            place(tip, 0.0),
-            place(neck, -wing),
-            place(neck, -half),
-            place(tail, -half),
-        ];
-        Shape::Polygon { points, ink }
+        let (neck, tip) = (length - head - grow, length + 2.0 * grow);
+        let ink = Ink::from(color);
+        // The shaft reaches into the head, so that no gap is seen between them.
+        let shaft = vec![self.from, place(length - head / 2.0, 0.0)];
+        let corners = vec![place(neck, wing), place(tip, 0.0), place(neck, -wing)];
+        let width = self.width + 2.0 * grow;
+        [Shape::Polyline { points: shaft, width, ink }, Shape::Polygon { points: corners, ink }]
     }
 }
 
