@@ -1,4 +1,4 @@
-use super::Exit;
+use super::{Exit, output};
 use crate::{recording, render::RenderError, run::RunError, scene::SceneError};
 use miette::{Diagnostic, MietteHandlerOpts};
 use std::{
@@ -41,6 +41,7 @@ pub enum CommandError {
     },
     /// A result cannot be written.
     #[error("cannot write {}: {source}", path.display())]
+    #[diagnostic(help("see that its folder is there, may be written to and has room, or give another place with -o"))]
     Unwritable {
         /// Which file or folder.
         path: PathBuf,
@@ -49,6 +50,7 @@ pub enum CommandError {
     },
     /// Standard output does not take any more.
     #[error("cannot write to standard output: {0}")]
+    #[diagnostic(help("its reader has gone or has no room; give a file with -o instead"))]
     StandardOutput(#[source] io::Error),
     /// Something stands where the result is to go.
     #[error("{} exists already; give another name with -o, or --force to replace it", .0.display())]
@@ -87,13 +89,17 @@ impl CommandError {
             recording::Error::Open { .. } | recording::Error::Create { .. } | recording::Error::Exists { .. } => {
                 CommandError::RecordingFile(source)
             }
+            recording::Error::Write(source) => CommandError::unwritable(path)(source),
             source => CommandError::Recording { path: path.into(), source },
         }
     }
 
-    /// The error of writing a result at `path`.
+    /// The error of writing a result at `path`, which may be standard output.
     pub fn unwritable(path: &Path) -> impl Fn(io::Error) -> CommandError {
-        move |source| CommandError::Unwritable { path: path.into(), source }
+        move |source| match output::is_standard_output(path) {
+            true => CommandError::StandardOutput(source),
+            false => CommandError::Unwritable { path: path.into(), source },
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! Results appear whole or not at all: they are written beside their place and renamed.
 
 use super::error::CommandError;
+use crate::render::RenderError;
 use std::{
     fs,
     io::{self, BufWriter, Write},
@@ -32,15 +33,23 @@ pub fn write_file(
 ) -> Result<(), CommandError> {
     if is_standard_output(path) {
         let mut output = BufWriter::new(io::stdout().lock());
-        write(&mut output)?;
+        write(&mut output).map_err(|error| with_place(error, path))?;
         return output.flush().map_err(CommandError::StandardOutput);
     }
     refuse_existing(path, force)?;
     let file = beside(path).map_err(CommandError::unwritable(path))?;
     let mut output = BufWriter::new(file);
-    write(&mut output)?;
+    write(&mut output).map_err(|error| with_place(error, path))?;
     let file = output.into_inner().map_err(|error| CommandError::unwritable(path)(error.into_error()))?;
     put(file, path, force)
+}
+
+/// An encoder knows what the system said but not where it was writing.
+fn with_place(error: CommandError, path: &Path) -> CommandError {
+    match error {
+        CommandError::Render(RenderError::Write(source)) => CommandError::unwritable(path)(source),
+        error => error,
+    }
 }
 
 /// The error of a file that exists and is to stay.

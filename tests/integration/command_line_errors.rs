@@ -114,3 +114,27 @@ fn a_truncated_recording_says_how_far_it_is_the_same() {
     assert!(verdict.starts_with("truncated after step "), "{verdict}");
     assert!(verdict.ends_with(" steps same"), "{verdict}");
 }
+
+/// Whatever writes, the error says where it wrote and what to do.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_full_disk_is_told_with_its_place() {
+    let workplace = Workplace::with_scene(SCENE);
+    workplace.done("record scene.toml -o run.mcap");
+    for line in ["export run.mcap", "info run.mcap", "render run.mcap -o -", "figure strobe run.mcap -o -"] {
+        let full = std::fs::OpenOptions::new().write(true).open("/dev/full").expect("Linux has a full disk");
+        let output = std::process::Command::new(env!("CARGO_BIN_EXE_rebond"))
+            .args(line.split_whitespace())
+            .current_dir(workplace.path("."))
+            .env("NO_COLOR", "1")
+            .stdout(full)
+            .output()
+            .expect("the program runs");
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{line}: {errors}");
+        assert!(errors.contains("cannot write to standard output: No space left"), "{line}: {errors}");
+        assert!(errors.contains("help: "), "{line}: {errors}");
+    }
+    let outcome = workplace.rebond("record scene.toml -o /dev/full --force");
+    assert!(outcome.errors.contains("cannot write /dev/full: No space left"), "{outcome:?}");
+}
