@@ -85,7 +85,7 @@ function* twin({ size, walls: walled, gravity, e, rate, steps, spawns, deletes }
     }
     for (const spawn of spawns.filter((event) => event.step === step)) engine.bodies.push(new Body(spawn));
     for (const { name, origin, velocity } of engine.bodies) {
-      yield [step, name, origin.x, origin.y, velocity.x, velocity.y];
+      yield [step, step / rate, name, origin.x, origin.y, velocity.x, velocity.y];
     }
     if (step < steps) engine.update(1 / rate);
   }
@@ -94,8 +94,8 @@ function* twin({ size, walls: walled, gravity, e, rate, steps, spawns, deletes }
 function* exported(recording) {
   const table = execFileSync(rebond, ["export", recording], { maxBuffer: 2 ** 30, encoding: "utf8" });
   for (const row of table.trimEnd().split("\n").slice(1)) {
-    const [step, , name, ...numbers] = row.split(",");
-    yield [Number(step), name, ...numbers.map(Number)];
+    const [step, time, name, ...numbers] = row.split(",");
+    yield [Number(step), Number(time), name, ...numbers.map(Number)];
   }
 }
 
