@@ -35,16 +35,18 @@ impl<'a> State<'a> {
     }
 }
 
-/// How one box stands to another along one axis at the instant from which both are known.
+/// How one box stands to another at the instant from which both are known, along each axis.
 struct Relative {
-    /// The gap if the second is ahead of the first, and if it is behind, m; both negative
-    /// where the boxes overlap on this axis.
-    gaps: [f64; 2],
-    /// Of the second as the first sees it, m/s and m/s².
-    velocity: f64,
-    acceleration: f64,
+    /// The gap if the second is ahead of the first, m; negative where they overlap on the axis.
+    ahead: [f64; 2],
+    /// The gap if the second is behind the first, m.
+    behind: [f64; 2],
+    /// Of the second as the first sees it, m/s.
+    velocity: [f64; 2],
+    /// Likewise, m/s².
+    acceleration: [f64; 2],
     /// What counts as touching: rounding of the coordinates, m.
-    tolerance: f64,
+    tolerance: [f64; 2],
 }
 
 /// Coordinates this many units in the last place apart touch, if nothing moves them apart.
@@ -60,71 +62,82 @@ pub fn tolerance(scale: f64) -> f64 {
 
 impl Relative {
     #[inline]
-    fn new(clock: &Clock, axis: usize, first: &State, second: &Mover) -> Relative {
-        let a = first.position[axis];
-        let (b, velocity) = second.motion[axis].at(clock, first.at);
-        let [a_size, b_size] = [first.mover.size[axis], second.size[axis]];
+    fn new(clock: &Clock, first: &State, second: &Mover) -> Relative {
+        let a = first.position;
+        let seconds = AXES.map(|axis| clock.seconds(second.motion[axis].since, first.at));
+        let b = AXES.map(|axis| second.motion[axis].position_after(seconds[axis]));
+        let velocity = AXES.map(|axis| second.motion[axis].velocity_after(seconds[axis]));
+        let sizes = [first.mover.size, second.size];
         Relative {
-            gaps: [(b - a) - a_size, (a - b) - b_size],
-            velocity: velocity - first.velocity[axis],
-            acceleration: second.motion[axis].acceleration - first.mover.motion[axis].acceleration,
-            tolerance: tolerance(a.abs() + b.abs() + (a_size + b_size)),
+            ahead: AXES.map(|axis| (b[axis] - a[axis]) - sizes[0][axis]),
+            behind: AXES.map(|axis| (a[axis] - b[axis]) - sizes[1][axis]),
+            velocity: AXES.map(|axis| velocity[axis] - first.velocity[axis]),
+            acceleration: AXES
+                .map(|axis| second.motion[axis].acceleration - first.mover.motion[axis].acceleration),
+            tolerance: AXES.map(|axis| tolerance(a[axis].abs() + b[axis].abs() + (sizes[0][axis] + sizes[1][axis]))),
         }
     }
 
-    /// Of the two gaps the wider one: how far the boxes are apart, m.
-    fn gap(&self) -> f64 {
-        let [ahead, behind] = self.gaps;
-        if ahead > behind { ahead } else { behind }
+    /// Of the two gaps on an axis the wider one: how far the boxes are apart, m.
+    #[inline]
+    fn gap(&self, axis: usize) -> f64 {
+        if self.ahead[axis] > self.behind[axis] { self.ahead[axis] } else { self.behind[axis] }
     }
 
-    /// Whether the boxes are apart on this axis and will ever be: the commonest case, seen at once.
+    /// Whether the boxes are apart on an axis and will ever be: the commonest case, seen at once.
     #[inline]
-    fn separates(&self) -> bool {
-        let [ahead, behind] = self.gaps;
-        self.acceleration == 0.0 && ((ahead > 0.0 && self.velocity >= 0.0) || (behind > 0.0 && self.velocity <= 0.0))
+    fn separate(&self) -> bool {
+        let separate = AXES.map(|axis| {
+            let (velocity, acceleration) = (self.velocity[axis], self.acceleration[axis]);
+            let goes_ahead = (self.ahead[axis] > 0.0) & (velocity >= 0.0) & (acceleration >= 0.0);
+            let goes_behind = (self.behind[axis] > 0.0) & (velocity <= 0.0) & (acceleration <= 0.0);
+            goes_ahead | goes_behind
+        });
+        separate[0] | separate[1]
     }
 
     /// Whether the second box, ahead or behind, ever moves towards the first.
-    fn can_close(&self, ahead: bool) -> bool {
+    fn can_close(&self, axis: usize, ahead: bool) -> bool {
         if ahead {
-            self.velocity < 0.0 || self.acceleration < 0.0
+            self.velocity[axis] < 0.0 || self.acceleration[axis] < 0.0
         } else {
-            self.velocity > 0.0 || self.acceleration > 0.0
+            self.velocity[axis] > 0.0 || self.acceleration[axis] > 0.0
         }
     }
 
     /// Seconds until the faces meet, the second box being ahead of the first or behind it.
     ///
     /// `touching`: take the gap as exactly 0.
-    fn closing(&self, ahead: bool, touching: bool) -> f64 {
+    fn closing(&self, axis: usize, ahead: bool, touching: bool) -> f64 {
         let side = if ahead { -1.0 } else { 1.0 };
-        let (speed, acceleration) = (side * self.velocity, side * self.acceleration);
-        let gap = self.gaps[usize::from(!ahead)];
-        let rests = speed == 0.0 && acceleration > 0.0 && gap.abs() <= self.tolerance;
-        let gap = if touching || rests || (gap < 0.0 && gap >= -self.tolerance) { 0.0 } else { gap };
+        let (speed, acceleration) = (side * self.velocity[axis], side * self.acceleration[axis]);
+        let gap = if ahead { self.ahead[axis] } else { self.behind[axis] };
+        let tolerance = self.tolerance[axis];
+        let rests = speed == 0.0 && acceleration > 0.0 && gap.abs() <= tolerance;
+        let gap = if touching || rests || (gap < 0.0 && gap >= -tolerance) { 0.0 } else { gap };
         closing_time(gap, speed, acceleration)
     }
 
-    /// Seconds until the boxes no longer overlap on this axis.
-    fn parting(&self) -> f64 {
-        let [ahead, behind] = self.gaps.map(|gap| if gap > 0.0 { 0.0 } else { -gap });
-        let past_ahead = closing_time(ahead, self.velocity, self.acceleration);
-        let past_behind = closing_time(behind, -self.velocity, -self.acceleration);
+    /// Seconds until the boxes no longer overlap on an axis.
+    fn parting(&self, axis: usize) -> f64 {
+        let [ahead, behind] = [self.ahead[axis], self.behind[axis]].map(|gap| if gap > 0.0 { 0.0 } else { -gap });
+        let past_ahead = closing_time(ahead, self.velocity[axis], self.acceleration[axis]);
+        let past_behind = closing_time(behind, -self.velocity[axis], -self.acceleration[axis]);
         if past_ahead < past_behind { past_ahead } else { past_behind }
     }
 
-    /// How the boxes overlap on this axis after t seconds.
-    fn overlap(&self, t: f64) -> Overlap {
-        let way = t * (self.velocity + 0.5 * self.acceleration * t);
-        let [ahead, behind] = [self.gaps[0] + way, self.gaps[1] - way];
+    /// How the boxes overlap on an axis after t seconds.
+    #[inline]
+    fn overlap(&self, axis: usize, t: f64) -> Overlap {
+        let way = t * (self.velocity[axis] + 0.5 * self.acceleration[axis] * t);
+        let [ahead, behind] = [self.ahead[axis] + way, self.behind[axis] - way];
         let gap = if ahead > behind { ahead } else { behind };
-        if gap < -self.tolerance {
+        if gap < -self.tolerance[axis] {
             return Overlap::Face;
         }
-        let velocity = self.velocity + self.acceleration * t;
+        let velocity = self.velocity[axis] + self.acceleration[axis] * t;
         let shrinks = if ahead > behind { velocity < 0.0 } else { velocity > 0.0 };
-        if gap <= self.tolerance && shrinks { Overlap::Corner } else { Overlap::None }
+        if gap <= self.tolerance[axis] && shrinks { Overlap::Corner } else { Overlap::None }
     }
 }
 
@@ -154,18 +167,13 @@ pub fn meeting(clock: &Clock, first: &State, second: &Mover) -> Option<(Instant,
 
 #[inline]
 fn meeting_from(clock: &Clock, first: &State, second: &Mover) -> Option<(Instant, Kind)> {
-    let x = Relative::new(clock, 0, first, second);
-    if x.separates() {
+    let relative = Relative::new(clock, first, second);
+    if relative.separate() {
         return None;
     }
-    let y = Relative::new(clock, 1, first, second);
-    if y.separates() {
-        return None;
-    }
-    let axes = [&x, &y];
-    let (seconds, kind) = match straight_meeting(&axes) {
+    let (seconds, kind) = match straight_meeting(&relative) {
         Some(met) => met?,
-        None => first_meeting(&axes)?,
+        None => first_meeting(&relative)?,
     };
     let at = clock.after(first.at, seconds);
     (at != Instant::NEVER).then_some((at, kind))
@@ -175,40 +183,37 @@ fn meeting_from(clock: &Clock, first: &State, second: &Mover) -> Option<(Instant
 /// beside each other last is the one along which they meet, if they still are on the other.
 ///
 /// The outer option is none where this simple way does not apply.
-fn straight_meeting(axes: &[&Relative; 2]) -> Option<Option<(f64, Kind)>> {
-    if axes[0].acceleration != 0.0 || axes[1].acceleration != 0.0 {
+#[inline]
+fn straight_meeting(relative: &Relative) -> Option<Option<(f64, Kind)>> {
+    let [x, y] = AXES.map(|axis| relative.gap(axis));
+    let beside = [x < -relative.tolerance[0], y < -relative.tolerance[1]];
+    let apart = ((x > 0.0) & ((y > 0.0) | beside[1])) | ((y > 0.0) & beside[0]);
+    if relative.acceleration != [0.0; 2] || !apart {
         return None;
     }
-    let [x, y] = [axes[0].gap(), axes[1].gap()];
-    let axis = if x > 0.0 && y > 0.0 {
-        usize::from(x * axes[1].velocity.abs() < y * axes[0].velocity.abs())
-    } else if x > 0.0 && y < -axes[1].tolerance {
-        0
-    } else if y > 0.0 && x < -axes[0].tolerance {
-        1
-    } else {
-        return None;
-    };
-    let seconds = (if axis == 0 { x } else { y }) / axes[axis].velocity.abs();
-    Some(match axes[1 - axis].overlap(seconds) {
+    // Where they are beside each other already the gap is negative: that axis came first.
+    let speeds = relative.velocity.map(f64::abs);
+    let axis = usize::from(x * speeds[1] < y * speeds[0]);
+    let seconds = [x, y][axis] / speeds[axis];
+    Some(match relative.overlap(1 - axis, seconds) {
         Overlap::Face => Some((seconds, Kind::Touch(axis as u8))),
         Overlap::Corner => Some((seconds, Kind::Corner)),
         Overlap::None => None,
     })
 }
 
-fn first_meeting(axes: &[&Relative; 2]) -> Option<(f64, Kind)> {
+fn first_meeting(relative: &Relative) -> Option<(f64, Kind)> {
     let mut best = None;
     let mut least = f64::INFINITY;
-    let deep = deepest_within(axes);
+    let deep = deepest_within(relative);
     for axis in AXES {
         for ahead in [true, false] {
-            if !axes[axis].can_close(ahead) {
+            if !relative.can_close(axis, ahead) {
                 continue;
             }
-            let seconds = axes[axis].closing(ahead, deep == Some((axis, ahead)));
+            let seconds = relative.closing(axis, ahead, deep == Some((axis, ahead)));
             if seconds < least {
-                let kind = match axes[1 - axis].overlap(seconds) {
+                let kind = match relative.overlap(1 - axis, seconds) {
                     Overlap::Face => Kind::Touch(axis as u8),
                     Overlap::Corner => Kind::Corner,
                     Overlap::None => continue,
@@ -222,20 +227,19 @@ fn first_meeting(axes: &[&Relative; 2]) -> Option<(f64, Kind)> {
 }
 
 /// If the boxes overlap, which can only be rounding, the axis and side of the shallower overlap.
-fn deepest_within(axes: &[&Relative; 2]) -> Option<(usize, bool)> {
-    let [x, y] = [axes[0].gap(), axes[1].gap()];
+fn deepest_within(relative: &Relative) -> Option<(usize, bool)> {
+    let [x, y] = AXES.map(|axis| relative.gap(axis));
     if !(x < 0.0 && y < 0.0) {
         return None;
     }
     let axis = usize::from(y > x);
-    let [ahead, behind] = axes[axis].gaps;
-    Some((axis, ahead > behind))
+    Some((axis, relative.ahead[axis] > relative.behind[axis]))
 }
 
 /// When two boxes in contact along `axis` slide past each other's edge, if nothing intervenes.
 pub fn parting(clock: &Clock, axis: usize, first: &Mover, second: &Mover) -> Option<Instant> {
     let from = first.since.or_later(second.since);
-    let seconds = Relative::new(clock, 1 - axis, &State::new(clock, first, from), second).parting();
+    let seconds = Relative::new(clock, &State::new(clock, first, from), second).parting(1 - axis);
     let at = clock.after(from, seconds);
     (at != Instant::NEVER).then_some(at)
 }

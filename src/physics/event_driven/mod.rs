@@ -28,8 +28,10 @@
 //!   one behind, if the body ahead cannot move). Coordinates a few units in the last place
 //!   apart touch, if nothing else tells them apart.
 
+mod calendar;
 mod collide;
 mod contact;
+mod grid;
 mod impact;
 mod instant;
 mod least_change;
@@ -45,6 +47,7 @@ mod separation;
 mod settle;
 
 use super::{Body, BodyId, Observer, Settings, StepError, World};
+use calendar::Calendar;
 use contact::{Contacts, Pushed};
 use instant::{Clock, Instant};
 use meeting::Kind;
@@ -83,6 +86,7 @@ pub struct EventDriven {
     now: Instant,
     neighbours: Neighbours,
     schedule: Schedule,
+    calendar: Calendar,
     outlooks: Vec<Outlook>,
     moving: Moving,
     /// Bodies whose motion or contacts changed at the present instant.
@@ -90,7 +94,7 @@ pub struct EventDriven {
     /// How many bodies the grids and the schedule were made for.
     made_for: usize,
     blocks: [Vec<Pushed>; 2],
-    came_near: Vec<Slot>,
+
 }
 
 impl EventDriven {
@@ -110,12 +114,12 @@ impl EventDriven {
             now: Instant::start_of(0),
             neighbours: Neighbours::new(1.0),
             schedule: Schedule::new(clock, 0, 0),
+            calendar: Calendar::new(0),
             outlooks: Vec::new(),
             moving: Moving::default(),
             changed: Vec::new(),
             made_for: 0,
             blocks: [Vec::new(), Vec::new()],
-            came_near: Vec::new(),
         }
     }
 
@@ -176,6 +180,7 @@ impl EventDriven {
         self.movers[slot as usize].generation += 1;
         self.neighbours.remove(slot);
         self.schedule.set(slot, None);
+        self.calendar.forget(slot);
         self.moving.forget(slot);
         self.release(slot);
     }
@@ -194,7 +199,9 @@ impl EventDriven {
         self.now = Instant::start_of(step);
         self.admit(world, step);
         self.run(world, step, observer)?;
-        self.sample(world, step)
+        self.sample(world, step)?;
+        self.move_on(step + 1);
+        Ok(())
     }
 
     fn run<O: Observer>(&mut self, world: &World, step: u64, observer: &mut O) -> Result<(), StepError> {
@@ -285,6 +292,7 @@ impl EventDriven {
         self.made_for = self.movers.len();
         self.neighbours = Neighbours::new(self.usual_size());
         self.schedule = Schedule::new(self.clock, step, self.movers.len());
+        self.calendar = Calendar::new(step);
         for slot in 0..self.movers.len() {
             if self.traits[slot].alive && self.fresh.binary_search(&(slot as Slot)).is_err() {
                 self.neighbours.insert(&self.clock, slot as Slot, &self.movers[slot], self.now);

@@ -36,11 +36,12 @@ impl Outlook {
     /// Nothing to come.
     pub const NOTHING: Outlook = Outlook { meeting: None, leaving: Instant::NEVER };
 
-    /// The turn to wait for.
-    fn turn(&self, slot: Slot) -> Option<Turn> {
+    /// The turn to wait for; what is left to the calendar is not waited for.
+    fn turn(&self, slot: Slot, now: Instant) -> Option<Turn> {
+        let leaves = self.leaving.step == now.step;
         match self.meeting {
-            Some(meeting) if !self.leaving.is_before(meeting.turn.at) => Some(meeting.turn),
-            Some(_) | None => (self.leaving != Instant::NEVER).then_some(Turn { at: self.leaving, pair: [slot, slot] }),
+            Some(meeting) if !(leaves && self.leaving.is_before(meeting.turn.at)) => Some(meeting.turn),
+            Some(_) | None => leaves.then_some(Turn { at: self.leaving, pair: [slot, slot] }),
         }
     }
 }
@@ -115,16 +116,27 @@ impl EventDriven {
 
     /// Moves a body to its next cell and asks those who came near by it.
     pub(super) fn cross(&mut self, slot: Slot) {
-        let mut came_near = std::mem::take(&mut self.came_near);
         let mover = &self.movers[slot as usize];
-        self.neighbours.cross(&self.clock, slot, mover, self.now, |other| came_near.push(other));
+        let crossing = self.neighbours.cross(&self.clock, slot, mover, self.now);
         let mut asker = Asker::new(self, slot, self.outlooks[slot as usize].meeting);
-        came_near.drain(..).for_each(|other| asker.ask(other));
+        self.neighbours.newly_near(slot, mover, crossing, |other| asker.ask(other));
         let first = asker.first;
-        self.came_near = came_near;
-        let mover = &self.movers[slot as usize];
         let leaving = self.neighbours.leaving(&self.clock, slot, mover, self.now);
         self.expect(slot, Outlook { meeting: first, leaving });
+    }
+
+    /// Before a step, moves on the bodies that would leave their cells in it.
+    pub(super) fn move_on(&mut self, step: u64) {
+        self.now = Instant::start_of(step);
+        let due = self.calendar.due(step);
+        for slot in &due {
+            if self.outlooks[*slot as usize].leaving.step > self.now.step {
+                self.note_leaving(*slot);
+            } else {
+                self.cross(*slot);
+            }
+        }
+        self.calendar.recycle(step, due);
     }
 
     fn foresee_partings(&self, slot: Slot, first: &mut Option<Meeting>) {
@@ -139,7 +151,16 @@ impl EventDriven {
     }
 
     fn expect(&mut self, slot: Slot, outlook: Outlook) {
+        self.schedule.set(slot, outlook.turn(slot, self.now));
         self.outlooks[slot as usize] = outlook;
-        self.schedule.set(slot, outlook.turn(slot));
+        self.note_leaving(slot);
+    }
+
+    /// Enters in the calendar when the body leaves its cell, if not in this step.
+    fn note_leaving(&mut self, slot: Slot) {
+        let leaving = self.outlooks[slot as usize].leaving;
+        if leaving.step > self.now.step && leaving != Instant::NEVER {
+            self.calendar.note(slot, leaving.step as u64);
+        }
     }
 }

@@ -78,8 +78,10 @@ struct Pending {
     next: Slot,
 }
 
+const NO_TURN: Turn = Turn { at: Instant::NEVER, pair: [NONE; 2] };
+
 const IDLE: Pending = Pending {
-    turn: Turn { at: Instant::NEVER, pair: [NONE; 2] },
+    turn: NO_TURN,
     slice: u64::MAX,
     stamp: 0,
     place: NONE,
@@ -123,11 +125,15 @@ impl Schedule {
         if self.pending.len() <= slot as usize {
             self.pending.resize(slot as usize + 1, IDLE);
         }
+        let turn = turn.unwrap_or(NO_TURN);
+        if self.pending[slot as usize].turn == turn {
+            return;
+        }
         self.unlink(slot);
         let pending = &mut self.pending[slot as usize];
         pending.stamp = pending.stamp.wrapping_add(1);
-        if let Some(turn) = turn {
-            pending.turn = turn;
+        pending.turn = turn;
+        if turn != NO_TURN {
             self.enter(slot);
         }
     }
@@ -138,7 +144,9 @@ impl Schedule {
         loop {
             while let Some(Reverse(first)) = self.heap.peek().copied() {
                 self.heap.pop();
-                if self.pending[first.slot as usize].stamp == first.stamp {
+                let pending = &mut self.pending[first.slot as usize];
+                if pending.stamp == first.stamp {
+                    pending.turn = NO_TURN;
                     return Some((first.slot, first.turn));
                 }
             }
