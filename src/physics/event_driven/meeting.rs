@@ -15,10 +15,14 @@ pub enum Kind {
 
 /// Where a body is at an instant, and how fast.
 pub struct State<'a> {
-    mover: &'a Mover,
-    at: Instant,
-    position: [f64; 2],
-    velocity: [f64; 2],
+    /// The body.
+    pub mover: &'a Mover,
+    /// The instant.
+    pub at: Instant,
+    /// m.
+    pub position: [f64; 2],
+    /// m/s.
+    pub velocity: [f64; 2],
 }
 
 impl<'a> State<'a> {

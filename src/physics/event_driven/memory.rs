@@ -101,6 +101,7 @@ impl EventDriven {
         self.fresh.clear();
         self.outlooks.clear();
         self.moving = super::Moving::default();
+        self.calendar = super::Calendar::new(0);
         self.changed.clear();
     }
 

@@ -94,6 +94,8 @@ pub struct EventDriven {
     /// How many bodies the grids and the schedule were made for.
     made_for: usize,
     blocks: [Vec<Pushed>; 2],
+    /// Room for those who are to be moved on.
+    due: Vec<Slot>,
 
 }
 
@@ -120,6 +122,7 @@ impl EventDriven {
             changed: Vec::new(),
             made_for: 0,
             blocks: [Vec::new(), Vec::new()],
+            due: Vec::new(),
         }
     }
 
@@ -161,6 +164,7 @@ impl EventDriven {
         self.contacts.add_body();
         self.outlooks.push(Outlook::NOTHING);
         self.moving.add_body();
+        self.calendar.add_body();
         slot
     }
 
@@ -293,6 +297,7 @@ impl EventDriven {
         self.neighbours = Neighbours::new(self.usual_size());
         self.schedule = Schedule::new(self.clock, step, self.movers.len());
         self.calendar = Calendar::new(step);
+        (0..self.movers.len()).for_each(|_| self.calendar.add_body());
         for slot in 0..self.movers.len() {
             if self.traits[slot].alive && self.fresh.binary_search(&(slot as Slot)).is_err() {
                 self.neighbours.insert(&self.clock, slot as Slot, &self.movers[slot], self.now);

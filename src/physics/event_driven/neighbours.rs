@@ -5,6 +5,7 @@
 
 use super::grid::{Grid, NONE};
 use super::instant::{Clock, Instant};
+use super::meeting::State;
 use super::motion::closing_time;
 use super::mover::{AXES, Mover, Slot};
 
@@ -198,57 +199,47 @@ impl Neighbours {
         distance < side * FURTHEST_CELL && speed * clock.period < side && larger * 2.0 > side
     }
 
-    /// Before when a body is to be moved on to its next cell: the instant after `now` at which
-    /// it leaves, or the start of the step in which it does if that is not the present one.
-    pub fn leaving(&self, clock: &Clock, slot: Slot, mover: &Mover, now: Instant) -> Instant {
+    /// When a body leaves its cell, in seconds from now; infinite if never.
+    #[inline]
+    pub fn leaving(&self, slot: Slot, state: &State) -> f64 {
         let seat = &self.seats[slot as usize];
         let side = self.grids[seat.grid as usize].side;
         let leaving = AXES.map(|axis| {
-            let motion = &mover.motion[axis];
-            let (position, velocity) = motion.at(clock, now);
-            let centre = position + mover.size[axis] / 2.0;
+            let (velocity, acceleration) = (state.velocity[axis], state.mover.motion[axis].acceleration);
+            let centre = state.position[axis] + state.mover.size[axis] / 2.0;
             let low = seat.cell[axis] as f64 * side;
             let way = [centre - (low - side * SLACK), (low + side * (1.0 + SLACK)) - centre];
-            if motion.is_still() {
-                f64::INFINITY
-            } else if motion.acceleration == 0.0 {
-                (if velocity > 0.0 { way[1] } else { way[0] }) / velocity.abs()
-            } else {
-                let behind = closing_time(way[0], -velocity, -motion.acceleration);
-                let ahead = closing_time(way[1], velocity, motion.acceleration);
+            if acceleration != 0.0 {
+                let behind = closing_time(way[0], -velocity, -acceleration);
+                let ahead = closing_time(way[1], velocity, acceleration);
                 if ahead < behind { ahead } else { behind }
+            } else if velocity == 0.0 {
+                f64::INFINITY
+            } else {
+                (if velocity > 0.0 { way[1] } else { way[0] }) / velocity.abs()
             }
         });
         let first = if leaving[0] < leaving[1] { leaving[0] } else { leaving[1] };
-        let offset = now.offset + if first > 0.0 { first } else { 0.0 };
-        if offset <= clock.period {
-            Instant { step: now.step, offset }
-        } else if offset == f64::INFINITY {
-            Instant::NEVER
-        } else {
-            // Too far away for the number it is cast to, it is looked at again before.
-            let steps = ((offset * clock.rate) as u32).max(1);
-            Instant { step: now.step + f64::from(steps), offset: 0.0 }
-        }
+        if first > 0.0 { first } else { 0.0 }
     }
 
     /// Moves a body to the cell where it is halfway through the rest of the step, or to the
     /// one where it is now if it is fast.
-    pub fn cross(&mut self, clock: &Clock, slot: Slot, mover: &Mover, now: Instant) -> Crossing {
+    pub fn cross(&mut self, clock: &Clock, slot: Slot, state: &State) -> Crossing {
         let seat = self.seats[slot as usize];
-        let states = [mover.motion[0].at(clock, now), mover.motion[1].at(clock, now)];
+        let mover = state.mover;
         let mut grid = seat.grid as usize;
-        let mut centre = AXES.map(|axis| states[axis].0 + mover.size[axis] / 2.0);
-        let speed = states[0].1.abs() + states[1].1.abs();
+        let mut centre = AXES.map(|axis| state.position[axis] + mover.size[axis] / 2.0);
+        let speed = state.velocity[0].abs() + state.velocity[1].abs();
         if !self.suits(clock, grid, mover, centre[0].abs() + centre[1].abs(), speed) {
-            grid = self.grid_for(clock, mover, now, centre);
+            grid = self.grid_for(clock, mover, state.at, centre);
         }
-        let left = clock.period - now.offset;
+        let left = clock.period - state.at.offset;
         let falls = mover.motion[0].acceleration.abs() + mover.motion[1].acceleration.abs();
         if (speed + falls * left) * left <= SLACK * self.grids[grid].side {
-            centre = AXES.map(|axis| centre[axis] + states[axis].1 * (left / 2.0));
+            centre = AXES.map(|axis| centre[axis] + state.velocity[axis] * (left / 2.0));
         }
-        let crossing = if grid == seat.grid as usize {
+        if grid == seat.grid as usize {
             self.unlink(slot);
             self.link(slot, self.grids[grid].cell(centre));
             Crossing::From(seat.cell)
@@ -256,8 +247,7 @@ impl Neighbours {
             self.rise(slot);
             self.sit(slot, grid, centre);
             Crossing::ToOtherGrid
-        };
-        crossing
+        }
     }
 
     /// Shows each body that may have come near a body by its crossing.

@@ -15,7 +15,7 @@ use super::{Contacts, EventDriven, instant::Clock};
 pub struct Outlook {
     /// The first meeting it knows of.
     pub meeting: Option<Meeting>,
-    /// When it leaves its cell.
+    /// When it leaves its cell, if in the step at hand; else that is left to the calendar.
     pub leaving: Instant,
 }
 
@@ -36,12 +36,11 @@ impl Outlook {
     /// Nothing to come.
     pub const NOTHING: Outlook = Outlook { meeting: None, leaving: Instant::NEVER };
 
-    /// The turn to wait for; what is left to the calendar is not waited for.
-    fn turn(&self, slot: Slot, now: Instant) -> Option<Turn> {
-        let leaves = self.leaving.step == now.step;
+    /// The turn to wait for.
+    fn turn(&self, slot: Slot) -> Option<Turn> {
         match self.meeting {
-            Some(meeting) if !(leaves && self.leaving.is_before(meeting.turn.at)) => Some(meeting.turn),
-            Some(_) | None => leaves.then_some(Turn { at: self.leaving, pair: [slot, slot] }),
+            Some(meeting) if !self.leaving.is_before(meeting.turn.at) => Some(meeting.turn),
+            Some(_) | None => (self.leaving != Instant::NEVER).then_some(Turn { at: self.leaving, pair: [slot, slot] }),
         }
     }
 }
@@ -109,34 +108,34 @@ impl EventDriven {
         let mut asker = Asker::new(self, slot, None);
         self.neighbours.near(slot, mover, |other| asker.ask(other));
         let mut first = asker.first;
+        let leaving = if mover.since == self.now {
+            self.neighbours.leaving(slot, &asker.state)
+        } else {
+            self.neighbours.leaving(slot, &State::new(&self.clock, mover, self.now))
+        };
         self.foresee_partings(slot, &mut first);
-        let leaving = self.neighbours.leaving(&self.clock, slot, mover, self.now);
-        self.expect(slot, Outlook { meeting: first, leaving });
+        self.expect(slot, first, leaving);
     }
 
     /// Moves a body to its next cell and asks those who came near by it.
     pub(super) fn cross(&mut self, slot: Slot) {
         let mover = &self.movers[slot as usize];
-        let crossing = self.neighbours.cross(&self.clock, slot, mover, self.now);
+        let state = State::new(&self.clock, mover, self.now);
+        let crossing = self.neighbours.cross(&self.clock, slot, &state);
+        let leaving = self.neighbours.leaving(slot, &state);
         let mut asker = Asker::new(self, slot, self.outlooks[slot as usize].meeting);
         self.neighbours.newly_near(slot, mover, crossing, |other| asker.ask(other));
         let first = asker.first;
-        let leaving = self.neighbours.leaving(&self.clock, slot, mover, self.now);
-        self.expect(slot, Outlook { meeting: first, leaving });
+        self.expect(slot, first, leaving);
     }
 
-    /// Before a step, moves on the bodies that would leave their cells in it.
+    /// Moves on the bodies that would leave their cells in the step that begins.
     pub(super) fn move_on(&mut self, step: u64) {
         self.now = Instant::start_of(step);
-        let due = self.calendar.due(step);
-        for slot in &due {
-            if self.outlooks[*slot as usize].leaving.step > self.now.step {
-                self.note_leaving(*slot);
-            } else {
-                self.cross(*slot);
-            }
-        }
-        self.calendar.recycle(step, due);
+        let mut due = std::mem::take(&mut self.due);
+        self.calendar.turn_page(&mut due);
+        due.drain(..).for_each(|slot| self.cross(slot));
+        self.due = due;
     }
 
     fn foresee_partings(&self, slot: Slot, first: &mut Option<Meeting>) {
@@ -150,17 +149,20 @@ impl EventDriven {
         }
     }
 
-    fn expect(&mut self, slot: Slot, outlook: Outlook) {
-        self.schedule.set(slot, outlook.turn(slot, self.now));
-        self.outlooks[slot as usize] = outlook;
-        self.note_leaving(slot);
-    }
-
-    /// Enters in the calendar when the body leaves its cell, if not in this step.
-    fn note_leaving(&mut self, slot: Slot) {
-        let leaving = self.outlooks[slot as usize].leaving;
-        if leaving.step > self.now.step && leaving != Instant::NEVER {
-            self.calendar.note(slot, leaving.step as u64);
+    /// Has the body wait for what it expects: its first meeting, and to leave its cell so many
+    /// seconds from now.
+    fn expect(&mut self, slot: Slot, meeting: Option<Meeting>, leaving: f64) {
+        let offset = self.now.offset + leaving;
+        let mut outlook = Outlook { meeting, leaving: Instant::NEVER };
+        if offset <= self.clock.period {
+            outlook.leaving = Instant { step: self.now.step, offset };
+        } else if offset == f64::INFINITY {
+            self.calendar.forget(slot);
+        } else {
+            let ahead = (offset * self.clock.rate) as u32;
+            self.calendar.note(slot, if ahead > 1 { ahead } else { 1 });
         }
+        self.schedule.set(slot, outlook.turn(slot));
+        self.outlooks[slot as usize] = outlook;
     }
 }

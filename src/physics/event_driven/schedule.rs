@@ -188,8 +188,8 @@ impl Schedule {
     fn enter(&mut self, slot: Slot) {
         let pending = &mut self.pending[slot as usize];
         let last = (1 << self.fineness) - 1;
-        let within = (pending.turn.at.offset * self.clock.rate * (1_u64 << self.fineness) as f64) as u64;
-        let slice = ((pending.turn.at.step as u64) << self.fineness) + if within < last { within } else { last };
+        let within = (pending.turn.at.offset * self.clock.rate * f64::from(1_u32 << self.fineness)) as i64 as u64;
+        let slice = ((pending.turn.at.step as i64 as u64) << self.fineness) + if within < last { within } else { last };
         if slice <= self.present {
             self.heap.push(Reverse(Waiting { turn: pending.turn, slot, stamp: pending.stamp }));
             return;
