@@ -100,6 +100,24 @@ impl Relative {
         separate[0] | separate[1]
     }
 
+    /// Whether the boxes stay apart on an axis for so many seconds at least: of many boxes
+    /// around one, all but the nearest.
+    #[inline]
+    fn stay_apart(&self, seconds: f64) -> bool {
+        let way = |speed: f64, acceleration: f64| {
+            let speed = if speed > 0.0 { speed } else { 0.0 };
+            let acceleration = if acceleration > 0.0 { acceleration } else { 0.0 };
+            seconds * (speed + 0.5 * acceleration * seconds)
+        };
+        let apart = AXES.map(|axis| {
+            let (velocity, acceleration) = (self.velocity[axis], self.acceleration[axis]);
+            let ahead = self.ahead[axis] - way(-velocity, -acceleration) > self.tolerance[axis];
+            let behind = self.behind[axis] - way(velocity, acceleration) > self.tolerance[axis];
+            ahead | behind
+        });
+        apart[0] | apart[1]
+    }
+
     /// Whether the second box, ahead or behind, ever moves towards the first.
     fn can_close(&self, axis: usize, ahead: bool) -> bool {
         if ahead {
@@ -159,20 +177,21 @@ enum Overlap {
 /// asks, or when. Faces meet when a gap on one axis closes while the boxes overlap on the
 /// other by a positive length. If they begin to overlap there at the same instant, it is a
 /// corner; if they just cease to, or slide along each other's line, they do not meet: so a
-/// box passes the seam between two tiles.
+/// box passes the seam between two tiles. What comes more than `latest` seconds after
+/// both are known need not be told.
 #[inline]
-pub fn meeting(clock: &Clock, first: &State, second: &Mover) -> Option<(Instant, Kind)> {
+pub fn meeting(clock: &Clock, first: &State, second: &Mover, latest: f64) -> Option<(Instant, Kind)> {
     if first.at.is_before(second.since) {
-        meeting_from(clock, &State::new(clock, first.mover, second.since), second)
+        meeting_from(clock, &State::new(clock, first.mover, second.since), second, latest)
     } else {
-        meeting_from(clock, first, second)
+        meeting_from(clock, first, second, latest)
     }
 }
 
 #[inline]
-fn meeting_from(clock: &Clock, first: &State, second: &Mover) -> Option<(Instant, Kind)> {
+fn meeting_from(clock: &Clock, first: &State, second: &Mover, latest: f64) -> Option<(Instant, Kind)> {
     let relative = Relative::new(clock, first, second);
-    if relative.separate() {
+    if relative.separate() | relative.stay_apart(latest) {
         return None;
     }
     let (seconds, kind) = match straight_meeting(&relative) {
@@ -266,7 +285,7 @@ mod tests {
 
     fn seconds(first: &Mover, second: &Mover) -> Option<(f64, Kind)> {
         let met = |first: &Mover, second: &Mover| {
-            let (at, kind) = meeting(&CLOCK, &State::new(&CLOCK, first, first.since), second)?;
+            let (at, kind) = meeting(&CLOCK, &State::new(&CLOCK, first, first.since), second, f64::INFINITY)?;
             Some((CLOCK.seconds(Instant::start_of(0), at), kind))
         };
         assert_eq!(met(first, second), met(second, first), "it does not matter who asks");

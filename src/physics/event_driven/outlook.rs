@@ -69,13 +69,28 @@ struct Asker<'a> {
     /// Since when it has moved as it does.
     state: State<'a>,
     first: Option<Meeting>,
+    /// Seconds from then on until no later than which something is known to happen.
+    latest: f64,
 }
+
+/// By so much more of the time than any rounding is a meeting told to be later than another.
+const LATER: f64 = 1.0 + 1e-9;
 
 impl<'a> Asker<'a> {
     fn new(solver: &'a EventDriven, slot: Slot, first: Option<Meeting>) -> Asker<'a> {
         let mover = &solver.movers[slot as usize];
         let state = State::new(&solver.clock, mover, mover.since);
-        Asker { clock: &solver.clock, movers: &solver.movers, contacts: &solver.contacts, slot, state, first }
+        let (clock, movers, contacts) = (&solver.clock, &solver.movers, &solver.contacts);
+        let mut asker = Asker { clock, movers, contacts, slot, state, first, latest: f64::INFINITY };
+        asker.look_no_further();
+        asker
+    }
+
+    /// What comes later than the first meeting known need not be told.
+    fn look_no_further(&mut self) {
+        if let Some(known) = &self.first {
+            self.latest = self.clock.seconds(self.state.at, known.turn.at) * LATER + self.clock.period * (LATER - 1.0);
+        }
     }
 
     fn ask(&mut self, other: Slot) {
@@ -83,11 +98,12 @@ impl<'a> Asker<'a> {
         if self.slot == other || (self.state.is_infinite() && partner.infinite) {
             return;
         }
-        if let Some((at, kind)) = meeting(self.clock, &self.state, partner)
+        if let Some((at, kind)) = meeting(self.clock, &self.state, partner, self.latest)
             && !self.touches(other)
         {
             let turn = Turn { at, pair: pair(self.slot, other) };
             keep_first(&mut self.first, Meeting { turn, kind, partner: other, generation: partner.generation });
+            self.look_no_further();
         }
     }
 
