@@ -41,6 +41,7 @@ mod motion;
 mod mover;
 mod neighbours;
 mod outlook;
+mod reach;
 mod sampling;
 mod schedule;
 mod separation;
@@ -55,6 +56,7 @@ use motion::Motion;
 use mover::{AXES, Mover, Slot, Traits};
 use neighbours::Neighbours;
 use outlook::Outlook;
+use reach::Reach;
 use sampling::Moving;
 use schedule::Schedule;
 
@@ -88,6 +90,7 @@ pub struct EventDriven {
     schedule: Schedule,
     calendar: Calendar,
     outlooks: Vec<Outlook>,
+    reaches: Vec<Reach>,
     moving: Moving,
     /// Bodies whose motion or contacts changed at the present instant.
     changed: Vec<Slot>,
@@ -118,6 +121,7 @@ impl EventDriven {
             schedule: Schedule::new(clock, 0, 0),
             calendar: Calendar::new(0),
             outlooks: Vec::new(),
+            reaches: Vec::new(),
             moving: Moving::default(),
             changed: Vec::new(),
             made_for: 0,
@@ -163,6 +167,7 @@ impl EventDriven {
         self.traits.push(Traits { id: body.id, mass, material, free_fall, forced, alive: true });
         self.contacts.add_body();
         self.outlooks.push(Outlook::NOTHING);
+        self.reaches.push(Reach::ANYWHERE);
         self.moving.add_body();
         self.calendar.add_body();
         slot
@@ -338,6 +343,9 @@ impl EventDriven {
             changed.sort_unstable();
         }
         changed.dedup();
+        for slot in &changed {
+            self.reaches[*slot as usize] = Reach::ANYWHERE;
+        }
         for slot in &changed {
             self.predict(*slot);
             self.moving.update(*slot, &self.movers[*slot as usize]);

@@ -50,15 +50,6 @@ struct Seat {
 
 const NOWHERE: Seat = Seat { grid: NONE, member: NONE, cell: [0; 2], previous: NONE, next: NONE };
 
-/// Where a body went.
-#[derive(Clone, Copy, Debug)]
-pub enum Crossing {
-    /// From this cell to another of the same grid.
-    From([i64; 2]),
-    /// To another grid.
-    ToOtherGrid,
-}
-
 impl Neighbours {
     /// Grids for boxes whose usual longer side is `size`, m.
     pub fn new(size: f64) -> Neighbours {
@@ -225,7 +216,7 @@ impl Neighbours {
 
     /// Moves a body to the cell where it is halfway through the rest of the step, or to the
     /// one where it is now if it is fast.
-    pub fn cross(&mut self, clock: &Clock, slot: Slot, state: &State) -> Crossing {
+    pub fn cross(&mut self, clock: &Clock, slot: Slot, state: &State) {
         let seat = self.seats[slot as usize];
         let mover = state.mover;
         let mut grid = seat.grid as usize;
@@ -242,43 +233,9 @@ impl Neighbours {
         if grid == seat.grid as usize {
             self.unlink(slot);
             self.link(slot, self.grids[grid].cell(centre));
-            Crossing::From(seat.cell)
         } else {
             self.rise(slot);
             self.sit(slot, grid, centre);
-            Crossing::ToOtherGrid
-        }
-    }
-
-    /// Shows each body that may have come near a body by its crossing.
-    pub fn newly_near(&self, slot: Slot, mover: &Mover, crossing: Crossing, mut show: impl FnMut(Slot)) {
-        let Crossing::From(left) = crossing else { return self.near(slot, mover, show) };
-        let seat = &self.seats[slot as usize];
-        let (grid, cell) = (&self.grids[seat.grid as usize], seat.cell);
-        let way = AXES.map(|axis| cell[axis].wrapping_sub(left[axis]));
-        let (middle, row) = (grid.bucket(cell) as u64, grid.row);
-        match way {
-            [0, 0] => {}
-            [1 | -1, 0] => self.show_three(grid, middle.wrapping_add(way[0] as u64), row, &mut show),
-            [0, 1 | -1] => self.show_three(grid, middle.wrapping_add(row.wrapping_mul(way[1] as u64)), 1, &mut show),
-            [_, _] => {
-                let far = |x: i64, y: i64| x.wrapping_sub(left[0]).abs() > 1 || y.wrapping_sub(left[1]).abs() > 1;
-                for (x, y) in [-1, 0, 1].into_iter().flat_map(|y| [-1, 0, 1].map(|x| (x, y))) {
-                    let [x, y] = [cell[0].wrapping_add(x), cell[1].wrapping_add(y)];
-                    if far(x, y) {
-                        self.show_list(grid.buckets[grid.bucket([x, y])].first, &mut show);
-                    }
-                }
-            }
-        }
-        self.show_anchors(grid, cell, &mut show);
-        self.show_other_grids(seat.grid as usize, cell, mover, &mut show);
-    }
-
-    /// Shows three buckets in a line.
-    fn show_three(&self, grid: &Grid, middle: u64, apart: u64, show: &mut impl FnMut(Slot)) {
-        for bucket in [middle.wrapping_sub(apart), middle, middle.wrapping_add(apart)] {
-            self.show_list(grid.buckets[(bucket & (grid.buckets.len() as u64 - 1)) as usize].first, show);
         }
     }
 

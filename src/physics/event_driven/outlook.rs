@@ -3,6 +3,7 @@
 use super::instant::Instant;
 use super::meeting::{Kind, State, meeting, parting};
 use super::mover::{Mover, Slot};
+use super::reach::Reach;
 use super::schedule::Turn;
 use super::{Contacts, EventDriven, instant::Clock};
 
@@ -77,34 +78,37 @@ struct Asker<'a> {
 const LATER: f64 = 1.0 + 1e-9;
 
 impl<'a> Asker<'a> {
-    fn new(solver: &'a EventDriven, slot: Slot, first: Option<Meeting>) -> Asker<'a> {
+    fn new(solver: &'a EventDriven, slot: Slot) -> Asker<'a> {
         let mover = &solver.movers[slot as usize];
         let state = State::new(&solver.clock, mover, mover.since);
         let (clock, movers, contacts) = (&solver.clock, &solver.movers, &solver.contacts);
-        let mut asker = Asker { clock, movers, contacts, slot, state, first, latest: f64::INFINITY };
-        asker.look_no_further();
-        asker
+        Asker { clock, movers, contacts, slot, state, first: None, latest: f64::INFINITY }
     }
 
-    /// What comes later than the first meeting known need not be told.
-    fn look_no_further(&mut self) {
-        if let Some(known) = &self.first {
-            self.latest = self.clock.seconds(self.state.at, known.turn.at) * LATER + self.clock.period * (LATER - 1.0);
-        }
+    /// Seconds from an instant until no later than which something is known to happen.
+    fn seconds_from(&self, now: Instant, most: f64) -> f64 {
+        let seconds = self.latest - self.clock.seconds(self.state.at, now);
+        if seconds < most { seconds } else { most }
     }
 
-    fn ask(&mut self, other: Slot) {
+    /// Asks one body; whether that is now the first to be met.
+    fn ask(&mut self, other: Slot) -> bool {
         let partner = &self.movers[other as usize];
         if self.slot == other || (self.state.is_infinite() && partner.infinite) {
-            return;
+            return false;
         }
-        if let Some((at, kind)) = meeting(self.clock, &self.state, partner, self.latest)
-            && !self.touches(other)
-        {
-            let turn = Turn { at, pair: pair(self.slot, other) };
-            keep_first(&mut self.first, Meeting { turn, kind, partner: other, generation: partner.generation });
-            self.look_no_further();
+        let Some((at, kind)) = meeting(self.clock, &self.state, partner, self.latest) else { return false };
+        if self.touches(other) {
+            return false;
         }
+        let turn = Turn { at, pair: pair(self.slot, other) };
+        keep_first(&mut self.first, Meeting { turn, kind, partner: other, generation: partner.generation });
+        let latest = self.clock.seconds(self.state.at, at) * LATER + self.clock.period * (LATER - 1.0);
+        let sooner = latest < self.latest;
+        if sooner {
+            self.latest = latest;
+        }
+        sooner
     }
 
     /// Whether it is in contact with another body.
@@ -115,34 +119,33 @@ impl<'a> Asker<'a> {
 }
 
 impl EventDriven {
-    /// Looks ahead for a body: asks everyone near it.
+    /// Looks ahead for a body: asks everyone near it whom it may meet before it looks again.
     pub(super) fn predict(&mut self, slot: Slot) {
         let mover = &self.movers[slot as usize];
+        let state = State::new(&self.clock, mover, self.now);
         if mover.is_anchored() {
+            self.reaches[slot as usize] = Reach::new(&state, 0.0);
             return;
         }
-        let mut asker = Asker::new(self, slot, None);
-        self.neighbours.near(slot, mover, |other| asker.ask(other));
+        let leaving = self.neighbours.leaving(slot, &state);
+        let mut asker = Asker::new(self, slot);
+        let mut reach = Reach::new(&state, leaving);
+        self.neighbours.near(slot, mover, |other| {
+            if reach.touches(&self.reaches[other as usize]) && asker.ask(other) {
+                reach = Reach::new(&state, asker.seconds_from(self.now, leaving));
+            }
+        });
         let mut first = asker.first;
-        let leaving = if mover.since == self.now {
-            self.neighbours.leaving(slot, &asker.state)
-        } else {
-            self.neighbours.leaving(slot, &State::new(&self.clock, mover, self.now))
-        };
         self.foresee_partings(slot, &mut first);
+        self.reaches[slot as usize] = reach;
         self.expect(slot, first, leaving);
     }
 
-    /// Moves a body to its next cell and asks those who came near by it.
+    /// Moves a body to its next cell, where it looks around.
     pub(super) fn cross(&mut self, slot: Slot) {
-        let mover = &self.movers[slot as usize];
-        let state = State::new(&self.clock, mover, self.now);
-        let crossing = self.neighbours.cross(&self.clock, slot, &state);
-        let leaving = self.neighbours.leaving(slot, &state);
-        let mut asker = Asker::new(self, slot, self.outlooks[slot as usize].meeting);
-        self.neighbours.newly_near(slot, mover, crossing, |other| asker.ask(other));
-        let first = asker.first;
-        self.expect(slot, first, leaving);
+        let state = State::new(&self.clock, &self.movers[slot as usize], self.now);
+        self.neighbours.cross(&self.clock, slot, &state);
+        self.predict(slot);
     }
 
     /// Moves on the bodies that would leave their cells in the step that begins.
