@@ -166,7 +166,7 @@ impl EventDriven {
         let (mass, material) = (body.mass, body.material);
         self.traits.push(Traits { id: body.id, mass, material, free_fall, forced, alive: true });
         self.contacts.add_body();
-        self.outlooks.push(Outlook::NOTHING);
+        self.outlooks.push(Outlook { meeting: None, generation: 0 });
         self.reaches.push(Reach::ANYWHERE);
         self.moving.add_body();
         self.calendar.add_body();
@@ -223,22 +223,22 @@ impl EventDriven {
                 return Err(self.too_many(world, step, turn.pair));
             }
             self.now = self.now.or_later(turn.at);
-            let outlook = self.outlooks[slot as usize];
-            match outlook.meeting {
-                Some(meeting) if !outlook.leaving.is_before(meeting.turn.at) => {
-                    if self.movers[meeting.partner as usize].generation != meeting.generation {
-                        self.predict(slot);
-                        continue;
-                    }
-                    events += 1;
-                    if events > self.limit {
-                        return Err(self.too_many(world, step, turn.pair));
-                    }
-                    self.changed.push(slot);
-                    self.happen(world, turn.pair, meeting.kind, observer)?;
-                }
-                Some(_) | None => self.cross(slot),
+            let Outlook { meeting, generation } = self.outlooks[slot as usize];
+            let Some(kind) = meeting else {
+                self.cross(slot);
+                continue;
+            };
+            let partner = if turn.pair[0] == slot { turn.pair[1] } else { turn.pair[0] };
+            if self.movers[partner as usize].generation != generation {
+                self.predict(slot);
+                continue;
             }
+            events += 1;
+            if events > self.limit {
+                return Err(self.too_many(world, step, turn.pair));
+            }
+            self.changed.push(slot);
+            self.happen(world, turn.pair, kind, observer)?;
         }
         Ok(())
     }

@@ -1,4 +1,4 @@
-//! What each body expects next: its first meeting, and when it leaves its cell.
+//! What each body expects next: its first meeting, or to leave its cell.
 
 use super::instant::Instant;
 use super::meeting::{Kind, State, meeting, parting};
@@ -7,43 +7,26 @@ use super::reach::Reach;
 use super::schedule::Turn;
 use super::{Contacts, EventDriven, instant::Clock};
 
-/// What a body expects.
+/// What a body expects when its turn comes: to meet, or else to leave its cell.
 ///
 /// Of each pair it is enough that one of the two knows: the one that looked ahead last.
 /// A meeting whose partner has changed since then is void; when its time comes the body
 /// looks ahead again.
 #[derive(Clone, Copy, Debug)]
 pub struct Outlook {
-    /// The first meeting it knows of.
-    pub meeting: Option<Meeting>,
-    /// When it leaves its cell, if in the step at hand; else that is left to the calendar.
-    pub leaving: Instant,
+    /// How it meets the other of the pair whose turn it is.
+    pub meeting: Option<Kind>,
+    /// The other's generation when this was foretold.
+    pub generation: u32,
 }
 
 /// A meeting foretold.
 #[derive(Clone, Copy, Debug)]
-pub struct Meeting {
-    /// When, and who.
-    pub turn: Turn,
-    /// How.
-    pub kind: Kind,
-    /// The other body.
-    pub partner: Slot,
-    /// The partner's generation when this was foretold.
-    pub generation: u32,
-}
-
-impl Outlook {
-    /// Nothing to come.
-    pub const NOTHING: Outlook = Outlook { meeting: None, leaving: Instant::NEVER };
-
-    /// The turn to wait for.
-    fn turn(&self, slot: Slot) -> Option<Turn> {
-        match self.meeting {
-            Some(meeting) if !self.leaving.is_before(meeting.turn.at) => Some(meeting.turn),
-            Some(_) | None => (self.leaving != Instant::NEVER).then_some(Turn { at: self.leaving, pair: [slot, slot] }),
-        }
-    }
+struct Meeting {
+    turn: Turn,
+    kind: Kind,
+    /// Of the partner, when this was foretold.
+    generation: u32,
 }
 
 /// Keeps the earlier of two meetings.
@@ -102,7 +85,7 @@ impl<'a> Asker<'a> {
             return false;
         }
         let turn = Turn { at, pair: pair(self.slot, other) };
-        keep_first(&mut self.first, Meeting { turn, kind, partner: other, generation: partner.generation });
+        keep_first(&mut self.first, Meeting { turn, kind, generation: partner.generation });
         let latest = self.clock.seconds(self.state.at, at) * LATER + self.clock.period * (LATER - 1.0);
         let sooner = latest < self.latest;
         if sooner {
@@ -163,25 +146,36 @@ impl EventDriven {
             if let Some(at) = parting(&self.clock, contact.axis, &self.movers[slot as usize], partner) {
                 let turn = Turn { at, pair: pair(slot, contact.other) };
                 let kind = Kind::Part(contact.axis as u8);
-                keep_first(first, Meeting { turn, kind, partner: contact.other, generation: partner.generation });
+                keep_first(first, Meeting { turn, kind, generation: partner.generation });
             }
         }
     }
 
-    /// Has the body wait for what it expects: its first meeting, and to leave its cell so many
-    /// seconds from now.
+    /// Has the body wait for what it expects: its first meeting, or to leave its cell so many
+    /// seconds from now. Unless that is still in this step it is left to the calendar.
     fn expect(&mut self, slot: Slot, meeting: Option<Meeting>, leaving: f64) {
         let offset = self.now.offset + leaving;
-        let mut outlook = Outlook { meeting, leaving: Instant::NEVER };
+        let mut leaves = None;
         if offset <= self.clock.period {
-            outlook.leaving = Instant { step: self.now.step, offset };
+            leaves = Some(Turn { at: Instant { step: self.now.step, offset }, pair: [slot, slot] });
         } else if offset == f64::INFINITY {
             self.calendar.forget(slot);
         } else {
             let ahead = (offset * self.clock.rate) as u32;
             self.calendar.note(slot, if ahead > 1 { ahead } else { 1 });
         }
-        self.schedule.set(slot, outlook.turn(slot));
-        self.outlooks[slot as usize] = outlook;
+        match (meeting, leaves) {
+            (Some(meeting), None) => self.expect_meeting(slot, &meeting),
+            (Some(meeting), Some(leaves)) if !leaves.at.is_before(meeting.turn.at) => self.expect_meeting(slot, &meeting),
+            (Some(_) | None, leaves) => {
+                self.outlooks[slot as usize].meeting = None;
+                self.schedule.set(slot, leaves);
+            }
+        }
+    }
+
+    fn expect_meeting(&mut self, slot: Slot, meeting: &Meeting) {
+        self.outlooks[slot as usize] = Outlook { meeting: Some(meeting.kind), generation: meeting.generation };
+        self.schedule.set(slot, Some(meeting.turn));
     }
 }

@@ -70,7 +70,6 @@ impl Ord for Waiting {
 #[derive(Clone, Copy, Debug)]
 struct Pending {
     turn: Turn,
-    slice: u64,
     stamp: u32,
     /// The place in the wheel, or [`NONE`].
     place: u32,
@@ -82,7 +81,6 @@ const NO_TURN: Turn = Turn { at: Instant::NEVER, pair: [NONE; 2] };
 
 const IDLE: Pending = Pending {
     turn: NO_TURN,
-    slice: u64::MAX,
     stamp: 0,
     place: NONE,
     previous: NONE,
@@ -195,13 +193,13 @@ impl Schedule {
             return;
         }
         let furthest = (((self.present >> self.fineness) + STEPS) << self.fineness) - 1;
-        pending.slice = if slice < furthest { slice } else { furthest };
-        let place = (pending.slice & (self.wheel.len() as u64 - 1)) as usize;
+        let slice = if slice < furthest { slice } else { furthest };
+        let place = (slice & (self.wheel.len() as u64 - 1)) as usize;
         pending.place = place as u32;
         pending.previous = NONE;
         pending.next = self.wheel[place];
         let next = pending.next;
-        self.waiting[((pending.slice >> self.fineness) % STEPS) as usize] += 1;
+        self.waiting[place >> self.fineness] += 1;
         self.wheel[place] = slot;
         if next != NONE {
             self.pending[next as usize].previous = slot;
@@ -213,7 +211,7 @@ impl Schedule {
         if pending.place == NONE {
             return;
         }
-        self.waiting[((pending.slice >> self.fineness) % STEPS) as usize] -= 1;
+        self.waiting[(pending.place >> self.fineness) as usize] -= 1;
         if pending.previous == NONE {
             self.wheel[pending.place as usize] = pending.next;
         } else {
