@@ -14,6 +14,7 @@ pub enum Kind {
 }
 
 /// Where a body is at an instant, and how fast.
+#[derive(Clone, Copy)]
 pub struct State<'a> {
     /// The body.
     pub mover: &'a Mover,
@@ -31,6 +32,12 @@ impl<'a> State<'a> {
     pub fn new(clock: &Clock, mover: &'a Mover, at: Instant) -> State<'a> {
         let [(x, vx), (y, vy)] = [mover.motion[0].at(clock, at), mover.motion[1].at(clock, at)];
         State { mover, at, position: [x, y], velocity: [vx, vy] }
+    }
+
+    /// The state at another instant, if it is another.
+    #[inline]
+    pub fn until(&self, clock: &Clock, at: Instant) -> State<'a> {
+        if at == self.at { *self } else { State::new(clock, self.mover, at) }
     }
 
     /// Whether the body's mass is infinite.

@@ -270,7 +270,7 @@ impl EventDriven {
         }
         let fresh = std::mem::take(&mut self.fresh);
         let many = self.movers.len() > 2 * self.made_for || self.movers.len() > 2 * world.bodies.len() + 64;
-        if many || fresh.iter().any(|slot| self.movers[*slot as usize].is_anchored()) {
+        if many || self.neighbours.are_few() || fresh.iter().any(|slot| self.movers[*slot as usize].is_anchored()) {
             self.fresh = fresh;
             if self.movers.len() > world.bodies.len() {
                 self.forget_deleted(world, step);

@@ -27,6 +27,9 @@ const CELLS_PER_STEP: f64 = 4.0;
 /// No cell is so many cells away from the origin that its borders could not be told apart.
 const FURTHEST_CELL: f64 = (1u64 << 40) as f64;
 
+/// So few bodies are all asked.
+const FEW: usize = 12;
+
 /// The grids.
 #[derive(Clone, Debug)]
 pub struct Neighbours {
@@ -237,6 +240,17 @@ impl Neighbours {
             self.rise(slot);
             self.sit(slot, grid, centre);
         }
+    }
+
+    /// Whether there are so few bodies that grids are not worth their cost. Cells mean nothing then.
+    pub fn are_few(&self) -> bool {
+        self.seats.len() <= FEW
+    }
+
+    /// Shows each body.
+    pub fn all(&self, mut show: impl FnMut(Slot)) {
+        self.grids.iter().flat_map(|grid| &grid.members).for_each(|slot| show(*slot));
+        self.anchored.iter().for_each(|(slot, _)| show(*slot));
     }
 
     /// Shows each body, itself included and some perhaps twice, that may touch this one before

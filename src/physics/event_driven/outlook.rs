@@ -105,19 +105,25 @@ impl EventDriven {
     /// Looks ahead for a body: asks everyone near it whom it may meet before it looks again.
     pub(super) fn predict(&mut self, slot: Slot) {
         let mover = &self.movers[slot as usize];
-        let state = State::new(&self.clock, mover, self.now);
         if mover.is_anchored() {
-            self.reaches[slot as usize] = Reach::new(&state, 0.0);
+            self.reaches[slot as usize] = Reach::new(&State::new(&self.clock, mover, self.now), 0.0);
             return;
         }
-        let leaving = self.neighbours.leaving(slot, &state);
         let mut asker = Asker::new(self, slot);
-        let mut reach = Reach::new(&state, leaving);
-        self.neighbours.near(slot, mover, |other| {
-            if reach.touches(&self.reaches[other as usize]) && asker.ask(other) {
-                reach = Reach::new(&state, asker.seconds_from(self.now, leaving));
-            }
-        });
+        let mut leaving = f64::INFINITY;
+        let mut reach = Reach::ANYWHERE;
+        if self.neighbours.are_few() {
+            self.neighbours.all(|other| _ = asker.ask(other));
+        } else {
+            let state = asker.state.until(&self.clock, self.now);
+            leaving = self.neighbours.leaving(slot, &state);
+            reach = Reach::new(&state, leaving);
+            self.neighbours.near(slot, mover, |other| {
+                if reach.touches(&self.reaches[other as usize]) && asker.ask(other) {
+                    reach = Reach::new(&state, asker.seconds_from(self.now, leaving));
+                }
+            });
+        }
         let mut first = asker.first;
         self.foresee_partings(slot, &mut first);
         self.reaches[slot as usize] = reach;
