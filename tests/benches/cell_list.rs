@@ -67,7 +67,8 @@ impl CellList {
             });
             Ball { position: *position, velocity: *velocity, since: 0.0, generation: 0, cell }
         };
-        let nothing = Expected { meeting: f64::INFINITY, partner: Partner::Nobody, leaving: f64::INFINITY, leaving_axis: 0 };
+        let nothing =
+            Expected { meeting: f64::INFINITY, partner: Partner::Nobody, leaving: f64::INFINITY, leaving_axis: 0 };
         let mut gas = CellList {
             balls: states.iter().map(ball).collect(),
             collisions: 0,

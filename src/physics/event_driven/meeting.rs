@@ -83,8 +83,7 @@ impl Relative {
             ahead: AXES.map(|axis| (b[axis] - a[axis]) - sizes[0][axis]),
             behind: AXES.map(|axis| (a[axis] - b[axis]) - sizes[1][axis]),
             velocity: AXES.map(|axis| velocity[axis] - first.velocity[axis]),
-            acceleration: AXES
-                .map(|axis| second.motion[axis].acceleration - first.mover.motion[axis].acceleration),
+            acceleration: AXES.map(|axis| second.motion[axis].acceleration - first.mover.motion[axis].acceleration),
             tolerance: AXES.map(|axis| tolerance(a[axis].abs() + b[axis].abs() + (sizes[0][axis] + sizes[1][axis]))),
         }
     }

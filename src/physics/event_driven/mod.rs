@@ -99,7 +99,6 @@ pub struct EventDriven {
     blocks: [Vec<Pushed>; 2],
     /// Room for those who are to be moved on.
     due: Vec<Slot>,
-
 }
 
 impl EventDriven {

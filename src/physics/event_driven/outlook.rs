@@ -172,7 +172,9 @@ impl EventDriven {
         }
         match (meeting, leaves) {
             (Some(meeting), None) => self.expect_meeting(slot, &meeting),
-            (Some(meeting), Some(leaves)) if !leaves.at.is_before(meeting.turn.at) => self.expect_meeting(slot, &meeting),
+            (Some(meeting), Some(leaves)) if !leaves.at.is_before(meeting.turn.at) => {
+                self.expect_meeting(slot, &meeting)
+            }
             (Some(_) | None, leaves) => {
                 self.outlooks[slot as usize].meeting = None;
                 self.schedule.set(slot, leaves);

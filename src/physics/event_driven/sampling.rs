@@ -65,8 +65,8 @@ impl EventDriven {
             });
             body.rect.origin = Vector::new(x, y);
             body.velocity = Vector::new(vx, vy);
-            // A difference with itself is 0, unless it is not finite.
-            if (x - x) + (y - y) + (vx - vx) + (vy - vy) != 0.0 {
+            // Nothing times a finite number is nothing.
+            if 0.0 * x + 0.0 * y + 0.0 * vx + 0.0 * vy != 0.0 {
                 return Err(StepError::NotFinite { step, body: body.name.clone() });
             }
         }

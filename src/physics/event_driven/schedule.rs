@@ -79,13 +79,7 @@ struct Pending {
 
 const NO_TURN: Turn = Turn { at: Instant::NEVER, pair: [NONE; 2] };
 
-const IDLE: Pending = Pending {
-    turn: NO_TURN,
-    stamp: 0,
-    place: NONE,
-    previous: NONE,
-    next: NONE,
-};
+const IDLE: Pending = Pending { turn: NO_TURN, stamp: 0, place: NONE, previous: NONE, next: NONE };
 
 /// The turns of all bodies.
 #[derive(Clone, Debug)]
