@@ -1,10 +1,10 @@
 //! Writing and reading together.
 
-use std::io::Cursor;
+use std::{io::Cursor, num::NonZero};
 
 use super::{
     Damage, Error, Health, Item, Playback, Recording, Recovery, recover,
-    testing::{bounce, drop_and_delete, record},
+    testing::{bounce, drop_and_delete, record, record_on},
 };
 use crate::{
     physics::{CollisionCount, Engine},
@@ -47,6 +47,13 @@ fn what_was_written_is_read() {
 #[test]
 fn the_same_run_gives_the_same_bytes() {
     assert_eq!(record(&bounce(50)), record(&bounce(50)));
+}
+
+#[test]
+fn the_bytes_do_not_depend_on_the_processors() {
+    let run = bounce(50);
+    let [one, two] = [1, 2].map(|processors| record_on(NonZero::new(processors).unwrap(), &run));
+    assert!(one == two, "a thread of its own writes other bytes");
 }
 
 #[test]
