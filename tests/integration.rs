@@ -12,6 +12,8 @@ mod command_line;
 mod command_line_errors;
 #[path = "integration/crashes.rs"]
 mod crashes;
+#[path = "integration/digests.rs"]
+mod digests;
 #[path = "integration/double_double.rs"]
 mod double_double;
 #[path = "integration/event_driven_contacts.rs"]
