@@ -36,6 +36,8 @@ mod known_faults;
 mod laboratory;
 #[path = "integration/live_events.rs"]
 mod live_events;
+#[path = "integration/portability.rs"]
+mod portability;
 #[path = "integration/rebond.rs"]
 mod rebond;
 #[path = "integration/reference.rs"]
@@ -46,3 +48,5 @@ mod scene_errors;
 mod snapshot;
 #[path = "integration/stills.rs"]
 mod stills;
+#[path = "integration/threads.rs"]
+mod threads;

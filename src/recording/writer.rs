@@ -72,11 +72,14 @@ impl<W: Write + Send + 'static> Writer<W> {
     /// Records one event that was applied to the present step.
     ///
     /// # Errors
-    /// If writing has failed or a name is too long.
+    /// If writing has failed, a name is too long or a body impossible.
     pub fn event(&mut self, event: &RecordedEvent) -> Result<(), Error> {
         if let Change::Spawn { spawn, color, .. } = &event.change {
             for text in [&spawn.name, &spawn.material, color.as_ref().unwrap_or(&String::new())] {
                 check("a name in bytes", text.len(), limits::STRING_BYTES)?;
+            }
+            if !spawn.is_possible() {
+                return Err(Error::Impossible { name: spawn.name.clone() });
             }
         }
         self.unflushed_events = true;
