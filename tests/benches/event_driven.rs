@@ -98,7 +98,7 @@ impl Plain {
         let moving = || world.bodies.iter().filter(|body| !body.is_infinite());
         let unit = moving().all(|body| body.rect.width() == 1.0 && body.rect.height() == 1.0 && body.mass == 1.0);
         let elastic = world.restitution.default_restitution() == 1.0 && world.gravity.is_none();
-        if !(unit && elastic && scene.world.walls.is_some() && moving().count() > 1) {
+        if !(unit && elastic && scene.walls.is_some() && moving().count() > 1) {
             return None;
         }
         let state = |body: &rebond::physics::Body| {
@@ -106,7 +106,7 @@ impl Plain {
             ([at.x, at.y], [velocity.x, velocity.y])
         };
         let sample: Vec<_> = moving().map(state).collect();
-        Some(Plain { gas: CellList::new(1.0, scene.world.size, &sample), step: 1, sample })
+        Some(Plain { gas: CellList::new(1.0, scene.size, &sample), step: 1, sample })
     }
 
     fn run(&mut self, until: u64, rate: f64) {
