@@ -10,7 +10,7 @@ const NOBODY: u32 = u32::MAX;
 
 /// A box of the gas.
 #[derive(Clone, Copy, Debug)]
-pub struct Ball {
+pub struct Body {
     /// Where it was at `since`, m.
     pub position: [f64; 2],
     /// m/s.
@@ -35,14 +35,14 @@ struct Expected {
 enum Partner {
     Nobody,
     Wall { axis: usize },
-    Ball { other: u32, generation: u32, axis: usize },
+    Body { other: u32, generation: u32, axis: usize },
 }
 
 /// The gas and its time.
 #[derive(Clone, Debug)]
 pub struct CellList {
     /// The boxes.
-    pub balls: Vec<Ball>,
+    pub bodies: Vec<Body>,
     /// Collisions, those with walls included.
     pub collisions: u64,
     size: f64,
@@ -60,17 +60,17 @@ impl CellList {
     pub fn new(size: f64, room: [f64; 2], states: &[([f64; 2], [f64; 2])]) -> CellList {
         let cells = room.map(|length| (length / size) as u32);
         let side = [0, 1].map(|axis| room[axis] / f64::from(cells[axis]));
-        let ball = |(position, velocity): &([f64; 2], [f64; 2])| {
+        let body = |(position, velocity): &([f64; 2], [f64; 2])| {
             let cell = [0, 1].map(|axis| {
                 let cell = ((position[axis] + size / 2.0) / side[axis]) as u32;
                 if cell < cells[axis] { cell } else { cells[axis] - 1 }
             });
-            Ball { position: *position, velocity: *velocity, since: 0.0, generation: 0, cell }
+            Body { position: *position, velocity: *velocity, since: 0.0, generation: 0, cell }
         };
         let nothing =
             Expected { meeting: f64::INFINITY, partner: Partner::Nobody, leaving: f64::INFINITY, leaving_axis: 0 };
         let mut gas = CellList {
-            balls: states.iter().map(ball).collect(),
+            bodies: states.iter().map(body).collect(),
             collisions: 0,
             size,
             room,
@@ -102,19 +102,19 @@ impl CellList {
                 Partner::Nobody => {}
                 Partner::Wall { axis } => {
                     self.advance(slot, now);
-                    self.balls[slot as usize].velocity[axis] *= -1.0;
+                    self.bodies[slot as usize].velocity[axis] *= -1.0;
                     self.collisions += 1;
                 }
-                Partner::Ball { other, generation, axis } if self.balls[other as usize].generation == generation => {
+                Partner::Body { other, generation, axis } if self.bodies[other as usize].generation == generation => {
                     self.advance(slot, now);
                     self.advance(other, now);
-                    let [a, b] = [slot, other].map(|slot| self.balls[slot as usize].velocity[axis]);
-                    self.balls[slot as usize].velocity[axis] = b;
-                    self.balls[other as usize].velocity[axis] = a;
+                    let [a, b] = [slot, other].map(|slot| self.bodies[slot as usize].velocity[axis]);
+                    self.bodies[slot as usize].velocity[axis] = b;
+                    self.bodies[other as usize].velocity[axis] = a;
                     self.collisions += 1;
                     self.predict(other, now);
                 }
-                Partner::Ball { .. } => {}
+                Partner::Body { .. } => {}
             }
             self.predict(slot, now);
         }
@@ -122,22 +122,22 @@ impl CellList {
 
     /// Position and velocity of a box at a time, s, not before its last collision.
     pub fn state(&self, slot: usize, time: f64) -> ([f64; 2], [f64; 2]) {
-        let ball = &self.balls[slot];
-        let t = time - ball.since;
-        ([0, 1].map(|axis| ball.position[axis] + ball.velocity[axis] * t), ball.velocity)
+        let body = &self.bodies[slot];
+        let t = time - body.since;
+        ([0, 1].map(|axis| body.position[axis] + body.velocity[axis] * t), body.velocity)
     }
 
     fn advance(&mut self, slot: u32, now: f64) {
         let (position, _) = self.state(slot as usize, now);
-        let ball = &mut self.balls[slot as usize];
-        ball.position = position;
-        ball.since = now;
-        ball.generation += 1;
+        let body = &mut self.bodies[slot as usize];
+        body.position = position;
+        body.since = now;
+        body.generation += 1;
     }
 
     /// Looks ahead for a box among all in the nine cells around it.
     fn predict(&mut self, slot: u32, now: f64) {
-        let [x, y] = self.balls[slot as usize].cell;
+        let [x, y] = self.bodies[slot as usize].cell;
         let mut first = self.first_wall(slot);
         for y in y.saturating_sub(1)..(y + 2).min(self.cells[1]) {
             for x in x.saturating_sub(1)..(x + 2).min(self.cells[0]) {
@@ -152,16 +152,16 @@ impl CellList {
     /// Moves a box to the next cell and looks ahead for it among those in the three new cells.
     fn cross(&mut self, slot: u32, axis: usize, now: f64) {
         self.leave(slot);
-        let ball = &mut self.balls[slot as usize];
-        let ahead = ball.velocity[axis] > 0.0;
-        let cell = if ahead { ball.cell[axis] + 1 } else { ball.cell[axis] - 1 };
-        ball.cell[axis] = cell;
+        let body = &mut self.bodies[slot as usize];
+        let ahead = body.velocity[axis] > 0.0;
+        let cell = if ahead { body.cell[axis] + 1 } else { body.cell[axis] - 1 };
+        body.cell[axis] = cell;
         self.enter(slot);
         let expected = self.expected[slot as usize];
         let mut first = (expected.meeting, expected.partner);
         let new = if ahead { cell + 1 } else { cell.wrapping_sub(1) };
         if new < self.cells[axis] {
-            let across = self.balls[slot as usize].cell[1 - axis];
+            let across = self.bodies[slot as usize].cell[1 - axis];
             for other in across.saturating_sub(1)..(across + 2).min(self.cells[1 - axis]) {
                 self.ask(slot, if axis == 0 { [new, other] } else { [other, new] }, &mut first);
             }
@@ -177,8 +177,8 @@ impl CellList {
             if other != slot {
                 let (time, axis) = self.meeting(slot, other);
                 if time < first.0 {
-                    let generation = self.balls[other as usize].generation;
-                    *first = (time, Partner::Ball { other, generation, axis });
+                    let generation = self.bodies[other as usize].generation;
+                    *first = (time, Partner::Body { other, generation, axis });
                 }
             }
             other = self.next[other as usize];
@@ -189,11 +189,11 @@ impl CellList {
     ///
     /// They meet when the later of the two gaps closes, if the other has not opened by then.
     fn meeting(&self, slot: u32, other: u32) -> (f64, usize) {
-        let [a, b] = [&self.balls[slot as usize], &self.balls[other as usize]];
-        let now = a.since.max(b.since);
+        let [a, b] = [&self.bodies[slot as usize], &self.bodies[other as usize]];
+        let now = if a.since > b.since { a.since } else { b.since };
         let (mut enter, mut leave, mut last) = (f64::NEG_INFINITY, f64::INFINITY, 0);
         for axis in 0..2 {
-            let [pa, pb] = [a, b].map(|ball| ball.position[axis] + ball.velocity[axis] * (now - ball.since));
+            let [pa, pb] = [a, b].map(|body| body.position[axis] + body.velocity[axis] * (now - body.since));
             let (distance, velocity) = (pb - pa, b.velocity[axis] - a.velocity[axis]);
             if distance * velocity >= 0.0 && distance.abs() >= self.size {
                 return (f64::INFINITY, 0);
@@ -209,12 +209,12 @@ impl CellList {
     }
 
     fn first_wall(&self, slot: u32) -> (f64, Partner) {
-        let ball = &self.balls[slot as usize];
+        let body = &self.bodies[slot as usize];
         let mut first = (f64::INFINITY, Partner::Nobody);
         for axis in 0..2 {
-            let velocity = ball.velocity[axis];
+            let velocity = body.velocity[axis];
             let border = if velocity > 0.0 { self.room[axis] - self.size } else { 0.0 };
-            let time = ball.since + (border - ball.position[axis]) / velocity;
+            let time = body.since + (border - body.position[axis]) / velocity;
             if time < first.0 {
                 first = (time, Partner::Wall { axis });
             }
@@ -223,24 +223,25 @@ impl CellList {
     }
 
     fn expect_leaving(&mut self, slot: u32, now: f64) {
-        let ball = &self.balls[slot as usize];
+        let body = &self.bodies[slot as usize];
         let (mut leaving, mut leaving_axis) = (f64::INFINITY, 0);
         for axis in 0..2 {
-            let velocity = ball.velocity[axis];
-            let border = f64::from(ball.cell[axis] + u32::from(velocity > 0.0)) * self.side[axis];
-            let centre = ball.position[axis] + self.size / 2.0;
-            let time = ball.since + (border - centre) / velocity;
+            let velocity = body.velocity[axis];
+            let border = f64::from(body.cell[axis] + u32::from(velocity > 0.0)) * self.side[axis];
+            let centre = body.position[axis] + self.size / 2.0;
+            let time = body.since + (border - centre) / velocity;
             if time < leaving {
                 (leaving, leaving_axis) = (time, axis);
             }
         }
         let expected = &mut self.expected[slot as usize];
-        (expected.leaving, expected.leaving_axis) = (leaving.max(now), leaving_axis);
-        self.tournament.set(slot, expected.leaving.min(expected.meeting));
+        (expected.leaving, expected.leaving_axis) = (if leaving > now { leaving } else { now }, leaving_axis);
+        let Expected { meeting, leaving, .. } = *expected;
+        self.tournament.set(slot, if leaving < meeting { leaving } else { meeting });
     }
 
     fn bucket(&self, slot: u32) -> usize {
-        let [x, y] = self.balls[slot as usize].cell;
+        let [x, y] = self.bodies[slot as usize].cell;
         (y * self.cells[0] + x) as usize
     }
 
