@@ -1,3 +1,5 @@
+use super::double_double::DoubleDouble;
+
 /// A moment of simulated time: a step and the seconds since that step began.
 ///
 /// A day of simulated time in seconds would leave 10⁻¹¹ s of resolution; split like this
@@ -49,12 +51,14 @@ pub struct Clock {
     pub rate: f64,
     /// Seconds per step.
     pub period: f64,
+    /// The same to 32 digits.
+    pub exact_period: DoubleDouble,
 }
 
 impl Clock {
     /// The clock of that many steps per second.
     pub fn new(rate: f64) -> Clock {
-        Clock { rate, period: 1.0 / rate }
+        Clock { rate, period: 1.0 / rate, exact_period: DoubleDouble::from(1.0) / rate.into() }
     }
 
     /// Seconds from one instant to another.
