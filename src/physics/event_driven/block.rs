@@ -83,6 +83,7 @@ impl EventDriven {
         block.members.push(Member { slot: side.slot, by: None });
         block.velocity = side.velocity;
         block.mass = f64::INFINITY;
+        let mut touching = Vec::new();
         let mut next = 0;
         while let Some(Member { slot: by, .. }) = block.members.get(next).copied() {
             next += 1;
@@ -91,7 +92,10 @@ impl EventDriven {
                 block.members.clear();
                 return;
             }
-            for slot in self.clinging(world, by, side.axis, slow, &taken) {
+            let clinging = self.clinging(world, by, side.axis, slow);
+            touching.extend(clinging.iter().map(|(other, ahead)| if *ahead { [by, *other] } else { [*other, by] }));
+            let in_contact = self.contacts.of(by).iter().filter(|contact| contact.axis == side.axis);
+            for slot in in_contact.map(|contact| contact.other).chain(clinging.into_iter().map(|(other, _)| other)) {
                 if !block.has(slot) && !taken(slot) {
                     block.members.push(Member { slot, by: None });
                 }
@@ -99,6 +103,12 @@ impl EventDriven {
         }
         block.mass = self.mass_of(block);
         block.velocity = self.common_velocity(block, side);
+        touching.retain(|pair| pair.iter().all(|slot| block.has(*slot)));
+        for pair in touching {
+            if self.contacts.between(pair[0], pair[1]).is_none() {
+                self.join(pair, side.axis);
+            }
+        }
     }
 
     /// The total mass, summed in creation order, kg.
@@ -124,16 +134,9 @@ impl EventDriven {
         side.velocity + excess / block.mass.into()
     }
 
-    /// Who is in contact with a body along an axis, or touches it there almost at rest; these
-    /// come into contact.
-    fn clinging(
-        &mut self,
-        world: &World,
-        slot: Slot,
-        axis: usize,
-        slow: f64,
-        taken: impl Fn(Slot) -> bool,
-    ) -> Vec<Slot> {
+    /// Who touches a body along an axis, almost at rest against it but not in contact, and
+    /// whether ahead of it.
+    fn clinging(&self, world: &World, slot: Slot, axis: usize, slow: f64) -> Vec<(Slot, bool)> {
         let mut near = Vec::new();
         self.neighbours.near(slot, &self.movers[slot as usize], |other| near.push(other));
         near.sort_unstable();
@@ -141,15 +144,9 @@ impl EventDriven {
         near.retain(|other| {
             let [own, others] = [slot, *other].map(|slot| self.traits[slot as usize].material);
             let known = *other == slot || self.contacts.between(slot, *other).is_some();
-            !known && !taken(*other) && world.restitution.between(own, others) < 1.0
+            !known && world.restitution.between(own, others) < 1.0
         });
-        for other in near {
-            if let Some(ahead) = self.clings(slot, other, axis, slow) {
-                let pair = if ahead { [slot, other] } else { [other, slot] };
-                self.join(pair, axis);
-            }
-        }
-        self.contacts.of(slot).iter().filter(|contact| contact.axis == axis).map(|contact| contact.other).collect()
+        near.into_iter().filter_map(|other| Some((other, self.clings(slot, other, axis, slow)?))).collect()
     }
 
     /// Whether another body touches one without way or speed between them, and if so, whether
