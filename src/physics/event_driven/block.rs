@@ -22,8 +22,8 @@ pub struct Block {
 #[derive(Clone, Copy, Debug)]
 struct Member {
     slot: Slot,
-    /// Who pushes it; none for the body hit, and for those that are only carried along.
-    by: Option<Slot>,
+    /// On whose face it lies, and whether ahead of it; none for the body hit.
+    on: Option<(Slot, bool)>,
 }
 
 /// A side of an encounter: whom the blow hits, along which axis, and whether it pushes towards
@@ -50,7 +50,7 @@ impl EventDriven {
         if self.movers[side.slot as usize].is_immovable(side.axis, side.ahead) {
             return;
         }
-        block.members.push(Member { slot: side.slot, by: None });
+        block.members.push(Member { slot: side.slot, on: None });
         let mut next = 0;
         while let Some(Member { slot: by, .. }) = block.members.get(next).copied() {
             next += 1;
@@ -58,7 +58,7 @@ impl EventDriven {
                 let slot = contact.other;
                 let along = contact.axis == side.axis && contact.ahead == side.ahead;
                 if along && !self.movers[slot as usize].infinite && !block.has(slot) {
-                    block.members.push(Member { slot, by: Some(by) });
+                    block.members.push(Member { slot, on: Some((by, side.ahead)) });
                 }
             }
         }
@@ -80,10 +80,9 @@ impl EventDriven {
         block: &mut Block,
     ) {
         block.members.clear();
-        block.members.push(Member { slot: side.slot, by: None });
+        block.members.push(Member { slot: side.slot, on: None });
         block.velocity = side.velocity;
         block.mass = f64::INFINITY;
-        let mut touching = Vec::new();
         let mut next = 0;
         while let Some(Member { slot: by, .. }) = block.members.get(next).copied() {
             next += 1;
@@ -92,21 +91,21 @@ impl EventDriven {
                 block.members.clear();
                 return;
             }
-            let clinging = self.clinging(world, by, side.axis, slow);
-            touching.extend(clinging.iter().map(|(other, ahead)| if *ahead { [by, *other] } else { [*other, by] }));
             let in_contact = self.contacts.of(by).iter().filter(|contact| contact.axis == side.axis);
-            for slot in in_contact.map(|contact| contact.other).chain(clinging.into_iter().map(|(other, _)| other)) {
+            let in_contact = in_contact.map(|contact| (contact.other, contact.ahead));
+            for (slot, ahead) in in_contact.chain(self.clinging(world, by, side.axis, slow)) {
                 if !block.has(slot) && !taken(slot) {
-                    block.members.push(Member { slot, by: None });
+                    block.members.push(Member { slot, on: Some((by, ahead)) });
                 }
             }
         }
         block.mass = self.mass_of(block);
         block.velocity = self.common_velocity(block, side);
-        touching.retain(|pair| pair.iter().all(|slot| block.has(*slot)));
-        for pair in touching {
-            if self.contacts.between(pair[0], pair[1]).is_none() {
-                self.join(pair, side.axis);
+        for member in &block.members {
+            if let Some((other, ahead)) = member.on
+                && self.contacts.between(member.slot, other).is_none()
+            {
+                self.join(if ahead { [other, member.slot] } else { [member.slot, other] }, side.axis);
             }
         }
     }
@@ -174,16 +173,15 @@ impl EventDriven {
 
     /// Gives a block its new velocity and parts it from what does not go with it.
     ///
-    /// The body hit starts at `start`, and those pushed are put on each other's faces.
+    /// The body hit starts at `start`, and the others are put on each other's faces.
     pub(super) fn push(&mut self, block: &Block, side: Side, start: DoubleDouble, velocity: DoubleDouble) {
-        for (place, member) in block.members.iter().enumerate() {
+        for member in &block.members {
             let own = self.fine(member.slot, side.axis);
             let size = |slot: Slot| self.movers[slot as usize].size[side.axis].into();
-            let position = match member.by {
-                None if place == 0 => start,
-                None => own.position,
-                Some(by) if side.ahead => self.fine(by, side.axis).position + size(by),
-                Some(by) => self.fine(by, side.axis).position - size(member.slot),
+            let position = match member.on {
+                None => start,
+                Some((other, true)) => self.fine(other, side.axis).position + size(other),
+                Some((other, false)) => self.fine(other, side.axis).position - size(member.slot),
             };
             self.redirect(member.slot, side.axis, FineState { position, velocity, acceleration: own.acceleration });
         }
