@@ -53,7 +53,7 @@ impl EventDriven {
         axis: usize,
         observer: &mut O,
     ) -> Result<(), StepError> {
-        let encounter = self.encounter(pair, axis);
+        let encounter = self.exact_encounter(pair, axis);
         let restitution = self.blow(world, pair, &encounter, observer)?;
         if restitution == 0.0 {
             self.join(encounter.slots, axis);
@@ -126,24 +126,27 @@ impl EventDriven {
         Ok(restitution)
     }
 
-    /// The two at the instant of the blow, which is found to 32 digits on the way.
-    fn encounter(&mut self, pair: [Slot; 2], axis: usize) -> Encounter {
-        let mut states = pair.map(|slot| self.fine(slot, axis));
-        let sizes = pair.map(|slot| self.movers[slot as usize].size[axis]);
-        let middles = AXES.map(|side| states[side].position.high + sizes[side] / 2.0);
-        let mut slots = pair;
-        let mut size = sizes[0];
-        if middles[0] > middles[1] {
-            states.swap(0, 1);
-            slots.swap(0, 1);
-            size = sizes[1];
-        }
-        let delay = self.delay(slots, axis, &states, size);
-        if delay != 0.0 {
-            self.nudge(delay);
-            states = slots.map(|slot| self.fine(slot, axis));
-        }
+    /// The two at the present instant.
+    fn encounter(&self, pair: [Slot; 2], axis: usize) -> Encounter {
+        let states = pair.map(|slot| self.fine(slot, axis));
+        let middles = AXES.map(|place| {
+            let size = self.movers[pair[place] as usize].size[axis];
+            states[place].position.high + size / 2.0
+        });
+        let (slots, states) =
+            if middles[0] <= middles[1] { (pair, states) } else { ([pair[1], pair[0]], [states[1], states[0]]) };
         Encounter { axis, slots, states, approach: (states[0].velocity - states[1].velocity).high }
+    }
+
+    /// The two at the instant of the blow, which is found to 32 digits on the way.
+    fn exact_encounter(&mut self, pair: [Slot; 2], axis: usize) -> Encounter {
+        let foretold = self.encounter(pair, axis);
+        let delay = self.delay(&foretold);
+        if delay == 0.0 {
+            return foretold;
+        }
+        self.nudge(delay);
+        self.encounter(pair, axis)
     }
 
     /// How much later than foretold the faces meet, s: what rounding hid from prediction.
@@ -151,10 +154,11 @@ impl EventDriven {
     /// From the gap g at the foretold instant, to 32 digits, t = 2·g/(c + √(c² + 2·b·g)); g is
     /// so small that sixteen digits of t are enough. No motion is followed back beyond its
     /// reference instant.
-    fn delay(&self, slots: [Slot; 2], axis: usize, states: &[FineState; 2], size: f64) -> f64 {
-        let gap = (states[1].position - states[0].position - size.into()).high;
-        let speed = (states[0].velocity - states[1].velocity).high;
-        let acceleration = (states[0].acceleration - states[1].acceleration).high;
+    fn delay(&self, encounter: &Encounter) -> f64 {
+        let Encounter { axis, slots, states: [first, second], approach: speed } = *encounter;
+        let size = self.movers[slots[0] as usize].size[axis];
+        let gap = (second.position - first.position - size.into()).high;
+        let acceleration = (first.acceleration - second.acceleration).high;
         let square = speed * speed + 2.0 * acceleration * gap;
         if gap == 0.0 || speed <= 0.0 || square < 0.0 {
             return 0.0;
