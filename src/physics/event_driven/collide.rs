@@ -5,6 +5,7 @@ use super::block::Side;
 use super::double_double::DoubleDouble;
 use super::fine_state::FineState;
 use super::impact::{Blow, LONGEST_HURRY, capture_speed, is_no_way};
+use super::instant::LONGEST_ROUNDING;
 use super::meeting::tolerance;
 use super::mover::{AXES, Slot};
 use crate::physics::{Collision, Observer, Rect, StepError, Vector, World};
@@ -26,10 +27,6 @@ struct Character {
     /// Below this speed, m/s, none is told from rest; none if this blow ends nothing.
     ending: Option<f64>,
 }
-
-/// A foretold instant that is off by more than this, s, is so because the two barely approach:
-/// then it does not matter.
-const LONGEST_DELAY: f64 = 1e-11;
 
 impl Encounter {
     /// One of its sides: 0 for the body behind.
@@ -169,7 +166,7 @@ impl EventDriven {
             -self.age(since, self.residues[slot as usize][axis].offset).high
         });
         let delay = earliest.into_iter().fold(delay, |delay, limit| if limit > delay { limit } else { delay });
-        if delay.abs() <= LONGEST_DELAY { delay } else { 0.0 }
+        if delay.abs() <= LONGEST_ROUNDING { delay } else { 0.0 }
     }
 
     /// Takes the present instant as the reference of two that only graze: the past is over.
@@ -254,7 +251,7 @@ impl EventDriven {
     fn report(&self, pair: [Slot; 2], normal: Vector, impulse: f64, before: [(Rect, Vector); 2]) -> Collision {
         Collision {
             step: self.now.step as u64,
-            time: self.now.offset,
+            time: self.now.offset.clamp(0.0, self.clock.period),
             bodies: pair.map(|slot| self.traits[slot as usize].id),
             rects: before.map(|(rect, _)| rect),
             normal,

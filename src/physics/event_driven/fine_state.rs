@@ -101,17 +101,11 @@ impl EventDriven {
         }
     }
 
-    /// Moves the present by less than can be told from rounding, but not out of the step.
+    /// Moves the present by less than can be told from rounding; so it may lie just outside of
+    /// its step.
     pub(super) fn nudge(&mut self, seconds: f64) {
         let offset = DoubleDouble { high: self.now.offset, low: self.now_residue } + seconds.into();
-        let DoubleDouble { high, low } = offset;
-        let end = self.clock.exact_period;
-        (self.now.offset, self.now_residue) = if high < 0.0 {
-            (0.0, 0.0)
-        } else if high > end.high {
-            (end.high, end.low)
-        } else {
-            (high, low)
-        };
+        self.now.offset = offset.high;
+        self.now_residue = offset.low;
     }
 }

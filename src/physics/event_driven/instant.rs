@@ -32,6 +32,10 @@ impl Instant {
     }
 }
 
+/// What rounding can do to an instant is less than this, s, unless what happens then hardly
+/// happens at all, like faces that meet at almost no speed.
+pub const LONGEST_ROUNDING: f64 = 1e-10;
+
 /// Steps beyond this are not whole numbers any more: an event out there never happens.
 const LAST_STEP: f64 = (1u64 << 53) as f64;
 
@@ -65,6 +69,11 @@ impl Clock {
     #[inline]
     pub fn seconds(&self, from: Instant, to: Instant) -> f64 {
         (to.step - from.step) / self.rate + (to.offset - from.offset)
+    }
+
+    /// The very end of a step, a whole number.
+    pub fn end_of(&self, step: f64) -> Instant {
+        Instant { step, offset: self.period }
     }
 
     /// The instant so many seconds (not negative) after another.

@@ -1,4 +1,4 @@
-use super::instant::{Clock, Instant};
+use super::instant::{Clock, Instant, LONGEST_ROUNDING};
 use super::motion::closing_time;
 use super::mover::{AXES, Mover};
 
@@ -180,7 +180,22 @@ fn meeting_from(clock: &Clock, first: &State, second: &Mover) -> Option<(Instant
         None => first_meeting(&axes)?,
     };
     let at = clock.after(first.at, seconds);
+    if at.offset < LONGEST_ROUNDING && first.at.step < at.step && touch_at_sample(&axes, kind, at.offset, seconds) {
+        return Some((clock.end_of(at.step - 1.0), kind));
+    }
     (at != Instant::NEVER).then_some((at, kind))
+}
+
+/// Whether faces that meet so many seconds after a sample touch at the sample already, but for
+/// rounding: then the sample is to show the velocities after.
+#[cold]
+fn touch_at_sample(axes: &[&Relative; 2], kind: Kind, late: f64, seconds: f64) -> bool {
+    let touches = |axis: &Relative| late * (axis.velocity + axis.acceleration * seconds).abs() <= axis.tolerance;
+    match kind {
+        Kind::Touch(axis) => touches(axes[usize::from(axis)]),
+        Kind::Corner => touches(axes[0]) && touches(axes[1]),
+        Kind::Part(_) | Kind::Press => false,
+    }
 }
 
 /// The meeting of two boxes that are apart and do not accelerate: the axis on which they are

@@ -6,10 +6,11 @@
 //! and axis position, velocity, acceleration and offset of the reference instant, then the
 //! lower halves of the same four. Bodies by their place in the world.
 
+use super::EventDriven;
 use super::fine_state::Residue;
+use super::instant::{Instant, LONGEST_ROUNDING};
 use super::motion::Motion;
 use super::mover::{AXES, Slot};
-use super::{EventDriven, instant::Instant};
 use crate::physics::{Memory, SnapshotError, World};
 
 /// Names this layout; another one is another number.
@@ -173,7 +174,7 @@ impl Reader<'_> {
         }
         let [position, velocity, acceleration, offset] =
             [self.number()?, self.number()?, self.number()?, self.number()?];
-        if offset < 0.0 {
+        if offset < -LONGEST_ROUNDING {
             return Err(format!("a step has no instant {offset} s"));
         }
         let since = Instant { step: since as f64, offset };
