@@ -1,4 +1,4 @@
-use super::instant::{Clock, Instant};
+use super::instant::{Clock, Instant, LONGEST_ROUNDING};
 use super::motion::closing_time;
 use super::mover::{AXES, Mover};
 
@@ -11,6 +11,8 @@ pub enum Kind {
     Corner,
     /// Two in contact along the axis slide past each other's edge.
     Part(u8),
+    /// Their corners, which touch, are pressed together.
+    Press,
 }
 
 /// Where a body is at an instant, and how fast.
@@ -164,8 +166,16 @@ impl Relative {
             return Overlap::Face;
         }
         let velocity = self.velocity[axis] + self.acceleration[axis] * t;
-        let shrinks = if ahead > behind { velocity < 0.0 } else { velocity > 0.0 };
-        if gap <= self.tolerance[axis] && shrinks { Overlap::Corner } else { Overlap::None }
+        let side = if ahead > behind { -1.0 } else { 1.0 };
+        if gap > self.tolerance[axis] || side * velocity < 0.0 {
+            Overlap::None
+        } else if side * velocity > 0.0 {
+            Overlap::Corner
+        } else if side * self.acceleration[axis] > 0.0 {
+            Overlap::Pressed
+        } else {
+            Overlap::None
+        }
     }
 }
 
@@ -174,6 +184,8 @@ enum Overlap {
     Face,
     /// About to begin at this very instant.
     Corner,
+    /// About to begin at this very instant, from rest.
+    Pressed,
     None,
 }
 
@@ -205,7 +217,25 @@ fn meeting_from(clock: &Clock, first: &State, second: &Mover, latest: f64) -> Op
         None => first_meeting(&relative)?,
     };
     let at = clock.after(first.at, seconds);
+    if at.offset < LONGEST_ROUNDING && first.at.step < at.step && touch_at_sample(&relative, kind, at.offset, seconds) {
+        return Some((clock.end_of(at.step - 1.0), kind));
+    }
     (at != Instant::NEVER).then_some((at, kind))
+}
+
+/// Whether faces that meet so many seconds after a sample touch at the sample already, but for
+/// rounding: then the sample is to show the velocities after.
+#[cold]
+fn touch_at_sample(relative: &Relative, kind: Kind, late: f64, seconds: f64) -> bool {
+    let touches = |axis: usize| {
+        let velocity = relative.velocity[axis] + relative.acceleration[axis] * seconds;
+        late * velocity.abs() <= relative.tolerance[axis]
+    };
+    match kind {
+        Kind::Touch(axis) => touches(usize::from(axis)),
+        Kind::Corner => touches(0) && touches(1),
+        Kind::Part(_) | Kind::Press => false,
+    }
 }
 
 /// The meeting of two boxes that are apart and do not accelerate: the axis on which they are
@@ -226,7 +256,7 @@ fn straight_meeting(relative: &Relative) -> Option<Option<(f64, Kind)>> {
     let seconds = [x, y][axis] / speeds[axis];
     Some(match relative.overlap(1 - axis, seconds) {
         Overlap::Face => Some((seconds, Kind::Touch(axis as u8))),
-        Overlap::Corner => Some((seconds, Kind::Corner)),
+        Overlap::Corner | Overlap::Pressed => Some((seconds, Kind::Corner)),
         Overlap::None => None,
     })
 }
@@ -244,7 +274,8 @@ fn first_meeting(relative: &Relative) -> Option<(f64, Kind)> {
             if seconds < least {
                 let kind = match relative.overlap(1 - axis, seconds) {
                     Overlap::Face => Kind::Touch(axis as u8),
-                    Overlap::Corner => Kind::Corner,
+                    Overlap::Pressed if seconds == 0.0 && relative.velocity[axis] == 0.0 => Kind::Press,
+                    Overlap::Corner | Overlap::Pressed => Kind::Corner,
                     Overlap::None => continue,
                 };
                 least = seconds;
@@ -278,8 +309,6 @@ mod tests {
     use super::*;
     use crate::physics::event_driven::motion::Motion;
 
-    const CLOCK: Clock = Clock { rate: 1.0, period: 1.0 };
-
     /// A unit box: position, velocity, acceleration.
     fn mover(x: [f64; 3], y: [f64; 3]) -> Mover {
         let since = Instant::start_of(0);
@@ -291,8 +320,9 @@ mod tests {
 
     fn seconds(first: &Mover, second: &Mover) -> Option<(f64, Kind)> {
         let met = |first: &Mover, second: &Mover| {
-            let (at, kind) = meeting(&CLOCK, &State::new(&CLOCK, first, first.since), second, f64::INFINITY)?;
-            Some((CLOCK.seconds(Instant::start_of(0), at), kind))
+            let clock = Clock::new(1.0);
+            let (at, kind) = meeting(&clock, &State::new(&clock, first, first.since), second, f64::INFINITY)?;
+            Some((clock.seconds(Instant::start_of(0), at), kind))
         };
         assert_eq!(met(first, second), met(second, first), "it does not matter who asks");
         met(first, second)
@@ -337,7 +367,10 @@ mod tests {
     fn a_box_in_contact_parts_when_it_has_slid_past_the_edge() {
         let table = mover([0.0; 3], [0.0; 3]);
         let sliding = mover([0.25, 0.5, 0.0], [-1.0, 0.0, 0.0]);
-        assert_eq!(parting(&CLOCK, 1, &table, &sliding), Some(CLOCK.after(Instant::start_of(0), 1.5)));
-        assert_eq!(parting(&CLOCK, 1, &table, &mover([0.25, 0.0, 0.0], [-1.0, 0.0, 0.0])), None);
+        assert_eq!(
+            parting(&Clock::new(1.0), 1, &table, &sliding),
+            Some(Clock::new(1.0).after(Instant::start_of(0), 1.5))
+        );
+        assert_eq!(parting(&Clock::new(1.0), 1, &table, &mover([0.25, 0.0, 0.0], [-1.0, 0.0, 0.0])), None);
     }
 }

@@ -1,6 +1,7 @@
 //! What each body expects next: its first meeting, or to leave its cell.
 
-use super::instant::Instant;
+use super::contact::Contact;
+use super::instant::{Instant, LONGEST_ROUNDING};
 use super::meeting::{Kind, State, meeting, parting};
 use super::mover::{Mover, Slot};
 use super::reach::Reach;
@@ -49,6 +50,8 @@ struct Asker<'a> {
     clock: &'a Clock,
     movers: &'a [Mover],
     contacts: &'a Contacts,
+    /// Its own contacts.
+    touched: &'a [Contact],
     slot: Slot,
     /// Since when it has moved as it does.
     state: State<'a>,
@@ -65,7 +68,8 @@ impl<'a> Asker<'a> {
         let mover = &solver.movers[slot as usize];
         let state = State::new(&solver.clock, mover, mover.since);
         let (clock, movers, contacts) = (&solver.clock, &solver.movers, &solver.contacts);
-        Asker { clock, movers, contacts, slot, state, first: None, latest: f64::INFINITY }
+        let touched = contacts.of(slot);
+        Asker { clock, movers, contacts, touched, slot, state, first: None, latest: f64::INFINITY }
     }
 
     /// Seconds from an instant until no later than which something is known to happen.
@@ -80,13 +84,13 @@ impl<'a> Asker<'a> {
         if self.slot == other || (self.state.is_infinite() && partner.infinite) {
             return false;
         }
-        let Some((at, kind)) = meeting(self.clock, &self.state, partner, self.latest) else { return false };
         if self.touches(other) {
             return false;
         }
-        let turn = Turn { at, pair: pair(self.slot, other) };
+        let Some((at, kind)) = meeting(self.clock, &self.state, partner, self.latest) else { return false };
+        let turn = Turn { at, late: kind == Kind::Press, pair: pair(self.slot, other) };
         keep_first(&mut self.first, Meeting { turn, kind, generation: partner.generation });
-        let latest = self.clock.seconds(self.state.at, at) * LATER + self.clock.period * (LATER - 1.0);
+        let latest = self.clock.seconds(self.state.at, at) * LATER + 2.0 * LONGEST_ROUNDING;
         let sooner = latest < self.latest;
         if sooner {
             self.latest = latest;
@@ -95,9 +99,13 @@ impl<'a> Asker<'a> {
     }
 
     /// Whether it is in contact with another body.
+    #[inline]
     fn touches(&self, other: Slot) -> bool {
-        let [finite, known] = if self.state.is_infinite() { [other, self.slot] } else { [self.slot, other] };
-        self.contacts.between(finite, known).is_some()
+        if self.state.is_infinite() {
+            self.contacts.between(other, self.slot).is_some()
+        } else {
+            self.touched.iter().any(|contact| contact.other == other)
+        }
     }
 }
 
@@ -139,7 +147,7 @@ impl EventDriven {
 
     /// Moves on the bodies that would leave their cells in the step that begins.
     pub(super) fn move_on(&mut self, step: u64) {
-        self.now = Instant::start_of(step);
+        self.advance_to(Instant::start_of(step));
         let mut due = std::mem::take(&mut self.due);
         self.calendar.turn_page(&mut due);
         due.drain(..).for_each(|slot| self.cross(slot));
@@ -150,7 +158,7 @@ impl EventDriven {
         for contact in self.contacts.of(slot) {
             let partner = &self.movers[contact.other as usize];
             if let Some(at) = parting(&self.clock, contact.axis, &self.movers[slot as usize], partner) {
-                let turn = Turn { at, pair: pair(slot, contact.other) };
+                let turn = Turn { at, late: false, pair: pair(slot, contact.other) };
                 let kind = Kind::Part(contact.axis as u8);
                 keep_first(first, Meeting { turn, kind, generation: partner.generation });
             }
@@ -163,7 +171,7 @@ impl EventDriven {
         let offset = self.now.offset + leaving;
         let mut leaves = None;
         if offset <= self.clock.period {
-            leaves = Some(Turn { at: Instant { step: self.now.step, offset }, pair: [slot, slot] });
+            leaves = Some(Turn { at: Instant { step: self.now.step, offset }, late: false, pair: [slot, slot] });
         } else if offset == f64::INFINITY {
             self.calendar.forget(slot);
         } else {
