@@ -8,7 +8,7 @@ use std::{
 };
 
 use crate::{
-    physics::{Engine, Memory, Observer, Settings},
+    physics::{Collision, Engine, Memory, Observer, Settings},
     recording::{
         BodyTable, Change, End, Error, Health, Item, Keyframe, RecordedEvent, RecordedState, Recording,
         SEMANTICS_VERSION, StateDigest, numbers,
@@ -27,9 +27,42 @@ pub use verdict::{Difference, Divergence, Verdict, ulps};
 /// If the recording cannot be read for reasons outside of it, or is of an engine this
 /// program does not have.
 pub fn replay<R: Read + Seek, O: Observer>(
-    mut recording: Recording<R>,
+    recording: Recording<R>,
     steps: RangeInclusive<u64>,
     observer: &mut O,
+    progress: &mut dyn FnMut(u64),
+) -> Result<Verdict, Error> {
+    watch(recording, steps, &mut Listening(observer), progress)
+}
+
+/// Whoever wants to see the engine of a replay, too.
+pub trait Witness: Observer {
+    /// Called at each state of the steps asked for that came out as recorded, before the engine
+    /// goes on.
+    fn state(&mut self, engine: &Engine);
+}
+
+/// An observer that only hears.
+struct Listening<'a, O>(&'a mut O);
+
+impl<O: Observer> Observer for Listening<'_, O> {
+    fn collision(&mut self, collision: &Collision) {
+        self.0.collision(collision);
+    }
+}
+
+impl<O: Observer> Witness for Listening<'_, O> {
+    fn state(&mut self, _: &Engine) {}
+}
+
+/// [`replay`] with a witness of the states, too.
+///
+/// # Errors
+/// As for [`replay`].
+pub fn watch<R: Read + Seek, W: Witness>(
+    mut recording: Recording<R>,
+    steps: RangeInclusive<u64>,
+    observer: &mut W,
     progress: &mut dyn FnMut(u64),
 ) -> Result<Verdict, Error> {
     let found = recording.header.versions.semantics;
@@ -103,11 +136,11 @@ impl Again {
         self.last == Some(*self.steps.end())
     }
 
-    fn item<O: Observer>(
+    fn item<W: Witness>(
         &mut self,
         item: Item,
         table: Option<&BodyTable>,
-        observer: &mut O,
+        observer: &mut W,
     ) -> Result<(), Box<Divergence>> {
         match (item, self.course) {
             (Item::Keyframe(keyframe), Course::On) => {
@@ -145,7 +178,7 @@ impl Again {
         }
     }
 
-    fn event<O: Observer>(&mut self, event: RecordedEvent, observer: &mut O) -> Result<(), Box<Divergence>> {
+    fn event<W: Witness>(&mut self, event: RecordedEvent, observer: &mut W) -> Result<(), Box<Divergence>> {
         self.course = Course::On;
         self.go_to(event.step, observer)?;
         let (verb, name) = match &event.change {
@@ -160,11 +193,11 @@ impl Again {
         Ok(())
     }
 
-    fn state<O: Observer>(
+    fn state<W: Witness>(
         &mut self,
         state: &RecordedState,
         table: Option<&BodyTable>,
-        observer: &mut O,
+        observer: &mut W,
     ) -> Result<(), Box<Divergence>> {
         self.course = Course::On;
         self.go_to(state.step, observer)?;
@@ -174,6 +207,7 @@ impl Again {
         if let Some(difference) = self.difference(state, table) {
             return Err(self.diverged(difference));
         }
+        observer.state(&self.engine);
         let follows = self.last.is_some_and(|last| last + 1 == state.step);
         self.same += u64::from(follows);
         self.last = Some(state.step);
@@ -186,7 +220,7 @@ impl Again {
     }
 
     /// The recorded error must come again; its words are the recording's.
-    fn end<O: Observer>(&mut self, end: End, observer: &mut O) -> Result<(), Box<Divergence>> {
+    fn end<W: Witness>(&mut self, end: End, observer: &mut W) -> Result<(), Box<Divergence>> {
         let Some(recorded) = end.error else { return Ok(()) };
         match self.engine.step(observer) {
             Err(error) if error.to_string() == recorded => {
@@ -200,7 +234,7 @@ impl Again {
         }
     }
 
-    fn go_to<O: Observer>(&mut self, step: u64, observer: &mut O) -> Result<(), Box<Divergence>> {
+    fn go_to<W: Witness>(&mut self, step: u64, observer: &mut W) -> Result<(), Box<Divergence>> {
         while self.engine.present_step() < step {
             if let Err(error) = self.engine.step(observer) {
                 return Err(self.off_course(format!("the replay ends in an error that was not recorded: {error}")));

@@ -1,8 +1,8 @@
-use super::number::significant;
 use super::panels::outline;
 use crate::physics::{Rect, Vector};
 use crate::render::area::{larger, smaller};
 use crate::render::layers::grid::{number, round_spacing};
+use crate::render::number::significant;
 use crate::render::text::Line;
 use crate::render::{Look, Shape};
 

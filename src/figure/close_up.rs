@@ -1,12 +1,12 @@
 use super::collision::name_arrow;
-use super::labels::Labels;
-use super::number::significant;
 use super::pair::{Pair, ROLES};
 use super::panels::Panels;
 use crate::physics::{Rect, Vector};
 use crate::render::area::{larger, overlap, smaller};
+use crate::render::labels::Labels;
 use crate::render::layers::contacts::contact;
 use crate::render::layers::grid::round_spacing;
+use crate::render::number::significant;
 use crate::render::text::Line;
 use crate::render::{Arrow, Camera, Color, Look, Shape};
 

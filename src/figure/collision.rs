@@ -1,36 +1,48 @@
-use super::FigureOptions;
 use super::close_up::CloseUp;
-use super::labels::Labels;
-use super::number::significant;
 use super::pair::{Pair, ROLES};
 use super::panels::{Panels, above_caption, caption, dashed};
+use super::{FigureOptions, Meeting};
 use crate::physics::{Collision, Rect, Vector};
 use crate::render::area::overlap;
+use crate::render::labels::Labels;
 use crate::render::layers::bodies::border_color;
+use crate::render::layers::legend::Legend;
+use crate::render::number::significant;
 use crate::render::text::Line;
-use crate::render::{Appearance, Arrow, Camera, DisplayList, Ink, Look, Shape};
+use crate::render::{Arrow, Camera, DisplayList, Ink, Look, Shape};
 
 /// The handout's figure 1: (a) c and b as they meet, with their velocities; (b) their overlap
 /// close by, the unit normal n̂, the penetration vector n⃗ and the share of it by which each is
 /// displaced; (c) the two apart again, with the velocities of their rebound, dotted.
-pub fn collision(collision: &Collision, bodies: [&Appearance; 2], options: &FigureOptions) -> DisplayList {
-    let mut panels = Panels::new(options);
-    let pair = Pair::new(collision, bodies, options);
+pub fn collision(meetings: &[Meeting], options: &FigureOptions) -> DisplayList {
+    let mut panels = Panels::new(options, &Legend::of(&options.style));
+    let titles: Vec<&str> = meetings.iter().map(|meeting| meeting.title.as_str()).collect();
+    let page = panels.room;
+    for (meeting, place) in meetings.iter().zip(panels.titled(&titles, 1)) {
+        panels.room = place;
+        row(meeting, &mut panels, options);
+        panels.room = page;
+    }
+    panels.finish()
+}
+
+/// The three pictures of one collision, and its numbers below.
+fn row(meeting: &Meeting, panels: &mut Panels, options: &FigureOptions) {
+    let pair = Pair::new(meeting, options);
     let facts = Line::math(&facts(&pair.collision), 0.9 * panels.look.text);
     let foot = Vector::new(panels.room.center().x, panels.room.far_corner().y);
     panels.centered(facts, foot, panels.look.palette.ink.into());
-    panels.room = Rect::new(panels.room.origin, panels.room.width(), panels.room.height() - 1.8 * panels.look.text);
+    panels.take_below(1.8 * panels.look.text);
     let places = panels.grid(3, 3);
     let [before, close, after] = [0, 1, 2].map(|at| above_caption(&places[at], &panels.look));
     let scale = pair.scale(&before);
-    draw_before(&pair, &before, scale, &mut panels);
+    draw_before(&pair, &before, scale, panels);
     let close_up = CloseUp::new(&pair, scale, &panels.look);
-    close_up.draw(&close, &mut panels);
-    draw_after(&pair, &after, scale, &mut panels);
-    caption(&before, "\"(a) before\"", &mut panels);
-    caption(&close, &close_up.title(), &mut panels);
-    caption(&after, "\"(c) after\"", &mut panels);
-    panels.finish()
+    close_up.draw(&close, panels);
+    draw_after(&pair, &after, scale, panels);
+    caption(&before, "\"(a) before\"", panels);
+    caption(&close, &close_up.title(), panels);
+    caption(&after, "\"(c) after\"", panels);
 }
 
 fn draw_before(pair: &Pair, room: &Rect, scale: f64, panels: &mut Panels) {

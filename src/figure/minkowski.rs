@@ -1,39 +1,51 @@
-use super::FigureOptions;
-use super::labels::Labels;
-use super::number::significant;
 use super::pair::Pair;
 use super::panels::{Panels, above_caption, caption, dashed, outline};
-use crate::physics::{Collision, Rect, Vector};
+use super::{FigureOptions, Meeting};
+use crate::physics::{Rect, Vector};
 use crate::render::area::{larger, smaller};
+use crate::render::labels::Labels;
 use crate::render::layers::bodies::border_color;
 use crate::render::layers::grid::round_spacing;
+use crate::render::layers::legend::Legend;
+use crate::render::number::significant;
 use crate::render::text::Line;
-use crate::render::{Appearance, Arrow, Camera, Color, DisplayList, Look, Shape};
+use crate::render::{Arrow, Camera, Color, DisplayList, Look, Shape};
 
 /// The handout's figure 2: (a) c and b where they met; (b) their Minkowski difference
 /// s = b ⊖ c around the origin, with the vectors from the origin to its four sides, of which
 /// the shortest is the penetration vector n⃗; (c) the same close by, where n⃗ is too short.
-pub fn minkowski(collision: &Collision, bodies: [&Appearance; 2], options: &FigureOptions) -> DisplayList {
-    let mut panels = Panels::new(options);
-    let pair = Pair::new(collision, bodies, options);
+pub fn minkowski(meetings: &[Meeting], options: &FigureOptions) -> DisplayList {
+    let mut panels = Panels::new(options, &Legend::of(&options.style));
+    let titles: Vec<&str> = meetings.iter().map(|meeting| meeting.title.as_str()).collect();
+    let page = panels.room;
+    for (meeting, place) in meetings.iter().zip(panels.titled(&titles, 1)) {
+        panels.room = place;
+        row(meeting, &mut panels, options);
+        panels.room = page;
+    }
+    panels.finish()
+}
+
+/// The pictures of one collision.
+fn row(meeting: &Meeting, panels: &mut Panels, options: &FigureOptions) {
+    let pair = Pair::new(meeting, options);
     let difference = Difference::new(&pair, &panels.look);
     let rooms = |count: usize, panels: &Panels| -> Vec<Rect> {
         panels.grid(count, count).iter().map(|place| above_caption(place, &panels.look)).collect()
     };
     let scale = |room: &Rect| smaller(pair.scale(room), difference.scale(room));
-    let two = rooms(2, &panels);
+    let two = rooms(2, panels);
     let zoom = difference.zoom(scale(&two[0]), &panels.look);
-    let rooms = if zoom == 1.0 { two } else { rooms(3, &panels) };
+    let rooms = if zoom == 1.0 { two } else { rooms(3, panels) };
     let scale = scale(&rooms[0]);
-    pair.draw_met(&rooms[0], scale, &mut panels);
-    caption(&rooms[0], "\"(a) the boxes\" c \"and\" b", &mut panels);
-    difference.draw(&rooms[1], scale, difference.middle, zoom == 1.0, &mut panels);
-    caption(&rooms[1], "\"(b)\" s = b ⊖ c \"around the origin\"", &mut panels);
+    pair.draw_met(&rooms[0], scale, panels);
+    caption(&rooms[0], "\"(a) the boxes\" c \"and\" b", panels);
+    difference.draw(&rooms[1], scale, difference.middle, zoom == 1.0, panels);
+    caption(&rooms[1], "\"(b)\" s = b ⊖ c \"around the origin\"", panels);
     if let Some(room) = rooms.get(2) {
-        difference.draw(room, scale * zoom, Vector::ZERO, true, &mut panels);
-        caption(room, &format!("\"(c)\" {} \"times larger\"", significant(zoom, 1)), &mut panels);
+        difference.draw(room, scale * zoom, Vector::ZERO, true, panels);
+        caption(room, &format!("\"(c)\" {} \"times larger\"", significant(zoom, 1)), panels);
     }
-    panels.finish()
 }
 
 /// s = b ⊖ c and how it is drawn.

@@ -1,7 +1,7 @@
-use super::FigureOptions;
 use super::panels::Panels;
+use super::{FigureOptions, Meeting};
 use crate::physics::{Collision, Rect, Vector};
-use crate::render::area::{inset, larger, overlap, smaller};
+use crate::render::area::{inset, larger, overlap, smaller, union};
 use crate::render::layers::bodies::draw_box;
 use crate::render::layers::contacts::contact;
 use crate::render::text::Line;
@@ -30,9 +30,10 @@ pub const ROLES: [&str; 2] = ["c", "b"];
 const LONGEST_ARROW: f64 = 0.4;
 
 impl Pair {
-    /// The pair of a collision between bodies of these looks, given in its order.
-    pub fn new(collision: &Collision, bodies: [&Appearance; 2], options: &FigureOptions) -> Pair {
-        let (collision, bodies) = in_roles(collision, bodies);
+    /// The pair of a collision.
+    pub fn new(meeting: &Meeting, options: &FigureOptions) -> Pair {
+        let [c, b] = &meeting.bodies;
+        let (collision, bodies) = in_roles(&meeting.collision, [c, b]);
         let boxes = near_parts(&collision.rects);
         let size = larger(boxes.width(), boxes.height());
         let speeds = collision.before.iter().chain(&collision.after).map(|velocity| velocity.norm());
@@ -177,13 +178,6 @@ fn color(body: &Appearance, velocity: Vector, options: &FigureOptions) -> Color 
         trail: Vec::new(),
     };
     palette::body_color(&sprite, &options.style)
-}
-
-/// The smallest rectangle around two.
-fn union(a: &Rect, b: &Rect) -> Rect {
-    let (far_a, far_b) = (a.far_corner(), b.far_corner());
-    let near = Vector::new(smaller(a.origin.x, b.origin.x), smaller(a.origin.y, b.origin.y));
-    Rect::new(near, larger(far_a.x, far_b.x) - near.x, larger(far_a.y, far_b.y) - near.y)
 }
 
 /// Both boxes, but of one that is far larger than the other only what is beside that.

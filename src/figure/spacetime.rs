@@ -1,11 +1,13 @@
-use super::FigureOptions;
 use super::axes::{Axes, Range, Titles};
-use super::labels::Labels;
 use super::panels::Panels;
+use super::run::legend;
+use super::{FigureOptions, Run};
 use crate::physics::{BodyId, Vector};
+use crate::render::labels::Labels;
 use crate::render::layers::bodies::border_color;
 use crate::render::text::Line;
-use crate::render::{Color, DisplayList, Frame, Ink, Palette, Shape, Sprite, palette};
+use crate::render::{Aim, Color, DisplayList, Ink, Palette, Shape, Sprite, palette};
+use crate::scene::Overlay;
 use std::collections::BTreeMap;
 
 /// Which coordinate a diagram shows.
@@ -21,23 +23,29 @@ pub enum Axis {
 const NAMED: usize = 24;
 
 /// Where each body is over time: a band as wide as the body, so that bands that touch are
-/// bodies that touch.
-pub fn spacetime(frames: &[Frame], axis: Axis, options: &FigureOptions) -> DisplayList {
-    let mut panels = Panels::new(options);
-    let bands = bands(frames, axis, options);
-    let Some((time, place)) = ranges(frames, &bands) else { return panels.finish() };
+/// bodies that touch. Several runs have the same scales.
+pub fn spacetime(runs: &[Run], axis: Axis, options: &FigureOptions) -> DisplayList {
+    let mut panels = Panels::new(options, &legend(runs, &options.style));
+    let bands: Vec<Vec<Band>> = runs.iter().map(|run| bands(run, axis, options)).collect();
+    let Some((time, place)) = ranges(runs, &bands, axis, options) else { return panels.finish() };
     let (place, titles) = match axis {
         Axis::X => (place, Titles { x: "t / \"s\"", y: "x / \"m\"" }),
         Axis::Y => (Range { from: place.to, to: place.from }, Titles { x: "t / \"s\"", y: "y / \"m\"" }),
     };
-    let axes = Axes::within(&panels.room, time, place, &panels.look);
-    axes.draw(&titles, &panels.look, &mut panels.shapes);
-    let drawn: Vec<Shape> = bands.iter().flat_map(|band| band.draw(&axes, &panels)).collect();
-    panels.shapes.push(Shape::Clip { window: axes.frame, shapes: drawn });
-    if bands.len() <= NAMED {
-        name(&bands, &axes, &mut panels);
+    let names: Vec<&str> = runs.iter().map(|run| run.title.as_str()).collect();
+    for (room, bands) in panels.titled(&names, runs.len()).iter().zip(&bands) {
+        diagram(bands, &Axes::within(room, time, place, &panels.look), &titles, &mut panels, options);
     }
     panels.finish()
+}
+
+fn diagram(bands: &[Band], axes: &Axes, titles: &Titles, panels: &mut Panels, options: &FigureOptions) {
+    axes.draw(titles, &panels.look, &mut panels.shapes);
+    let drawn: Vec<Shape> = bands.iter().flat_map(|band| band.draw(axes, panels)).collect();
+    panels.shapes.push(Shape::Clip { window: axes.frame, shapes: drawn });
+    if options.style.shows(Overlay::Name) && bands.len() <= NAMED {
+        name(bands, axes, panels);
+    }
 }
 
 /// One body as long as it is alive.
@@ -49,10 +57,10 @@ struct Band {
     spans: Vec<[f64; 3]>,
 }
 
-fn bands(frames: &[Frame], axis: Axis, options: &FigureOptions) -> Vec<Band> {
+fn bands(run: &Run, axis: Axis, options: &FigureOptions) -> Vec<Band> {
     let wall = Palette::of(options.style.theme).wall;
     let mut bands: BTreeMap<BodyId, Band> = BTreeMap::new();
-    for frame in frames {
+    for frame in &run.frames {
         for sprite in &frame.sprites {
             let band = bands.entry(sprite.appearance.id).or_insert_with(|| Band {
                 name: sprite.appearance.name.clone(),
@@ -64,7 +72,7 @@ fn bands(frames: &[Frame], axis: Axis, options: &FigureOptions) -> Vec<Band> {
             band.spans.push([frame.time, from, to]);
         }
     }
-    bands.into_values().filter(|band| !band.is_wall || band.is_beside(options, axis)).collect()
+    bands.into_values().filter(|band| !band.is_wall || band.is_beside(run, axis)).collect()
 }
 
 fn extent(sprite: &Sprite, axis: Axis) -> [f64; 2] {
@@ -75,11 +83,20 @@ fn extent(sprite: &Sprite, axis: Axis) -> [f64; 2] {
     }
 }
 
-/// The whole time, and all places where a body ever is.
-fn ranges(frames: &[Frame], bands: &[Band]) -> Option<(Range, Range)> {
-    let time = Range::of(frames.iter().map(|frame| frame.time))?;
+/// The whole time, and all places where a body ever is, or those in the window aimed at.
+fn ranges(runs: &[Run], bands: &[Vec<Band>], axis: Axis, options: &FigureOptions) -> Option<(Range, Range)> {
+    let time = Range::of(runs.iter().flat_map(|run| &run.frames).map(|frame| frame.time))?;
+    if let Aim::Window(area) = &options.aim {
+        let (near, far) = (area.origin, area.far_corner());
+        let [from, to] = match axis {
+            Axis::X => [near.x, far.x],
+            Axis::Y => [near.y, far.y],
+        };
+        return Some((time, Range { from, to }));
+    }
     let places = bands
         .iter()
+        .flatten()
         .filter(|band| !band.is_wall)
         .flat_map(|band| band.spans.iter().flat_map(|&[_, from, to]| [from, to]));
     Some((time, Range::of(places)?.widened(0.05)))
@@ -87,10 +104,10 @@ fn ranges(frames: &[Frame], bands: &[Band]) -> Option<(Range, Range)> {
 
 impl Band {
     /// Whether a wall bounds the world along the axis, and does not span it.
-    fn is_beside(&self, options: &FigureOptions, axis: Axis) -> bool {
+    fn is_beside(&self, run: &Run, axis: Axis) -> bool {
         let extent = match axis {
-            Axis::X => options.world.x,
-            Axis::Y => options.world.y,
+            Axis::X => run.world.x,
+            Axis::Y => run.world.y,
         };
         self.spans.iter().all(|&[_, from, to]| to <= 0.0 || from >= extent)
     }

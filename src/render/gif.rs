@@ -84,6 +84,36 @@ impl Compressed {
     }
 }
 
+/// What a GIF file says of itself in its first comment, as [`Animation::new`] writes it.
+pub fn metadata(file: &[u8]) -> Metadata {
+    const EXTENSION: u8 = 0x21;
+    const COMMENT: u8 = 0xfe;
+    // Signature and screen; the palettes are the pictures' own.
+    let mut rest = file.get(13..).unwrap_or_default();
+    while let [EXTENSION, label, blocks @ ..] = rest {
+        let (content, after) = joined_blocks(blocks);
+        if *label == COMMENT {
+            return Metadata::parse(&String::from_utf8_lossy(&content));
+        }
+        rest = after;
+    }
+    Metadata::default()
+}
+
+/// The content of a row of blocks, each with its length before it, and what follows the row.
+fn joined_blocks(mut rest: &[u8]) -> (Vec<u8>, &[u8]) {
+    let mut content = Vec::new();
+    while let [length, after @ ..] = rest {
+        let Some((block, after)) = after.split_at_checked(usize::from(*length)) else { return (content, &[]) };
+        content.extend(block);
+        rest = after;
+        if *length == 0 {
+            break;
+        }
+    }
+    (content, rest)
+}
+
 fn refusal(error: EncodingError) -> RenderError {
     match error {
         EncodingError::Io(error) => RenderError::Write(error),
