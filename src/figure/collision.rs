@@ -46,39 +46,40 @@ fn row(meeting: &Meeting, panels: &mut Panels, options: &FigureOptions) {
 }
 
 fn draw_before(pair: &Pair, room: &Rect, scale: f64, panels: &mut Panels) {
-    pair.draw_met(room, scale, panels);
-    let camera = pair.camera(room, scale);
-    let arrows =
-        pair.arrows(&camera, &pair.collision.rects, &pair.collision.before, panels.look.palette.ink, &panels.look);
-    let mut labels = labels(pair, room, &camera, &arrows);
+    let (camera, look) = (pair.camera(room, scale), panels.look);
+    let rects = pair.collision.rects;
+    let arrows = pair.arrows(&camera, &rects, &pair.collision.before, look.palette.ink, &look);
+    pair.draw_met(room, scale, &arrows, panels);
+    let mut labels = labels(pair, room, &camera, &rects, &arrows, &look);
     for (at, arrow) in arrows.iter().enumerate() {
-        arrow.draw(&panels.look, &mut panels.shapes);
+        arrow.draw(&look, &mut panels.shapes);
         name_arrow(arrow, &format!("v⃗_{}", ROLES[at]), &mut labels, panels);
     }
 }
 
 fn draw_after(pair: &Pair, room: &Rect, scale: f64, panels: &mut Panels) {
-    let camera = pair.camera(room, scale);
-    let look = panels.look;
+    let (camera, look) = (pair.camera(room, scale), panels.look);
     let rects = pair.displaced();
-    let mut shapes = pair.named_boxes(&camera, &rects, &look);
+    let arrows = pair.arrows(&camera, &rects, &pair.collision.after, look.palette.ink, &look);
+    let mut shapes = pair.named_boxes(&camera, &rects, &arrows, &look);
     for (met, _) in pair.collision.rects.iter().zip(&rects).filter(|(met, now)| met != now) {
         shapes.extend(dashed_outline(&camera.rect(met), &look));
     }
     panels.shapes.push(Shape::Clip { window: *room, shapes });
-    let arrows = pair.arrows(&camera, &rects, &pair.collision.after, look.palette.ink, &look);
-    let mut labels = labels(pair, room, &camera, &arrows);
+    let mut labels = labels(pair, room, &camera, &rects, &arrows, &look);
     for (at, arrow) in arrows.iter().enumerate() {
         draw_dotted(arrow, &look, &mut panels.shapes);
         name_arrow(arrow, &format!("v⃗′_{}", ROLES[at]), &mut labels, panels);
     }
 }
 
-/// Labels that keep off arrows and the borders of boxes.
-fn labels(pair: &Pair, room: &Rect, camera: &Camera, arrows: &[Arrow; 2]) -> Labels {
+/// Labels that keep off arrows, names and the borders of boxes.
+fn labels(pair: &Pair, room: &Rect, camera: &Camera, rects: &[Rect; 2], arrows: &[Arrow; 2], look: &Look) -> Labels {
     let mut labels = Labels::within(*room);
-    for rect in pair.collision.rects.iter().filter_map(|rect| overlap(&camera.rect(rect), room)) {
+    pair.names(camera, rects, arrows, look).iter().for_each(|name| labels.take(name.place()));
+    for rect in rects.iter().filter_map(|rect| overlap(&camera.rect(rect), room)) {
         labels.avoid_border(&rect, 1.0);
+        labels.avoid(rect, 0.3);
     }
     for arrow in arrows {
         labels.avoid_line(arrow.from, arrow.to, 3.0);
@@ -129,6 +130,8 @@ fn draw_dotted(arrow: &Arrow, look: &Look, shapes: &mut Vec<Shape>) {
         return arrow.draw(look, shapes);
     }
     let neck = arrow.to.sub(along.mult(head / length));
+    let halo = Ink::from(look.palette.background);
+    shapes.push(Shape::Polyline { points: vec![arrow.from, neck], width: arrow.width + look.line, ink: halo });
     shapes.extend(dashed(arrow.from, neck, 2.0 * arrow.width, arrow.width, arrow.color.into()));
     Arrow { from: neck, ..*arrow }.draw(look, shapes);
 }

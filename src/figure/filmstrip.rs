@@ -15,7 +15,7 @@ pub fn filmstrip(runs: &[Run], options: &FigureOptions) -> DisplayList {
     let page = panels.room;
     for (run, place) in runs.iter().zip(panels.titled(&titles, 1)) {
         panels.room = place;
-        let columns = panels.columns(&vec![extent(run, options); run.frames.len()]);
+        let columns = panels.columns(&vec![extent(run, options); run.frames.len()], 1.3 * panels.look.text);
         for (frame, place) in run.frames.iter().zip(panels.grid(run.frames.len(), columns)) {
             picture(run, frame, &place, &mut panels, options);
         }

@@ -2,7 +2,7 @@ use super::pair::Pair;
 use super::panels::{Panels, above_caption, caption, dashed, outline};
 use super::{FigureOptions, Meeting};
 use crate::physics::{Rect, Vector};
-use crate::render::area::{larger, smaller};
+use crate::render::area::{contains, inset, larger, smaller};
 use crate::render::labels::Labels;
 use crate::render::layers::bodies::border_color;
 use crate::render::layers::grid::round_spacing;
@@ -38,7 +38,7 @@ fn row(meeting: &Meeting, panels: &mut Panels, options: &FigureOptions) {
     let zoom = difference.zoom(scale(&two[0]), &panels.look);
     let rooms = if zoom == 1.0 { two } else { rooms(3, panels) };
     let scale = scale(&rooms[0]);
-    pair.draw_met(&rooms[0], scale, panels);
+    pair.draw_met(&rooms[0], scale, &[], panels);
     caption(&rooms[0], "\"(a) the boxes\" c \"and\" b", panels);
     difference.draw(&rooms[1], scale, difference.middle, zoom == 1.0, panels);
     caption(&rooms[1], "\"(b)\" s = b ⊖ c \"around the origin\"", panels);
@@ -62,6 +62,9 @@ struct Difference {
     extent: Vector,
 }
 
+/// A penetration of that part of the difference and less is none.
+const TOUCHING: f64 = 1e-12;
+
 /// Parts of the smaller box that are shown at most on each side of the origin.
 const FARTHEST: f64 = 2.5;
 
@@ -74,14 +77,19 @@ impl Difference {
         let far = rect.far_corner();
         let near = Vector::new(larger(smaller(rect.origin.x, 0.0), -most), larger(smaller(rect.origin.y, 0.0), -most));
         let end = Vector::new(smaller(larger(far.x, 0.0), most), smaller(larger(far.y, 0.0), most));
-        let vectors = to_sides(&rect);
+        let mut vectors = to_sides(&rect);
+        let shortest = shortest(&vectors);
+        // What is left by rounding where the two just touch is nothing.
+        if vectors[shortest].norm() <= TOUCHING * larger(rect.width(), rect.height()) {
+            vectors[shortest] = Vector::ZERO;
+        }
         let extent = end.sub(near);
         let margin = 0.25 * larger(extent.x, extent.y);
         Difference {
             rect,
             fill: pair.colors[0].mix(pair.colors[1], 50).mix(look.palette.background, 65),
             vectors,
-            shortest: shortest(&vectors),
+            shortest,
             middle: near.add(end).mult(0.5),
             extent: extent.add(Vector::new(margin, margin)),
         }
@@ -118,11 +126,19 @@ impl Difference {
             labels.avoid_line(arrow.from, arrow.to, 2.0);
             arrow.draw(&look, &mut shapes);
         }
+        if self.vectors[self.shortest] == Vector::ZERO {
+            let side = 4.0 * look.line;
+            let mark = Rect::new(zero.sub(Vector::new(side / 2.0, side / 2.0)), side, side);
+            shapes.push(Shape::Rect { rect: mark, ink: look.palette.penetration.into() });
+        }
         self.name(&seen, room, &mut labels, &look, &mut shapes);
         if measured {
             self.measure_shortest(zero, scale, &mut labels, &look, &mut shapes);
         }
         panels.shapes.push(Shape::Clip { window: *room, shapes });
+        if !contains(room, &seen) {
+            panels.frame(room);
+        }
     }
 
     /// The four vectors, the shortest last and marked.
@@ -135,9 +151,11 @@ impl Difference {
 
     fn name(&self, seen: &Rect, room: &Rect, labels: &mut Labels, look: &Look, shapes: &mut Vec<Shape>) {
         let Some(part) = crate::render::area::overlap(seen, room) else { return };
-        let corner = part.far_corner().sub(Vector::new(look.text, look.text));
+        let part = inset(&part, smaller(look.text, smaller(part.width(), part.height()) / 2.0));
+        let (near, far) = (part.origin, part.far_corner());
+        let corners = [far, near, Vector::new(near.x, far.y), Vector::new(far.x, near.y)];
         let line = Line::math("s", 1.2 * look.text);
-        labels.place(line, corner, Vector::new(-1.0, -1.0), 0.0, look.palette.ink).draw(look, shapes);
+        labels.place_along(line, &corners, Vector::new(-1.0, -1.0), 0.0, look.palette.ink).draw(look, shapes);
     }
 
     fn measure_shortest(&self, zero: Vector, scale: f64, labels: &mut Labels, look: &Look, shapes: &mut Vec<Shape>) {

@@ -2,6 +2,7 @@ use super::panels::Panels;
 use super::{FigureOptions, Meeting};
 use crate::physics::{Collision, Rect, Vector};
 use crate::render::area::{inset, larger, overlap, smaller, union};
+use crate::render::labels::{Label, Labels};
 use crate::render::layers::bodies::draw_box;
 use crate::render::layers::contacts::contact;
 use crate::render::text::Line;
@@ -76,9 +77,9 @@ impl Pair {
     }
 
     /// The boxes where they met, with their names.
-    pub fn draw_met(&self, room: &Rect, scale: f64, panels: &mut Panels) {
+    pub fn draw_met(&self, room: &Rect, scale: f64, arrows: &[Arrow], panels: &mut Panels) {
         let camera = self.camera(room, scale);
-        let shapes = self.named_boxes(&camera, &self.collision.rects, &panels.look);
+        let shapes = self.named_boxes(&camera, &self.collision.rects, arrows, &panels.look);
         panels.shapes.push(Shape::Clip { window: *room, shapes });
     }
 
@@ -91,13 +92,21 @@ impl Pair {
         rects
     }
 
-    /// The boxes with their names in their corners.
-    pub fn named_boxes(&self, camera: &Camera, rects: &[Rect; 2], look: &Look) -> Vec<Shape> {
+    /// The boxes with their names in corners where no arrow is.
+    pub fn named_boxes(&self, camera: &Camera, rects: &[Rect; 2], arrows: &[Arrow], look: &Look) -> Vec<Shape> {
         let mut shapes = self.boxes(camera, rects, look);
-        for at in [0, 1] {
-            shapes.extend(self.name_in_corner(at, &camera.rect(&rects[at]), camera, look));
+        for name in self.names(camera, rects, arrows, look) {
+            name.draw_bare(&mut shapes);
         }
         shapes
+    }
+
+    /// The names of the boxes that have room for them.
+    pub fn names(&self, camera: &Camera, rects: &[Rect; 2], arrows: &[Arrow], look: &Look) -> Vec<Label> {
+        let mut labels = Labels::within(camera.window);
+        arrows.iter().for_each(|arrow| labels.avoid_line(arrow.from, arrow.to, 1.0));
+        let name = |at: usize| self.name_in_corner(at, &camera.rect(&rects[at]), camera, &labels, look);
+        [0, 1].into_iter().filter_map(name).collect()
     }
 
     /// The larger box first, so that the smaller one is seen.
@@ -111,20 +120,22 @@ impl Pair {
         shapes
     }
 
-    /// The name of a box, or only its role, as there is room; in the corner farthest from where
-    /// the two meet.
-    pub fn name_in_corner(&self, at: usize, seen: &Rect, camera: &Camera, look: &Look) -> Option<Shape> {
+    /// The name of a box, or only its role, as there is room; in the corner that is freest, and of
+    /// equals the one farthest from where the two meet.
+    fn name_in_corner(&self, at: usize, seen: &Rect, camera: &Camera, labels: &Labels, look: &Look) -> Option<Label> {
         let margin = 4.0 * look.line;
         let part = inset(&overlap(seen, &camera.window)?, margin);
         let lines = [self.names[at].as_str(), ROLES[at]].map(|name| Line::math(name, 0.9 * look.text));
         let line = lines.into_iter().find(|line| line.width <= part.width() && line.height() <= part.height())?;
         let (near, far) = (part.origin, part.far_corner());
-        let (right, top) = (far.x - line.width, near.y + line.height());
-        let corners = [(near.x, top), (right, top), (near.x, far.y), (right, far.y)].map(|(x, y)| Vector::new(x, y));
+        let (right, low) = (far.x - line.width, far.y - line.height());
+        let corners = [(near.x, near.y), (right, near.y), (near.x, low), (right, low)];
         let meeting = camera.point(contact(&self.collision.rects));
-        let distance = |corner: Vector| corner.add(Vector::new(line.width / 2.0, 0.0)).sub(meeting).norm();
-        let corner = corners.into_iter().reduce(|a, b| if distance(b) > distance(a) + 1.0 { b } else { a })?;
-        Some(Shape::Text { line, at: corner, ink: look.palette.text_on(self.colors[at]).into() })
+        let mut places = corners.map(|(x, y)| Rect::new(Vector::new(x, y), line.width, line.height()));
+        let distance = |place: &Rect| place.center().sub(meeting).norm().round();
+        places.sort_by(|a, b| distance(b).total_cmp(&distance(a)));
+        let (place, _) = labels.best(places.into_iter())?;
+        Some(Label::at(&place, line, look.palette.text_on(self.colors[at])))
     }
 
     /// The velocities, each from the middle of what is seen of its box.

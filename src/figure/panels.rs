@@ -16,6 +16,9 @@ pub struct Panels {
     pub shapes: Vec<Shape>,
 }
 
+/// Height of what is above a titled panel, in texts' heights.
+pub const TITLE: f64 = 1.8;
+
 impl Panels {
     /// An empty page with a caption and a legend below.
     pub fn new(options: &FigureOptions, legend: &Legend) -> Panels {
@@ -62,14 +65,14 @@ impl Panels {
         if titles.len() < 2 {
             return vec![self.room; titles.len()];
         }
-        let above = 1.6 * self.look.text;
+        let above = TITLE * self.look.text;
         let places = self.grid(titles.len(), columns);
         let ink = self.look.palette.ink.into();
         for (title, place) in titles.iter().zip(&places) {
             let lines = [1.0, 0.85, 0.7].map(|size| Line::plain(title, size * self.look.text));
             let [.., last] = &lines;
             let line = lines.iter().find(|line| line.width <= place.width()).unwrap_or(last).clone();
-            self.centered(line, Vector::new(place.center().x, place.origin.y + 0.8 * self.look.text), ink);
+            self.centered(line, Vector::new(place.center().x, place.origin.y + self.look.text), ink);
         }
         let below =
             |place: Rect| Rect::new(place.origin.add(Vector::new(0.0, above)), place.width(), place.height() - above);
@@ -89,13 +92,16 @@ impl Panels {
         (0..count).map(place).collect()
     }
 
-    /// The number of columns with which pictures of these extents are seen largest.
-    pub fn columns(&self, extents: &[Vector]) -> usize {
+    /// The number of columns with which pictures of these extents are seen largest, with so much
+    /// written above and below each, px.
+    pub fn columns(&self, extents: &[Vector], written: f64) -> usize {
         let widest = extents.iter().fold(Vector::ZERO, |a, b| Vector::new(larger(a.x, b.x), larger(a.y, b.y)));
         let scale = |columns: usize| {
-            let rows = extents.len().div_ceil(columns) as f64;
-            let across = self.room.width() / columns as f64 / widest.x;
-            smaller(across, self.room.height() / rows / widest.y)
+            let (across, rows) = (columns as f64, extents.len().div_ceil(columns) as f64);
+            let gap = self.look.text;
+            let width = (self.room.width() + gap) / across - gap;
+            let height = (self.room.height() + gap) / rows - gap - written;
+            smaller(width / widest.x, height / widest.y)
         };
         let better = |best: usize, columns: usize| if scale(columns) > scale(best) { columns } else { best };
         (1..=extents.len()).reduce(better).unwrap_or(1)
@@ -105,6 +111,12 @@ impl Panels {
     pub fn centered(&mut self, line: Line, at: Vector, ink: Ink) {
         let at = Vector::new((at.x - line.width / 2.0).round(), at.y.round());
         self.shapes.push(Shape::Text { line, at, ink });
+    }
+
+    /// A thin frame around a panel whose content is cut off there.
+    pub fn frame(&mut self, room: &Rect) {
+        let thin = (self.look.line / 2.0).ceil();
+        self.shapes.extend(outline(&inset(room, thin), thin, self.look.palette.wall_edge.into()));
     }
 
     /// The finished page.

@@ -1,4 +1,4 @@
-use super::panels::{Panels, extent, world_view};
+use super::panels::{Panels, TITLE, extent, outline, world_view};
 use super::run::legend;
 use super::{FigureOptions, Run};
 use crate::physics::{Rect, Vector};
@@ -13,7 +13,7 @@ pub fn strobe(runs: &[Run], options: &FigureOptions) -> DisplayList {
     let mut panels = Panels::new(options, &legend(runs, &options.style));
     let titles: Vec<&str> = runs.iter().map(|run| run.title.as_str()).collect();
     let extents: Vec<Vector> = runs.iter().map(|run| extent(run, options)).collect();
-    let columns = panels.columns(&extents);
+    let columns = panels.columns(&extents, (TITLE + 1.6) * panels.look.text);
     for (run, place) in runs.iter().zip(panels.titled(&titles, columns)) {
         picture(run, &place, &mut panels, options);
     }
@@ -26,6 +26,10 @@ fn picture(run: &Run, place: &Rect, panels: &mut Panels, options: &FigureOptions
     let view = world_view(&above, panels.look.text.round(), run, last, options);
     let page = Page { view: &view, camera: view.camera, look: panels.look };
     panels.shapes.push(layers::backdrop(last, &page));
+    if !last.sprites.iter().any(|sprite| sprite.appearance.is_wall) {
+        let thin = (panels.look.line / 2.0).ceil();
+        panels.shapes.extend(outline(&view.camera.window, thin, panels.look.palette.grid.into()));
+    }
     panels.shapes.push(ghosts(earlier, last, &page));
     panels.shapes.push(layers::world(last, &page));
     let times = Line::math(&span(&run.frames), panels.look.text);

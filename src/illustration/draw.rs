@@ -191,6 +191,8 @@ fn still(request: &Request, source: &Source, progress: Progress) -> Result<(Disp
     let mut frames = frames(request, source, &timeline(request, source, progress)?)?;
     let frame = frames.next().transpose()?;
     let frame = frame.ok_or_else(|| Error::Nothing { what: "the step is not recorded".into() })?;
+    // The recording is known to be sound up to here only once more was asked for.
+    frames.next().transpose()?;
     Ok((compose(&frame, &view), vec![frames.condition()]))
 }
 

@@ -27,6 +27,7 @@ pub fn style(request: &Request, sources: &[Source], progress: Progress) -> Resul
         top_speed: top(|source| source.survey.top_speed),
         top_force: top(|source| source.survey.top_force),
         top_impulse,
+        crowd: sources.iter().map(|source| source.survey.names.len() as u32).max().unwrap_or(0),
         caption: request.caption.clone(),
         materials,
     })

@@ -274,9 +274,10 @@ impl Wish {
 
     /// As many states as suit the figure: a strobe shows a few instants, a diagram a line.
     fn states(&self, figure: Figure, sources: &[Source]) -> Result<Subject, Error> {
-        let mut last = 0;
+        // Side by side runs are shown as far as the shortest goes.
+        let mut last = u64::MAX;
         for source in sources {
-            last = last_step(source)?.max(last);
+            last = last_step(source)?.min(last);
         }
         let from = self.from.unwrap_or(0);
         let to = self.to.map_or(last, |to| to.min(last));

@@ -88,8 +88,10 @@ impl Compressed {
 pub fn metadata(file: &[u8]) -> Metadata {
     const EXTENSION: u8 = 0x21;
     const COMMENT: u8 = 0xfe;
-    // Signature and screen; the palettes are the pictures' own.
-    let mut rest = file.get(13..).unwrap_or_default();
+    const SCREEN: usize = 13;
+    let flags = file.get(10).copied().unwrap_or(0);
+    let palette = if flags & 0x80 == 0 { 0 } else { 3 << ((flags & 7) + 1) };
+    let mut rest = file.get(SCREEN + palette..).unwrap_or_default();
     while let [EXTENSION, label, blocks @ ..] = rest {
         let (content, after) = joined_blocks(blocks);
         if *label == COMMENT {

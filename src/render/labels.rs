@@ -15,6 +15,12 @@ pub struct Label {
 }
 
 impl Label {
+    /// What its letters cover, px.
+    pub fn place(&self) -> Rect {
+        let height = self.line.height();
+        Rect::new(self.at.sub(Vector::new(0.0, height)), self.line.width, height)
+    }
+
     /// A line whose capitals fill a place, px, as far as whole pixels allow.
     pub fn at(place: &Rect, line: Line, color: Color) -> Label {
         let at = place.origin.add(Vector::new(0.0, line.height()));
@@ -23,9 +29,11 @@ impl Label {
 
     /// Adds the label on a halo of the page's colour, so that it reads on anything.
     pub fn draw(self, look: &Look, shapes: &mut Vec<Shape>) {
-        let halo = Ink { color: look.palette.background, opacity: 160 };
-        let width = (look.line / 2.0).ceil();
-        for (x, y) in [(-0.8, -0.8), (0.8, -0.8), (-0.8, 0.8), (0.8, 0.8)] {
+        let halo = Ink { color: look.palette.background, opacity: 255 };
+        let width = look.line;
+        for (x, y) in
+            [(-1.0, 0.0), (1.0, 0.0), (0.0, -1.0), (0.0, 1.0), (-0.7, -0.7), (0.7, -0.7), (-0.7, 0.7), (0.7, 0.7)]
+        {
             let at = self.at.add(Vector::new(x, y).mult(width));
             shapes.push(Shape::Text { line: self.line.clone(), at, ink: halo });
         }
@@ -119,9 +127,11 @@ impl Labels {
         best
     }
 
-    /// Keeps later labels off a place that is taken.
+    /// Keeps later labels off a place that is taken, and a little around it.
     pub fn take(&mut self, place: Rect) {
-        self.avoid(place, OTHER_LABEL);
+        let apart = place.height() / 3.0;
+        let wide = Vector::new(place.width() + 2.0 * apart, place.height() + 2.0 * apart);
+        self.avoid(Rect::new(place.origin.sub(Vector::new(apart, apart)), wide.x, wide.y), OTHER_LABEL);
     }
 
     /// What a label there would hide.

@@ -18,6 +18,8 @@ pub struct Style {
     pub top_force: f64,
     /// The impulse, N·s, of the longest impulse arrow; of the whole run, too.
     pub top_impulse: f64,
+    /// How many bodies the run ever has: of many, velocities and forces are drawn shorter.
+    pub crowd: u32,
     /// What is written below the picture; nothing if empty.
     pub caption: String,
     /// The materials of the run in the order of the legend; the palette is gone round by it.
@@ -46,6 +48,7 @@ impl Default for Style {
             top_speed: 10.0,
             top_force: 10.0,
             top_impulse: 10.0,
+            crowd: 0,
             caption: String::new(),
             materials: Vec::new(),
         }

@@ -58,7 +58,10 @@ fn normal(collision: &Collision, page: &Page) -> Arrow {
 
 /// What each of the two is given: +j·n̂ for c and −j·n̂ for b, with j written at the first.
 fn impulses(collision: &Collision, numbered: bool, page: &Page) -> [NamedArrow; 2] {
-    let from = page.camera.point(contact(&collision.rects));
+    // Beside the normal, where both are shown.
+    let aside = if page.view.style.shows(Overlay::Normal) { 4.0 * page.look.line } else { 0.0 };
+    let aside = Vector::new(-collision.normal.y, collision.normal.x).mult(aside);
+    let from = page.camera.point(contact(&collision.rects)).add(aside);
     let along = length(collision.normal.mult(collision.impulse), page.view.style.top_impulse, page);
     let arrow = |by: Vector| {
         let color = page.look.palette.impulse;

@@ -1,6 +1,6 @@
 use super::super::{Arrow, Frame, Sprite};
 use super::bodies::seen;
-use super::velocities::length;
+use super::velocities::{length, width};
 use super::{NamedArrow, Page};
 use crate::scene::Overlay;
 
@@ -17,5 +17,5 @@ pub fn arrows(frame: &Frame, page: &Page) -> Vec<NamedArrow> {
 fn arrow(sprite: &Sprite, page: &Page) -> Option<Arrow> {
     let from = seen(sprite, page)?.center();
     let to = from.add(length(sprite.appearance.force, page.view.style.top_force, page));
-    Some(Arrow { from, to, width: page.look.line, color: page.look.palette.force })
+    Some(Arrow { from, to, width: width(page), color: page.look.palette.force })
 }

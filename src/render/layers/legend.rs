@@ -19,15 +19,20 @@ pub struct Entry {
     pub colors: Vec<Color>,
     /// Written before them; may be empty.
     pub before: String,
-    /// Written behind them.
+    /// Written behind them, as markup for [`Line::math`].
     pub name: String,
 }
 
 impl Entry {
     /// A colour and its name.
     pub fn new(color: Color, name: &str) -> Entry {
-        Entry { colors: vec![color], before: String::new(), name: name.to_owned() }
+        Entry { colors: vec![color], before: String::new(), name: quoted(name) }
     }
+}
+
+/// A name as markup that leaves it as it is.
+pub fn quoted(name: &str) -> String {
+    format!("\"{}\"", name.replace('"', "″"))
 }
 
 impl Legend {
@@ -82,7 +87,7 @@ pub enum Place {
 
 /// A bar of the scale's colours between 0 and the top speed.
 fn speeds(top: f64) -> Entry {
-    let name = format!("{} m/s", number(top, top / 10.0));
+    let name = format!("\"{} m/s\"", number(top, top / 10.0));
     Entry { colors: SPEEDS.to_vec(), before: "0".to_owned(), name }
 }
 
@@ -101,7 +106,7 @@ fn swatch(size: f64) -> f64 {
 impl Entry {
     fn width(&self, size: f64) -> f64 {
         let before = if self.before.is_empty() { 0.0 } else { Line::plain(&self.before, size).width + gap(size) };
-        (before + swatch(size) * self.colors.len() as f64 + gap(size) + Line::plain(&self.name, size).width).ceil()
+        (before + swatch(size) * self.colors.len() as f64 + gap(size) + Line::math(&self.name, size).width).ceil()
     }
 
     fn draw(&self, left: f64, size: f64, strip: &Rect, look: &Look, shapes: &mut Vec<Shape>) {
@@ -120,7 +125,7 @@ impl Entry {
             shapes.push(Shape::Rect { rect, ink: Ink::from(color) });
             x += swatch(size);
         }
-        let line = Line::plain(&self.name, size);
+        let line = Line::math(&self.name, size);
         shapes.push(Shape::Text { at: Vector::new(x + gap(size), baseline(&line, strip)), line, ink });
     }
 }

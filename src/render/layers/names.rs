@@ -4,6 +4,7 @@ use super::super::number::significant;
 use super::super::text::Line;
 use super::super::{Color, Frame, Shape, Sprite, palette};
 use super::bodies::seen;
+use super::legend::quoted;
 use super::{NamedArrow, Page};
 use crate::physics::{Rect, Vector};
 use crate::scene::Overlay;
@@ -22,10 +23,15 @@ pub fn draw(frame: &Frame, page: &Page, arrows: &[NamedArrow], shapes: &mut Vec<
     }
     let boxes = boxes(frame, page);
     if is_few(boxes.len()) && writes(page) {
-        boxes.iter().for_each(|(_, rect)| labels.avoid(*rect, 1.5));
-        let placed: Vec<Label> =
-            (0..boxes.len()).filter_map(|at| place(&boxes[at], &boxes[at + 1..], &mut labels, page)).collect();
-        placed.into_iter().for_each(|label| label.draw_bare(shapes));
+        boxes.iter().for_each(|(_, rect)| labels.avoid(*rect, BOX));
+        let size = common_size(&boxes, page);
+        for at in 0..boxes.len() {
+            match place(&boxes[at], &boxes[at + 1..], size, &mut labels, page) {
+                Some(Written::Inside(label)) => label.draw_bare(shapes),
+                Some(Written::Beside(label)) => label.draw(&page.look, shapes),
+                None => {}
+            }
+        }
     }
     for NamedArrow { arrow, name } in arrows.iter().filter(|arrow| !arrow.name.is_empty()) {
         let line = Line::math(name, 0.8 * page.look.text);
@@ -48,64 +54,100 @@ fn boxes<'a>(frame: &'a Frame, page: &Page) -> Vec<(&'a Sprite, Rect)> {
 }
 
 /// Letters of a name beside a box at most.
-const LONGEST: usize = 28;
+const LONGEST: usize = 24;
 
 /// What is written on a box: its name, its mass, or both.
-fn text(sprite: &Sprite, page: &Page) -> String {
+fn text(sprite: &Sprite, name: &str, page: &Page) -> String {
     let style = &page.view.style;
     let mass = match sprite.appearance.mass {
         f64::INFINITY => "∞ \"kg\"".to_owned(),
         mass => format!("{} \"kg\"", significant(mass, 3)),
     };
-    let name = format!("\"{}\"", sprite.appearance.name.replace('"', "″"));
     match (style.shows(Overlay::Name), style.shows(Overlay::Mass)) {
-        (true, true) => format!("{name}\", \"{mass}"),
+        (true, true) => format!("{}\", \"{mass}", quoted(name)),
         (false, true) => mass,
-        (true, false) | (false, false) => name,
+        (true, false) | (false, false) => quoted(name),
     }
 }
 
 /// Sizes tried inside a box, in parts of the page's text.
 const SIZES: [f64; 3] = [1.0, 0.8, 0.65];
 
+/// The size of text in boxes, px: one for all that can move, so large that none of them is without
+/// that could have it in the smallest.
+fn common_size(boxes: &[(&Sprite, Rect)], page: &Page) -> f64 {
+    let [.., smallest] = SIZES;
+    let movable = boxes.iter().filter(|(sprite, _)| sprite.appearance.mass != f64::INFINITY);
+    let fitting: Vec<&(&Sprite, Rect)> = movable.filter(|entry| fits(entry, smallest, page)).collect();
+    let size = SIZES.into_iter().find(|&size| fitting.iter().all(|entry| fits(entry, size, page)));
+    size.unwrap_or(smallest) * page.look.text
+}
+
+/// Whether what is written on a box fits into it, in a size in parts of the page's text.
+fn fits((sprite, rect): &(&Sprite, Rect), size: f64, page: &Page) -> bool {
+    let line = Line::math(&text(sprite, &sprite.appearance.name, page), size * page.look.text);
+    !places_in(&line, rect, page).is_empty()
+}
+
 /// What a label may hide, in parts of itself, before it is rather left out.
 const MOST_HIDDEN: f64 = 1.0;
 
-/// The label of a box: in it, as large as fits there, or else beside it.
+/// The label of a box: in it, or else beside it.
 fn place(
     (sprite, rect): &(&Sprite, Rect),
     in_front: &[(&Sprite, Rect)],
+    size: f64,
     labels: &mut Labels,
     page: &Page,
-) -> Option<Label> {
-    let text = text(sprite, page);
+) -> Option<Written> {
+    let own = SIZES.into_iter().find(|&own| own * page.look.text <= size && fits(&(sprite, *rect), own, page));
+    let line = Line::math(&text(sprite, &sprite.appearance.name, page), own.map_or(size, |own| own * page.look.text));
     let mut within = labels.clone();
-    within.avoid(*rect, -1.5);
-    in_front.iter().for_each(|(_, front)| within.avoid(*front, 2.0));
-    for size in SIZES {
-        let line = Line::math(&text, size * page.look.text);
-        let free = places_in(&line, rect, page).into_iter().find(|place| within.cost(place) <= 0.0);
-        if let Some(place) = free {
-            labels.take(place);
-            let fill = palette::body_color(sprite, &page.view.style);
-            return Some(Label::at(&place, line, page.look.palette.text_on(fill)));
-        }
+    within.avoid(*rect, -BOX);
+    in_front.iter().for_each(|(_, front)| within.avoid(*front, BOX));
+    let free = places_in(&line, rect, page).into_iter().find(|place| within.cost(place) <= 0.0);
+    if let Some(place) = free {
+        labels.take(place);
+        let fill = palette::body_color(sprite, &page.view.style);
+        return Some(Written::Inside(Label::at(&place, line, page.look.palette.text_on(fill))));
     }
-    let line = Line::math(&shortened(&text), 0.8 * page.look.text);
+    let most = 0.8 * page.look.text;
+    let size = if size < most { size } else { most };
+    let line = Line::math(&text(sprite, &shortened(&sprite.appearance.name), page), size);
     let (place, hidden) = labels.best(places_beside(&line, rect, page).into_iter())?;
-    if hidden > MOST_HIDDEN * place.width() * place.height() {
+    if hidden > MOST_HIDDEN * place.width() * place.height() || is_crowded(sprite, &place, labels, page) {
         return None;
     }
     labels.take(place);
-    Some(Label::at(&place, line, page.look.palette.ink))
+    Some(Written::Beside(Label::at(&place, line, page.look.palette.ink)))
 }
 
-/// A text of at most so many letters as a label beside a box may have.
-fn shortened(markup: &str) -> String {
-    if markup.chars().count() <= LONGEST + 2 {
-        return markup.to_owned();
+/// How much it matters that a label hides no box.
+const BOX: f64 = 1.5;
+
+/// A label, and whether it is on the colour of its box.
+enum Written {
+    Inside(Label),
+    Beside(Label),
+}
+
+/// What never moves is scenery: its name is left out where others are near.
+fn is_crowded(sprite: &Sprite, place: &Rect, labels: &Labels, page: &Page) -> bool {
+    let wide = Rect::new(
+        place.origin.sub(Vector::new(page.look.text, 0.0)),
+        place.width() + 2.0 * page.look.text,
+        place.height(),
+    );
+    sprite.appearance.mass == f64::INFINITY && labels.cost(&wide) > 0.0
+}
+
+/// A name of at most so many letters as one beside a box may have.
+fn shortened(name: &str) -> String {
+    if name.chars().count() <= LONGEST {
+        return name.to_owned();
     }
-    markup.chars().take(LONGEST).chain("…\"".chars()).collect()
+    let kept: String = name.chars().take(LONGEST).collect();
+    format!("{}…", kept.trim_end())
 }
 
 /// The middle or the corners of a box as far as it is seen; an arrow leaves only the corners.
@@ -165,7 +207,7 @@ pub fn inside(sprite: &Sprite, rect: &Rect, fill: Color, boxes: usize, page: &Pa
     if is_few(boxes) || !writes(page) {
         return None;
     }
-    let text = text(sprite, page);
+    let text = text(sprite, &sprite.appearance.name, page);
     let height = if points_somewhere(page) { rect.height() / 3.0 } else { rect.height() };
     let room = Rect::new(rect.origin, rect.width(), height);
     let found = SIZES.iter().find_map(|size| {
