@@ -22,6 +22,8 @@ mod event_driven_impacts;
 mod event_driven_laws;
 #[path = "integration/event_driven_truth.rs"]
 mod event_driven_truth;
+#[path = "integration/evidence.rs"]
+mod evidence;
 #[path = "integration/figures.rs"]
 mod figures;
 #[path = "integration/frames.rs"]
@@ -34,6 +36,8 @@ mod known_faults;
 mod laboratory;
 #[path = "integration/live_events.rs"]
 mod live_events;
+#[path = "integration/pace.rs"]
+mod pace;
 #[path = "integration/rebond.rs"]
 mod rebond;
 #[path = "integration/reference.rs"]
@@ -44,3 +48,5 @@ mod scene_errors;
 mod snapshot;
 #[path = "integration/stills.rs"]
 mod stills;
+#[path = "integration/videos.rs"]
+mod videos;

@@ -6,7 +6,13 @@ use std::path::PathBuf;
 
 /// A physics engine of boxes that records, replays bit for bit, and draws itself
 #[derive(Debug, Parser)]
-#[command(version, arg_required_else_help = true, disable_help_subcommand = true, max_term_width = 100)]
+#[command(
+    version,
+    arg_required_else_help = true,
+    disable_help_subcommand = true,
+    max_term_width = 100,
+    next_line_help = false
+)]
 pub struct Arguments {
     /// What to do.
     #[command(subcommand)]
@@ -160,8 +166,8 @@ pub struct RenderOptions {
     /// Slow motion: simulated seconds for each second on the screen, such as 0.1
     #[arg(long, value_name = "PACE", value_parser = positive)]
     pub slow: Option<f64>,
-    /// Stop so many seconds whenever bodies meet: --hold 0.5 at collisions
-    #[arg(long, num_args = 3, value_names = ["SECONDS", "at", "collisions"])]
+    /// Stop so many seconds whenever bodies meet: 0.5 at collisions
+    #[arg(long, num_args = 3, value_names = ["S", "at", "collisions"])]
     pub hold: Option<Vec<HoldWord>>,
     /// How it looks.
     #[command(flatten)]

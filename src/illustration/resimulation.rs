@@ -34,8 +34,8 @@ impl Resimulation {
         let (sender, frames) = sync_channel(WAITING);
         let recording = source::open(&source.path)?;
         let rate = timeline.sampling.rate;
-        let before = if needs.trails { trail_steps(rate) } else { timeline.sampling.every };
-        let first = timeline.sampling.steps.start().saturating_sub(before);
+        let trail = if needs.trails { trail_steps(rate) } else { 0 };
+        let first = timeline.moment(0).step.saturating_sub(trail.max(timeline.sampling.every));
         let steps = first..=*timeline.sampling.steps.end();
         let mut stage = Stage {
             sender,
@@ -139,7 +139,8 @@ impl Witness for Stage {
             }
             self.next += 1;
         }
-        if self.next == 0 && step + self.timeline.sampling.every <= *self.timeline.sampling.steps.start() {
+        // What happened before the first frame is shown in it as far back as in any other.
+        if self.next == 0 && step + self.timeline.sampling.every <= self.timeline.moment(0).step {
             self.recent.clear();
         }
     }
