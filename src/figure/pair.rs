@@ -105,6 +105,7 @@ impl Pair {
     pub fn names(&self, camera: &Camera, rects: &[Rect; 2], arrows: &[Arrow], look: &Look) -> Vec<Label> {
         let mut labels = Labels::within(camera.window);
         arrows.iter().for_each(|arrow| labels.avoid_line(arrow.from, arrow.to, 1.0));
+        self.collision.rects.iter().for_each(|rect| labels.avoid_border(&camera.rect(rect), 1.0));
         let name = |at: usize| self.name_in_corner(at, &camera.rect(&rects[at]), camera, &labels, look);
         [0, 1].into_iter().filter_map(name).collect()
     }

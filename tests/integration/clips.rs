@@ -133,6 +133,36 @@ fn the_bytes_of_a_gif_do_not_depend_on_the_threads() {
     }
 }
 
+/// A long clip is held by the hash of each picture: what a change did is seen by rendering it.
+#[test]
+fn every_picture_of_a_long_clip() {
+    use rebond::illustration::{Source, Wish, WishedSubject, frames, timeline, view};
+    use std::fmt::Write;
+    let recordings = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("recordings");
+    let mut hashes = String::new();
+    for (name, theme) in [("click-session", Theme::Light), ("falling-heap", Theme::Dark)] {
+        let sources = [Source::open(&recordings.join(format!("{name}.mcap"))).unwrap()];
+        let wish = Wish {
+            every: Some(5),
+            size: Some([320, 180]),
+            theme: Some(theme),
+            show: Some(Overlay::ALL.to_vec()),
+            ..Wish::new(WishedSubject::Sequence)
+        };
+        let request = wish.request(&sources, &mut |_, _| ()).unwrap();
+        let timeline = timeline(&request, &sources[0], &mut |_, _| ()).unwrap();
+        let view = view(&request, &sources[0], &mut |_, _| ()).unwrap();
+        let mut painter = Painter::new();
+        for frame in frames(&request, &sources[0], &timeline).unwrap() {
+            let frame = frame.unwrap();
+            let picture = painter.draw(&compose(&frame, &view));
+            let hash = xxhash_rust::xxh3::xxh3_64(picture.pixels.as_flattened());
+            writeln!(hashes, "{name} {:04} {hash:016x}", frame.step).unwrap();
+        }
+    }
+    crate::snapshot::assert_text("clip-hashes", &hashes);
+}
+
 fn apng(frames: &[Frame], view: &View, threads: usize) -> Vec<u8> {
     let metadata = Metadata { entries: vec![("rebond steps".into(), "0 to 79 every 2".into())] };
     let mut file = Vec::new();
