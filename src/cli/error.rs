@@ -64,7 +64,7 @@ pub enum CommandError {
         /// The picture.
         path: PathBuf,
         /// What of it.
-        source: illustration::Error,
+        source: Box<illustration::Error>,
     },
     /// A video cannot be compressed.
     #[error(
