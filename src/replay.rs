@@ -60,31 +60,63 @@ impl<O: Observer> Witness for Listening<'_, O> {
 /// # Errors
 /// As for [`replay`].
 pub fn watch<R: Read + Seek, W: Witness>(
-    mut recording: Recording<R>,
+    recording: Recording<R>,
     steps: RangeInclusive<u64>,
-    observer: &mut W,
+    witness: &mut W,
     progress: &mut dyn FnMut(u64),
 ) -> Result<Verdict, Error> {
-    let found = recording.header.versions.semantics;
-    if found != SEMANTICS_VERSION {
-        return Err(Error::OtherSemantics { found });
+    let mut replaying = Replaying::new(recording, steps)?;
+    loop {
+        if let Some(verdict) = replaying.advance(witness, progress)? {
+            return Ok(verdict);
+        }
     }
-    if *steps.start() > 0 {
-        recording.seek(*steps.start())?;
+}
+
+/// A replay that goes on only when it is asked to.
+pub struct Replaying<R> {
+    recording: Recording<R>,
+    again: Again,
+}
+
+impl<R: Read + Seek> Replaying<R> {
+    /// The replay of `recording` that compares the states of `steps`, both ends included.
+    ///
+    /// # Errors
+    /// As for [`replay`].
+    pub fn new(mut recording: Recording<R>, steps: RangeInclusive<u64>) -> Result<Replaying<R>, Error> {
+        let found = recording.header.versions.semantics;
+        if found != SEMANTICS_VERSION {
+            return Err(Error::OtherSemantics { found });
+        }
+        if *steps.start() > 0 {
+            recording.seek(*steps.start())?;
+        }
+        let again = Again::new(recording.header.settings.clone(), steps);
+        Ok(Replaying { recording, again })
     }
-    let mut again = Again::new(recording.header.settings.clone(), steps);
-    while !again.is_done()
-        && let Some(item) = recording.next()
-    {
-        let item = item?;
+
+    /// Goes on by one item of the recording; gives the verdict at the end.
+    ///
+    /// # Errors
+    /// As for [`replay`].
+    pub fn advance<W: Witness>(
+        &mut self,
+        witness: &mut W,
+        progress: &mut dyn FnMut(u64),
+    ) -> Result<Option<Verdict>, Error> {
+        let next = if self.again.is_done() { None } else { self.recording.next() };
+        let Some(item) = next.transpose()? else {
+            return Ok(Some(self.again.verdict(self.recording.health())));
+        };
         if let Item::State(state) | Item::Doubtful(state) = &item {
             progress(state.step);
         }
-        if let Err(divergence) = again.item(item, recording.table(), observer) {
-            return Ok(Verdict::Diverged(divergence));
+        match self.again.item(item, self.recording.table(), witness) {
+            Ok(()) => Ok(None),
+            Err(divergence) => Ok(Some(Verdict::Diverged(divergence))),
         }
     }
-    Ok(again.verdict(recording.health()))
 }
 
 /// The engine that does it all again, and how far it agreed.
@@ -275,13 +307,13 @@ impl Again {
         None
     }
 
-    fn verdict(self, health: Health) -> Verdict {
+    fn verdict(&mut self, health: Health) -> Verdict {
         let (steps, done) = (self.same, self.is_done());
         match health {
             Health::Corrupt(damage) => Verdict::Corrupt { damage, steps },
             Health::Truncated { after } if !done => Verdict::Truncated { after, steps },
             Health::Truncated { .. } | Health::Whole => {
-                Verdict::Same { steps, bodies: self.engine.next_id().into(), then_error: self.then_error }
+                Verdict::Same { steps, bodies: self.engine.next_id().into(), then_error: self.then_error.take() }
             }
         }
     }

@@ -12,6 +12,8 @@ mod command_line;
 mod command_line_errors;
 #[path = "integration/crashes.rs"]
 mod crashes;
+#[path = "integration/digests.rs"]
+mod digests;
 #[path = "integration/double_double.rs"]
 mod double_double;
 #[path = "integration/event_driven_contacts.rs"]
@@ -38,6 +40,8 @@ mod laboratory;
 mod live_events;
 #[path = "integration/pace.rs"]
 mod pace;
+#[path = "integration/portability.rs"]
+mod portability;
 #[path = "integration/rebond.rs"]
 mod rebond;
 #[path = "integration/reference.rs"]
@@ -48,5 +52,7 @@ mod scene_errors;
 mod snapshot;
 #[path = "integration/stills.rs"]
 mod stills;
+#[path = "integration/threads.rs"]
+mod threads;
 #[path = "integration/videos.rs"]
 mod videos;

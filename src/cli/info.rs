@@ -37,8 +37,8 @@ fn of_picture(path: &Path, json: bool) -> Result<Option<String>, CommandError> {
     }
     let mut content = begin;
     file.read_to_end(&mut content).map_err(unreadable)?;
-    let (format, evidence) =
-        Evidence::read(&content).map_err(|error| CommandError::NoEvidence { path: path.into(), source: Box::new(error) })?;
+    let (format, evidence) = Evidence::read(&content)
+        .map_err(|error| CommandError::NoEvidence { path: path.into(), source: Box::new(error) })?;
     let entries = evidence.metadata().entries.into_iter().map(|(key, value)| {
         let key = key.strip_prefix("rebond ").map_or(key.to_lowercase(), str::to_owned);
         (key, value)

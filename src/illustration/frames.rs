@@ -33,7 +33,7 @@ pub enum Frames {
     /// Read.
     Recorded(Box<RecordedFrames>),
     /// Computed again.
-    Resimulated(Resimulation),
+    Resimulated(Box<Resimulation>),
 }
 
 impl Frames {
@@ -44,7 +44,7 @@ impl Frames {
     pub fn new(source: &Source, timeline: &Timeline, show: &[Overlay]) -> Result<Frames, Error> {
         let needs = Needs::of(show, timeline);
         match needs.replay {
-            true => Ok(Frames::Resimulated(Resimulation::start(source, timeline.clone(), needs)?)),
+            true => Ok(Frames::Resimulated(Box::new(Resimulation::start(source, timeline.clone(), needs)?))),
             false => Ok(Frames::Recorded(Box::new(RecordedFrames::new(source, &timeline.sampling, needs)?))),
         }
     }

@@ -1,10 +1,10 @@
 use super::style::appearance;
 use super::{Encounter, Error, Progress, Source, source};
 use crate::figure::Meeting;
-use crate::physics::{BodyId, Collision, Observer};
+use crate::physics::{BodyId, Collision, Engine, Observer};
 use crate::recording::{Change, Item};
 use crate::render::Appearance;
-use crate::replay::{Verdict, replay};
+use crate::replay::{Replaying, Verdict, Witness};
 use std::{collections::BTreeMap, sync::Arc};
 
 /// The first collision with an impulse from `step` on, between `pair` if one is named.
@@ -16,10 +16,16 @@ pub fn meeting(source: &Source, step: u64, pair: Option<&[String; 2]>, progress:
     let mut search = Search { step, pair, bodies: &bodies, found: None };
     let steps = source.header.steps;
     let recording = source::open(&source.path)?;
-    let verdict = replay(recording, step..=u64::MAX, &mut search, &mut |step| progress(step, steps));
-    let verdict = verdict.map_err(|error| source.unreadable(error))?;
-    if let (Verdict::Diverged(_), None) = (&verdict, &search.found) {
-        return Err(Error::Diverged { path: source.path.clone(), verdict: Box::new(verdict) });
+    let mut replaying = Replaying::new(recording, step..=u64::MAX).map_err(|error| source.unreadable(error))?;
+    while search.found.is_none() {
+        match replaying.advance(&mut search, &mut |step| progress(step, steps)) {
+            Ok(None) => {}
+            Ok(Some(verdict @ Verdict::Diverged(_))) => {
+                return Err(Error::Diverged { path: source.path.clone(), verdict: Box::new(verdict) });
+            }
+            Ok(Some(Verdict::Same { .. } | Verdict::Truncated { .. } | Verdict::Corrupt { .. })) => break,
+            Err(error) => return Err(source.unreadable(error)),
+        }
     }
     let found = search.found.and_then(|collision| {
         let [c, b] = collision.bodies.map(|id| bodies.get(&id).cloned());
@@ -75,4 +81,8 @@ impl Observer for Search<'_> {
             self.found = Some(collision.clone());
         }
     }
+}
+
+impl Witness for Search<'_> {
+    fn state(&mut self, _: &Engine) {}
 }

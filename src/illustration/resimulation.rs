@@ -5,40 +5,36 @@ use super::{Error, Source, source};
 use crate::physics::{BodyId, Collision, Engine, Observer, SolverKind, StepError, World};
 use crate::recording::Health;
 use crate::render::{Appearance, Frame, Moment, Sprite, Timeline, Trails};
-use crate::replay::{Verdict, Witness, watch};
-use std::collections::BTreeMap;
+use crate::replay::{Replaying, Verdict, Witness};
+use std::collections::{BTreeMap, VecDeque};
+use std::fs::File;
+use std::io::BufReader;
 use std::path::PathBuf;
 use std::sync::Arc;
-use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
-use std::thread::JoinHandle;
-
-/// Frames that wait to be taken, at most: what keeps memory from growing with the clip.
-const WAITING: usize = 8;
 
 /// Frames of a run that is run again beside, for what no recording holds: collisions, and what
 /// lies between two states. Whatever is shown came out as recorded.
 pub struct Resimulation {
     path: PathBuf,
-    frames: Receiver<Result<Frame, Error>>,
-    /// Runs the engine; gone once its end is known.
-    runner: Option<JoinHandle<Result<Verdict, Error>>>,
+    replaying: Replaying<BufReader<File>>,
+    stage: Stage,
     health: Health,
+    is_over: bool,
 }
 
 impl Resimulation {
-    /// Begins to run the recording again, from a little before the first frame.
+    /// Ready to run the recording again, from a little before the first frame.
     ///
     /// # Errors
     /// When it cannot be read.
     pub fn start(source: &Source, timeline: Timeline, needs: Needs) -> Result<Resimulation, Error> {
-        let (sender, frames) = sync_channel(WAITING);
-        let recording = source::open(&source.path)?;
         let rate = timeline.sampling.rate;
         let trail = if needs.trails { trail_steps(rate) } else { 0 };
         let first = timeline.moment(0).step.saturating_sub(trail.max(timeline.sampling.every));
         let steps = first..=*timeline.sampling.steps.end();
-        let mut stage = Stage {
-            sender,
+        let replaying = Replaying::new(source::open(&source.path)?, steps).map_err(|error| source.unreadable(error))?;
+        let stage = Stage {
+            ready: VecDeque::new(),
             solver: source.header.settings.solver,
             rate,
             trails: needs.trails.then(|| Trails::new(trail_steps(rate))),
@@ -49,20 +45,7 @@ impl Resimulation {
             seen_until: 0.0,
             failure: None,
         };
-        let path = source.path.clone();
-        let of = path.clone();
-        let runner = std::thread::spawn(move || {
-            let verdict = watch(recording, steps, &mut stage, &mut |_| ());
-            if let Some(source) = stage.failure {
-                return Err(Error::Step { path: of, source });
-            }
-            let verdict = verdict.map_err(|source| Error::Recording { path: of.clone(), source })?;
-            match verdict {
-                Verdict::Diverged(_) => Err(Error::Diverged { path: of, verdict: Box::new(verdict) }),
-                Verdict::Same { .. } | Verdict::Truncated { .. } | Verdict::Corrupt { .. } => Ok(verdict),
-            }
-        });
-        Ok(Resimulation { path, frames, runner: Some(runner), health: Health::Whole })
+        Ok(Resimulation { path: source.path.clone(), replaying, stage, health: Health::Whole, is_over: false })
     }
 
     /// How the recording was found to be, once all frames were taken.
@@ -70,15 +53,31 @@ impl Resimulation {
         Condition { path: self.path.clone(), health: self.health.clone(), reached: Reached::End }
     }
 
-    fn end(&mut self) -> Option<Result<Frame, Error>> {
-        let verdict = self.runner.take()?.join().expect("a replay never panics, whatever the recording");
-        match verdict {
-            Ok(Verdict::Truncated { after, .. }) => self.health = Health::Truncated { after },
-            Ok(Verdict::Corrupt { damage, .. }) => self.health = Health::Corrupt(damage),
-            Ok(Verdict::Same { .. } | Verdict::Diverged(_)) => {}
-            Err(error) => return Some(Err(error)),
+    /// Goes on until a frame is ready or nothing more comes.
+    fn advance(&mut self) -> Result<(), Error> {
+        while self.stage.ready.is_empty() && !self.is_over {
+            let verdict = self.replaying.advance(&mut self.stage, &mut |_| ());
+            if let Some(source) = self.stage.failure.take() {
+                return Err(Error::Step { path: self.path.clone(), source });
+            }
+            if let Some(verdict) = verdict.map_err(|source| Error::Recording { path: self.path.clone(), source })? {
+                self.end(verdict)?;
+            }
         }
-        None
+        Ok(())
+    }
+
+    fn end(&mut self, verdict: Verdict) -> Result<(), Error> {
+        self.is_over = true;
+        match verdict {
+            Verdict::Same { .. } => {}
+            Verdict::Truncated { after, .. } => self.health = Health::Truncated { after },
+            Verdict::Corrupt { damage, .. } => self.health = Health::Corrupt(damage),
+            Verdict::Diverged(_) => {
+                return Err(Error::Diverged { path: self.path.clone(), verdict: Box::new(verdict) });
+            }
+        }
+        Ok(())
     }
 }
 
@@ -86,16 +85,20 @@ impl Iterator for Resimulation {
     type Item = Result<Frame, Error>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        match self.frames.recv() {
-            Ok(frame) => Some(frame),
-            Err(_) => self.end(),
+        match self.advance() {
+            Ok(()) => self.stage.ready.pop_front().map(Ok),
+            Err(error) => {
+                self.is_over = true;
+                Some(Err(error))
+            }
         }
     }
 }
 
 /// Takes the pictures while the engine goes by.
 struct Stage {
-    sender: SyncSender<Result<Frame, Error>>,
+    /// Taken, but not asked for yet: those of one step at most.
+    ready: VecDeque<Frame>,
     solver: SolverKind,
     rate: f64,
     trails: Option<Trails>,
@@ -133,7 +136,7 @@ impl Witness for Stage {
             }
             if moment.step == step {
                 match self.take(engine, moment, &here) {
-                    Ok(frame) => drop(self.sender.send(Ok(frame))),
+                    Ok(frame) => self.ready.push_back(frame),
                     Err(error) => self.failure = Some(error),
                 }
             }
