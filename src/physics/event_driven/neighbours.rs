@@ -242,20 +242,19 @@ impl Neighbours {
         }
     }
 
-    /// Whether there are so few bodies that grids are not worth their cost. Cells mean nothing then.
+    /// Whether there are so few bodies that all are near each other, whatever their cells.
     pub fn are_few(&self) -> bool {
         self.seats.len() <= FEW
-    }
-
-    /// Shows each body.
-    pub fn all(&self, mut show: impl FnMut(Slot)) {
-        self.grids.iter().flat_map(|grid| &grid.members).for_each(|slot| show(*slot));
-        self.anchored.iter().for_each(|(slot, _)| show(*slot));
     }
 
     /// Shows each body, itself included and some perhaps twice, that may touch this one before
     /// either of the two leaves its cell.
     pub fn near(&self, slot: Slot, mover: &Mover, mut show: impl FnMut(Slot)) {
+        if self.are_few() {
+            self.grids.iter().flat_map(|grid| &grid.members).for_each(|slot| show(*slot));
+            self.anchored.iter().for_each(|(slot, _)| show(*slot));
+            return;
+        }
         let seat = &self.seats[slot as usize];
         let grid = &self.grids[seat.grid as usize];
         let (middle, mask) = (grid.bucket(seat.cell) as u64, grid.buckets.len() as u64 - 1);

@@ -118,10 +118,9 @@ impl EventDriven {
             return;
         }
         let mut asker = Asker::new(self, slot);
-        let mut leaving = f64::INFINITY;
-        let mut reach = Reach::ANYWHERE;
+        let (mut leaving, mut reach) = (f64::INFINITY, Reach::ANYWHERE);
         if self.neighbours.are_few() {
-            self.neighbours.all(|other| _ = asker.ask(other));
+            self.neighbours.near(slot, mover, |other| _ = asker.ask(other));
         } else {
             let state = asker.state.until(&self.clock, self.now);
             leaving = self.neighbours.leaving(slot, &state);
