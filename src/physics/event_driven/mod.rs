@@ -218,15 +218,38 @@ impl EventDriven {
     pub fn step<O: Observer>(&mut self, world: &mut World, step: u64, observer: &mut O) -> Result<(), StepError> {
         self.advance_to(Instant::start_of(step));
         self.admit(world, step);
-        self.run(world, step, observer)?;
+        self.run(world, step, Instant::NEVER, observer)?;
         self.sample(world, step)
     }
 
-    fn run<O: Observer>(&mut self, world: &World, step: u64, observer: &mut O) -> Result<(), StepError> {
+    /// The world so many seconds after a step began, without going there.
+    ///
+    /// # Errors
+    /// As for [`EventDriven::step`].
+    pub fn between<O: Observer>(
+        &self,
+        world: &World,
+        step: u64,
+        offset: f64,
+        observer: &mut O,
+    ) -> Result<World, StepError> {
+        let instant = Instant { step: step as f64, offset };
+        let mut ahead = self.clone();
+        ahead.now = Instant::start_of(step);
+        ahead.admit(world, step);
+        ahead.run(world, step, instant, observer)?;
+        Ok(ahead.seen_at(world, instant))
+    }
+
+    /// Lets happen what is due in the step, up to an instant.
+    fn run<O: Observer>(&mut self, world: &World, step: u64, last: Instant, observer: &mut O) -> Result<(), StepError> {
         self.schedule.begin(step);
         let (mut events, mut glances) = (0, 0);
         let most_glances = self.limit.saturating_add(GLANCES_PER_BODY * self.movers.len() as u64);
         while let Some((slot, turn)) = self.schedule.next(step) {
+            if last.is_before(turn.at) {
+                break;
+            }
             glances += 1;
             if glances - events > most_glances {
                 return Err(self.too_many(world, step, turn.pair));
