@@ -30,8 +30,8 @@ mod figures;
 mod frames;
 #[path = "integration/handout_limits.rs"]
 mod handout_limits;
-#[path = "integration/known_faults.rs"]
-mod known_faults;
+#[path = "integration/hard_scenes.rs"]
+mod hard_scenes;
 #[path = "integration/laboratory.rs"]
 mod laboratory;
 #[path = "integration/live_events.rs"]
