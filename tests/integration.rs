@@ -24,6 +24,8 @@ mod event_driven_impacts;
 mod event_driven_laws;
 #[path = "integration/event_driven_truth.rs"]
 mod event_driven_truth;
+#[path = "integration/evidence.rs"]
+mod evidence;
 #[path = "integration/figures.rs"]
 mod figures;
 #[path = "integration/frames.rs"]
@@ -36,6 +38,8 @@ mod hard_scenes;
 mod laboratory;
 #[path = "integration/live_events.rs"]
 mod live_events;
+#[path = "integration/pace.rs"]
+mod pace;
 #[path = "integration/portability.rs"]
 mod portability;
 #[path = "integration/rebond.rs"]
@@ -50,3 +54,5 @@ mod snapshot;
 mod stills;
 #[path = "integration/threads.rs"]
 mod threads;
+#[path = "integration/videos.rs"]
+mod videos;

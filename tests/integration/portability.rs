@@ -54,7 +54,7 @@ const RULES: &[Rule] = &[
     Rule {
         word: "thread::",
         allowed: &[
-            "src/cli/clip.rs",
+            "src/cli/render.rs",
             "src/recording/background.rs",
             "src/recording/writer.rs",
             "src/render/in_order.rs",
