@@ -162,7 +162,7 @@ impl EventDriven {
     }
 
     /// Whether two boxes overlap on an axis by more than rounding.
-    fn overlap_on(&self, axis: usize, slot: Slot, other: Slot) -> bool {
+    pub(super) fn overlap_on(&self, axis: usize, slot: Slot, other: Slot) -> bool {
         let [own, others] = [slot, other].map(|slot| self.fine(slot, axis).position);
         let [own_size, others_size] = [slot, other].map(|slot| self.movers[slot as usize].size[axis]);
         let step = (others - own).high;

@@ -262,34 +262,6 @@ impl EventDriven {
             after: self.state(pair).map(|(_, velocity)| velocity),
         }
     }
-
-    /// The error of a body pressed between what cannot give way.
-    fn crushed(&self, world: &World, [first, second]: [Slot; 2], axis: usize) -> StepError {
-        let body = if self.movers[first as usize].infinite { second } else { first };
-        let between =
-            [self.name(world, self.backing(first, axis, false)), self.name(world, self.backing(second, axis, true))];
-        StepError::Crushed { step: self.now.step as u64, body: self.name(world, body), between }
-    }
-
-    /// The infinite mass that holds an immovable body.
-    fn backing(&self, mut slot: Slot, axis: usize, ahead: bool) -> Slot {
-        while !self.movers[slot as usize].infinite {
-            let behind = self.contacts.of(slot).iter().find(|contact| {
-                contact.axis == axis
-                    && contact.ahead == ahead
-                    && self.movers[contact.other as usize].is_immovable(axis, ahead)
-            });
-            let Some(contact) = behind else { break };
-            slot = contact.other;
-        }
-        slot
-    }
-
-    /// The error of a step in which more happened than is allowed.
-    pub(super) fn too_many(&self, world: &World, step: u64, pair: [Slot; 2]) -> StepError {
-        let bodies = pair.map(|slot| self.name(world, slot)).to_vec();
-        StepError::TooManyEvents { step, limit: self.limit, bodies }
-    }
 }
 
 /// The greatest position at which a box of that size does not reach beyond `face`.

@@ -5,10 +5,13 @@
 //! time step to trade against error: a step only says when the state is sampled.
 //!
 //! One step: newcomers are admitted and put apart (`separation`); what is due happens in its
-//! total order (`schedule`): boxes collide (`collide`, `impact`), slide off edges and take
-//! up or end contacts (`contact`, `settle`, `least_change`), and whoever that concerned looks
-//! ahead again among its neighbours (`outlook`, `neighbours`); what moved is sampled
-//! (`sampling`). `memory` is what must be kept to go on to the bit.
+//! total order (`schedule`): boxes collide (`collide`, `block`, `impact`), slide off edges and
+//! take up or end contacts (`contact`, `settle`, `least_change`), and whoever that concerned
+//! looks ahead again among its neighbours (`outlook`, `neighbours`); what moved is sampled
+//! (`sampling`). `memory` is what must be kept to go on to the bit, `crush` how a step may fail.
+//!
+//! Prediction computes with doubles; what happens is computed with twice the digits
+//! (`fine_state`), so that rounding is no error one could see after thousands of collisions.
 //!
 //! The rules where mechanics leaves a choice:
 //!
@@ -20,17 +23,22 @@
 //!   with all that it pushes. (Handing it on from pair to pair would be the other choice; it
 //!   needs endlessly many impacts in a resting stack.) A contact is what presses, or what a
 //!   plastic impact joined; bodies that merely touch are not in contact.
-//! - **Corners** that meet exactly are hit on both axes. Boxes whose edges only slide along
-//!   each other's line do not meet.
+//! - **Corners** that meet exactly are hit on both axes. If that leaves them at rest, or if they
+//!   are pressed together from rest, they are in contact along both axes until they part along
+//!   one. Boxes whose edges only slide along each other's line do not meet.
 //! - **Zeno**: where e < 1, impacts slower than `impact::capture_speed`, and those after
-//!   `impact::LONGEST_HURRY` impacts without a way between them, are plastic.
+//!   `impact::LONGEST_HURRY` impacts without a way between them, are plastic, and all that is
+//!   in contact with the two along that axis, or touches them at less than that speed, goes on
+//!   with them as one: the limit of endlessly many blows handed to and fro.
 //! - **Rounding**: after an impact the body ahead is put exactly on the other's face (or the
 //!   one behind, if the body ahead cannot move). Coordinates a few units in the last place
-//!   apart touch, if nothing else tells them apart.
+//!   apart touch, if nothing else tells them apart; faces that touch at the instant of a sample
+//!   in this sense have collided in it.
 
 mod block;
 mod collide;
 mod contact;
+mod crush;
 mod double_double;
 mod fine_state;
 mod impact;
