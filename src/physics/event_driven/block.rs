@@ -40,15 +40,6 @@ pub struct Side {
     pub velocity: DoubleDouble,
 }
 
-/// How a sequence of endlessly many blows ends: who goes on together.
-#[derive(Clone, Copy, Debug)]
-pub struct Ending {
-    /// Those that leave each other no faster, m/s.
-    pub leaving: f64,
-    /// Those that approach each other no faster, m/s.
-    pub approaching: f64,
-}
-
 impl EventDriven {
     /// What a blow meets on this side: the body and all that it pushes; of infinite mass if
     /// that rests, directly or through others, against an infinite mass.
@@ -75,15 +66,16 @@ impl EventDriven {
     }
 
     /// All that is joined to a body by contacts along the axis, in either direction, and all
-    /// that touches it and takes part in the `ending` of endlessly many blows. Of infinite mass
-    /// if an infinite mass is among them.
+    /// that touches it without approaching or leaving faster than `slow`, m/s: what ends a
+    /// sequence of endlessly many blows together. Of infinite mass if an infinite mass is among
+    /// them.
     ///
     /// Those that only touch are in contact afterwards. Who is `taken` belongs to the other side.
     pub(super) fn carried(
         &mut self,
         world: &World,
         side: Side,
-        ending: Ending,
+        slow: f64,
         taken: impl Fn(Slot) -> bool,
         block: &mut Block,
     ) {
@@ -101,7 +93,7 @@ impl EventDriven {
             }
             let in_contact = self.contacts.of(by).iter().filter(|contact| contact.axis == side.axis);
             let in_contact = in_contact.map(|contact| (contact.other, contact.ahead));
-            for (slot, ahead) in in_contact.chain(self.clinging(world, by, side.axis, ending)) {
+            for (slot, ahead) in in_contact.chain(self.clinging(world, by, side.axis, slow)) {
                 if !block.has(slot) && !taken(slot) {
                     block.members.push(Member { slot, on: Some((by, ahead)) });
                 }
@@ -141,9 +133,9 @@ impl EventDriven {
         side.velocity + excess / block.mass.into()
     }
 
-    /// Who touches a body along an axis, not in contact but part of the ending, and whether
-    /// ahead of it.
-    fn clinging(&self, world: &World, slot: Slot, axis: usize, ending: Ending) -> Vec<(Slot, bool)> {
+    /// Who touches a body along an axis, almost at rest against it but not in contact, and
+    /// whether ahead of it.
+    fn clinging(&self, world: &World, slot: Slot, axis: usize, slow: f64) -> Vec<(Slot, bool)> {
         let mut near = Vec::new();
         self.neighbours.near(slot, &self.movers[slot as usize], |other| near.push(other));
         near.sort_unstable();
@@ -153,23 +145,20 @@ impl EventDriven {
             let known = *other == slot || self.contacts.between(slot, *other).is_some();
             !known && world.restitution.between(own, others) < 1.0
         });
-        near.into_iter().filter_map(|other| Some((other, self.clings(slot, other, axis, ending)?))).collect()
+        near.into_iter().filter_map(|other| Some((other, self.clings(slot, other, axis, slow)?))).collect()
     }
 
-    /// Whether another body touches one without way between them and takes part in the ending,
-    /// and if so, whether it is ahead.
-    fn clings(&self, slot: Slot, other: Slot, axis: usize, ending: Ending) -> Option<bool> {
+    /// Whether another body touches one without way or speed between them, and if so, whether
+    /// it is ahead.
+    fn clings(&self, slot: Slot, other: Slot, axis: usize, slow: f64) -> Option<bool> {
         let [own, others] = [slot, other].map(|slot| self.fine(slot, axis));
         let [own_size, others_size] = [slot, other].map(|slot| self.movers[slot as usize].size[axis]);
         let coordinates = own.position.high.abs() + others.position.high.abs() + (own_size + others_size);
         let step = (others.position - own.position).high;
         let [ahead, behind] = [step - own_size, -step - others_size];
         let gap = if ahead > behind { ahead } else { behind };
-        let side = if ahead > behind { 1.0 } else { -1.0 };
-        let leaving = side * (others.velocity - own.velocity).high;
-        let together = leaving <= ending.leaving && -leaving <= ending.approaching;
-        (together && is_no_way(gap.abs(), coordinates) && self.overlap_on(1 - axis, slot, other))
-            .then_some(ahead > behind)
+        let together = is_no_way(gap.abs(), coordinates) && (others.velocity - own.velocity).high.abs() <= slow;
+        (together && self.overlap_on(1 - axis, slot, other)).then_some(ahead > behind)
     }
 
     /// Whether two boxes overlap on an axis by more than rounding.

@@ -1,7 +1,7 @@
 //! A collision: who is hit, what the blow does to them, and where they are put.
 
 use super::EventDriven;
-use super::block::{Ending, Side};
+use super::block::Side;
 use super::double_double::DoubleDouble;
 use super::fine_state::FineState;
 use super::impact::{Blow, LONGEST_HURRY, capture_speed, is_no_way};
@@ -24,8 +24,8 @@ struct Encounter {
 struct Character {
     /// The e of the blow.
     restitution: f64,
-    /// None if this blow ends nothing.
-    ending: Option<Ending>,
+    /// Below this speed, m/s, none is told from rest; none if this blow ends nothing.
+    ending: Option<f64>,
 }
 
 impl Encounter {
@@ -96,10 +96,10 @@ impl EventDriven {
         let Character { restitution, ending } = self.character(world, encounter);
         let sides = AXES.map(|place| encounter.side(place));
         let mut blocks = std::mem::take(&mut self.blocks);
-        if let Some(ending) = ending {
+        if let Some(slow) = ending {
             let [behind, ahead] = &mut blocks;
-            self.carried(world, sides[0], ending, |slot| slot == sides[1].slot, behind);
-            self.carried(world, sides[1], ending, |slot| slot == sides[0].slot || behind.has(slot), ahead);
+            self.carried(world, sides[0], slow, |slot| slot == sides[1].slot, behind);
+            self.carried(world, sides[1], slow, |slot| slot == sides[0].slot || behind.has(slot), ahead);
         }
         if ending.is_none() || blocks.iter().all(|block| block.mass == f64::INFINITY) {
             AXES.into_iter().for_each(|place| self.pushed(sides[place], &mut blocks[place]));
@@ -194,10 +194,9 @@ impl EventDriven {
         let velocities = encounter.states.map(|state| state.velocity.high.abs());
         let coordinates = self.coordinates(encounter);
         let slow = capture_speed(acceleration, coordinates, velocities[0] + velocities[1]);
-        let hurries = encounter.slots.map(|slot| self.hurries(slot, encounter.axis, coordinates)) == [true; 2];
-        if encounter.approach < slow || hurries {
-            let approaching = if hurries { f64::INFINITY } else { slow };
-            return Character { restitution: 0.0, ending: Some(Ending { leaving: slow, approaching }) };
+        let hurries = encounter.slots.map(|slot| self.hurries(slot, encounter.axis, coordinates));
+        if encounter.approach < slow || hurries == [true; 2] {
+            return Character { restitution: 0.0, ending: Some(slow) };
         }
         Character { restitution, ending: None }
     }
