@@ -66,7 +66,7 @@ impl EventDriven {
     }
 
     /// All that is joined to a body by contacts along the axis, in either direction, and all
-    /// that touches it without approaching or leaving faster than `slow`, m/s: what ends a
+    /// that touches it without approaching or leaving faster than `slow`, m/s: these end a
     /// sequence of endlessly many blows together. Of infinite mass if an infinite mass is among
     /// them.
     ///
@@ -133,8 +133,8 @@ impl EventDriven {
         side.velocity + excess / block.mass.into()
     }
 
-    /// Who touches a body along an axis, almost at rest against it but not in contact, and
-    /// whether ahead of it.
+    /// Who touches a body along an axis, no faster than `slow` against it and not in contact,
+    /// and whether ahead of it.
     fn clinging(&self, world: &World, slot: Slot, axis: usize, slow: f64) -> Vec<(Slot, bool)> {
         let mut near = Vec::new();
         self.neighbours.near(slot, &self.movers[slot as usize], |other| near.push(other));
