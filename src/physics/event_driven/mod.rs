@@ -7,8 +7,9 @@
 //! One step: newcomers are admitted and put apart (`separation`); what is due happens in its
 //! total order (`schedule`): boxes collide (`collide`, `block`, `impact`), slide off edges and
 //! take up or end contacts (`contact`, `settle`, `least_change`), and whoever that concerned
-//! looks ahead again among its neighbours (`outlook`, `neighbours`); what moved is sampled
-//! (`sampling`). `memory` is what must be kept to go on to the bit, `crush` how a step may fail.
+//! looks ahead again among its neighbours (`outlook`, `reach`, `neighbours`, `grid`); what moved
+//! is sampled (`sampling`), and who is about to leave its cell moves on (`calendar`). `memory` is
+//! what must be kept to go on to the bit, `crush` how a step may fail.
 //!
 //! Prediction computes with doubles; what happens is computed with twice the digits
 //! (`fine_state`), so that rounding is no error one could see after thousands of collisions.

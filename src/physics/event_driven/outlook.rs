@@ -194,3 +194,43 @@ impl EventDriven {
         self.schedule.set(slot, Some(meeting.turn));
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::physics::{Engine, Event, Rect, Restitution, Settings, SolverKind, Spawn, Vector};
+
+    fn spawn(at: Vector, size: f64, mass: f64, velocity: Vector) -> Event {
+        let rect = Rect::new(at, size, size);
+        let name = format!("{at:?}");
+        Event::Spawn(Spawn { name, rect, mass, velocity, force: Vector::ZERO, material: String::new() })
+    }
+
+    /// Eight boxes between two blocks that fall, slide and bounce, and some that are far away:
+    /// where the eight are after 200 steps.
+    fn eight_of(far_away: usize) -> Vec<(Vector, Vector)> {
+        let mut engine = Engine::new(Settings {
+            solver: SolverKind::EventDriven,
+            rate: 60.0,
+            gravity: Some(Vector::new(0.0, 9.81)),
+            restitution: Restitution::new(0.5, &[]),
+            events_per_step: 10_000,
+        });
+        engine.apply(&spawn(Vector::new(-100.0, 10.0), 200.0, f64::INFINITY, Vector::ZERO));
+        engine.apply(&spawn(Vector::new(14.0, 2.0), 8.0, f64::INFINITY, Vector::ZERO));
+        for index in 0..8 {
+            let place = f64::from(index);
+            let velocity = Vector::new(5.0 - 2.5 * f64::from(index % 4), -1.0);
+            engine.apply(&spawn(Vector::new(1.5 * place, 4.0 - 0.7 * place), 1.0, 1.0 + place, velocity));
+        }
+        (0..far_away).for_each(|index| {
+            engine.apply(&spawn(Vector::new(1e4 + 10.0 * index as f64, 0.0), 1.0, 1.0, Vector::ZERO));
+        });
+        (0..200).for_each(|_| engine.step(&mut Vec::new()).unwrap());
+        engine.world().bodies[2..10].iter().map(|body| (body.rect.origin, body.velocity)).collect()
+    }
+
+    #[test]
+    fn who_is_asked_changes_no_bit() {
+        assert_eq!(eight_of(0), eight_of(50), "few bodies ask everyone, many look for neighbours");
+    }
+}

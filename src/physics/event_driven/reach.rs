@@ -51,3 +51,44 @@ impl Reach {
         !(apart[0] | apart[1])
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::event_driven::instant::{Clock, Instant};
+    use crate::physics::event_driven::motion::Motion;
+
+    /// A unit box at the origin: velocity and acceleration along y.
+    fn mover(velocity: f64, acceleration: f64) -> Mover {
+        let since = Instant::start_of(0);
+        let motion = [[0.0; 3], [0.0, velocity, acceleration]].map(|[position, velocity, acceleration]| Motion {
+            position,
+            velocity,
+            acceleration,
+            since,
+        });
+        let held = [[false; 2]; 2];
+        Mover { motion, size: [1.0; 2], since, generation: 0, place: 0, infinite: false, held, hurry: [0; 2] }
+    }
+
+    fn reach(mover: &Mover, seconds: f64) -> Reach {
+        Reach::new(&State::new(&Clock::new(1.0), mover, Instant::start_of(0)), seconds)
+    }
+
+    #[test]
+    fn a_thrown_box_reaches_its_highest_point_and_its_last() {
+        let thrown = reach(&mover(-4.0, 2.0), 5.0);
+        assert!(thrown.low[1] <= -4.0 && thrown.high[1] >= 6.0);
+        assert!(thrown.low[0] <= 0.0 && thrown.low[0] > -1e-9, "and goes nowhere along x");
+    }
+
+    #[test]
+    fn boxes_that_touch_are_within_reach() {
+        let standing = reach(&mover(0.0, 0.0), f64::INFINITY);
+        let below = Reach { low: [0.0, 1.0], high: [1.0, 2.0] };
+        assert!(standing.touches(&below) && below.touches(&standing));
+        assert!(!standing.touches(&Reach { low: [0.0, 1.5], ..below }));
+        assert!(reach(&mover(1.0, 0.0), 0.75).touches(&Reach { low: [0.0, 1.5], ..below }));
+        assert!(Reach::ANYWHERE.touches(&standing));
+    }
+}
