@@ -2,10 +2,10 @@
 //!
 //! For each scene one line: nanoseconds per body-step, sampling every step and recording
 //! nothing; energy drift; worst overlap; collisions; bytes per body, where memory had to grow
-//! for the scene. An elastic gas of equal
-//! boxes is also run by the plain engine in `cell_list`, in turns with ours, so that the last
-//! column compares the two however busy the machine is. Without arguments, scenes made here;
-//! with `--full`, Galperin's billiard up to the tenth digit of π, which takes ten minutes.
+//! for the scene. An elastic gas of equal boxes is also run by the plain engine in `cell_list`,
+//! in turns with ours, so that the last column compares the two however busy the machine is.
+//! Without arguments, scenes made here; with `--full`, Galperin's billiard up to the tenth digit
+//! of π, which takes half an hour.
 
 mod cell_list;
 
