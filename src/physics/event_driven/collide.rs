@@ -29,6 +29,9 @@ struct Character {
     ending: Option<f64>,
 }
 
+/// A blow foretold too early waits no longer than this, s: others may come before.
+const LONGEST_WAIT: f64 = 1e-10;
+
 impl Encounter {
     /// One of its sides: 0 for the body behind.
     fn side(&self, place: usize) -> Side {
@@ -167,7 +170,7 @@ impl EventDriven {
             -self.age(since, self.residues[slot as usize][axis].offset).high
         });
         let delay = earliest.into_iter().fold(delay, |delay, limit| if limit > delay { limit } else { delay });
-        if delay <= LONGEST_ROUNDING { delay } else { 0.0 }
+        if (-LONGEST_ROUNDING..=LONGEST_WAIT).contains(&delay) { delay } else { 0.0 }
     }
 
     /// Takes the present instant as the reference of two that only graze: the past is over.
