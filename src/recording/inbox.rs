@@ -37,14 +37,7 @@ pub struct Locus {
 impl Inbox {
     /// At the start of the recording with that header.
     pub fn new(course: Course) -> Inbox {
-        Inbox {
-            course,
-            ready: VecDeque::new(),
-            damage: None,
-            end: None,
-            // What a recording declares in its first chunk, should that be damaged.
-            channels: (1..).zip(Topic::ALL.map(Some)).collect(),
-        }
+        Inbox { course, ready: VecDeque::new(), damage: None, end: None, channels: first_channels() }
     }
 
     /// Starts over somewhere else in the recording, with the channels of its index.
@@ -53,6 +46,7 @@ impl Inbox {
         self.ready.clear();
         self.damage = None;
         self.end = None;
+        self.channels = first_channels();
         for body in channels {
             // The index has passed its checksum; what is no channel there is none of ours.
             let _ = self.channel(body);
@@ -150,4 +144,9 @@ impl Inbox {
         self.channels.insert(id, topic);
         Ok(())
     }
+}
+
+/// What a recording declares in its first chunk, should that be damaged.
+fn first_channels() -> BTreeMap<u16, Option<Topic>> {
+    (1..).zip(Topic::ALL.map(Some)).collect()
 }

@@ -20,6 +20,9 @@ pub const SCENE_BYTES: usize = 32 << 20;
 /// Bodies alive at one time: so many that a state fits into a message (36 bytes each).
 pub const BODIES: usize = 1_000_000;
 
+/// The last step of the longest run: beyond it a double does not count every step.
+pub const STEPS: u64 = 1 << 53;
+
 /// Materials that the restitution table names.
 pub const MATERIALS: usize = 256;
 

@@ -110,6 +110,9 @@ impl<W: Write + Send + 'static> Writer<W> {
         if step != due {
             return Err(Error::OutOfOrder { due, found: step });
         }
+        if step > limits::STEPS {
+            return Err(Error::TooLarge { what: "the number of the step", found: step, limit: limits::STEPS });
+        }
         self.last_step = Some(step);
         Ok(())
     }
