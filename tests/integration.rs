@@ -26,6 +26,8 @@ mod event_driven_truth;
 mod figures;
 #[path = "integration/frames.rs"]
 mod frames;
+#[path = "integration/fuzz_corpus.rs"]
+mod fuzz_corpus;
 #[path = "integration/handout_limits.rs"]
 mod handout_limits;
 #[path = "integration/known_faults.rs"]
@@ -44,3 +46,5 @@ mod scene_errors;
 mod snapshot;
 #[path = "integration/stills.rs"]
 mod stills;
+#[path = "integration/viewer.rs"]
+mod viewer;

@@ -1,7 +1,8 @@
 use super::arguments::RecordOptions;
 use super::error::CommandError;
-use super::{Exit, output, progress};
-use crate::recording::{self, Overwrite, Sync};
+use super::{Exit, frames, output, progress};
+use crate::recording::{self, KnownBody, Overwrite, Paint, Sync};
+use crate::render::{Palette, Style, palette};
 use crate::run::{self, LiveEvents, Manners, Recorded, RunError};
 use crate::scene::{self, Scene};
 use std::{
@@ -13,7 +14,11 @@ use std::{
 /// Runs a scene and records it.
 pub fn run(options: &RecordOptions) -> Result<Exit, CommandError> {
     let scene = scene::load(&options.scene)?;
-    let plan = run::RecordOptions { steps: options.steps.unwrap_or(scene.run.steps), every: options.every };
+    let plan = run::RecordOptions {
+        steps: options.steps.unwrap_or(scene.run.steps),
+        every: options.every,
+        viewer: options.viewer.then_some(paint as Paint),
+    };
     tell_unreached(&scene, plan.steps);
     let manners = if options.lenient { Manners::Lenient } else { Manners::Strict };
     let events = options.events.as_deref().map(open_events).transpose()?;
@@ -41,6 +46,17 @@ pub fn record<W: Write + Send + 'static>(
         RunError::Recording(error) => CommandError::recording(path, error),
         error => error.into(),
     })
+}
+
+/// The colours of pictures whose scene asks for no others.
+fn paint(known: &KnownBody) -> [u8; 3] {
+    let appearance = frames::appearance(known.id, &known.spawn, known.color.as_deref());
+    let style = Style::default();
+    let color = match appearance.is_wall {
+        true => Palette::of(style.theme).wall,
+        false => palette::box_color(&appearance),
+    };
+    [color.r, color.g, color.b]
 }
 
 fn tell_unreached(scene: &Scene, steps: u64) {

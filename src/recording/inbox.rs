@@ -9,7 +9,7 @@ use super::{
     fields::{Fields, Malformed},
     messages::{BodiesMessage, EventMessage},
     metadata,
-    topic::{MESSAGE_ENCODING, Topic},
+    topic::Topic,
 };
 
 /// Turns records into the items they hold, or into the damage they are.
@@ -96,7 +96,7 @@ impl Inbox {
     }
 
     fn message(&mut self, locus: Locus, record: &ChunkRecord<'_>) -> Result<(), String> {
-        let RawMessage { channel, data, .. } = record.message().ok_or("a message is damaged")?;
+        let RawMessage { channel, log_time, data } = record.message().ok_or("a message is damaged")?;
         let Some(topic) = self.channels.get(&channel).copied().flatten() else { return Ok(()) };
         match topic {
             Topic::Events => {
@@ -112,6 +112,7 @@ impl Inbox {
                 self.ready.push_back(Item::Keyframe(keyframe));
             }
             Topic::States => self.state(locus, cdr::decode(data)?)?,
+            Topic::Scene => self.ready.push_back(Item::View { time: log_time, message: data.into() }),
         }
         Ok(())
     }
@@ -138,7 +139,7 @@ impl Inbox {
         let mut read = || Ok((fields.u16()?, fields.u16()?, fields.text()?, fields.text()?));
         let (id, _schema, name, encoding) = read().map_err(|Malformed| "a channel is damaged")?;
         let topic = Topic::named(name);
-        if topic.is_some() && encoding != MESSAGE_ENCODING {
+        if topic.is_some_and(|topic| topic.message_encoding() != encoding) {
             return Err(format!("the topic {name} is encoded as {encoding:?}"));
         }
         self.channels.insert(id, topic);

@@ -39,6 +39,7 @@ pub fn recover<R: Read + Seek, W: Write>(recording: &mut Recording<R>, write: W)
         Saved::Event(event) => recorder.event(&event),
         Saved::Keyframe(keyframe) => recorder.keyframe(&keyframe),
         Saved::State(state) => recorder.state(&state),
+        Saved::View { time, message } => recorder.view(time, &message),
         Saved::Gap(_) | Saved::End(_) => Ok(()),
     })?;
     let recovered = survey.health != Health::Whole || survey.was_recovered();
@@ -52,6 +53,10 @@ enum Saved {
     Event(RecordedEvent),
     Keyframe(Keyframe),
     State(RecordedState),
+    View {
+        time: u64,
+        message: Vec<u8>,
+    },
     /// Something is missing before what comes next.
     Gap(Gap),
     End(End),
@@ -72,6 +77,10 @@ fn salvage<R: Read + Seek>(
             Item::Event(event) => (event.step, Saved::Event(event)),
             Item::Keyframe(keyframe) => (keyframe.step, Saved::Keyframe(keyframe)),
             Item::State(state) => (state.step, Saved::State(state)),
+            Item::View { time, message } => {
+                since.push(Saved::View { time, message });
+                continue;
+            }
             Item::Damaged(_) if recording.table().is_some() => continue,
             Item::Damaged(_) | Item::Doubtful(_) | Item::Gap(_) => {
                 since.clear();
@@ -118,7 +127,7 @@ impl Survey {
 
     fn count(&mut self, saved: Saved) {
         match saved {
-            Saved::Event(_) | Saved::Keyframe(_) => {}
+            Saved::Event(_) | Saved::Keyframe(_) | Saved::View { .. } => {}
             Saved::State(state) => {
                 self.states += 1;
                 self.last_step = Some(state.step);

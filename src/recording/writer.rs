@@ -6,7 +6,10 @@ use std::{
 
 use crate::physics::Engine;
 
-use super::{Change, End, Error, Header, RecordedEvent, batch::Batch, batch::Entry, clock, limits, recorder::Recorder};
+use super::{
+    Change, End, Error, Header, RecordedEvent, batch::Batch, batch::Entry, clock, limits, recorder::Recorder,
+    view::Paint,
+};
 
 /// Streams a recording out while the engine runs. Memory does not grow with the run.
 ///
@@ -58,6 +61,12 @@ impl<W: Write + Send + 'static> Writer<W> {
             last_step: None,
             unflushed_events: false,
         })
+    }
+
+    /// Adds to every state recorded in full from now on what viewers such as Foxglove draw, in
+    /// these colours. Nothing of it takes part in a replay.
+    pub fn show(&mut self, paint: Paint) {
+        self.batch.entries.push(Entry::Paint(paint));
     }
 
     /// Records one event that was applied to the present step.

@@ -1,56 +1,10 @@
-//! Any lines are events or refusals, and a run that skips what it refuses goes on to its end.
+//! Throws lines at what reads events while a run goes on.
 #![no_main]
 
 mod memory;
+#[path = "../targets/events.rs"]
+mod target;
 
-use std::io;
+use libfuzzer_sys::fuzz_target;
 
-use libfuzzer_sys::{Corpus, fuzz_target};
-use rebond::{
-    run::{LiveEvents, Manners, RecordOptions, record},
-    scene::{self, Scene, live},
-};
-
-/// Where the events happen.
-const SCENE: &str = r#"
-[world]
-size = [16.0, 9.0]
-walls = true
-gravity = [0.0, 9.81]
-[run]
-rate = 60
-steps = 4
-solver = "event-driven"
-events_per_step = 1000
-[[spawn]]
-name = "a"
-at = [4.0, 4.0]
-size = [1.0, 1.0]
-mass = 1.0
-"#;
-
-fuzz_target!(|lines: &[u8]| -> Corpus {
-    memory::bounded(|| {
-        refuse(lines);
-        run(lines);
-    });
-    Corpus::Keep
-});
-
-/// Prints what is wrong with each line.
-fn refuse(lines: &[u8]) {
-    let text = String::from_utf8_lossy(lines);
-    for (number, line) in (1..).zip(text.lines()) {
-        if let Err(error) = live::parse_line(number, line) {
-            let _ = format!("{:?}", miette::Report::new(error));
-        }
-    }
-}
-
-fn run(lines: &[u8]) {
-    let scene: Scene = scene::parse("scene.toml", SCENE).expect("a scene");
-    let options = RecordOptions { steps: scene.run.steps, every: 1 };
-    let mut live = LiveEvents::new(lines, Manners::Lenient, options.steps);
-    let recorded = record(&scene, options, Some(&mut live), io::sink(), |_| ()).expect("nothing that ends a run");
-    assert!(recorded.error.is_some() || recorded.end.steps == options.steps);
-}
+fuzz_target!(|lines: &[u8]| memory::bounded(|| target::read(lines)));
