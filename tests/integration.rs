@@ -30,6 +30,9 @@ mod frames;
 mod fuzz_corpus;
 #[path = "integration/handout_limits.rs"]
 mod handout_limits;
+#[cfg(target_os = "linux")]
+#[path = "integration/hostile_lengths.rs"]
+mod hostile_lengths;
 #[path = "integration/known_faults.rs"]
 mod known_faults;
 #[path = "integration/laboratory.rs"]
@@ -40,6 +43,8 @@ mod live_events;
 mod rebond;
 #[path = "integration/reference.rs"]
 mod reference;
+#[path = "integration/released.rs"]
+mod released;
 #[path = "integration/scene_errors.rs"]
 mod scene_errors;
 #[path = "integration/snapshot.rs"]

@@ -7,6 +7,7 @@ use super::{
     chunk::{ChunkRecord, RawMessage},
     course::Course,
     fields::{Fields, Malformed},
+    limits,
     messages::{BodiesMessage, EventMessage},
     metadata,
     topic::Topic,
@@ -100,18 +101,20 @@ impl Inbox {
         let Some(topic) = self.channels.get(&channel).copied().flatten() else { return Ok(()) };
         match topic {
             Topic::Events => {
+                check_length(data, limits::EVENT_BYTES)?;
                 let event = cdr::decode::<EventMessage>(data)?.event()?;
                 self.cross_gap(event.step);
                 self.course.event(&event, data)?;
                 self.ready.push_back(Item::Event(event));
             }
             Topic::Bodies => {
+                check_length(data, limits::KEYFRAME_BYTES)?;
                 let keyframe = cdr::decode::<BodiesMessage>(data)?.keyframe()?;
                 self.cross_gap(keyframe.step);
                 self.course.keyframe(&keyframe)?;
                 self.ready.push_back(Item::Keyframe(keyframe));
             }
-            Topic::States => self.state(locus, cdr::decode(data)?)?,
+            Topic::States => self.state(locus, RecordedState::decode(data)?)?,
             Topic::Scene => self.ready.push_back(Item::View { time: log_time, message: data.into() }),
         }
         Ok(())
@@ -144,6 +147,13 @@ impl Inbox {
         }
         self.channels.insert(id, topic);
         Ok(())
+    }
+}
+
+fn check_length(message: &[u8], limit: usize) -> Result<(), String> {
+    match message.len() <= limit {
+        true => Ok(()),
+        false => Err(format!("a message of {} bytes, where {limit} are the most", message.len())),
     }
 }
 

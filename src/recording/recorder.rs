@@ -118,7 +118,7 @@ impl<W: Write> Recorder<W> {
     pub fn keyframe(&mut self, keyframe: &Keyframe) -> Result<(), Error> {
         self.next_id = keyframe.next_id;
         cdr::encode(&BodiesMessage::new(keyframe), &mut self.bytes);
-        match self.bytes.len() <= limits::MESSAGE_BYTES {
+        match self.bytes.len() <= limits::KEYFRAME_BYTES {
             true => self.put(Topic::Bodies, keyframe.step),
             false => Ok(()),
         }
