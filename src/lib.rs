@@ -10,10 +10,12 @@
 //! 5. [`replay`] runs a recording again and says whether every bit came out the same.
 //! 6. [`render`] makes states into pictures. It never sees the engine.
 //! 7. [`figure`] makes states and collisions into lecture figures, in the view's shapes.
-//! 8. [`cli`] puts these together for the command line; nothing else reports errors to people.
+//! 8. [`illustration`] draws recordings in that way, and binds what it draws to their evidence.
+//! 9. [`cli`] puts these together for the command line; nothing else reports errors to people.
 
 pub mod cli;
 pub mod figure;
+pub mod illustration;
 pub mod physics;
 pub mod recording;
 pub mod render;

@@ -8,7 +8,7 @@ use std::{
 };
 
 use crate::{
-    physics::{Engine, Memory, Observer, Settings},
+    physics::{Collision, Engine, Memory, Observer, Settings},
     recording::{
         BodyTable, Change, End, Error, Health, Item, Keyframe, RecordedEvent, RecordedState, Recording,
         SEMANTICS_VERSION, StateDigest, numbers,
@@ -27,31 +27,96 @@ pub use verdict::{Difference, Divergence, Verdict, ulps};
 /// If the recording cannot be read for reasons outside of it, or is of an engine this
 /// program does not have.
 pub fn replay<R: Read + Seek, O: Observer>(
-    mut recording: Recording<R>,
+    recording: Recording<R>,
     steps: RangeInclusive<u64>,
     observer: &mut O,
     progress: &mut dyn FnMut(u64),
 ) -> Result<Verdict, Error> {
-    let found = recording.header.versions.semantics;
-    if found != SEMANTICS_VERSION {
-        return Err(Error::OtherSemantics { found });
+    watch(recording, steps, &mut Listening(observer), progress)
+}
+
+/// Whoever wants to see the engine of a replay, too.
+pub trait Witness: Observer {
+    /// Called at each state of the steps asked for that came out as recorded, before the engine
+    /// goes on.
+    fn state(&mut self, engine: &Engine);
+}
+
+/// An observer that only hears.
+struct Listening<'a, O>(&'a mut O);
+
+impl<O: Observer> Observer for Listening<'_, O> {
+    fn collision(&mut self, collision: &Collision) {
+        self.0.collision(collision);
     }
-    if *steps.start() > 0 {
-        recording.seek(*steps.start())?;
+}
+
+impl<O: Observer> Witness for Listening<'_, O> {
+    fn state(&mut self, _: &Engine) {}
+}
+
+/// [`replay`] with a witness of the states, too.
+///
+/// # Errors
+/// As for [`replay`].
+pub fn watch<R: Read + Seek, W: Witness>(
+    recording: Recording<R>,
+    steps: RangeInclusive<u64>,
+    witness: &mut W,
+    progress: &mut dyn FnMut(u64),
+) -> Result<Verdict, Error> {
+    let mut replaying = Replaying::new(recording, steps)?;
+    loop {
+        if let Some(verdict) = replaying.advance(witness, progress)? {
+            return Ok(verdict);
+        }
     }
-    let mut again = Again::new(recording.header.settings.clone(), steps);
-    while !again.is_done()
-        && let Some(item) = recording.next()
-    {
-        let item = item?;
+}
+
+/// A replay that goes on only when it is asked to.
+pub struct Replaying<R> {
+    recording: Recording<R>,
+    again: Again,
+}
+
+impl<R: Read + Seek> Replaying<R> {
+    /// The replay of `recording` that compares the states of `steps`, both ends included.
+    ///
+    /// # Errors
+    /// As for [`replay`].
+    pub fn new(mut recording: Recording<R>, steps: RangeInclusive<u64>) -> Result<Replaying<R>, Error> {
+        let found = recording.header.versions.semantics;
+        if found != SEMANTICS_VERSION {
+            return Err(Error::OtherSemantics { found });
+        }
+        if *steps.start() > 0 {
+            recording.seek(*steps.start())?;
+        }
+        let again = Again::new(recording.header.settings.clone(), steps);
+        Ok(Replaying { recording, again })
+    }
+
+    /// Goes on by one item of the recording; gives the verdict at the end.
+    ///
+    /// # Errors
+    /// As for [`replay`].
+    pub fn advance<W: Witness>(
+        &mut self,
+        witness: &mut W,
+        progress: &mut dyn FnMut(u64),
+    ) -> Result<Option<Verdict>, Error> {
+        let next = if self.again.is_done() { None } else { self.recording.next() };
+        let Some(item) = next.transpose()? else {
+            return Ok(Some(self.again.verdict(self.recording.health())));
+        };
         if let Item::State(state) | Item::Doubtful(state) = &item {
             progress(state.step);
         }
-        if let Err(divergence) = again.item(item, recording.table(), observer) {
-            return Ok(Verdict::Diverged(divergence));
+        match self.again.item(item, self.recording.table(), witness) {
+            Ok(()) => Ok(None),
+            Err(divergence) => Ok(Some(Verdict::Diverged(divergence))),
         }
     }
-    Ok(again.verdict(recording.health()))
 }
 
 /// The engine that does it all again, and how far it agreed.
@@ -103,11 +168,11 @@ impl Again {
         self.last == Some(*self.steps.end())
     }
 
-    fn item<O: Observer>(
+    fn item<W: Witness>(
         &mut self,
         item: Item,
         table: Option<&BodyTable>,
-        observer: &mut O,
+        observer: &mut W,
     ) -> Result<(), Box<Divergence>> {
         match (item, self.course) {
             (Item::Keyframe(keyframe), Course::On) => {
@@ -146,7 +211,7 @@ impl Again {
         }
     }
 
-    fn event<O: Observer>(&mut self, event: RecordedEvent, observer: &mut O) -> Result<(), Box<Divergence>> {
+    fn event<W: Witness>(&mut self, event: RecordedEvent, observer: &mut W) -> Result<(), Box<Divergence>> {
         self.course = Course::On;
         self.go_to(event.step, observer)?;
         let (verb, name) = match &event.change {
@@ -161,11 +226,11 @@ impl Again {
         Ok(())
     }
 
-    fn state<O: Observer>(
+    fn state<W: Witness>(
         &mut self,
         state: &RecordedState,
         table: Option<&BodyTable>,
-        observer: &mut O,
+        observer: &mut W,
     ) -> Result<(), Box<Divergence>> {
         self.course = Course::On;
         self.go_to(state.step, observer)?;
@@ -175,6 +240,7 @@ impl Again {
         if let Some(difference) = self.difference(state, table) {
             return Err(self.diverged(difference));
         }
+        observer.state(&self.engine);
         let follows = self.last.is_some_and(|last| last + 1 == state.step);
         self.same += u64::from(follows);
         self.last = Some(state.step);
@@ -187,7 +253,7 @@ impl Again {
     }
 
     /// The recorded error must come again; its words are the recording's.
-    fn end<O: Observer>(&mut self, end: End, observer: &mut O) -> Result<(), Box<Divergence>> {
+    fn end<W: Witness>(&mut self, end: End, observer: &mut W) -> Result<(), Box<Divergence>> {
         let Some(recorded) = end.error else { return Ok(()) };
         match self.engine.step(observer) {
             Err(error) if error.to_string() == recorded => {
@@ -201,7 +267,7 @@ impl Again {
         }
     }
 
-    fn go_to<O: Observer>(&mut self, step: u64, observer: &mut O) -> Result<(), Box<Divergence>> {
+    fn go_to<W: Witness>(&mut self, step: u64, observer: &mut W) -> Result<(), Box<Divergence>> {
         while self.engine.present_step() < step {
             if let Err(error) = self.engine.step(observer) {
                 return Err(self.off_course(format!("the replay ends in an error that was not recorded: {error}")));
@@ -242,13 +308,13 @@ impl Again {
         None
     }
 
-    fn verdict(self, health: Health) -> Verdict {
+    fn verdict(&mut self, health: Health) -> Verdict {
         let (steps, done) = (self.same, self.is_done());
         match health {
             Health::Corrupt(damage) => Verdict::Corrupt { damage, steps },
             Health::Truncated { after } if !done => Verdict::Truncated { after, steps },
             Health::Truncated { .. } | Health::Whole => {
-                Verdict::Same { steps, bodies: self.engine.next_id().into(), then_error: self.then_error }
+                Verdict::Same { steps, bodies: self.engine.next_id().into(), then_error: self.then_error.take() }
             }
         }
     }

@@ -12,6 +12,8 @@ mod command_line;
 mod command_line_errors;
 #[path = "integration/crashes.rs"]
 mod crashes;
+#[path = "integration/digests.rs"]
+mod digests;
 #[path = "integration/double_double.rs"]
 mod double_double;
 #[path = "integration/event_driven_contacts.rs"]
@@ -22,6 +24,8 @@ mod event_driven_impacts;
 mod event_driven_laws;
 #[path = "integration/event_driven_truth.rs"]
 mod event_driven_truth;
+#[path = "integration/evidence.rs"]
+mod evidence;
 #[path = "integration/figures.rs"]
 mod figures;
 #[path = "integration/frames.rs"]
@@ -30,15 +34,19 @@ mod frames;
 mod fuzz_corpus;
 #[path = "integration/handout_limits.rs"]
 mod handout_limits;
+#[path = "integration/hard_scenes.rs"]
+mod hard_scenes;
 #[cfg(target_os = "linux")]
 #[path = "integration/hostile_lengths.rs"]
 mod hostile_lengths;
-#[path = "integration/known_faults.rs"]
-mod known_faults;
 #[path = "integration/laboratory.rs"]
 mod laboratory;
 #[path = "integration/live_events.rs"]
 mod live_events;
+#[path = "integration/pace.rs"]
+mod pace;
+#[path = "integration/portability.rs"]
+mod portability;
 #[path = "integration/rebond.rs"]
 mod rebond;
 #[path = "integration/reference.rs"]
@@ -51,5 +59,9 @@ mod scene_errors;
 mod snapshot;
 #[path = "integration/stills.rs"]
 mod stills;
+#[path = "integration/threads.rs"]
+mod threads;
+#[path = "integration/videos.rs"]
+mod videos;
 #[path = "integration/viewer.rs"]
 mod viewer;

@@ -1,10 +1,18 @@
+use crate::illustration::WishedWindow;
+use crate::physics::{Rect, Vector};
 use crate::scene::{ColorBy, Overlay, Theme};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
 /// A physics engine of boxes that records, replays bit for bit, and draws itself
 #[derive(Debug, Parser)]
-#[command(version, arg_required_else_help = true, disable_help_subcommand = true, max_term_width = 100)]
+#[command(
+    version,
+    arg_required_else_help = true,
+    disable_help_subcommand = true,
+    max_term_width = 100,
+    next_line_help = false
+)]
 pub struct Arguments {
     /// What to do.
     #[command(subcommand)]
@@ -24,7 +32,7 @@ pub enum Command {
     Figure(FigureCommandOptions),
     /// Write the states of a recording as a table
     Export(ExportOptions),
-    /// Tell what is inside a recording
+    /// Tell what is inside a recording, or what a picture was drawn from
     Info(InfoOptions),
     /// Save all that can be read of a damaged or unfinished recording
     Recover(RecoverOptions),
@@ -107,24 +115,36 @@ pub struct LookOptions {
     /// light or dark
     #[arg(long, value_parser = theme)]
     pub theme: Option<Theme>,
-    /// What to draw beside the boxes: velocity, normal, penetration, trail, name, grid, clock; or none
+    /// What to draw beside the boxes: velocity, force, normal, impulse, penetration, trail, name,
+    /// mass, grid, axes, scale, clock; or none
     #[arg(long, value_name = "LIST", value_parser = overlays)]
     pub show: Option<Overlays>,
     /// What colours tell: body, material or speed
     #[arg(long, value_name = "WHAT", value_parser = color_by)]
     pub color_by: Option<ColorBy>,
+    /// What is seen: world, bodies (wherever they go), or X,Y,WIDTH,HEIGHT in metres
+    #[arg(long, value_name = "WINDOW", value_parser = window, allow_hyphen_values = true)]
+    pub window: Option<WishedWindow>,
+    /// Keep this body in the middle; --window WIDTHxHEIGHT says how much is seen around it
+    #[arg(long, value_name = "NAME")]
+    pub follow: Option<String>,
+    /// What is written below
+    #[arg(long, value_name = "TEXT")]
+    pub caption: Option<String>,
 }
 
 /// Options of `render`.
 #[derive(Args, Debug)]
 #[command(after_help = "\
-OUT.gif and OUT.apng are animations, OUT.png with --at one picture, any other name a folder of
-000000.png, 000001.png, ... Flags override the scene's [figure].
+OUT.gif and OUT.apng are animations, OUT.mp4 and OUT.webm too if ffmpeg is there; OUT.png, .svg or
+.pdf with --at is one picture, any other name a folder of 000000.png, 000001.png, ... Flags
+override the scene's [figure].
 
 Examples:
   rebond render recordings/figure-1.toml -o figure-1.gif
   rebond render figure-1.mcap -o frames/ --from 60 --to 120 --show velocity,name,clock
-  rebond render figure-1.mcap -o impact.png --at 74 --theme dark --size 1920x1080")]
+  rebond render figure-1.mcap -o slow.apng --slow 0.1 --hold 0.5 at collisions --follow c
+  rebond render figure-1.mcap -o impact.svg --at 24 --theme dark --size 1920x1080")]
 pub struct RenderOptions {
     /// A scene (.toml) or a recording (.mcap)
     pub source: PathBuf,
@@ -146,12 +166,51 @@ pub struct RenderOptions {
     /// Draw about that many frames for each second
     #[arg(long, value_parser = positive)]
     pub fps: Option<f64>,
+    /// Slow motion: simulated seconds for each second on the screen, such as 0.1
+    #[arg(long, value_name = "PACE", value_parser = positive)]
+    pub slow: Option<f64>,
+    /// Stop so many seconds whenever bodies meet: 0.5 at collisions
+    #[arg(long, num_args = 3, value_names = ["S", "at", "collisions"])]
+    pub hold: Option<Vec<HoldWord>>,
     /// How it looks.
     #[command(flatten)]
     pub look: LookOptions,
     /// Threads to draw on [default: one for each processor]
     #[arg(long, value_name = "N")]
     pub jobs: Option<std::num::NonZero<usize>>,
+}
+
+impl RenderOptions {
+    /// How long an animation stops at collisions, s.
+    pub fn hold_seconds(&self) -> Option<f64> {
+        self.hold.iter().flatten().find_map(|word| match word {
+            HoldWord::Seconds(seconds) => Some(*seconds),
+            HoldWord::At | HoldWord::Collisions => None,
+        })
+    }
+}
+
+/// A word of `0.5 at collisions`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum HoldWord {
+    /// How long.
+    Seconds(f64),
+    /// The word `at`.
+    At,
+    /// The word `collisions`.
+    Collisions,
+}
+
+impl std::str::FromStr for HoldWord {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<HoldWord, String> {
+        match text {
+            "at" => Ok(HoldWord::At),
+            "collisions" => Ok(HoldWord::Collisions),
+            text => positive(text).map(HoldWord::Seconds).map_err(|_| "expected such as 0.5 at collisions".into()),
+        }
+    }
 }
 
 /// Options of `figure`.
@@ -161,13 +220,14 @@ Examples:
   rebond figure collision recordings/figure-1.toml -o collision.svg
   rebond figure minkowski figure-1.mcap -o minkowski.pdf --pair c,b
   rebond figure filmstrip figure-1.mcap -o strip.png --from 40 --to 90 --every 10
-  rebond figure spacetime recordings/head-on.toml -o cradle.png --axis x --theme dark")]
+  rebond figure strobe recordings/bullet-handout.mcap recordings/bullet-exact.mcap -o bullets.svg")]
 pub struct FigureCommandOptions {
     /// collision, minkowski, strobe, spacetime, energy or filmstrip
     #[arg(hide_possible_values = true)]
     pub kind: FigureKind,
-    /// A scene (.toml) or a recording (.mcap)
-    pub source: PathBuf,
+    /// A scene (.toml) or a recording (.mcap); several are shown side by side
+    #[arg(required = true, value_name = "SOURCE")]
+    pub sources: Vec<PathBuf>,
     /// The file to write: .png, .svg or .pdf.
     #[command(flatten)]
     pub output: OutputOptions,
@@ -192,9 +252,9 @@ pub struct FigureCommandOptions {
     /// Draw every N-th step, counted from step 0 [default: as many as suit the figure]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub every: Option<u64>,
-    /// What is written below
+    /// What is written above a recording, in the order of several [default: their own titles]
     #[arg(long, value_name = "TEXT")]
-    pub caption: Option<String>,
+    pub title: Vec<String>,
 }
 
 /// Which figure.
@@ -252,12 +312,16 @@ pub struct ExportOptions {
 /// Options of `info`.
 #[derive(Args, Debug)]
 #[command(after_help = "\
+Of a picture made by rebond (PNG, GIF, animated PNG, SVG, PDF) it tells the recording, the steps
+and the options it was drawn from.
+
 Examples:
   rebond info figure-1.mcap
-  rebond info figure-1.mcap --json")]
+  rebond info figure-1.mcap --json
+  rebond info collision.svg")]
 pub struct InfoOptions {
-    /// The recording
-    pub recording: PathBuf,
+    /// A recording, or a picture of one
+    pub file: PathBuf,
     /// One JSON object in place of lines
     #[arg(long)]
     pub json: bool,
@@ -323,6 +387,23 @@ fn named<T: Copy>(
 fn picture_size(text: &str) -> Result<[u32; 2], String> {
     let sides = text.split_once('x').and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]));
     sides.filter(|sides: &[u32; 2]| !sides.contains(&0)).ok_or_else(|| "expected WIDTHxHEIGHT, such as 1280x720".into())
+}
+
+fn window(text: &str) -> Result<WishedWindow, String> {
+    let lengths =
+        |text: &str, mark: char| text.split(mark).map(|length| length.parse().ok()).collect::<Option<Vec<f64>>>();
+    let is_size = |length: &f64| length.is_finite() && *length > 0.0;
+    match (text, lengths(text, 'x').as_deref(), lengths(text, ',').as_deref()) {
+        ("world", _, _) => Ok(WishedWindow::World),
+        ("bodies", _, _) => Ok(WishedWindow::Bodies),
+        (_, Some([width, height]), _) if is_size(width) && is_size(height) => {
+            Ok(WishedWindow::Size(Vector::new(*width, *height)))
+        }
+        (_, _, Some([x, y, width, height])) if x.is_finite() && y.is_finite() && is_size(width) && is_size(height) => {
+            Ok(WishedWindow::Area(Rect::new(Vector::new(*x, *y), *width, *height)))
+        }
+        _ => Err("expected world, bodies, X,Y,WIDTH,HEIGHT in metres, or WIDTHxHEIGHT with --follow".into()),
+    }
 }
 
 fn pair(text: &str) -> Result<[String; 2], String> {

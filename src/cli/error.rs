@@ -1,5 +1,5 @@
 use super::{Exit, output};
-use crate::{recording, render::RenderError, run::RunError, scene::SceneError};
+use crate::{illustration, recording, render::RenderError, run::RunError, scene::SceneError};
 use miette::{Diagnostic, MietteHandlerOpts};
 use std::{
     io::{self, Write},
@@ -55,12 +55,40 @@ pub enum CommandError {
     /// Something stands where the result is to go.
     #[error("{} exists already; give another name with -o, or --force to replace it", .0.display())]
     Exists(PathBuf),
-    /// The steps asked for are not there.
-    #[error("there is nothing to show: {what}")]
-    NoSuchStep {
-        /// Which steps were asked for, and which there are.
+    /// There is no illustration.
+    #[error(transparent)]
+    Illustration(illustration::Error),
+    /// A picture says nothing of where it comes from.
+    #[error("{}: {source}", path.display())]
+    NoEvidence {
+        /// The picture.
+        path: PathBuf,
+        /// What of it.
+        source: Box<illustration::Error>,
+    },
+    /// A video cannot be compressed.
+    #[error(
+        "cannot make {}: ffmpeg cannot be run ({source}); install it (https://ffmpeg.org), or give a name that ends \
+         in .gif or .apng, which need nothing",
+        path.display()
+    )]
+    NoFfmpeg {
+        /// The video.
+        path: PathBuf,
+        /// What the system says.
+        source: io::Error,
+    },
+    /// ffmpeg gave up.
+    #[error("cannot make {}: ffmpeg says: {what}", path.display())]
+    Ffmpeg {
+        /// The video.
+        path: PathBuf,
+        /// Its own words.
         what: String,
     },
+    /// ffmpeg does not take any more.
+    #[error("cannot write to ffmpeg: {0}")]
+    Pipe(#[source] io::Error),
     /// The name of the result does not say what it is to be.
     #[error("cannot tell what {} is to be: {expected}", path.display())]
     UnknownKind {
@@ -103,6 +131,16 @@ impl CommandError {
     }
 }
 
+impl From<illustration::Error> for CommandError {
+    fn from(error: illustration::Error) -> CommandError {
+        match error {
+            illustration::Error::Recording { path, source } => CommandError::recording(&path, source),
+            illustration::Error::Scene(error) => CommandError::Scene(error),
+            error => CommandError::Illustration(error),
+        }
+    }
+}
+
 /// Tells the user on standard error. Should that be closed, the exit code remains.
 ///
 /// Each error is one sentence that says what the system said, so causes are not listed again,
@@ -112,7 +150,9 @@ pub fn report(error: CommandError) -> Exit {
     let _ = miette::set_hook(Box::new(move |_| Box::new(handler()))); // Fails only if set before.
     let report = miette::Report::new(error);
     let exit = match report.downcast_ref() {
-        Some(CommandError::NotTheSame) => Exit::Diverged,
+        Some(CommandError::NotTheSame | CommandError::Illustration(illustration::Error::Diverged { .. })) => {
+            Exit::Diverged
+        }
         Some(CommandError::Recording { source, .. }) if source.is_damage() => Exit::Damaged,
         Some(_) | None => Exit::Error,
     };

@@ -1,7 +1,8 @@
 use super::arguments::ExportOptions;
 use super::error::CommandError;
-use super::{Exit, output};
-use crate::recording::{self, Frame, Health, Playback};
+use super::{Exit, damage, output};
+use crate::illustration::{Condition, Reached};
+use crate::recording::{self, Frame, Playback};
 use std::{io::Write, path::Path};
 
 /// Writes the states of a recording as a table.
@@ -26,32 +27,8 @@ pub fn run(options: &ExportOptions) -> Result<Exit, CommandError> {
         }
         Ok(())
     })?;
-    Ok(tell_damage(&options.recording, &playback.health(), reached))
-}
-
-/// How much of a recording was read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Reached {
-    /// All of it.
-    End,
-    /// The last step that was asked for: what comes after it was not looked at.
-    LastStep,
-}
-
-/// Says what of a recording could not be read, and how a script sees that.
-pub fn tell_damage(path: &Path, health: &Health, reached: Reached) -> Exit {
-    let path = path.display();
-    match (health, reached) {
-        (Health::Whole, _) | (Health::Truncated { .. }, Reached::LastStep) => return Exit::Done,
-        (Health::Truncated { after: Some(step) }, Reached::End) => {
-            output::note(format_args!("{path} is truncated after step {step}"));
-        }
-        (Health::Truncated { after: None }, Reached::End) => {
-            output::note(format_args!("{path} is truncated before its first state"));
-        }
-        (Health::Corrupt(damage), _) => output::note(format_args!("{path} is corrupt: {damage}")),
-    }
-    Exit::Damaged
+    let path = options.recording.clone();
+    Ok(damage::tell(&Condition { path, health: playback.health(), reached }))
 }
 
 /// What a table is written as.

@@ -1,24 +1,56 @@
 use super::arguments::InfoOptions;
 use super::error::CommandError;
-use super::{Exit, frames, output};
-use crate::recording::{Change, Header, Health, Item, Recording, Versions};
+use super::{Exit, output};
+use crate::illustration::{Evidence, Format};
+use crate::recording::{self, Change, Header, Health, Item, Recording, Versions};
 use crate::scene;
 use serde::Serialize;
 use std::{
-    fs,
+    fs::{self, File},
     io::{Read, Seek},
     path::Path,
 };
 
-/// Prints what is inside a recording.
+/// Prints what is inside a recording, or what a picture was drawn from.
 pub fn run(options: &InfoOptions) -> Result<Exit, CommandError> {
-    let path = &options.recording;
-    let mut recording = frames::open(path)?;
+    let path = &options.file;
+    if let Some(text) = of_picture(path, options.json)? {
+        output::print(text.as_bytes())?;
+        return Ok(Exit::Done);
+    }
+    let mut recording = recording::open(path).map_err(|error| CommandError::recording(path, error))?;
     let bytes = fs::metadata(path).map_err(|source| CommandError::Unreadable { path: path.clone(), source })?.len();
     let info = Info::read(path, &mut recording, bytes)?;
     let text = if options.json { info.json() } else { info.lines() };
     output::print(text.as_bytes())?;
     Ok(if recording.health() == Health::Whole { Exit::Done } else { Exit::Damaged })
+}
+
+/// What a picture says of itself; nothing if the file is none.
+fn of_picture(path: &Path, json: bool) -> Result<Option<String>, CommandError> {
+    let unreadable = |source| CommandError::Unreadable { path: path.into(), source };
+    let mut file = File::open(path).map_err(unreadable)?;
+    let mut begin = Vec::new();
+    file.by_ref().take(16).read_to_end(&mut begin).map_err(unreadable)?;
+    if Format::of_content(&begin).is_none() {
+        return Ok(None);
+    }
+    let mut content = begin;
+    file.read_to_end(&mut content).map_err(unreadable)?;
+    let (format, evidence) = Evidence::read(&content)
+        .map_err(|error| CommandError::NoEvidence { path: path.into(), source: Box::new(error) })?;
+    let entries = evidence.metadata().entries.into_iter().map(|(key, value)| {
+        let key = key.strip_prefix("rebond ").map_or(key.to_lowercase(), str::to_owned);
+        (key, value)
+    });
+    let entries = std::iter::once(("picture".to_owned(), format.name().to_owned())).chain(entries);
+    Ok(Some(if json {
+        let object: serde_json::Map<String, serde_json::Value> =
+            entries.map(|(key, value)| (key, value.into())).collect();
+        format!("{:#}\n", serde_json::Value::Object(object))
+    } else {
+        entries.map(|(key, value)| format!("{key}: {value}\n")).collect()
+    }))
 }
 
 /// What is inside a recording, in the order in which it is printed.

@@ -1,17 +1,14 @@
 //! The command line: one file per command, and the edge where errors become reports.
 
 mod arguments;
-mod clip;
 mod completions;
+mod damage;
 mod error;
 mod exit;
 mod export;
 mod figure;
-mod figure_data;
-mod frames;
 mod info;
 mod kind;
-mod look;
 mod output;
 mod progress;
 mod record;
@@ -19,6 +16,8 @@ mod recover;
 mod render;
 mod replay;
 mod source;
+mod video;
+mod wish;
 
 pub use arguments::{Arguments, Command};
 pub use exit::Exit;

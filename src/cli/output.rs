@@ -1,6 +1,7 @@
 //! Results appear whole or not at all: they are written beside their place and renamed.
 
 use super::error::CommandError;
+use crate::illustration;
 use crate::render::RenderError;
 use std::{
     fs,
@@ -44,10 +45,25 @@ pub fn write_file(
     put(file, path, force)
 }
 
+/// Has one file written at a place beside the one it is to have, by a program of its own.
+pub fn write_beside(
+    path: &Path,
+    force: bool,
+    write: impl FnOnce(&Path) -> Result<(), CommandError>,
+) -> Result<(), CommandError> {
+    refuse_existing(path, force)?;
+    let file = beside(path).map_err(CommandError::unwritable(path))?;
+    write(file.path())?;
+    put(file, path, force)
+}
+
 /// An encoder knows what the system said but not where it was writing.
 fn with_place(error: CommandError, path: &Path) -> CommandError {
     match error {
-        CommandError::Render(RenderError::Write(source)) => CommandError::unwritable(path)(source),
+        CommandError::Render(RenderError::Write(source))
+        | CommandError::Illustration(illustration::Error::Render(RenderError::Write(source))) => {
+            CommandError::unwritable(path)(source)
+        }
         error => error,
     }
 }

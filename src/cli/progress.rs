@@ -9,3 +9,11 @@ pub fn bar(what: &'static str, steps: u64) -> ProgressBar {
     bar.set_message(what);
     bar
 }
+
+/// What moves a bar: how much is done, and of how much.
+pub fn listener(bar: &ProgressBar) -> impl FnMut(u64, u64) {
+    move |done, of| {
+        bar.set_length(of);
+        bar.set_position(done);
+    }
+}

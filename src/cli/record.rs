@@ -1,8 +1,8 @@
 use super::arguments::RecordOptions;
 use super::error::CommandError;
-use super::{Exit, frames, output, progress};
-use crate::recording::{self, KnownBody, Overwrite, Paint, Sync};
-use crate::render::{Palette, Style, palette};
+use super::{Exit, output, progress};
+use crate::illustration;
+use crate::recording::{self, Overwrite, Paint, Sync};
 use crate::run::{self, LiveEvents, Manners, Recorded, RunError};
 use crate::scene::{self, Scene};
 use std::{
@@ -17,7 +17,7 @@ pub fn run(options: &RecordOptions) -> Result<Exit, CommandError> {
     let plan = run::RecordOptions {
         steps: options.steps.unwrap_or(scene.run.steps),
         every: options.every,
-        viewer: options.viewer.then_some(paint as Paint),
+        viewer: options.viewer.then_some(illustration::paint as Paint),
     };
     tell_unreached(&scene, plan.steps);
     let manners = if options.lenient { Manners::Lenient } else { Manners::Strict };
@@ -46,17 +46,6 @@ pub fn record<W: Write + Send + 'static>(
         RunError::Recording(error) => CommandError::recording(path, error),
         error => error.into(),
     })
-}
-
-/// The colours of pictures whose scene asks for no others.
-fn paint(known: &KnownBody) -> [u8; 3] {
-    let appearance = frames::appearance(known.id, &known.spawn, known.color.as_deref());
-    let style = Style::default();
-    let color = match appearance.is_wall {
-        true => Palette::of(style.theme).wall,
-        false => palette::box_color(&appearance),
-    };
-    [color.r, color.g, color.b]
 }
 
 fn tell_unreached(scene: &Scene, steps: u64) {

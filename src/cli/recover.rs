@@ -1,12 +1,12 @@
 use super::arguments::RecoverOptions;
 use super::error::CommandError;
-use super::{Exit, frames, output};
+use super::{Exit, output};
 use crate::recording;
 
 /// Saves all that can be read of a damaged recording, and says what could not.
 pub fn run(options: &RecoverOptions) -> Result<Exit, CommandError> {
     let failed = |error| CommandError::recording(&options.recording, error);
-    let mut recording = frames::open(&options.recording)?;
+    let mut recording = recording::open(&options.recording).map_err(failed)?;
     let mut recovery = None;
     output::write_file(&options.output.output, options.output.force, |output| {
         recovery = Some(recording::recover(&mut recording, output).map_err(failed)?.0);

@@ -1,82 +1,104 @@
-use super::Exit;
 use super::arguments::RenderOptions;
-use super::clip::Clip;
 use super::error::CommandError;
 use super::kind::Kind;
 use super::output::{self, Folder};
-use super::progress;
 use super::source::Source;
-use crate::render::{self, Painter};
+use super::{Exit, damage, progress, video, wish};
+use crate::illustration::{self, Evidence, Format, Progress, Subject, Wish, WishedSubject};
+use std::num::NonZero;
 
 /// Draws a scene or a recording.
 pub fn run(options: &RenderOptions) -> Result<Exit, CommandError> {
     let kind = Kind::of(options)?;
     kind.refuse_existing(&options.output.output, options.output.force)?;
+    if let Kind::Video(_) = kind {
+        video::refuse_without_ffmpeg(&options.output.output)?;
+    }
     let source = Source::open(&options.source)?;
-    let clip = Clip::plan(options, kind, &source)?;
+    let bar = progress::bar("drawing", 0);
+    let mut heard = progress::listener(&bar);
+    let recordings = [source.recording.clone()];
+    let evidence = Evidence::new(&wish(options, kind).request(&recordings, &mut heard)?, &recordings);
+    let job = Job { options, evidence, source: &recordings[0] };
     let exit = match kind {
-        Kind::Gif | Kind::Apng => animation(options, &clip, kind)?,
-        Kind::Picture => picture(options, &clip)?,
-        Kind::Sequence => sequence(options, &clip)?,
+        Kind::Animation(format) | Kind::Picture(format) => job.file(format, &mut heard)?,
+        Kind::Video(container) => job.video(container, &mut heard)?,
+        Kind::Sequence => job.sequence(&mut heard)?,
     };
+    bar.finish_and_clear();
+    job.tell(&mut heard)?;
     Ok(exit)
 }
 
-fn animation(options: &RenderOptions, clip: &Clip, kind: Kind) -> Result<Exit, CommandError> {
-    let mut frames = clip.frames()?;
-    let bar = progress::bar("drawing", clip.sampling.count());
-    output::write_file(&options.output.output, options.output.force, |output| {
-        let frames = bar.wrap_iter(frames.by_ref());
-        let Clip { view, sampling, metadata, threads, .. } = clip;
-        match kind {
-            Kind::Apng => render::write_apng(frames, view, sampling, metadata, *threads, output),
-            Kind::Gif | Kind::Picture | Kind::Sequence => {
-                render::write_gif(frames, view, sampling, metadata, *threads, output)
-            }
+fn wish(options: &RenderOptions, kind: Kind) -> Wish {
+    let subject = match (options.at, kind) {
+        (Some(step), _) => WishedSubject::Still { step },
+        (None, Kind::Animation(format) | Kind::Picture(format)) => {
+            WishedSubject::Animation { fastest: Wish::fastest(format) }
         }
-    })?;
-    bar.finish_and_clear();
-    tell(options, clip)?;
-    Ok(frames.tell_damage())
-}
-
-fn picture(options: &RenderOptions, clip: &Clip) -> Result<Exit, CommandError> {
-    let mut frames = clip.frames()?;
-    output::write_file(&options.output.output, options.output.force, |output| {
-        for frame in frames.by_ref() {
-            let picture = Painter::new().draw(&render::compose(&frame?, &clip.view));
-            render::png::encode(&picture, &clip.metadata, &mut *output)?;
-        }
-        Ok(())
-    })?;
-    tell(options, clip)?;
-    Ok(Exit::Done)
-}
-
-fn sequence(options: &RenderOptions, clip: &Clip) -> Result<Exit, CommandError> {
-    let mut frames = clip.frames()?;
-    let mut folder = Folder::create(&options.output.output, options.output.force)?;
-    let bar = progress::bar("drawing", clip.sampling.count());
-    let metadata = |step| clip.metadata_of(step);
-    render::write_png_sequence(bar.wrap_iter(frames.by_ref()), &clip.view, metadata, clip.threads, |step, file| {
-        folder.write(format!("{step:06}.png"), &file)
-    })?;
-    bar.finish_and_clear();
-    folder.finish()?;
-    tell(options, clip)?;
-    Ok(frames.tell_damage())
-}
-
-/// Says what was drawn: a clip cannot show every step of every run.
-fn tell(options: &RenderOptions, clip: &Clip) -> Result<(), CommandError> {
-    let path = &options.output.output;
-    let line = match options.at {
-        Some(step) => format!("{}: step {step}", path.display()),
-        None => format!("{}: {}", path.display(), clip.sampling),
+        (None, Kind::Video(_)) => WishedSubject::Animation { fastest: f64::INFINITY },
+        (None, Kind::Sequence) => WishedSubject::Sequence,
     };
-    if output::is_standard_output(path) {
-        output::note(format_args!("{line}"));
-        return Ok(());
+    Wish {
+        from: options.from,
+        to: options.to,
+        every: options.every,
+        fps: options.fps,
+        slow: options.slow,
+        hold: options.hold_seconds(),
+        ..wish::of(&options.look, subject)
     }
-    output::print(format!("{line}\n").as_bytes())
+}
+
+/// One thing to be drawn.
+struct Job<'a> {
+    options: &'a RenderOptions,
+    evidence: Evidence,
+    source: &'a illustration::Source,
+}
+
+impl Job<'_> {
+    fn threads(&self) -> NonZero<usize> {
+        self.options.jobs.or(std::thread::available_parallelism().ok()).unwrap_or(NonZero::<usize>::MIN)
+    }
+
+    fn file(&self, format: Format, heard: Progress) -> Result<Exit, CommandError> {
+        let sources = std::slice::from_ref(self.source);
+        let mut conditions = Vec::new();
+        output::write_file(&self.options.output.output, self.options.output.force, |output| {
+            conditions = illustration::draw(&self.evidence, sources, format, self.threads(), heard, output)?;
+            Ok(())
+        })?;
+        Ok(damage::tell_all(&conditions))
+    }
+
+    fn video(&self, container: super::kind::Container, heard: Progress) -> Result<Exit, CommandError> {
+        let output = &self.options.output;
+        video::write(&self.evidence, self.source, container, self.threads(), heard, output)
+    }
+
+    fn sequence(&self, heard: Progress) -> Result<Exit, CommandError> {
+        let mut folder = Folder::create(&self.options.output.output, self.options.output.force)?;
+        let write = |step, file: Vec<u8>| folder.write(format!("{step:06}.png"), &file);
+        let condition = illustration::draw_sequence(&self.evidence, self.source, self.threads(), heard, write)?;
+        folder.finish()?;
+        Ok(damage::tell(&condition))
+    }
+
+    /// Says what was drawn: a clip cannot show every step of every run.
+    fn tell(&self, heard: Progress) -> Result<(), CommandError> {
+        let path = &self.options.output.output;
+        let request = &self.evidence.request;
+        let line = match &request.subject {
+            Subject::Still { step, .. } => format!("{}: step {step}", path.display()),
+            Subject::Clip { .. } | Subject::Figure { .. } | Subject::Collision(_) | Subject::Minkowski(_) => {
+                format!("{}: {}", path.display(), illustration::timeline(request, self.source, heard)?)
+            }
+        };
+        if output::is_standard_output(path) {
+            output::note(format_args!("{line}"));
+            return Ok(());
+        }
+        output::print(format!("{line}\n").as_bytes())
+    }
 }

@@ -1,4 +1,3 @@
-use super::number::significant;
 use super::panels::outline;
 use crate::physics::{Rect, Vector};
 use crate::render::area::{larger, smaller};
@@ -65,11 +64,14 @@ pub struct Titles<'a> {
 }
 
 impl Axes {
-    /// A diagram in the given room, which also holds numbers and titles.
-    pub fn within(room: &Rect, x: Range, y: Range, look: &Look) -> Axes {
-        let (left, below, above) = (3.6 * look.text, 2.4 * look.text, 1.5 * look.text);
+    /// A diagram in the given room, which also holds numbers and titles, with `right` px kept
+    /// free on its right.
+    pub fn within(room: &Rect, x: Range, y: Range, right: f64, look: &Look) -> Axes {
+        let (below, above) = (2.4 * look.text, 1.5 * look.text);
+        let widths = y_ticks(y, room.height() - above - below, look).map(|tick| tick.line(look).width);
+        let left = (widths.fold(2.0 * look.text, larger) + 0.8 * look.text).ceil();
         let origin = room.origin.add(Vector::new(left, above));
-        let (width, height) = (room.width() - left - 0.5 * look.text, room.height() - above - below);
+        let (width, height) = (room.width() - left - right - 0.5 * look.text, room.height() - above - below);
         let whole = |rect: Rect| {
             let (near, far) = (rect.origin, rect.far_corner());
             let near = Vector::new(near.x.round(), near.y.round());
@@ -91,14 +93,14 @@ impl Axes {
         for x in ticks(self.x, self.frame.width() / (5.0 * look.text)) {
             let at = self.point(x.value, self.y.from).x.round();
             shapes.push(line_rect(at, self.frame.origin.y, thin, self.frame.height(), look));
-            let line = Line::math(&x.label, 0.8 * look.text);
+            let line = x.line(look);
             let place = Vector::new(at - line.width / 2.0, self.frame.far_corner().y + 1.1 * look.text);
             shapes.push(Shape::Text { line, at: place, ink: look.palette.muted.into() });
         }
-        for y in ticks(self.y, self.frame.height() / (3.0 * look.text)) {
+        for y in y_ticks(self.y, self.frame.height(), look) {
             let at = self.point(self.x.from, y.value).y.round();
             shapes.push(line_rect(self.frame.origin.x, at, self.frame.width(), thin, look));
-            let line = Line::math(&y.label, 0.8 * look.text);
+            let line = y.line(look);
             let place = Vector::new(self.frame.origin.x - line.width - 0.5 * look.text, at + line.height() / 2.0);
             shapes.push(Shape::Text { line, at: place, ink: look.palette.muted.into() });
         }
@@ -135,6 +137,17 @@ struct Tick {
     label: String,
 }
 
+impl Tick {
+    fn line(&self, look: &Look) -> Line {
+        Line::math(&self.label, 0.8 * look.text)
+    }
+}
+
+/// The ticks of a vertical scale of so many px.
+fn y_ticks(range: Range, height: f64, look: &Look) -> impl Iterator<Item = Tick> {
+    ticks(range, height / (2.0 * look.text)).into_iter()
+}
+
 /// Multiples of 1, 2 or 5 × 10ⁿ within a range, at most about `most` of them.
 fn ticks(range: Range, most: f64) -> Vec<Tick> {
     let most = if most < 2.0 { 2.0 } else { most };
@@ -142,16 +155,44 @@ fn ticks(range: Range, most: f64) -> Vec<Tick> {
     let spacing = round_spacing((high - low) / most);
     let first = (low / spacing).ceil();
     let count = ((high / spacing).floor() - first) as i64 + 1;
+    let unit = Unit::of(larger(low.abs(), high.abs()), spacing);
     let tick = |place: i64| {
         let value = (first + place as f64) * spacing;
-        Tick { value, label: tick_label(value, spacing) }
+        Tick { value, label: unit.label(value, spacing) }
     };
     (0..count.clamp(0, 100)).map(tick).collect()
 }
 
-fn tick_label(value: f64, spacing: f64) -> String {
-    let size = value.abs();
-    if value != 0.0 && !(1e-4..1e5).contains(&size) { significant(value, 4) } else { number(value + 0.0, spacing) }
+/// The power of ten in which all numbers of a scale are written.
+struct Unit {
+    value: f64,
+    exponent: i32,
+}
+
+impl Unit {
+    /// One, where that does not take too many digits.
+    fn of(largest: f64, spacing: f64) -> Unit {
+        let mut unit = Unit { value: 1.0, exponent: 0 };
+        if (1e-4..1e5).contains(&spacing) && largest < 1e9 && !(largest >= 1e6 && spacing >= 1e4) {
+            return unit;
+        }
+        while unit.value * 10.0 <= largest * (1.0 + 1e-9) && unit.exponent < 300 {
+            unit = Unit { value: unit.value * 10.0, exponent: unit.exponent + 1 };
+        }
+        while unit.value > largest * (1.0 + 1e-9) && unit.exponent > -300 {
+            unit = Unit { value: unit.value / 10.0, exponent: unit.exponent - 1 };
+        }
+        unit
+    }
+
+    fn label(&self, value: f64, spacing: f64) -> String {
+        let plain = number(value / self.value + 0.0, spacing / self.value);
+        match self.exponent {
+            0 => plain,
+            _ if value == 0.0 => "0".to_owned(),
+            exponent => format!("{plain}·10^{{{exponent}}}"),
+        }
+    }
 }
 
 fn line_rect(x: f64, y: f64, width: f64, height: f64, look: &Look) -> Shape {

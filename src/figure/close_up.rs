@@ -1,12 +1,12 @@
 use super::collision::name_arrow;
-use super::labels::Labels;
-use super::number::significant;
 use super::pair::{Pair, ROLES};
 use super::panels::Panels;
 use crate::physics::{Rect, Vector};
-use crate::render::area::{larger, overlap, smaller};
+use crate::render::area::{contains, larger, overlap, smaller};
+use crate::render::labels::Labels;
 use crate::render::layers::contacts::contact;
 use crate::render::layers::grid::round_spacing;
+use crate::render::number::significant;
 use crate::render::text::Line;
 use crate::render::{Arrow, Camera, Color, Look, Shape};
 
@@ -41,13 +41,19 @@ impl CloseUp {
             let pale = look.palette.penetration.mix(look.palette.background, 70);
             shapes.push(Shape::Rect { rect, ink: pale.into() });
         }
-        for at in [0, 1] {
-            match self.zoom {
-                1.0 => shapes.extend(self.pair.name_in_corner(at, &seen[at], &camera, &look)),
-                _ => shapes.push(self.role(at, room, &look)),
-            }
+        if self.zoom == 1.0 {
+            let normal = self.pair.collision.normal.mult(5.0 * look.text);
+            let from = camera.point(contact(rects));
+            let arrow = Arrow { from, to: from.add(normal.mult(1.4)), width: look.line, color: look.palette.normal };
+            let names = self.pair.names(&camera, rects, &[arrow], &look);
+            names.into_iter().for_each(|name| name.draw_bare(&mut shapes));
+        } else {
+            shapes.extend([0, 1].map(|at| self.role(at, room, &look)));
         }
         panels.shapes.push(Shape::Clip { window: *room, shapes });
+        if seen.iter().any(|rect| !contains(room, rect)) {
+            panels.frame(room);
+        }
         self.draw_vectors(room, panels);
     }
 
@@ -67,7 +73,9 @@ impl CloseUp {
         let normal = self.pair.collision.normal;
         let penetration = self.pair.collision.penetration.mult(self.scale);
         let apart = if penetration == Vector::ZERO { 0.0 } else { self.contact_length() * self.scale / 3.0 };
-        let aside = Vector::new(-normal.y, normal.x).mult(smaller(apart, 4.0 * look.text));
+        let across = if normal.x == 0.0 { room.width() } else { room.height() };
+        let apart = smaller(apart, smaller(4.0 * look.text, 0.3 * across));
+        let aside = Vector::new(-normal.y, normal.x).mult(apart);
         let [share_c, share_b] = self.pair.collision.shares;
         let blue = Color::hex(0x0072b2).mix(look.palette.ink, 20);
         let from = |place: f64, back: f64| room.center().add(aside.mult(place)).sub(penetration.mult(back));

@@ -1,72 +1,85 @@
-use super::FigureOptions;
 use super::close_up::CloseUp;
-use super::labels::Labels;
-use super::number::significant;
 use super::pair::{Pair, ROLES};
 use super::panels::{Panels, above_caption, caption, dashed};
+use super::{FigureOptions, Meeting};
 use crate::physics::{Collision, Rect, Vector};
 use crate::render::area::overlap;
+use crate::render::labels::Labels;
 use crate::render::layers::bodies::border_color;
+use crate::render::layers::legend::Legend;
+use crate::render::number::significant;
 use crate::render::text::Line;
-use crate::render::{Appearance, Arrow, Camera, DisplayList, Ink, Look, Shape};
+use crate::render::{Arrow, Camera, DisplayList, Ink, Look, Shape};
 
 /// The handout's figure 1: (a) c and b as they meet, with their velocities; (b) their overlap
 /// close by, the unit normal n̂, the penetration vector n⃗ and the share of it by which each is
 /// displaced; (c) the two apart again, with the velocities of their rebound, dotted.
-pub fn collision(collision: &Collision, bodies: [&Appearance; 2], options: &FigureOptions) -> DisplayList {
-    let mut panels = Panels::new(options);
-    let pair = Pair::new(collision, bodies, options);
-    let facts = Line::math(&facts(&pair.collision), 0.9 * panels.look.text);
-    let foot = Vector::new(panels.room.center().x, panels.room.far_corner().y);
-    panels.centered(facts, foot, panels.look.palette.ink.into());
-    panels.room = Rect::new(panels.room.origin, panels.room.width(), panels.room.height() - 1.8 * panels.look.text);
-    let places = panels.grid(3, 3);
-    let [before, close, after] = [0, 1, 2].map(|at| above_caption(&places[at], &panels.look));
-    let scale = pair.scale(&before);
-    draw_before(&pair, &before, scale, &mut panels);
-    let close_up = CloseUp::new(&pair, scale, &panels.look);
-    close_up.draw(&close, &mut panels);
-    draw_after(&pair, &after, scale, &mut panels);
-    caption(&before, "\"(a) before\"", &mut panels);
-    caption(&close, &close_up.title(), &mut panels);
-    caption(&after, "\"(c) after\"", &mut panels);
+pub fn collision(meetings: &[Meeting], options: &FigureOptions) -> DisplayList {
+    let mut panels = Panels::new(options, &Legend::of(&options.style));
+    let titles: Vec<&str> = meetings.iter().map(|meeting| meeting.title.as_str()).collect();
+    let page = panels.room;
+    for (meeting, place) in meetings.iter().zip(panels.titled(&titles, 1)) {
+        panels.room = place;
+        row(meeting, &mut panels, options);
+        panels.room = page;
+    }
     panels.finish()
 }
 
+/// The three pictures of one collision, and its numbers below.
+fn row(meeting: &Meeting, panels: &mut Panels, options: &FigureOptions) {
+    let pair = Pair::new(meeting, options);
+    let facts = Line::math(&facts(&pair.collision), 0.9 * panels.look.text);
+    let foot = Vector::new(panels.room.center().x, panels.room.far_corner().y);
+    panels.centered(facts, foot, panels.look.palette.ink.into());
+    panels.take_below(1.8 * panels.look.text);
+    let places = panels.grid(3, 3);
+    let [before, close, after] = [0, 1, 2].map(|at| above_caption(&places[at], &panels.look));
+    let scale = pair.scale(&before);
+    draw_before(&pair, &before, scale, panels);
+    let close_up = CloseUp::new(&pair, scale, &panels.look);
+    close_up.draw(&close, panels);
+    draw_after(&pair, &after, scale, panels);
+    caption(&before, "\"(a) before\"", panels);
+    caption(&close, &close_up.title(), panels);
+    caption(&after, "\"(c) after\"", panels);
+}
+
 fn draw_before(pair: &Pair, room: &Rect, scale: f64, panels: &mut Panels) {
-    pair.draw_met(room, scale, panels);
-    let camera = pair.camera(room, scale);
-    let arrows =
-        pair.arrows(&camera, &pair.collision.rects, &pair.collision.before, panels.look.palette.ink, &panels.look);
-    let mut labels = labels(pair, room, &camera, &arrows);
+    let (camera, look) = (pair.camera(room, scale), panels.look);
+    let rects = pair.collision.rects;
+    let arrows = pair.arrows(&camera, &rects, &pair.collision.before, look.palette.ink, &look);
+    pair.draw_met(room, scale, &arrows, panels);
+    let mut labels = labels(pair, room, &camera, &rects, &arrows, &look);
     for (at, arrow) in arrows.iter().enumerate() {
-        arrow.draw(&panels.look, &mut panels.shapes);
+        arrow.draw(&look, &mut panels.shapes);
         name_arrow(arrow, &format!("v⃗_{}", ROLES[at]), &mut labels, panels);
     }
 }
 
 fn draw_after(pair: &Pair, room: &Rect, scale: f64, panels: &mut Panels) {
-    let camera = pair.camera(room, scale);
-    let look = panels.look;
+    let (camera, look) = (pair.camera(room, scale), panels.look);
     let rects = pair.displaced();
-    let mut shapes = pair.named_boxes(&camera, &rects, &look);
+    let arrows = pair.arrows(&camera, &rects, &pair.collision.after, look.palette.ink, &look);
+    let mut shapes = pair.named_boxes(&camera, &rects, &arrows, &look);
     for (met, _) in pair.collision.rects.iter().zip(&rects).filter(|(met, now)| met != now) {
         shapes.extend(dashed_outline(&camera.rect(met), &look));
     }
     panels.shapes.push(Shape::Clip { window: *room, shapes });
-    let arrows = pair.arrows(&camera, &rects, &pair.collision.after, look.palette.ink, &look);
-    let mut labels = labels(pair, room, &camera, &arrows);
+    let mut labels = labels(pair, room, &camera, &rects, &arrows, &look);
     for (at, arrow) in arrows.iter().enumerate() {
         draw_dotted(arrow, &look, &mut panels.shapes);
         name_arrow(arrow, &format!("v⃗′_{}", ROLES[at]), &mut labels, panels);
     }
 }
 
-/// Labels that keep off arrows and the borders of boxes.
-fn labels(pair: &Pair, room: &Rect, camera: &Camera, arrows: &[Arrow; 2]) -> Labels {
+/// Labels that keep off arrows, names and the borders of boxes.
+fn labels(pair: &Pair, room: &Rect, camera: &Camera, rects: &[Rect; 2], arrows: &[Arrow; 2], look: &Look) -> Labels {
     let mut labels = Labels::within(*room);
-    for rect in pair.collision.rects.iter().filter_map(|rect| overlap(&camera.rect(rect), room)) {
+    pair.names(camera, rects, arrows, look).iter().for_each(|name| labels.take(name.place()));
+    for rect in rects.iter().filter_map(|rect| overlap(&camera.rect(rect), room)) {
         labels.avoid_border(&rect, 1.0);
+        labels.avoid(rect, 0.3);
     }
     for arrow in arrows {
         labels.avoid_line(arrow.from, arrow.to, 3.0);
@@ -117,6 +130,8 @@ fn draw_dotted(arrow: &Arrow, look: &Look, shapes: &mut Vec<Shape>) {
         return arrow.draw(look, shapes);
     }
     let neck = arrow.to.sub(along.mult(head / length));
+    let halo = Ink::from(look.palette.background);
+    shapes.push(Shape::Polyline { points: vec![arrow.from, neck], width: arrow.width + look.line, ink: halo });
     shapes.extend(dashed(arrow.from, neck, 2.0 * arrow.width, arrow.width, arrow.color.into()));
     Arrow { from: neck, ..*arrow }.draw(look, shapes);
 }

@@ -1,10 +1,11 @@
 use super::FigureOptions;
 use super::axes::{Axes, Range, Titles};
-use super::number::significant;
 use super::panels::Panels;
 use crate::physics::{Rect, Vector};
+use crate::render::layers::legend::{Entry, Legend};
+use crate::render::number::significant;
 use crate::render::text::Line;
-use crate::render::{Color, DisplayList, Ink, Shape, palette};
+use crate::render::{Color, DisplayList, Ink, Look, Shape, palette};
 
 /// What of a state is, or should be, conserved.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,6 +26,15 @@ impl EnergySample {
     }
 }
 
+/// Energy and momentum of one run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EnergyRun {
+    /// What is written above it, if there are several.
+    pub title: String,
+    /// In the order of time.
+    pub samples: Vec<EnergySample>,
+}
+
 /// One line of a diagram.
 struct Series {
     name: &'static str,
@@ -32,17 +42,35 @@ struct Series {
     values: Vec<[f64; 2]>,
 }
 
-/// Energy and momentum over time, with the drift of the whole written on it.
-pub fn energy(samples: &[EnergySample], options: &FigureOptions) -> DisplayList {
-    let mut panels = Panels::new(options);
-    let samples = &from_least(samples);
-    let Some(time) = Range::of(samples.iter().map(|sample| sample.time)) else { return panels.finish() };
-    let (room, upper) = (panels.room, (panels.room.height() * 0.6).round());
-    let above = Rect::new(room.origin, room.width(), upper);
-    let below = Rect::new(room.origin.add(Vector::new(0.0, upper)), room.width(), room.height() - upper);
-    diagram(&energies(samples, &panels), &above, time, "E / \"J\"", Some(drift(samples)), &mut panels);
-    diagram(&momenta(samples), &below, time, "p / \"(kg·m/s)\"", None, &mut panels);
+/// Energy and momentum over time, with the drift of the whole written on it. Several runs have
+/// the same scales.
+pub fn energy(runs: &[EnergyRun], options: &FigureOptions) -> DisplayList {
+    let all: Vec<Vec<EnergySample>> = runs.iter().map(|run| from_least(&run.samples)).collect();
+    let has_potential = all.iter().flatten().any(|sample| sample.potential != 0.0);
+    let look = Look::new(options.style.theme, options.size);
+    let energies: Vec<Vec<Series>> = all.iter().map(|samples| energies(samples, has_potential, &look)).collect();
+    let Some(time) = Range::of(all.iter().flatten().map(|sample| sample.time)) else {
+        return Panels::new(options, &Legend::default()).finish();
+    };
+    let momenta: Vec<Vec<Series>> = all.iter().map(|samples| momenta(samples)).collect();
+    let mut panels = Panels::new(options, &legend(&energies, &momenta));
+    let titles: Vec<&str> = runs.iter().map(|run| run.title.as_str()).collect();
+    let rooms = panels.titled(&titles, runs.len());
+    for (at, room) in rooms.iter().enumerate() {
+        let upper = (room.height() * 0.6).round();
+        let above = Rect::new(room.origin, room.width(), upper);
+        let below = Rect::new(room.origin.add(Vector::new(0.0, upper)), room.width(), room.height() - upper);
+        let [e, p] = [&energies, &momenta].map(|series| range(series));
+        diagram(&energies[at], &above, [time, e], "E / \"J\"", Some(drift(&all[at])), &mut panels);
+        diagram(&momenta[at], &below, [time, p], "p / \"(kg·m/s)\"", None, &mut panels);
+    }
     panels.finish()
+}
+
+/// All values, and zero.
+fn range(series: &[Vec<Series>]) -> Range {
+    let all = series.iter().flatten().flat_map(|series| series.values.iter().map(|value| value[1]));
+    Range::of(all).unwrap_or(Range { from: 0.0, to: 1.0 }).with(0.0).widened(0.08)
 }
 
 /// Potential energy has no zero of its own: counted from its least value, the whole is what
@@ -59,14 +87,15 @@ fn values(samples: &[EnergySample], value: impl Fn(&EnergySample) -> f64) -> Vec
 }
 
 /// The potential energy only where there is one.
-fn energies(samples: &[EnergySample], panels: &Panels) -> Vec<Series> {
+fn energies(samples: &[EnergySample], has_potential: bool, look: &Look) -> Vec<Series> {
     let kinetic = Series { name: "kinetic", color: palette::BODIES[5], values: values(samples, |s| s.kinetic) };
-    if samples.iter().all(|sample| sample.potential == 0.0) {
+    if !has_potential {
         return vec![kinetic];
     }
     let potential = Series { name: "potential", color: palette::BODIES[0], values: values(samples, |s| s.potential) };
-    let total = Series { name: "total", color: panels.look.palette.ink, values: values(samples, EnergySample::total) };
-    vec![kinetic, potential, total]
+    let total = Series { name: "total", color: look.palette.muted, values: values(samples, EnergySample::total) };
+    // The total lies beneath, and wider, so that it is seen where it is one of the two.
+    vec![total, kinetic, potential]
 }
 
 fn momenta(samples: &[EnergySample]) -> Vec<Series> {
@@ -86,36 +115,32 @@ fn drift(samples: &[EnergySample]) -> String {
     }
 }
 
-fn diagram(series: &[Series], room: &Rect, time: Range, title: &str, note: Option<String>, panels: &mut Panels) {
-    let all = series.iter().flat_map(|series| series.values.iter().map(|value| value[1]));
-    let Some(range) = Range::of(all) else { return };
-    let axes = Axes::within(room, time, range.with(0.0).widened(0.08), &panels.look);
+fn diagram(
+    series: &[Series],
+    room: &Rect,
+    [time, range]: [Range; 2],
+    title: &str,
+    note: Option<String>,
+    panels: &mut Panels,
+) {
+    let axes = Axes::within(room, time, range, 0.0, &panels.look);
     axes.draw(&Titles { x: "t / \"s\"", y: title }, &panels.look, &mut panels.shapes);
     for series in series {
         let ink = Ink::from(series.color);
-        panels.shapes.push(axes.curve(series.values.iter().copied(), 1.25 * panels.look.line, ink));
-    }
-    legend(series, note, &axes, panels);
-}
-
-/// Names above the diagram, in the colours of their lines, and a note before them.
-fn legend(series: &[Series], note: Option<String>, axes: &Axes, panels: &mut Panels) {
-    let text = 0.9 * panels.look.text;
-    let baseline = (axes.frame.origin.y - 0.5 * panels.look.text).round();
-    let mut x = axes.frame.far_corner().x;
-    for series in series.iter().rev() {
-        let line = Line::math(series.name, text);
-        let swatch = (1.2 * text).round();
-        x = (x - line.width).round();
-        let at = Vector::new(x, baseline);
-        let bar = Rect::new(at.add(Vector::new(-swatch - 0.3 * text, -0.4 * text)), swatch, 1.5 * panels.look.line);
-        panels.shapes.push(Shape::Rect { rect: bar, ink: series.color.into() });
-        panels.shapes.push(Shape::Text { line, at, ink: panels.look.palette.ink.into() });
-        x = bar.origin.x - 0.8 * text;
+        let width = if series.name == "total" { 3.0 } else { 1.25 };
+        panels.shapes.push(axes.curve(series.values.iter().copied(), width * panels.look.line, ink));
     }
     if let Some(note) = note {
-        let line = Line::math(&note, text);
-        let at = Vector::new((axes.frame.center().x - line.width / 2.0).round(), baseline);
+        let line = Line::math(&note, 0.9 * panels.look.text);
+        let baseline = (axes.frame.origin.y - 0.5 * panels.look.text).round();
+        let at = Vector::new((axes.frame.far_corner().x - line.width).round(), baseline);
         panels.shapes.push(Shape::Text { line, at, ink: panels.look.palette.ink.into() });
     }
+}
+
+/// One legend for all diagrams.
+fn legend(energies: &[Vec<Series>], momenta: &[Vec<Series>]) -> Legend {
+    let series = energies.first().into_iter().chain(momenta.first()).flatten();
+    let entry = |series: &Series| Entry { name: series.name.to_owned(), ..Entry::new(series.color, "") };
+    Legend { entries: series.map(entry).collect() }
 }

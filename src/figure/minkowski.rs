@@ -1,39 +1,51 @@
-use super::FigureOptions;
-use super::labels::Labels;
-use super::number::significant;
 use super::pair::Pair;
 use super::panels::{Panels, above_caption, caption, dashed, outline};
-use crate::physics::{Collision, Rect, Vector};
-use crate::render::area::{larger, smaller};
+use super::{FigureOptions, Meeting};
+use crate::physics::{Rect, Vector};
+use crate::render::area::{contains, inset, larger, smaller};
+use crate::render::labels::Labels;
 use crate::render::layers::bodies::border_color;
 use crate::render::layers::grid::round_spacing;
+use crate::render::layers::legend::Legend;
+use crate::render::number::significant;
 use crate::render::text::Line;
-use crate::render::{Appearance, Arrow, Camera, Color, DisplayList, Look, Shape};
+use crate::render::{Arrow, Camera, Color, DisplayList, Look, Shape};
 
 /// The handout's figure 2: (a) c and b where they met; (b) their Minkowski difference
 /// s = b ⊖ c around the origin, with the vectors from the origin to its four sides, of which
 /// the shortest is the penetration vector n⃗; (c) the same close by, where n⃗ is too short.
-pub fn minkowski(collision: &Collision, bodies: [&Appearance; 2], options: &FigureOptions) -> DisplayList {
-    let mut panels = Panels::new(options);
-    let pair = Pair::new(collision, bodies, options);
+pub fn minkowski(meetings: &[Meeting], options: &FigureOptions) -> DisplayList {
+    let mut panels = Panels::new(options, &Legend::of(&options.style));
+    let titles: Vec<&str> = meetings.iter().map(|meeting| meeting.title.as_str()).collect();
+    let page = panels.room;
+    for (meeting, place) in meetings.iter().zip(panels.titled(&titles, 1)) {
+        panels.room = place;
+        row(meeting, &mut panels, options);
+        panels.room = page;
+    }
+    panels.finish()
+}
+
+/// The pictures of one collision.
+fn row(meeting: &Meeting, panels: &mut Panels, options: &FigureOptions) {
+    let pair = Pair::new(meeting, options);
     let difference = Difference::new(&pair, &panels.look);
     let rooms = |count: usize, panels: &Panels| -> Vec<Rect> {
         panels.grid(count, count).iter().map(|place| above_caption(place, &panels.look)).collect()
     };
     let scale = |room: &Rect| smaller(pair.scale(room), difference.scale(room));
-    let two = rooms(2, &panels);
+    let two = rooms(2, panels);
     let zoom = difference.zoom(scale(&two[0]), &panels.look);
-    let rooms = if zoom == 1.0 { two } else { rooms(3, &panels) };
+    let rooms = if zoom == 1.0 { two } else { rooms(3, panels) };
     let scale = scale(&rooms[0]);
-    pair.draw_met(&rooms[0], scale, &mut panels);
-    caption(&rooms[0], "\"(a) the boxes\" c \"and\" b", &mut panels);
-    difference.draw(&rooms[1], scale, difference.middle, zoom == 1.0, &mut panels);
-    caption(&rooms[1], "\"(b)\" s = b ⊖ c \"around the origin\"", &mut panels);
+    pair.draw_met(&rooms[0], scale, &[], panels);
+    caption(&rooms[0], "\"(a) the boxes\" c \"and\" b", panels);
+    difference.draw(&rooms[1], scale, difference.middle, zoom == 1.0, panels);
+    caption(&rooms[1], "\"(b)\" s = b ⊖ c \"around the origin\"", panels);
     if let Some(room) = rooms.get(2) {
-        difference.draw(room, scale * zoom, Vector::ZERO, true, &mut panels);
-        caption(room, &format!("\"(c)\" {} \"times larger\"", significant(zoom, 1)), &mut panels);
+        difference.draw(room, scale * zoom, Vector::ZERO, true, panels);
+        caption(room, &format!("\"(c)\" {} \"times larger\"", significant(zoom, 1)), panels);
     }
-    panels.finish()
 }
 
 /// s = b ⊖ c and how it is drawn.
@@ -50,6 +62,9 @@ struct Difference {
     extent: Vector,
 }
 
+/// A penetration of that part of the difference and less is none.
+const TOUCHING: f64 = 1e-12;
+
 /// Parts of the smaller box that are shown at most on each side of the origin.
 const FARTHEST: f64 = 2.5;
 
@@ -62,14 +77,19 @@ impl Difference {
         let far = rect.far_corner();
         let near = Vector::new(larger(smaller(rect.origin.x, 0.0), -most), larger(smaller(rect.origin.y, 0.0), -most));
         let end = Vector::new(smaller(larger(far.x, 0.0), most), smaller(larger(far.y, 0.0), most));
-        let vectors = to_sides(&rect);
+        let mut vectors = to_sides(&rect);
+        let shortest = shortest(&vectors);
+        // What is left by rounding where the two just touch is nothing.
+        if vectors[shortest].norm() <= TOUCHING * larger(rect.width(), rect.height()) {
+            vectors[shortest] = Vector::ZERO;
+        }
         let extent = end.sub(near);
         let margin = 0.25 * larger(extent.x, extent.y);
         Difference {
             rect,
             fill: pair.colors[0].mix(pair.colors[1], 50).mix(look.palette.background, 65),
             vectors,
-            shortest: shortest(&vectors),
+            shortest,
             middle: near.add(end).mult(0.5),
             extent: extent.add(Vector::new(margin, margin)),
         }
@@ -106,11 +126,19 @@ impl Difference {
             labels.avoid_line(arrow.from, arrow.to, 2.0);
             arrow.draw(&look, &mut shapes);
         }
+        if self.vectors[self.shortest] == Vector::ZERO {
+            let side = 4.0 * look.line;
+            let mark = Rect::new(zero.sub(Vector::new(side / 2.0, side / 2.0)), side, side);
+            shapes.push(Shape::Rect { rect: mark, ink: look.palette.penetration.into() });
+        }
         self.name(&seen, room, &mut labels, &look, &mut shapes);
         if measured {
             self.measure_shortest(zero, scale, &mut labels, &look, &mut shapes);
         }
         panels.shapes.push(Shape::Clip { window: *room, shapes });
+        if !contains(room, &seen) {
+            panels.frame(room);
+        }
     }
 
     /// The four vectors, the shortest last and marked.
@@ -123,9 +151,11 @@ impl Difference {
 
     fn name(&self, seen: &Rect, room: &Rect, labels: &mut Labels, look: &Look, shapes: &mut Vec<Shape>) {
         let Some(part) = crate::render::area::overlap(seen, room) else { return };
-        let corner = part.far_corner().sub(Vector::new(look.text, look.text));
+        let part = inset(&part, smaller(look.text, smaller(part.width(), part.height()) / 2.0));
+        let (near, far) = (part.origin, part.far_corner());
+        let corners = [far, near, Vector::new(near.x, far.y), Vector::new(far.x, near.y)];
         let line = Line::math("s", 1.2 * look.text);
-        labels.place(line, corner, Vector::new(-1.0, -1.0), 0.0, look.palette.ink).draw(look, shapes);
+        labels.place_along(line, &corners, Vector::new(-1.0, -1.0), 0.0, look.palette.ink).draw(look, shapes);
     }
 
     fn measure_shortest(&self, zero: Vector, scale: f64, labels: &mut Labels, look: &Look, shapes: &mut Vec<Shape>) {

@@ -1,7 +1,8 @@
-use super::FigureOptions;
 use super::panels::Panels;
+use super::{FigureOptions, Meeting};
 use crate::physics::{Collision, Rect, Vector};
-use crate::render::area::{inset, larger, overlap, smaller};
+use crate::render::area::{inset, larger, overlap, smaller, union};
+use crate::render::labels::{Label, Labels};
 use crate::render::layers::bodies::draw_box;
 use crate::render::layers::contacts::contact;
 use crate::render::text::Line;
@@ -30,9 +31,10 @@ pub const ROLES: [&str; 2] = ["c", "b"];
 const LONGEST_ARROW: f64 = 0.4;
 
 impl Pair {
-    /// The pair of a collision between bodies of these looks, given in its order.
-    pub fn new(collision: &Collision, bodies: [&Appearance; 2], options: &FigureOptions) -> Pair {
-        let (collision, bodies) = in_roles(collision, bodies);
+    /// The pair of a collision.
+    pub fn new(meeting: &Meeting, options: &FigureOptions) -> Pair {
+        let [c, b] = &meeting.bodies;
+        let (collision, bodies) = in_roles(&meeting.collision, [c, b]);
         let boxes = near_parts(&collision.rects);
         let size = larger(boxes.width(), boxes.height());
         let speeds = collision.before.iter().chain(&collision.after).map(|velocity| velocity.norm());
@@ -75,9 +77,9 @@ impl Pair {
     }
 
     /// The boxes where they met, with their names.
-    pub fn draw_met(&self, room: &Rect, scale: f64, panels: &mut Panels) {
+    pub fn draw_met(&self, room: &Rect, scale: f64, arrows: &[Arrow], panels: &mut Panels) {
         let camera = self.camera(room, scale);
-        let shapes = self.named_boxes(&camera, &self.collision.rects, &panels.look);
+        let shapes = self.named_boxes(&camera, &self.collision.rects, arrows, &panels.look);
         panels.shapes.push(Shape::Clip { window: *room, shapes });
     }
 
@@ -90,13 +92,22 @@ impl Pair {
         rects
     }
 
-    /// The boxes with their names in their corners.
-    pub fn named_boxes(&self, camera: &Camera, rects: &[Rect; 2], look: &Look) -> Vec<Shape> {
+    /// The boxes with their names in corners where no arrow is.
+    pub fn named_boxes(&self, camera: &Camera, rects: &[Rect; 2], arrows: &[Arrow], look: &Look) -> Vec<Shape> {
         let mut shapes = self.boxes(camera, rects, look);
-        for at in [0, 1] {
-            shapes.extend(self.name_in_corner(at, &camera.rect(&rects[at]), camera, look));
+        for name in self.names(camera, rects, arrows, look) {
+            name.draw_bare(&mut shapes);
         }
         shapes
+    }
+
+    /// The names of the boxes that have room for them.
+    pub fn names(&self, camera: &Camera, rects: &[Rect; 2], arrows: &[Arrow], look: &Look) -> Vec<Label> {
+        let mut labels = Labels::within(camera.window);
+        arrows.iter().for_each(|arrow| labels.avoid_line(arrow.from, arrow.to, 1.0));
+        self.collision.rects.iter().for_each(|rect| labels.avoid_border(&camera.rect(rect), 1.0));
+        let name = |at: usize| self.name_in_corner(at, &camera.rect(&rects[at]), camera, &labels, look);
+        [0, 1].into_iter().filter_map(name).collect()
     }
 
     /// The larger box first, so that the smaller one is seen.
@@ -110,20 +121,22 @@ impl Pair {
         shapes
     }
 
-    /// The name of a box, or only its role, as there is room; in the corner farthest from where
-    /// the two meet.
-    pub fn name_in_corner(&self, at: usize, seen: &Rect, camera: &Camera, look: &Look) -> Option<Shape> {
+    /// The name of a box, or only its role, as there is room; in the corner that is freest, and of
+    /// equals the one farthest from where the two meet.
+    fn name_in_corner(&self, at: usize, seen: &Rect, camera: &Camera, labels: &Labels, look: &Look) -> Option<Label> {
         let margin = 4.0 * look.line;
         let part = inset(&overlap(seen, &camera.window)?, margin);
         let lines = [self.names[at].as_str(), ROLES[at]].map(|name| Line::math(name, 0.9 * look.text));
         let line = lines.into_iter().find(|line| line.width <= part.width() && line.height() <= part.height())?;
         let (near, far) = (part.origin, part.far_corner());
-        let (right, top) = (far.x - line.width, near.y + line.height());
-        let corners = [(near.x, top), (right, top), (near.x, far.y), (right, far.y)].map(|(x, y)| Vector::new(x, y));
+        let (right, low) = (far.x - line.width, far.y - line.height());
+        let corners = [(near.x, near.y), (right, near.y), (near.x, low), (right, low)];
         let meeting = camera.point(contact(&self.collision.rects));
-        let distance = |corner: Vector| corner.add(Vector::new(line.width / 2.0, 0.0)).sub(meeting).norm();
-        let corner = corners.into_iter().reduce(|a, b| if distance(b) > distance(a) + 1.0 { b } else { a })?;
-        Some(Shape::Text { line, at: corner, ink: look.palette.text_on(self.colors[at]).into() })
+        let mut places = corners.map(|(x, y)| Rect::new(Vector::new(x, y), line.width, line.height()));
+        let distance = |place: &Rect| place.center().sub(meeting).norm().round();
+        places.sort_by(|a, b| distance(b).total_cmp(&distance(a)));
+        let (place, _) = labels.best(places.into_iter())?;
+        Some(Label::at(&place, line, look.palette.text_on(self.colors[at])))
     }
 
     /// The velocities, each from the middle of what is seen of its box.
@@ -177,13 +190,6 @@ fn color(body: &Appearance, velocity: Vector, options: &FigureOptions) -> Color 
         trail: Vec::new(),
     };
     palette::body_color(&sprite, &options.style)
-}
-
-/// The smallest rectangle around two.
-fn union(a: &Rect, b: &Rect) -> Rect {
-    let (far_a, far_b) = (a.far_corner(), b.far_corner());
-    let near = Vector::new(smaller(a.origin.x, b.origin.x), smaller(a.origin.y, b.origin.y));
-    Rect::new(near, larger(far_a.x, far_b.x) - near.x, larger(far_a.y, far_b.y) - near.y)
 }
 
 /// Both boxes, but of one that is far larger than the other only what is beside that.

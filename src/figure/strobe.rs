@@ -1,27 +1,41 @@
-use super::FigureOptions;
-use super::panels::{Panels, world_view};
+use super::panels::{Panels, TITLE, extent, outline, world_view};
+use super::run::legend;
+use super::{FigureOptions, Run};
 use crate::physics::{Rect, Vector};
 use crate::render::layers::bodies::{draw_box, seen};
 use crate::render::layers::{self, Page};
+use crate::render::number::significant;
 use crate::render::text::Line;
 use crate::render::{Color, DisplayList, Frame, Ink, Shape, Sprite, palette};
 
 /// Many instants in one picture, the earlier the fainter: how things moved.
-pub fn strobe(frames: &[Frame], options: &FigureOptions) -> DisplayList {
-    let mut panels = Panels::new(options);
-    let Some((last, earlier)) = frames.split_last() else { return panels.finish() };
-    let room = panels.room;
-    let above = Rect::new(room.origin, room.width(), room.height() - 1.6 * panels.look.text);
-    let view = world_view(&above, panels.look.text.round(), options);
-    let page = Page { view: &view, look: panels.look };
+pub fn strobe(runs: &[Run], options: &FigureOptions) -> DisplayList {
+    let mut panels = Panels::new(options, &legend(runs, &options.style));
+    let titles: Vec<&str> = runs.iter().map(|run| run.title.as_str()).collect();
+    let extents: Vec<Vector> = runs.iter().map(|run| extent(run, options)).collect();
+    let columns = panels.columns(&extents, (TITLE + 1.6) * panels.look.text);
+    for (run, place) in runs.iter().zip(panels.titled(&titles, columns)) {
+        picture(run, &place, &mut panels, options);
+    }
+    panels.finish()
+}
+
+fn picture(run: &Run, place: &Rect, panels: &mut Panels, options: &FigureOptions) {
+    let Some((last, earlier)) = run.frames.split_last() else { return };
+    let above = Rect::new(place.origin, place.width(), place.height() - 1.6 * panels.look.text);
+    let view = world_view(&above, panels.look.text.round(), run, last, options);
+    let page = Page { view: &view, camera: view.camera, look: panels.look };
     panels.shapes.push(layers::backdrop(last, &page));
+    if !last.sprites.iter().any(|sprite| sprite.appearance.is_wall) {
+        let thin = (panels.look.line / 2.0).ceil();
+        panels.shapes.extend(outline(&view.camera.window, thin, panels.look.palette.grid.into()));
+    }
     panels.shapes.push(ghosts(earlier, last, &page));
     panels.shapes.push(layers::world(last, &page));
-    let times = Line::math(&span(frames), panels.look.text);
+    let times = Line::math(&span(&run.frames), panels.look.text);
     let window = view.camera.window;
     let at = Vector::new(window.center().x, window.far_corner().y + 1.2 * panels.look.text);
     panels.centered(times, at, panels.look.palette.ink.into());
-    panels.finish()
 }
 
 /// From when to when, and how often.
@@ -31,7 +45,7 @@ fn span(frames: &[Frame]) -> String {
         [only] => format!("t = {:.2} \"s\"", only.time),
         [first, .., last] => {
             let apart = (last.time - first.time) / (frames.len() - 1) as f64;
-            let apart = super::number::significant(apart, 2);
+            let apart = significant(apart, 2);
             format!("t = {:.2} … {:.2} \"s\",  Δt = {apart} \"s\"", first.time, last.time)
         }
     }
@@ -47,13 +61,13 @@ fn ghosts(earlier: &[Frame], last: &Frame, page: &Page) -> Shape {
             ghost(&rect, faint(fill, age, earlier.len(), page), page, &mut shapes);
         }
     }
-    Shape::Clip { window: page.view.camera.window, shapes }
+    Shape::Clip { window: page.camera.window, shapes }
 }
 
 /// Whether a body is elsewhere, or gone, at the last instant.
 fn moves(sprite: &Sprite, last: &Frame) -> bool {
     let id = sprite.appearance.id;
-    let now = last.sprites.iter().find(|now| now.appearance.id == id);
+    let now = last.sprites.binary_search_by_key(&id, |now| now.appearance.id).ok().map(|at| &last.sprites[at]);
     now.is_none_or(|now| now.rect != sprite.rect)
 }
 

@@ -18,6 +18,14 @@ impl SolverKind {
         [SolverKind::Handout, SolverKind::EventDriven].into_iter().find(|kind| kind.name() == name)
     }
 
+    /// Whether it knows where bodies are between two steps.
+    pub const fn is_continuous(self) -> bool {
+        match self {
+            SolverKind::Handout => false,
+            SolverKind::EventDriven => true,
+        }
+    }
+
     /// Its name in scenes and recordings.
     pub const fn name(self) -> &'static str {
         match self {
@@ -143,6 +151,19 @@ impl Engine {
         }
         self.step += 1;
         Ok(())
+    }
+
+    /// The world `offset` seconds (0 to 1/rate) after the present step, without going there:
+    /// what the exact solver passes through. The handout's has nothing between two steps, and
+    /// gives the present state. The observer sees the collisions up to there.
+    ///
+    /// # Errors
+    /// As for [`Engine::step`].
+    pub fn between<O: Observer>(&self, offset: f64, observer: &mut O) -> Result<World, StepError> {
+        match &self.solver {
+            Solver::EventDriven(solver) if offset > 0.0 => solver.between(&self.world, self.step, offset, observer),
+            Solver::EventDriven(_) | Solver::Handout => Ok(self.world.clone()),
+        }
     }
 
     /// All that [`Engine::restore`] needs to go on to the bit from here.

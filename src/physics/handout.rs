@@ -29,11 +29,17 @@ pub fn step<O: Observer>(world: &mut World, step: u64, dt: f64, observer: &mut O
         let body = &mut world.bodies[c];
         accelerate(body, world.gravity);
         advance(body, dt);
-        if !(body.velocity.is_finite() && body.rect.origin.is_finite()) {
-            return Err(StepError::NotFinite { step, body: body.name.clone() });
-        }
+        refuse_infinite(body, step)?;
     }
-    Ok(())
+    // A later body may have pushed an earlier one once more.
+    world.bodies.iter().try_for_each(|body| refuse_infinite(body, step))
+}
+
+fn refuse_infinite(body: &Body, step: u64) -> Result<(), StepError> {
+    match body.velocity.is_finite() && body.rect.origin.is_finite() {
+        true => Ok(()),
+        false => Err(StepError::NotFinite { step, body: body.name.clone() }),
+    }
 }
 
 /// Adds up the forces on a body: its own first, then its weight.

@@ -43,6 +43,9 @@ pub struct Row {
     pub infinite: bool,
 }
 
+/// Bytes of a row in the file; its size in memory is not the same on every machine.
+const RECORDED_BYTES: usize = 36;
+
 impl Batch {
     /// Adds the state of the engine's present step.
     pub fn push_state(&mut self, engine: &Engine) {
@@ -54,7 +57,7 @@ impl Batch {
     /// Whether it is worth handing over: as much as keeps the other thread busy for longer
     /// than waking it takes.
     pub fn is_large(&self) -> bool {
-        self.rows.len() * size_of::<Row>() > limits::CHUNK_BYTES / 16
+        self.rows.len() * RECORDED_BYTES > limits::CHUNK_BYTES / 16
     }
 
     /// Takes everything out, keeping the memory.

@@ -5,7 +5,8 @@ use crate::physics::BodyId;
 /// The digest of one state: of all bodies alive, in creation order.
 ///
 /// It is the 64-bit XXH3 of one row of 36 bytes a body: id (u32), x, y (m), vx, vy (m/s,
-/// the bits of each f64), all little-endian. Bits count, so −0.0 differs from 0.0.
+/// the bits of each f64), all little-endian. Bits count, so −0.0 differs from 0.0; but every
+/// NaN counts the same, as processors do not agree on its bits.
 #[derive(Clone, Debug, Default)]
 pub struct StateDigest {
     rows: Vec<u8>,
@@ -18,7 +19,8 @@ impl StateDigest {
     }
 
     /// Adds the next body in creation order.
-    pub fn body(&mut self, id: BodyId, [x, y, vx, vy]: [f64; 4]) {
+    pub fn body(&mut self, id: BodyId, numbers: [f64; 4]) {
+        let [x, y, vx, vy] = numbers.map(canonical_bits);
         let mut row = [0; 36];
         row[0..4].copy_from_slice(&id.to_le_bytes());
         row[4..12].copy_from_slice(&x.to_le_bytes());
@@ -34,9 +36,26 @@ impl StateDigest {
     }
 }
 
+fn canonical_bits(number: f64) -> u64 {
+    const NAN: u64 = 0x7ff8_0000_0000_0000;
+    if number.is_nan() { NAN } else { number.to_bits() }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// x86 makes a negative NaN of 0 ÷ 0, ARM a positive one.
+    #[test]
+    fn every_nan_is_the_same() {
+        let digest = |bits: u64| {
+            let mut digest = StateDigest::default();
+            digest.body(0, [f64::from_bits(bits), 0.0, 0.0, 0.0]);
+            digest.value()
+        };
+        assert_eq!(digest(0x7ff8_0000_0000_0000), digest(0xfff8_0000_0000_0001));
+        assert_ne!(digest(0x7ff8_0000_0000_0000), digest(0x7ff0_0000_0000_0000));
+    }
 
     #[test]
     fn every_bit_of_every_row_counts() {

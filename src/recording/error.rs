@@ -80,6 +80,12 @@ pub enum Error {
         /// How large it may be.
         limit: u64,
     },
+    /// A body that was to be recorded could not be read again.
+    #[error("body {name:?} cannot be: its numbers must be finite, its mass and both its sides positive")]
+    Impossible {
+        /// Its name.
+        name: String,
+    },
     /// The writer was handed a step that is not the next one.
     #[error("state {found} was to be recorded when state {due} was due")]
     OutOfOrder {

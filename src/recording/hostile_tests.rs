@@ -2,6 +2,7 @@
 
 use std::{
     io::{self, Cursor, Write},
+    num::NonZero,
     sync::{Arc, Mutex},
 };
 
@@ -138,9 +139,9 @@ impl Write for Full {
 }
 
 /// Runs and records until something fails.
-fn record_into(output: Full) -> Result<(), Error> {
+fn record_into(output: Full, processors: NonZero<usize>) -> Result<(), Error> {
     let run = bounce(50);
-    let mut writer = Writer::new(output, &run.header)?;
+    let mut writer = Writer::on(processors, output, &run.header)?;
     let mut engine = Engine::new(run.header.settings.clone());
     for step in 0..=50 {
         for event in run.events.iter().filter(|event| event.step == step) {
@@ -155,12 +156,14 @@ fn record_into(output: Full) -> Result<(), Error> {
 
 #[test]
 fn a_full_disk_is_an_error_and_what_was_written_is_readable() {
+    let [one, two] = [1, 2].map(|processors| NonZero::new(processors).unwrap());
     let whole = Full { taken: Arc::default(), room: usize::MAX };
-    record_into(whole.clone()).unwrap();
+    record_into(whole.clone(), two).unwrap();
     let total = whole.taken.lock().unwrap().len();
-    for room in (0..total).step_by(211).chain([total - 1]) {
+    let rooms = || (0..total).step_by(211).chain([total - 1]);
+    for (room, processors) in rooms().map(|room| (room, one)).chain(rooms().map(|room| (room, two))) {
         let output = Full { taken: Arc::default(), room };
-        let error = record_into(output.clone()).expect_err("a full disk goes unnoticed");
+        let error = record_into(output.clone(), processors).expect_err("a full disk goes unnoticed");
         assert!(error.to_string().starts_with("the recording cannot be written: "), "{error}");
         let taken = output.taken.lock().unwrap().clone();
         assert_eq!(taken, whole.taken.lock().unwrap()[..room]);

@@ -16,6 +16,7 @@
 //! | metadata `rebond_end` | how the run ended, its identity              | [`End`]             |
 //! | attachment        | the scene's TOML                                 | [`SceneText`]       |
 
+mod background;
 mod batch;
 mod body_table;
 mod cdr;

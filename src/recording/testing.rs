@@ -1,6 +1,6 @@
 //! Small recordings for tests, made by running the engine.
 
-use std::io::Cursor;
+use std::{io::Cursor, num::NonZero};
 
 use crate::physics::{
     CollisionCount, DEFAULT_EVENTS_PER_STEP, Engine, Rect, Restitution, RestitutionPair, Settings, SolverKind, Spawn,
@@ -86,7 +86,12 @@ pub fn body(name: &str) -> Spawn {
 
 /// Runs and records: the bytes of the file.
 pub fn record(run: &Run) -> Vec<u8> {
-    let mut writer = Writer::new(Vec::new(), &run.header).unwrap();
+    record_on(NonZero::<usize>::MIN, run)
+}
+
+/// The same with that many processors.
+pub fn record_on(processors: NonZero<usize>, run: &Run) -> Vec<u8> {
+    let mut writer = Writer::on(processors, Vec::new(), &run.header).unwrap();
     let mut engine = Engine::new(run.header.settings.clone());
     let mut collisions = CollisionCount::default();
     let mut outcome = Outcome::default();

@@ -1,13 +1,13 @@
 //! Writing and reading together.
 
-use std::{collections::BTreeMap, io::Cursor};
+use std::{collections::BTreeMap, io::Cursor, num::NonZero};
 
 use super::{
-    Damage, Error, Health, Item, Playback, Recording, Recovery, recover,
-    testing::{bounce, drop_and_delete, record},
+    Change, Damage, Error, Health, Item, Playback, RecordedEvent, Recording, Recovery, recover,
+    testing::{body, bounce, drop_and_delete, record, record_on},
 };
 use crate::{
-    physics::{CollisionCount, Engine},
+    physics::{CollisionCount, Engine, Rect, SolverKind, Spawn, Vector},
     replay::replay,
 };
 
@@ -47,6 +47,32 @@ fn what_was_written_is_read() {
 #[test]
 fn the_same_run_gives_the_same_bytes() {
     assert_eq!(record(&bounce(50)), record(&bounce(50)));
+}
+
+#[test]
+fn the_bytes_do_not_depend_on_the_processors() {
+    let run = bounce(50);
+    let [one, two] = [1, 2].map(|processors| record_on(NonZero::new(processors).unwrap(), &run));
+    assert!(one == two, "a thread of its own writes other bytes");
+}
+
+/// So wide that every state is a batch, and a chunk is full before its second is.
+#[test]
+fn the_bytes_of_a_wide_recording_do_not_depend_on_the_processors() {
+    let mut run = bounce(40);
+    run.header.settings.solver = SolverKind::EventDriven;
+    run.header.settings.gravity = None;
+    let row = |id: u32| Spawn {
+        rect: Rect::new(Vector::new(f64::from(id) * 2.0, 9.0), 1.0, 1.0),
+        velocity: Vector::new(0.0, 1.0 / f64::from(id + 1)),
+        ..body(&format!("#{id}"))
+    };
+    run.events = (0..8000)
+        .map(|id| RecordedEvent { step: 0, change: Change::Spawn { id, spawn: row(id), color: None } })
+        .collect();
+    let [one, two, many] = [1, 2, 64].map(|processors| record_on(NonZero::new(processors).unwrap(), &run));
+    assert!(one.len() > 2_000_000, "{} bytes are not many", one.len());
+    assert!(one == two && one == many, "a thread of its own writes other bytes");
 }
 
 #[test]

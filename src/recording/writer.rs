@@ -1,14 +1,14 @@
 use std::{
     io::{self, Write},
-    sync::mpsc::{Receiver, SyncSender, sync_channel},
-    thread::{Builder, JoinHandle},
+    num::NonZero,
+    thread,
 };
 
 use crate::physics::Engine;
 
 use super::{
-    Change, End, Error, Header, RecordedEvent, batch::Batch, batch::Entry, clock, limits, recorder::Recorder,
-    view::Paint,
+    Change, End, Error, Header, RecordedEvent, background::Background, batch::Batch, batch::Entry, clock, limits,
+    recorder::Recorder, view::Paint,
 };
 
 /// Streams a recording out while the engine runs. Memory does not grow with the run.
@@ -17,8 +17,8 @@ use super::{
 /// without [`Writer::finish`] leaves a file that is readable up to its last flush, which
 /// happens after every batch of events and about every second of simulated time.
 ///
-/// Encoding and compressing happen on a thread of its own, in one order whatever the
-/// number of processors; an error there is returned by a later call.
+/// Where there are several processors, encoding and compressing happen on a thread of its
+/// own, in the same order; an error there is returned by a later call.
 pub struct Writer<W: Write> {
     background: Option<Background<W>>,
     batch: Batch,
@@ -51,11 +51,17 @@ impl<W: Write + Send + 'static> Writer<W> {
     /// # Errors
     /// If writing fails or the header is too large.
     pub fn new(write: W, header: &Header) -> Result<Writer<W>, Error> {
+        // WebAssembly has no threads, and says so here.
+        Writer::on(thread::available_parallelism().unwrap_or(NonZero::<usize>::MIN), write, header)
+    }
+
+    /// The same bytes, written with that many processors.
+    pub(super) fn on(processors: NonZero<usize>, write: W, header: &Header) -> Result<Writer<W>, Error> {
         check("the scene's text in bytes", header.scene.text.len(), limits::SCENE_BYTES)?;
         check("the scene's file name in bytes", header.scene.file_name.len(), limits::STRING_BYTES)?;
         check("the number of materials", header.settings.restitution.names().len(), limits::MATERIALS)?;
         Ok(Writer {
-            background: Some(Background::new(Recorder::new(write, header)?)?),
+            background: Some(Background::new(processors, Recorder::new(write, header)?)?),
             batch: Batch::default(),
             rate: header.settings.rate,
             last_step: None,
@@ -72,11 +78,14 @@ impl<W: Write + Send + 'static> Writer<W> {
     /// Records one event that was applied to the present step.
     ///
     /// # Errors
-    /// If writing has failed or a name is too long.
+    /// If writing has failed, a name is too long or a body impossible.
     pub fn event(&mut self, event: &RecordedEvent) -> Result<(), Error> {
         if let Change::Spawn { spawn, color, .. } = &event.change {
             for text in [&spawn.name, &spawn.material, color.as_ref().unwrap_or(&String::new())] {
                 check("a name in bytes", text.len(), limits::STRING_BYTES)?;
+            }
+            if !spawn.is_possible() {
+                return Err(Error::Impossible { name: spawn.name.clone() });
             }
         }
         self.unflushed_events = true;
@@ -127,53 +136,12 @@ impl<W: Write + Send + 'static> Writer<W> {
     }
 
     fn hand_over(&mut self) -> Result<(), Error> {
-        let background = self.background.as_ref().ok_or_else(failed_before)?;
-        let next = background.used.try_recv().unwrap_or_default();
-        let batch = std::mem::replace(&mut self.batch, next);
-        match background.batches.send(batch) {
-            Ok(()) => Ok(()),
-            // The thread has ended, which it does only with an error.
-            Err(_) => match self.background.take().ok_or_else(failed_before)?.join() {
-                Ok(_) => Err(failed_before()),
-                Err(error) => Err(error),
-            },
+        let mut background = self.background.take().ok_or_else(failed_before)?;
+        match background.write(&mut self.batch) {
+            Ok(()) => self.background = Some(background),
+            Err(error) => return Err(background.join().err().unwrap_or(error)),
         }
-    }
-}
-
-/// The thread that encodes, compresses and writes.
-struct Background<W: Write> {
-    batches: SyncSender<Batch>,
-    used: Receiver<Batch>,
-    thread: JoinHandle<Result<Recorder<W>, Error>>,
-}
-
-/// Batches that may wait: enough to keep both threads busy.
-const WAITING: usize = 2;
-
-impl<W: Write + Send + 'static> Background<W> {
-    fn new(mut recorder: Recorder<W>) -> Result<Background<W>, Error> {
-        let (batches, incoming) = sync_channel::<Batch>(WAITING);
-        let (outgoing, used) = sync_channel(WAITING + 1);
-        let work = move || {
-            for mut batch in incoming {
-                recorder.write(&mut batch)?;
-                batch.clear();
-                // Whoever does not want it back makes a new one.
-                let _ = outgoing.try_send(batch);
-            }
-            Ok(recorder)
-        };
-        let thread = Builder::new().name("recording".into()).spawn(work).map_err(Error::Write)?;
-        Ok(Background { batches, used, thread })
-    }
-}
-
-impl<W: Write> Background<W> {
-    /// Waits until all is written.
-    fn join(self) -> Result<Recorder<W>, Error> {
-        drop(self.batches);
-        self.thread.join().unwrap_or_else(|_| Err(failed_before()))
+        Ok(())
     }
 }
 
@@ -186,7 +154,8 @@ impl<W: Write> Drop for Writer<W> {
     }
 }
 
-fn failed_before() -> Error {
+/// The error of whoever goes on after an error.
+pub fn failed_before() -> Error {
     Error::Write(io::Error::other("writing has failed before"))
 }
 

@@ -2,7 +2,7 @@
 
 use super::patch::Patch;
 use super::{Metadata, RenderError, png as still};
-use png::chunk::{ChunkType, IDAT, fcTL, fdAT};
+use png::chunk::{ChunkType, IDAT, acTL, fcTL, fdAT};
 use png::{BitDepth, ColorType, Compression, Encoder, Filter, Writer};
 use std::io::Write;
 
@@ -114,6 +114,12 @@ impl Compressed {
         control.extend([KEEP, OVER]);
         control
     }
+}
+
+/// Whether a PNG file begins like an animation: with an acTL chunk before its first pixels.
+pub fn is_animated(file: &[u8]) -> bool {
+    let find = |kind: ChunkType| file.windows(4).position(|bytes| bytes == kind.0);
+    find(acTL).is_some_and(|control| find(IDAT).is_none_or(|data| control < data))
 }
 
 /// The IDAT chunks of a PNG file, joined.

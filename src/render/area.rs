@@ -10,6 +10,13 @@ pub fn overlap(a: &Rect, b: &Rect) -> Option<Rect> {
     (x[0] < x[1] && y[0] < y[1]).then(|| Rect::new(Vector::new(x[0], y[0]), x[1] - x[0], y[1] - y[0]))
 }
 
+/// The smallest rectangle around two.
+pub fn union(a: &Rect, b: &Rect) -> Rect {
+    let (far_a, far_b) = (a.far_corner(), b.far_corner());
+    let near = Vector::new(smaller(a.origin.x, b.origin.x), smaller(a.origin.y, b.origin.y));
+    Rect::new(near, larger(far_a.x, far_b.x) - near.x, larger(far_a.y, far_b.y) - near.y)
+}
+
 /// The rectangle `by` inside another.
 pub fn inset(rect: &Rect, by: f64) -> Rect {
     Rect::new(rect.origin.add(Vector::new(by, by)), rect.width() - 2.0 * by, rect.height() - 2.0 * by)

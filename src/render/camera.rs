@@ -1,4 +1,4 @@
-use super::RenderError;
+use super::{Aim, RenderError};
 use crate::physics::{Rect, Vector};
 
 /// Which part of the world is seen, and how large: the only place where metres become pixels.
@@ -24,19 +24,22 @@ pub struct Camera {
 const LARGEST_SIDE: u32 = 16_384;
 
 impl Camera {
-    /// The camera that shows a world of `world` metres whole, in the middle of a picture of
-    /// `size` pixels, with a small margin for the walls and a footer if asked for.
+    /// The camera that shows what is aimed at, of a world of `world` metres, in a part of a
+    /// picture of `size` pixels; the world is shown whole, with a small margin for its walls.
     ///
     /// # Errors
-    /// When the picture has no pixels or more than 16384 along a side, or the world's size is
+    /// When the picture has no pixels or more than 16384 along a side, or what is aimed at is
     /// not finite and positive.
-    pub fn fit(world: Vector, size: [u32; 2], footer: bool) -> Result<Camera, RenderError> {
-        check(world, size)?;
+    pub fn aimed(world: Vector, aim: &Aim, size: [u32; 2], window: Rect) -> Result<Camera, RenderError> {
         let shorter = if size[0] < size[1] { size[0] } else { size[1] };
-        let footer = if footer { shorter / 18 } else { 0 };
-        let window = Rect::new(Vector::ZERO, f64::from(size[0]), f64::from(size[1] - footer));
-        let area = Rect::new(Vector::ZERO, world.x, world.y);
-        Ok(Camera::over(&area, size, window, f64::from(shorter / 40)).with_world(world))
+        let whole = Rect::new(Vector::ZERO, world.x, world.y);
+        let (area, margin) = match aim {
+            Aim::World => (whole, f64::from(shorter / 40)),
+            Aim::Window(area) => (*area, 0.0),
+            Aim::Follow { size, .. } => (Rect::new(whole.center().sub(size.mult(0.5)), size.x, size.y), 0.0),
+        };
+        check(&area, size)?;
+        Ok(Camera { world, ..Camera::over(&area, size, window, margin) })
     }
 
     /// The camera that shows a part of the world, in m, in the middle of a part of the picture,
@@ -49,8 +52,19 @@ impl Camera {
         Camera { size, window, scale, origin, world: area.far_corner() }
     }
 
-    fn with_world(self, world: Vector) -> Camera {
-        Camera { world, ..self }
+    /// The same camera with a point of the world in the middle of its window, moved by whole
+    /// pixels.
+    pub fn moved_to(&self, middle: Vector) -> Camera {
+        let by = middle.sub(self.window.center().mult(1.0 / self.scale)).sub(self.origin).mult(self.scale);
+        let whole = Vector::new(by.x.round(), by.y.round());
+        Camera { origin: self.origin.add(whole.mult(1.0 / self.scale)), ..*self }
+    }
+
+    /// The part of the plane that is seen in the window, m.
+    pub fn seen(&self) -> Rect {
+        let per_pixel = 1.0 / self.scale;
+        let near = self.origin.add(self.window.origin.mult(per_pixel));
+        Rect::new(near, self.window.width() * per_pixel, self.window.height() * per_pixel)
     }
 
     /// Where a point of the world is seen, px.
@@ -74,12 +88,13 @@ fn quarter(at: f64) -> f64 {
     (at * 4.0).round().clamp(-FAR, FAR) / 4.0
 }
 
-fn check(world: Vector, size: [u32; 2]) -> Result<(), RenderError> {
+fn check(area: &Rect, size: [u32; 2]) -> Result<(), RenderError> {
     if size.iter().any(|&side| side == 0 || side > LARGEST_SIDE) {
         return Err(RenderError::PictureSize { width: size[0], height: size[1], largest: LARGEST_SIDE });
     }
-    if !world.is_finite() || world.x <= 0.0 || world.y <= 0.0 {
-        return Err(RenderError::WorldSize { width: world.x, height: world.y });
+    let (width, height) = (area.width(), area.height());
+    if !(area.origin.is_finite() && width.is_finite() && height.is_finite()) || width <= 0.0 || height <= 0.0 {
+        return Err(RenderError::WorldSize { width, height });
     }
     Ok(())
 }

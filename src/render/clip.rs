@@ -1,6 +1,6 @@
 use super::in_order::in_order;
 use super::patch::Patch;
-use super::{Frame, Metadata, Painter, Picture, RenderError, Sampling, View, apng, compose, gif, png};
+use super::{Frame, Metadata, Painter, Picture, RenderError, Timeline, View, apng, compose, gif, png};
 use std::io::Write;
 use std::num::NonZero;
 
@@ -41,13 +41,30 @@ pub fn write_png_sequence<E: From<RenderError>>(
     })
 }
 
+/// Hands the picture of each frame to `output`, in order, drawn on `threads` threads.
+///
+/// # Errors
+/// The first error of `frames` or of `output`.
+pub fn draw_each<E>(
+    frames: impl Iterator<Item = Result<Frame, E>>,
+    view: &View,
+    threads: NonZero<usize>,
+    output: impl FnMut(Picture) -> Result<(), E>,
+) -> Result<(), E> {
+    let worker = || {
+        let mut painter = Painter::new();
+        move |frame: Frame| painter.draw(&compose(&frame, view))
+    };
+    in_order(frames, threads, worker, output)
+}
+
 /// Frames that one thread draws in a row; the one before them is drawn again to know what
 /// changes.
 const BATCH: usize = 16;
 
 /// Writes frames as an endless GIF animation, each on screen at its own instant.
 ///
-/// `sampling` is what the frames were chosen by: it says how long each is shown. Frames are
+/// `timeline` says how long each is shown. Frames are
 /// drawn on `threads` threads; the bytes do not depend on how many. Memory does not grow with
 /// the number of frames.
 ///
@@ -56,7 +73,7 @@ const BATCH: usize = 16;
 pub fn write_gif<E: From<RenderError>>(
     frames: impl Iterator<Item = Result<Frame, E>>,
     view: &View,
-    sampling: &Sampling,
+    timeline: &Timeline,
     metadata: &Metadata,
     threads: NonZero<usize>,
     output: impl Write,
@@ -65,7 +82,7 @@ pub fn write_gif<E: From<RenderError>>(
     let mut shown = 0;
     let compress = |patch: Patch| gif::Compressed::new(&patch);
     each_change(frames, view, threads, compress, |picture| {
-        animation.add(picture, sampling.delay(shown))?;
+        animation.add(picture, timeline.delay(shown))?;
         shown += 1;
         Ok(())
     })?;
@@ -74,26 +91,25 @@ pub fn write_gif<E: From<RenderError>>(
 
 /// Writes frames as an endless animated PNG, with every colour and every instant exact.
 ///
-/// `sampling` is what the frames were chosen by: it says how many they are and how long each
-/// is shown. Threads and memory are as for [`write_gif`].
+/// `timeline` says how many frames there are and how long each is shown. Threads and memory are as for [`write_gif`].
 ///
 /// # Errors
 /// The first error of `frames`, or of the writer; and when there are fewer frames than the
-/// sampling says, which stands at the beginning of the file.
+/// timeline says, which stands at the beginning of the file.
 pub fn write_apng<E: From<RenderError>>(
     frames: impl Iterator<Item = Result<Frame, E>>,
     view: &View,
-    sampling: &Sampling,
+    timeline: &Timeline,
     metadata: &Metadata,
     threads: NonZero<usize>,
     output: impl Write,
 ) -> Result<(), E> {
-    let count = sampling.count();
+    let count = timeline.count();
     let mut animation = apng::Animation::new(view.camera.size, count, metadata, output)?;
     let mut shown = 0;
     let compress = |patch: Patch| apng::Compressed::new(&patch);
     each_change(frames, view, threads, compress, |picture| {
-        animation.add(&picture?, sampling.exact_delay(shown))?;
+        animation.add(&picture?, timeline.exact_delay(shown))?;
         shown += 1;
         Ok(())
     })?;

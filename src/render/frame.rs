@@ -41,6 +41,8 @@ pub struct Appearance {
     pub color: Option<Color>,
     /// kg; infinity for what is never pushed.
     pub mass: f64,
+    /// The constant force on it and its weight together, N; null for an infinite mass.
+    pub force: Vector,
     /// Whether it is one of the scene's four walls, drawn as the border of the picture.
     pub is_wall: bool,
 }

@@ -84,6 +84,38 @@ impl Compressed {
     }
 }
 
+/// What a GIF file says of itself in its first comment, as [`Animation::new`] writes it.
+pub fn metadata(file: &[u8]) -> Metadata {
+    const EXTENSION: u8 = 0x21;
+    const COMMENT: u8 = 0xfe;
+    const SCREEN: usize = 13;
+    let flags = file.get(10).copied().unwrap_or(0);
+    let palette = if flags & 0x80 == 0 { 0 } else { 3 << ((flags & 7) + 1) };
+    let mut rest = file.get(SCREEN + palette..).unwrap_or_default();
+    while let [EXTENSION, label, blocks @ ..] = rest {
+        let (content, after) = joined_blocks(blocks);
+        if *label == COMMENT {
+            return Metadata::parse(&String::from_utf8_lossy(&content));
+        }
+        rest = after;
+    }
+    Metadata::default()
+}
+
+/// The content of a row of blocks, each with its length before it, and what follows the row.
+fn joined_blocks(mut rest: &[u8]) -> (Vec<u8>, &[u8]) {
+    let mut content = Vec::new();
+    while let [length, after @ ..] = rest {
+        let Some((block, after)) = after.split_at_checked(usize::from(*length)) else { return (content, &[]) };
+        content.extend(block);
+        rest = after;
+        if *length == 0 {
+            break;
+        }
+    }
+    (content, rest)
+}
+
 fn refusal(error: EncodingError) -> RenderError {
     match error {
         EncodingError::Io(error) => RenderError::Write(error),

@@ -1,5 +1,6 @@
 use std::num::NonZero;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
+use std::thread::Builder;
 
 /// Tasks that wait for one worker at most.
 const WAITING: usize = 2;
@@ -18,18 +19,19 @@ pub fn in_order<T: Send, R: Send, E, W: FnMut(T) -> R>(
     worker: impl Fn() -> W + Sync,
     mut output: impl FnMut(R) -> Result<(), E>,
 ) -> Result<(), E> {
-    if threads.get() == 1 {
-        let mut work = worker();
-        return inputs.into_iter().try_for_each(|input| output(work(input?)));
-    }
     std::thread::scope(|scope| {
-        let lanes: Vec<Lane<T, R>> = (0..threads.get())
-            .map(|_| {
+        let others = if threads.get() == 1 { 0 } else { threads.get() };
+        // Where the system has fewer threads to give, or none as WebAssembly, it only takes longer.
+        let lanes: Vec<Lane<T, R>> = (0..others)
+            .map_while(|_| {
                 let (lane, tasks, results) = Lane::new();
-                scope.spawn(|| serve(worker(), tasks, results));
-                lane
+                Builder::new().spawn_scoped(scope, || serve(worker(), tasks, results)).ok().map(|_| lane)
             })
             .collect();
+        if lanes.is_empty() {
+            let mut work = worker();
+            return inputs.into_iter().try_for_each(|input| output(work(input?)));
+        }
         deal(inputs, &lanes, &mut output)
     })
 }

@@ -7,6 +7,14 @@ pub struct Metadata {
     pub entries: Vec<(String, String)>,
 }
 
+impl Metadata {
+    /// Reads one `key: value` a line; other lines are passed over.
+    pub fn parse(text: &str) -> Metadata {
+        let entry = |line: &str| line.split_once(": ").map(|(key, value)| (key.to_owned(), value.to_owned()));
+        Metadata { entries: text.lines().filter_map(entry).collect() }
+    }
+}
+
 impl std::fmt::Display for Metadata {
     /// One `key: value` a line, which is how a GIF comment holds it.
     fn fmt(&self, out: &mut std::fmt::Formatter) -> std::fmt::Result {

@@ -5,6 +5,7 @@
 //! of pixels, which [`png`], [`apng`] and [`gif`] write. Each arrow is a pure function, so that pictures drawn on any number of
 //! threads, or in several parts, are the same to the bit.
 
+mod aim;
 pub mod apng;
 pub(crate) mod area;
 mod arrow;
@@ -20,11 +21,13 @@ mod frame;
 pub mod gif;
 mod in_order;
 mod indexed;
+pub(crate) mod labels;
 pub(crate) mod layers;
 mod line_coverage;
 mod look;
 mod lzw;
 mod metadata;
+pub(crate) mod number;
 mod painter;
 pub(crate) mod palette;
 mod patch;
@@ -36,12 +39,14 @@ mod stencil;
 mod style;
 pub mod svg;
 pub mod text;
+mod timeline;
 mod trails;
 mod view;
 
+pub use aim::Aim;
 pub use arrow::Arrow;
 pub use camera::Camera;
-pub use clip::{write_apng, write_gif, write_png, write_png_sequence};
+pub use clip::{draw_each, write_apng, write_gif, write_png, write_png_sequence};
 pub use color::Color;
 pub use display_list::{DisplayList, Ink, Shape};
 pub use error::RenderError;
@@ -54,5 +59,6 @@ pub use palette::Palette;
 pub use picture::Picture;
 pub use sampling::{FASTEST_GIF, Sampling, Thinning};
 pub use style::Style;
+pub use timeline::{Moment, Pace, Timeline};
 pub use trails::Trails;
 pub use view::View;

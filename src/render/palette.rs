@@ -22,6 +22,10 @@ pub struct Palette {
     pub normal: Color,
     /// Penetration of collisions.
     pub penetration: Color,
+    /// Impulses of collisions.
+    pub impulse: Color,
+    /// Forces.
+    pub force: Color,
 }
 
 /// Okabe and Ito's colours, told apart by all common kinds of colour vision; their black is
@@ -69,6 +73,8 @@ const LIGHT: Palette = Palette {
     border: Color::hex(0x000000),
     normal: Color::hex(0x9b2f8f),
     penetration: Color::hex(0xc81e1e),
+    impulse: Color::hex(0xb34700),
+    force: Color::hex(0x006b4f),
 };
 
 const DARK: Palette = Palette {
@@ -81,6 +87,8 @@ const DARK: Palette = Palette {
     border: Color::hex(0xffffff),
     normal: Color::hex(0xe59adb),
     penetration: Color::hex(0xff7b72),
+    impulse: Color::hex(0xffa657),
+    force: Color::hex(0x56d4a8),
 };
 
 impl Palette {

@@ -4,7 +4,7 @@ use super::text::{Font, Line, Segment, UNITS_PER_EM};
 use super::{Color, DisplayList, Ink, Metadata, RenderError, Shape};
 use crate::physics::Vector;
 use pdf_writer::types::{LineCapStyle, LineJoinStyle};
-use pdf_writer::{Content, Finish, Name, Pdf, Rect, Ref, TextStr};
+use pdf_writer::{Content, Filter, Finish, Name, Pdf, Rect, Ref, TextStr};
 use std::collections::BTreeSet;
 use std::io::Write;
 
@@ -42,7 +42,8 @@ pub fn encode(list: &DisplayList, metadata: &Metadata, mut output: impl Write) -
     states.finish();
     resources.finish();
     page.finish();
-    pdf.stream(CONTENT, &content(list, height));
+    let compressed = compress(&content(list, height));
+    pdf.stream(CONTENT, &compressed).filter(Filter::FlateDecode);
     let mut info = pdf.document_info(INFO);
     for (key, value) in &metadata.entries {
         info.insert(Name(key.as_bytes())).primitive(TextStr(value));
@@ -50,6 +51,102 @@ pub fn encode(list: &DisplayList, metadata: &Metadata, mut output: impl Write) -
     info.finish();
     output.write_all(&pdf.finish())?;
     Ok(())
+}
+
+/// A zlib stream, by an encoder named here: whatever deflate library other crates choose, the
+/// bytes are the same.
+fn compress(content: &[u8]) -> Vec<u8> {
+    const LEVEL: u8 = 6;
+    miniz_oxide::deflate::compress_to_vec_zlib(content, LEVEL)
+}
+
+/// What a PDF file that [`encode`] wrote says of itself.
+pub fn metadata(file: &[u8]) -> Metadata {
+    let begin = format!("{} 0 obj\n<<", INFO.get());
+    let found = file.windows(begin.len()).rposition(|bytes| bytes == begin.as_bytes());
+    let mut rest = found.map_or(&file[..0], |at| &file[at + begin.len()..]);
+    let mut entries = Vec::new();
+    while let Some((key, after)) = name(rest)
+        && let Some((value, after)) = text(after)
+    {
+        entries.push((key, value));
+        rest = after;
+    }
+    Metadata { entries }
+}
+
+/// A name with `#20` for a blank and the like, and what follows it.
+fn name(text: &[u8]) -> Option<(String, &[u8])> {
+    let mut rest = text.trim_ascii_start().strip_prefix(b"/")?;
+    let mut name = Vec::new();
+    while let [byte, after @ ..] = rest {
+        (rest, _) = match *byte {
+            b' ' | b'(' | b'<' | b'\n' => break,
+            b'#' => {
+                name.extend(hexadecimal(after.get(..2)?)?);
+                (&after[2..], ())
+            }
+            other => {
+                name.push(other);
+                (after, ())
+            }
+        };
+    }
+    Some((String::from_utf8(name).ok()?, rest))
+}
+
+/// A string in parentheses or as hexadecimal digits, and what follows it.
+fn text(text: &[u8]) -> Option<(String, &[u8])> {
+    let rest = text.trim_ascii_start();
+    if let Some(digits) = rest.strip_prefix(b"<") {
+        let end = digits.iter().position(|&byte| byte == b'>')?;
+        return Some((unicode(&hexadecimal(&digits[..end])?)?, &digits[end + 1..]));
+    }
+    let (bytes, rest) = in_parentheses(rest.strip_prefix(b"(")?)?;
+    Some((unicode(&bytes)?, rest))
+}
+
+fn in_parentheses(mut rest: &[u8]) -> Option<(Vec<u8>, &[u8])> {
+    let (mut bytes, mut depth) = (Vec::new(), 0_u32);
+    loop {
+        let [byte, after @ ..] = rest else { return None };
+        rest = after;
+        match *byte {
+            b')' if depth == 0 => return Some((bytes, rest)),
+            b'\\' => {
+                let (&escaped, after) = rest.split_first()?;
+                rest = after;
+                bytes.push(match escaped {
+                    b'n' => b'\n',
+                    b'r' => b'\r',
+                    b't' => b'\t',
+                    b'b' => 8,
+                    b'f' => 12,
+                    other => other,
+                });
+            }
+            other => {
+                depth = if other == b'(' { depth + 1 } else { depth - u32::from(other == b')') };
+                bytes.push(other);
+            }
+        }
+    }
+}
+
+/// Text is ASCII, or UTF-16 behind a byte order mark.
+fn unicode(bytes: &[u8]) -> Option<String> {
+    match bytes.strip_prefix(b"\xfe\xff") {
+        Some(pairs) => {
+            let units: Vec<u16> = pairs.as_chunks::<2>().0.iter().map(|pair| u16::from_be_bytes(*pair)).collect();
+            String::from_utf16(&units).ok()
+        }
+        None => String::from_utf8(bytes.to_vec()).ok(),
+    }
+}
+
+fn hexadecimal(digits: &[u8]) -> Option<Vec<u8>> {
+    let text = std::str::from_utf8(digits).ok()?;
+    (0..text.len() / 2).map(|at| u8::from_str_radix(text.get(2 * at..2 * at + 2)?, 16).ok()).collect()
 }
 
 fn opacities(list: &DisplayList) -> BTreeSet<u8> {

@@ -59,7 +59,17 @@ pub fn decode(input: impl BufRead + Seek) -> Result<(Picture, Metadata), RenderE
     let frame = reader.next_frame(&mut bytes).map_err(unreadable)?;
     reader.finish().map_err(unreadable)?;
     let pixels = opaque(&bytes[..frame.buffer_size()], frame.color_type.samples());
-    Ok((Picture { size: [frame.width, frame.height], pixels }, metadata(reader.info())))
+    Ok((Picture { size: [frame.width, frame.height], pixels }, texts(reader.info())))
+}
+
+/// What a PNG file says of itself, its pixels unread.
+///
+/// # Errors
+/// When `file` is no sound PNG file up to its pixels.
+pub fn metadata(file: &[u8]) -> Result<Metadata, RenderError> {
+    let decoder = Decoder::new_with_limits(std::io::Cursor::new(file), png::Limits { bytes: 4 * MOST_PIXELS });
+    let reader = decoder.read_info().map_err(unreadable)?;
+    Ok(texts(reader.info()))
 }
 
 /// Pixels of grey and alpha, or of red, green, blue and alpha, on white.
@@ -76,7 +86,7 @@ fn opaque(bytes: &[u8], samples: usize) -> Vec<[u8; 4]> {
     bytes.chunks_exact(samples).map(pixel).collect()
 }
 
-fn metadata(info: &Info) -> Metadata {
+fn texts(info: &Info) -> Metadata {
     let entries = info.utf8_text.iter().filter_map(|chunk| Some((chunk.keyword.clone(), chunk.get_text().ok()?)));
     Metadata { entries: entries.collect() }
 }

@@ -14,6 +14,14 @@ pub struct Style {
     /// Taken from the whole run, not from the part that is drawn, so that parts drawn apart
     /// fit together. Faster bodies are drawn as if they had this speed.
     pub top_speed: f64,
+    /// The force, N, of the longest force arrow; of the whole run, too.
+    pub top_force: f64,
+    /// The impulse, N·s, of the longest impulse arrow; of the whole run, too.
+    pub top_impulse: f64,
+    /// How many bodies the run ever has: of many, velocities and forces are drawn shorter.
+    pub crowd: u32,
+    /// What is written below the picture; nothing if empty.
+    pub caption: String,
     /// The materials of the run in the order of the legend; the palette is gone round by it.
     pub materials: Vec<String>,
 }
@@ -24,9 +32,9 @@ impl Style {
         self.show.contains(&overlay)
     }
 
-    /// Whether a strip below the world is kept free for the clock or a legend.
+    /// Whether a strip below the world is kept free for the clock, a scale bar or a legend.
     pub fn has_footer(&self) -> bool {
-        self.shows(Overlay::Clock) || self.color_by != ColorBy::Body
+        self.shows(Overlay::Clock) || self.shows(Overlay::Scale) || self.color_by != ColorBy::Body
     }
 }
 
@@ -38,6 +46,10 @@ impl Default for Style {
             show: vec![Overlay::Name, Overlay::Clock],
             color_by: ColorBy::Body,
             top_speed: 10.0,
+            top_force: 10.0,
+            top_impulse: 10.0,
+            crowd: 0,
+            caption: String::new(),
             materials: Vec::new(),
         }
     }

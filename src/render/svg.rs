@@ -29,6 +29,15 @@ pub fn encode(list: &DisplayList, metadata: &Metadata, mut output: impl Write) -
     Ok(())
 }
 
+/// What an SVG file that [`encode`] wrote says of itself.
+pub fn metadata(file: &[u8]) -> Metadata {
+    let text = String::from_utf8_lossy(file);
+    let begin = text.split_once("<metadata>").map_or("", |(_, rest)| rest);
+    let escaped = begin.split_once("</metadata>").map_or("", |(content, _)| content);
+    let plain = escaped.replace("&lt;", "<").replace("&gt;", ">").replace("&quot;", "\"").replace("&amp;", "&");
+    Metadata::parse(&plain)
+}
+
 /// Every glyph that is used, once, in font units and with y up.
 fn glyphs(list: &DisplayList, output: &mut impl Write) -> Result<(), RenderError> {
     let lines = list.leaves().filter_map(|shape| match shape {

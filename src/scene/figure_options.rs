@@ -26,7 +26,7 @@ const THEME: Key = Key { name: "theme", accepts: "\"light\" or \"dark\"" };
 const FPS: Key = Key { name: "fps", accepts: "a positive number of frames per second, at most 1000" };
 const SHOW: Key = Key {
     name: "show",
-    accepts: "a list of \"velocity\", \"normal\", \"penetration\", \"trail\", \"name\", \"grid\" and \"clock\", each at most once",
+    accepts: "a list of \"velocity\", \"force\", \"normal\", \"impulse\", \"penetration\", \"trail\", \"name\", \"mass\", \"grid\", \"axes\", \"scale\" and \"clock\", each at most once",
 };
 const COLOR_BY: Key = Key { name: "color_by", accepts: "\"body\", \"material\" or \"speed\"" };
 
@@ -97,16 +97,26 @@ named! {
     Overlay {
         /// An arrow for each velocity.
         Velocity = "velocity",
+        /// An arrow for the weight of each box and the constant force on it, taken together.
+        Force = "force",
         /// The unit normal of each collision.
         Normal = "normal",
+        /// The impulses of each collision.
+        Impulse = "impulse",
         /// The penetration vector of each collision.
         Penetration = "penetration",
         /// Where each box was.
         Trail = "trail",
         /// The name of each box.
         Name = "name",
+        /// The mass of each box, kg.
+        Mass = "mass",
         /// Lines every metre, or every few.
         Grid = "grid",
+        /// Scales in metres beside the picture.
+        Axes = "axes",
+        /// A bar as long as it says.
+        Scale = "scale",
         /// The simulated time.
         Clock = "clock",
     }

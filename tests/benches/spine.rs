@@ -6,7 +6,7 @@
 use rebond::{
     physics::{CollisionCount, Engine, invariants},
     recording::{Header, Outcome, RecordedEvent, SceneText, Versions, Writer},
-    render::{self, Appearance, Frame, Metadata, Painter, Sampling, Sprite, Style, Thinning, View, png},
+    render::{self, Appearance, Frame, Metadata, Painter, Sampling, Sprite, Style, Thinning, Timeline, View, png},
     run, scene,
 };
 use std::{io, num::NonZero, sync::Arc, time::Instant};
@@ -130,11 +130,11 @@ fn drawing(bodies: usize) {
         };
         nanoseconds(|| frames.iter().for_each(draw)) / count / 1e6
     });
-    let sampling = Sampling::new(0..=59, 60.0, Thinning::All);
+    let timeline = Timeline::from(Sampling::new(0..=59, 60.0, Thinning::All));
     let gif = measure(|| {
         let frames = frames.iter().cloned().map(Ok::<_, render::RenderError>);
         let one = NonZero::<usize>::MIN;
-        let write = || render::write_gif(frames, &view, &sampling, &Metadata::default(), one, io::sink());
+        let write = || render::write_gif(frames, &view, &timeline, &Metadata::default(), one, io::sink());
         nanoseconds(|| write().expect("a sink")) / count / 1e6
     });
     println!("{bodies:6}   {png:22} {gif}");
@@ -148,6 +148,7 @@ fn frame(engine: &Engine, step: u64) -> Frame {
             material: String::new(),
             color: None,
             mass: body.mass,
+            force: rebond::physics::Vector::ZERO,
             is_wall: body.is_infinite(),
         };
         Sprite { appearance: Arc::new(appearance), rect: body.rect, velocity: body.velocity, trail: Vec::new() }

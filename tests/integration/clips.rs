@@ -2,8 +2,8 @@
 
 use crate::frames::{WORLD, moving, view};
 use rebond::render::{
-    Frame, Metadata, Painter, Picture, RenderError, Sampling, Thinning, View, compose, png, write_apng, write_gif,
-    write_png_sequence,
+    Frame, Metadata, Painter, Picture, RenderError, Sampling, Thinning, Timeline, View, compose, png, write_apng,
+    write_gif, write_png_sequence,
 };
 use rebond::scene::{ColorBy, Overlay, Theme};
 use std::io::Cursor;
@@ -29,7 +29,7 @@ fn gif(frames: &[Frame], view: &View, threads: usize) -> Vec<u8> {
     let metadata = Metadata { entries: vec![("rebond steps".into(), "0 to 79 every 2".into())] };
     let mut file = Vec::new();
     let frames = frames.iter().cloned().map(Ok::<_, RenderError>);
-    write_gif(frames, view, &sampling(), &metadata, NonZero::new(threads).unwrap(), &mut file).unwrap();
+    write_gif(frames, view, &Timeline::from(sampling()), &metadata, NonZero::new(threads).unwrap(), &mut file).unwrap();
     file
 }
 
@@ -97,8 +97,8 @@ fn a_gif_lasts_as_long_as_what_it_shows() {
     let view = small(Theme::Light, &[], ColorBy::Body);
     let shown = shown(&gif(&frames(3), &view, 1));
     assert_eq!(shown.len(), 40);
-    assert_eq!(shown.iter().map(|(_, delay)| u64::from(*delay)).sum::<u64>(), 132, "from step 0 to step 79");
-    assert!(shown.iter().all(|(_, delay)| [2, 3, 4].contains(delay)));
+    assert_eq!(shown.iter().map(|(_, delay)| u64::from(*delay)).sum::<u64>(), 133, "40 frames of 2 steps at 60 Hz");
+    assert!(shown.iter().all(|(_, delay)| [3, 4].contains(delay)));
 }
 
 #[test]
@@ -133,11 +133,42 @@ fn the_bytes_of_a_gif_do_not_depend_on_the_threads() {
     }
 }
 
+/// A long clip is held by the hash of each picture: what a change did is seen by rendering it.
+#[test]
+fn every_picture_of_a_long_clip() {
+    use rebond::illustration::{Source, Wish, WishedSubject, frames, timeline, view};
+    use std::fmt::Write;
+    let recordings = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("recordings");
+    let mut hashes = String::new();
+    for (name, theme) in [("click-session", Theme::Light), ("falling-heap", Theme::Dark)] {
+        let sources = [Source::open(&recordings.join(format!("{name}.mcap"))).unwrap()];
+        let wish = Wish {
+            every: Some(5),
+            size: Some([320, 180]),
+            theme: Some(theme),
+            show: Some(Overlay::ALL.to_vec()),
+            ..Wish::new(WishedSubject::Sequence)
+        };
+        let request = wish.request(&sources, &mut |_, _| ()).unwrap();
+        let timeline = timeline(&request, &sources[0], &mut |_, _| ()).unwrap();
+        let view = view(&request, &sources[0], &mut |_, _| ()).unwrap();
+        let mut painter = Painter::new();
+        for frame in frames(&request, &sources[0], &timeline).unwrap() {
+            let frame = frame.unwrap();
+            let picture = painter.draw(&compose(&frame, &view));
+            let hash = xxhash_rust::xxh3::xxh3_64(picture.pixels.as_flattened());
+            writeln!(hashes, "{name} {:04} {hash:016x}", frame.step).unwrap();
+        }
+    }
+    crate::snapshot::assert_text("clip-hashes", &hashes);
+}
+
 fn apng(frames: &[Frame], view: &View, threads: usize) -> Vec<u8> {
     let metadata = Metadata { entries: vec![("rebond steps".into(), "0 to 79 every 2".into())] };
     let mut file = Vec::new();
     let frames = frames.iter().cloned().map(Ok::<_, RenderError>);
-    write_apng(frames, view, &sampling(), &metadata, NonZero::new(threads).unwrap(), &mut file).unwrap();
+    write_apng(frames, view, &Timeline::from(sampling()), &metadata, NonZero::new(threads).unwrap(), &mut file)
+        .unwrap();
     file
 }
 
@@ -194,7 +225,14 @@ fn the_bytes_of_an_animated_png_do_not_depend_on_the_threads() {
 fn an_animated_png_of_too_few_frames_is_an_error() {
     let view = small(Theme::Light, &[], ColorBy::Body);
     let frames = frames(1)[..39].to_vec().into_iter().map(Ok::<_, RenderError>);
-    let end = write_apng(frames, &view, &sampling(), &Metadata::default(), NonZero::<usize>::MIN, std::io::sink());
+    let end = write_apng(
+        frames,
+        &view,
+        &Timeline::from(sampling()),
+        &Metadata::default(),
+        NonZero::<usize>::MIN,
+        std::io::sink(),
+    );
     assert_eq!(end.unwrap_err().to_string(), "an animation of 40 pictures was to be written, but there are 39");
 }
 

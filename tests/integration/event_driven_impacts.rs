@@ -232,6 +232,31 @@ fn a_squeeze_between_infinite_masses_is_an_error_that_names_them() {
 }
 
 #[test]
+fn what_bounces_without_loss_is_crushed_too() {
+    let bodies = [
+        sketch([0.0, 0.0], [1.0, 4.0], INFINITE).moving(1.0, 0.0),
+        sketch([6.0, 0.0], [1.0, 4.0], INFINITE),
+        sketch([3.0, 1.0], [1.0, 1.0], 1.0),
+    ];
+    let mut engine = world(Conditions { events_per_step: 10_000, ..Conditions::default() }, &bodies);
+    let error = (0..600).find_map(|_| engine.step(&mut Vec::new()).err()).expect("a crush");
+    let between = ["0".to_owned(), "1".to_owned()];
+    assert_eq!(error, StepError::Crushed { step: 239, body: "2".to_owned(), between });
+}
+
+#[test]
+fn a_collision_at_the_instant_of_a_sample_shows_in_it() {
+    for (speed, gap, rate) in [(5.0, 1.5, 60.0), (1.0, 0.1, 10.0), (3.0, 0.9, 10.0), (0.7, 2.1, 60.0), (1.1, 3.3, 60.0)]
+    {
+        let bodies =
+            [sketch([16.0, 0.0], [1.0, 1.0], INFINITE), sketch([15.0 - gap, 0.0], [1.0, 1.0], 1.0).moving(speed, 0.0)];
+        let mut engine = world(Conditions { rate, ..Conditions::default() }, &bodies);
+        run(&mut engine, (gap / speed * rate).round() as u64);
+        assert_eq!(body(&engine, 1).velocity, Vector::new(-speed, 0.0), "{gap} m at {speed} m/s");
+    }
+}
+
+#[test]
 fn too_many_events_name_the_bodies() {
     let bodies = [
         sketch([0.0, 0.0], [1.0, 1.0], INFINITE),

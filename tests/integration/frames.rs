@@ -11,8 +11,13 @@ pub const WORLD: Vector = Vector::new(16.0, 9.0);
 /// A small picture of that world.
 pub fn view(theme: Theme, show: &[Overlay], color_by: ColorBy) -> View {
     let materials = ["ice", "steel", "wood"].map(str::to_owned).to_vec();
-    let style = Style { theme, show: show.to_vec(), color_by, top_speed: 7.5, materials };
+    let style = Style { show: show.to_vec(), color_by, top_speed: 7.5, materials, ..plain(theme) };
     View::fit(WORLD, [640, 360], style).unwrap()
+}
+
+/// A style with scales that suit the bodies of [`collision`].
+pub fn plain(theme: Theme) -> Style {
+    Style { theme, show: Vec::new(), top_force: 20.0, top_impulse: 5.0, ..Style::default() }
 }
 
 /// Two boxes that meet, some others, and four walls.
@@ -25,7 +30,7 @@ pub fn collision() -> Frame {
     sprites.push(sprite(8, "hull", "steel", [10.25, 7.2, 3.0, 0.8], [0.0, -4.0]));
     sprites.push(sprite(9, "leaving", "wood", [15.5, 1.0, 2.0, 1.0], [20.0, 0.0]));
     sprites.push(Sprite {
-        appearance: Arc::new(Appearance { mass: f64::INFINITY, ..appearance(10, "anchor", "") }),
+        appearance: Arc::new(Appearance { mass: f64::INFINITY, force: Vector::ZERO, ..appearance(10, "anchor", "") }),
         ..sprite(10, "", "", [11.0, 2.0, 2.5, 1.5], [0.0, 0.0])
     });
     for sprite in &mut sprites[4..] {
@@ -64,7 +69,12 @@ fn walls() -> Vec<Sprite> {
         ("wall-left", [-1.0, 0.0, 1.0, y]),
         ("wall-right", [x, 0.0, 1.0, y]),
     ];
-    let wall = |id: u32, name: &str| Appearance { mass: f64::INFINITY, is_wall: true, ..appearance(id, name, "") };
+    let wall = |id: u32, name: &str| Appearance {
+        mass: f64::INFINITY,
+        force: Vector::ZERO,
+        is_wall: true,
+        ..appearance(id, name, "")
+    };
     let sprites = walls.iter().zip(0..).map(|((name, rect), id)| Sprite {
         appearance: Arc::new(wall(id, name)),
         ..sprite(id, name, "", *rect, [0.0, 0.0])
@@ -82,7 +92,8 @@ fn sprite(id: u32, name: &str, material: &str, [x, y, width, height]: [f64; 4], 
 }
 
 fn appearance(id: u32, name: &str, material: &str) -> Appearance {
-    Appearance { id, name: name.into(), material: material.into(), color: None, mass: 1.0, is_wall: false }
+    let force = Vector::new(0.0, 9.81);
+    Appearance { id, name: name.into(), material: material.into(), color: None, mass: 1.0, force, is_wall: false }
 }
 
 /// Where a body in free fall with this velocity was in the last half second.

@@ -67,14 +67,26 @@ impl Workplace {
 
     /// Runs `rebond` with something on standard input.
     pub fn rebond_with_input(&self, line: &str, input: &str) -> Outcome {
-        let output = Command::new(env!("CARGO_BIN_EXE_rebond"))
+        self.run(self.command(line).write_stdin(input))
+    }
+
+    /// Runs `rebond` where programs are found in one folder only.
+    pub fn rebond_on_path(&self, line: &str, path: &Path) -> Outcome {
+        self.run(self.command(line).env("PATH", path))
+    }
+
+    fn command(&self, line: &str) -> Command {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_rebond"));
+        command
             .args(line.split_whitespace())
             .current_dir(self.folder.path())
             .env("NO_COLOR", "1")
-            .env("COLUMNS", "100")
-            .write_stdin(input)
-            .output()
-            .expect("the program runs");
+            .env("COLUMNS", "100");
+        command
+    }
+
+    fn run(&self, command: &mut Command) -> Outcome {
+        let output = command.output().expect("the program runs");
         Outcome {
             code: output.status.code().unwrap_or(-1),
             output: String::from_utf8_lossy(&output.stdout).into_owned(),

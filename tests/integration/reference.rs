@@ -1,10 +1,10 @@
 //! Pictures held by reference images: decoded pixels, no tolerance.
 
 use rebond::render::compare::{Comparison, compare, side_by_side};
-use rebond::render::{Metadata, Picture, png};
+use rebond::render::{Picture, png};
 use std::fs::{self, File};
 use std::io::BufReader;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Fails unless `picture` is the reference image `snapshots/<name>.png` to the last bit.
 ///
@@ -15,39 +15,66 @@ pub fn assert_reference(name: &str, picture: &Picture) {
     if std::env::var_os("REBOND_ACCEPT").is_some_and(|value| value == "1") {
         return accept(&reference, picture);
     }
-    let Ok(file) = File::open(&reference) else {
-        let failure = save_failure(name, picture);
-        panic!("{name} has no reference image; the picture is {}; {ADVICE}", failure.display());
+    if let Err(problem) = check(name, picture, &reference, &in_package("failures", name)) {
+        panic!("{problem}");
+    }
+}
+
+/// What is wrong with a picture, which is then shown in the file `failure`, here as on any machine
+/// that runs tests unattended.
+fn check(name: &str, picture: &Picture, reference: &Path, failure: &Path) -> Result<(), String> {
+    let Ok(file) = File::open(reference) else {
+        save(failure, picture);
+        return Err(format!("{name} has no reference image; the picture is {}; {ADVICE}", failure.display()));
     };
     let (expected, _) = png::decode(BufReader::new(file)).unwrap();
     let comparison = compare(&expected, picture);
-    if comparison != Comparison::Same {
-        let failure = save_failure(name, &side_by_side(&expected, picture));
-        panic!("{name}: {comparison}; expected, difference and actual are {}; {ADVICE}", failure.display());
+    if comparison == Comparison::Same {
+        return Ok(());
     }
+    save(failure, &side_by_side(&expected, picture));
+    let shown = failure.display();
+    Err(format!("{name}: {comparison}; expected, difference and actual are {shown}; {ADVICE}"))
 }
 
 const ADVICE: &str = "look at it, and if it is as it should be, accept it by REBOND_ACCEPT=1 cargo test";
 
 /// Leaves a reference image alone that has the same pixels already, whatever its bytes.
-fn accept(reference: &PathBuf, picture: &Picture) {
+fn accept(reference: &Path, picture: &Picture) {
     let known = File::open(reference).ok().and_then(|file| png::decode(BufReader::new(file)).ok());
     if known.is_none_or(|(known, _)| compare(&known, picture) != Comparison::Same) {
         save(reference, picture);
     }
 }
 
-fn save_failure(name: &str, picture: &Picture) -> PathBuf {
-    let path = in_package("failures", name);
-    save(&path, picture);
-    path
-}
-
-fn save(path: &PathBuf, picture: &Picture) {
+/// Writes a picture as small as PNG can: it is kept for long and read by few.
+fn save(path: &Path, picture: &Picture) {
     fs::create_dir_all(path.parent().unwrap()).unwrap();
-    png::encode(picture, &Metadata::default(), File::create(path).unwrap()).unwrap();
+    let mut encoder = ::png::Encoder::new(File::create(path).unwrap(), picture.size[0], picture.size[1]);
+    encoder.set_color(::png::ColorType::Rgb);
+    encoder.set_compression(::png::Compression::High);
+    let mut writer = encoder.write_header().unwrap();
+    let bytes: Vec<u8> = picture.pixels.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect();
+    writer.write_image_data(&bytes).unwrap();
 }
 
 fn in_package(folder: &str, name: &str) -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(folder).join(format!("{name}.png"))
+}
+
+#[test]
+fn a_picture_that_differs_is_shown_beside_what_was_expected() {
+    let folder = tempfile::TempDir::new().unwrap();
+    let [reference, failure] = ["snapshots/a.png", "failures/a.png"].map(|name| folder.path().join(name));
+    let expected = Picture { size: [6, 4], pixels: vec![[10, 20, 30, 255]; 24] };
+    let mut actual = expected.clone();
+    actual.pixels[9] = [10, 20, 31, 255];
+    let problem = check("a", &actual, &reference, &failure).unwrap_err();
+    assert!(problem.starts_with("a has no reference image; the picture is ") && failure.exists(), "{problem}");
+    accept(&reference, &expected);
+    assert_eq!(check("a", &expected, &reference, &failure), Ok(()));
+    let problem = check("a", &actual, &reference, &failure).unwrap_err();
+    assert!(problem.starts_with("a: 1 pixels differ, the first at (3, 1)"), "{problem}");
+    let (shown, _) = png::decode(BufReader::new(File::open(&failure).unwrap())).unwrap();
+    assert_eq!(shown, side_by_side(&expected, &actual));
 }

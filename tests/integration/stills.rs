@@ -3,7 +3,7 @@
 use crate::frames::{collision, moving, view};
 use crate::reference::assert_reference;
 use rebond::physics::{Rect, Vector};
-use rebond::render::{Camera, Frame, Painter, Picture, View, compose};
+use rebond::render::{Aim, Frame, Painter, Picture, Style, View, compose};
 use rebond::scene::{ColorBy, Overlay, Theme};
 
 fn picture(frame: &Frame, view: &View) -> Picture {
@@ -27,6 +27,37 @@ fn each_colouring_in_both_themes_with_all_overlays() {
             let view = view(*theme, Overlay::ALL, *color_by);
             assert_reference(&format!("frame-by-{}-{}", color_by.name(), theme.name()), &picture(&collision(), &view));
         }
+    }
+}
+
+/// A part of the world larger than it is, and a body kept in the middle.
+#[test]
+fn a_camera_that_is_aimed_at_something() {
+    let show = [Overlay::Name, Overlay::Grid, Overlay::Axes, Overlay::Scale, Overlay::Clock];
+    let style = Style { caption: "Aimed at a part of it".into(), ..view(Theme::Light, &show, ColorBy::Body).style };
+    let window = Aim::Window(Rect::new(Vector::new(3.0, 2.0), 6.0, 4.0));
+    let follow = Aim::Follow { name: "hull".into(), size: Vector::new(8.0, 4.5) };
+    let lost = Aim::Follow { name: "nobody".into(), size: Vector::new(8.0, 4.5) };
+    for (name, aim) in [("window", window), ("follow", follow), ("follow-lost", lost)] {
+        let view = View::new(crate::frames::WORLD, [640, 360], &aim, style.clone()).unwrap();
+        assert_reference(&format!("frame-aim-{name}"), &picture(&collision(), &view));
+    }
+}
+
+/// What is followed stands still on the page, and what stands still moves by whole pixels.
+#[test]
+fn a_followed_body_stays_in_the_middle() {
+    let aim = Aim::Follow { name: "#3".into(), size: Vector::new(8.0, 4.5) };
+    let style = view(Theme::Light, &[], ColorBy::Body).style;
+    let view = View::new(crate::frames::WORLD, [640, 360], &aim, style).unwrap();
+    for step in 0..60 {
+        let frame = moving(5, step);
+        let camera = view.camera_at(&frame);
+        let body = frame.sprites.iter().find(|sprite| sprite.appearance.name == "#3").unwrap();
+        let off = camera.rect(&body.rect).center().sub(camera.window.center());
+        assert!(off.x.abs() <= 0.75 && off.y.abs() <= 0.75, "step {step}: {off:?}");
+        let moved = camera.origin.sub(view.camera.origin).mult(camera.scale);
+        assert!((moved.x - moved.x.round()).abs() < 1e-6 && (moved.y - moved.y.round()).abs() < 1e-6, "step {step}");
     }
 }
 
@@ -83,7 +114,7 @@ fn pictures_of_any_shape_are_drawn() {
 
 #[test]
 fn a_camera_refuses_what_no_picture_can_show() {
-    let refusal = |world, size| Camera::fit(world, size, true).unwrap_err().to_string();
+    let refusal = |world, size| View::fit(world, size, Style::default()).unwrap_err().to_string();
     assert_eq!(
         refusal(Vector::new(16.0, 9.0), [0, 720]),
         "a picture of 0×720 pixels cannot be drawn: each side must be 1 to 16384 pixels"

@@ -1,25 +1,43 @@
 //! A collision: who is hit, what the blow does to them, and where they are put.
 
 use super::EventDriven;
-use super::contact::Pushed;
+use super::block::Side;
+use super::double_double::DoubleDouble;
+use super::fine_state::FineState;
 use super::impact::{Blow, LONGEST_HURRY, capture_speed, is_no_way};
+use super::instant::LONGEST_ROUNDING;
 use super::meeting::tolerance;
 use super::mover::{AXES, Slot};
 use crate::physics::{Collision, Observer, Rect, StepError, Vector, World};
 
 /// The two that collide along an axis, the one behind first, at the instant of the blow.
 struct Encounter {
+    axis: usize,
     slots: [Slot; 2],
-    /// Whether a push away from the other cannot move it: it rests, directly or through
-    /// others, against an infinite mass.
-    immovable: [bool; 2],
-    position: [f64; 2],
-    velocity: [f64; 2],
+    states: [FineState; 2],
+    /// m/s.
     approach: f64,
 }
 
+/// What a blow is like.
+#[derive(Clone, Copy, Debug)]
+struct Character {
+    /// The e of the blow.
+    restitution: f64,
+    /// Below this speed, m/s, none is told from rest; none if this blow ends nothing.
+    ending: Option<f64>,
+}
+
+impl Encounter {
+    /// One of its sides: 0 for the body behind.
+    fn side(&self, place: usize) -> Side {
+        let velocity = self.states[place].velocity;
+        Side { slot: self.slots[place], axis: self.axis, ahead: place == 1, velocity }
+    }
+}
+
 impl EventDriven {
-    /// Two bodies whose faces (or, if not `face`, corners) meet along an axis.
+    /// Two bodies whose faces meet along an axis.
     ///
     /// Bodies in contact meet a blow as one (Moreau's law of impact, the relative velocity at
     /// resting contacts being 0): what rests against an infinite mass takes it like that
@@ -30,170 +48,195 @@ impl EventDriven {
         world: &World,
         pair: [Slot; 2],
         axis: usize,
-        face: bool,
         observer: &mut O,
     ) -> Result<(), StepError> {
-        let encounter = self.encounter(pair, axis);
-        if encounter.approach <= 0.0 && !face {
-            self.renew(&encounter, axis);
-            return Ok(());
+        let encounter = self.exact_encounter(pair, axis);
+        let restitution = self.blow(world, pair, &encounter, observer)?;
+        if restitution == 0.0 {
+            self.join(encounter.slots, axis);
         }
-        if encounter.approach > 0.0 && encounter.immovable == [true; 2] {
-            return Err(self.crushed(world, encounter.slots, axis));
-        }
-        let mut blocks = std::mem::take(&mut self.blocks);
-        let mass = AXES.map(|side| self.block(&encounter, axis, side, &mut blocks[side]));
-        let restitution = self.restitution(world, &encounter, axis);
-        let blow = Blow { velocity: encounter.velocity, mass, restitution };
-        let after = blow.velocities_after();
-        let before = self.state(pair);
-        let mut touched = Vec::new();
-        let position = self.put_together(&encounter, axis);
-        for side in AXES {
-            self.push(&blocks[side], axis, side == 1, [position[side], after[side]], &mut touched);
-        }
-        self.blocks = blocks;
-        if face && restitution == 0.0 {
-            self.contacts.join(&self.movers, encounter.slots, axis);
-            touched.extend(encounter.slots);
-        }
-        self.settle(axis, touched);
-        if encounter.approach > 0.0 {
-            let upwards = if encounter.slots == pair { -1.0 } else { 1.0 };
-            let normal = if axis == 0 { Vector::new(upwards, 0.0) } else { Vector::new(0.0, upwards) };
-            observer.collision(&self.report(pair, normal, blow.impulse(), before));
-        }
+        self.settle();
         Ok(())
     }
 
-    fn encounter(&self, pair: [Slot; 2], axis: usize) -> Encounter {
-        let middle = |slot: Slot| {
-            let mover = &self.movers[slot as usize];
-            mover.motion[axis].at(&self.clock, self.now).0 + mover.size[axis] / 2.0
-        };
-        let slots = if middle(pair[0]) <= middle(pair[1]) { pair } else { [pair[1], pair[0]] };
-        let states = slots.map(|slot| self.movers[slot as usize].motion[axis].at(&self.clock, self.now));
-        let velocity = states.map(|(_, velocity)| velocity);
-        Encounter {
-            slots,
-            immovable: AXES.map(|side| self.movers[slots[side] as usize].is_immovable(axis, side == 1)),
-            position: states.map(|(position, _)| position),
-            velocity,
-            approach: velocity[0] - velocity[1],
+    /// Two bodies whose corners meet: a blow along each axis on which they approach.
+    ///
+    /// If that leaves them at rest against each other they press on corner to corner, in
+    /// contact along both axes: neither way round is the nearer one.
+    pub(super) fn collide_corners<O: Observer>(
+        &mut self,
+        world: &World,
+        pair: [Slot; 2],
+        observer: &mut O,
+    ) -> Result<(), StepError> {
+        for axis in AXES {
+            let encounter = self.encounter(pair, axis);
+            if encounter.approach > 0.0 {
+                self.blow(world, pair, &encounter, observer)?;
+            }
         }
+        let encounters = AXES.map(|axis| self.encounter(pair, axis));
+        if encounters.iter().all(|encounter| encounter.approach == 0.0) {
+            encounters.iter().for_each(|encounter| self.join(encounter.slots, encounter.axis));
+        } else {
+            encounters.iter().for_each(|encounter| self.renew(encounter));
+        }
+        self.settle();
+        Ok(())
+    }
+
+    /// Carries a blow out and says with which e.
+    fn blow<O: Observer>(
+        &mut self,
+        world: &World,
+        pair: [Slot; 2],
+        encounter: &Encounter,
+        observer: &mut O,
+    ) -> Result<f64, StepError> {
+        let Character { restitution, ending } = self.character(world, encounter);
+        let sides = AXES.map(|place| encounter.side(place));
+        let mut blocks = std::mem::take(&mut self.blocks);
+        if let Some(slow) = ending {
+            let [behind, ahead] = &mut blocks;
+            self.carried(world, sides[0], slow, |slot| slot == sides[1].slot, behind);
+            self.carried(world, sides[1], slow, |slot| slot == sides[0].slot || behind.has(slot), ahead);
+        }
+        if ending.is_none() || blocks.iter().all(|block| block.mass == f64::INFINITY) {
+            AXES.into_iter().for_each(|place| self.pushed(sides[place], &mut blocks[place]));
+        }
+        let mass = [blocks[0].mass, blocks[1].mass];
+        if encounter.approach > 0.0 && mass == [f64::INFINITY; 2] {
+            self.blocks = blocks;
+            return Err(self.crushed(world, encounter.slots, encounter.axis));
+        }
+        let blow = Blow { velocity: [blocks[0].velocity, blocks[1].velocity], mass, restitution };
+        let after = blow.velocities_after();
+        let before = self.state(pair);
+        let position = self.put_together(encounter, mass[1] == f64::INFINITY);
+        AXES.into_iter().for_each(|place| self.push(&blocks[place], sides[place], position[place], after[place]));
+        self.blocks = blocks;
+        if encounter.approach > 0.0 {
+            let upwards = if encounter.slots == pair { -1.0 } else { 1.0 };
+            let normal = if encounter.axis == 0 { Vector::new(upwards, 0.0) } else { Vector::new(0.0, upwards) };
+            observer.collision(&self.report(pair, normal, blow.impulse(), before));
+        }
+        Ok(restitution)
+    }
+
+    /// The two at the present instant.
+    fn encounter(&self, pair: [Slot; 2], axis: usize) -> Encounter {
+        let states = pair.map(|slot| self.fine(slot, axis));
+        let middles = AXES.map(|place| {
+            let size = self.movers[pair[place] as usize].size[axis];
+            states[place].position.high + size / 2.0
+        });
+        let (slots, states) =
+            if middles[0] <= middles[1] { (pair, states) } else { ([pair[1], pair[0]], [states[1], states[0]]) };
+        Encounter { axis, slots, states, approach: (states[0].velocity - states[1].velocity).high }
+    }
+
+    /// The two at the instant of the blow, which is found to 32 digits on the way.
+    fn exact_encounter(&mut self, pair: [Slot; 2], axis: usize) -> Encounter {
+        let foretold = self.encounter(pair, axis);
+        let delay = self.delay(&foretold);
+        if delay == 0.0 {
+            return foretold;
+        }
+        self.nudge(delay);
+        self.encounter(pair, axis)
+    }
+
+    /// How much later than foretold the faces meet, s: what rounding hid from prediction.
+    ///
+    /// From the gap g at the foretold instant, to 32 digits, t = 2·g/(c + √(c² + 2·b·g)); g is
+    /// so small that sixteen digits of t are enough. No motion is followed back beyond its
+    /// reference instant.
+    fn delay(&self, encounter: &Encounter) -> f64 {
+        let Encounter { axis, slots, states: [first, second], approach: speed } = *encounter;
+        let size = self.movers[slots[0] as usize].size[axis];
+        let gap = (second.position - first.position - size.into()).high;
+        let acceleration = (first.acceleration - second.acceleration).high;
+        let square = speed * speed + 2.0 * acceleration * gap;
+        if gap == 0.0 || speed <= 0.0 || square < 0.0 {
+            return 0.0;
+        }
+        let delay = 2.0 * gap / (speed + square.sqrt());
+        let earliest = slots.map(|slot| {
+            let since = self.movers[slot as usize].motion[axis].since;
+            -self.age(since, self.residues[slot as usize][axis].offset).high
+        });
+        let delay = earliest.into_iter().fold(delay, |delay, limit| if limit > delay { limit } else { delay });
+        if delay.abs() <= LONGEST_ROUNDING { delay } else { 0.0 }
     }
 
     /// Takes the present instant as the reference of two that only graze: the past is over.
-    fn renew(&mut self, encounter: &Encounter, axis: usize) {
+    fn renew(&mut self, encounter: &Encounter) {
         for side in AXES {
             let slot = encounter.slots[side];
             if !self.movers[slot as usize].infinite {
-                let acceleration = self.movers[slot as usize].motion[axis].acceleration;
-                self.redirect(slot, axis, [encounter.position[side], encounter.velocity[side], acceleration]);
+                self.redirect(slot, encounter.axis, encounter.states[side]);
             }
         }
     }
 
-    /// Collects what takes the blow together with one of the two, and says its mass, kg.
-    fn block(&self, encounter: &Encounter, axis: usize, side: usize, block: &mut Vec<Pushed>) -> f64 {
-        block.clear();
-        if encounter.immovable[side] {
-            return f64::INFINITY;
-        }
-        self.contacts.pushed(&self.movers, encounter.slots[side], axis, side == 1, block);
-        let mass = |pushed: &Pushed| self.traits[pushed.slot as usize].mass;
-        match block.as_slice() {
-            [single] => mass(single),
-            several => {
-                let mut in_creation_order: Vec<&Pushed> = several.iter().collect();
-                in_creation_order.sort_unstable_by_key(|pushed| pushed.slot);
-                in_creation_order.into_iter().map(mass).sum()
-            }
-        }
-    }
-
-    /// The e of this impact: the materials', or 0 where a Zeno sequence is to end.
-    fn restitution(&mut self, world: &World, encounter: &Encounter, axis: usize) -> f64 {
+    /// The e of this blow: the materials', or 0 where it ends a Zeno sequence.
+    fn character(&mut self, world: &World, encounter: &Encounter) -> Character {
         let [first, second] = encounter.slots.map(|slot| &self.traits[slot as usize]);
-        let e = world.restitution.between(first.material, second.material);
+        let restitution = world.restitution.between(first.material, second.material);
         if encounter.approach <= 0.0 {
-            return 0.0;
+            return Character { restitution: 0.0, ending: None };
         }
-        if e == 1.0 {
-            return 1.0;
+        if restitution == 1.0 {
+            return Character { restitution, ending: None };
         }
         let accelerations = first.free_fall.iter().chain(&second.free_fall);
-        let acceleration = accelerations.fold(0.0, |most, a| if a.abs() > most { a.abs() } else { most });
-        let velocities = encounter.velocity[0].abs() + encounter.velocity[1].abs();
-        let coordinates = self.coordinates(encounter, axis);
-        let hurries = encounter.slots.map(|slot| self.hurry(slot, axis, coordinates) > LONGEST_HURRY);
-        let slow = encounter.approach < capture_speed(acceleration, coordinates, velocities);
-        if slow || hurries != [false; 2] { 0.0 } else { e }
+        let acceleration = accelerations.fold(0.0, |most, a| if a.high.abs() > most { a.high.abs() } else { most });
+        let velocities = encounter.states.map(|state| state.velocity.high.abs());
+        let coordinates = self.coordinates(encounter);
+        let slow = capture_speed(acceleration, coordinates, velocities[0] + velocities[1]);
+        let hurries = encounter.slots.map(|slot| self.hurries(slot, encounter.axis, coordinates));
+        if encounter.approach < slow || hurries == [true; 2] {
+            return Character { restitution: 0.0, ending: Some(slow) };
+        }
+        Character { restitution, ending: None }
     }
 
-    /// Counts the impacts of a body that follow each other without any way between them.
-    fn hurry(&mut self, slot: Slot, axis: usize, coordinates: f64) -> u8 {
+    /// Counts the impacts of a body that follow each other without any way between them, and
+    /// says whether that is to end. An infinite mass goes no way either.
+    fn hurries(&mut self, slot: Slot, axis: usize, coordinates: f64) -> bool {
         let mover = &mut self.movers[slot as usize];
         if mover.infinite {
-            return 0;
+            return true;
         }
         let motion = &mover.motion[axis];
         let t = self.clock.seconds(motion.since, self.now);
         let way = t * (motion.velocity.abs() + 0.5 * motion.acceleration.abs() * t);
         let hurry = &mut mover.hurry[axis];
         *hurry = if is_no_way(way, coordinates) { hurry.saturating_add(1) } else { 0 };
-        *hurry
+        *hurry > LONGEST_HURRY
     }
 
     /// How large the coordinates are whose rounding decides whether the two touch, m.
-    fn coordinates(&self, encounter: &Encounter, axis: usize) -> f64 {
-        let [first, second] = encounter.slots.map(|slot| self.movers[slot as usize].size[axis]);
-        encounter.position[0].abs() + encounter.position[1].abs() + (first + second)
+    fn coordinates(&self, encounter: &Encounter) -> f64 {
+        let [first, second] = encounter.slots.map(|slot| self.movers[slot as usize].size[encounter.axis]);
+        let [behind, ahead] = encounter.states.map(|state| state.position.high.abs());
+        behind + ahead + (first + second)
     }
 
-    /// Where the two are put so that their faces coincide as nearly as can be written down.
+    /// Where the two are put so that their faces coincide: on the one behind, or before the
+    /// one ahead if that `stands`.
     ///
     /// Bodies that begin to rest where they were set down stay there to the bit.
-    fn put_together(&self, encounter: &Encounter, axis: usize) -> [f64; 2] {
-        let [first, second] = encounter.position;
-        let size = self.movers[encounter.slots[0] as usize].size[axis];
-        let gap = second - (first + size);
-        if encounter.approach <= 0.0 && gap.abs() <= tolerance(self.coordinates(encounter, axis)) {
+    fn put_together(&self, encounter: &Encounter, stands: bool) -> [DoubleDouble; 2] {
+        let [first, second] = encounter.states.map(|state| state.position);
+        let size = self.movers[encounter.slots[0] as usize].size[encounter.axis].into();
+        let gap = (second - first - size).high;
+        if encounter.approach <= 0.0 && gap.abs() <= tolerance(self.coordinates(encounter)) {
             [first, second]
-        } else if encounter.immovable[1] {
-            [just_before(second, size), second]
+        } else if stands {
+            [second - size, second]
         } else {
             [first, first + size]
-        }
-    }
-
-    /// Gives a block its new velocity and parts it from what does not go with it.
-    fn push(&mut self, block: &[Pushed], axis: usize, ahead: bool, state: [f64; 2], touched: &mut Vec<Slot>) {
-        let [start, velocity] = state;
-        for pushed in block {
-            let mover = &self.movers[pushed.slot as usize];
-            let by = &self.movers[pushed.by as usize];
-            let position = if pushed.slot == pushed.by {
-                start
-            } else if ahead {
-                by.motion[axis].position + by.size[axis]
-            } else {
-                just_before(by.motion[axis].position, mover.size[axis])
-            };
-            self.redirect(pushed.slot, axis, [position, velocity, mover.motion[axis].acceleration]);
-        }
-        for pushed in block {
-            let mut next = 0;
-            while let Some(contact) = self.contacts.of(pushed.slot).get(next).copied() {
-                let (_, others) = self.movers[contact.other as usize].motion[axis].at(&self.clock, self.now);
-                if contact.axis != axis || others == velocity {
-                    next += 1;
-                    continue;
-                }
-                self.contacts.part(pushed.slot, contact.other);
-                self.mark(contact.other);
-                touched.extend([pushed.slot, contact.other]);
-            }
         }
     }
 
@@ -208,7 +251,7 @@ impl EventDriven {
     fn report(&self, pair: [Slot; 2], normal: Vector, impulse: f64, before: [(Rect, Vector); 2]) -> Collision {
         Collision {
             step: self.now.step as u64,
-            time: self.now.offset,
+            time: self.now.offset.clamp(0.0, self.clock.period),
             bodies: pair.map(|slot| self.traits[slot as usize].id),
             rects: before.map(|(rect, _)| rect),
             normal,
@@ -218,34 +261,6 @@ impl EventDriven {
             before: before.map(|(_, velocity)| velocity),
             after: self.state(pair).map(|(_, velocity)| velocity),
         }
-    }
-
-    /// The error of a body pressed between what cannot give way.
-    fn crushed(&self, world: &World, [first, second]: [Slot; 2], axis: usize) -> StepError {
-        let body = if self.movers[first as usize].infinite { second } else { first };
-        let between =
-            [self.name(world, self.backing(first, axis, false)), self.name(world, self.backing(second, axis, true))];
-        StepError::Crushed { step: self.now.step as u64, body: self.name(world, body), between }
-    }
-
-    /// The infinite mass that holds an immovable body.
-    fn backing(&self, mut slot: Slot, axis: usize, ahead: bool) -> Slot {
-        while !self.movers[slot as usize].infinite {
-            let behind = self.contacts.of(slot).iter().find(|contact| {
-                contact.axis == axis
-                    && contact.ahead == ahead
-                    && self.movers[contact.other as usize].is_immovable(axis, ahead)
-            });
-            let Some(contact) = behind else { break };
-            slot = contact.other;
-        }
-        slot
-    }
-
-    /// The error of a step in which more happened than is allowed.
-    pub(super) fn too_many(&self, world: &World, step: u64, pair: [Slot; 2]) -> StepError {
-        let bodies = pair.map(|slot| self.name(world, slot)).to_vec();
-        StepError::TooManyEvents { step, limit: self.limit, bodies }
     }
 }
 

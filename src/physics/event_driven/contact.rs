@@ -1,7 +1,8 @@
 //! Which boxes rest on each other: a contact is a flag, never a tested gap.
 //!
 //! Along its axis the two have the same velocity, and stay together until an acceleration
-//! or a blow parts them, or one slides past the other's edge.
+//! or a blow parts them, or one slides past the other's edge. Two that press corner on corner
+//! are in contact along both axes, and part along both at once.
 
 use super::mover::{Mover, Slot};
 
@@ -14,15 +15,6 @@ pub struct Contact {
     pub axis: usize,
     /// Whether the other lies towards greater coordinates.
     pub ahead: bool,
-}
-
-/// A body that is pushed, and which body pushes it (itself, if the blow hits it).
-#[derive(Clone, Copy, Debug)]
-pub struct Pushed {
-    /// Who is pushed.
-    pub slot: Slot,
-    /// By whom.
-    pub by: Slot,
 }
 
 /// All contacts, kept in creation order of the other with each body of finite mass that has a part in them.
@@ -59,7 +51,7 @@ impl Contacts {
         }
     }
 
-    /// Strikes a contact out.
+    /// Strikes out the contact of two bodies.
     pub fn part(&mut self, slot: Slot, other: Slot) {
         self.of[slot as usize].retain(|contact| contact.other != other);
         self.of[other as usize].retain(|contact| contact.other != slot);
@@ -70,24 +62,6 @@ impl Contacts {
         self.of[slot as usize].iter().any(|contact| {
             contact.axis == axis && contact.ahead == ahead && movers[contact.other as usize].is_immovable(axis, ahead)
         })
-    }
-
-    /// Collects the body and all that a push along the axis would push with it, nearest first,
-    /// each with the one that pushes it.
-    pub fn pushed(&self, movers: &[Mover], slot: Slot, axis: usize, ahead: bool, pushed: &mut Vec<Pushed>) {
-        pushed.clear();
-        pushed.push(Pushed { slot, by: slot });
-        let mut next = 0;
-        while let Some(Pushed { slot: by, .. }) = pushed.get(next).copied() {
-            next += 1;
-            for contact in self.of(by) {
-                let slot = contact.other;
-                let along = contact.axis == axis && contact.ahead == ahead && !movers[slot as usize].infinite;
-                if along && !pushed.iter().any(|known| known.slot == slot) {
-                    pushed.push(Pushed { slot, by });
-                }
-            }
-        }
     }
 
     /// The bodies of finite mass joined to these, directly or through others, by contacts

@@ -1,10 +1,12 @@
 //! What a blow does to velocities: the formulas, and nothing of the world.
 
+use super::double_double::DoubleDouble;
+
 /// Velocities along the normal, in order along the axis, and what the impact law needs of the two.
 #[derive(Clone, Copy, Debug)]
 pub struct Blow {
     /// m/s; the first is faster.
-    pub velocity: [f64; 2],
+    pub velocity: [DoubleDouble; 2],
     /// kg; infinite for what cannot give way.
     pub mass: [f64; 2],
     /// Coefficient of restitution; 0 for a plastic impact.
@@ -17,38 +19,38 @@ impl Blow {
     /// v₁′ = v₁ − (1+e)·m₂/(m₁+m₂)·(v₁−v₂) and v₂′ = v₂ + (1+e)·m₁/(m₁+m₂)·(v₁−v₂)
     /// (Newton's law of impact). Two equal masses at e = 1 exchange their velocities without
     /// any rounding, and after e = 0 both are the same number.
-    pub fn velocities_after(&self) -> [f64; 2] {
+    pub fn velocities_after(&self) -> [DoubleDouble; 2] {
         let [first, second] = self.velocity;
-        let e = self.restitution;
+        let e = DoubleDouble::from(self.restitution);
         if self.mass[0] == f64::INFINITY {
             return [first, first + e * (first - second)];
         }
         if self.mass[1] == f64::INFINITY {
             return [second - e * (first - second), second];
         }
-        if e == 1.0 && self.mass[0] == self.mass[1] {
+        if self.restitution == 1.0 && self.mass[0] == self.mass[1] {
             return [second, first];
         }
         let [share_first, share_second] = self.shares();
-        if e == 0.0 {
+        if self.restitution == 0.0 {
             let common = first - share_first * (first - second);
             return [common; 2];
         }
-        let approach = (1.0 + e) * (first - second);
+        let approach = DoubleDouble::sum(1.0, self.restitution) * (first - second);
         let after = [first - share_first * approach, second + share_second * approach];
-        if after[0] > after[1] { [after[0]; 2] } else { after }
+        if (after[0] - after[1]).high > 0.0 { [after[0]; 2] } else { after }
     }
 
     /// The impulse the first gives the second, N·s.
     pub fn impulse(&self) -> f64 {
-        let approach = (1.0 + self.restitution) * (self.velocity[0] - self.velocity[1]);
+        let approach = (1.0 + self.restitution) * (self.velocity[0] - self.velocity[1]).high;
         approach / (1.0 / self.mass[0] + 1.0 / self.mass[1])
     }
 
     /// Which part of the approach each of the two makes up for: the other's part of the mass.
-    fn shares(&self) -> [f64; 2] {
-        let sum = self.mass[0] + self.mass[1];
-        [self.mass[1] / sum, self.mass[0] / sum]
+    fn shares(&self) -> [DoubleDouble; 2] {
+        let sum = DoubleDouble::sum(self.mass[0], self.mass[1]);
+        [DoubleDouble::from(self.mass[1]) / sum, DoubleDouble::from(self.mass[0]) / sum]
     }
 }
 
@@ -84,7 +86,8 @@ mod tests {
     use super::*;
 
     fn after(velocity: [f64; 2], mass: [f64; 2], restitution: f64) -> [f64; 2] {
-        Blow { velocity, mass, restitution }.velocities_after()
+        let velocity = velocity.map(DoubleDouble::from);
+        Blow { velocity, mass, restitution }.velocities_after().map(|velocity| velocity.high)
     }
 
     #[test]

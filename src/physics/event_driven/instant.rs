@@ -1,3 +1,5 @@
+use super::double_double::DoubleDouble;
+
 /// A moment of simulated time: a step and the seconds since that step began.
 ///
 /// A day of simulated time in seconds would leave 10⁻¹¹ s of resolution; split like this
@@ -30,6 +32,10 @@ impl Instant {
     }
 }
 
+/// What rounding can do to an instant is less than this, s, unless what happens then hardly
+/// happens at all, like faces that meet at almost no speed.
+pub const LONGEST_ROUNDING: f64 = 1e-10;
+
 /// Steps beyond this are not whole numbers any more: an event out there never happens.
 const LAST_STEP: f64 = (1u64 << 53) as f64;
 
@@ -49,18 +55,25 @@ pub struct Clock {
     pub rate: f64,
     /// Seconds per step.
     pub period: f64,
+    /// The same to 32 digits.
+    pub exact_period: DoubleDouble,
 }
 
 impl Clock {
     /// The clock of that many steps per second.
     pub fn new(rate: f64) -> Clock {
-        Clock { rate, period: 1.0 / rate }
+        Clock { rate, period: 1.0 / rate, exact_period: DoubleDouble::from(1.0) / rate.into() }
     }
 
     /// Seconds from one instant to another.
     #[inline]
     pub fn seconds(&self, from: Instant, to: Instant) -> f64 {
         (to.step - from.step) / self.rate + (to.offset - from.offset)
+    }
+
+    /// The very end of a step, a whole number.
+    pub fn end_of(&self, step: f64) -> Instant {
+        Instant { step, offset: self.period }
     }
 
     /// The instant so many seconds (not negative) after another.

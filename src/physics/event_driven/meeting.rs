@@ -1,4 +1,4 @@
-use super::instant::{Clock, Instant};
+use super::instant::{Clock, Instant, LONGEST_ROUNDING};
 use super::motion::closing_time;
 use super::mover::{AXES, Mover};
 
@@ -11,6 +11,8 @@ pub enum Kind {
     Corner,
     /// Two in contact along the axis slide past each other's edge.
     Part(u8),
+    /// Their corners, which touch, are pressed together.
+    Press,
 }
 
 /// Where a body is at an instant, and how fast.
@@ -123,8 +125,16 @@ impl Relative {
             return Overlap::Face;
         }
         let velocity = self.velocity + self.acceleration * t;
-        let shrinks = if ahead > behind { velocity < 0.0 } else { velocity > 0.0 };
-        if gap <= self.tolerance && shrinks { Overlap::Corner } else { Overlap::None }
+        let side = if ahead > behind { -1.0 } else { 1.0 };
+        if gap > self.tolerance || side * velocity < 0.0 {
+            Overlap::None
+        } else if side * velocity > 0.0 {
+            Overlap::Corner
+        } else if side * self.acceleration > 0.0 {
+            Overlap::Pressed
+        } else {
+            Overlap::None
+        }
     }
 }
 
@@ -133,6 +143,8 @@ enum Overlap {
     Face,
     /// About to begin at this very instant.
     Corner,
+    /// About to begin at this very instant, from rest.
+    Pressed,
     None,
 }
 
@@ -168,7 +180,22 @@ fn meeting_from(clock: &Clock, first: &State, second: &Mover) -> Option<(Instant
         None => first_meeting(&axes)?,
     };
     let at = clock.after(first.at, seconds);
+    if at.offset < LONGEST_ROUNDING && first.at.step < at.step && touch_at_sample(&axes, kind, at.offset, seconds) {
+        return Some((clock.end_of(at.step - 1.0), kind));
+    }
     (at != Instant::NEVER).then_some((at, kind))
+}
+
+/// Whether faces that meet so many seconds after a sample touch at the sample already, but for
+/// rounding: then the sample is to show the velocities after.
+#[cold]
+fn touch_at_sample(axes: &[&Relative; 2], kind: Kind, late: f64, seconds: f64) -> bool {
+    let touches = |axis: &Relative| late * (axis.velocity + axis.acceleration * seconds).abs() <= axis.tolerance;
+    match kind {
+        Kind::Touch(axis) => touches(axes[usize::from(axis)]),
+        Kind::Corner => touches(axes[0]) && touches(axes[1]),
+        Kind::Part(_) | Kind::Press => false,
+    }
 }
 
 /// The meeting of two boxes that are apart and do not accelerate: the axis on which they are
@@ -192,7 +219,7 @@ fn straight_meeting(axes: &[&Relative; 2]) -> Option<Option<(f64, Kind)>> {
     let seconds = (if axis == 0 { x } else { y }) / axes[axis].velocity.abs();
     Some(match axes[1 - axis].overlap(seconds) {
         Overlap::Face => Some((seconds, Kind::Touch(axis as u8))),
-        Overlap::Corner => Some((seconds, Kind::Corner)),
+        Overlap::Corner | Overlap::Pressed => Some((seconds, Kind::Corner)),
         Overlap::None => None,
     })
 }
@@ -210,7 +237,8 @@ fn first_meeting(axes: &[&Relative; 2]) -> Option<(f64, Kind)> {
             if seconds < least {
                 let kind = match axes[1 - axis].overlap(seconds) {
                     Overlap::Face => Kind::Touch(axis as u8),
-                    Overlap::Corner => Kind::Corner,
+                    Overlap::Pressed if seconds == 0.0 && axes[axis].velocity == 0.0 => Kind::Press,
+                    Overlap::Corner | Overlap::Pressed => Kind::Corner,
                     Overlap::None => continue,
                 };
                 least = seconds;
@@ -245,8 +273,6 @@ mod tests {
     use super::*;
     use crate::physics::event_driven::motion::Motion;
 
-    const CLOCK: Clock = Clock { rate: 1.0, period: 1.0 };
-
     /// A unit box: position, velocity, acceleration.
     fn mover(x: [f64; 3], y: [f64; 3]) -> Mover {
         let since = Instant::start_of(0);
@@ -258,8 +284,8 @@ mod tests {
 
     fn seconds(first: &Mover, second: &Mover) -> Option<(f64, Kind)> {
         let met = |first: &Mover, second: &Mover| {
-            let (at, kind) = meeting(&CLOCK, &State::new(&CLOCK, first, first.since), second)?;
-            Some((CLOCK.seconds(Instant::start_of(0), at), kind))
+            let (at, kind) = meeting(&Clock::new(1.0), &State::new(&Clock::new(1.0), first, first.since), second)?;
+            Some((Clock::new(1.0).seconds(Instant::start_of(0), at), kind))
         };
         assert_eq!(met(first, second), met(second, first), "it does not matter who asks");
         met(first, second)
@@ -304,7 +330,10 @@ mod tests {
     fn a_box_in_contact_parts_when_it_has_slid_past_the_edge() {
         let table = mover([0.0; 3], [0.0; 3]);
         let sliding = mover([0.25, 0.5, 0.0], [-1.0, 0.0, 0.0]);
-        assert_eq!(parting(&CLOCK, 1, &table, &sliding), Some(CLOCK.after(Instant::start_of(0), 1.5)));
-        assert_eq!(parting(&CLOCK, 1, &table, &mover([0.25, 0.0, 0.0], [-1.0, 0.0, 0.0])), None);
+        assert_eq!(
+            parting(&Clock::new(1.0), 1, &table, &sliding),
+            Some(Clock::new(1.0).after(Instant::start_of(0), 1.5))
+        );
+        assert_eq!(parting(&Clock::new(1.0), 1, &table, &mover([0.25, 0.0, 0.0], [-1.0, 0.0, 0.0])), None);
     }
 }

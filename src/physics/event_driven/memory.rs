@@ -1,18 +1,20 @@
 //! The solver's state as flat lists, and back.
 //!
 //! Integers: [`LAYOUT`], the number of bodies; for each and axis its reference step
-//! and its impacts in a row; the number
-//! of contacts; for each the places behind and ahead and the axis; the number of bodies not
-//! yet admitted, and their places. Numbers: for each body and axis position, velocity,
-//! acceleration and offset of the reference instant. Bodies by their place in the world.
+//! and its impacts in a row; the number of contacts; for each the places behind and ahead and
+//! the axis; the number of bodies not yet admitted, and their places. Numbers: for each body
+//! and axis position, velocity, acceleration and offset of the reference instant, then the
+//! lower halves of the same four. Bodies by their place in the world.
 
+use super::EventDriven;
+use super::fine_state::Residue;
+use super::instant::{Instant, LONGEST_ROUNDING};
 use super::motion::Motion;
 use super::mover::{AXES, Slot};
-use super::{EventDriven, instant::Instant};
 use crate::physics::{Memory, SnapshotError, World};
 
 /// Names this layout; another one is another number.
-const LAYOUT: u64 = 1;
+const LAYOUT: u64 = 2;
 
 impl EventDriven {
     /// All that [`EventDriven::restore`] needs.
@@ -23,9 +25,12 @@ impl EventDriven {
         let mut contacts: Vec<[u64; 3]> = Vec::new();
         for slot in alive {
             let mover = &self.movers[slot];
-            for (motion, hurry) in mover.motion.iter().zip(mover.hurry) {
-                memory.integers.extend([motion.since.step as u64, u64::from(hurry)]);
+            for axis in AXES {
+                let motion = &mover.motion[axis];
+                memory.integers.extend([motion.since.step as u64, u64::from(mover.hurry[axis])]);
                 memory.numbers.extend([motion.position, motion.velocity, motion.acceleration, motion.since.offset]);
+                let residue = &self.residues[slot][axis];
+                memory.numbers.extend([residue.position, residue.velocity, residue.acceleration, residue.offset]);
             }
             contacts.extend(self.contacts_of(slot));
         }
@@ -76,6 +81,7 @@ impl EventDriven {
             let mover = &mut self.movers[slot as usize];
             for axis in AXES {
                 (mover.motion[axis], mover.hurry[axis]) = reader.motion(step)?;
+                self.residues[slot as usize][axis] = reader.residue()?;
             }
             mover.since = mover.motion[0].since.or_later(mover.motion[1].since);
         }
@@ -89,12 +95,14 @@ impl EventDriven {
         }
         reader.end()?;
         self.now = Instant::start_of(step);
+        self.now_residue = 0.0;
         self.resume(step);
         Ok(())
     }
 
     fn clear(&mut self) {
         self.movers.clear();
+        self.residues.clear();
         self.traits.clear();
         self.contacts = super::Contacts::default();
         self.forced = [0; 2];
@@ -166,11 +174,17 @@ impl Reader<'_> {
         }
         let [position, velocity, acceleration, offset] =
             [self.number()?, self.number()?, self.number()?, self.number()?];
-        if offset < 0.0 {
+        if offset < -LONGEST_ROUNDING {
             return Err(format!("a step has no instant {offset} s"));
         }
         let since = Instant { step: since as f64, offset };
         Ok((Motion { position, velocity, acceleration, since }, hurry))
+    }
+
+    fn residue(&mut self) -> Result<Residue, String> {
+        let [position, velocity, acceleration, offset] =
+            [self.number()?, self.number()?, self.number()?, self.number()?];
+        Ok(Residue { position, velocity, acceleration, offset })
     }
 
     fn end(&self) -> Result<(), String> {

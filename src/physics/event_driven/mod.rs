@@ -5,10 +5,13 @@
 //! time step to trade against error: a step only says when the state is sampled.
 //!
 //! One step: newcomers are admitted and put apart (`separation`); what is due happens in its
-//! total order (`schedule`): boxes collide (`collide`, `impact`), slide off edges and take
-//! up or end contacts (`contact`, `settle`, `least_change`), and whoever that concerned looks
-//! ahead again among its neighbours (`outlook`, `neighbours`); what moved is sampled
-//! (`sampling`). `memory` is what must be kept to go on to the bit.
+//! total order (`schedule`): boxes collide (`collide`, `block`, `impact`), slide off edges and
+//! take up or end contacts (`contact`, `settle`, `least_change`), and whoever that concerned
+//! looks ahead again among its neighbours (`outlook`, `neighbours`); what moved is sampled
+//! (`sampling`). `memory` is what must be kept to go on to the bit, `crush` how a step may fail.
+//!
+//! Prediction computes with doubles; what happens is computed with twice the digits
+//! (`fine_state`), so that rounding is no error one could see after thousands of collisions.
 //!
 //! The rules where mechanics leaves a choice:
 //!
@@ -20,16 +23,24 @@
 //!   with all that it pushes. (Handing it on from pair to pair would be the other choice; it
 //!   needs endlessly many impacts in a resting stack.) A contact is what presses, or what a
 //!   plastic impact joined; bodies that merely touch are not in contact.
-//! - **Corners** that meet exactly are hit on both axes. Boxes whose edges only slide along
-//!   each other's line do not meet.
+//! - **Corners** that meet exactly are hit on both axes. If that leaves them at rest, or if they
+//!   are pressed together from rest, they are in contact along both axes until they part along
+//!   one. Boxes whose edges only slide along each other's line do not meet.
 //! - **Zeno**: where e < 1, impacts slower than `impact::capture_speed`, and those after
-//!   `impact::LONGEST_HURRY` impacts without a way between them, are plastic.
+//!   `impact::LONGEST_HURRY` impacts without a way between them, are plastic, and all that is
+//!   in contact with the two along that axis, or touches them at less than that speed, goes on
+//!   with them as one: the limit of endlessly many blows handed to and fro.
 //! - **Rounding**: after an impact the body ahead is put exactly on the other's face (or the
 //!   one behind, if the body ahead cannot move). Coordinates a few units in the last place
-//!   apart touch, if nothing else tells them apart.
+//!   apart touch, if nothing else tells them apart; faces that touch at the instant of a sample
+//!   in this sense have collided in it.
 
+mod block;
 mod collide;
 mod contact;
+mod crush;
+mod double_double;
+mod fine_state;
 mod impact;
 mod instant;
 mod least_change;
@@ -45,7 +56,10 @@ mod separation;
 mod settle;
 
 use super::{Body, BodyId, Observer, Settings, StepError, World};
-use contact::{Contacts, Pushed};
+use block::Block;
+use contact::Contacts;
+use double_double::DoubleDouble;
+use fine_state::Residue;
 use instant::{Clock, Instant};
 use meeting::Kind;
 use motion::Motion;
@@ -73,6 +87,8 @@ pub struct EventDriven {
     limit: u64,
     /// By slot, in creation order; deleted ones leave a gap.
     movers: Vec<Mover>,
+    /// The lower halves of their motions.
+    residues: Vec<[Residue; 2]>,
     traits: Vec<Traits>,
     contacts: Contacts,
     /// How many bodies carry a force of their own along each axis.
@@ -81,15 +97,19 @@ pub struct EventDriven {
     fresh: Vec<Slot>,
     /// How far the present step has come.
     now: Instant,
+    /// The lower half of its offset, s.
+    now_residue: f64,
     neighbours: Neighbours,
     schedule: Schedule,
     outlooks: Vec<Outlook>,
     moving: Moving,
     /// Bodies whose motion or contacts changed at the present instant.
     changed: Vec<Slot>,
+    /// Bodies whose contacts along each axis changed, so that their accelerations may.
+    loosened: [Vec<Slot>; 2],
     /// How many bodies the grids and the schedule were made for.
     made_for: usize,
-    blocks: [Vec<Pushed>; 2],
+    blocks: [Block; 2],
     came_near: Vec<Slot>,
 }
 
@@ -103,18 +123,21 @@ impl EventDriven {
             gravity,
             limit: settings.events_per_step,
             movers: Vec::new(),
+            residues: Vec::new(),
             traits: Vec::new(),
             contacts: Contacts::default(),
             forced: [0; 2],
             fresh: Vec::new(),
             now: Instant::start_of(0),
+            now_residue: 0.0,
             neighbours: Neighbours::new(1.0),
             schedule: Schedule::new(clock, 0, 0),
             outlooks: Vec::new(),
             moving: Moving::default(),
             changed: Vec::new(),
+            loosened: [Vec::new(), Vec::new()],
             made_for: 0,
-            blocks: [Vec::new(), Vec::new()],
+            blocks: [Block::default(), Block::default()],
             came_near: Vec::new(),
         }
     }
@@ -131,14 +154,16 @@ impl EventDriven {
         let force = [body.constant_force.x, body.constant_force.y];
         let infinite = body.is_infinite();
         let free_fall = AXES.map(|axis| match infinite {
-            true => 0.0,
-            false => self.gravity[axis] + force[axis] * body.inverse_mass,
+            true => DoubleDouble::ZERO,
+            false if force[axis] == 0.0 => self.gravity[axis].into(),
+            false => DoubleDouble::from(force[axis]) / body.mass.into() + self.gravity[axis].into(),
         });
         let state = [(body.rect.origin.x, body.velocity.x), (body.rect.origin.y, body.velocity.y)];
         let motion = AXES.map(|axis| {
             let (position, velocity) = state[axis];
-            Motion { position, velocity, acceleration: free_fall[axis], since }
+            Motion { position, velocity, acceleration: free_fall[axis].high, since }
         });
+        self.residues.push(AXES.map(|axis| Residue { acceleration: free_fall[axis].low, ..Residue::default() }));
         let size = [body.rect.width(), body.rect.height()];
         self.movers.push(Mover {
             motion,
@@ -163,7 +188,7 @@ impl EventDriven {
     /// The body at `place` is about to be removed.
     pub fn deleting(&mut self, world: &World, place: usize, step: u64) {
         let Some(slot) = self.slot(world.bodies[place].id) else { return };
-        self.now = Instant::start_of(step);
+        self.advance_to(Instant::start_of(step));
         self.traits[slot as usize].alive = false;
         AXES.into_iter().for_each(|axis| self.forced[axis] -= u32::from(self.traits[slot as usize].forced[axis]));
         for later in &mut self.movers[slot as usize + 1..] {
@@ -191,22 +216,45 @@ impl EventDriven {
     /// [`StepError::TooManyEvents`] beyond the limit, [`StepError::NotFinite`] if a number
     /// overflows. In the first two cases the world still shows the state before the step.
     pub fn step<O: Observer>(&mut self, world: &mut World, step: u64, observer: &mut O) -> Result<(), StepError> {
-        self.now = Instant::start_of(step);
+        self.advance_to(Instant::start_of(step));
         self.admit(world, step);
-        self.run(world, step, observer)?;
+        self.run(world, step, Instant::NEVER, observer)?;
         self.sample(world, step)
     }
 
-    fn run<O: Observer>(&mut self, world: &World, step: u64, observer: &mut O) -> Result<(), StepError> {
+    /// The world so many seconds after a step began, without going there.
+    ///
+    /// # Errors
+    /// As for [`EventDriven::step`].
+    pub fn between<O: Observer>(
+        &self,
+        world: &World,
+        step: u64,
+        offset: f64,
+        observer: &mut O,
+    ) -> Result<World, StepError> {
+        let instant = Instant { step: step as f64, offset };
+        let mut ahead = self.clone();
+        ahead.now = Instant::start_of(step);
+        ahead.admit(world, step);
+        ahead.run(world, step, instant, observer)?;
+        Ok(ahead.seen_at(world, instant))
+    }
+
+    /// Lets happen what is due in the step, up to an instant.
+    fn run<O: Observer>(&mut self, world: &World, step: u64, last: Instant, observer: &mut O) -> Result<(), StepError> {
         self.schedule.begin(step);
         let (mut events, mut glances) = (0, 0);
         let most_glances = self.limit.saturating_add(GLANCES_PER_BODY * self.movers.len() as u64);
         while let Some((slot, turn)) = self.schedule.next(step) {
+            if last.is_before(turn.at) {
+                break;
+            }
             glances += 1;
             if glances - events > most_glances {
                 return Err(self.too_many(world, step, turn.pair));
             }
-            self.now = self.now.or_later(turn.at);
+            self.advance_to(turn.at);
             let outlook = self.outlooks[slot as usize];
             match outlook.meeting {
                 Some(meeting) if !outlook.leaving.is_before(meeting.turn.at) => {
@@ -236,12 +284,9 @@ impl EventDriven {
         observer: &mut O,
     ) -> Result<(), StepError> {
         match kind {
-            Kind::Touch(axis) => self.collide(world, pair, usize::from(axis), true, observer)?,
-            Kind::Corner => {
-                self.collide(world, pair, 0, false, observer)?;
-                self.collide(world, pair, 1, false, observer)?;
-            }
-            Kind::Part(axis) => self.part(pair, usize::from(axis)),
+            Kind::Touch(axis) => self.collide(world, pair, usize::from(axis), observer)?,
+            Kind::Corner | Kind::Press => self.collide_corners(world, pair, observer)?,
+            Kind::Part(_) => self.part(pair),
         }
         self.predict_changed();
         Ok(())
@@ -300,14 +345,6 @@ impl EventDriven {
         sizes.sort_unstable_by(f64::total_cmp);
         let Some(large) = sizes.get(sizes.len() * 9 / 10) else { return 1.0 };
         sizes[sizes.partition_point(|size| *size <= 2.0 * large) - 1]
-    }
-
-    /// Gives a body a new motion along one axis from now on.
-    fn redirect(&mut self, slot: Slot, axis: usize, [position, velocity, acceleration]: [f64; 3]) {
-        let mover = &mut self.movers[slot as usize];
-        mover.motion[axis] = Motion { position, velocity, acceleration, since: self.now };
-        mover.since = self.now;
-        self.mark(slot);
     }
 
     /// Notes that what was foretold of this body does not hold any more.

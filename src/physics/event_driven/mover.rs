@@ -1,3 +1,4 @@
+use super::double_double::DoubleDouble;
 use super::instant::Instant;
 use super::motion::Motion;
 use crate::physics::{BodyId, Material};
@@ -51,7 +52,7 @@ pub struct Traits {
     /// For the restitution table.
     pub material: Material,
     /// Acceleration when nothing touches it, m/s².
-    pub free_fall: [f64; 2],
+    pub free_fall: [DoubleDouble; 2],
     /// Whether it carries a force of its own along the axis.
     pub forced: [bool; 2],
     /// Whether it has not been deleted.

@@ -40,7 +40,9 @@ impl Outlook {
     fn turn(&self, slot: Slot) -> Option<Turn> {
         match self.meeting {
             Some(meeting) if !self.leaving.is_before(meeting.turn.at) => Some(meeting.turn),
-            Some(_) | None => (self.leaving != Instant::NEVER).then_some(Turn { at: self.leaving, pair: [slot, slot] }),
+            Some(_) | None => {
+                (self.leaving != Instant::NEVER).then_some(Turn { at: self.leaving, late: false, pair: [slot, slot] })
+            }
         }
     }
 }
@@ -86,7 +88,7 @@ impl<'a> Asker<'a> {
         if let Some((at, kind)) = meeting(self.clock, &self.state, partner)
             && !self.touches(other)
         {
-            let turn = Turn { at, pair: pair(self.slot, other) };
+            let turn = Turn { at, late: kind == Kind::Press, pair: pair(self.slot, other) };
             keep_first(&mut self.first, Meeting { turn, kind, partner: other, generation: partner.generation });
         }
     }
@@ -131,7 +133,7 @@ impl EventDriven {
         for contact in self.contacts.of(slot) {
             let partner = &self.movers[contact.other as usize];
             if let Some(at) = parting(&self.clock, contact.axis, &self.movers[slot as usize], partner) {
-                let turn = Turn { at, pair: pair(slot, contact.other) };
+                let turn = Turn { at, late: false, pair: pair(slot, contact.other) };
                 let kind = Kind::Part(contact.axis as u8);
                 keep_first(first, Meeting { turn, kind, partner: contact.other, generation: partner.generation });
             }

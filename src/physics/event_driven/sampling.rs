@@ -1,6 +1,7 @@
 //! What can be seen of the motions: the state at each step.
 
 use super::EventDriven;
+use super::instant::Instant;
 use super::mover::{Mover, Slot};
 use crate::physics::{StepError, Vector, World};
 
@@ -70,5 +71,24 @@ impl EventDriven {
             }
         }
         Ok(())
+    }
+
+    /// The world at an instant of the present step: nothing is due before it any more.
+    pub(super) fn seen_at(&self, world: &World, instant: Instant) -> World {
+        let mut seen = world.clone();
+        for slot in &self.moving.slots {
+            let mover = &self.movers[*slot as usize];
+            let body = &mut seen.bodies[mover.place as usize];
+            let [(x, vx), (y, vy)] = [0, 1].map(|axis: usize| mover.motion[axis].at(&self.clock, instant));
+            body.rect.origin = Vector::new(x, y);
+            body.velocity = Vector::new(vx, vy);
+        }
+        for slot in &self.moving.stopped {
+            let mover = &self.movers[*slot as usize];
+            let body = &mut seen.bodies[mover.place as usize];
+            body.rect.origin = Vector::new(mover.motion[0].position, mover.motion[1].position);
+            body.velocity = Vector::ZERO;
+        }
+        seen
     }
 }

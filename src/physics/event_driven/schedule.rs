@@ -16,12 +16,14 @@ const BODIES_PER_SLICE: u64 = 8;
 /// The wheel reaches so many steps ahead; what comes later is looked at again then.
 const STEPS: u64 = 32;
 
-/// When something happens and, of all that happens at that instant, in which order: by the
-/// lower body of the pair, then the higher, then the kind of meeting.
+/// When something happens and, of all that happens at that instant, in which order: what is
+/// late last, then by the lower body of the pair, then the higher, then the kind of meeting.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Turn {
     /// The instant.
     pub at: Instant,
+    /// Whether it waits for all else at that instant, which may make it void.
+    pub late: bool,
     /// The two bodies, the earlier created first; the same twice for a body on its own.
     pub pair: [Slot; 2],
 }
@@ -29,7 +31,7 @@ pub struct Turn {
 impl Turn {
     /// Whether this turn comes before `other`.
     pub fn is_before(&self, other: &Turn) -> bool {
-        self.at.is_before(other.at) || (self.at == other.at && self.pair < other.pair)
+        self.at.is_before(other.at) || (self.at == other.at && (self.late, self.pair) < (other.late, other.pair))
     }
 }
 
@@ -79,7 +81,7 @@ struct Pending {
 }
 
 const IDLE: Pending = Pending {
-    turn: Turn { at: Instant::NEVER, pair: [NONE; 2] },
+    turn: Turn { at: Instant::NEVER, late: false, pair: [NONE; 2] },
     slice: u64::MAX,
     stamp: 0,
     place: NONE,
@@ -223,7 +225,7 @@ mod tests {
     use super::*;
 
     fn turn(step: f64, offset: f64, pair: [Slot; 2]) -> Option<Turn> {
-        Some(Turn { at: Instant { step, offset }, pair })
+        Some(Turn { at: Instant { step, offset }, late: false, pair })
     }
 
     fn order(bodies: usize) -> Vec<(u64, Slot)> {

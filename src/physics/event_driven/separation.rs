@@ -1,6 +1,7 @@
 //! Bodies spawned overlapping others are put where there is room.
 
 use super::EventDriven;
+use super::fine_state::FineState;
 use super::meeting::tolerance;
 use super::mover::{AXES, Slot};
 
@@ -43,9 +44,8 @@ impl EventDriven {
             if let Some(low) = self.free_place(slot, block, &waiting[place + 1..]) {
                 self.neighbours.remove(slot);
                 for axis in AXES {
-                    let motion = self.movers[slot as usize].motion[axis];
-                    let (_, velocity) = motion.at(&self.clock, self.now);
-                    self.redirect(slot, axis, [low[axis], velocity, motion.acceleration]);
+                    let state = self.fine(slot, axis);
+                    self.redirect(slot, axis, FineState { position: low[axis].into(), ..state });
                 }
                 self.neighbours.insert(&self.clock, slot, &self.movers[slot as usize], self.now);
             }
@@ -70,7 +70,7 @@ impl EventDriven {
         displaced.dedup();
         for slot in &displaced {
             for contact in self.contacts.of(*slot).to_vec() {
-                self.part([*slot, contact.other], contact.axis);
+                self.part([*slot, contact.other]);
             }
         }
         displaced

@@ -2,10 +2,10 @@ use super::super::area::{inset, larger, overlap, smaller};
 use super::super::{Color, Frame, Ink, Look, Shape, Sprite, palette};
 use super::{Page, names};
 use crate::physics::{Rect, Vector};
-use crate::scene::Overlay;
 
-/// The boxes, each with a border inside its edge and its name if that fits.
+/// The boxes, each with a border inside its edge.
 pub fn draw(frame: &Frame, page: &Page, shapes: &mut Vec<Shape>) {
+    let boxes = frame.sprites.iter().filter(|sprite| !sprite.appearance.is_wall).count();
     for sprite in frame.sprites.iter().filter(|sprite| !sprite.appearance.is_wall) {
         let Some(rect) = seen(sprite, page) else { continue };
         let fill = palette::body_color(sprite, &page.view.style);
@@ -13,16 +13,14 @@ pub fn draw(frame: &Frame, page: &Page, shapes: &mut Vec<Shape>) {
         if sprite.appearance.mass == f64::INFINITY {
             bolts(&rect, border_color(fill, &page.look), page, shapes);
         }
-        if page.view.style.shows(Overlay::Name) {
-            shapes.extend(names::inside(sprite, &rect, fill, page));
-        }
+        shapes.extend(names::inside(sprite, &rect, fill, boxes, page));
     }
 }
 
 /// Where a body is seen, px, if any of it is.
 pub fn seen(sprite: &Sprite, page: &Page) -> Option<Rect> {
-    let rect = page.view.camera.rect(&sprite.rect);
-    overlap(&rect, &page.view.camera.window).map(|_| rect)
+    let rect = page.camera.rect(&sprite.rect);
+    overlap(&rect, &page.camera.window).map(|_| rect)
 }
 
 /// The colour of a box's border.

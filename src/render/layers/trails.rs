@@ -17,7 +17,7 @@ pub fn draw(frame: &Frame, page: &Page, shapes: &mut Vec<Shape>) {
 }
 
 fn trail(sprite: &Sprite, page: &Page, shapes: &mut Vec<Shape>) {
-    let points: Vec<Vector> = sprite.trail.iter().map(|&place| page.view.camera.point(place)).collect();
+    let points: Vec<Vector> = sprite.trail.iter().map(|&place| page.camera.point(place)).collect();
     let color = palette::body_color(sprite, &page.view.style).mix(page.look.palette.background, 15);
     let cuts = points.len().saturating_sub(1);
     for part in 0..PARTS {
@@ -39,6 +39,6 @@ fn without_repeats(points: &[Vector]) -> Vec<Vector> {
 
 /// Whether all points are within a page's width of the page: what is farther is not drawn.
 fn is_near(points: &[Vector], page: &Page) -> bool {
-    let [width, height] = page.view.camera.size.map(f64::from);
+    let [width, height] = page.camera.size.map(f64::from);
     points.iter().all(|at| (-width..=2.0 * width).contains(&at.x) && (-height..=2.0 * height).contains(&at.y))
 }

@@ -8,7 +8,7 @@ use crate::physics::{Rect, Vector};
 pub fn draw(frame: &Frame, page: &Page, shapes: &mut Vec<Shape>) {
     let walls = frame.sprites.iter().filter(|sprite| sprite.appearance.is_wall);
     let slabs: Vec<Rect> = walls.filter_map(|sprite| seen(sprite, page)).collect();
-    let window = page.view.camera.window;
+    let window = page.camera.window;
     let seen: Vec<Rect> = slabs.iter().filter_map(|slab| overlap(slab, &window)).collect();
     shapes.extend(seen.iter().map(|&rect| Shape::Rect { rect, ink: Ink::from(page.look.palette.wall) }));
     seen.iter().for_each(|slab| hatch(slab, page, shapes));
@@ -35,7 +35,7 @@ fn hatch(slab: &Rect, page: &Page, shapes: &mut Vec<Shape>) {
 
 /// A line along the sides that are inside the picture.
 fn edge(slab: &Rect, page: &Page, shapes: &mut Vec<Shape>) {
-    let world = page.view.camera.rect(&Rect::new(Vector::ZERO, page.view.camera.world.x, page.view.camera.world.y));
+    let world = page.camera.rect(&Rect::new(Vector::ZERO, page.camera.world.x, page.camera.world.y));
     let rim = inset(&world, -page.look.line);
     if let Some(rect) = overlap(slab, &rim) {
         shapes.push(Shape::Rect { rect, ink: Ink::from(page.look.palette.wall_edge) });

@@ -26,7 +26,7 @@ impl Line {
         let mut typesetter = Typesetter { glyphs: Vec::new(), x: 0.0, rightmost: 0.0, scripts_at: None };
         typesetter.set(&mut markup.chars().peekable(), Level { size, y: 0.0 });
         let width = typesetter.rightmost;
-        Line { text: markup.to_owned(), glyphs: typesetter.glyphs, width, size }
+        Line { text: markup.replace('"', ""), glyphs: typesetter.glyphs, width, size }
     }
 }
 
