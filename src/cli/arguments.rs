@@ -1,5 +1,6 @@
 use crate::illustration::WishedWindow;
 use crate::physics::{Rect, Vector};
+use crate::render::SHORTEST_HOLD;
 use crate::scene::{ColorBy, Overlay, Theme};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
@@ -190,6 +191,9 @@ impl RenderOptions {
     }
 }
 
+/// Longer stops, s, would be taken for the end.
+const LONGEST_HOLD: f64 = 60.0;
+
 /// A word of `0.5 at collisions`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum HoldWord {
@@ -208,7 +212,10 @@ impl std::str::FromStr for HoldWord {
         match text {
             "at" => Ok(HoldWord::At),
             "collisions" => Ok(HoldWord::Collisions),
-            text => positive(text).map(HoldWord::Seconds).map_err(|_| "expected such as 0.5 at collisions".into()),
+            text => match text.parse() {
+                Ok(seconds) if (SHORTEST_HOLD..=LONGEST_HOLD).contains(&seconds) => Ok(HoldWord::Seconds(seconds)),
+                Ok(_) | Err(_) => Err("expected 0.05 to 60 seconds, such as 0.5 at collisions".into()),
+            },
         }
     }
 }

@@ -59,6 +59,6 @@ pub use palette::Palette;
 pub use picture::Picture;
 pub use sampling::{FASTEST_GIF, Sampling, Thinning};
 pub use style::Style;
-pub use timeline::{Moment, Pace, Timeline};
+pub use timeline::{Moment, Pace, SHORTEST_HOLD, Timeline};
 pub use trails::Trails;
 pub use view::View;

@@ -26,6 +26,12 @@ impl Pace {
     pub const TRUE: Pace = Pace { slow: 1.0, parts: 1, hold: 0.0 };
 }
 
+/// The shortest an animation stops, s: what is shorter is not seen.
+pub const SHORTEST_HOLD: f64 = 0.05;
+
+/// The shortest time browsers show a GIF's frame for, 1/100 s.
+const SHORTEST_DELAY: u64 = 2;
+
 /// When each frame of an animation is on the screen, and what it shows.
 ///
 /// Each frame is shown as long as the time it stands for, the last one too, at the clip's pace;
@@ -160,9 +166,17 @@ impl Timeline {
         appears(frame + 1) - appears(frame)
     }
 
-    /// How long a GIF shows the frame of that number, 1/100 s.
+    /// How long a GIF shows the frame of that number, 1/100 s: at least two of them if no more
+    /// than 50 frames a second are on the grid and stops last [`SHORTEST_HOLD`] or longer.
     pub fn delay(&self, frame: u64) -> u64 {
-        self.parts_shown(frame, 100.0)
+        self.hundredth(frame + 1) - self.hundredth(frame)
+    }
+
+    /// When a GIF shows a frame, 1/100 s. A stop just behind a frame waits until that was seen.
+    fn hundredth(&self, frame: u64) -> u64 {
+        let own = |frame: u64| (self.appears(frame) * 100.0).round() as u64;
+        let is_extra = frame > 0 && self.stops_at(frame);
+        if is_extra { own(frame).max(own(frame - 1) + SHORTEST_DELAY) } else { own(frame) }
     }
 
     /// How long an animated PNG shows the frame of that number.
@@ -308,6 +322,14 @@ mod tests {
         assert_eq!(shown, expected, "the second moment between steps 1 and 2 is passed by");
         assert_eq!(delays(&clip), [10, 4, 56, 10, 60, 10]);
         assert_eq!((clip.stops(), clip.is_plain()), (2, false));
+    }
+
+    #[test]
+    fn a_stop_just_behind_a_frame_lets_that_be_seen() {
+        let pace = Pace { hold: 0.05, ..Pace::TRUE };
+        let clip = Timeline::new(Sampling::new(0..=3, 50.0, Thinning::All), pace, &[at(1, 0.001), at(2, 0.0199)]);
+        assert_eq!(delays(&clip), [2, 2, 5, 2, 5, 2]);
+        assert_eq!(delays(&clip).iter().sum::<u64>(), 18);
     }
 
     #[test]

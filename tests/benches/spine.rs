@@ -1,4 +1,4 @@
-//! What the spine costs: stepping, recording, drawing. `cargo bench --bench spine`
+//! What the spine costs: stepping, recording. `cargo bench --bench spine`
 //!
 //! Each figure is the median of several runs, with the spread beside it, and the error of
 //! what was computed beside the cost of computing it.
@@ -6,10 +6,9 @@
 use rebond::{
     physics::{CollisionCount, Engine, invariants},
     recording::{Header, Outcome, RecordedEvent, SceneText, Versions, Writer},
-    render::{self, Appearance, Frame, Metadata, Painter, Sampling, Sprite, Style, Thinning, Timeline, View, png},
     run, scene,
 };
-use std::{io, num::NonZero, sync::Arc, time::Instant};
+use std::{io, time::Instant};
 
 const BODIES: [usize; 3] = [10, 100, 1000];
 const RUNS: usize = 7;
@@ -21,10 +20,6 @@ fn main() {
         "\nrecording every state of a moving gas (zstd, as always)\nbodies   ns per body-step      bytes per body-step"
     );
     BODIES.iter().for_each(|&bodies| recording(bodies));
-    println!(
-        "\ndrawing 1280x720 frames with names and clock, one thread, encoding included\nbodies   ms per frame PNG      ms per frame GIF"
-    );
-    BODIES.iter().for_each(|&bodies| drawing(bodies));
 }
 
 /// A scene of that many unit boxes, packed to a tenth, between walls.
@@ -109,49 +104,4 @@ fn recording(bodies: usize) {
         elapsed / (steps as f64 * bodies as f64)
     });
     println!("{bodies:6}   {cost:22} {:.1}", bytes as f64 / (steps as f64 * bodies as f64));
-}
-
-fn drawing(bodies: usize) {
-    let scene = gas(bodies);
-    let (mut engine, _) = started(&scene);
-    let mut frames = Vec::new();
-    for step in 0..60_u64 {
-        frames.push(frame(&engine, step));
-        engine.step(&mut CollisionCount::default()).expect("finite numbers");
-    }
-    let world = rebond::physics::Vector::new(scene.size[0], scene.size[1]);
-    let view = View::fit(world, [1280, 720], Style::default()).expect("a view");
-    let count = frames.len() as f64;
-    let png = measure(|| {
-        let mut painter = Painter::new();
-        let draw = |frame| {
-            let picture = painter.draw(&render::compose(frame, &view));
-            png::encode(&picture, &Metadata::default(), io::sink()).expect("a sink");
-        };
-        nanoseconds(|| frames.iter().for_each(draw)) / count / 1e6
-    });
-    let timeline = Timeline::from(Sampling::new(0..=59, 60.0, Thinning::All));
-    let gif = measure(|| {
-        let frames = frames.iter().cloned().map(Ok::<_, render::RenderError>);
-        let one = NonZero::<usize>::MIN;
-        let write = || render::write_gif(frames, &view, &timeline, &Metadata::default(), one, io::sink());
-        nanoseconds(|| write().expect("a sink")) / count / 1e6
-    });
-    println!("{bodies:6}   {png:22} {gif}");
-}
-
-fn frame(engine: &Engine, step: u64) -> Frame {
-    let sprites = engine.world().bodies.iter().map(|body| {
-        let appearance = Appearance {
-            id: body.id,
-            name: body.name.clone(),
-            material: String::new(),
-            color: None,
-            mass: body.mass,
-            force: rebond::physics::Vector::ZERO,
-            is_wall: body.is_infinite(),
-        };
-        Sprite { appearance: Arc::new(appearance), rect: body.rect, velocity: body.velocity, trail: Vec::new() }
-    });
-    Frame { step, time: step as f64 / 60.0, sprites: sprites.collect(), collisions: Vec::new() }
 }

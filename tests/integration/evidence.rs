@@ -83,9 +83,12 @@ fn info_prints_the_evidence_of_every_format() {
     workplace.done("render run.mcap -o clip.gif --to 10");
     workplace.done("render exact.mcap -o clip.apng --to 10 --slow 0.5");
     let names = ["figure.png", "figure.svg", "figure.pdf", "clip.gif", "clip.apng"];
-    let told: Vec<String> =
-        names.iter().map(|name| format!("{name}\n{}", workplace.done(&format!("info {name}")).output)).collect();
-    assert_text("info-of-pictures", &told.join("\n"));
+    let told = |name: &&str| format!("{name}\n{}", workplace.done(&format!("info {name}")).output);
+    let told = names.iter().map(told).collect::<Vec<String>>().join("\n");
+    // Identities change with every version of the engine; that they are told is what matters here.
+    let identity = |name: &str| Source::open(&workplace.path(name)).unwrap().survey.identity.unwrap();
+    let named = told.replace(&identity("run.mcap"), "RUN").replace(&identity("exact.mcap"), "EXACT");
+    assert_text("info-of-pictures", &named);
     let json: serde_json::Value = serde_json::from_str(&workplace.done("info figure.pdf --json").output).unwrap();
     assert_eq!((json["picture"].as_str(), json["steps"].as_str()), (Some("PDF"), Some("36")), "{json}");
 }

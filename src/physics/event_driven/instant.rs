@@ -23,7 +23,7 @@ impl Instant {
 
     /// Whether this instant comes before `other`.
     pub fn is_before(self, other: Instant) -> bool {
-        self.step < other.step || (self.step == other.step && self.offset < other.offset)
+        (self.step < other.step) | ((self.step == other.step) & (self.offset < other.offset))
     }
 
     /// The later of the two.

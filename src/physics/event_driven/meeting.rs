@@ -16,11 +16,16 @@ pub enum Kind {
 }
 
 /// Where a body is at an instant, and how fast.
+#[derive(Clone, Copy)]
 pub struct State<'a> {
-    mover: &'a Mover,
-    at: Instant,
-    position: [f64; 2],
-    velocity: [f64; 2],
+    /// The body.
+    pub mover: &'a Mover,
+    /// The instant.
+    pub at: Instant,
+    /// m.
+    pub position: [f64; 2],
+    /// m/s.
+    pub velocity: [f64; 2],
 }
 
 impl<'a> State<'a> {
@@ -31,22 +36,30 @@ impl<'a> State<'a> {
         State { mover, at, position: [x, y], velocity: [vx, vy] }
     }
 
+    /// The state at another instant, if it is another.
+    #[inline]
+    pub fn until(&self, clock: &Clock, at: Instant) -> State<'a> {
+        if at == self.at { *self } else { State::new(clock, self.mover, at) }
+    }
+
     /// Whether the body's mass is infinite.
     pub fn is_infinite(&self) -> bool {
         self.mover.infinite
     }
 }
 
-/// How one box stands to another along one axis at the instant from which both are known.
+/// How one box stands to another at the instant from which both are known, along each axis.
 struct Relative {
-    /// The gap if the second is ahead of the first, and if it is behind, m; both negative
-    /// where the boxes overlap on this axis.
-    gaps: [f64; 2],
-    /// Of the second as the first sees it, m/s and m/s².
-    velocity: f64,
-    acceleration: f64,
+    /// The gap if the second is ahead of the first, m; negative where they overlap on the axis.
+    ahead: [f64; 2],
+    /// The gap if the second is behind the first, m.
+    behind: [f64; 2],
+    /// Of the second as the first sees it, m/s.
+    velocity: [f64; 2],
+    /// Likewise, m/s².
+    acceleration: [f64; 2],
     /// What counts as touching: rounding of the coordinates, m.
-    tolerance: f64,
+    tolerance: [f64; 2],
 }
 
 /// Coordinates this many units in the last place apart touch, if nothing moves them apart.
@@ -62,75 +75,103 @@ pub fn tolerance(scale: f64) -> f64 {
 
 impl Relative {
     #[inline]
-    fn new(clock: &Clock, axis: usize, first: &State, second: &Mover) -> Relative {
-        let a = first.position[axis];
-        let (b, velocity) = second.motion[axis].at(clock, first.at);
-        let [a_size, b_size] = [first.mover.size[axis], second.size[axis]];
+    fn new(clock: &Clock, first: &State, second: &Mover) -> Relative {
+        let a = first.position;
+        let seconds = AXES.map(|axis| clock.seconds(second.motion[axis].since, first.at));
+        let b = AXES.map(|axis| second.motion[axis].position_after(seconds[axis]));
+        let velocity = AXES.map(|axis| second.motion[axis].velocity_after(seconds[axis]));
+        let sizes = [first.mover.size, second.size];
         Relative {
-            gaps: [(b - a) - a_size, (a - b) - b_size],
-            velocity: velocity - first.velocity[axis],
-            acceleration: second.motion[axis].acceleration - first.mover.motion[axis].acceleration,
-            tolerance: tolerance(a.abs() + b.abs() + (a_size + b_size)),
+            ahead: AXES.map(|axis| (b[axis] - a[axis]) - sizes[0][axis]),
+            behind: AXES.map(|axis| (a[axis] - b[axis]) - sizes[1][axis]),
+            velocity: AXES.map(|axis| velocity[axis] - first.velocity[axis]),
+            acceleration: AXES.map(|axis| second.motion[axis].acceleration - first.mover.motion[axis].acceleration),
+            tolerance: AXES.map(|axis| tolerance(a[axis].abs() + b[axis].abs() + (sizes[0][axis] + sizes[1][axis]))),
         }
     }
 
-    /// Of the two gaps the wider one: how far the boxes are apart, m.
-    fn gap(&self) -> f64 {
-        let [ahead, behind] = self.gaps;
-        if ahead > behind { ahead } else { behind }
+    /// Of the two gaps on an axis the wider one: how far the boxes are apart, m.
+    #[inline]
+    fn gap(&self, axis: usize) -> f64 {
+        if self.ahead[axis] > self.behind[axis] { self.ahead[axis] } else { self.behind[axis] }
     }
 
-    /// Whether the boxes are apart on this axis and will ever be: the commonest case, seen at once.
+    /// Whether the boxes are apart on an axis and will ever be: the commonest case, seen at once.
     #[inline]
-    fn separates(&self) -> bool {
-        let [ahead, behind] = self.gaps;
-        self.acceleration == 0.0 && ((ahead > 0.0 && self.velocity >= 0.0) || (behind > 0.0 && self.velocity <= 0.0))
+    fn separate(&self) -> bool {
+        let separate = AXES.map(|axis| {
+            let (velocity, acceleration) = (self.velocity[axis], self.acceleration[axis]);
+            let goes_ahead = (self.ahead[axis] > 0.0) & (velocity >= 0.0) & (acceleration >= 0.0);
+            let goes_behind = (self.behind[axis] > 0.0) & (velocity <= 0.0) & (acceleration <= 0.0);
+            goes_ahead | goes_behind
+        });
+        separate[0] | separate[1]
+    }
+
+    /// Whether the boxes stay apart on an axis for so many seconds at least: of many boxes
+    /// around one, all but the nearest.
+    #[inline]
+    fn stay_apart(&self, seconds: f64) -> bool {
+        let way = |speed: f64, acceleration: f64| {
+            let speed = if speed > 0.0 { speed } else { 0.0 };
+            let acceleration = if acceleration > 0.0 { acceleration } else { 0.0 };
+            seconds * (speed + 0.5 * acceleration * seconds)
+        };
+        let apart = AXES.map(|axis| {
+            let (velocity, acceleration) = (self.velocity[axis], self.acceleration[axis]);
+            let ahead = self.ahead[axis] - way(-velocity, -acceleration) > self.tolerance[axis];
+            let behind = self.behind[axis] - way(velocity, acceleration) > self.tolerance[axis];
+            ahead | behind
+        });
+        apart[0] | apart[1]
     }
 
     /// Whether the second box, ahead or behind, ever moves towards the first.
-    fn can_close(&self, ahead: bool) -> bool {
+    fn can_close(&self, axis: usize, ahead: bool) -> bool {
         if ahead {
-            self.velocity < 0.0 || self.acceleration < 0.0
+            self.velocity[axis] < 0.0 || self.acceleration[axis] < 0.0
         } else {
-            self.velocity > 0.0 || self.acceleration > 0.0
+            self.velocity[axis] > 0.0 || self.acceleration[axis] > 0.0
         }
     }
 
     /// Seconds until the faces meet, the second box being ahead of the first or behind it.
     ///
     /// `touching`: take the gap as exactly 0.
-    fn closing(&self, ahead: bool, touching: bool) -> f64 {
+    fn closing(&self, axis: usize, ahead: bool, touching: bool) -> f64 {
         let side = if ahead { -1.0 } else { 1.0 };
-        let (speed, acceleration) = (side * self.velocity, side * self.acceleration);
-        let gap = self.gaps[usize::from(!ahead)];
-        let rests = speed == 0.0 && acceleration > 0.0 && gap.abs() <= self.tolerance;
-        let gap = if touching || rests || (gap < 0.0 && gap >= -self.tolerance) { 0.0 } else { gap };
+        let (speed, acceleration) = (side * self.velocity[axis], side * self.acceleration[axis]);
+        let gap = if ahead { self.ahead[axis] } else { self.behind[axis] };
+        let tolerance = self.tolerance[axis];
+        let rests = speed == 0.0 && acceleration > 0.0 && gap.abs() <= tolerance;
+        let gap = if touching || rests || (gap < 0.0 && gap >= -tolerance) { 0.0 } else { gap };
         closing_time(gap, speed, acceleration)
     }
 
-    /// Seconds until the boxes no longer overlap on this axis.
-    fn parting(&self) -> f64 {
-        let [ahead, behind] = self.gaps.map(|gap| if gap > 0.0 { 0.0 } else { -gap });
-        let past_ahead = closing_time(ahead, self.velocity, self.acceleration);
-        let past_behind = closing_time(behind, -self.velocity, -self.acceleration);
+    /// Seconds until the boxes no longer overlap on an axis.
+    fn parting(&self, axis: usize) -> f64 {
+        let [ahead, behind] = [self.ahead[axis], self.behind[axis]].map(|gap| if gap > 0.0 { 0.0 } else { -gap });
+        let past_ahead = closing_time(ahead, self.velocity[axis], self.acceleration[axis]);
+        let past_behind = closing_time(behind, -self.velocity[axis], -self.acceleration[axis]);
         if past_ahead < past_behind { past_ahead } else { past_behind }
     }
 
-    /// How the boxes overlap on this axis after t seconds.
-    fn overlap(&self, t: f64) -> Overlap {
-        let way = t * (self.velocity + 0.5 * self.acceleration * t);
-        let [ahead, behind] = [self.gaps[0] + way, self.gaps[1] - way];
+    /// How the boxes overlap on an axis after t seconds.
+    #[inline]
+    fn overlap(&self, axis: usize, t: f64) -> Overlap {
+        let way = t * (self.velocity[axis] + 0.5 * self.acceleration[axis] * t);
+        let [ahead, behind] = [self.ahead[axis] + way, self.behind[axis] - way];
         let gap = if ahead > behind { ahead } else { behind };
-        if gap < -self.tolerance {
+        if gap < -self.tolerance[axis] {
             return Overlap::Face;
         }
-        let velocity = self.velocity + self.acceleration * t;
+        let velocity = self.velocity[axis] + self.acceleration[axis] * t;
         let side = if ahead > behind { -1.0 } else { 1.0 };
-        if gap > self.tolerance || side * velocity < 0.0 {
+        if gap > self.tolerance[axis] || side * velocity < 0.0 {
             Overlap::None
         } else if side * velocity > 0.0 {
             Overlap::Corner
-        } else if side * self.acceleration > 0.0 {
+        } else if side * self.acceleration[axis] > 0.0 {
             Overlap::Pressed
         } else {
             Overlap::None
@@ -154,33 +195,29 @@ enum Overlap {
 /// asks, or when. Faces meet when a gap on one axis closes while the boxes overlap on the
 /// other by a positive length. If they begin to overlap there at the same instant, it is a
 /// corner; if they just cease to, or slide along each other's line, they do not meet: so a
-/// box passes the seam between two tiles.
+/// box passes the seam between two tiles. What comes more than `latest` seconds after
+/// both are known need not be told.
 #[inline]
-pub fn meeting(clock: &Clock, first: &State, second: &Mover) -> Option<(Instant, Kind)> {
+pub fn meeting(clock: &Clock, first: &State, second: &Mover, latest: f64) -> Option<(Instant, Kind)> {
     if first.at.is_before(second.since) {
-        meeting_from(clock, &State::new(clock, first.mover, second.since), second)
+        meeting_from(clock, &State::new(clock, first.mover, second.since), second, latest)
     } else {
-        meeting_from(clock, first, second)
+        meeting_from(clock, first, second, latest)
     }
 }
 
 #[inline]
-fn meeting_from(clock: &Clock, first: &State, second: &Mover) -> Option<(Instant, Kind)> {
-    let x = Relative::new(clock, 0, first, second);
-    if x.separates() {
+fn meeting_from(clock: &Clock, first: &State, second: &Mover, latest: f64) -> Option<(Instant, Kind)> {
+    let relative = Relative::new(clock, first, second);
+    if relative.separate() | relative.stay_apart(latest) {
         return None;
     }
-    let y = Relative::new(clock, 1, first, second);
-    if y.separates() {
-        return None;
-    }
-    let axes = [&x, &y];
-    let (seconds, kind) = match straight_meeting(&axes) {
+    let (seconds, kind) = match straight_meeting(&relative) {
         Some(met) => met?,
-        None => first_meeting(&axes)?,
+        None => first_meeting(&relative)?,
     };
     let at = clock.after(first.at, seconds);
-    if at.offset < LONGEST_ROUNDING && first.at.step < at.step && touch_at_sample(&axes, kind, at.offset, seconds) {
+    if at.offset < LONGEST_ROUNDING && first.at.step < at.step && touch_at_sample(&relative, kind, at.offset, seconds) {
         return Some((clock.end_of(at.step - 1.0), kind));
     }
     (at != Instant::NEVER).then_some((at, kind))
@@ -189,11 +226,14 @@ fn meeting_from(clock: &Clock, first: &State, second: &Mover) -> Option<(Instant
 /// Whether faces that meet so many seconds after a sample touch at the sample already, but for
 /// rounding: then the sample is to show the velocities after.
 #[cold]
-fn touch_at_sample(axes: &[&Relative; 2], kind: Kind, late: f64, seconds: f64) -> bool {
-    let touches = |axis: &Relative| late * (axis.velocity + axis.acceleration * seconds).abs() <= axis.tolerance;
+fn touch_at_sample(relative: &Relative, kind: Kind, late: f64, seconds: f64) -> bool {
+    let touches = |axis: usize| {
+        let velocity = relative.velocity[axis] + relative.acceleration[axis] * seconds;
+        late * velocity.abs() <= relative.tolerance[axis]
+    };
     match kind {
-        Kind::Touch(axis) => touches(axes[usize::from(axis)]),
-        Kind::Corner => touches(axes[0]) && touches(axes[1]),
+        Kind::Touch(axis) => touches(usize::from(axis)),
+        Kind::Corner => touches(0) && touches(1),
         Kind::Part(_) | Kind::Press => false,
     }
 }
@@ -202,42 +242,39 @@ fn touch_at_sample(axes: &[&Relative; 2], kind: Kind, late: f64, seconds: f64) -
 /// beside each other last is the one along which they meet, if they still are on the other.
 ///
 /// The outer option is none where this simple way does not apply.
-fn straight_meeting(axes: &[&Relative; 2]) -> Option<Option<(f64, Kind)>> {
-    if axes[0].acceleration != 0.0 || axes[1].acceleration != 0.0 {
+#[inline]
+fn straight_meeting(relative: &Relative) -> Option<Option<(f64, Kind)>> {
+    let [x, y] = AXES.map(|axis| relative.gap(axis));
+    let beside = [x < -relative.tolerance[0], y < -relative.tolerance[1]];
+    let apart = ((x > 0.0) & ((y > 0.0) | beside[1])) | ((y > 0.0) & beside[0]);
+    if relative.acceleration != [0.0; 2] || !apart {
         return None;
     }
-    let [x, y] = [axes[0].gap(), axes[1].gap()];
-    let axis = if x > 0.0 && y > 0.0 {
-        usize::from(x * axes[1].velocity.abs() < y * axes[0].velocity.abs())
-    } else if x > 0.0 && y < -axes[1].tolerance {
-        0
-    } else if y > 0.0 && x < -axes[0].tolerance {
-        1
-    } else {
-        return None;
-    };
-    let seconds = (if axis == 0 { x } else { y }) / axes[axis].velocity.abs();
-    Some(match axes[1 - axis].overlap(seconds) {
+    // Where they are beside each other already the gap is negative: that axis came first.
+    let speeds = relative.velocity.map(f64::abs);
+    let axis = usize::from(x * speeds[1] < y * speeds[0]);
+    let seconds = [x, y][axis] / speeds[axis];
+    Some(match relative.overlap(1 - axis, seconds) {
         Overlap::Face => Some((seconds, Kind::Touch(axis as u8))),
         Overlap::Corner | Overlap::Pressed => Some((seconds, Kind::Corner)),
         Overlap::None => None,
     })
 }
 
-fn first_meeting(axes: &[&Relative; 2]) -> Option<(f64, Kind)> {
+fn first_meeting(relative: &Relative) -> Option<(f64, Kind)> {
     let mut best = None;
     let mut least = f64::INFINITY;
-    let deep = deepest_within(axes);
+    let deep = deepest_within(relative);
     for axis in AXES {
         for ahead in [true, false] {
-            if !axes[axis].can_close(ahead) {
+            if !relative.can_close(axis, ahead) {
                 continue;
             }
-            let seconds = axes[axis].closing(ahead, deep == Some((axis, ahead)));
+            let seconds = relative.closing(axis, ahead, deep == Some((axis, ahead)));
             if seconds < least {
-                let kind = match axes[1 - axis].overlap(seconds) {
+                let kind = match relative.overlap(1 - axis, seconds) {
                     Overlap::Face => Kind::Touch(axis as u8),
-                    Overlap::Pressed if seconds == 0.0 && axes[axis].velocity == 0.0 => Kind::Press,
+                    Overlap::Pressed if seconds == 0.0 && relative.velocity[axis] == 0.0 => Kind::Press,
                     Overlap::Corner | Overlap::Pressed => Kind::Corner,
                     Overlap::None => continue,
                 };
@@ -250,20 +287,19 @@ fn first_meeting(axes: &[&Relative; 2]) -> Option<(f64, Kind)> {
 }
 
 /// If the boxes overlap, which can only be rounding, the axis and side of the shallower overlap.
-fn deepest_within(axes: &[&Relative; 2]) -> Option<(usize, bool)> {
-    let [x, y] = [axes[0].gap(), axes[1].gap()];
+fn deepest_within(relative: &Relative) -> Option<(usize, bool)> {
+    let [x, y] = AXES.map(|axis| relative.gap(axis));
     if !(x < 0.0 && y < 0.0) {
         return None;
     }
     let axis = usize::from(y > x);
-    let [ahead, behind] = axes[axis].gaps;
-    Some((axis, ahead > behind))
+    Some((axis, relative.ahead[axis] > relative.behind[axis]))
 }
 
 /// When two boxes in contact along `axis` slide past each other's edge, if nothing intervenes.
 pub fn parting(clock: &Clock, axis: usize, first: &Mover, second: &Mover) -> Option<Instant> {
     let from = first.since.or_later(second.since);
-    let seconds = Relative::new(clock, 1 - axis, &State::new(clock, first, from), second).parting();
+    let seconds = Relative::new(clock, &State::new(clock, first, from), second).parting(1 - axis);
     let at = clock.after(from, seconds);
     (at != Instant::NEVER).then_some(at)
 }
@@ -284,8 +320,9 @@ mod tests {
 
     fn seconds(first: &Mover, second: &Mover) -> Option<(f64, Kind)> {
         let met = |first: &Mover, second: &Mover| {
-            let (at, kind) = meeting(&Clock::new(1.0), &State::new(&Clock::new(1.0), first, first.since), second)?;
-            Some((Clock::new(1.0).seconds(Instant::start_of(0), at), kind))
+            let clock = Clock::new(1.0);
+            let (at, kind) = meeting(&clock, &State::new(&clock, first, first.since), second, f64::INFINITY)?;
+            Some((clock.seconds(Instant::start_of(0), at), kind))
         };
         assert_eq!(met(first, second), met(second, first), "it does not matter who asks");
         met(first, second)

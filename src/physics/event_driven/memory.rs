@@ -108,7 +108,9 @@ impl EventDriven {
         self.forced = [0; 2];
         self.fresh.clear();
         self.outlooks.clear();
+        self.reaches.clear();
         self.moving = super::Moving::default();
+        self.calendar = super::Calendar::new(0);
         self.changed.clear();
     }
 

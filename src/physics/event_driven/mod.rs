@@ -7,8 +7,9 @@
 //! One step: newcomers are admitted and put apart (`separation`); what is due happens in its
 //! total order (`schedule`): boxes collide (`collide`, `block`, `impact`), slide off edges and
 //! take up or end contacts (`contact`, `settle`, `least_change`), and whoever that concerned
-//! looks ahead again among its neighbours (`outlook`, `neighbours`); what moved is sampled
-//! (`sampling`). `memory` is what must be kept to go on to the bit, `crush` how a step may fail.
+//! looks ahead again among its neighbours (`outlook`, `reach`, `neighbours`, `grid`); what moved
+//! is sampled (`sampling`), and who is about to leave its cell moves on (`calendar`). `memory` is
+//! what must be kept to go on to the bit, `crush` how a step may fail.
 //!
 //! Prediction computes with doubles; what happens is computed with twice the digits
 //! (`fine_state`), so that rounding is no error one could see after thousands of collisions.
@@ -36,11 +37,13 @@
 //!   in this sense have collided in it.
 
 mod block;
+mod calendar;
 mod collide;
 mod contact;
 mod crush;
 mod double_double;
 mod fine_state;
+mod grid;
 mod impact;
 mod instant;
 mod least_change;
@@ -50,6 +53,7 @@ mod motion;
 mod mover;
 mod neighbours;
 mod outlook;
+mod reach;
 mod sampling;
 mod schedule;
 mod separation;
@@ -57,6 +61,7 @@ mod settle;
 
 use super::{Body, BodyId, Observer, Settings, StepError, World};
 use block::Block;
+use calendar::Calendar;
 use contact::Contacts;
 use double_double::DoubleDouble;
 use fine_state::Residue;
@@ -66,6 +71,7 @@ use motion::Motion;
 use mover::{AXES, Mover, Slot, Traits};
 use neighbours::Neighbours;
 use outlook::Outlook;
+use reach::Reach;
 use sampling::Moving;
 use schedule::Schedule;
 
@@ -101,7 +107,9 @@ pub struct EventDriven {
     now_residue: f64,
     neighbours: Neighbours,
     schedule: Schedule,
+    calendar: Calendar,
     outlooks: Vec<Outlook>,
+    reaches: Vec<Reach>,
     moving: Moving,
     /// Bodies whose motion or contacts changed at the present instant.
     changed: Vec<Slot>,
@@ -110,7 +118,8 @@ pub struct EventDriven {
     /// How many bodies the grids and the schedule were made for.
     made_for: usize,
     blocks: [Block; 2],
-    came_near: Vec<Slot>,
+    /// Room for those who are to be moved on.
+    due: Vec<Slot>,
 }
 
 impl EventDriven {
@@ -132,13 +141,15 @@ impl EventDriven {
             now_residue: 0.0,
             neighbours: Neighbours::new(1.0),
             schedule: Schedule::new(clock, 0, 0),
+            calendar: Calendar::new(0),
             outlooks: Vec::new(),
+            reaches: Vec::new(),
             moving: Moving::default(),
             changed: Vec::new(),
             loosened: [Vec::new(), Vec::new()],
             made_for: 0,
             blocks: [Block::default(), Block::default()],
-            came_near: Vec::new(),
+            due: Vec::new(),
         }
     }
 
@@ -180,8 +191,10 @@ impl EventDriven {
         let (mass, material) = (body.mass, body.material);
         self.traits.push(Traits { id: body.id, mass, material, free_fall, forced, alive: true });
         self.contacts.add_body();
-        self.outlooks.push(Outlook::NOTHING);
+        self.outlooks.push(Outlook { meeting: None, generation: 0 });
+        self.reaches.push(Reach::ANYWHERE);
         self.moving.add_body();
+        self.calendar.add_body();
         slot
     }
 
@@ -201,6 +214,7 @@ impl EventDriven {
         self.movers[slot as usize].generation += 1;
         self.neighbours.remove(slot);
         self.schedule.set(slot, None);
+        self.calendar.forget(slot);
         self.moving.forget(slot);
         self.release(slot);
     }
@@ -219,7 +233,9 @@ impl EventDriven {
         self.advance_to(Instant::start_of(step));
         self.admit(world, step);
         self.run(world, step, Instant::NEVER, observer)?;
-        self.sample(world, step)
+        self.sample(world, step)?;
+        self.move_on(step + 1);
+        Ok(())
     }
 
     /// The world so many seconds after a step began, without going there.
@@ -255,22 +271,22 @@ impl EventDriven {
                 return Err(self.too_many(world, step, turn.pair));
             }
             self.advance_to(turn.at);
-            let outlook = self.outlooks[slot as usize];
-            match outlook.meeting {
-                Some(meeting) if !outlook.leaving.is_before(meeting.turn.at) => {
-                    if self.movers[meeting.partner as usize].generation != meeting.generation {
-                        self.predict(slot);
-                        continue;
-                    }
-                    events += 1;
-                    if events > self.limit {
-                        return Err(self.too_many(world, step, turn.pair));
-                    }
-                    self.changed.push(slot);
-                    self.happen(world, turn.pair, meeting.kind, observer)?;
-                }
-                Some(_) | None => self.cross(slot),
+            let Outlook { meeting, generation } = self.outlooks[slot as usize];
+            let Some(kind) = meeting else {
+                self.cross(slot);
+                continue;
+            };
+            let partner = if turn.pair[0] == slot { turn.pair[1] } else { turn.pair[0] };
+            if self.movers[partner as usize].generation != generation {
+                self.predict(slot);
+                continue;
             }
+            events += 1;
+            if events > self.limit {
+                return Err(self.too_many(world, step, turn.pair));
+            }
+            self.changed.push(slot);
+            self.happen(world, turn.pair, kind, observer)?;
         }
         Ok(())
     }
@@ -299,7 +315,7 @@ impl EventDriven {
         }
         let fresh = std::mem::take(&mut self.fresh);
         let many = self.movers.len() > 2 * self.made_for || self.movers.len() > 2 * world.bodies.len() + 64;
-        if many || fresh.iter().any(|slot| self.movers[*slot as usize].is_anchored()) {
+        if many || self.neighbours.are_few() || fresh.iter().any(|slot| self.movers[*slot as usize].is_anchored()) {
             self.fresh = fresh;
             if self.movers.len() > world.bodies.len() {
                 self.forget_deleted(world, step);
@@ -330,6 +346,8 @@ impl EventDriven {
         self.made_for = self.movers.len();
         self.neighbours = Neighbours::new(self.usual_size());
         self.schedule = Schedule::new(self.clock, step, self.movers.len());
+        self.calendar = Calendar::new(step);
+        (0..self.movers.len()).for_each(|_| self.calendar.add_body());
         for slot in 0..self.movers.len() {
             if self.traits[slot].alive && self.fresh.binary_search(&(slot as Slot)).is_err() {
                 self.neighbours.insert(&self.clock, slot as Slot, &self.movers[slot], self.now);
@@ -362,6 +380,9 @@ impl EventDriven {
             changed.sort_unstable();
         }
         changed.dedup();
+        for slot in &changed {
+            self.reaches[*slot as usize] = Reach::ANYWHERE;
+        }
         for slot in &changed {
             self.predict(*slot);
             self.moving.update(*slot, &self.movers[*slot as usize]);

@@ -11,6 +11,7 @@ pub const AXES: [usize; 2] = [0, 1];
 
 /// What prediction reads of a body, and nothing else: two cache lines.
 #[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
 pub struct Mover {
     /// The motion along x and along y.
     pub motion: [Motion; 2],

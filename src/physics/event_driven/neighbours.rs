@@ -3,19 +3,20 @@
 //! Nothing here decides what happens, only who is asked: which grid a box sits in and when
 //! it changes cells has no influence on any result.
 
+use super::grid::{Grid, NONE};
 use super::instant::{Clock, Instant};
+use super::meeting::State;
 use super::motion::closing_time;
 use super::mover::{AXES, Mover, Slot};
 
-const NONE: u32 = u32::MAX;
-
 /// A box is at most this fraction of its cell's side, so that with [`SLACK`] on either side
 /// it never reaches beyond the neighbouring cells.
-const FILL: f64 = 0.93;
+const FILL: f64 = 0.87;
 
-/// A box has left its cell when its centre is this fraction of the side outside it. Without
-/// it a rounding could make a box cross the same border for ever.
-const SLACK: f64 = 1.0 / 32.0;
+/// A box has left its cell when its centre is this fraction of the side outside it. So a box
+/// that is not too fast may be moved on before the step in which it would leave; and no
+/// rounding makes it cross the same border for ever.
+const SLACK: f64 = 1.0 / 16.0;
 
 /// The sides of the cells of consecutive grids stand in this ratio.
 const RATIO: f64 = 4.0;
@@ -26,9 +27,8 @@ const CELLS_PER_STEP: f64 = 4.0;
 /// No cell is so many cells away from the origin that its borders could not be told apart.
 const FURTHEST_CELL: f64 = (1u64 << 40) as f64;
 
-/// An anchored box is entered in its cells one by one only while they are at most so many
-/// for each bucket of the grid.
-const ANCHOR_CELLS_PER_BUCKET: f64 = 4.0;
+/// So few bodies are all asked.
+const FEW: usize = 12;
 
 /// The grids.
 #[derive(Clone, Debug)]
@@ -42,28 +42,6 @@ pub struct Neighbours {
     anchored: Vec<(Slot, [[f64; 2]; 2])>,
 }
 
-/// One grid: a torus of buckets onto which the unbounded plane of cells is wound.
-///
-/// Two cells that fall on the same bucket cost a few needless questions, nothing else.
-#[derive(Clone, Debug)]
-struct Grid {
-    side: f64,
-    /// Along which multiple of rows the plane is wound.
-    row: u64,
-    buckets: Vec<Bucket>,
-    members: Vec<Slot>,
-    /// The anchored boxes near each bucket that has any.
-    anchors: Vec<Vec<Slot>>,
-    /// The anchored boxes too large to be entered cell by cell.
-    everywhere: Vec<Slot>,
-}
-
-#[derive(Clone, Copy, Debug)]
-struct Bucket {
-    first: Slot,
-    anchors: u32,
-}
-
 #[derive(Clone, Copy, Debug)]
 struct Seat {
     grid: u32,
@@ -74,64 +52,6 @@ struct Seat {
 }
 
 const NOWHERE: Seat = Seat { grid: NONE, member: NONE, cell: [0; 2], previous: NONE, next: NONE };
-
-impl Grid {
-    fn new(side: f64, buckets: usize) -> Grid {
-        let mut grid = Grid {
-            side,
-            row: 0,
-            buckets: Vec::new(),
-            members: Vec::new(),
-            anchors: Vec::new(),
-            everywhere: Vec::new(),
-        };
-        grid.resize(buckets);
-        grid
-    }
-
-    fn resize(&mut self, buckets: usize) {
-        self.buckets.clear();
-        self.buckets.resize(buckets, Bucket { first: NONE, anchors: NONE });
-        // Rows a golden section apart lie as evenly on the ring of buckets as can be,
-        // whatever the shape of the inhabited region (Knuth, TAOCP 3, 6.4).
-        self.row = (buckets as f64 * 0.618_033_988_749_894_9) as u64 | 1;
-        self.anchors.clear();
-        self.everywhere.clear();
-    }
-
-    fn bucket(&self, [x, y]: [i64; 2]) -> usize {
-        let wound = (x as u64).wrapping_add((y as u64).wrapping_mul(self.row));
-        (wound & (self.buckets.len() as u64 - 1)) as usize
-    }
-
-    fn cell(&self, point: [f64; 2]) -> [i64; 2] {
-        point.map(|coordinate| floor(coordinate / self.side))
-    }
-
-    fn anchor(&mut self, slot: Slot, [low, high]: [[f64; 2]; 2]) {
-        let reach = self.side / 2.0;
-        let [from, to] = [self.cell(low.map(|x| x - reach)), self.cell(high.map(|x| x + reach))];
-        let cells = (to[0] as f64 - from[0] as f64 + 1.0) * (to[1] as f64 - from[1] as f64 + 1.0);
-        if cells > ANCHOR_CELLS_PER_BUCKET * self.buckets.len() as f64 {
-            self.everywhere.push(slot);
-            return;
-        }
-        for y in from[1]..=to[1] {
-            for x in from[0]..=to[0] {
-                let bucket = self.bucket([x, y]);
-                let bucket = &mut self.buckets[bucket];
-                if bucket.anchors == NONE {
-                    bucket.anchors = self.anchors.len() as u32;
-                    self.anchors.push(Vec::new());
-                }
-                let anchors = &mut self.anchors[bucket.anchors as usize];
-                if anchors.last() != Some(&slot) {
-                    anchors.push(slot);
-                }
-            }
-        }
-    }
-}
 
 impl Neighbours {
     /// Grids for boxes whose usual longer side is `size`, m.
@@ -152,7 +72,7 @@ impl Neighbours {
                 grid.anchor(slot, corners);
             }
         } else {
-            let centre = centre(clock, mover, now);
+            let centre = [0, 1].map(|axis| mover.motion[axis].at(clock, now).0 + mover.size[axis] / 2.0);
             let grid = self.grid_for(clock, mover, now, centre);
             self.sit(slot, grid, centre);
         }
@@ -273,94 +193,97 @@ impl Neighbours {
         distance < side * FURTHEST_CELL && speed * clock.period < side && larger * 2.0 > side
     }
 
-    /// When after `now` a body leaves its cell; never for an anchored one.
-    pub fn leaving(&self, clock: &Clock, slot: Slot, mover: &Mover, now: Instant) -> Instant {
+    /// When a body leaves its cell, in seconds from now; infinite if never.
+    #[inline]
+    pub fn leaving(&self, slot: Slot, state: &State) -> f64 {
         let seat = &self.seats[slot as usize];
         let side = self.grids[seat.grid as usize].side;
-        let mut first = f64::INFINITY;
-        for axis in AXES {
-            let motion = &mover.motion[axis];
-            if motion.is_still() {
-                continue;
-            }
+        let leaving = AXES.map(|axis| {
+            let (velocity, acceleration) = (state.velocity[axis], state.mover.motion[axis].acceleration);
+            let centre = state.position[axis] + state.mover.size[axis] / 2.0;
             let low = seat.cell[axis] as f64 * side;
-            let (position, velocity) = motion.at(clock, now);
-            let centre = position + mover.size[axis] / 2.0;
-            if motion.acceleration == 0.0 {
-                let border = if velocity > 0.0 { low + side * (1.0 + SLACK) } else { low - side * SLACK };
-                let leaves = (border - centre) / velocity;
-                first = if leaves < first { leaves } else { first };
-                continue;
+            let way = [centre - (low - side * SLACK), (low + side * (1.0 + SLACK)) - centre];
+            if acceleration != 0.0 {
+                let behind = closing_time(way[0], -velocity, -acceleration);
+                let ahead = closing_time(way[1], velocity, acceleration);
+                if ahead < behind { ahead } else { behind }
+            } else if velocity == 0.0 {
+                f64::INFINITY
+            } else {
+                (if velocity > 0.0 { way[1] } else { way[0] }) / velocity.abs()
             }
-            let ahead = closing_time((low + side * (1.0 + SLACK)) - centre, velocity, motion.acceleration);
-            let behind = closing_time(centre - (low - side * SLACK), -velocity, -motion.acceleration);
-            let leaves = if ahead < behind { ahead } else { behind };
-            first = if leaves < first { leaves } else { first };
-        }
-        clock.after(now, if first > 0.0 { first } else { 0.0 })
+        });
+        let first = if leaving[0] < leaving[1] { leaving[0] } else { leaving[1] };
+        if first > 0.0 { first } else { 0.0 }
     }
 
-    /// Moves a body to the cell it is in now and shows each that may have come near.
-    pub fn cross(&mut self, clock: &Clock, slot: Slot, mover: &Mover, now: Instant, mut show: impl FnMut(Slot)) {
+    /// Moves a body to the cell where it is halfway through the rest of the step, or to the
+    /// one where it is now if it is fast.
+    pub fn cross(&mut self, clock: &Clock, slot: Slot, state: &State) {
         let seat = self.seats[slot as usize];
-        let states = [mover.motion[0].at(clock, now), mover.motion[1].at(clock, now)];
-        let centre = [states[0].0 + mover.size[0] / 2.0, states[1].0 + mover.size[1] / 2.0];
+        let mover = state.mover;
         let mut grid = seat.grid as usize;
-        let speed = states[0].1.abs() + states[1].1.abs();
+        let mut centre = AXES.map(|axis| state.position[axis] + mover.size[axis] / 2.0);
+        let speed = state.velocity[0].abs() + state.velocity[1].abs();
         if !self.suits(clock, grid, mover, centre[0].abs() + centre[1].abs(), speed) {
-            grid = self.grid_for(clock, mover, now, centre);
+            grid = self.grid_for(clock, mover, state.at, centre);
         }
-        if grid != seat.grid as usize {
+        let left = clock.period - state.at.offset;
+        let falls = mover.motion[0].acceleration.abs() + mover.motion[1].acceleration.abs();
+        if (speed + falls * left) * left <= SLACK * self.grids[grid].side {
+            centre = AXES.map(|axis| centre[axis] + state.velocity[axis] * (left / 2.0));
+        }
+        if grid == seat.grid as usize {
+            self.unlink(slot);
+            self.link(slot, self.grids[grid].cell(centre));
+        } else {
             self.rise(slot);
             self.sit(slot, grid, centre);
-            self.near(slot, mover, show);
-            return;
         }
-        let cell = self.grids[grid].cell(centre);
-        self.unlink(slot);
-        self.link(slot, cell);
-        for y in cell[1].saturating_sub(1)..=cell[1].saturating_add(1) {
-            for x in cell[0].saturating_sub(1)..=cell[0].saturating_add(1) {
-                if x.abs_diff(seat.cell[0]) > 1 || y.abs_diff(seat.cell[1]) > 1 {
-                    self.show_bucket(grid, [x, y], &mut show);
-                }
-            }
-        }
-        self.show_anchors(grid, cell, &mut show);
-        self.show_other_grids(grid, cell, mover, &mut show);
+    }
+
+    /// Whether there are so few bodies that all are near each other, whatever their cells.
+    pub fn are_few(&self) -> bool {
+        self.seats.len() <= FEW
     }
 
     /// Shows each body, itself included and some perhaps twice, that may touch this one before
     /// either of the two leaves its cell.
     pub fn near(&self, slot: Slot, mover: &Mover, mut show: impl FnMut(Slot)) {
+        if self.are_few() {
+            self.grids.iter().flat_map(|grid| &grid.members).for_each(|slot| show(*slot));
+            self.anchored.iter().for_each(|(slot, _)| show(*slot));
+            return;
+        }
         let seat = &self.seats[slot as usize];
-        let grid = seat.grid as usize;
-        let (cells, mask) = (&self.grids[grid], self.grids[grid].buckets.len() as u64 - 1);
-        let middle = cells.bucket(seat.cell) as u64;
-        for row in [middle.wrapping_sub(cells.row), middle, middle.wrapping_add(cells.row)] {
+        let grid = &self.grids[seat.grid as usize];
+        let (middle, mask) = (grid.bucket(seat.cell) as u64, grid.buckets.len() as u64 - 1);
+        // Most cells are empty or hold one box: without a branch for each there is none to guess wrong.
+        let (mut firsts, mut count) = ([NONE; 9], 0);
+        for row in [middle.wrapping_sub(grid.row), middle, middle.wrapping_add(grid.row)] {
             for bucket in [row.wrapping_sub(1), row, row.wrapping_add(1)] {
-                let mut slot = cells.buckets[(bucket & mask) as usize].first;
-                while slot != NONE {
-                    show(slot);
-                    slot = self.seats[slot as usize].next;
-                }
+                let first = grid.buckets[(bucket & mask) as usize].first;
+                let first = if first == slot { seat.next } else { first };
+                firsts[count] = first;
+                count += usize::from(first != NONE);
             }
         }
+        for first in &firsts[..count] {
+            self.show_list(*first, &mut show);
+        }
         self.show_anchors(grid, seat.cell, &mut show);
-        self.show_other_grids(grid, seat.cell, mover, &mut show);
+        self.show_other_grids(seat.grid as usize, seat.cell, mover, &mut show);
     }
 
-    fn show_bucket(&self, grid: usize, cell: [i64; 2], show: &mut impl FnMut(Slot)) {
-        let grid = &self.grids[grid];
-        let mut slot = grid.buckets[grid.bucket(cell)].first;
+    fn show_list(&self, first: Slot, show: &mut impl FnMut(Slot)) {
+        let mut slot = first;
         while slot != NONE {
             show(slot);
             slot = self.seats[slot as usize].next;
         }
     }
 
-    fn show_anchors(&self, grid: usize, cell: [i64; 2], show: &mut impl FnMut(Slot)) {
-        let grid = &self.grids[grid];
+    fn show_anchors(&self, grid: &Grid, cell: [i64; 2], show: &mut impl FnMut(Slot)) {
         let anchors = grid.buckets[grid.bucket(cell)].anchors;
         if anchors != NONE {
             grid.anchors[anchors as usize].iter().for_each(|slot| show(*slot));
@@ -394,7 +317,8 @@ impl Neighbours {
         }
         for y in from[1]..=to[1] {
             for x in from[0]..=to[0] {
-                self.show_bucket(grid, [x, y], show);
+                let grid = &self.grids[grid];
+                self.show_list(grid.buckets[grid.bucket([x, y])].first, show);
             }
         }
     }
@@ -408,14 +332,4 @@ impl Neighbours {
         }
         self.anchored.iter().for_each(|(slot, _)| show(*slot));
     }
-}
-
-/// The greatest whole number not above this one, as far as there are such numbers.
-fn floor(number: f64) -> i64 {
-    let whole = number as i64;
-    if whole as f64 > number { whole.saturating_sub(1) } else { whole }
-}
-
-fn centre(clock: &Clock, mover: &Mover, now: Instant) -> [f64; 2] {
-    [0, 1].map(|axis| mover.motion[axis].at(clock, now).0 + mover.size[axis] / 2.0)
 }

@@ -1,50 +1,33 @@
-//! What each body expects next: its first meeting, and when it leaves its cell.
+//! What each body expects next: its first meeting, or to leave its cell.
 
-use super::instant::Instant;
+use super::contact::Contact;
+use super::instant::{Instant, LONGEST_ROUNDING};
 use super::meeting::{Kind, State, meeting, parting};
 use super::mover::{Mover, Slot};
+use super::reach::Reach;
 use super::schedule::Turn;
 use super::{Contacts, EventDriven, instant::Clock};
 
-/// What a body expects.
+/// What a body expects when its turn comes: to meet, or else to leave its cell.
 ///
 /// Of each pair it is enough that one of the two knows: the one that looked ahead last.
 /// A meeting whose partner has changed since then is void; when its time comes the body
 /// looks ahead again.
 #[derive(Clone, Copy, Debug)]
 pub struct Outlook {
-    /// The first meeting it knows of.
-    pub meeting: Option<Meeting>,
-    /// When it leaves its cell.
-    pub leaving: Instant,
+    /// How it meets the other of the pair whose turn it is.
+    pub meeting: Option<Kind>,
+    /// The other's generation when this was foretold.
+    pub generation: u32,
 }
 
 /// A meeting foretold.
 #[derive(Clone, Copy, Debug)]
-pub struct Meeting {
-    /// When, and who.
-    pub turn: Turn,
-    /// How.
-    pub kind: Kind,
-    /// The other body.
-    pub partner: Slot,
-    /// The partner's generation when this was foretold.
-    pub generation: u32,
-}
-
-impl Outlook {
-    /// Nothing to come.
-    pub const NOTHING: Outlook = Outlook { meeting: None, leaving: Instant::NEVER };
-
-    /// The turn to wait for.
-    fn turn(&self, slot: Slot) -> Option<Turn> {
-        match self.meeting {
-            Some(meeting) if !self.leaving.is_before(meeting.turn.at) => Some(meeting.turn),
-            Some(_) | None => {
-                (self.leaving != Instant::NEVER).then_some(Turn { at: self.leaving, late: false, pair: [slot, slot] })
-            }
-        }
-    }
+struct Meeting {
+    turn: Turn,
+    kind: Kind,
+    /// Of the partner, when this was foretold.
+    generation: u32,
 }
 
 /// Keeps the earlier of two meetings.
@@ -67,66 +50,107 @@ struct Asker<'a> {
     clock: &'a Clock,
     movers: &'a [Mover],
     contacts: &'a Contacts,
+    /// Its own contacts.
+    touched: &'a [Contact],
     slot: Slot,
     /// Since when it has moved as it does.
     state: State<'a>,
     first: Option<Meeting>,
+    /// Seconds from then on until no later than which something is known to happen.
+    latest: f64,
 }
 
+/// By so much more of the time than any rounding is a meeting told to be later than another.
+const LATER: f64 = 1.0 + 1e-9;
+
 impl<'a> Asker<'a> {
-    fn new(solver: &'a EventDriven, slot: Slot, first: Option<Meeting>) -> Asker<'a> {
+    fn new(solver: &'a EventDriven, slot: Slot) -> Asker<'a> {
         let mover = &solver.movers[slot as usize];
         let state = State::new(&solver.clock, mover, mover.since);
-        Asker { clock: &solver.clock, movers: &solver.movers, contacts: &solver.contacts, slot, state, first }
+        let (clock, movers, contacts) = (&solver.clock, &solver.movers, &solver.contacts);
+        let touched = contacts.of(slot);
+        Asker { clock, movers, contacts, touched, slot, state, first: None, latest: f64::INFINITY }
     }
 
-    fn ask(&mut self, other: Slot) {
+    /// Seconds from an instant until no later than which something is known to happen.
+    fn seconds_from(&self, now: Instant, most: f64) -> f64 {
+        let seconds = self.latest - self.clock.seconds(self.state.at, now);
+        if seconds < most { seconds } else { most }
+    }
+
+    /// Asks one body; whether that is now the first to be met.
+    fn ask(&mut self, other: Slot) -> bool {
         let partner = &self.movers[other as usize];
         if self.slot == other || (self.state.is_infinite() && partner.infinite) {
-            return;
+            return false;
         }
-        if let Some((at, kind)) = meeting(self.clock, &self.state, partner)
-            && !self.touches(other)
-        {
-            let turn = Turn { at, late: kind == Kind::Press, pair: pair(self.slot, other) };
-            keep_first(&mut self.first, Meeting { turn, kind, partner: other, generation: partner.generation });
+        if self.touches(other) {
+            return false;
         }
+        let Some((at, kind)) = meeting(self.clock, &self.state, partner, self.latest) else { return false };
+        let turn = Turn { at, late: kind == Kind::Press, pair: pair(self.slot, other) };
+        keep_first(&mut self.first, Meeting { turn, kind, generation: partner.generation });
+        let latest = self.clock.seconds(self.state.at, at) * LATER + 2.0 * LONGEST_ROUNDING;
+        let sooner = latest < self.latest;
+        if sooner {
+            self.latest = latest;
+        }
+        sooner
     }
 
     /// Whether it is in contact with another body.
+    #[inline]
     fn touches(&self, other: Slot) -> bool {
-        let [finite, known] = if self.state.is_infinite() { [other, self.slot] } else { [self.slot, other] };
-        self.contacts.between(finite, known).is_some()
+        if self.state.is_infinite() {
+            self.contacts.between(other, self.slot).is_some()
+        } else {
+            self.touched.iter().any(|contact| contact.other == other)
+        }
     }
 }
 
 impl EventDriven {
-    /// Looks ahead for a body: asks everyone near it.
+    /// Looks ahead for a body: asks everyone near it whom it may meet before it looks again.
     pub(super) fn predict(&mut self, slot: Slot) {
         let mover = &self.movers[slot as usize];
         if mover.is_anchored() {
+            self.reaches[slot as usize] = Reach::new(&State::new(&self.clock, mover, self.now), 0.0);
             return;
         }
-        let mut asker = Asker::new(self, slot, None);
-        self.neighbours.near(slot, mover, |other| asker.ask(other));
+        let mut asker = Asker::new(self, slot);
+        let (mut leaving, mut reach) = (f64::INFINITY, Reach::ANYWHERE);
+        if self.neighbours.are_few() {
+            self.neighbours.near(slot, mover, |other| _ = asker.ask(other));
+        } else {
+            let state = asker.state.until(&self.clock, self.now);
+            leaving = self.neighbours.leaving(slot, &state);
+            reach = Reach::new(&state, leaving);
+            self.neighbours.near(slot, mover, |other| {
+                if reach.touches(&self.reaches[other as usize]) && asker.ask(other) {
+                    reach = Reach::new(&state, asker.seconds_from(self.now, leaving));
+                }
+            });
+        }
         let mut first = asker.first;
         self.foresee_partings(slot, &mut first);
-        let leaving = self.neighbours.leaving(&self.clock, slot, mover, self.now);
-        self.expect(slot, Outlook { meeting: first, leaving });
+        self.reaches[slot as usize] = reach;
+        self.expect(slot, first, leaving);
     }
 
-    /// Moves a body to its next cell and asks those who came near by it.
+    /// Moves a body to its next cell, where it looks around.
     pub(super) fn cross(&mut self, slot: Slot) {
-        let mut came_near = std::mem::take(&mut self.came_near);
-        let mover = &self.movers[slot as usize];
-        self.neighbours.cross(&self.clock, slot, mover, self.now, |other| came_near.push(other));
-        let mut asker = Asker::new(self, slot, self.outlooks[slot as usize].meeting);
-        came_near.drain(..).for_each(|other| asker.ask(other));
-        let first = asker.first;
-        self.came_near = came_near;
-        let mover = &self.movers[slot as usize];
-        let leaving = self.neighbours.leaving(&self.clock, slot, mover, self.now);
-        self.expect(slot, Outlook { meeting: first, leaving });
+        let state = State::new(&self.clock, &self.movers[slot as usize], self.now);
+        self.neighbours.cross(&self.clock, slot, &state);
+        self.predict(slot);
+    }
+
+    /// Moves on the bodies that would leave their cells in the step that begins.
+    pub(super) fn move_on(&mut self, step: u64) {
+        self.advance_to(Instant::start_of(step));
+        let mut due = std::mem::take(&mut self.due);
+        self.calendar.turn_page(&mut due);
+        due.drain(..).for_each(|slot| self.cross(slot));
+        self.due = due;
     }
 
     fn foresee_partings(&self, slot: Slot, first: &mut Option<Meeting>) {
@@ -135,13 +159,78 @@ impl EventDriven {
             if let Some(at) = parting(&self.clock, contact.axis, &self.movers[slot as usize], partner) {
                 let turn = Turn { at, late: false, pair: pair(slot, contact.other) };
                 let kind = Kind::Part(contact.axis as u8);
-                keep_first(first, Meeting { turn, kind, partner: contact.other, generation: partner.generation });
+                keep_first(first, Meeting { turn, kind, generation: partner.generation });
             }
         }
     }
 
-    fn expect(&mut self, slot: Slot, outlook: Outlook) {
-        self.outlooks[slot as usize] = outlook;
-        self.schedule.set(slot, outlook.turn(slot));
+    /// Has the body wait for what it expects: its first meeting, or to leave its cell so many
+    /// seconds from now. Unless that is still in this step it is left to the calendar.
+    fn expect(&mut self, slot: Slot, meeting: Option<Meeting>, leaving: f64) {
+        let offset = self.now.offset + leaving;
+        let mut leaves = None;
+        if offset <= self.clock.period {
+            leaves = Some(Turn { at: Instant { step: self.now.step, offset }, late: false, pair: [slot, slot] });
+        } else if offset == f64::INFINITY {
+            self.calendar.forget(slot);
+        } else {
+            let ahead = (offset * self.clock.rate) as u32;
+            self.calendar.note(slot, if ahead > 1 { ahead } else { 1 });
+        }
+        match (meeting, leaves) {
+            (Some(meeting), None) => self.expect_meeting(slot, &meeting),
+            (Some(meeting), Some(leaves)) if !leaves.at.is_before(meeting.turn.at) => {
+                self.expect_meeting(slot, &meeting)
+            }
+            (Some(_) | None, leaves) => {
+                self.outlooks[slot as usize].meeting = None;
+                self.schedule.set(slot, leaves);
+            }
+        }
+    }
+
+    fn expect_meeting(&mut self, slot: Slot, meeting: &Meeting) {
+        self.outlooks[slot as usize] = Outlook { meeting: Some(meeting.kind), generation: meeting.generation };
+        self.schedule.set(slot, Some(meeting.turn));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::physics::{Engine, Event, Rect, Restitution, Settings, SolverKind, Spawn, Vector};
+
+    fn spawn(at: Vector, size: f64, mass: f64, velocity: Vector) -> Event {
+        let rect = Rect::new(at, size, size);
+        let name = format!("{at:?}");
+        Event::Spawn(Spawn { name, rect, mass, velocity, force: Vector::ZERO, material: String::new() })
+    }
+
+    /// Eight boxes between two blocks that fall, slide and bounce, and some that are far away:
+    /// where the eight are after 200 steps.
+    fn eight_of(far_away: usize) -> Vec<(Vector, Vector)> {
+        let mut engine = Engine::new(Settings {
+            solver: SolverKind::EventDriven,
+            rate: 60.0,
+            gravity: Some(Vector::new(0.0, 9.81)),
+            restitution: Restitution::new(0.5, &[]),
+            events_per_step: 10_000,
+        });
+        engine.apply(&spawn(Vector::new(-100.0, 10.0), 200.0, f64::INFINITY, Vector::ZERO));
+        engine.apply(&spawn(Vector::new(14.0, 2.0), 8.0, f64::INFINITY, Vector::ZERO));
+        for index in 0..8 {
+            let place = f64::from(index);
+            let velocity = Vector::new(5.0 - 2.5 * f64::from(index % 4), -1.0);
+            engine.apply(&spawn(Vector::new(1.5 * place, 4.0 - 0.7 * place), 1.0, 1.0 + place, velocity));
+        }
+        (0..far_away).for_each(|index| {
+            engine.apply(&spawn(Vector::new(1e4 + 10.0 * index as f64, 0.0), 1.0, 1.0, Vector::ZERO));
+        });
+        (0..200).for_each(|_| engine.step(&mut Vec::new()).unwrap());
+        engine.world().bodies[2..10].iter().map(|body| (body.rect.origin, body.velocity)).collect()
+    }
+
+    #[test]
+    fn who_is_asked_changes_no_bit() {
+        assert_eq!(eight_of(0), eight_of(50), "few bodies ask everyone, many look for neighbours");
     }
 }

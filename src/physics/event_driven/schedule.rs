@@ -72,7 +72,6 @@ impl Ord for Waiting {
 #[derive(Clone, Copy, Debug)]
 struct Pending {
     turn: Turn,
-    slice: u64,
     stamp: u32,
     /// The place in the wheel, or [`NONE`].
     place: u32,
@@ -80,14 +79,9 @@ struct Pending {
     next: Slot,
 }
 
-const IDLE: Pending = Pending {
-    turn: Turn { at: Instant::NEVER, late: false, pair: [NONE; 2] },
-    slice: u64::MAX,
-    stamp: 0,
-    place: NONE,
-    previous: NONE,
-    next: NONE,
-};
+const NO_TURN: Turn = Turn { at: Instant::NEVER, late: false, pair: [NONE; 2] };
+
+const IDLE: Pending = Pending { turn: NO_TURN, stamp: 0, place: NONE, previous: NONE, next: NONE };
 
 /// The turns of all bodies.
 #[derive(Clone, Debug)]
@@ -125,11 +119,15 @@ impl Schedule {
         if self.pending.len() <= slot as usize {
             self.pending.resize(slot as usize + 1, IDLE);
         }
+        let turn = turn.unwrap_or(NO_TURN);
+        if self.pending[slot as usize].turn == turn {
+            return;
+        }
         self.unlink(slot);
         let pending = &mut self.pending[slot as usize];
         pending.stamp = pending.stamp.wrapping_add(1);
-        if let Some(turn) = turn {
-            pending.turn = turn;
+        pending.turn = turn;
+        if turn != NO_TURN {
             self.enter(slot);
         }
     }
@@ -140,7 +138,9 @@ impl Schedule {
         loop {
             while let Some(Reverse(first)) = self.heap.peek().copied() {
                 self.heap.pop();
-                if self.pending[first.slot as usize].stamp == first.stamp {
+                let pending = &mut self.pending[first.slot as usize];
+                if pending.stamp == first.stamp {
+                    pending.turn = NO_TURN;
                     return Some((first.slot, first.turn));
                 }
             }
@@ -182,20 +182,20 @@ impl Schedule {
     fn enter(&mut self, slot: Slot) {
         let pending = &mut self.pending[slot as usize];
         let last = (1 << self.fineness) - 1;
-        let within = (pending.turn.at.offset * self.clock.rate * (1_u64 << self.fineness) as f64) as u64;
-        let slice = ((pending.turn.at.step as u64) << self.fineness) + if within < last { within } else { last };
+        let within = (pending.turn.at.offset * self.clock.rate * f64::from(1_u32 << self.fineness)) as i64 as u64;
+        let slice = ((pending.turn.at.step as i64 as u64) << self.fineness) + if within < last { within } else { last };
         if slice <= self.present {
             self.heap.push(Reverse(Waiting { turn: pending.turn, slot, stamp: pending.stamp }));
             return;
         }
         let furthest = (((self.present >> self.fineness) + STEPS) << self.fineness) - 1;
-        pending.slice = if slice < furthest { slice } else { furthest };
-        let place = (pending.slice & (self.wheel.len() as u64 - 1)) as usize;
+        let slice = if slice < furthest { slice } else { furthest };
+        let place = (slice & (self.wheel.len() as u64 - 1)) as usize;
         pending.place = place as u32;
         pending.previous = NONE;
         pending.next = self.wheel[place];
         let next = pending.next;
-        self.waiting[((pending.slice >> self.fineness) % STEPS) as usize] += 1;
+        self.waiting[place >> self.fineness] += 1;
         self.wheel[place] = slot;
         if next != NONE {
             self.pending[next as usize].previous = slot;
@@ -207,7 +207,7 @@ impl Schedule {
         if pending.place == NONE {
             return;
         }
-        self.waiting[((pending.slice >> self.fineness) % STEPS) as usize] -= 1;
+        self.waiting[(pending.place >> self.fineness) as usize] -= 1;
         if pending.previous == NONE {
             self.wheel[pending.place as usize] = pending.next;
         } else {

@@ -1,0 +1,106 @@
+//! What a picture costs, in ms per 1280×720 frame on one thread, encoding and writing to a file
+//! included. `cargo bench --bench drawing`
+//!
+//! Each figure is the median of several runs, with the spread beside it. The same clip as other
+//! programs draw it: `tests/peers/pictures.py`.
+
+use rebond::physics::{Rect, Vector};
+use rebond::render::{
+    self, Appearance, Frame, Metadata, Painter, Sampling, Sprite, Style, Thinning, Timeline, View, png,
+};
+use rebond::scene::{ColorBy, Overlay};
+use std::{fs::File, io::BufWriter, num::NonZero, sync::Arc, time::Instant};
+
+const RUNS: usize = 7;
+const FRAMES: u64 = 60;
+const WORLD: Vector = Vector::new(16.0, 9.0);
+const LECTURE: [Overlay; 4] = [Overlay::Velocity, Overlay::Name, Overlay::Grid, Overlay::Clock];
+
+fn main() {
+    println!("ms per frame                       PNG                    GIF                    animated PNG");
+    for (name, boxes, show, color_by) in [
+        ("50 boxes, plain", 50, &[][..], ColorBy::Body),
+        ("50 boxes, lecture", 50, &LECTURE[..], ColorBy::Body),
+        ("50 boxes, lecture, by speed", 50, &LECTURE[..], ColorBy::Speed),
+        ("1000 boxes, plain", 1000, &[][..], ColorBy::Body),
+        ("1000 boxes, lecture", 1000, &LECTURE[..], ColorBy::Body),
+    ] {
+        let style = Style { show: show.to_vec(), color_by, top_speed: 4.0, crowd: boxes, ..Style::default() };
+        let view = View::fit(WORLD, [1280, 720], style).expect("a view");
+        let frames: Vec<Frame> = (0..FRAMES).map(|step| frame(boxes, step)).collect();
+        let [stills, gif, apng] = [stills, gif, apng].map(|draw| measure(|| draw(&frames, &view)));
+        println!("{name:30} {stills:22} {gif:22} {apng}");
+    }
+}
+
+/// Median and spread of `RUNS` measurements, after one that is not counted, ms per frame.
+fn measure(mut run: impl FnMut()) -> String {
+    let mut time = || {
+        let start = Instant::now();
+        run();
+        start.elapsed().as_secs_f64() * 1e3 / FRAMES as f64
+    };
+    time();
+    let mut figures: Vec<f64> = (0..RUNS).map(|_| time()).collect();
+    figures.sort_by(f64::total_cmp);
+    format!("{:6.2} ({:.2}–{:.2})", figures[RUNS / 2], figures[0], figures[RUNS - 1])
+}
+
+fn file() -> BufWriter<File> {
+    BufWriter::new(tempfile::tempfile().expect("a temporary file"))
+}
+
+fn stills(frames: &[Frame], view: &View) {
+    let mut painter = Painter::new();
+    for frame in frames {
+        let picture = painter.draw(&render::compose(frame, view));
+        png::encode(&picture, &Metadata::default(), file()).expect("room for a picture");
+    }
+}
+
+fn timeline() -> Timeline {
+    Timeline::from(Sampling::new(0..=FRAMES - 1, 60.0, Thinning::All))
+}
+
+fn gif(frames: &[Frame], view: &View) {
+    let frames = frames.iter().cloned().map(Ok::<_, render::RenderError>);
+    let one = NonZero::<usize>::MIN;
+    render::write_gif(frames, view, &timeline(), &Metadata::default(), one, file()).expect("room for a clip");
+}
+
+fn apng(frames: &[Frame], view: &View) {
+    let frames = frames.iter().cloned().map(Ok::<_, render::RenderError>);
+    let one = NonZero::<usize>::MIN;
+    render::write_apng(frames, view, &timeline(), &Metadata::default(), one, file()).expect("room for a clip");
+}
+
+/// Boxes on straight lines, which come back at the borders.
+fn frame(boxes: u32, step: u64) -> Frame {
+    let time = step as f64 / 60.0;
+    let unit = (50.0 / f64::from(boxes)).sqrt();
+    let sprites = (0..boxes).map(|number| {
+        let part = |k: u32| f64::from((number * k + 3) % 997) / 997.0;
+        let (width, height) = ((0.4 + part(31)) * unit, (0.4 + part(57)) * unit);
+        let velocity = Vector::new(6.0 * part(11) - 3.0, 6.0 * part(23) - 3.0);
+        let x = folded(part(41) * 15.0 + velocity.x * time, WORLD.x - width);
+        let y = folded(part(73) * 8.0 + velocity.y * time, WORLD.y - height);
+        let appearance = Appearance {
+            id: number,
+            name: format!("#{number}"),
+            material: String::new(),
+            color: None,
+            mass: 1.0,
+            force: Vector::ZERO,
+            is_wall: false,
+        };
+        let rect = Rect::new(Vector::new(x, y), width, height);
+        Sprite { appearance: Arc::new(appearance), rect, velocity, trail: Vec::new() }
+    });
+    Frame { step, time, sprites: sprites.collect(), collisions: Vec::new() }
+}
+
+/// A place on a line that goes to and fro between 0 and `range`.
+fn folded(place: f64, range: f64) -> f64 {
+    let place = place.rem_euclid(2.0 * range);
+    if place < range { place } else { 2.0 * range - place }
+}

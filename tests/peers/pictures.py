@@ -1,0 +1,180 @@
+"""Times rebond beside matplotlib and Pillow on the same clip in one run: 50 boxes, 150 frames, 1280x720.
+
+    python3 -m venv /tmp/peers && /tmp/peers/bin/pip install -r tests/peers/pictures-requirements.txt
+    cargo build --release
+    /tmp/peers/bin/python tests/peers/pictures.py target/release/rebond
+
+CPU time of one thread per frame (user and system, start-up included), and how many times rebond's.
+Matplotlib is used as its documentation advises for speed: one figure, whose artists are moved.
+"""
+
+import csv
+import os
+import resource
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+os.environ["OMP_NUM_THREADS"] = "1"
+
+import matplotlib
+import PIL
+from matplotlib import pyplot
+from matplotlib.animation import FuncAnimation, PillowWriter
+from matplotlib.patches import Rectangle
+from PIL import Image, ImageDraw
+
+FRAMES = 150
+RATE = 30
+WIDTH, HEIGHT = 1280, 720
+METRE = 80
+SCENE = f"""
+[world]
+size = [16.0, 9.0]
+[run]
+rate = {RATE}
+steps = {FRAMES - 1}
+solver = "event-driven"
+[[scatter]]
+count = 50
+seed = 5
+region = [0.5, 0.5, 15.0, 8.0]
+size = [[0.4, 0.4], [1.0, 1.0]]
+mass = [1.0, 1.0]
+velocity = [[-1.0, -1.0], [1.0, 1.0]]
+"""
+COLORS = ["#56b4e9", "#e69f00", "#cc79a7", "#f0e442", "#0072b2", "#d55e00", "#009e73"]
+
+
+def cpu_seconds(who):
+    usage = resource.getrusage(who)
+    return usage.ru_utime + usage.ru_stime
+
+
+def timed(work, runs=1):
+    """CPU seconds per frame of the best of some runs; what children use counts, too."""
+    best = float("inf")
+    for _ in range(runs):
+        before = cpu_seconds(resource.RUSAGE_SELF) + cpu_seconds(resource.RUSAGE_CHILDREN)
+        work()
+        after = cpu_seconds(resource.RUSAGE_SELF) + cpu_seconds(resource.RUSAGE_CHILDREN)
+        best = min(best, (after - before) / FRAMES)
+    return best
+
+
+def read_frames(table):
+    """Names with their x and y, for each step."""
+    frames = [{} for _ in range(FRAMES)]
+    with open(table, newline="") as rows:
+        for row in csv.DictReader(rows):
+            frames[int(row["step"])][row["name"]] = (float(row["x"]), float(row["y"]))
+    return frames
+
+
+def rebond_draws(program, folder, show):
+    def png():
+        run(program, "render", folder / "run.mcap", "-o", folder / "frames", "--show", show, "--force", "--jobs", "1")
+
+    def gif():
+        run(program, "render", folder / "run.mcap", "-o", folder / "run.gif", "--show", show, "--force", "--jobs", "1")
+
+    return png, gif
+
+
+def run(program, *arguments):
+    subprocess.run([program, *map(str, arguments)], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+def matplotlib_draws(frames, sizes, folder, lecture):
+    figure = pyplot.figure(figsize=(WIDTH / 100, HEIGHT / 100), dpi=100)
+    axes = figure.add_axes([0, 0, 1, 1])
+    axes.set_xlim(0, 16)
+    axes.set_ylim(9, 0)
+    if lecture:
+        axes.grid(True)
+    else:
+        axes.set_axis_off()
+    boxes, names, arrows = {}, {}, {}
+    for number, (name, (width, height)) in enumerate(sizes.items()):
+        boxes[name] = axes.add_patch(Rectangle((0, 0), width, height, facecolor=COLORS[number % 7], edgecolor="black"))
+        if lecture:
+            names[name] = axes.text(0, 0, name, ha="center", va="center")
+            arrows[name] = axes.annotate("", (0, 0), (0, 0), arrowprops={"arrowstyle": "->"})
+    clock = axes.text(0.3, 8.7, "")
+
+    def show(step):
+        for name, (x, y) in frames[step].items():
+            boxes[name].set_xy((x, y))
+            if lecture:
+                middle = (x + sizes[name][0] / 2, y + sizes[name][1] / 2)
+                names[name].set_position(middle)
+                arrows[name].set_position(middle)
+                arrows[name].xy = (middle[0] + 0.5, middle[1] + 0.3)
+        if lecture:
+            clock.set_text(f"t = {step / RATE:.2f} s")
+        return list(boxes.values())
+
+    def png():
+        for step in range(FRAMES):
+            show(step)
+            figure.savefig(folder / f"matplotlib-{step:06}.png", dpi=100)
+
+    def gif():
+        animation = FuncAnimation(figure, show, frames=FRAMES, blit=False)
+        animation.save(folder / "matplotlib.gif", writer=PillowWriter(fps=RATE), dpi=100)
+
+    return png, gif
+
+
+def pillow_draws(frames, sizes, folder):
+    def picture(step):
+        image = Image.new("RGB", (WIDTH, HEIGHT), "white")
+        draw = ImageDraw.Draw(image)
+        for number, (name, (x, y)) in enumerate(frames[step].items()):
+            width, height = sizes[name]
+            corners = [x * METRE, y * METRE, (x + width) * METRE, (y + height) * METRE]
+            draw.rectangle(corners, fill=COLORS[number % 7], outline="black", width=2)
+        return image
+
+    def png():
+        for step in range(FRAMES):
+            picture(step).save(folder / f"pillow-{step:06}.png")
+
+    def gif():
+        pictures = [picture(step) for step in range(FRAMES)]
+        pictures[0].save(folder / "pillow.gif", save_all=True, append_images=pictures[1:], duration=1000 / RATE, loop=0)
+
+    return png, gif
+
+
+def main():
+    program = str(Path(sys.argv[1]).resolve())
+    print(f"matplotlib {matplotlib.__version__}, Pillow {PIL.__version__}, Python {sys.version.split()[0]}")
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        (folder / "scene.toml").write_text(SCENE)
+        run(program, "record", folder / "scene.toml", "-o", folder / "run.mcap")
+        run(program, "export", folder / "run.mcap", "-o", folder / "run.csv")
+        frames = read_frames(folder / "run.csv")
+        sizes = {name: (0.4 + 0.6 * (number % 7) / 6,) * 2 for number, name in enumerate(frames[0])}
+        clips = [
+            ("plain", "none", matplotlib_draws(frames, sizes, folder, False), pillow_draws(frames, sizes, folder)),
+            ("lecture", "velocity,name,grid,clock", matplotlib_draws(frames, sizes, folder, True), None),
+        ]
+        print(f"{'clip':10}{'':6}{'rebond ms':>10}{'matplotlib ms':>15}{'ratio':>7}{'Pillow ms':>11}{'ratio':>7}{'bytes':>12}")
+        for clip, show, peer, pillow in clips:
+            ours = rebond_draws(program, folder, show)
+            for kind, mine, theirs, simple in zip(("PNG", "GIF"), ours, peer, pillow or (None, None)):
+                line(folder, clip, kind, timed(mine, 3) * 1e3, timed(theirs) * 1e3, simple and timed(simple) * 1e3)
+
+
+def line(folder, clip, kind, ours, theirs, simple):
+    pillow = f"{simple:11.2f}{simple / ours:7.1f}" if simple else " " * 18
+    files = [folder / "run.gif"] if kind == "GIF" else list((folder / "frames").glob("*.png"))
+    size = sum(file.stat().st_size for file in files)
+    print(f"{clip:10}{kind:6}{ours:10.2f}{theirs:15.2f}{theirs / ours:7.1f}{pillow}{size:12}")
+
+
+if __name__ == "__main__":
+    main()
