@@ -130,7 +130,7 @@ fn note(table: &mut Runs, place: usize, outcome: String) {
 }
 
 fn print_runs(table: &Runs) {
-    println!("\n{:>17}   {}", "cut at bytes", "what is read");
+    println!("\n{:>17}   what is read", "cut at bytes");
     for (first, last, outcome) in table {
         println!("{first:>7} to {last:>6}   {outcome}");
     }
@@ -156,7 +156,7 @@ fn every_flipped_bit_is_noticed_and_costs_one_chunk_at_most() {
         let (flips, least) = table.entry(without_numbers(&what)).or_insert((0, kept));
         (*flips, *least) = (*flips + 1, kept.min(*least));
     }
-    println!("\n{:>7} {:>20}   {}", "flips", "states kept, of 13", "noticed as");
+    println!("\n{:>7} {:>20}   noticed as", "flips", "states kept, of 13");
     table.iter().for_each(|(what, (flips, least))| println!("{flips:>7} {least:>17} up   {what}"));
 }
 
