@@ -203,33 +203,21 @@ impl Wish {
         figure: &FigureOptions,
         progress: Progress,
     ) -> Result<Subject, Error> {
-        if let WishedSubject::Figure(figure) = &self.subject {
-            return self.figure(figure, sources, progress);
-        }
-        let [source] = sources else {
-            let what = "one picture or animation shows one recording; figures show several side by side";
-            return Err(Error::Unfit { what: what.into() });
-        };
         match &self.subject {
-            WishedSubject::Still { step } => {
-                let sampling = Sampling::new(*step..=*step, source.header.settings.rate, Thinning::All);
-                if last_step(source)? < *step || sampling.among_every(source.header.every).count() == 0 {
-                    return Err(nothing(*step, *step, source.header.every, source));
-                }
-                Ok(Subject::Still { step: *step, every: 1 })
-            }
-            WishedSubject::Sequence if self.slow.is_some() || self.hold.is_some() => {
-                let what = "slow motion and stops are for animations: OUT.gif, OUT.apng, OUT.mp4";
-                Err(Error::Unfit { what: what.into() })
-            }
-            WishedSubject::Sequence => {
-                let thinning = self.thinning(None);
-                let sampling = self.sampling(source, thinning)?;
-                Ok(Subject::Clip { steps: sampling.steps, every: sampling.every, parts: 1, slow: 1.0, hold: 0.0 })
-            }
-            WishedSubject::Animation { fastest } => self.clip(source, figure, *fastest),
-            WishedSubject::Figure(_) => Err(Error::Unfit { what: "a figure is no clip".into() }),
+            WishedSubject::Figure(figure) => self.figure(figure, sources, progress),
+            WishedSubject::Still { step } => still(*step, only(sources)?),
+            WishedSubject::Sequence => self.sequence(only(sources)?),
+            WishedSubject::Animation { fastest } => self.clip(only(sources)?, figure, *fastest),
         }
+    }
+
+    fn sequence(&self, source: &Source) -> Result<Subject, Error> {
+        if self.slow.is_some() || self.hold.is_some() {
+            let what = "slow motion and stops are for animations: OUT.gif, OUT.apng, OUT.mp4";
+            return Err(Error::Unfit { what: what.into() });
+        }
+        let sampling = self.sampling(source, self.thinning(None))?;
+        Ok(Subject::Clip { steps: sampling.steps, every: sampling.every, parts: 1, slow: 1.0, hold: 0.0 })
     }
 
     fn clip(&self, source: &Source, figure: &FigureOptions, fastest: f64) -> Result<Subject, Error> {
@@ -294,6 +282,25 @@ impl Wish {
         let sampling = counted(sampling, &sources[0])?;
         Ok(Subject::Figure { figure, steps: sampling.steps, every: sampling.every })
     }
+}
+
+/// The recording of what shows one only.
+fn only(sources: &[Source]) -> Result<&Source, Error> {
+    match sources {
+        [source] => Ok(source),
+        [] | [..] => {
+            let what = "one picture or animation shows one recording; figures show several side by side";
+            Err(Error::Unfit { what: what.into() })
+        }
+    }
+}
+
+fn still(step: u64, source: &Source) -> Result<Subject, Error> {
+    let sampling = Sampling::new(step..=step, source.header.settings.rate, Thinning::All);
+    if last_step(source)? < step || sampling.among_every(source.header.every).count() == 0 {
+        return Err(nothing(step, step, source.header.every, source));
+    }
+    Ok(Subject::Still { step, every: 1 })
 }
 
 fn last_step(source: &Source) -> Result<u64, Error> {

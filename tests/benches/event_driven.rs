@@ -1,10 +1,11 @@
 //! What the exact solver costs and how exact it is: `cargo bench --bench event_driven -- SCENE.toml…`
 //!
 //! For each scene one line: nanoseconds per body-step, sampling every step and recording
-//! nothing; energy drift; worst overlap; collisions; bytes per body. An elastic gas of equal
-//! boxes is also run by the plain engine in `cell_list`, in turns with ours, so that the last
-//! column compares the two however busy the machine is. Without arguments, scenes made here;
-//! with `--full`, Galperin's billiard up to the tenth digit of π, which takes ten minutes.
+//! nothing; energy drift; worst overlap; collisions; bytes per body, where memory had to grow
+//! for the scene. An elastic gas of equal boxes is also run by the plain engine in `cell_list`,
+//! in turns with ours, so that the last column compares the two however busy the machine is.
+//! Without arguments, scenes made here; with `--full`, Galperin's billiard up to the tenth digit
+//! of π, which takes half an hour.
 
 mod cell_list;
 
@@ -77,11 +78,11 @@ fn measure(name: &str, scene: &Scene) {
     let scale = kinetic + potential.abs();
     let drift = (after.0 + after.1 - kinetic - potential) / if scale > 0.0 { scale } else { 1.0 };
     let overlap = if bodies <= 20_000 { invariants::worst_overlap(run.engine().world()) } else { f64::NAN };
+    let [bytes, ratio] = [(bytes > 0).then(|| bytes.to_string()), plain.map(|_| format!("{:.2}", theirs / ours))]
+        .map(|figure| figure.unwrap_or_else(|| "-".to_owned()));
     println!(
-        "{name:28} {bodies:6} {:8} {cost:13.2} {drift:13.1e} {overlap:11.1e} {:11} {bytes:11} {:11.2}",
-        scene.run.steps,
-        collisions.0,
-        theirs / ours
+        "{name:28} {bodies:6} {:8} {cost:13.2} {drift:13.1e} {overlap:11.1e} {:11} {bytes:>11} {ratio:>11}",
+        scene.run.steps, collisions.0
     );
 }
 

@@ -13,10 +13,13 @@ const wasi = new WASI({
   returnOnExit: true,
 });
 
-// A C library made for threads names these; a target without threads never calls them.
-const absent = (name) => () => { throw new Error(`${name} was called, but there are no threads`); };
-const env = Object.fromEntries(['pthread_join', 'pthread_detach'].map((name) => [name, absent(name)]));
-
 const module = await WebAssembly.compile(await readFile(program));
+
+// What a C library without threads lacks: there are none to be had, as pthread_create says.
+const NOT_SUPPORTED = 58;
+const absent = (name) => () => (name === 'pthread_create' ? NOT_SUPPORTED : 0);
+const names = WebAssembly.Module.imports(module).filter((wanted) => wanted.module === 'env').map(({ name }) => name);
+const env = Object.fromEntries(names.map((name) => [name, absent(name)]));
+
 const instance = await WebAssembly.instantiate(module, { ...wasi.getImportObject(), env });
 process.exitCode = wasi.start(instance);

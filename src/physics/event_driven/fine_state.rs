@@ -67,10 +67,12 @@ impl EventDriven {
     /// Seconds from a reference instant to the present one.
     #[inline]
     pub(super) fn age(&self, since: Instant, residue: f64) -> DoubleDouble {
-        let steps = self.clock.exact_period * DoubleDouble::from(self.now.step - since.step);
         let [from, to] = [(since.offset, residue), (self.now.offset, self.now_residue)];
         let offset = DoubleDouble { high: to.0, low: to.1 } - DoubleDouble { high: from.0, low: from.1 };
-        steps + offset
+        if self.now.step == since.step {
+            return offset;
+        }
+        self.clock.exact_period * DoubleDouble::from(self.now.step - since.step) + offset
     }
 
     /// Gives a body a new motion along one axis from now on.
