@@ -180,6 +180,7 @@ impl Again {
                 Ok(())
             }
             (Item::Keyframe(keyframe), Course::Fresh | Course::Lost) => self.restore(&keyframe),
+            (Item::View { .. }, _) => Ok(()),
             (Item::Damaged(_), course) => {
                 self.course = if table.is_some() { course } else { Course::Lost };
                 Ok(())

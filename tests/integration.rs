@@ -30,10 +30,15 @@ mod evidence;
 mod figures;
 #[path = "integration/frames.rs"]
 mod frames;
+#[path = "integration/fuzz_corpus.rs"]
+mod fuzz_corpus;
 #[path = "integration/handout_limits.rs"]
 mod handout_limits;
 #[path = "integration/hard_scenes.rs"]
 mod hard_scenes;
+#[cfg(target_os = "linux")]
+#[path = "integration/hostile_lengths.rs"]
+mod hostile_lengths;
 #[path = "integration/laboratory.rs"]
 mod laboratory;
 #[path = "integration/live_events.rs"]
@@ -46,6 +51,8 @@ mod portability;
 mod rebond;
 #[path = "integration/reference.rs"]
 mod reference;
+#[path = "integration/released.rs"]
+mod released;
 #[path = "integration/scene_errors.rs"]
 mod scene_errors;
 #[path = "integration/snapshot.rs"]
@@ -56,3 +63,5 @@ mod stills;
 mod threads;
 #[path = "integration/videos.rs"]
 mod videos;
+#[path = "integration/viewer.rs"]
+mod viewer;

@@ -80,6 +80,9 @@ pub struct RecordOptions {
     /// Wait for the disk at each flush, against loss of power
     #[arg(long)]
     pub sync: bool,
+    /// Add boxes that Foxglove and Lichtblick show, in the topic /scene
+    #[arg(long)]
+    pub viewer: bool,
     /// Skip event lines that are malformed or late, and count them
     #[arg(long)]
     pub lenient: bool,

@@ -131,7 +131,7 @@ impl Info {
             },
             Item::State(state) | Item::Doubtful(state) => self.steps = Some(state.step),
             Item::Keyframe(_) => self.keyframes += 1,
-            Item::Damaged(_) | Item::Gap(_) => {}
+            Item::View { .. } | Item::Damaged(_) | Item::Gap(_) => {}
             Item::End(end) => {
                 self.collisions = end.collisions;
                 self.error = end.error.clone();

@@ -1,7 +1,8 @@
 use super::arguments::RecordOptions;
 use super::error::CommandError;
 use super::{Exit, output, progress};
-use crate::recording::{self, Overwrite, Sync};
+use crate::illustration;
+use crate::recording::{self, Overwrite, Paint, Sync};
 use crate::run::{self, LiveEvents, Manners, Recorded, RunError};
 use crate::scene::{self, Scene};
 use std::{
@@ -13,7 +14,11 @@ use std::{
 /// Runs a scene and records it.
 pub fn run(options: &RecordOptions) -> Result<Exit, CommandError> {
     let scene = scene::load(&options.scene)?;
-    let plan = run::RecordOptions { steps: options.steps.unwrap_or(scene.run.steps), every: options.every };
+    let plan = run::RecordOptions {
+        steps: options.steps.unwrap_or(scene.run.steps),
+        every: options.every,
+        viewer: options.viewer.then_some(illustration::paint as Paint),
+    };
     tell_unreached(&scene, plan.steps);
     let manners = if options.lenient { Manners::Lenient } else { Manners::Strict };
     let events = options.events.as_deref().map(open_events).transpose()?;

@@ -32,6 +32,7 @@ pub use format::Format;
 pub use frames::{Condition, Frames, Reached};
 pub use request::{Encounter, Figure, Request, Subject};
 pub use source::Source;
+pub use style::paint;
 pub use survey::Survey;
 pub use wish::{Wish, WishedFigure, WishedSubject, WishedWindow};
 

@@ -1,7 +1,8 @@
 use super::{Error, Progress, Request, Source, source};
 use crate::physics::{BodyId, Collision, Observer, Spawn, Vector};
+use crate::recording::KnownBody;
 use crate::render::area::larger;
-use crate::render::{Appearance, Color, Style};
+use crate::render::{Appearance, Color, Palette, Style, palette};
 use crate::replay::replay;
 use crate::scene::Overlay;
 
@@ -55,6 +56,16 @@ pub fn force(spawn: &Spawn, gravity: Option<Vector>) -> Vector {
         return Vector::ZERO;
     }
     gravity.map_or(Vector::ZERO, |gravity| gravity.mult(spawn.mass)).add(spawn.force)
+}
+
+/// The colour of a body in pictures whose scene asks for nothing else: red, green, blue.
+pub fn paint(known: &KnownBody) -> [u8; 3] {
+    let appearance = appearance(known.id, &known.spawn, known.color.as_deref(), None);
+    let color = match appearance.is_wall {
+        true => Palette::of(Style::default().theme).wall,
+        false => palette::box_color(&appearance),
+    };
+    [color.r, color.g, color.b]
 }
 
 /// How a body that was spawned so looks.

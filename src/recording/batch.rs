@@ -1,6 +1,6 @@
 use crate::physics::{Body, BodyId, Engine, Snapshot};
 
-use super::{RecordedEvent, limits};
+use super::{RecordedEvent, limits, view::Paint};
 
 /// What the stepping thread hands over in one go, in the order in which it happened.
 ///
@@ -17,6 +17,8 @@ pub struct Batch {
 /// One thing to be recorded.
 #[derive(Debug)]
 pub enum Entry {
+    /// From now on viewers are to see boxes in these colours.
+    Paint(Paint),
     /// An event.
     Event(RecordedEvent),
     /// Everything about a step, for a keyframe.

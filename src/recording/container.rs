@@ -8,7 +8,7 @@ use mcap::{Attachment, McapError, records::MessageHeader, write::NoSeek};
 use super::{
     Error, SceneText, limits,
     metadata::{self, LIBRARY, Map},
-    topic::{MESSAGE_ENCODING, SCHEMA_ENCODING, Topic},
+    topic::Topic,
 };
 
 /// The MCAP file around the messages, written from front to back.
@@ -17,7 +17,7 @@ use super::{
 /// version gets into the file.
 pub struct Container<W: Write> {
     mcap: mcap::Writer<NoSeek<BufWriter<W>>>,
-    channels: [Channel; Topic::ALL.len()],
+    channels: [Option<Channel>; Topic::ALL.len()],
 }
 
 #[derive(Clone, Copy)]
@@ -41,20 +41,29 @@ impl<W: Write> Container<W> {
         put_metadata(&mut mcap, metadata::START, start)?;
         mcap.attach(&attachment(scene)).map_err(write_error)?;
         mcap.flush().map_err(write_error)?;
-        let mut channels = [Channel { id: 0, sequence: 0 }; Topic::ALL.len()];
-        for (channel, topic) in channels.iter_mut().zip(Topic::ALL) {
-            channel.id = declare(&mut mcap, topic).map_err(write_error)?;
+        let mut container = Container { mcap, channels: [None; Topic::ALL.len()] };
+        for topic in Topic::ALL.into_iter().filter(|topic| topic.is_always_there()) {
+            container.channels[topic as usize] = Some(container.declare(topic)?);
         }
-        Ok(Container { mcap, channels })
+        Ok(container)
     }
 
     /// Writes one message; `log_time` is in simulated nanoseconds.
     pub fn message(&mut self, topic: Topic, log_time: u64, bytes: &[u8]) -> Result<(), Error> {
-        let channel = &mut self.channels[topic as usize];
-        let header =
-            MessageHeader { channel_id: channel.id, sequence: channel.sequence, log_time, publish_time: log_time };
-        channel.sequence = channel.sequence.wrapping_add(1);
+        let Channel { id, sequence } = match self.channels[topic as usize] {
+            Some(channel) => channel,
+            None => self.declare(topic)?,
+        };
+        self.channels[topic as usize] = Some(Channel { id, sequence: sequence.wrapping_add(1) });
+        let header = MessageHeader { channel_id: id, sequence, log_time, publish_time: log_time };
         self.mcap.write_to_known_channel(&header, bytes).map_err(write_error)
+    }
+
+    fn declare(&mut self, topic: Topic) -> Result<Channel, Error> {
+        let schema = self.mcap.add_schema(topic.schema_name(), topic.schema_encoding(), &topic.schema());
+        let id = schema
+            .and_then(|schema| self.mcap.add_channel(schema, topic.name(), topic.message_encoding(), &BTreeMap::new()));
+        Ok(Channel { id: id.map_err(write_error)?, sequence: 0 })
     }
 
     /// Ends the chunk and hands everything down: up to here the file is readable.
@@ -84,11 +93,6 @@ fn attachment(scene: &SceneText) -> Attachment<'_> {
         media_type: "application/toml".into(),
         data: scene.text.as_bytes().into(),
     }
-}
-
-fn declare<W: Write + io::Seek>(mcap: &mut mcap::Writer<W>, topic: Topic) -> Result<u16, McapError> {
-    let schema = mcap.add_schema(topic.schema_name(), SCHEMA_ENCODING, topic.schema().as_bytes())?;
-    mcap.add_channel(schema, topic.name(), MESSAGE_ENCODING, &BTreeMap::new())
 }
 
 fn write_error(error: McapError) -> Error {

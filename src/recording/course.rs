@@ -12,8 +12,7 @@ use super::{
 pub struct Course {
     every: u64,
     last_step: Option<u64>,
-    /// Whether nothing was lost since the last state.
-    gapless: bool,
+    due: Due,
     /// The bodies alive, as long as they are known.
     table: Option<BodyTable>,
     /// The identity so far, as long as nothing was lost.
@@ -25,13 +24,22 @@ pub struct Course {
     gaps: VecDeque<Gap>,
 }
 
+/// Which step the next message has.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Due {
+    /// This one.
+    Exactly(u64),
+    /// Something was lost: this one or a later one.
+    AtLeast(u64),
+}
+
 impl Course {
     /// At the start of the recording with that header, whose scene may be lost.
     pub fn new(header: &Header, has_scene: bool) -> Course {
         Course {
             every: header.every,
             last_step: None,
-            gapless: true,
+            due: Due::Exactly(0),
             table: Some(BodyTable::default()),
             identity: has_scene.then(|| IdentityChain::new(header)),
             next_id: 0,
@@ -55,11 +63,14 @@ impl Course {
     pub fn jump(&mut self) {
         self.lose();
         self.last_step = None;
+        self.due = Due::AtLeast(0);
     }
 
     /// Something was lost here.
     pub fn lose(&mut self) {
-        self.gapless = false;
+        self.due = match self.due {
+            Due::Exactly(step) | Due::AtLeast(step) => Due::AtLeast(step),
+        };
         self.table = None;
         self.identity = None;
     }
@@ -71,7 +82,7 @@ impl Course {
             return None;
         }
         self.gaps.pop_front();
-        self.gapless = false;
+        self.due = Due::AtLeast(step);
         self.table = None;
         Some(gap)
     }
@@ -124,7 +135,7 @@ impl Course {
         self.check_shape(state)?;
         let doubt = self.doubt(state);
         self.last_step = Some(state.step);
-        self.gapless = true;
+        self.due = Due::Exactly(state.step + 1);
         if let Some(identity) = &mut self.identity {
             identity.state(state.step, state.digest);
         }
@@ -167,11 +178,23 @@ impl Course {
         (self.digest.value() != state.digest).then(|| format!("state {step} does not fit its digest"))
     }
 
-    fn check_step(&self, step: u64, what: &str) -> Result<(), String> {
-        let due = self.last_step.map_or(0, |last| last.saturating_add(1));
-        match step == due || (!self.gapless && step > due) {
-            true => Ok(()),
-            false => Err(format!("{what} of step {step} stands where step {due} is due")),
+    /// Whether a message of that step may come; all of a step come before those of the next.
+    fn check_step(&mut self, step: u64, what: &str) -> Result<(), String> {
+        if step > limits::STEPS {
+            return Err(format!("{what} of step {step}, beyond any run"));
+        }
+        let comes = match self.due {
+            Due::Exactly(due) => step == due,
+            Due::AtLeast(due) => step >= due,
+        };
+        match (comes, self.due) {
+            (true, _) => {
+                self.due = Due::Exactly(step);
+                Ok(())
+            }
+            (false, Due::Exactly(due) | Due::AtLeast(due)) => {
+                Err(format!("{what} of step {step} stands where step {due} is due"))
+            }
         }
     }
 

@@ -31,6 +31,11 @@ impl<'a> Fields<'a> {
         self.rest.is_empty()
     }
 
+    /// How many bytes are left.
+    pub fn remaining(&self) -> usize {
+        self.rest.len()
+    }
+
     /// All that is left.
     pub fn rest(self) -> &'a [u8] {
         self.rest

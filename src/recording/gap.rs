@@ -15,7 +15,12 @@ pub struct Gap {
 impl Gap {
     /// The number of states that are missing.
     pub fn missing_states(self) -> u64 {
-        self.before.saturating_sub(self.after.map_or(0, |after| after + 1))
+        self.before.saturating_sub(self.first_missing())
+    }
+
+    /// The first step that may be missing.
+    pub fn first_missing(self) -> u64 {
+        self.after.map_or(0, |after| after.saturating_add(1))
     }
 }
 

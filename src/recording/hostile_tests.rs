@@ -78,7 +78,7 @@ fn a_state_of_4_thousand_million_bodies_is_refused() {
     message.extend([0; 16]);
     message.extend(u32::MAX.to_le_bytes());
     message.extend([0; 64]);
-    assert_eq!(complaint(with_message(Topic::States, &message)), "the message is not CDR: unexpected end of input");
+    assert_eq!(complaint(with_message(Topic::States, &message)), "the state is cut short");
 }
 
 #[test]
@@ -168,6 +168,54 @@ fn a_full_disk_is_an_error_and_what_was_written_is_readable() {
         let taken = output.taken.lock().unwrap().clone();
         assert_eq!(taken, whole.taken.lock().unwrap()[..room]);
     }
+}
+
+/// An output that remembers how much had come at each flush.
+#[derive(Clone, Default)]
+struct Flushed {
+    taken: Arc<Mutex<(Vec<u8>, Vec<usize>)>>,
+}
+
+impl Write for Flushed {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.taken.lock().unwrap().0.extend_from_slice(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        let mut taken = self.taken.lock().unwrap();
+        let length = taken.0.len();
+        taken.1.push(length);
+        Ok(())
+    }
+}
+
+#[test]
+fn a_flush_follows_every_batch_of_events_and_every_second() {
+    let run = bounce(50);
+    let output = Flushed::default();
+    let mut engine = Engine::new(run.header.settings.clone());
+    let mut writer = Writer::new(output.clone(), &run.header).unwrap();
+    for step in 0..=50 {
+        for event in run.events.iter().filter(|event| event.step == step) {
+            engine.apply(&event.change.event());
+            writer.event(event).unwrap();
+        }
+        writer.state(&engine).unwrap();
+        engine.step(&mut CollisionCount::default()).unwrap();
+    }
+    drop(writer);
+    let mut due: Vec<u64> = run.events.iter().map(|event| event.step).chain([19, 39]).collect();
+    due.sort_unstable();
+    due.dedup();
+    let (bytes, flushes) = output.taken.lock().unwrap().clone();
+    let last_state = |length: &usize| {
+        let recording = Recording::read(Cursor::new(&bytes[..*length])).unwrap();
+        recording.filter_map(|item| if let Item::State(state) = item.unwrap() { Some(state.step) } else { None }).last()
+    };
+    let mut readable: Vec<u64> = flushes.iter().filter_map(last_state).collect();
+    readable.dedup();
+    assert_eq!(readable, due);
 }
 
 #[test]

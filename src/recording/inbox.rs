@@ -7,9 +7,10 @@ use super::{
     chunk::{ChunkRecord, RawMessage},
     course::Course,
     fields::{Fields, Malformed},
+    limits,
     messages::{BodiesMessage, EventMessage},
     metadata,
-    topic::{MESSAGE_ENCODING, Topic},
+    topic::Topic,
 };
 
 /// Turns records into the items they hold, or into the damage they are.
@@ -37,14 +38,7 @@ pub struct Locus {
 impl Inbox {
     /// At the start of the recording with that header.
     pub fn new(course: Course) -> Inbox {
-        Inbox {
-            course,
-            ready: VecDeque::new(),
-            damage: None,
-            end: None,
-            // What a recording declares in its first chunk, should that be damaged.
-            channels: (1..).zip(Topic::ALL.map(Some)).collect(),
-        }
+        Inbox { course, ready: VecDeque::new(), damage: None, end: None, channels: first_channels() }
     }
 
     /// Starts over somewhere else in the recording, with the channels of its index.
@@ -53,6 +47,7 @@ impl Inbox {
         self.ready.clear();
         self.damage = None;
         self.end = None;
+        self.channels = first_channels();
         for body in channels {
             // The index has passed its checksum; what is no channel there is none of ours.
             let _ = self.channel(body);
@@ -102,22 +97,25 @@ impl Inbox {
     }
 
     fn message(&mut self, locus: Locus, record: &ChunkRecord<'_>) -> Result<(), String> {
-        let RawMessage { channel, data, .. } = record.message().ok_or("a message is damaged")?;
+        let RawMessage { channel, log_time, data } = record.message().ok_or("a message is damaged")?;
         let Some(topic) = self.channels.get(&channel).copied().flatten() else { return Ok(()) };
         match topic {
             Topic::Events => {
+                check_length(data, limits::EVENT_BYTES)?;
                 let event = cdr::decode::<EventMessage>(data)?.event()?;
                 self.cross_gap(event.step);
                 self.course.event(&event, data)?;
                 self.ready.push_back(Item::Event(event));
             }
             Topic::Bodies => {
+                check_length(data, limits::KEYFRAME_BYTES)?;
                 let keyframe = cdr::decode::<BodiesMessage>(data)?.keyframe()?;
                 self.cross_gap(keyframe.step);
                 self.course.keyframe(&keyframe)?;
                 self.ready.push_back(Item::Keyframe(keyframe));
             }
-            Topic::States => self.state(locus, cdr::decode(data)?)?,
+            Topic::States => self.state(locus, RecordedState::decode(data)?)?,
+            Topic::Scene => self.ready.push_back(Item::View { time: log_time, message: data.into() }),
         }
         Ok(())
     }
@@ -144,10 +142,22 @@ impl Inbox {
         let mut read = || Ok((fields.u16()?, fields.u16()?, fields.text()?, fields.text()?));
         let (id, _schema, name, encoding) = read().map_err(|Malformed| "a channel is damaged")?;
         let topic = Topic::named(name);
-        if topic.is_some() && encoding != MESSAGE_ENCODING {
+        if topic.is_some_and(|topic| topic.message_encoding() != encoding) {
             return Err(format!("the topic {name} is encoded as {encoding:?}"));
         }
         self.channels.insert(id, topic);
         Ok(())
     }
+}
+
+fn check_length(message: &[u8], limit: usize) -> Result<(), String> {
+    match message.len() <= limit {
+        true => Ok(()),
+        false => Err(format!("a message of {} bytes, where {limit} are the most", message.len())),
+    }
+}
+
+/// What a recording declares in its first chunk, should that be damaged.
+fn first_channels() -> BTreeMap<u16, Option<Topic>> {
+    (1..).zip(Topic::ALL.map(Some)).collect()
 }

@@ -11,6 +11,7 @@
 //! | `/events`         | every spawn and delete: what replay feeds in     | [`RecordedEvent`]   |
 //! | `/states`         | one message a step: digest, movable bodies       | [`RecordedState`]   |
 //! | `/bodies`         | about once a second: everything, to start from   | [`Keyframe`]        |
+//! | `/scene`          | boxes for viewers, only if asked for             | `foxglove.SceneUpdate` |
 //! | metadata `rebond` | settings and versions                            | [`Header`]          |
 //! | metadata `rebond_end` | how the run ended, its identity              | [`End`]             |
 //! | attachment        | the scene's TOML                                 | [`SceneText`]       |
@@ -48,6 +49,7 @@ mod recover;
 mod resync;
 mod state;
 mod topic;
+mod view;
 mod writer;
 
 pub use batch::numbers;
@@ -66,6 +68,7 @@ pub use playback::{Frame, FrameBody, Playback};
 pub use reader::{Item, Recording, open};
 pub use recover::{Recovery, recover};
 pub use state::RecordedState;
+pub use view::Paint;
 pub use writer::{Finished, Outcome, Writer};
 
 #[cfg(test)]

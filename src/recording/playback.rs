@@ -94,7 +94,7 @@ impl<R: Read + Seek> Iterator for Playback<R> {
                     }
                 }
                 Ok(Item::State(_) | Item::Doubtful(_) | Item::Event(_) | Item::Keyframe(_)) => {}
-                Ok(Item::Damaged(_) | Item::Gap(_) | Item::End(_)) => {}
+                Ok(Item::View { .. } | Item::Damaged(_) | Item::Gap(_) | Item::End(_)) => {}
             }
         }
     }

@@ -48,6 +48,13 @@ pub enum Item {
     State(RecordedState),
     /// A state whose numbers do not fit its own digest: to be compared, not to be shown.
     Doubtful(RecordedState),
+    /// What viewers draw at a time (simulated nanoseconds), protobuf: it is passed on, not read.
+    View {
+        /// Simulated nanoseconds.
+        time: u64,
+        /// A `foxglove.SceneUpdate`.
+        message: Vec<u8>,
+    },
     /// Something could not be read here; events may be missing until the next keyframe.
     Damaged(Damage),
     /// Here a recovered recording has a gap; events are missing until the next keyframe.
@@ -137,7 +144,8 @@ impl<R: Read + Seek> Recording<R> {
                     return Ok(true);
                 }
                 Some(Item::Keyframe(_) | Item::Damaged(_)) => return Ok(false),
-                Some(Item::Event(_) | Item::State(_) | Item::Doubtful(_) | Item::Gap(_) | Item::End(_)) | None => {}
+                Some(Item::Event(_) | Item::State(_) | Item::Doubtful(_) | Item::View { .. }) => {}
+                Some(Item::Gap(_) | Item::End(_)) | None => {}
             }
         }
         Ok(false)

@@ -12,6 +12,7 @@ use super::{
     messages::{BodiesMessage, EventMessage},
     metadata,
     topic::Topic,
+    view::{self, Paint},
 };
 
 /// Makes batches into messages and writes them: the half of a writer that need not run on
@@ -27,6 +28,8 @@ pub struct Recorder<W: Write> {
     unflushed_events: bool,
     state: RecordedState,
     digest: StateDigest,
+    /// The colours for viewers, if boxes are recorded for them.
+    paint: Option<Paint>,
     bytes: Vec<u8>,
 }
 
@@ -47,6 +50,7 @@ impl<W: Write> Recorder<W> {
             unflushed_events: false,
             state: RecordedState::default(),
             digest: StateDigest::default(),
+            paint: None,
             bytes: Vec::new(),
         })
     }
@@ -59,6 +63,7 @@ impl<W: Write> Recorder<W> {
         let mut rows = batch.rows.as_slice();
         for entry in batch.entries.drain(..) {
             match entry {
+                Entry::Paint(paint) => self.paint = Some(paint),
                 Entry::Event(event) => self.event(&event)?,
                 Entry::Snapshot(snapshot) => self.keyframe(&Keyframe::new(snapshot, &self.table))?,
                 Entry::State { step, rows: count } => {
@@ -113,7 +118,7 @@ impl<W: Write> Recorder<W> {
     pub fn keyframe(&mut self, keyframe: &Keyframe) -> Result<(), Error> {
         self.next_id = keyframe.next_id;
         cdr::encode(&BodiesMessage::new(keyframe), &mut self.bytes);
-        match self.bytes.len() <= limits::MESSAGE_BYTES {
+        match self.bytes.len() <= limits::KEYFRAME_BYTES {
             true => self.put(Topic::Bodies, keyframe.step),
             false => Ok(()),
         }
@@ -135,10 +140,34 @@ impl<W: Write> Recorder<W> {
         Ok(())
     }
 
+    /// Writes what viewers draw, encoded as `message`, at a time in simulated nanoseconds. One
+    /// too large for a record is left out.
+    ///
+    /// # Errors
+    /// If writing fails.
+    pub fn view(&mut self, time: u64, message: &[u8]) -> Result<(), Error> {
+        match message.len() <= limits::MESSAGE_BYTES {
+            true => self.container.message(Topic::Scene, time, message),
+            false => Ok(()),
+        }
+    }
+
+    fn boxes(&mut self, step: u64, rows: &[Row]) -> Result<(), Error> {
+        let Some(paint) = self.paint.filter(|_| step.is_multiple_of(self.header.every)) else { return Ok(()) };
+        let time = clock::nanoseconds(step, self.header.settings.rate);
+        let mut message = std::mem::take(&mut self.bytes);
+        let bodies = self.table.bodies().iter().zip(rows).map(|(known, row)| (known, row.numbers));
+        view::encode(time, bodies, paint, &mut message);
+        let written = self.view(time, &message);
+        self.bytes = message;
+        written
+    }
+
     fn rows(&mut self, step: u64, rows: &[Row]) -> Result<(), Error> {
         if rows.len() != self.table.bodies().len() {
             return Err(Error::Unrecorded { step });
         }
+        self.boxes(step, rows)?;
         let mut state = std::mem::take(&mut self.state);
         self.sample(step, rows, &mut state);
         let written = self.state(&state);

@@ -2,7 +2,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::physics::BodyId;
 
-use super::cdr;
+use super::{
+    cdr,
+    fields::{Fields, Malformed},
+};
 
 /// The state of one step as recorded: columns of equal length, ids ascending.
 ///
@@ -50,6 +53,22 @@ impl RecordedState {
         [self.x[place], self.y[place], self.vx[place], self.vy[place]]
     }
 
+    /// The state in a message, which it must fill exactly.
+    ///
+    /// Nothing is allocated for a length before so many bytes are seen to be there.
+    ///
+    /// # Errors
+    /// In words, if the bytes are not a state.
+    pub fn decode(bytes: &[u8]) -> Result<RecordedState, String> {
+        let body = bytes.strip_prefix(&cdr::HEADER).ok_or("the message does not start as little-endian CDR")?;
+        let mut columns = Columns { body, fields: Fields::new(body) };
+        let state = columns.state().map_err(|Malformed| "the state is cut short")?;
+        match columns.fields.remaining() {
+            0 => Ok(state),
+            rest => Err(format!("{rest} bytes follow the message")),
+        }
+    }
+
     /// Replaces the contents of `bytes` by the message of this state.
     ///
     /// The bytes are those of `cdr::encode`; whole columns at a time they cost the
@@ -63,6 +82,42 @@ impl RecordedState {
         for column in [&self.x, &self.y, &self.vx, &self.vy] {
             put_column(bytes, column, f64::to_le_bytes);
         }
+    }
+}
+
+/// Takes the fields of a state out of a message, as [`RecordedState::encode`] put them in.
+struct Columns<'a> {
+    body: &'a [u8],
+    fields: Fields<'a>,
+}
+
+impl Columns<'_> {
+    fn state(&mut self) -> Result<RecordedState, Malformed> {
+        Ok(RecordedState {
+            step: self.fields.u64()?,
+            digest: self.fields.u64()?,
+            id: self.column(u32::from_le_bytes)?,
+            x: self.column(f64::from_le_bytes)?,
+            y: self.column(f64::from_le_bytes)?,
+            vx: self.column(f64::from_le_bytes)?,
+            vy: self.column(f64::from_le_bytes)?,
+        })
+    }
+
+    fn column<T, const N: usize>(&mut self, number: fn([u8; N]) -> T) -> Result<Vec<T>, Malformed> {
+        self.align(4)?;
+        let length = self.fields.u32()?;
+        if length == 0 {
+            return Ok(Vec::new());
+        }
+        self.align(N)?;
+        let bytes = self.fields.bytes(u64::from(length) * N as u64)?;
+        Ok(bytes.as_chunks().0.iter().map(|bytes| number(*bytes)).collect())
+    }
+
+    fn align(&mut self, size: usize) -> Result<(), Malformed> {
+        let taken = self.body.len() - self.fields.remaining();
+        self.fields.bytes((taken.next_multiple_of(size) - taken) as u64).map(drop)
     }
 }
 
@@ -103,10 +158,17 @@ mod tests {
             state.encode(&mut ours);
             cdr::encode(&state, &mut theirs);
             prop_assert_eq!(&ours, &theirs);
-            let back: RecordedState = cdr::decode(&ours).unwrap();
+            let back = RecordedState::decode(&ours).unwrap();
             let bits = |state: &RecordedState| (0..state.id.len()).map(|i| state.numbers(i).map(f64::to_bits)).collect::<Vec<_>>();
             prop_assert_eq!((back.step, back.digest, &back.id), (step, digest, &state.id));
             prop_assert_eq!(bits(&back), bits(&state));
+        }
+
+        #[test]
+        fn any_bytes_are_a_state_or_an_error_as_cdr_has_it(bytes in proptest::collection::vec(0_u8..4, 0..120)) {
+            let message = [cdr::HEADER.as_slice(), &bytes].concat();
+            let (ours, theirs) = (RecordedState::decode(&message), cdr::decode::<RecordedState>(&message));
+            prop_assert_eq!(ours.ok(), theirs.ok());
         }
     }
 }

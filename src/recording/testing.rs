@@ -137,7 +137,9 @@ pub fn record_altered(run: &Run, mut alter: impl FnMut(&mut RecordedState)) -> V
                 (Topic::States, state.step)
             }
             Item::End(end) => return container.finish(metadata::of_end(&run.header, &end)).unwrap(),
-            Item::Doubtful(_) | Item::Gap(_) | Item::Damaged(_) => panic!("a fresh recording is whole"),
+            Item::View { .. } | Item::Doubtful(_) | Item::Gap(_) | Item::Damaged(_) => {
+                panic!("a fresh recording is whole")
+            }
         };
         container.message(topic, clock::nanoseconds(step, settings.rate), &bytes).unwrap();
     }

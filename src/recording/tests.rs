@@ -1,6 +1,6 @@
 //! Writing and reading together.
 
-use std::{io::Cursor, num::NonZero};
+use std::{collections::BTreeMap, io::Cursor, num::NonZero};
 
 use super::{
     Change, Damage, Error, Health, Item, Playback, RecordedEvent, Recording, Recovery, recover,
@@ -99,10 +99,12 @@ fn a_cut_anywhere_keeps_all_whole_chunks() {
     let bytes = record(&bounce(50));
     let (whole, _) = items(&bytes);
     let mut kept = 0;
+    let mut table = Vec::new();
     for cut in 0..bytes.len() {
         if let Err(error) = read(&bytes[..cut]) {
             assert!(matches!(error, Error::CutHead), "cut at {cut}: {error}");
             assert_eq!(kept, 0, "cut at {cut} loses what was there before");
+            note(&mut table, cut, error.to_string());
             continue;
         }
         let (part, health) = items(&bytes[..cut]);
@@ -111,8 +113,27 @@ fn a_cut_anywhere_keeps_all_whole_chunks() {
         assert_eq!(part, whole[..part.len()], "cut at {cut}");
         assert!(part.len() >= kept, "cut at {cut} loses what was there before");
         kept = part.len();
+        note(&mut table, cut, format!("{} states, truncated after {after:?}", states(&part).len()));
     }
     assert_eq!(kept, whole.len());
+    print_runs(&table);
+}
+
+/// First and last place of each run of equal outcomes.
+type Runs = Vec<(usize, usize, String)>;
+
+fn note(table: &mut Runs, place: usize, outcome: String) {
+    match table.last_mut() {
+        Some((_, last, before)) if *before == outcome => *last = place,
+        Some(_) | None => table.push((place, place, outcome)),
+    }
+}
+
+fn print_runs(table: &Runs) {
+    println!("\n{:>17}   what is read", "cut at bytes");
+    for (first, last, outcome) in table {
+        println!("{first:>7} to {last:>6}   {outcome}");
+    }
 }
 
 #[test]
@@ -120,18 +141,31 @@ fn every_flipped_bit_is_noticed_and_costs_one_chunk_at_most() {
     const STATES_PER_CHUNK: usize = 4;
     let bytes = record(&drop_and_delete());
     let (whole, _) = items(&bytes);
+    let mut table = BTreeMap::new();
     for bit in 0..bytes.len() * 8 {
         let mut flipped = bytes.clone();
         flipped[bit / 8] ^= 1 << (bit % 8);
         let (part, health) = items(&flipped);
-        let Health::Corrupt(Damage { offset, .. }) = health else { panic!("bit {bit}: {health:?}") };
+        let Health::Corrupt(Damage { offset, what, .. }) = health else { panic!("bit {bit}: {health:?}") };
         assert!(offset <= bit as u64 / 8, "bit {bit} is blamed on byte {offset}");
         let kept = states(&part).len();
         assert!(kept + STATES_PER_CHUNK >= states(&whole).len(), "bit {bit} leaves {kept} states");
         for item in part.iter().filter(|item| !matches!(item, Item::Damaged(_))) {
             assert!(whole.contains(item), "bit {bit} invents {item:?}");
         }
+        let (flips, least) = table.entry(without_numbers(&what)).or_insert((0, kept));
+        (*flips, *least) = (*flips + 1, kept.min(*least));
     }
+    println!("\n{:>7} {:>20}   noticed as", "flips", "states kept, of 13");
+    table.iter().for_each(|(what, (flips, least))| println!("{flips:>7} {least:>17} up   {what}"));
+}
+
+/// What was found with its numbers left out, so that like goes with like.
+fn without_numbers(what: &str) -> String {
+    let start = |word: &str| word.trim_start_matches(['(', '`', '"']).to_owned();
+    let is_word = |word: &&str| !start(word).starts_with(|c: char| c.is_ascii_digit() || c.is_ascii_uppercase());
+    let (first, rest) = what.split_once(' ').unwrap_or((what, ""));
+    std::iter::once(first).chain(rest.split(' ').filter(is_word)).take(8).collect::<Vec<_>>().join(" ")
 }
 
 #[test]
@@ -229,9 +263,13 @@ fn verdict(bytes: &[u8]) -> String {
 fn a_large_recording_cut_anywhere_keeps_all_whole_chunks() {
     let bytes = record(&bounce(1500));
     let (whole, _) = items(&bytes);
+    let mut table = Vec::new();
     for cut in (0..bytes.len()).step_by(997).filter(|cut| read(&bytes[..*cut]).is_ok()) {
         let (part, health) = items(&bytes[..cut]);
-        assert_eq!(health, Health::Truncated { after: states(&part).last().copied() }, "cut at {cut}");
+        let after = states(&part).last().copied();
+        assert_eq!(health, Health::Truncated { after }, "cut at {cut}");
         assert_eq!(part, whole[..part.len()], "cut at {cut}");
+        note(&mut table, cut, format!("{} states, truncated after {after:?}", states(&part).len()));
     }
+    print_runs(&table);
 }

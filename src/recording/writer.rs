@@ -8,7 +8,7 @@ use crate::physics::Engine;
 
 use super::{
     Change, End, Error, Header, RecordedEvent, background::Background, batch::Batch, batch::Entry, clock, limits,
-    recorder::Recorder,
+    recorder::Recorder, view::Paint,
 };
 
 /// Streams a recording out while the engine runs. Memory does not grow with the run.
@@ -69,6 +69,12 @@ impl<W: Write + Send + 'static> Writer<W> {
         })
     }
 
+    /// Adds to every state recorded in full from now on what viewers such as Foxglove draw, in
+    /// these colours. Nothing of it takes part in a replay.
+    pub fn show(&mut self, paint: Paint) {
+        self.batch.entries.push(Entry::Paint(paint));
+    }
+
     /// Records one event that was applied to the present step.
     ///
     /// # Errors
@@ -121,6 +127,9 @@ impl<W: Write + Send + 'static> Writer<W> {
         let due = self.last_step.map_or(0, |last| last + 1);
         if step != due {
             return Err(Error::OutOfOrder { due, found: step });
+        }
+        if step > limits::STEPS {
+            return Err(Error::TooLarge { what: "the number of the step", found: step, limit: limits::STEPS });
         }
         self.last_step = Some(step);
         Ok(())

@@ -1,4 +1,4 @@
-use super::{Color, Sprite, Style};
+use super::{Appearance, Color, Sprite, Style};
 use crate::scene::{ColorBy, Theme};
 
 /// The colours of a theme; bodies have their own.
@@ -110,12 +110,17 @@ impl Palette {
 pub fn body_color(sprite: &Sprite, style: &Style) -> Color {
     let appearance = &sprite.appearance;
     match style.color_by {
-        ColorBy::Body => appearance.color.unwrap_or_else(|| cycled(u64::from(appearance.id))),
+        ColorBy::Body => box_color(appearance),
         ColorBy::Material => material_color(&appearance.material, style),
         // What is never pushed keeps its speed for life: a colour for that would tell nothing.
         ColorBy::Speed if appearance.mass == f64::INFINITY => appearance.color.unwrap_or(PLAIN),
         ColorBy::Speed => speed_color(sprite.velocity.norm(), style.top_speed),
     }
+}
+
+/// The colour of a box that tells it from others: its scene's, or one of its own.
+pub fn box_color(appearance: &Appearance) -> Color {
+    appearance.color.unwrap_or_else(|| cycled(u64::from(appearance.id)))
 }
 
 /// The colour of a material; materials go round the palette in the order the style lists them.

@@ -1,16 +1,18 @@
 use super::{LiveEvents, Run, RunError, settings};
 use crate::physics::{CollisionCount, StepError};
-use crate::recording::{End, Header, Outcome, SceneText, Versions, Writer};
+use crate::recording::{End, Header, Outcome, Paint, SceneText, Versions, Writer};
 use crate::scene::{Scene, SceneError};
 use std::io::{BufRead, Write};
 
 /// How a scene is to be recorded.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug)]
 pub struct RecordOptions {
     /// The last step; the scene's own is in its [`RunOptions`](crate::scene::RunOptions).
     pub steps: u64,
     /// States of every `every`-th step are recorded in full, those between as digests; at least 1.
     pub every: u64,
+    /// The colours in which viewers such as Foxglove are to show the boxes, if they are to.
+    pub viewer: Option<Paint>,
 }
 
 /// What came of recording a scene.
@@ -40,6 +42,9 @@ pub fn record<W: Write + Send + 'static>(
 ) -> Result<Recorded, RunError> {
     let mut run = Run::new(scene);
     let mut writer = Writer::new(output, &header(scene, options))?;
+    if let Some(paint) = options.viewer {
+        writer.show(paint);
+    }
     let mut collisions = CollisionCount::default();
     let mut error = None;
     for step in 0..=options.steps {

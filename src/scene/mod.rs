@@ -67,7 +67,7 @@ pub struct Scene {
 
 /// The longest scene that is read, bytes: it is attached to the recording, whose records
 /// have this limit.
-pub const LONGEST_SCENE: u64 = 64 << 20;
+pub const LONGEST_SCENE: u64 = 32 << 20;
 
 const TITLE: Key = Key { name: "title", accepts: "1 to 256 bytes without control characters" };
 const WORLD: Key = Key { name: "world", accepts: "the table [world] with at least size" };

@@ -70,6 +70,19 @@ fn a_full_disk_is_an_error() {
     assert!(recorded.errors.contains("No space left on device"), "{recorded:?}");
 }
 
+/// `/dev/null` takes everything but cannot be synced, which only `--sync` tries.
+#[cfg(target_os = "linux")]
+#[test]
+fn sync_waits_for_the_disk() {
+    let workplace = Workplace::with_scene(ENDLESS);
+    workplace.done("record scene.toml -o /dev/null --steps 10");
+    let recorded = workplace.rebond("record scene.toml -o /dev/null --steps 10 --sync");
+    assert_eq!(recorded.code, 1, "{recorded:?}");
+    assert!(recorded.errors.contains("Invalid argument"), "{recorded:?}");
+    workplace.done("record scene.toml -o run.mcap --steps 10 --sync");
+    assert_eq!(workplace.done("replay run.mcap").output, "same: 10 steps, 20 bodies\n");
+}
+
 #[test]
 fn a_closed_pipe_is_an_error() {
     let workplace = Workplace::with_scene(ENDLESS);

@@ -1,0 +1,50 @@
+//! Any lines are events or refusals, and a run that skips what it refuses goes on to its end.
+
+use std::io;
+
+use rebond::{
+    run::{LiveEvents, Manners, RecordOptions, record},
+    scene::{self, Scene, live},
+};
+
+/// Where the events happen.
+const SCENE: &str = r#"
+[world]
+size = [16.0, 9.0]
+walls = true
+gravity = [0.0, 9.81]
+[run]
+rate = 60
+steps = 4
+solver = "event-driven"
+events_per_step = 1000
+[[spawn]]
+name = "a"
+at = [4.0, 4.0]
+size = [1.0, 1.0]
+mass = 1.0
+"#;
+
+/// Reads the lines one by one, and as a run does.
+pub fn read(lines: &[u8]) {
+    refuse(lines);
+    run(lines);
+}
+
+/// Prints what is wrong with each line.
+fn refuse(lines: &[u8]) {
+    let text = String::from_utf8_lossy(lines);
+    for (number, line) in (1..).zip(text.lines()) {
+        if let Err(error) = live::parse_line(number, line) {
+            let _ = format!("{:?}", miette::Report::new(error));
+        }
+    }
+}
+
+fn run(lines: &[u8]) {
+    let scene: Scene = scene::parse("scene.toml", SCENE).expect("a scene");
+    let options = RecordOptions { steps: scene.run.steps, every: 1, viewer: None };
+    let mut live = LiveEvents::new(lines, Manners::Lenient, options.steps);
+    let recorded = record(&scene, options, Some(&mut live), io::sink(), |_| ()).expect("nothing that ends a run");
+    assert!(recorded.error.is_some() || recorded.end.steps == options.steps);
+}

@@ -1,0 +1,50 @@
+//! Any bytes are a recording, a part of one, or an error: read, sought, recovered and replayed.
+
+use std::io::Cursor;
+
+use rebond::{
+    physics::CollisionCount,
+    recording::{Health, Item, Playback, Recording, recover},
+    replay::replay,
+};
+
+/// Reads the file in every way there is.
+pub fn read(file: &[u8]) {
+    let open = || Recording::read(Cursor::new(file));
+    let Ok(mut recording) = open() else { return };
+    let steps = steps(&mut recording);
+    for step in [0, 1, steps.last().copied().unwrap_or(0), u64::MAX] {
+        recording.seek(step).expect("memory can be read");
+        let _ = recording.by_ref().count();
+    }
+    let _ = Playback::new(recording).count();
+    recover_twice(file);
+    if steps.len() <= SHORT {
+        let all = 0..=u64::MAX;
+        let _ = replay(open().expect("it opened before"), all, &mut CollisionCount::default(), &mut |_| {});
+    }
+}
+
+/// States of a recording that is worth the time it takes to run it again.
+const SHORT: usize = 64;
+
+fn steps(recording: &mut Recording<Cursor<&[u8]>>) -> Vec<u64> {
+    recording
+        .filter_map(|item| match item.expect("memory can be read") {
+            Item::State(state) | Item::Doubtful(state) => Some(state.step),
+            Item::Event(_) | Item::Keyframe(_) | Item::Damaged(_) | Item::Gap(_) | Item::End(_) | Item::View { .. } => {
+                None
+            }
+        })
+        .collect()
+}
+
+/// What is recovered is whole, and recovering it again changes nothing.
+fn recover_twice(file: &[u8]) {
+    let mut recording = Recording::read(Cursor::new(file)).expect("it opened before");
+    let (_, once) = recover(&mut recording, Vec::new()).expect("memory can be written");
+    let mut recording = Recording::read(Cursor::new(once.as_slice())).expect("a recording that was just written");
+    let (recovery, twice) = recover(&mut recording, Vec::new()).expect("memory can be written");
+    assert_eq!(recovery.health, Health::Whole);
+    assert!(once == twice, "recovering twice changes something");
+}

@@ -1,0 +1,39 @@
+//! `record --viewer`: a recording that Foxglove and Lichtblick show, and that is one still.
+//!
+//! What is in it is compared with states and pictures by `tests/readers`, in Python.
+
+use crate::rebond::Workplace;
+
+const SCENE: &str = include_str!("../readers/viewer.toml");
+
+fn recorded() -> Workplace {
+    let workplace = Workplace::with_scene(SCENE);
+    workplace.done("record scene.toml -o run.mcap --viewer");
+    workplace
+}
+
+#[test]
+fn boxes_for_viewers_change_nothing_else() {
+    let workplace = recorded();
+    let plain = workplace.done("record scene.toml -o plain.mcap").output.replace("plain", "run");
+    assert_eq!(workplace.done("record scene.toml -o run.mcap --viewer --force").output, plain);
+    assert!(workplace.read("run.mcap").len() > workplace.read("plain.mcap").len());
+    assert_eq!(workplace.done("replay run.mcap").output, "same: 40 steps, 9 bodies\n");
+    assert_eq!(workplace.done("replay run.mcap --from 30 --to 35").output, "same: 5 steps, 9 bodies\n");
+    let export = |name| workplace.done(&format!("export {name} --from 24 --to 31")).output;
+    assert_eq!(export("run.mcap"), export("plain.mcap"));
+}
+
+#[test]
+fn recovering_keeps_boxes_for_viewers() {
+    let workplace = recorded();
+    workplace.done("recover run.mcap -o same.mcap");
+    assert!(workplace.read("same.mcap") == workplace.read("run.mcap"), "a whole recording recovers to itself");
+    let whole = workplace.read("run.mcap");
+    std::fs::write(workplace.path("cut.mcap"), &whole[..whole.len() / 2]).unwrap();
+    assert_eq!(workplace.rebond("replay cut.mcap").code, 4);
+    workplace.done("recover cut.mcap -o fixed.mcap");
+    assert!(workplace.done("replay fixed.mcap").output.starts_with("same: "));
+    let fixed = workplace.read("fixed.mcap");
+    assert!(fixed.windows(6).any(|window| window == b"/scene"), "the index names the topic");
+}
