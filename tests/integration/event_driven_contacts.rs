@@ -212,3 +212,21 @@ fn a_blow_from_above_leaves_a_stack_alone() {
     assert_eq!((1..=3).map(|id| bits(body(&engine, id))).collect::<Vec<_>>(), before);
     assert_eq!(body(&engine, 4).velocity, Vector::ZERO);
 }
+
+#[test]
+fn a_light_box_caught_between_a_wall_and_a_heavy_one_stops_both() {
+    for mirrored in [1.0, -1.0] {
+        let at = |x: f64, width: f64| if mirrored > 0.0 { x } else { -x - width };
+        let bodies = [
+            sketch([at(-1.0, 1.0), 0.0], [1.0, 4.0], INFINITE),
+            sketch([at(0.0, 1.5), 1.0], [1.5, 1.0], 0.2).moving(-1.2 * mirrored, 0.0),
+            sketch([at(4.2, 0.3), 1.0], [0.3, 0.3], 4.4).moving(-3.9 * mirrored, 0.0),
+        ];
+        let mut engine = world(Conditions { restitution: 0.3, ..Conditions::default() }, &bodies);
+        let collisions = count(&mut engine, 120);
+        assert!(collisions < 1000, "{collisions} collisions");
+        for place in [1, 2] {
+            assert_eq!(body(&engine, place).velocity, Vector::ZERO, "endlessly many blows stop all that take part");
+        }
+    }
+}

@@ -22,7 +22,8 @@ pub struct Block {
 #[derive(Clone, Copy, Debug)]
 struct Member {
     slot: Slot,
-    /// On whose face it lies, and whether ahead of it; none for the body hit.
+    /// On whose face it lies, and whether ahead of it; none for the body hit, and for those
+    /// that stay where they are.
     on: Option<(Slot, bool)>,
 }
 
@@ -66,11 +67,10 @@ impl EventDriven {
     }
 
     /// All that is joined to a body by contacts along the axis, in either direction, and all
-    /// that touches it without approaching or leaving faster than `slow`, m/s: what ends a
-    /// sequence of endlessly many blows together. Of infinite mass if an infinite mass is among
-    /// them.
+    /// that touches it without approaching or leaving faster than `slow`, m/s: these end a
+    /// sequence of endlessly many blows together. Of infinite mass if one among them stands.
     ///
-    /// Those that only touch are in contact afterwards. Who is `taken` belongs to the other side.
+    /// Who is `taken` belongs to the other side.
     pub(super) fn carried(
         &mut self,
         world: &World,
@@ -81,15 +81,13 @@ impl EventDriven {
     ) {
         block.members.clear();
         block.members.push(Member { slot: side.slot, on: None });
-        block.velocity = side.velocity;
-        block.mass = f64::INFINITY;
+        let mut standing = None;
         let mut next = 0;
         while let Some(Member { slot: by, .. }) = block.members.get(next).copied() {
             next += 1;
-            let mover = &self.movers[by as usize];
-            if mover.infinite || mover.held[side.axis] != [false; 2] {
-                block.members.clear();
-                return;
+            if self.stands(by, side.axis) {
+                standing = standing.or(Some(self.fine(by, side.axis).velocity));
+                continue;
             }
             let in_contact = self.contacts.of(by).iter().filter(|contact| contact.axis == side.axis);
             let in_contact = in_contact.map(|contact| (contact.other, contact.ahead));
@@ -99,6 +97,22 @@ impl EventDriven {
                 }
             }
         }
+        match standing {
+            Some(velocity) => self.stay(block, side, velocity),
+            None => self.hold_together(block, side),
+        }
+    }
+
+    /// A block among which somebody stands goes on as fast as that, everyone in their place.
+    fn stay(&self, block: &mut Block, side: Side, velocity: DoubleDouble) {
+        block.members.retain(|member| !self.stands(member.slot, side.axis));
+        block.members.iter_mut().for_each(|member| member.on = None);
+        block.mass = f64::INFINITY;
+        block.velocity = velocity;
+    }
+
+    /// A free block keeps its momentum, and those who only touched are in contact afterwards.
+    fn hold_together(&mut self, block: &mut Block, side: Side) {
         block.mass = self.mass_of(block);
         block.velocity = self.common_velocity(block, side);
         for member in &block.members {
@@ -108,6 +122,12 @@ impl EventDriven {
                 self.join(if ahead { [other, member.slot] } else { [member.slot, other] }, side.axis);
             }
         }
+    }
+
+    /// Whether a body is of infinite mass or rests, directly or through others, against one.
+    fn stands(&self, slot: Slot, axis: usize) -> bool {
+        let mover = &self.movers[slot as usize];
+        mover.infinite || mover.held[axis] != [false; 2]
     }
 
     /// The total mass, summed in creation order, kg.
@@ -133,8 +153,8 @@ impl EventDriven {
         side.velocity + excess / block.mass.into()
     }
 
-    /// Who touches a body along an axis, almost at rest against it but not in contact, and
-    /// whether ahead of it.
+    /// Who touches a body along an axis, no faster than `slow` against it and not in contact,
+    /// and whether ahead of it.
     fn clinging(&self, world: &World, slot: Slot, axis: usize, slow: f64) -> Vec<(Slot, bool)> {
         let mut near = Vec::new();
         self.neighbours.near(slot, &self.movers[slot as usize], |other| near.push(other));
@@ -175,11 +195,12 @@ impl EventDriven {
     ///
     /// The body hit starts at `start`, and the others are put on each other's faces.
     pub(super) fn push(&mut self, block: &Block, side: Side, start: DoubleDouble, velocity: DoubleDouble) {
-        for member in &block.members {
+        for (place, member) in block.members.iter().enumerate() {
             let own = self.fine(member.slot, side.axis);
             let size = |slot: Slot| self.movers[slot as usize].size[side.axis].into();
             let position = match member.on {
-                None => start,
+                None if place == 0 => start,
+                None => own.position,
                 Some((other, true)) => self.fine(other, side.axis).position + size(other),
                 Some((other, false)) => self.fine(other, side.axis).position - size(member.slot),
             };

@@ -24,9 +24,13 @@ struct Encounter {
 struct Character {
     /// The e of the blow.
     restitution: f64,
-    /// Below this speed, m/s, none is told from rest; none if this blow ends nothing.
+    /// Who touches the two and moves no faster against them, m/s, goes on with them; none if
+    /// this blow ends nothing.
     ending: Option<f64>,
 }
+
+/// A blow foretold too early waits no longer than this, s: others may come before.
+const LONGEST_WAIT: f64 = 1e-10;
 
 impl Encounter {
     /// One of its sides: 0 for the body behind.
@@ -166,7 +170,7 @@ impl EventDriven {
             -self.age(since, self.residues[slot as usize][axis].offset).high
         });
         let delay = earliest.into_iter().fold(delay, |delay, limit| if limit > delay { limit } else { delay });
-        if delay.abs() <= LONGEST_ROUNDING { delay } else { 0.0 }
+        if (-LONGEST_ROUNDING..=LONGEST_WAIT).contains(&delay) { delay } else { 0.0 }
     }
 
     /// Takes the present instant as the reference of two that only graze: the past is over.
@@ -189,13 +193,16 @@ impl EventDriven {
         if restitution == 1.0 {
             return Character { restitution, ending: None };
         }
-        let accelerations = first.free_fall.iter().chain(&second.free_fall);
-        let acceleration = accelerations.fold(0.0, |most, a| if a.high.abs() > most { a.high.abs() } else { most });
+        let accelerations = [first, second].map(|traits| traits.free_fall[encounter.axis].high.abs());
+        let acceleration = if accelerations[0] > accelerations[1] { accelerations[0] } else { accelerations[1] };
         let velocities = encounter.states.map(|state| state.velocity.high.abs());
         let coordinates = self.coordinates(encounter);
         let slow = capture_speed(acceleration, coordinates, velocities[0] + velocities[1]);
         let hurries = encounter.slots.map(|slot| self.hurries(slot, encounter.axis, coordinates));
-        if encounter.approach < slow || hurries == [true; 2] {
+        if hurries == [true; 2] {
+            return Character { restitution: 0.0, ending: Some(f64::INFINITY) };
+        }
+        if encounter.approach < slow {
             return Character { restitution: 0.0, ending: Some(slow) };
         }
         Character { restitution, ending: None }

@@ -85,7 +85,7 @@ impl EventDriven {
             acceleration: acceleration.high,
             since: self.now,
         };
-        mover.since = mover.since.or_later(self.now);
+        mover.since = mover.motion[0].since.or_later(mover.motion[1].since);
         self.residues[slot as usize][axis] = Residue {
             position: position.low,
             velocity: velocity.low,

@@ -34,7 +34,7 @@ impl Instant {
 
 /// What rounding can do to an instant is less than this, s, unless what happens then hardly
 /// happens at all, like faces that meet at almost no speed.
-pub const LONGEST_ROUNDING: f64 = 1e-10;
+pub const LONGEST_ROUNDING: f64 = 1e-7;
 
 /// Steps beyond this are not whole numbers any more: an event out there never happens.
 const LAST_STEP: f64 = (1u64 << 53) as f64;

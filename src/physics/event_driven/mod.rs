@@ -29,8 +29,9 @@
 //!   one. Boxes whose edges only slide along each other's line do not meet.
 //! - **Zeno**: where e < 1, impacts slower than `impact::capture_speed`, and those after
 //!   `impact::LONGEST_HURRY` impacts without a way between them, are plastic, and all that is
-//!   in contact with the two along that axis, or touches them at less than that speed, goes on
-//!   with them as one: the limit of endlessly many blows handed to and fro.
+//!   in contact with the two along that axis, or touches them (at less than that speed, if the
+//!   blow is so slow), goes on with them as one: the limit of endlessly many blows handed to
+//!   and fro.
 //! - **Rounding**: after an impact the body ahead is put exactly on the other's face (or the
 //!   one behind, if the body ahead cannot move). Coordinates a few units in the last place
 //!   apart touch, if nothing else tells them apart; faces that touch at the instant of a sample
