@@ -24,6 +24,8 @@ pub struct Inbox {
     /// How the run ended, once known.
     pub end: Option<End>,
     channels: BTreeMap<u16, Option<Topic>>,
+    /// What viewers draw of the state that is to come.
+    view: Option<Item>,
 }
 
 /// Where in the file something was found.
@@ -38,7 +40,7 @@ pub struct Locus {
 impl Inbox {
     /// At the start of the recording with that header.
     pub fn new(course: Course) -> Inbox {
-        Inbox { course, ready: VecDeque::new(), damage: None, end: None, channels: first_channels() }
+        Inbox { course, ready: VecDeque::new(), damage: None, end: None, channels: first_channels(), view: None }
     }
 
     /// Starts over somewhere else in the recording, with the channels of its index.
@@ -47,6 +49,7 @@ impl Inbox {
         self.ready.clear();
         self.damage = None;
         self.end = None;
+        self.view = None;
         self.channels = first_channels();
         for body in channels {
             // The index has passed its checksum; what is no channel there is none of ours.
@@ -85,6 +88,7 @@ impl Inbox {
     /// Notes damage that has cost messages.
     pub fn lose(&mut self, locus: Locus, what: String) {
         self.course.lose();
+        self.view = None;
         self.note(locus, what);
     }
 
@@ -115,7 +119,7 @@ impl Inbox {
                 self.ready.push_back(Item::Keyframe(keyframe));
             }
             Topic::States => self.state(locus, RecordedState::decode(data)?)?,
-            Topic::Scene => self.ready.push_back(Item::View { time: log_time, message: data.into() }),
+            Topic::Scene => self.view = Some(Item::View { time: log_time, message: data.into() }),
         }
         Ok(())
     }
@@ -126,9 +130,10 @@ impl Inbox {
 
     fn state(&mut self, locus: Locus, state: RecordedState) -> Result<(), String> {
         self.cross_gap(state.step);
+        let view = self.view.take();
         let doubt = self.course.state(&state)?;
         match doubt {
-            None => self.ready.push_back(Item::State(state)),
+            None => self.ready.extend(view.into_iter().chain([Item::State(state)])),
             Some(what) => {
                 self.ready.push_back(Item::Doubtful(state));
                 self.note(locus, what);

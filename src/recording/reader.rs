@@ -48,7 +48,7 @@ pub enum Item {
     State(RecordedState),
     /// A state whose numbers do not fit its own digest: to be compared, not to be shown.
     Doubtful(RecordedState),
-    /// What viewers draw at a time (simulated nanoseconds), protobuf: it is passed on, not read.
+    /// What viewers draw of the state that comes next: it is passed on, not read.
     View {
         /// Simulated nanoseconds.
         time: u64,
@@ -138,14 +138,16 @@ impl<R: Read + Seek> Recording<R> {
         self.next_record()?;
         while let Ok(Some(record)) = self.chunks.next() {
             self.inbox.chunk_record(self.chunk, &record);
-            match self.inbox.ready.pop_front() {
-                Some(Item::Keyframe(keyframe)) if keyframe.step <= step => {
-                    self.inbox.ready.push_front(Item::Keyframe(keyframe));
-                    return Ok(true);
+            while let Some(item) = self.inbox.ready.pop_front() {
+                match item {
+                    Item::Keyframe(keyframe) if keyframe.step <= step => {
+                        self.inbox.ready.push_front(Item::Keyframe(keyframe));
+                        return Ok(true);
+                    }
+                    Item::Keyframe(_) | Item::Damaged(_) => return Ok(false),
+                    Item::Event(_) | Item::State(_) | Item::Doubtful(_) => {}
+                    Item::View { .. } | Item::Gap(_) | Item::End(_) => {}
                 }
-                Some(Item::Keyframe(_) | Item::Damaged(_)) => return Ok(false),
-                Some(Item::Event(_) | Item::State(_) | Item::Doubtful(_) | Item::View { .. }) => {}
-                Some(Item::Gap(_) | Item::End(_)) | None => {}
             }
         }
         Ok(false)
