@@ -30,6 +30,15 @@ pub fn run(options: &RenderOptions) -> Result<Exit, CommandError> {
     Ok(exit)
 }
 
+/// What is asked for and its format, where that is one file that is drawn here.
+pub fn picture_wish(options: &RenderOptions) -> Result<Option<(Wish, Format)>, CommandError> {
+    let kind = Kind::of(options)?;
+    Ok(match kind {
+        Kind::Animation(format) | Kind::Picture(format) => Some((wish(options, kind), format)),
+        Kind::Video(_) | Kind::Sequence => None,
+    })
+}
+
 fn wish(options: &RenderOptions, kind: Kind) -> Wish {
     let subject = match (options.at, kind) {
         (Some(step), _) => WishedSubject::Still { step },
