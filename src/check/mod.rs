@@ -1,7 +1,7 @@
 //! Snapshot regression testing: recordings that must replay and pictures that must come out again.
 //!
 //! [`find`] looks through folders for [`Case`]s, [`examine`] makes a [`Finding`] of each, and
-//! [`page`] shows what differs. Comparison is exact: every bit of every state; of a PNG, GIF or
+//! a [`Page`] shows what differs. Comparison is exact: every bit of every state; of a PNG, GIF or
 //! animated PNG every pixel, every instant and what it says of itself, but not how it is compressed;
 //! of an SVG or PDF every byte, but for the version of the program that drew it.
 
