@@ -136,7 +136,7 @@ impl Display for Outcome {
             Outcome::Damaged(what) => write!(out, "damaged: {what}"),
             Outcome::Drawn => write!(out, "same"),
             Outcome::Differs(mismatch) => write!(out, "differs: {mismatch}"),
-            Outcome::Missing => write!(out, "missing: there is no such picture yet; accept it with --update"),
+            Outcome::Missing => write!(out, "missing: there is no such picture yet"),
             Outcome::Orphaned { recording } => {
                 write!(out, "orphaned: its recording {recording} is not there; delete it, or bring the recording back")
             }

@@ -9,6 +9,7 @@ mod exit;
 mod export;
 mod figure;
 mod info;
+mod jobs;
 mod kind;
 mod output;
 mod progress;

@@ -3,7 +3,7 @@ use super::error::CommandError;
 use super::kind::Kind;
 use super::output::{self, Folder};
 use super::source::Source;
-use super::{Exit, damage, progress, video, wish};
+use super::{Exit, damage, jobs, progress, video, wish};
 use crate::illustration::{self, Evidence, Format, Progress, Subject, Wish, WishedSubject};
 use std::num::NonZero;
 
@@ -68,7 +68,7 @@ struct Job<'a> {
 
 impl Job<'_> {
     fn threads(&self) -> NonZero<usize> {
-        self.options.jobs.or(std::thread::available_parallelism().ok()).unwrap_or(NonZero::<usize>::MIN)
+        jobs::threads(self.options.jobs)
     }
 
     fn file(&self, format: Format, heard: Progress) -> Result<Exit, CommandError> {

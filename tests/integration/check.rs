@@ -25,9 +25,7 @@ fn lecture() -> Workplace {
     let outcome = workplace.done("check . --update");
     assert!(
         outcome.output.contains("hit.svg: missing")
-            && outcome
-                .output
-                .ends_with("accepted: 3 of 5 changed; expected, difference and actual: rebond-check/index.html\n"),
+            && outcome.output.ends_with("accepted: 3 of 5 changed; look at rebond-check/index.html\n"),
         "{outcome:?}"
     );
     workplace
@@ -166,6 +164,9 @@ fn one_pixel_is_seen_shown_and_accepted() {
     let mut file = Vec::new();
     png::encode(&picture, &metadata, &mut file).unwrap();
     fs::write(workplace.path("fall.png"), &file).unwrap();
+    let summary = workplace.rebond("check .").output;
+    let expected = "not the same: 1 of 5; look at rebond-check/index.html, and accept what is meant with --update\n";
+    assert!(summary.ends_with(expected), "{summary}");
     let line = told(&workplace, 3, "fall.png");
     assert_eq!(line, "differs: 1 pixels differ, the first at (7, 100), all from (7, 100) to (7, 100)");
     let page = String::from_utf8(workplace.read("rebond-check/index.html")).unwrap();

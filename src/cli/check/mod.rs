@@ -3,11 +3,10 @@ mod tale;
 
 use super::arguments::CheckOptions;
 use super::error::CommandError;
-use super::{Exit, output, progress};
+use super::{Exit, jobs, output, progress};
 use crate::check::{self, Case, Finding, Fresh, Grade, Page};
 use std::fs::File;
 use std::io;
-use std::num::NonZero;
 use std::path::Path;
 use tale::{Tally, json, line};
 
@@ -24,7 +23,7 @@ pub fn run(options: &CheckOptions) -> Result<Exit, CommandError> {
     let (recordings, pictures) = cases.split_at(recordings);
     let bar = progress::bar("checking", cases.len() as u64);
     for cases in [recordings, pictures] {
-        check::examine(cases, options.threads(), |finding| {
+        check::examine(cases, jobs::threads(options.jobs), |finding| {
             let told = bar.suspend(|| examination.hear(finding));
             bar.inc(1);
             told
@@ -34,7 +33,7 @@ pub fn run(options: &CheckOptions) -> Result<Exit, CommandError> {
     let Examination { page, tally, worst, .. } = examination;
     let shown = page.finish(&tally.to_string()).map_err(&unwritable)?;
     let summary = match shown {
-        Some(index) => format!("{tally}; expected, difference and actual: {}\n", index.display()),
+        Some(index) => format!("{tally}; look at {}{}\n", index.display(), tally.advice()),
         None => format!("{tally}\n"),
     };
     if options.json {
@@ -48,12 +47,6 @@ pub fn run(options: &CheckOptions) -> Result<Exit, CommandError> {
         Grade::Damaged => Exit::Damaged,
         Grade::Failed => Exit::Error,
     })
-}
-
-impl CheckOptions {
-    fn threads(&self) -> NonZero<usize> {
-        self.jobs.or(std::thread::available_parallelism().ok()).unwrap_or(NonZero::<usize>::MIN)
-    }
 }
 
 /// A check that is under way.

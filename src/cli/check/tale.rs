@@ -52,6 +52,8 @@ pub struct Tally {
     pictures: u64,
     bad: u64,
     accepted: u64,
+    /// Whether there is something that --update would accept.
+    acceptable: bool,
 }
 
 impl Tally {
@@ -67,13 +69,19 @@ impl Tally {
         let is_bad = finding.outcome.grade() != Grade::Same;
         self.accepted += u64::from(is_bad && is_accepted);
         self.bad += u64::from(is_bad && !is_accepted);
+        self.acceptable |= finding.fresh.is_some() && !is_accepted;
+    }
+
+    /// What to do about it.
+    pub const fn advice(&self) -> &'static str {
+        if self.acceptable { ", and accept what is meant with --update" } else { "" }
     }
 }
 
 /// The last line: the verdict on all.
 impl Display for Tally {
     fn fmt(&self, out: &mut Formatter) -> fmt::Result {
-        let Tally { recordings, pictures, bad, accepted } = self;
+        let Tally { recordings, pictures, bad, accepted, .. } = self;
         match (bad, accepted) {
             (0, 0) => write!(out, "same: {recordings} recordings, {pictures} pictures"),
             (0, _) => write!(out, "accepted: {accepted} of {} changed", recordings + pictures),
