@@ -2,6 +2,8 @@
 
 use crate::rebond::bundled_scenes;
 use rebond::scene;
+use std::fs;
+use std::path::Path;
 
 #[test]
 fn every_bundled_scene_is_read() {
@@ -27,5 +29,21 @@ fn committed_recordings_and_pictures_are_what_their_scenes_give() {
         let name = path.with_extension("mcap").file_name().unwrap().to_string_lossy().into_owned();
         assert!(held(&format!("recordings/{name}: ")), "{name} in {told}");
     }
-    assert!(held("snapshots/readme/click-session.gif: "), "{told}");
+    assert!(held("snapshots/gallery/click-session.gif: "), "{told}");
+}
+
+/// The README shows what its commands give, all of it, and a page of it loads in no time.
+#[test]
+fn the_gallery_is_drawn_by_commands_and_shown_by_the_readme() {
+    let package = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let [readme, commands] =
+        ["README.md", "recordings/gallery.check"].map(|name| fs::read_to_string(package.join(name)).unwrap());
+    let pictures: Vec<_> = fs::read_dir(package.join("snapshots/gallery")).unwrap().map(Result::unwrap).collect();
+    assert!(pictures.len() >= 10, "{} pictures", pictures.len());
+    for picture in pictures {
+        let name = picture.file_name().into_string().unwrap();
+        assert!(commands.contains(&format!(" -o ../snapshots/gallery/{name} ")), "no command draws {name}");
+        assert!(readme.contains(&format!("](snapshots/gallery/{name})")), "the README does not show {name}");
+        assert!(picture.metadata().unwrap().len() < 1_000_000, "{name} is too large");
+    }
 }
