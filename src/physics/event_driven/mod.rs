@@ -1,13 +1,13 @@
 //! The exact solver: from event to event. See [`EventDriven`].
 //!
 //! Boxes neither turn nor rub, so between events each moves on a parabola along each axis
-//! (`motion`), each pair meets at a root known in closed form (`meeting`), and there is no
+//! (`motion`, `motions`), each pair meets at a root known in closed form (`meeting`), and there is no
 //! time step to trade against error: a step only says when the state is sampled.
 //!
 //! One step: newcomers are admitted and put apart (`separation`); what is due happens in its
 //! total order (`schedule`): boxes collide (`collide`, `block`, `impact`), slide off edges and
 //! take up or end contacts (`contact`, `settle`, `least_change`), and whoever that concerned
-//! looks ahead again among its neighbours (`outlook`, `reach`, `neighbours`, `grid`); what moved
+//! looks ahead again among its neighbours (`outlook`, `reach`, `near`, `neighbours`, `grid`); what moved
 //! is sampled (`sampling`), and who is about to leave its cell moves on (`calendar`). `memory` is
 //! what must be kept to go on to the bit, `crush` how a step may fail.
 //!
@@ -86,7 +86,7 @@ const GLANCES_PER_BODY: u64 = 1000;
 /// The exact solver's own state.
 ///
 /// What it *is* are the motions, the contacts and the bodies not yet admitted; that is what
-/// [`EventDriven::memory`] keeps. Grids, schedule and outlooks are derived from it, and
+/// [`EventDriven::memory`] keeps. Grids and schedule are derived from it, and
 /// nothing of how they were derived shows in any result.
 #[derive(Clone, Debug)]
 pub struct EventDriven {

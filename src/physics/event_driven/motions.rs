@@ -82,3 +82,21 @@ impl Motions {
         (self.velocity == [0.0; 2]) & (self.acceleration == [0.0; 2])
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_parabola_starts_at_its_reference() {
+        let since = Instant::start_of(2);
+        let thrown = Motion { position: 1.0, velocity: 3.0, acceleration: -2.0, since };
+        let drifting = Motion { acceleration: 0.0, ..thrown };
+        let clock = Clock::new(2.0);
+        let motions = Motions::new([thrown, drifting]);
+        assert_eq!(motions.at(&clock, since), [[1.0; 2], [3.0; 2]]);
+        assert_eq!(motions.at(&clock, Instant::start_of(4)), [[3.0, 4.0], [1.0, 3.0]]);
+        assert_eq!(motions.drifted(&clock, Instant::start_of(4))[0][1], 4.0);
+        assert_eq!(motions.along(0), thrown);
+    }
+}
