@@ -101,7 +101,7 @@ fn a_scene_that_was_edited_is_named_with_what_changed() {
     workplace.write("scene.toml", &later);
     assert!(told(&workplace, 3, "scene.mcap").contains("at step 60 recorded delete body 6, now nothing more"));
     workplace.write("scene.toml", "not a scene");
-    assert!(told(&workplace, 1, "scene.mcap").starts_with("failed: "));
+    assert!(told(&workplace, 1, "scene.mcap").starts_with("failed: its scene scene.toml cannot be recorded: "));
 }
 
 /// An engine that takes gravity to be another by one bit.
