@@ -11,7 +11,7 @@ use std::io::Cursor;
 
 /// A folder as somebody keeps it for a lecture: a scene, its recording, pictures that a manifest
 /// lists, and one that says itself how it was drawn.
-fn lecture() -> Workplace {
+pub fn lecture() -> Workplace {
     let workplace = Workplace::with_scene(SCENE);
     workplace.done("record scene.toml -o scene.mcap");
     workplace.write(
@@ -105,7 +105,7 @@ fn a_scene_that_was_edited_is_named_with_what_changed() {
 }
 
 /// An engine that takes gravity to be another by one bit.
-fn record_by_another_engine(workplace: &Workplace) {
+pub fn record_by_another_engine(workplace: &Workplace) {
     let scene = scene::load(&workplace.path("scene.toml")).unwrap();
     let settings = run::settings(&scene);
     let text = SceneText { file_name: "scene.toml".into(), text: scene.source.text.clone() };
