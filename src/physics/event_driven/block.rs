@@ -153,6 +153,15 @@ impl EventDriven {
         side.velocity + excess / block.mass.into()
     }
 
+    /// What is lost of the momentum of the members when they go on as fast as the block, N·s.
+    pub(super) fn momentum_lost(&self, block: &Block, axis: usize) -> f64 {
+        let lost = |member: &Member| {
+            let excess = self.fine_velocity(member.slot, axis) - block.velocity;
+            excess.high * self.traits[member.slot as usize].mass
+        };
+        block.members.iter().map(lost).sum()
+    }
+
     /// Who touches a body along an axis, no faster than `slow` against it and not in contact,
     /// and whether ahead of it.
     fn clinging(&self, world: &World, slot: Slot, axis: usize, slow: f64) -> Vec<(Slot, bool)> {

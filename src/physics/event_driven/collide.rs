@@ -105,16 +105,20 @@ impl EventDriven {
             self.carried(world, sides[0], slow, |slot| slot == sides[1].slot, behind);
             self.carried(world, sides[1], slow, |slot| slot == sides[0].slot || behind.has(slot), ahead);
         }
-        if ending.is_none() || blocks.iter().all(|block| block.mass == f64::INFINITY) {
+        let both_stand = blocks.iter().all(|block| block.mass == f64::INFINITY);
+        // A row packed between two that stand: endlessly many blows to and fro leave it at rest.
+        let is_packed = ending == Some(f64::INFINITY) && both_stand && blocks[0].velocity == blocks[1].velocity;
+        if ending.is_none() || (both_stand && !is_packed) {
             AXES.into_iter().for_each(|place| self.pushed(sides[place], &mut blocks[place]));
         }
         let mass = [blocks[0].mass, blocks[1].mass];
-        if encounter.approach > 0.0 && mass == [f64::INFINITY; 2] {
+        if encounter.approach > 0.0 && mass == [f64::INFINITY; 2] && !is_packed {
             self.blocks = blocks;
             return Err(self.crushed(world, encounter.slots, encounter.axis));
         }
         let blow = Blow { velocity: [blocks[0].velocity, blocks[1].velocity], mass, restitution };
         let after = blow.velocities_after();
+        let impulse = if is_packed { self.momentum_lost(&blocks[0], encounter.axis) } else { blow.impulse() };
         let before = self.state(pair);
         let position = self.put_together(encounter, mass[1] == f64::INFINITY);
         AXES.into_iter().for_each(|place| self.push(&blocks[place], sides[place], position[place], after[place]));
@@ -122,7 +126,7 @@ impl EventDriven {
         if encounter.approach > 0.0 {
             let upwards = if encounter.slots == pair { -1.0 } else { 1.0 };
             let normal = if encounter.axis == 0 { Vector::new(upwards, 0.0) } else { Vector::new(0.0, upwards) };
-            observer.collision(&self.report(pair, normal, blow.impulse(), before));
+            observer.collision(&self.report(pair, normal, impulse, before));
         }
         Ok(restitution)
     }
