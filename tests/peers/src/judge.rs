@@ -10,15 +10,15 @@ use serde::Serialize;
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Errors {
     /// Furthest from where a body has to be, m.
-    pub position: Option<f64>,
+    pub position_error: Option<f64>,
     /// Furthest from the velocity a body has to have at the end, m/s; of what has to lie, how fast it
     /// still moves from one sample to the next.
-    pub velocity: Option<f64>,
+    pub velocity_error: Option<f64>,
     /// At e = 1 how far energy was from what it was, else how far it ever rose again, relative to
     /// the kinetic and potential energy of the start.
-    pub energy: Option<f64>,
+    pub energy_drift: Option<f64>,
     /// The deepest overlap of two boxes, m: the shorter side of their common rectangle.
-    pub overlap: f64,
+    pub worst_overlap: f64,
     /// Collisions: an engine's own count, or how often a velocity changed from step to step.
     pub collisions: Option<u64>,
     /// How many there are.
@@ -37,10 +37,10 @@ pub fn judge(truth: Truth, job: &Job, answer: &Answer, samples: &[u8]) -> Errors
     let course: Vec<Vec<State>> = all.iter().map(|sample| moves.iter().map(|&place| sample[place]).collect()).collect();
     let start: Vec<State> = moves.iter().map(|&place| state(&job.bodies[place])).collect();
     Errors {
-        position: position(truth, job, &start, &course),
-        velocity: velocity(truth, job, &start, &course),
-        energy: energy(truth, job, &moves, &start, &course),
-        overlap: all.iter().map(|sample| overlap(&job.bodies, sample)).fold(0.0, f64::max),
+        position_error: position(truth, job, &start, &course),
+        velocity_error: velocity(truth, job, &start, &course),
+        energy_drift: energy(truth, job, &moves, &start, &course),
+        worst_overlap: all.iter().map(|sample| overlap(&job.bodies, sample)).fold(0.0, f64::max),
         collisions: answer.collisions.or_else(|| counted(truth, &course)),
         true_collisions: truth.collisions(),
     }

@@ -1,10 +1,9 @@
 //! Where and how it was measured, in words.
 
-use serde::Serialize;
 use std::process::Command;
 
 /// All that a reader has to know of the machine.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug)]
 pub struct Conditions {
     /// As year-month-day.
     pub date: String,

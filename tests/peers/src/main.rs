@@ -74,7 +74,7 @@ fn write_table(rebond: &Path, options: &[&str]) {
     let conditions = machine::conditions(begin);
     let text = table::write(&scenes, &cells, &recorded, &conditions);
     if let Some(folder) = after("--into").map(PathBuf::from) {
-        let json = table::json(&cells, &recorded, &conditions);
+        let json = table::json(&cells);
         std::fs::write(folder.join("results.json"), json).expect("the folder of the results");
         std::fs::write(folder.join("results.md"), &text.whole).expect("the folder of the results");
         std::fs::write(folder.join("results-readme.md"), &text.readme).expect("the folder of the results");
@@ -88,7 +88,7 @@ fn run_all(scene: &Scene, folder: &Path) -> Vec<Cell> {
     let cell = |engine: Engine| {
         eprint!("{} at {} Hz: {} … ", scene.name, scene.rate, engine.name());
         let cell = run(engine, scene, &job);
-        match (&cell.refused, cell.ns_per_body_step) {
+        match (&cell.remark, cell.ns_per_body_step) {
             (Some(reason), _) => eprintln!("{reason}"),
             (None, cost) => eprintln!("{:.1} ns", cost.unwrap_or_default()),
         }
@@ -101,6 +101,7 @@ fn run(engine: Engine, scene: &Scene, job: &Job) -> Cell {
     let answer = engine.run(job);
     let bodies = job.bodies.iter().filter(|body| body.mass.is_some()).count();
     let mut cell = Cell {
+        family: scene.name.clone(),
         scene: scene.name.clone(),
         solver: engine.name(),
         version: answer.version.clone(),
@@ -108,15 +109,18 @@ fn run(engine: Engine, scene: &Scene, job: &Job) -> Cell {
         bodies,
         steps: answer.steps,
         of_steps: job.steps(),
-        refused: answer.refused.clone(),
+        remark: answer.refused.clone(),
         errors: None,
         ns_per_body_step: None,
+        ns_spread: None,
         phases: Vec::new(),
     };
     if answer.refused.is_none() {
         let samples = std::fs::read(&job.samples).expect("the engine wrote them");
         cell.errors = Some(judge::judge(scene.truth, job, &answer, &samples));
-        cell.ns_per_body_step = Some(result::whole_cost(&answer, bodies));
+        let cost = result::whole_cost(&answer, bodies);
+        cell.ns_per_body_step = Some(cost.median);
+        cell.ns_spread = Some([cost.least, cost.most]);
         cell.phases = result::costs(&answer, &job.phases, bodies);
     }
     cell

@@ -1,7 +1,6 @@
 //! `rebond record` from end to end, to be held against the bare stepping of others.
 
 use crate::{clock::children_cpu_seconds, scenes::Scene};
-use serde::Serialize;
 use std::{
     path::Path,
     process::{Command, Stdio},
@@ -9,7 +8,7 @@ use std::{
 };
 
 /// What recording a scene took, start of the program included.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug)]
 pub struct Recorded {
     /// What the table calls the scene.
     pub scene: String,

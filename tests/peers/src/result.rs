@@ -3,9 +3,11 @@
 use crate::{job::Answer, judge::Errors};
 use serde::Serialize;
 
-/// One cell of the table.
+/// One cell of the table, in the words of a row of `rebond report`.
 #[derive(Clone, Debug, Serialize)]
 pub struct Cell {
+    /// What is drawn in one diagram: each scene in its own.
+    pub family: String,
     /// What the table calls the scene.
     pub scene: String,
     /// What the table calls the engine.
@@ -21,12 +23,14 @@ pub struct Cell {
     /// That were asked for.
     pub of_steps: u64,
     /// Why there is nothing, if there is not.
-    pub refused: Option<String>,
+    pub remark: Option<String>,
     /// If there is something.
     #[serde(flatten)]
     pub errors: Option<Errors>,
     /// Of all phases together.
     pub ns_per_body_step: Option<f64>,
+    /// The least and the most of the repeats, ns.
+    pub ns_spread: Option<[f64; 2]>,
     /// Of each phase.
     pub phases: Vec<Cost>,
 }
@@ -63,7 +67,7 @@ fn cost(mut repeats: Vec<f64>) -> Cost {
 }
 
 /// Of all phases together, ns.
-pub fn whole_cost(answer: &Answer, bodies: usize) -> f64 {
+pub fn whole_cost(answer: &Answer, bodies: usize) -> Cost {
     let each = 1e9 / (answer.steps as f64 * bodies as f64);
-    cost(answer.seconds.iter().map(|seconds| seconds.iter().sum::<f64>() * each).collect()).median
+    cost(answer.seconds.iter().map(|seconds| seconds.iter().sum::<f64>() * each).collect())
 }

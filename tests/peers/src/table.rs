@@ -1,7 +1,6 @@
 //! The results as Markdown and as JSON.
 
 use crate::{engine::Engine, machine::Conditions, recorded::Recorded, result::Cell, scenes::Scene, truth::Truth};
-use serde::Serialize;
 
 /// The table, at length and as the README shows it.
 pub struct Text {
@@ -11,16 +10,18 @@ pub struct Text {
     pub readme: String,
 }
 
-#[derive(Serialize)]
-struct Results<'a> {
-    conditions: &'a Conditions,
-    cells: &'a [Cell],
-    recorded: &'a [Recorded],
-}
-
-/// All results, for programs.
-pub fn json(cells: &[Cell], recorded: &[Recorded], conditions: &Conditions) -> String {
-    serde_json::to_string_pretty(&Results { conditions, cells, recorded }).expect("plain data") + "\n"
+/// All results, for programs: as `rebond report --read` takes them, scene by scene and engine by
+/// engine. A line for each, so that a change of one shows as one.
+pub fn json(cells: &[Cell]) -> String {
+    let order = |cell: &Cell| {
+        let scene = cells.iter().position(|other| other.scene == cell.scene);
+        let engine = Engine::ALL.into_iter().position(|engine| engine.name() == cell.solver);
+        (scene, engine, cell.rate)
+    };
+    let mut ordered: Vec<&Cell> = cells.iter().collect();
+    ordered.sort_by_key(|cell| order(cell));
+    let lines: Vec<String> = ordered.into_iter().map(|cell| serde_json::to_string(cell).expect("plain data")).collect();
+    format!("[\n{}\n]\n", lines.join(",\n"))
 }
 
 /// Both texts.
@@ -36,8 +37,9 @@ pub fn write(scenes: &[Scene], cells: &[Cell], recorded: &[Recorded], conditions
 /// What the README shows: everything at 60 Hz, and at 960 Hz where smaller steps are meant to help.
 fn is_telling(scene: &Scene) -> bool {
     match scene.truth {
-        Truth::Galperin { digits } => digits % 2 == 0 && scene.rate != 240,
-        Truth::Bounce | Truth::BetweenWalls | Truth::Cradle { .. } | Truth::Gas => scene.rate != 240,
+        Truth::Galperin { digits } => matches!(digits, 2 | 4) && scene.rate != 240,
+        Truth::Cradle { gap } => scene.rate == 60 || (gap > 0.0 && scene.rate == 960),
+        Truth::Bounce | Truth::BetweenWalls | Truth::Gas => scene.rate != 240,
         Truth::ShotAtFixed | Truth::ShotAtFree | Truth::Rest | Truth::Fall | Truth::Slide => scene.rate == 60,
     }
 }
@@ -75,24 +77,26 @@ fn measure(truth: Truth) -> &'static str {
 
 fn shown(truth: Truth, cell: &Cell) -> String {
     let Some(errors) = &cell.errors else {
-        return cell.refused.clone().unwrap_or_default();
+        return cell.remark.clone().unwrap_or_default();
     };
     let number = |value: Option<f64>| value.map_or("?".to_owned(), brief);
     let wrong = match truth {
-        Truth::Bounce | Truth::BetweenWalls => format!("{}; {}", number(errors.position), number(errors.energy)),
-        Truth::Rest => number(errors.position),
-        Truth::ShotAtFixed | Truth::ShotAtFree if errors.velocity.is_some_and(|error| error > 10_000.0) => {
+        Truth::Bounce | Truth::BetweenWalls => {
+            format!("{}; {}", number(errors.position_error), number(errors.energy_drift))
+        }
+        Truth::Rest => number(errors.position_error),
+        Truth::ShotAtFixed | Truth::ShotAtFree if errors.velocity_error.is_some_and(|error| error > 10_000.0) => {
             "goes through".to_owned()
         }
         Truth::ShotAtFixed | Truth::ShotAtFree | Truth::Cradle { .. } => {
-            format!("{}; {}", number(errors.velocity), number(errors.position))
+            format!("{}; {}", number(errors.velocity_error), number(errors.position_error))
         }
         Truth::Galperin { .. } => {
             let of = errors.true_collisions.unwrap_or_default();
-            format!("{} of {of}; {}", errors.collisions.unwrap_or_default(), number(errors.velocity))
+            format!("{} of {of}; {}", errors.collisions.unwrap_or_default(), number(errors.velocity_error))
         }
-        Truth::Gas | Truth::Slide => format!("{}; {}", number(errors.energy), brief(errors.overlap)),
-        Truth::Fall => format!("{}; {}", brief(errors.overlap), number(errors.velocity)),
+        Truth::Gas | Truth::Slide => format!("{}; {}", number(errors.energy_drift), brief(errors.worst_overlap)),
+        Truth::Fall => format!("{}; {}", brief(errors.worst_overlap), number(errors.velocity_error)),
     };
     let costs: Vec<String> = cell.phases.iter().map(|cost| brief(cost.median)).collect();
     let stopped = if cell.steps < cell.of_steps { format!("<br>after {} steps", cell.steps) } else { String::new() };
@@ -176,7 +180,7 @@ fn made_under(cells: &[Cell], conditions: &Conditions) -> String {
     let versions: Vec<String> = Engine::ALL
         .into_iter()
         .filter(|engine| *engine != Engine::Handout)
-        .filter_map(|engine| cells.iter().find(|cell| cell.solver == engine.name() && cell.refused.is_none()))
+        .filter_map(|engine| cells.iter().find(|cell| cell.solver == engine.name() && cell.remark.is_none()))
         .map(|cell| format!("{} {}", cell.solver, cell.version))
         .collect();
     format!(
