@@ -137,7 +137,7 @@ fn overlap(bodies: &[Body], sample: &[State]) -> f64 {
 fn counted(truth: Truth, course: &[Vec<State>]) -> Option<u64> {
     let Truth::Galperin { .. } = truth else { return None };
     let speeds: Vec<f64> = std::iter::once(0.0).chain(course.iter().map(|states| states[0][2])).collect();
-    let changed = |pair: &&[f64]| (pair[1] - pair[0]).abs() > 1e-3 * pair[0].abs();
+    let changed = |pair: &&[f64]| (pair[1] - pair[0]).abs() > 1e-3 * pair[0].abs() + 1e-6;
     Some(speeds.windows(2).filter(changed).count() as u64)
 }
 
