@@ -29,7 +29,7 @@ pub fn write(scenes: &[Scene], cells: &[Cell], recorded: &[Recorded], conditions
     let closing = [remarks(cells), recordings(cells, recorded), made_under(cells, conditions)].join("\n");
     let table = |keep: &dyn Fn(&Scene) -> bool| matrix(scenes.iter().filter(|scene| keep(scene)), cells);
     Text {
-        whole: format!("{}\n{closing}", table(&|_| true)),
+        whole: format!("# What accuracy costs, by `tests/peers/run`\n\n{}\n{closing}", table(&|_| true)),
         readme: format!("{}\n{closing}", table(&|scene| is_telling(scene))),
     }
 }
