@@ -1,0 +1,50 @@
+// matter-js, at its own scale of 100 units to the metre. Inertia infinite, friction and air friction 0,
+// restitution e on both bodies (the larger counts), _restingThresh 0 where e > 0 (at e = 0 it decides
+// only how resting contacts are solved, and 0 makes stacks worse). It has no continuous collision and
+// no speed cap. All else as it comes: 6 position and 4 velocity iterations, a slop of 0.05 units.
+import { readFileSync } from "node:fs";
+import Matter from "matter-js";
+import { drive } from "./drive.mjs";
+
+const UNITS = 100;
+const { Bodies, Body, Composite, Engine, Resolver } = Matter;
+const { version } = JSON.parse(readFileSync(new URL("node_modules/matter-js/package.json", import.meta.url)));
+
+drive(version, (job) => {
+  if (job.restitution > 0) Resolver._restingThresh = 0;
+  const engine = Engine.create({ enableSleeping: job.sleep });
+  // Forces are in kg·units/ms².
+  engine.gravity = { x: job.gravity[0], y: job.gravity[1], scale: UNITS * 1e-6 };
+  const bodies = job.bodies.map(({ x, y, width, height, mass, vx, vy }) => {
+    const body = Bodies.rectangle((x + width / 2) * UNITS, (y + height / 2) * UNITS, width * UNITS, height * UNITS, {
+      isStatic: mass === null,
+      friction: 0,
+      frictionStatic: 0,
+      frictionAir: 0,
+      restitution: job.restitution,
+    });
+    body.restitution = job.restitution;
+    body.friction = 0;
+    if (mass !== null) {
+      Body.setMass(body, mass);
+      Body.setInertia(body, Infinity);
+      // Velocities are per sixtieth of a second, whatever the rate.
+      Body.setVelocity(body, { x: (vx * UNITS) / 60, y: (vy * UNITS) / 60 });
+    }
+    Composite.add(engine.world, body);
+    return body;
+  });
+  return {
+    step: () => Engine.update(engine, 1000 / job.rate),
+    state: (body) => {
+      const { width, height } = job.bodies[body];
+      const { position, velocity } = bodies[body];
+      return [
+        position.x / UNITS - width / 2,
+        position.y / UNITS - height / 2,
+        (velocity.x * 60) / UNITS,
+        (velocity.y * 60) / UNITS,
+      ];
+    },
+  };
+});
