@@ -171,6 +171,11 @@ fn one_pixel_is_seen_shown_and_accepted() {
     assert_eq!(line, "differs: 1 pixels differ, the first at (7, 100), all from (7, 100) to (7, 100)");
     let page = String::from_utf8(workplace.read("rebond-check/index.html")).unwrap();
     assert!(page.contains("<h2>fall.png <b>differs</b></h2>") && page.contains("src=\"001-fall-png.png\""), "{page}");
+    for part in page.split("src=\"").skip(1).chain(page.split("href=\"").skip(1)) {
+        let name = part.split('"').next().unwrap();
+        assert!(workplace.path("rebond-check").join(name).is_file(), "{name} is not beside the page");
+    }
+    assert!(!page.contains("http") && page.contains("color-scheme: light dark"), "{page}");
     let shown = png::decode(Cursor::new(workplace.read("rebond-check/001-fall-png.png"))).unwrap().0;
     assert_eq!(shown.size, [3 * 320 + 16, 180], "expected, difference and actual");
     accepted(&workplace);
