@@ -227,6 +227,20 @@ fn shapes_are_compared_byte_by_byte() {
     assert_eq!(String::from_utf8(workplace.read("hit.svg")).unwrap(), good);
 }
 
+/// A figure of another run says where it is drawn otherwise; one drawn alike, that it is of another.
+#[test]
+fn a_figure_of_another_run_says_where_it_differs() {
+    let workplace = lecture();
+    workplace.write("scene.toml", &SCENE.replace("mass = 1.0", "mass = 1.5"));
+    workplace.done("record scene.toml -o scene.mcap --force");
+    let line = told(&workplace, 3, "hit.svg");
+    assert!(line.starts_with("differs: line ") && !line.contains("rebond recording"), "{line}");
+    workplace.write("scene.toml", &SCENE.replace("steps = 90", "steps = 91"));
+    workplace.done("record scene.toml -o scene.mcap --force");
+    let line = told(&workplace, 3, "hit.svg");
+    assert!(line.starts_with("differs: all that is drawn is the same, but its recording is "), "{line}");
+}
+
 #[test]
 fn another_version_is_named_only_if_it_draws_otherwise() {
     let workplace = lecture();
