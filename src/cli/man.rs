@@ -1,6 +1,7 @@
 use super::arguments::{Arguments, ManOptions};
 use super::error::CommandError;
 use super::{Exit, output::Folder};
+use crate::illustration::SOFTWARE;
 use clap::CommandFactory;
 use clap_mangen::Man;
 
@@ -10,11 +11,18 @@ pub fn run(options: &ManOptions) -> Result<Exit, CommandError> {
     program.build();
     let mut folder = Folder::create(&options.folder, options.force)?;
     for command in std::iter::once(&program).chain(program.get_subcommands()) {
-        let man = Man::new(command.clone());
+        let man = Man::new(command.clone()).source(SOFTWARE);
         let mut page = Vec::new();
         man.render(&mut page).map_err(CommandError::unwritable(&options.folder))?;
-        folder.write(man.get_filename(), &page)?;
+        folder.write(man.get_filename(), line_by_line(&String::from_utf8_lossy(&page)).as_bytes())?;
     }
     folder.finish()?;
     Ok(Exit::Done)
+}
+
+/// Notes and examples keep their lines, as in `--help`; the page would join them to paragraphs.
+fn line_by_line(page: &str) -> String {
+    let Some((before, notes)) = page.split_once(".SH EXTRA\n") else { return page.to_owned() };
+    let (notes, after) = notes.split_at(notes.find("\n.SH").map_or(notes.len(), |end| end + 1));
+    format!("{before}.SH NOTES\n.nf\n{notes}\n.fi\n{after}")
 }

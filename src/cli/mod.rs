@@ -21,6 +21,7 @@ mod render;
 mod replay;
 mod shard;
 mod source;
+mod values;
 mod video;
 mod wish;
 

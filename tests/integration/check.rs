@@ -171,6 +171,11 @@ fn one_pixel_is_seen_shown_and_accepted() {
     assert_eq!(line, "differs: 1 pixels differ, the first at (7, 100), all from (7, 100) to (7, 100)");
     let page = String::from_utf8(workplace.read("rebond-check/index.html")).unwrap();
     assert!(page.contains("<h2>fall.png <b>differs</b></h2>") && page.contains("src=\"001-fall-png.png\""), "{page}");
+    for part in page.split("src=\"").skip(1).chain(page.split("href=\"").skip(1)) {
+        let name = part.split('"').next().unwrap();
+        assert!(workplace.path("rebond-check").join(name).is_file(), "{name} is not beside the page");
+    }
+    assert!(!page.contains("http") && page.contains("color-scheme: light dark"), "{page}");
     let shown = png::decode(Cursor::new(workplace.read("rebond-check/001-fall-png.png"))).unwrap().0;
     assert_eq!(shown.size, [3 * 320 + 16, 180], "expected, difference and actual");
     accepted(&workplace);
@@ -220,6 +225,20 @@ fn shapes_are_compared_byte_by_byte() {
     assert!(line.starts_with("differs: line "), "{line}");
     accepted(&workplace);
     assert_eq!(String::from_utf8(workplace.read("hit.svg")).unwrap(), good);
+}
+
+/// A figure of another run says where it is drawn otherwise; one drawn alike, that it is of another.
+#[test]
+fn a_figure_of_another_run_says_where_it_differs() {
+    let workplace = lecture();
+    workplace.write("scene.toml", &SCENE.replace("mass = 1.0", "mass = 1.5"));
+    workplace.done("record scene.toml -o scene.mcap --force");
+    let line = told(&workplace, 3, "hit.svg");
+    assert!(line.starts_with("differs: line ") && !line.contains("rebond recording"), "{line}");
+    workplace.write("scene.toml", &SCENE.replace("steps = 90", "steps = 91"));
+    workplace.done("record scene.toml -o scene.mcap --force");
+    let line = told(&workplace, 3, "hit.svg");
+    assert!(line.starts_with("differs: all that is drawn is the same, but its recording is "), "{line}");
 }
 
 #[test]
