@@ -20,6 +20,7 @@ pub mod physics;
 pub mod recording;
 pub mod render;
 pub mod replay;
+pub mod report;
 pub mod run;
 pub mod scene;
 

@@ -37,6 +37,8 @@ pub enum Command {
     Info(InfoOptions),
     /// Save all that can be read of a damaged or unfinished recording
     Recover(RecoverOptions),
+    /// Measure errors and costs of both solvers on hard scenes
+    Report(ReportOptions),
     /// Print the completions for a shell
     Completions(CompletionsOptions),
 }
@@ -347,6 +349,69 @@ pub struct RecoverOptions {
     /// Where the new recording goes.
     #[command(flatten)]
     pub output: OutputOptions,
+}
+
+/// Options of `report`.
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Errors are found against closed forms and arithmetic of 77 decimals, and are the same each time.
+Costs are processor time, measured in a process of its own for each run; let the machine be quiet.
+Parts of a report join: the lists of --json, and the rows of --csv byte for byte.
+
+Examples:
+  rebond report                                        all hard scenes, in a few minutes
+  rebond report --only stack,gas --plot stacks.svg
+  rebond report my-scene.toml --csv > errors.csv
+  rebond report --json --shard 1/2 > 1.json            half of it, on this machine
+  rebond report --read 1.json --read 2.json --plot all.png
+  rebond report --growth --plot growth.pdf             costs of 100 to 100,000 boxes")]
+pub struct ReportOptions {
+    /// Scenes of your own, in place of the hard ones
+    #[arg(value_name = "SCENE.toml", conflicts_with_all = ["growth", "read"])]
+    pub scenes: Vec<PathBuf>,
+    /// Run what takes long, too
+    #[arg(long)]
+    pub full: bool,
+    /// How costs grow with bodies and steps, in place of the hard scenes
+    #[arg(long)]
+    pub growth: bool,
+    /// Only these families of scenes, such as stack,gas
+    #[arg(long, value_name = "FAMILIES", value_delimiter = ',')]
+    pub only: Vec<String>,
+    /// Only the i-th of n parts
+    #[arg(long, value_name = "i/n", value_parser = shard)]
+    pub shard: Option<Shard>,
+    /// Run nothing; show what --json wrote before, several times for several files
+    #[arg(long, value_name = "FILE.json", conflicts_with_all = ["full", "growth", "shard"])]
+    pub read: Vec<PathBuf>,
+    /// A JSON list in place of the table
+    #[arg(long, conflicts_with = "csv")]
+    pub json: bool,
+    /// Comma-separated values in place of the table
+    #[arg(long)]
+    pub csv: bool,
+    /// Replace the diagram that is there
+    #[arg(short, long)]
+    pub force: bool,
+    /// Measure the cost of one run alone: what the report does for each, in a process of its own
+    #[arg(long, hide = true, value_name = "NUMBER")]
+    pub cost_of: Option<usize>,
+}
+
+/// One of several equal parts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shard {
+    /// Which: 1 to `count`.
+    pub number: usize,
+    /// Of how many.
+    pub count: usize,
+}
+
+fn shard(text: &str) -> Result<Shard, String> {
+    let parts = text.split_once('/').and_then(|(number, count)| Some((number.parse().ok()?, count.parse().ok()?)));
+    let shard = parts.map(|(number, count)| Shard { number, count });
+    let possible = shard.filter(|shard| (1..=shard.count).contains(&shard.number) && shard.count <= 10_000);
+    possible.ok_or_else(|| "expected i/n, such as 1/2 for the first half".into())
 }
 
 /// Options of `completions`.

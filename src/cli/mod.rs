@@ -15,6 +15,7 @@ mod record;
 mod recover;
 mod render;
 mod replay;
+mod report;
 mod source;
 mod video;
 mod wish;
@@ -32,6 +33,7 @@ pub fn run(arguments: Arguments) -> Exit {
         Command::Export(options) => export::run(options),
         Command::Info(options) => info::run(options),
         Command::Recover(options) => recover::run(options),
+        Command::Report(options) => report::run(options),
         Command::Completions(options) => completions::run(options),
     };
     result.unwrap_or_else(error::report)
