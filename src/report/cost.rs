@@ -20,8 +20,8 @@ pub struct Cost {
 
 /// Runs are repeated at least so often and for at least so long, s; no more begin after a while.
 const RUNS: usize = 5;
-const LONG: f64 = 0.25;
-const TOO_LONG: f64 = 2.5;
+const LONG: f64 = 0.1;
+const TOO_LONG: f64 = 1.5;
 
 impl Cost {
     /// Measures a run that ends well, or the part of it up to its end.

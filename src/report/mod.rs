@@ -1,4 +1,8 @@
-//! Speed against error.
+//! Speed against error: what each solver gets wrong on hard scenes, and what that costs.
+//!
+//! A [`Case`] is a scene at several rates and what it should come to, its [`Expectation`], which
+//! comes from [`truth`] and never from the code that is judged. [`Errors`] are of one run and are
+//! the same each time; [`Cost`] is measured. Together they are a [`Row`].
 
 mod case;
 pub mod cases;

@@ -33,13 +33,20 @@ pub fn table(rows: &[Row]) -> String {
     let mut text = String::new();
     for (block, cells) in blocks(rows, &cells) {
         let first = &block[0];
-        let collisions = first.true_collisions.map_or(String::new(), |count| format!(", {count} collisions"));
-        text += &format!("{}: {} bodies{collisions}; truth: {}\n{titles}", first.scene, first.bodies, first.truth);
+        let collisions = first
+            .true_collisions
+            .map_or(String::new(), |count| format!(", {}", counted(count, ["collision", "collisions"])));
+        let bodies = counted(first.bodies, ["body", "bodies"]);
+        text += &format!("{}: {bodies}{collisions}; truth: {}\n{titles}", first.scene, first.truth);
         cells.iter().for_each(|cells| text += &line(cells.iter().map(String::as_str), &widths));
         block.iter().for_each(|row| text += &remark(row));
         text += "\n";
     }
     text
+}
+
+fn counted(count: u64, [one, many]: [&str; 2]) -> String {
+    format!("{count} {}", if count == 1 { one } else { many })
 }
 
 /// The rows of each scene, with their cells.

@@ -22,7 +22,8 @@ fn billiard(digits: u32) -> Draft {
     let collisions = Some(galperin(digits));
     let name = format!("Galperin, masses 1 : {mass}");
     let factors = if digits > 4 { &[2, 32][..] } else { super::draft::RATES };
-    Draft { steps: 600, factors, collisions, ..Draft::new("galperin", &name, bodies) }
+    // The last collision of all is after 24 s.
+    Draft { steps: 900, factors, collisions, ..Draft::new("galperin", &name, bodies) }
 }
 
 /// 7 km/s, m/s.
