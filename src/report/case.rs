@@ -27,10 +27,16 @@ pub struct Case {
     pub collisions: Option<u64>,
 }
 
+/// Positions, m, of the finite masses in creation order at a time, s.
+pub type Formula = Box<dyn Fn(&Number) -> Vec<Place>>;
+
+/// A position along both axes, m.
+pub type Place = [Number; 2];
+
 /// How it is known where bodies should be.
 pub enum Truth {
-    /// A formula that gives the positions of the finite masses in creation order, m, at a time, s.
-    ClosedForm(Box<dyn Fn(&Number) -> Vec<[Number; 2]>>),
+    /// A formula gives it.
+    ClosedForm(Formula),
     /// All of them stay where the first measured state has them.
     Rest,
     /// Arithmetic to 77 decimals.

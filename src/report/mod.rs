@@ -16,7 +16,7 @@ mod row;
 mod table;
 pub mod truth;
 
-pub use case::{Case, SOLVERS, Trial, Truth};
+pub use case::{Case, Formula, Place, SOLVERS, Trial, Truth};
 pub use clock::CLOCK;
 pub use cost::Cost;
 pub use errors::Errors;

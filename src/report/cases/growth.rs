@@ -8,14 +8,16 @@ use crate::report::Case;
 /// steps.
 pub fn cases(full: bool) -> Vec<Case> {
     let largest = if full { 6 } else { 5 };
-    let counts = (4..=2 * largest).map(|half: u32| {
-        let decade = 10_u64.pow(half / 2);
-        if half % 2 == 0 { decade } else { 3 * decade }
-    });
-    let gases = counts.map(|bodies| {
+    let gases = sizes(100, 10_u64.pow(largest)).map(|bodies| {
         let steps = (3_000_000 / bodies).clamp(10, 600);
         Draft { family: "bodies", rate: 60.0, factors: &[1], ..crowds::gas(bodies, steps) }
     });
-    let bounces = (6..=12).map(|half: u32| bounces::long(if half % 2 == 0 { 1 } else { 3 } * 10_u64.pow(half / 2)));
+    let bounces = sizes(1000, 1_000_000).map(bounces::long);
     gases.chain(bounces).map(Draft::case).collect()
+}
+
+/// 1, 3, 10, 30, … times the first.
+fn sizes(first: u64, last: u64) -> impl Iterator<Item = u64> {
+    let decades = std::iter::successors(Some(first), |size| size.checked_mul(10));
+    decades.flat_map(|decade| [decade, 3 * decade]).take_while(move |size| *size <= last)
 }

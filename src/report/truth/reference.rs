@@ -270,7 +270,10 @@ mod tests {
     use super::*;
     use crate::{run::Run, scene};
 
-    fn world(text: &str, spawns: &[([f64; 2], [f64; 2], f64, [f64; 2])]) -> World {
+    /// Corner, size, mass and velocity.
+    type Sketch = ([f64; 2], [f64; 2], f64, [f64; 2]);
+
+    fn world(text: &str, spawns: &[Sketch]) -> World {
         let mut text = format!("[world]\nsize = [9.0, 9.0]\n{text}\n");
         for (at, size, mass, velocity) in spawns {
             text += &format!("[[spawn]]\nat = {at:?}\nsize = {size:?}\nmass = {mass:?}\nvelocity = {velocity:?}\n");
@@ -281,7 +284,7 @@ mod tests {
     }
 
     const RUN: &str = "[run]\nrate = 60\nsteps = 1\nsolver = \"handout\"\n";
-    const FLOOR: ([f64; 2], [f64; 2], f64, [f64; 2]) = ([0.0, 8.0], [9.0, 1.0], f64::INFINITY, [0.0; 2]);
+    const FLOOR: Sketch = ([0.0, 8.0], [9.0, 1.0], f64::INFINITY, [0.0; 2]);
 
     fn close(a: &Number, b: &Number) -> bool {
         (a - b).abs() < Number::from(1e-60)
