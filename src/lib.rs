@@ -11,10 +11,12 @@
 //! 6. [`render`] makes states into pictures. It never sees the engine.
 //! 7. [`figure`] makes states and collisions into lecture figures, in the view's shapes.
 //! 8. [`illustration`] draws recordings in that way, and binds what it draws to their evidence.
-//! 9. [`report`] runs hard scenes and sets errors beside costs; its truths share nothing with
-//!    the solvers.
-//! 10. [`cli`] puts these together for the command line; nothing else reports errors to people.
+//! 9. [`check`] holds recordings and pictures to what they were.
+//! 10. [`report`] runs hard scenes and sets errors beside costs; its truths share nothing with
+//!     the solvers.
+//! 11. [`cli`] puts these together for the command line; nothing else reports errors to people.
 
+pub mod check;
 pub mod cli;
 pub mod figure;
 pub mod illustration;

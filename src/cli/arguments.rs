@@ -1,3 +1,4 @@
+use super::shard::Shard;
 use crate::illustration::WishedWindow;
 use crate::physics::{Rect, Vector};
 use crate::render::SHORTEST_HOLD;
@@ -35,6 +36,8 @@ pub enum Command {
     Export(ExportOptions),
     /// Tell what is inside a recording, or what a picture was drawn from
     Info(InfoOptions),
+    /// Hold recordings and pictures to what they were
+    Check(CheckOptions),
     /// Save all that can be read of a damaged or unfinished recording
     Recover(RecoverOptions),
     /// Measure errors and costs of both solvers on hard scenes
@@ -336,6 +339,46 @@ pub struct InfoOptions {
     pub json: bool,
 }
 
+/// Options of `check`.
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Every recording (*.mcap) must replay and, if NAME.toml stands beside NAME.mcap, still be what that
+scene gives. Every picture drawn by rebond must come out again: it says itself of what and how it
+was drawn. Pictures can also be listed in a manifest, any file *.check: one command a line, as it
+would be typed in that folder, such as
+  rebond figure strobe fall.mcap -o fall.svg
+Compared are all bits of states, all pixels and instants of PNG and GIF, all bytes of SVG and PDF.
+Exit codes: 0 same, 3 something differs, 4 a recording is truncated or corrupt, 1 something cannot
+be checked; if several, the first of 1, 4, 3.
+
+Examples:
+  rebond check recordings
+  rebond check lecture --update          accepts what changed, and draws what is missing
+  rebond check lecture --shard 2/4       the second quarter; with --json parts join as they are")]
+pub struct CheckOptions {
+    /// Files, or folders and all below them
+    #[arg(required = true, value_name = "PATH")]
+    pub paths: Vec<PathBuf>,
+    /// Accept what changed, after it is shown
+    #[arg(long)]
+    pub update: bool,
+    /// Check the I-th of N parts only
+    #[arg(long, value_name = "I/N", default_value = "1/1", hide_default_value = true, conflicts_with = "update")]
+    pub shard: Shard,
+    /// Threads to check on [default: one for each processor]
+    #[arg(long, value_name = "N")]
+    pub jobs: Option<std::num::NonZero<usize>>,
+    /// Where a page goes that shows what differs
+    #[arg(long, value_name = "FOLDER", default_value = "rebond-check")]
+    pub report: PathBuf,
+    /// One JSON object a case
+    #[arg(long)]
+    pub json: bool,
+    /// Only what is not the same
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
 /// Options of `recover`.
 #[derive(Args, Debug)]
 #[command(after_help = "\
@@ -378,11 +421,11 @@ pub struct ReportOptions {
     /// Only these families of scenes, such as stack,gas
     #[arg(long, value_name = "FAMILIES", value_delimiter = ',')]
     pub only: Vec<String>,
-    /// Only the i-th of n parts
-    #[arg(long, value_name = "i/n", value_parser = shard)]
-    pub shard: Option<Shard>,
+    /// Only one of several parts of the scenes: 2/4
+    #[arg(long, value_name = "I/N", default_value = "1/1", hide_default_value = true)]
+    pub shard: Shard,
     /// Run nothing; show what --json wrote before, several times for several files
-    #[arg(long, value_name = "FILE.json", conflicts_with_all = ["full", "growth", "shard"])]
+    #[arg(long, value_name = "FILE.json", conflicts_with_all = ["full", "growth"])]
     pub read: Vec<PathBuf>,
     /// A JSON list in place of the table
     #[arg(long, conflicts_with = "csv")]
@@ -396,22 +439,6 @@ pub struct ReportOptions {
     /// Measure the cost of one run alone: what the report does for each, in a process of its own
     #[arg(long, hide = true, value_name = "NUMBER")]
     pub cost_of: Option<usize>,
-}
-
-/// One of several equal parts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Shard {
-    /// Which: 1 to `count`.
-    pub number: usize,
-    /// Of how many.
-    pub count: usize,
-}
-
-fn shard(text: &str) -> Result<Shard, String> {
-    let parts = text.split_once('/').and_then(|(number, count)| Some((number.parse().ok()?, count.parse().ok()?)));
-    let shard = parts.map(|(number, count)| Shard { number, count });
-    let possible = shard.filter(|shard| (1..=shard.count).contains(&shard.number) && shard.count <= 10_000);
-    possible.ok_or_else(|| "expected i/n, such as 1/2 for the first half".into())
 }
 
 /// Options of `completions`.

@@ -1,5 +1,6 @@
-use super::arguments::{ReportOptions, Shard};
+use super::arguments::ReportOptions;
 use super::error::CommandError;
+use super::shard::Shard;
 use super::{Exit, output, progress};
 use crate::report::{self, Case, Cost, Expectation, Row, Trial, cases};
 use crate::scene;
@@ -22,8 +23,8 @@ pub fn run(options: &ReportOptions) -> Result<Exit, CommandError> {
 }
 
 /// Only the first of several parts has one, so that they join.
-fn heading(shard: Option<Shard>) -> &'static str {
-    if shard.is_none_or(|shard| shard.number == 1) { report::HEADING } else { "" }
+fn heading(shard: Shard) -> &'static str {
+    if shard.number == 1 { report::HEADING } else { "" }
 }
 
 /// All cases that could be asked for, in the order by which processes of their own know them.
@@ -66,9 +67,8 @@ fn chosen<'a>(cells: Vec<Vec<Cell<'a>>>, options: &ReportOptions) -> Result<Vec<
         options.only.is_empty() || cells.iter().any(|cell| options.only.contains(&cell.case.family))
     };
     let all: Vec<Vec<Cell>> = cells.into_iter().filter(asked).collect();
-    let Shard { number, count } = options.shard.unwrap_or(Shard { number: 1, count: 1 });
-    let (first, last) = (all.len() * (number - 1) / count, all.len() * number / count);
-    Ok(all.into_iter().skip(first).take(last - first).collect())
+    let part = options.shard.range(all.len());
+    Ok(all.into_iter().skip(part.start).take(part.len()).collect())
 }
 
 fn measured(options: &ReportOptions) -> Result<Vec<Row>, CommandError> {
