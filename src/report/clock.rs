@@ -13,5 +13,5 @@ pub fn processor_seconds() -> f64 {
     }
 }
 
-/// What the figures of [`processor_seconds`] are.
+/// What the figures of `processor_seconds` are.
 pub const CLOCK: &str = if cfg!(unix) { "processor time of one thread" } else { "time on the clock" };
