@@ -433,9 +433,21 @@ pub struct ReportOptions {
     /// Comma-separated values in place of the table
     #[arg(long)]
     pub csv: bool,
+    /// Draw error against cost, a diagram for each family: .png, .svg or .pdf
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
     /// Replace the diagram that is there
-    #[arg(short, long)]
+    #[arg(short, long, requires = "plot")]
     pub force: bool,
+    /// Width and height of the diagram in pixels [default: as many as suit its parts]
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = picture_size, requires = "plot")]
+    pub size: Option<[u32; 2]>,
+    /// light or dark
+    #[arg(long, value_parser = theme, requires = "plot")]
+    pub theme: Option<Theme>,
+    /// What is written below the diagram
+    #[arg(long, value_name = "TEXT", requires = "plot")]
+    pub caption: Option<String>,
     /// Measure the cost of one run alone: what the report does for each, in a process of its own
     #[arg(long, hide = true, value_name = "NUMBER")]
     pub cost_of: Option<usize>,

@@ -2,8 +2,11 @@ use super::arguments::ReportOptions;
 use super::error::CommandError;
 use super::shard::Shard;
 use super::{Exit, output, progress};
+use crate::figure::{self, DiagramOptions};
+use crate::illustration::Format;
+use crate::render::Metadata;
 use crate::report::{self, Case, Cost, Expectation, Row, Trial, cases};
-use crate::scene;
+use crate::scene::{self, Theme};
 use indicatif::ProgressBar;
 use std::{env, fs, path::Path, process::Command};
 
@@ -12,7 +15,11 @@ pub fn run(options: &ReportOptions) -> Result<Exit, CommandError> {
     if let Some(number) = options.cost_of {
         return cost_alone(&all_cases(options)?, number);
     }
+    let format = options.plot.as_deref().map(|path| plot_format(path, options.force)).transpose()?;
     let rows = if options.read.is_empty() { measured(options)? } else { read(options)? };
+    if let (Some(path), Some(format)) = (&options.plot, format) {
+        plot(&rows, path, format, options)?;
+    }
     let text = match (options.json, options.csv) {
         (true, _) => serde_json::to_string_pretty(&rows).expect("plain values with text for keys") + "\n",
         (false, true) => heading(options.shard).to_owned() + &report::csv(&rows),
@@ -20,6 +27,25 @@ pub fn run(options: &ReportOptions) -> Result<Exit, CommandError> {
     };
     output::print(text.as_bytes())?;
     Ok(Exit::Done)
+}
+
+/// The format of a diagram, refused before all the work.
+fn plot_format(path: &Path, force: bool) -> Result<Format, CommandError> {
+    output::refuse_existing(path, force)?;
+    match Format::of_name(path).filter(|format| !format.is_animated()) {
+        Some(format) => Ok(format),
+        None => Err(CommandError::UnknownKind { path: path.into(), expected: "a diagram is F.png, F.svg or F.pdf" }),
+    }
+}
+
+/// Draws the rows: errors against costs, or costs against numbers of bodies and steps.
+fn plot(rows: &[Row], path: &Path, format: Format, options: &ReportOptions) -> Result<(), CommandError> {
+    let is_growth = |row: &Row| cases::GROWTH.contains(&row.family.as_str());
+    let diagrams = if rows.iter().any(is_growth) { report::growth(rows) } else { report::work_precision(rows) };
+    let (theme, caption) = (options.theme.unwrap_or(Theme::Light), options.caption.clone().unwrap_or_default());
+    let list = figure::diagrams(&diagrams, &DiagramOptions { size: options.size, theme, caption });
+    let entries = vec![("Software".to_owned(), concat!("rebond ", env!("CARGO_PKG_VERSION")).to_owned())];
+    output::write_file(path, options.force, |file| Ok(format.write(&list, &Metadata { entries }, file)?))
 }
 
 /// Only the first of several parts has one, so that they join.

@@ -100,7 +100,11 @@ fn look(theme: Theme, [width, height]: [u32; 2], columns: usize, rows: usize) ->
     let down = f64::from(height) / rows as f64 / 400.0;
     let unit = if across < down { across } else { down };
     let whole = |length: f64| if length < 1.0 { 1.0 } else { length.round() };
-    Look { text: whole(19.0 * if unit > 1.4 { 1.4 } else { unit }), line: whole(2.0 * unit), ..Look::new(theme, [width, height]) }
+    Look {
+        text: whole(19.0 * if unit > 1.4 { 1.4 } else { unit }),
+        line: whole(2.0 * unit),
+        ..Look::new(theme, [width, height])
+    }
 }
 
 fn color(number: usize) -> Color {
@@ -109,7 +113,12 @@ fn color(number: usize) -> Color {
 
 fn draw(diagram: &Diagram, place: &Rect, color: impl Fn(&Curve) -> Color, panels: &mut Panels) {
     let points = || diagram.curves.iter().flat_map(|curve| &curve.points);
-    let axes = LogAxes::within(place, Scale::of(points().map(|point| point.x)), Scale::of(points().map(|point| point.y)), &panels.look);
+    let axes = LogAxes::within(
+        place,
+        Scale::of(points().map(|point| point.x)),
+        Scale::of(points().map(|point| point.y)),
+        &panels.look,
+    );
     axes.draw([&diagram.x, &diagram.y], &panels.look, &mut panels.shapes);
     let at = |point: &Point| axes.point(point.x, point.y);
     let mut taken: Vec<Rect> = points().map(|point| around(at(point), 0.35 * panels.look.text)).collect();
@@ -137,7 +146,16 @@ fn draw(diagram: &Diagram, place: &Rect, color: impl Fn(&Curve) -> Color, panels
 fn dot(at: Vector, radius: f64, ink: Ink) -> Shape {
     const HALF: f64 = 0.414_213_562_373_095;
     let corner = |x: f64, y: f64| at.add(Vector::new(x * radius, y * radius));
-    let corners = [(1.0, HALF), (HALF, 1.0), (-HALF, 1.0), (-1.0, HALF), (-1.0, -HALF), (-HALF, -1.0), (HALF, -1.0), (1.0, -HALF)];
+    let corners = [
+        (1.0, HALF),
+        (HALF, 1.0),
+        (-HALF, 1.0),
+        (-1.0, HALF),
+        (-1.0, -HALF),
+        (-HALF, -1.0),
+        (HALF, -1.0),
+        (1.0, -HALF),
+    ];
     Shape::Polygon { points: corners.map(|(x, y)| corner(x, y)).into(), ink }
 }
 
@@ -151,9 +169,20 @@ fn write(label: &str, point: Vector, ink: Ink, frame: &Rect, taken: &mut Vec<Rec
     let middle = point.sub(Vector::new(width / 2.0, height / 2.0));
     let aside = width / 2.0 + gap;
     let over = height / 2.0 + gap;
-    let ways = [(aside, 0.0), (-aside, 0.0), (0.0, -over), (0.0, over), (aside, -over), (aside, over), (-aside, -over), (-aside, over)];
+    let ways = [
+        (aside, 0.0),
+        (-aside, 0.0),
+        (0.0, -over),
+        (0.0, over),
+        (aside, -over),
+        (aside, over),
+        (-aside, -over),
+        (-aside, over),
+    ];
     let places = ways.map(|(x, y)| Rect::new(middle.add(Vector::new(x, y)), width, height));
-    let inside = |place: &Rect| overlap(place, frame).is_some_and(|seen| seen.width() >= width - 0.5 && seen.height() >= height - 0.5);
+    let inside = |place: &Rect| {
+        overlap(place, frame).is_some_and(|seen| seen.width() >= width - 0.5 && seen.height() >= height - 0.5)
+    };
     let free = |place: &&Rect| inside(place) && !taken.iter().any(|other| overlap(place, other).is_some());
     if let Some(place) = places.iter().find(free) {
         taken.push(*place);

@@ -82,7 +82,8 @@ impl LogAxes {
     /// Axes in a room that also holds numbers and titles.
     pub fn within(room: &Rect, x: Scale, y: Scale, look: &Look) -> LogAxes {
         let (below, above) = (2.4 * look.text, 1.5 * look.text);
-        let widths = y.ticks(room.height() / (2.0 * look.text)).into_iter().map(|(_, label)| number(&label, look).width);
+        let widths =
+            y.ticks(room.height() / (2.0 * look.text)).into_iter().map(|(_, label)| number(&label, look).width);
         let left = (widths.fold(2.0 * look.text, larger) + 0.8 * look.text).ceil();
         let near = Vector::new((room.origin.x + left).round(), (room.origin.y + above).round());
         let far = Vector::new(room.far_corner().x - look.text, room.far_corner().y - below);

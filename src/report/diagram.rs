@@ -1,6 +1,6 @@
 //! The report as diagrams: what accuracy costs, and how costs grow.
 
-use super::Row;
+use super::{Row, cases};
 use crate::figure::{Curve, Diagram, Point};
 
 /// What of a row is an error, and what its scale is called, as markup.
@@ -44,37 +44,47 @@ fn family(rows: &[Row]) -> Option<Diagram> {
     (!curves.is_empty()).then(|| Diagram { title, x, y: y.to_owned(), curves })
 }
 
-/// How costs grow: time and memory with the number of bodies, error and time with the number of steps.
-pub fn growth(rows: &[Row]) -> Vec<Diagram> {
-    let bodies = |row: &Row| row.bodies as f64;
-    let steps = |row: &Row| row.steps as f64;
-    let bytes = |row: &Row| row.peak_bytes.map(|bytes| bytes as f64 / row.bodies as f64);
-    [
-        grown(rows, "bodies", "time", (&bodies, "bodies"), (&|row| row.ns_per_body_step, "ns for each body and step")),
-        grown(rows, "bodies", "memory", (&bodies, "bodies"), (&bytes, "bytes for each body")),
-        grown(rows, "bodies", "collisions", (&bodies, "bodies"), (&|row| row.events_per_second, "collisions in a second")),
-        grown(rows, "steps", "time of a bounce", (&steps, "steps"), (&|row| row.ns_per_body_step, "ns for each step")),
-        grown(rows, "steps", "error of a bounce", (&steps, "steps"), (&|row| row.position_error, "position error / m")),
-    ]
-    .into()
+/// A number of a row, and what its scale is called.
+struct Quantity {
+    name: &'static str,
+    of: fn(&Row) -> Option<f64>,
 }
 
-/// One number of the rows of a family against another one.
-fn grown(
-    rows: &[Row],
-    family: &str,
-    title: &str,
-    (across, x): (&dyn Fn(&Row) -> f64, &str),
-    (up, y): (&dyn Fn(&Row) -> Option<f64>, &str),
-) -> Diagram {
+const BODIES: Quantity = Quantity { name: "bodies", of: |row| Some(row.bodies as f64) };
+const STEPS: Quantity = Quantity { name: "steps", of: |row| Some(row.steps as f64) };
+const TIME: Quantity = Quantity { name: "ns for each body and step", of: |row| row.ns_per_body_step };
+const RATE: Quantity = Quantity { name: "collisions in a second", of: |row| row.events_per_second };
+const POSITION: Quantity = Quantity { name: "position error / m", of: |row| row.position_error };
+const MEMORY: Quantity = Quantity {
+    name: "bytes for each body",
+    of: |row| row.peak_bytes.filter(|&bytes| bytes > 0).map(|bytes| bytes as f64 / row.bodies as f64),
+};
+
+/// How costs grow: time and memory with the number of bodies, error and time with the number of steps.
+pub fn growth(rows: &[Row]) -> Vec<Diagram> {
+    let [bodies, steps] = cases::GROWTH;
+    let all = [
+        (bodies, "time", [BODIES, TIME]),
+        (bodies, "memory", [BODIES, MEMORY]),
+        (bodies, "collisions", [BODIES, RATE]),
+        (steps, "time of a bounce", [STEPS, TIME]),
+        (steps, "error of a bounce", [STEPS, POSITION]),
+    ];
+    let drawn = all.into_iter().map(|(family, title, axes)| grown(rows, family, title, &axes));
+    drawn.filter(|diagram| !diagram.curves.is_empty()).collect()
+}
+
+/// One number of the rows of a family against another one, a curve for each solver.
+fn grown(rows: &[Row], family: &str, title: &str, [across, up]: &[Quantity; 2]) -> Diagram {
     let mut curves: Vec<Curve> = Vec::new();
     for row in rows.iter().filter(|row| row.family == family) {
-        let Some(y) = up(row) else { continue };
-        let point = Point { x: across(row), y, label: String::new() };
+        let (Some(x), Some(y)) = ((across.of)(row), (up.of)(row)) else { continue };
+        let point = Point { x, y, label: String::new() };
         match curves.iter_mut().find(|curve| curve.name == row.solver) {
             Some(curve) => curve.points.push(point),
             None => curves.push(Curve { name: row.solver.clone(), label: String::new(), points: vec![point] }),
         }
     }
-    Diagram { title: title.to_owned(), x: format!("\"{x}\""), y: format!("\"{y}\""), curves }
+    let [x, y] = [across, up].map(|quantity| format!("\"{}\"", quantity.name));
+    Diagram { title: title.to_owned(), x, y, curves }
 }

@@ -85,3 +85,40 @@ fn what_was_measured_is_shown_again() {
     let refused = workplace.rebond("report --only stacks");
     assert!(refused.code == 1 && refused.errors.contains("there is no family \"stacks\""), "{refused:?}");
 }
+
+/// Rows with invented costs, so that the diagram of their errors can be held.
+fn row(family: &str, scene: &str, solver: &str, [rate, error, cost]: [f64; 3]) -> Row {
+    Row {
+        family: family.into(),
+        scene: scene.into(),
+        solver: solver.into(),
+        rate,
+        bodies: rate as u64,
+        position_error: Some(error),
+        collisions: Some(1),
+        ns_per_body_step: Some(cost),
+        ..Row::default()
+    }
+}
+
+#[test]
+fn a_diagram_shows_what_accuracy_costs() {
+    let exact = [[30.0, 2e-15, 90.0], [60.0, 3e-15, 60.0], [240.0, 2e-15, 40.0], [960.0, 2e-15, 35.0]];
+    let printed = [[30.0, 0.4, 25.0], [60.0, 0.2, 24.0], [240.0, 0.05, 24.0], [960.0, 0.012, 23.0]];
+    let mut rows: Vec<Row> = exact.map(|numbers| row("bounce", "a minute", "event-driven", numbers)).into();
+    rows.extend(printed.map(|numbers| row("bounce", "a minute", "handout", numbers)));
+    for (scene, factor) in [("stack of 10", 1.0), ("stack of 1000", 9.0)] {
+        rows.extend(exact.map(|[rate, _, cost]| row("stack", scene, "event-driven", [rate, 0.0, cost / factor])));
+        rows.extend(printed.map(|[rate, error, cost]| row("stack", scene, "handout", [rate, factor * error, factor * cost])));
+    }
+    let workplace = Workplace::new();
+    workplace.write("rows.json", &serde_json::to_string(&rows).unwrap());
+    workplace.done("report --read rows.json --plot plot.png --caption Invented");
+    snapshot_picture("report-work-precision", &workplace.read("plot.png"));
+    workplace.done("report --read rows.json --plot plot.svg --theme dark");
+    assert!(String::from_utf8(workplace.read("plot.svg")).unwrap().starts_with("<svg"));
+    let refused = workplace.rebond("report --read rows.json --plot plot.gif");
+    assert!(refused.code == 1 && refused.errors.contains("a diagram is F.png, F.svg or F.pdf"), "{refused:?}");
+    let refused = workplace.rebond("report --read rows.json --plot plot.png");
+    assert!(refused.code == 1 && refused.errors.contains("exists already"), "{refused:?}");
+}

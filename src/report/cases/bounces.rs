@@ -17,7 +17,7 @@ pub fn cases(full: bool) -> Vec<Case> {
 /// So many steps of it, to see how errors grow.
 pub fn long(steps: u64) -> Draft {
     let name = format!("bounce of {steps} steps");
-    counted(Draft { family: "steps", name, rate: 60.0, steps, factors: &[1], ..bounce("", 0.0, 1.0) })
+    counted(Draft { family: super::GROWTH[1], name, rate: 60.0, steps, factors: &[1], ..bounce("", 0.0, 1.0) })
 }
 
 /// A unit box that falls 4 m onto a floor, with its upper-left corner so far from the origin.

@@ -17,4 +17,4 @@ pub fn all(full: bool) -> Vec<Case> {
         .collect()
 }
 
-pub use growth::cases as growth;
+pub use growth::{FAMILIES as GROWTH, cases as growth};
