@@ -127,6 +127,7 @@ fn draw(diagram: &Diagram, place: &Rect, color: impl Fn(&Curve) -> Color, panels
         let seen: Vec<Vector> = curve.points.iter().map(at).collect();
         let width = panels.look.line;
         panels.shapes.push(Shape::Polyline { points: seen.clone(), width, ink });
+        taken.extend(seen.windows(2).flat_map(|ends| along(ends[0], ends[1], 0.5 * panels.look.text, width)));
         panels.shapes.extend(seen.iter().map(|&at| dot(at, 0.3 * panels.look.text, ink)));
     }
     // Names of curves come first: a rate without room is missed less.
@@ -159,7 +160,7 @@ fn dot(at: Vector, radius: f64, ink: Ink) -> Shape {
     Shape::Polygon { points: corners.map(|(x, y)| corner(x, y)).into(), ink }
 }
 
-/// Writes beside a point where there is room: on its right, left, above or below; else nowhere.
+/// Writes beside a point where there is room: on its right, above, below or left; else nowhere.
 fn write(label: &str, point: Vector, ink: Ink, frame: &Rect, taken: &mut Vec<Rect>, panels: &mut Panels) {
     if label.is_empty() {
         return;
@@ -171,9 +172,9 @@ fn write(label: &str, point: Vector, ink: Ink, frame: &Rect, taken: &mut Vec<Rec
     let over = height / 2.0 + gap;
     let ways = [
         (aside, 0.0),
-        (-aside, 0.0),
         (0.0, -over),
         (0.0, over),
+        (-aside, 0.0),
         (aside, -over),
         (aside, over),
         (-aside, -over),
@@ -189,6 +190,13 @@ fn write(label: &str, point: Vector, ink: Ink, frame: &Rect, taken: &mut Vec<Rec
         let at = Vector::new(place.origin.x.round(), (place.origin.y + height).round());
         panels.shapes.push(Shape::Text { line, at, ink });
     }
+}
+
+/// The room a line between two points takes, as squares along it.
+fn along(from: Vector, to: Vector, spacing: f64, width: f64) -> Vec<Rect> {
+    let count = (to.sub(from).norm() / spacing).ceil().clamp(1.0, 1000.0) as u32;
+    let at = |number: u32| from.add(to.sub(from).mult(f64::from(number) / f64::from(count)));
+    (0..=count).map(|number| around(at(number), width)).collect()
 }
 
 fn around(point: Vector, radius: f64) -> Rect {

@@ -28,12 +28,17 @@ fn family(rows: &[Row]) -> Option<Diagram> {
     let tells = |(error, _): &&Measure| rows.iter().any(|row| error(row) > Some(0.0));
     let (error, y) = *MEASURES.iter().find(tells)?;
     let scenes = rows.chunk_by(|a, b| a.scene == b.scene).count();
-    let curves = rows.chunk_by(|a, b| (&a.scene, &a.solver) == (&b.scene, &b.solver)).enumerate();
-    let curve = |(_, rows): (usize, &[Row])| {
+    let curves = rows.chunk_by(|a, b| (&a.scene, &a.solver) == (&b.scene, &b.solver));
+    let mut told: Vec<String> = Vec::new();
+    let curve = |rows: &[Row]| {
         let first = &rows[0];
+        // Rates are told once for each solver: the others are in the same order.
+        let tells = !told.contains(&first.solver);
+        told.push(first.solver.clone());
         let point = |row: &Row| {
             let x = row.ns_per_body_step? * row.rate;
-            Some(Point { x, y: error(row)?, label: format!("{} Hz", row.rate) })
+            let label = if tells { format!("{} Hz", row.rate) } else { String::new() };
+            Some(Point { x, y: error(row)?, label })
         };
         let label = if scenes > 1 { first.scene.clone() } else { String::new() };
         Curve { name: first.solver.clone(), label, points: rows.iter().filter_map(point).collect() }

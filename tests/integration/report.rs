@@ -1,7 +1,9 @@
 //! Speed against error: the errors are deterministic and held here, the costs never.
 
-use crate::{rebond::Workplace, snapshot::assert_text};
+use crate::{rebond::Workplace, reference::assert_reference, snapshot::assert_text};
+use rebond::render::png;
 use rebond::report::{self, Case, Expectation, Row, cases};
+use std::io::Cursor;
 
 /// The rows of a case at its two lowest rates, without their costs.
 fn rows(case: &Case) -> Vec<Row> {
@@ -109,12 +111,15 @@ fn a_diagram_shows_what_accuracy_costs() {
     rows.extend(printed.map(|numbers| row("bounce", "a minute", "handout", numbers)));
     for (scene, factor) in [("stack of 10", 1.0), ("stack of 1000", 9.0)] {
         rows.extend(exact.map(|[rate, _, cost]| row("stack", scene, "event-driven", [rate, 0.0, cost / factor])));
-        rows.extend(printed.map(|[rate, error, cost]| row("stack", scene, "handout", [rate, factor * error, factor * cost])));
+        rows.extend(
+            printed.map(|[rate, error, cost]| row("stack", scene, "handout", [rate, factor * error, factor * cost])),
+        );
     }
     let workplace = Workplace::new();
     workplace.write("rows.json", &serde_json::to_string(&rows).unwrap());
     workplace.done("report --read rows.json --plot plot.png --caption Invented");
-    snapshot_picture("report-work-precision", &workplace.read("plot.png"));
+    let (picture, _) = png::decode(Cursor::new(workplace.read("plot.png"))).unwrap();
+    assert_reference("report-work-precision", &picture);
     workplace.done("report --read rows.json --plot plot.svg --theme dark");
     assert!(String::from_utf8(workplace.read("plot.svg")).unwrap().starts_with("<svg"));
     let refused = workplace.rebond("report --read rows.json --plot plot.gif");
