@@ -44,7 +44,7 @@ fn by_reference(case: &Case) -> Result<Expectation, String> {
         return Err("bodies come or go, which 77 decimals do not follow".into());
     }
     let world = first_world(&scene).map_err(|error| error.to_string())?;
-    let mut reference = Reference::new(&world).map_err(|why| why.to_string())?;
+    let mut reference = Reference::new(&world, case.steps as f64 / case.rate).map_err(|why| why.to_string())?;
     let mut places = Vec::new();
     for time in instants(case) {
         reference.advance(&time).map_err(|why| why.to_string())?;
