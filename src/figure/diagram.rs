@@ -1,7 +1,7 @@
 use super::log_axes::{LogAxes, Scale};
 use super::panels::Panels;
 use crate::physics::{Rect, Vector};
-use crate::render::area::overlap;
+use crate::render::area::{inset, overlap};
 use crate::render::layers::legend::{Entry, Legend};
 use crate::render::text::Line;
 use crate::render::{Color, DisplayList, Ink, Look, Shape, palette};
@@ -186,7 +186,8 @@ fn write(label: &str, point: Vector, ink: Ink, frame: &Rect, taken: &mut Vec<Rec
     };
     let free = |place: &&Rect| inside(place) && !taken.iter().any(|other| overlap(place, other).is_some());
     if let Some(place) = places.iter().find(free) {
-        taken.push(*place);
+        // A letter's width apart from what is written next.
+        taken.push(inset(place, -0.2 * panels.look.text));
         let at = Vector::new(place.origin.x.round(), (place.origin.y + height).round());
         panels.shapes.push(Shape::Text { line, at, ink });
     }

@@ -17,7 +17,7 @@ const COLUMNS: [Column; 11] = [
     Column { title: "ns/body-step", cell: |row| row.ns_per_body_step.map_or("-".into(), significant) },
     Column { title: "least–most", cell: spread },
     Column { title: "events/s", cell: |row| row.events_per_second.map_or("-".into(), |rate| format!("{rate:.1e}")) },
-    Column { title: "memory, kB", cell: |row| row.peak_bytes.map_or("-".into(), |bytes| (bytes / 1024).to_string()) },
+    Column { title: "memory, kB", cell: memory },
 ];
 
 /// The report as aligned text: a block for each scene, and below it what a solver cannot do.
@@ -83,6 +83,15 @@ fn error(value: Option<f64>) -> String {
 
 fn spread(row: &Row) -> String {
     row.ns_spread.map_or("-".into(), |spread| spread.map(significant).join("–"))
+}
+
+/// The system counts memory in pages, and a little is there before it is asked for.
+fn memory(row: &Row) -> String {
+    match row.peak_bytes.map(|bytes| bytes / 1024) {
+        None => "-".into(),
+        Some(..100) => "<100".into(),
+        Some(kilobytes) => kilobytes.to_string(),
+    }
 }
 
 /// Three digits.

@@ -80,7 +80,7 @@ def growth(measured):
     printed = {row["bodies"]: row for row in gases if row["solver"] == "handout"}
     for row in gases:
         if row["solver"] == "event-driven":
-            memory = f"{row['peak_bytes'] / row['bodies']:,.0f}" if row["peak_bytes"] else ""
+            memory = f"{row['peak_bytes'] / row['bodies']:,.0f}" if (row["peak_bytes"] or 0) > 100_000 else ""
             lines.append(f"| {row['bodies']:,} | {cost(row)} | {memory} | {row['events_per_second']:,.0f} "
                          f"| {cost(printed[row['bodies']])} |")
     return lines
