@@ -75,7 +75,9 @@
 //! 7. [`figure`] makes states and collisions into lecture figures, in the view's shapes.
 //! 8. [`illustration`] draws recordings in that way, and binds what it draws to their evidence.
 //! 9. [`check`] holds recordings and pictures to what they were, and [`testing`] does so in tests.
-//! 10. [`cli`] puts these together for the command line; nothing else reports errors to people.
+//! 10. [`report`] runs hard scenes and sets errors beside costs; its truths share nothing with
+//!     the solvers.
+//! 11. [`cli`] puts these together for the command line; nothing else reports errors to people.
 
 pub mod check;
 pub mod cli;
@@ -85,6 +87,7 @@ pub mod physics;
 pub mod recording;
 pub mod render;
 pub mod replay;
+pub mod report;
 pub mod run;
 pub mod scene;
 pub mod testing;

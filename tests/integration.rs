@@ -57,6 +57,8 @@ mod rebond;
 mod reference;
 #[path = "integration/released.rs"]
 mod released;
+#[path = "integration/report.rs"]
+mod report;
 #[path = "integration/scene_errors.rs"]
 mod scene_errors;
 #[path = "integration/snapshot.rs"]

@@ -42,6 +42,8 @@ pub enum Command {
     Check(CheckOptions),
     /// Save all that can be read of a damaged or unfinished recording
     Recover(RecoverOptions),
+    /// Measure errors and costs of both solvers on hard scenes
+    Report(ReportOptions),
     /// Print the completions for a shell
     Completions(CompletionsOptions),
     /// Write the manual pages
@@ -366,6 +368,65 @@ pub struct RecoverOptions {
     /// Where the new recording goes.
     #[command(flatten)]
     pub output: OutputOptions,
+}
+
+/// Options of `report`.
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Errors are found against closed forms and arithmetic of 77 decimals and are the
+same each time. Costs are processor time: let the machine be quiet. Parts join:
+--csv byte for byte, --json by --read.
+
+Examples:
+  rebond report                      all hard scenes, in a few minutes
+  rebond report --only stack,gas --plot stacks.svg
+  rebond report my-scene.toml --csv > errors.csv
+  rebond report --json --shard 1/2 > 1.json
+  rebond report --read 1.json --read 2.json --plot all.png
+  rebond report --growth --plot growth.pdf")]
+pub struct ReportOptions {
+    /// Scenes of your own, in place of the hard ones
+    #[arg(value_name = "SCENE.toml", conflicts_with_all = ["growth", "read"])]
+    pub scenes: Vec<PathBuf>,
+    /// Run what takes long, too
+    #[arg(long)]
+    pub full: bool,
+    /// How costs grow with bodies and steps instead
+    #[arg(long)]
+    pub growth: bool,
+    /// Only these families of scenes, such as stack,gas
+    #[arg(long, value_name = "FAMILIES", value_delimiter = ',')]
+    pub only: Vec<String>,
+    /// Only one of several parts of the scenes: 2/4
+    #[arg(long, value_name = "I/N", default_value = "1/1", hide_default_value = true)]
+    pub shard: Shard,
+    /// Show what --json wrote before; may be repeated
+    #[arg(long, value_name = "FILE.json", conflicts_with_all = ["full", "growth"])]
+    pub read: Vec<PathBuf>,
+    /// A JSON list in place of the table
+    #[arg(long, conflicts_with = "csv")]
+    pub json: bool,
+    /// Comma-separated values in place of the table
+    #[arg(long)]
+    pub csv: bool,
+    /// Draw error against cost: .png, .svg or .pdf
+    #[arg(long, value_name = "FILE")]
+    pub plot: Option<PathBuf>,
+    /// Replace the diagram that is there
+    #[arg(short, long, requires = "plot")]
+    pub force: bool,
+    /// Pixels of the diagram [default: as many as suit]
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = picture_size, requires = "plot")]
+    pub size: Option<[u32; 2]>,
+    /// light or dark
+    #[arg(long, value_parser = theme, requires = "plot")]
+    pub theme: Option<Theme>,
+    /// What is written below the diagram
+    #[arg(long, value_name = "TEXT", requires = "plot")]
+    pub caption: Option<String>,
+    /// Measure the cost of one run alone: what the report does for each, in a process of its own
+    #[arg(long, hide = true, value_name = "NUMBER")]
+    pub cost_of: Option<usize>,
 }
 
 /// Options of `completions`.

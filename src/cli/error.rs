@@ -75,6 +75,30 @@ pub enum CommandError {
         /// What of it.
         source: Box<illustration::Error>,
     },
+    /// There is no family of that name.
+    #[error("there is no family {name:?} of scenes; there are {known}")]
+    NoFamily {
+        /// What was asked for.
+        name: String,
+        /// All there are.
+        known: String,
+    },
+    /// A process that was to measure a cost has failed.
+    #[error("cannot measure what {scene:?} costs: {reason}")]
+    NoCost {
+        /// Which scene.
+        scene: String,
+        /// What became of the process.
+        reason: String,
+    },
+    /// What was to be shown again is not a report.
+    #[error("{} is not what rebond report --json writes: {source}", path.display())]
+    NoReport {
+        /// Which file.
+        path: PathBuf,
+        /// What of it.
+        source: serde_json::Error,
+    },
     /// A video cannot be compressed.
     #[error(
         "cannot make {}: ffmpeg cannot be run ({source}); install it (https://ffmpeg.org), or give a name that ends \

@@ -19,6 +19,7 @@ mod record;
 mod recover;
 mod render;
 mod replay;
+mod report;
 mod shard;
 mod source;
 mod values;
@@ -40,6 +41,7 @@ pub fn run(arguments: Arguments) -> Exit {
         Command::Info(options) => info::run(options),
         Command::Check(options) => check::run(options),
         Command::Recover(options) => recover::run(options),
+        Command::Report(options) => report::run(options),
         Command::Completions(options) => completions::run(options),
         Command::Man(options) => man::run(options),
     };

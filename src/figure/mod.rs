@@ -8,8 +8,11 @@
 mod axes;
 mod close_up;
 mod collision;
+mod diagram;
 mod energy;
 mod filmstrip;
+mod log_axes;
+mod logarithm;
 mod minkowski;
 mod pair;
 mod panels;
@@ -18,6 +21,7 @@ mod spacetime;
 mod strobe;
 
 pub use collision::collision;
+pub use diagram::{Curve, Diagram, DiagramOptions, Point, diagrams};
 pub use energy::{EnergyRun, EnergySample, energy};
 pub use filmstrip::filmstrip;
 pub use minkowski::minkowski;

@@ -23,11 +23,16 @@ impl Panels {
     /// An empty page with a caption and a legend below.
     pub fn new(options: &FigureOptions, legend: &Legend) -> Panels {
         let look = Look::new(options.style.theme, options.size);
-        let [width, height] = options.size.map(f64::from);
+        Panels::on(options.size, look, &options.style.caption, legend)
+    }
+
+    /// An empty page of that size and look.
+    pub fn on(size: [u32; 2], look: Look, caption: &str, legend: &Legend) -> Panels {
+        let [width, height] = size.map(f64::from);
         let margin = look.text.round();
         let room = Rect::new(Vector::new(margin, margin), width - 2.0 * margin, height - 2.0 * margin);
-        let mut panels = Panels { look, room, size: options.size, shapes: Vec::new() };
-        panels.caption(&options.style.caption);
+        let mut panels = Panels { look, room, size, shapes: Vec::new() };
+        panels.caption(caption);
         panels.legend(legend);
         panels
     }

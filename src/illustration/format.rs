@@ -77,12 +77,10 @@ impl Format {
     }
 
     /// Writes one picture.
-    pub(super) fn write(
-        self,
-        list: &DisplayList,
-        metadata: &Metadata,
-        output: &mut dyn Write,
-    ) -> Result<(), RenderError> {
+    ///
+    /// # Errors
+    /// When the output takes no more.
+    pub fn write(self, list: &DisplayList, metadata: &Metadata, output: &mut dyn Write) -> Result<(), RenderError> {
         match self {
             Format::Png | Format::Gif | Format::Apng => png::encode(&Painter::new().draw(list), metadata, output),
             Format::Svg => svg::encode(list, metadata, output),

@@ -20,11 +20,15 @@ pub fn momentum(world: &World) -> Vector {
 
 /// The deepest overlap of any two boxes, m: the shorter side of their common rectangle.
 ///
-/// Zero if none overlap. Pairs of infinite masses are left out. O(n²).
+/// Zero if none overlap. Pairs of infinite masses are left out. Boxes are swept from left to
+/// right, so that only those above each other are compared.
 pub fn worst_overlap(world: &World) -> f64 {
+    let mut swept: Vec<&Body> = world.bodies.iter().collect();
+    swept.sort_by(|a, b| a.rect.origin.x.total_cmp(&b.rect.origin.x));
     let mut worst = 0.0;
-    for (place, a) in world.bodies.iter().enumerate() {
-        for b in &world.bodies[place + 1..] {
+    for (place, a) in swept.iter().enumerate() {
+        let far = a.rect.far_corner().x;
+        for b in swept[place + 1..].iter().take_while(|b| b.rect.origin.x < far) {
             let overlap = if a.is_infinite() && b.is_infinite() { 0.0 } else { overlap(a, b) };
             if overlap > worst {
                 worst = overlap;

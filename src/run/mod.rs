@@ -19,6 +19,7 @@ pub use live_events::{LiveEvents, Manners, NO_LIVE_EVENTS};
 pub use record::{RecordOptions, Recorded, record};
 
 /// A scene being run: the engine, and the inputs that are still to come.
+#[derive(Clone)]
 pub struct Run {
     engine: Engine,
     scheduled: VecDeque<Input>,

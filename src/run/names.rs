@@ -2,7 +2,7 @@ use crate::physics::BodyId;
 use std::collections::BTreeMap;
 
 /// The names alive, and how many bodies have been spawned: what `#K` counts.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub struct Names {
     alive: BTreeMap<String, BodyId>,
     spawns: u64,

@@ -236,7 +236,8 @@ fn there_are_no_colours_in_a_pipe() {
 fn help_has_examples_and_fits_a_screen() {
     let workplace = Workplace::new();
     let mut all = workplace.done_in("80", "--help").output;
-    for command in ["record", "replay", "render", "figure", "export", "info", "check", "recover", "completions", "man"]
+    for command in
+        ["record", "replay", "render", "figure", "export", "info", "check", "recover", "report", "completions", "man"]
     {
         let help = workplace.done_in("80", &format!("{command} --help")).output;
         assert!(help.contains("Example"), "{command}");

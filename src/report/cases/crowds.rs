@@ -1,0 +1,54 @@
+//! Many boxes: elastic gases, and piles that come to rest.
+
+use super::draft::{Draft, GRAVITY};
+use crate::report::{Case, Truth};
+
+/// Gases of 100 to 100,000 boxes, piles of 1000 and 10,000 while they fall and when they rest.
+pub fn cases(full: bool) -> Vec<Case> {
+    let mut drafts = vec![gas(100, 300), gas(1000, 30), gas(10_000, 60), gas(100_000, 30)];
+    let piles: &[u64] = if full { &[1000, 10_000] } else { &[1000] };
+    drafts.extend(piles.iter().flat_map(|&bodies| [pile(bodies), rest(bodies)]));
+    drafts.into_iter().map(Draft::case).collect()
+}
+
+/// Unit boxes between walls that take a fifth of the room, with up to 5 m/s along each axis.
+pub fn gas(bodies: u64, steps: u64) -> Draft {
+    let side = (bodies as f64 * 5.0).sqrt();
+    let scatter = format!(
+        "[[scatter]]\ncount = {bodies}\nseed = 1\nregion = [0.0, 0.0, {side:?}, {side:?}]\n\
+         size = [[1.0, 1.0], [1.0, 1.0]]\nmass = [1.0, 1.0]\nvelocity = [[-5.0, -5.0], [5.0, 5.0]]\n"
+    );
+    let truth = match bodies {
+        0..=1000 => Truth::Reference,
+        _ => Truth::Unknown("too many bodies for 77 decimals".into()),
+    };
+    let world = [side; 2];
+    let factors: &[u64] = if bodies > 10_000 { &[1, 2] } else { super::draft::RATES };
+    Draft { world, walls: true, steps, factors, truth, ..Draft::new("gas", &format!("gas of {bodies}"), scatter) }
+}
+
+/// Boxes of sides 0.6 to 1.4 m fall into a bin, e = 0.3.
+fn pile(bodies: u64) -> Draft {
+    let width = (bodies as f64 * 3.6).sqrt();
+    let height = width * 0.8;
+    let scatter = format!(
+        "[[scatter]]\ncount = {bodies}\nseed = 1\nregion = [0.0, 0.0, {width:?}, {height:?}]\n\
+         size = [[0.6, 0.6], [1.4, 1.4]]\nmass = [1.0, 1.0]\nvelocity = [[-3.0, 0.0], [3.0, 0.0]]\n"
+    );
+    let truth = Truth::Unknown("contacts at rest have no reference".into());
+    Draft {
+        world: [width, height],
+        walls: true,
+        gravity: GRAVITY,
+        restitution: 0.3,
+        factors: &[1, 2],
+        truth,
+        ..Draft::new("pile", &format!("pile of {bodies}"), scatter)
+    }
+}
+
+/// The same pile from a minute on: nothing is to move.
+fn rest(bodies: u64) -> Draft {
+    let name = format!("pile of {bodies}, at rest");
+    Draft { family: "pile at rest", name, steps: 1950, from: 1800, truth: Truth::Rest, ..pile(bodies) }
+}

@@ -1,0 +1,17 @@
+/// Seconds of processor time this thread has had; where the system does not say, seconds on
+/// the clock.
+pub fn processor_seconds() -> f64 {
+    #[cfg(unix)]
+    {
+        let now = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
+        now.tv_sec as f64 + now.tv_nsec as f64 * 1e-9
+    }
+    #[cfg(not(unix))]
+    {
+        static START: std::sync::LazyLock<std::time::Instant> = std::sync::LazyLock::new(std::time::Instant::now);
+        START.elapsed().as_secs_f64()
+    }
+}
+
+/// What the figures of `processor_seconds` are.
+pub const CLOCK: &str = if cfg!(unix) { "processor time of one thread" } else { "time on the clock" };

@@ -1,0 +1,99 @@
+//! Five fixed runs whose instructions tests/instructions/run counts: `instructions NAME`
+
+use rebond::{
+    physics::CollisionCount,
+    recording::{Header, Outcome, SceneText, Versions, Writer},
+    render::{self, Metadata, Painter, View, png},
+    run, scene,
+};
+use std::io;
+
+fn main() {
+    match std::env::args().nth(1).as_deref() {
+        Some("gas") => _ = ran(&gas("event-driven", 1000, 120)),
+        Some("pile") => _ = ran(&pile(300, 240)),
+        Some("handout") => _ = ran(&gas("handout", 100, 600)),
+        Some("recording") => recording(&gas("event-driven", 300, 120)),
+        Some("drawing") => drawing(&gas("event-driven", 50, 1)),
+        Some(_) | None => panic!("expected gas, pile, handout, recording or drawing"),
+    }
+}
+
+/// Unit boxes packed to a fifth between walls, e = 1.
+fn gas(solver: &str, bodies: u32, steps: u32) -> scene::Scene {
+    let side = (f64::from(bodies) * 5.0).sqrt();
+    parse(&format!(
+        "[world]\nsize = [{side}, {side}]\nwalls = true\n[run]\nrate = 60\nsteps = {steps}\nsolver = \"{solver}\"\n\
+         [[scatter]]\ncount = {bodies}\nseed = 1\nregion = [0.0, 0.0, {side}, {side}]\nsize = [[1.0, 1.0], [1.0, 1.0]]\n\
+         mass = [1.0, 1.0]\nvelocity = [[-5.0, -5.0], [5.0, 5.0]]\n"
+    ))
+}
+
+/// Boxes of all sizes that fall into a bin, e = 0.3.
+fn pile(bodies: u32, steps: u32) -> scene::Scene {
+    let (width, height) = ((f64::from(bodies) * 3.6).sqrt(), (f64::from(bodies) * 2.3).sqrt());
+    parse(&format!(
+        "[world]\nsize = [{width}, {height}]\nwalls = true\ngravity = [0.0, 9.81]\n[run]\nrate = 60\nsteps = {steps}\n\
+         solver = \"event-driven\"\n[restitution]\ndefault = 0.3\n\
+         [[scatter]]\ncount = {bodies}\nseed = 1\nregion = [0.0, 0.0, {width}, {height}]\nsize = [[0.6, 0.6], [1.4, 1.4]]\n\
+         mass = [1.0, 1.0]\nvelocity = [[-3.0, 0.0], [3.0, 0.0]]\n"
+    ))
+}
+
+fn parse(text: &str) -> scene::Scene {
+    scene::parse("fixed.toml", text).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn started(scene: &scene::Scene) -> run::Run {
+    let mut run = run::Run::new(scene);
+    run.happen(Vec::new(), |error| Err(error.into())).expect("the scene's own events");
+    run
+}
+
+/// The run of a scene to its end.
+fn ran(scene: &scene::Scene) -> run::Run {
+    let mut run = started(scene);
+    let mut collisions = CollisionCount::default();
+    (0..scene.run.steps).for_each(|_| run.step(&mut collisions).expect("finite numbers"));
+    run
+}
+
+/// Every state of a gas, as a recording in memory.
+fn recording(scene: &scene::Scene) {
+    let mut run = started(scene);
+    let text = SceneText { file_name: "fixed.toml".into(), text: scene.source.text.clone() };
+    let (versions, steps) = (Versions::CURRENT, scene.run.steps);
+    let header = Header { versions, settings: run::settings(scene), steps, every: 1, scene: text, gaps: Vec::new() };
+    let mut writer = Writer::new(io::Cursor::new(Vec::new()), &header).expect("memory");
+    for _ in 0..steps {
+        writer.state(run.engine()).expect("memory");
+        run.step(&mut CollisionCount::default()).expect("finite numbers");
+    }
+    writer.finish(Outcome::default()).expect("memory");
+}
+
+/// Three frames of fifty boxes as PNG.
+fn drawing(scene: &scene::Scene) {
+    let run = ran(scene);
+    let [width, height] = scene.size;
+    let view = View::fit(rebond::physics::Vector::new(width, height), [1280, 720], render::Style::default());
+    let view = view.expect("a view");
+    let sprites = run.engine().world().bodies.iter().map(|body| {
+        let appearance = render::Appearance {
+            id: body.id,
+            name: body.name.clone(),
+            material: String::new(),
+            color: None,
+            mass: body.mass,
+            force: rebond::physics::Vector::ZERO,
+            is_wall: body.is_infinite(),
+        };
+        render::Sprite { appearance: appearance.into(), rect: body.rect, velocity: body.velocity, trail: Vec::new() }
+    });
+    let frame = render::Frame { step: 0, time: 0.0, sprites: sprites.collect(), collisions: Vec::new() };
+    let mut painter = Painter::new();
+    for _ in 0..3 {
+        let picture = painter.draw(&render::compose(&frame, &view));
+        png::encode(&picture, &Metadata::default(), io::sink()).expect("nothing to fail");
+    }
+}

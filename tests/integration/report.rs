@@ -1,0 +1,129 @@
+//! Speed against error: the errors are deterministic and held here, the costs never.
+
+use crate::{rebond::Workplace, reference::assert_reference, snapshot::assert_text};
+use rebond::render::png;
+use rebond::report::{self, Case, Expectation, Row, cases};
+use std::io::Cursor;
+
+/// The rows of a case at its two lowest rates, without their costs.
+fn rows(case: &Case) -> Vec<Row> {
+    let expectation = Expectation::of(case);
+    let lowest = |factor: &u64| case.factors.iter().take(2).any(|low| low == factor);
+    let trials = case.trials().into_iter().filter(|trial| lowest(&trial.factor));
+    trials.map(|trial| Row::of(case, trial, &expectation, false).unwrap()).collect()
+}
+
+#[test]
+fn errors_of_the_hard_scenes_are_these() {
+    let quick = |case: &Case| match case.family.as_str() {
+        "galperin" => case.collisions < Some(1000),
+        "stack" => case.text.len() < 2000,
+        "zeno" | "shot" | "cradle" | "corner" | "squeeze" | "tiles" | "support" | "overlap" => true,
+        _ => false,
+    };
+    let all: Vec<Row> = cases::all(false).iter().filter(|case| quick(case)).flat_map(rows).collect();
+    assert_text("report-errors", &report::table(&all));
+}
+
+#[test]
+fn every_hard_scene_is_a_scene() {
+    for case in cases::all(true).iter().chain(&cases::growth(true)) {
+        let crowd = case.text.contains("000\nseed");
+        let trial = case.trials()[0];
+        assert!(crowd || case.scene(trial).is_ok(), "{}: {:?}", case.name, case.scene(trial).err());
+        assert!(case.from < case.steps);
+    }
+}
+
+/// Two boxes that meet once in half a second.
+const SCENE: &str = "[world]\nsize = [9.0, 9.0]\n[run]\nrate = 60\nsteps = 30\nsolver = \"handout\"\n\
+    [[spawn]]\nat = [1.0, 1.0]\nsize = [1.0, 1.0]\nmass = 1.0\nvelocity = [4.0, 0.0]\n\
+    [[spawn]]\nat = [3.0, 1.0]\nsize = [1.0, 1.0]\nmass = 1.0\n";
+
+#[test]
+fn a_scene_of_ones_own_is_judged_by_77_decimals() {
+    let workplace = Workplace::with_scene(SCENE);
+    let output = workplace.done("report scene.toml --json").output;
+    let rows: Vec<Row> = serde_json::from_str(&output).unwrap();
+    let seen: Vec<(&str, f64)> = rows.iter().map(|row| (row.solver.as_str(), row.rate)).collect();
+    let rates = [60.0, 240.0, 960.0];
+    let expected = ["event-driven", "handout"].into_iter().flat_map(|solver| rates.map(|rate| (solver, rate)));
+    assert_eq!(seen, expected.collect::<Vec<_>>());
+    assert!(rows.iter().all(|row| row.truth == "77 decimals" && row.true_collisions == Some(1)));
+    assert!(rows[0].position_error < Some(1e-15), "{rows:?}");
+    assert!(rows[3].position_error > Some(1e-3), "{rows:?}");
+    assert!(rows.iter().all(|row| row.ns_per_body_step > Some(0.0) && row.was_run()));
+}
+
+#[test]
+fn parts_join() {
+    let workplace = Workplace::with_scene(SCENE);
+    workplace.write("again.toml", SCENE);
+    let part = |shard: &str| workplace.done(&format!("report scene.toml again.toml --csv {shard}")).output;
+    let whole = part("");
+    let parts = part("--shard 1/2") + &part("--shard 2/2");
+    let errors = |csv: &str| {
+        let fields = csv.lines().map(|line| line.split(',').take(13).map(str::to_owned).collect::<Vec<_>>());
+        fields.collect::<Vec<_>>()
+    };
+    assert_eq!(errors(&whole), errors(&parts));
+    assert_eq!(errors(&whole).len(), 1 + 2 * 6);
+}
+
+#[test]
+fn what_was_measured_is_shown_again() {
+    let workplace = Workplace::with_scene(SCENE);
+    let json = workplace.done("report scene.toml --json").output;
+    workplace.write("1.json", &json);
+    assert_eq!(workplace.done("report --read 1.json --json").output, json);
+    let table = workplace.done("report --read 1.json --read 1.json").output;
+    assert!(table.contains("scene.toml: 2 bodies, 1 collision; truth: 77 decimals"), "{table}");
+    workplace.write("2.json", "{}");
+    let refused = workplace.rebond("report --read 2.json");
+    assert!(
+        refused.code == 1 && refused.errors.contains("2.json is not what rebond report --json writes"),
+        "{refused:?}"
+    );
+    let refused = workplace.rebond("report --only stacks");
+    assert!(refused.code == 1 && refused.errors.contains("there is no family \"stacks\""), "{refused:?}");
+}
+
+/// Rows with invented costs, so that the diagram of their errors can be held.
+fn row(family: &str, scene: &str, solver: &str, [rate, error, cost]: [f64; 3]) -> Row {
+    Row {
+        family: family.into(),
+        scene: scene.into(),
+        solver: solver.into(),
+        rate,
+        bodies: rate as u64,
+        position_error: Some(error),
+        collisions: Some(1),
+        ns_per_body_step: Some(cost),
+        ..Row::default()
+    }
+}
+
+#[test]
+fn a_diagram_shows_what_accuracy_costs() {
+    let exact = [[30.0, 2e-15, 90.0], [60.0, 3e-15, 60.0], [240.0, 2e-15, 40.0], [960.0, 2e-15, 35.0]];
+    let printed = [[30.0, 0.4, 25.0], [60.0, 0.2, 24.0], [240.0, 0.05, 24.0], [960.0, 0.012, 23.0]];
+    let mut rows: Vec<Row> = exact.map(|numbers| row("bounce", "a minute", "event-driven", numbers)).into();
+    rows.extend(printed.map(|numbers| row("bounce", "a minute", "handout", numbers)));
+    for (scene, factor) in [("stack of 10", 1.0), ("stack of 1000", 9.0)] {
+        rows.extend(exact.map(|[rate, _, cost]| row("stack", scene, "event-driven", [rate, 0.0, cost / factor])));
+        rows.extend(
+            printed.map(|[rate, error, cost]| row("stack", scene, "handout", [rate, factor * error, factor * cost])),
+        );
+    }
+    let workplace = Workplace::new();
+    workplace.write("rows.json", &serde_json::to_string(&rows).unwrap());
+    workplace.done("report --read rows.json --plot plot.png --caption Invented");
+    let (picture, _) = png::decode(Cursor::new(workplace.read("plot.png"))).unwrap();
+    assert_reference("report-work-precision", &picture);
+    workplace.done("report --read rows.json --plot plot.svg --theme dark");
+    assert!(String::from_utf8(workplace.read("plot.svg")).unwrap().starts_with("<svg"));
+    let refused = workplace.rebond("report --read rows.json --plot plot.gif");
+    assert!(refused.code == 1 && refused.errors.contains("a diagram is F.png, F.svg or F.pdf"), "{refused:?}");
+    let refused = workplace.rebond("report --read rows.json --plot plot.png");
+    assert!(refused.code == 1 && refused.errors.contains("exists already"), "{refused:?}");
+}
