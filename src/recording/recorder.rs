@@ -3,7 +3,7 @@ use std::io::Write;
 use crate::physics::BodyId;
 
 use super::{
-    BodyTable, Change, End, Error, Header, Keyframe, Outcome, RecordedEvent, RecordedState, StateDigest,
+    BodyTable, Change, End, Error, Extremes, Header, Keyframe, Outcome, RecordedEvent, RecordedState, StateDigest,
     batch::{Batch, Entry, Row},
     cdr, clock,
     container::Container,
@@ -28,6 +28,8 @@ pub struct Recorder<W: Write> {
     unflushed_events: bool,
     state: RecordedState,
     digest: StateDigest,
+    /// Of the states so far, if none is missing.
+    extremes: Option<Extremes>,
     /// The colours for viewers, if boxes are recorded for them.
     paint: Option<Paint>,
     bytes: Vec<u8>,
@@ -50,6 +52,7 @@ impl<W: Write> Recorder<W> {
             unflushed_events: false,
             state: RecordedState::default(),
             digest: StateDigest::default(),
+            extremes: header.gaps.is_empty().then(Extremes::default),
             paint: None,
             bytes: Vec::new(),
         })
@@ -88,10 +91,16 @@ impl<W: Write> Recorder<W> {
             events: self.events,
             error: outcome.error,
             recovered,
+            extremes: self.extremes,
             identity: self.identity.identity(),
         };
         let write = self.container.finish(metadata::of_end(&self.header, &end))?;
         Ok((end, write))
+    }
+
+    /// Leaves out what an older recording did not tell.
+    pub fn without_extremes(&mut self) {
+        self.extremes = None;
     }
 
     /// Writes an event.
@@ -131,6 +140,7 @@ impl<W: Write> Recorder<W> {
     pub fn state(&mut self, state: &RecordedState) -> Result<(), Error> {
         self.steps = state.step;
         self.identity.state(state.step, state.digest);
+        self.see(state);
         state.encode(&mut self.bytes);
         self.put(Topic::States, state.step)?;
         if self.unflushed_events || clock::ends_second(state.step, self.header.settings.rate) {
@@ -149,6 +159,16 @@ impl<W: Write> Recorder<W> {
         match message.len() <= limits::MESSAGE_BYTES {
             true => self.container.message(Topic::Scene, time, message),
             false => Ok(()),
+        }
+    }
+
+    fn see(&mut self, state: &RecordedState) {
+        if let Some(extremes) = &mut self.extremes
+            && state.step.is_multiple_of(self.header.every)
+        {
+            for (known, moved) in self.table.with_state(state) {
+                extremes.see(known, moved.unwrap_or_else(|| known.first_numbers()));
+            }
         }
     }
 
