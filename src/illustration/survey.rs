@@ -175,7 +175,13 @@ impl Crowd {
         }
     }
 
-    fn survey(self, last_step: Option<u64>, extremes: &Extremes, is_in_world: bool, identity: Option<String>) -> Survey {
+    fn survey(
+        self,
+        last_step: Option<u64>,
+        extremes: &Extremes,
+        is_in_world: bool,
+        identity: Option<String>,
+    ) -> Survey {
         Survey {
             last_step,
             top_speed: extremes.top_speed,
@@ -186,5 +192,81 @@ impl Crowd {
             is_in_world,
             identity,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::run::{self, RecordOptions};
+    use crate::scene;
+    use std::fs::File;
+
+    /// A box that leaves the world, one that comes and goes between two steps that are recorded
+    /// in full, and a wall that moves.
+    const SCENE: &str = r##"
+[world]
+size = [8.0, 6.0]
+gravity = [0.0, 9.81]
+[run]
+rate = 20
+steps = 50
+solver = "handout"
+[[spawn]]
+name = "a"
+at = [2.0, 3.0]
+size = [1.0, 1.0]
+mass = 2.0
+velocity = [-3.0, -8.0]
+material = "wood"
+[[spawn]]
+name = "lift"
+at = [5.0, 3.0]
+size = [1.0, 1.0]
+mass = inf
+velocity = [0.0, -9.0]
+material = "steel"
+[[spawn]]
+step = 13
+name = "b"
+at = [3.0, 5.0]
+size = [1.0, 1.0]
+mass = 50.0
+force = [7.0, 0.0]
+material = "stone"
+[[delete]]
+step = 14
+name = "b"
+"##;
+
+    fn compare(text: &str, every: u64, expected_in_world: bool) {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("run.mcap");
+        let scene = scene::parse("scene.toml", text).unwrap();
+        let options = RecordOptions { steps: scene.run.steps, every, viewer: None };
+        run::record(&scene, options, run::NO_LIVE_EVENTS, File::create(&path).unwrap(), |_| ()).unwrap();
+        let outline = open(&path).unwrap().outline().unwrap();
+        assert!(outline.unwrap().end.extremes.is_some(), "the end tells nothing");
+        let world = Vector::new(scene.size[0], scene.size[1]);
+        let told = Survey::of(&path, world).unwrap();
+        assert_eq!(told, seen(open(&path).unwrap(), world).unwrap());
+        assert_eq!(told.is_in_world, expected_in_world);
+        assert_eq!((told.names.len(), told.materials.join(" ").as_str()), (3, "steel stone wood"));
+        assert!(told.top_speed > 9.0 && told.top_force > 490.0 && told.last_step == Some(50 - 50 % every));
+    }
+
+    #[test]
+    fn what_the_end_tells_is_what_the_states_show() {
+        compare(SCENE, 1, true);
+        compare(SCENE, 7, true);
+    }
+
+    #[test]
+    fn nobody_in_the_world_is_told_from_somebody_around_it() {
+        let outside = SCENE
+            .replace("size = [8.0, 6.0]", "size = [0.5, 0.5]")
+            .replace("at = [2.0, 3.0]", "at = [-3.0, 3.0]")
+            .replace("velocity = [-3.0, -8.0]", "velocity = [0.0, -9.5]");
+        compare(&outside, 1, false);
     }
 }

@@ -16,7 +16,7 @@ pub struct End {
     /// Whether this is what could be saved of a damaged or unfinished recording.
     pub recovered: bool,
     /// What no recorded state exceeds; unknown where states are missing, where one is beyond
-    /// the finite numbers, and in recordings that are older than this field.
+    /// the finite numbers, and before format 2.
     pub extremes: Option<Extremes>,
     /// The digest of it all.
     pub identity: Identity,

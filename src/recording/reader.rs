@@ -90,7 +90,7 @@ impl<R: Read + Seek> Recording<R> {
     pub fn read(read: R) -> Result<Recording<R>, Error> {
         let mut records = Records::new(read);
         let head = head::read(&mut records)?;
-        let inbox = Inbox::new(Course::new(&head.header, head.has_scene));
+        let inbox = Inbox::new(Course::new(&head.header, head.has_scene), head.header.versions.format);
         let mut recording = Recording {
             header: head.header.clone(),
             records,

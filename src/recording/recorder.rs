@@ -28,12 +28,15 @@ pub struct Recorder<W: Write> {
     unflushed_events: bool,
     state: RecordedState,
     digest: StateDigest,
-    /// Of the states so far, if none is missing.
+    /// Of the states so far, where the end tells them.
     extremes: Option<Extremes>,
     /// The colours for viewers, if boxes are recorded for them.
     paint: Option<Paint>,
     bytes: Vec<u8>,
 }
+
+/// The first format whose end tells the extremes.
+const EXTREMES_SINCE: u32 = 2;
 
 impl<W: Write> Recorder<W> {
     /// Writes the head of a recording.
@@ -52,7 +55,7 @@ impl<W: Write> Recorder<W> {
             unflushed_events: false,
             state: RecordedState::default(),
             digest: StateDigest::default(),
-            extremes: header.gaps.is_empty().then(Extremes::default),
+            extremes: (header.gaps.is_empty() && header.versions.format >= EXTREMES_SINCE).then(Extremes::default),
             paint: None,
             bytes: Vec::new(),
         })
@@ -98,11 +101,6 @@ impl<W: Write> Recorder<W> {
         Ok((end, write))
     }
 
-    /// Leaves out what an older recording did not tell.
-    pub fn without_extremes(&mut self) {
-        self.extremes = None;
-    }
-
     /// Writes an event.
     ///
     /// # Errors
@@ -126,7 +124,7 @@ impl<W: Write> Recorder<W> {
     /// If writing fails.
     pub fn keyframe(&mut self, keyframe: &Keyframe) -> Result<(), Error> {
         self.next_id = keyframe.next_id;
-        cdr::encode(&BodiesMessage::new(keyframe), &mut self.bytes);
+        cdr::encode(&BodiesMessage::new(keyframe, self.header.versions.format), &mut self.bytes);
         match self.bytes.len() <= limits::KEYFRAME_BYTES {
             true => self.put(Topic::Bodies, keyframe.step),
             false => Ok(()),

@@ -35,9 +35,6 @@ pub fn recover<R: Read + Seek, W: Write>(recording: &mut Recording<R>, write: W)
     let survey = Survey::of(recording)?;
     let header = Header { gaps: survey.gaps.clone(), ..recording.header.clone() };
     let mut recorder = Recorder::new(write, &header)?;
-    if survey.is_older() {
-        recorder.without_extremes();
-    }
     salvage(recording, |saved| match saved {
         Saved::Event(event) => recorder.event(&event),
         Saved::Keyframe(keyframe) => recorder.keyframe(&keyframe),
@@ -148,11 +145,6 @@ impl Survey {
             }
             Some(_) | None => Outcome::default(),
         }
-    }
-
-    /// Whether it is whole as a program wrote it that noted no extremes: it comes out so again.
-    fn is_older(&self) -> bool {
-        self.health == Health::Whole && self.end.as_ref().is_some_and(|end| end.extremes.is_none())
     }
 
     fn was_recovered(&self) -> bool {
