@@ -8,7 +8,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::physics::{BodyId, Memory, Rect, Spawn, Vector};
 
-use super::{Change, Keyframe, KeyframeBody, KnownBody, RecordedEvent, limits};
+use super::{
+    Change, Keyframe, KeyframeBody, KnownBody, RecordedEvent,
+    columns::{by_bodies, by_columns},
+    limits,
+};
 
 /// `rebond_msgs/msg/Event`.
 #[derive(Serialize, Deserialize)]
@@ -158,7 +162,7 @@ impl BodiesMessage {
             fx: column(|body| body.force.x),
             fy: column(|body| body.force.y),
             solver_integers: keyframe.memory.integers.clone(),
-            solver_numbers: laid_out(&keyframe.memory.numbers, keyframe.bodies.len(), format),
+            solver_numbers: by_columns(&keyframe.memory.numbers, keyframe.bodies.len(), format),
         }
     }
 
@@ -180,7 +184,7 @@ impl BodiesMessage {
             return Err("a keyframe with ids out of order".into());
         }
         let at = |x: &[f64], y: &[f64], place: usize| Vector::new(x[place], y[place]);
-        let numbers = taken_up(self.solver_numbers, self.spawned.len(), format);
+        let numbers = by_bodies(self.solver_numbers, self.spawned.len(), format);
         let bodies = self.spawned.into_iter().enumerate().map(|(place, Spawned(known))| KeyframeBody {
             known,
             position: at(&self.x, &self.y, place),
@@ -194,31 +198,6 @@ impl BodiesMessage {
             memory: Memory { integers: self.solver_integers, numbers },
         })
     }
-}
-
-/// The first format in which the solver's numbers stand by columns.
-const COLUMNS_SINCE: u32 = 2;
-
-/// The solver's numbers as a keyframe of that format has them: where each body has as many, by
-/// columns, all first numbers before all second ones, since like numbers compress better.
-fn laid_out(numbers: &[f64], bodies: usize, format: u32) -> Vec<f64> {
-    match format < COLUMNS_SINCE || bodies == 0 || !numbers.len().is_multiple_of(bodies) {
-        true => numbers.into(),
-        false => transposed(numbers, numbers.len() / bodies),
-    }
-}
-
-/// The numbers of [`laid_out`] body by body again.
-fn taken_up(numbers: Vec<f64>, bodies: usize, format: u32) -> Vec<f64> {
-    match format < COLUMNS_SINCE || bodies == 0 || !numbers.len().is_multiple_of(bodies) {
-        true => numbers,
-        false => transposed(&numbers, bodies),
-    }
-}
-
-/// Rows of that width made into columns.
-fn transposed(numbers: &[f64], width: usize) -> Vec<f64> {
-    (0..width).flat_map(|column| numbers.iter().skip(column).step_by(width.max(1))).copied().collect()
 }
 
 #[cfg(test)]
@@ -275,14 +254,6 @@ mod tests {
         a == b && format!("{a:?}") == format!("{b:?}")
     }
 
-    #[test]
-    fn like_numbers_of_different_bodies_stand_together() {
-        let by_body = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0];
-        assert_eq!(laid_out(&by_body, 2, COLUMNS_SINCE), [1.0, 4.0, 2.0, 5.0, 3.0, 6.0]);
-        assert_eq!(laid_out(&by_body, 4, COLUMNS_SINCE), by_body, "six numbers are not of four bodies");
-        assert_eq!(laid_out(&by_body, 2, 1), by_body, "the first format had no columns");
-    }
-
     proptest! {
         #[test]
         fn events_come_back(step: u64, id: BodyId, body in known(0), deletes: bool) {
@@ -311,12 +282,6 @@ mod tests {
             cdr::encode(&BodiesMessage::new(&keyframe, format), &mut bytes);
             let back = cdr::decode::<BodiesMessage>(&bytes).unwrap().keyframe(format).unwrap();
             prop_assert!(same(&back, &keyframe), "{back:?}");
-        }
-
-        #[test]
-        fn numbers_by_columns_come_back(bodies in 1_usize..9, numbers in vec(finite(), 0..40)) {
-            let columns = laid_out(&numbers, bodies, COLUMNS_SINCE);
-            prop_assert!(same(&taken_up(columns, bodies, COLUMNS_SINCE), &numbers));
         }
 
         #[test]

@@ -22,6 +22,7 @@ mod body_table;
 mod cdr;
 mod chunk;
 mod clock;
+mod columns;
 mod container;
 mod course;
 mod digest;
