@@ -3,9 +3,10 @@
 use crate::rebond::Workplace;
 use rebond::recording::{self, Health};
 use std::{
+    hash::{BuildHasher, Hasher, RandomState},
     process::{Child, Command, Stdio},
     thread,
-    time::{Duration, SystemTime},
+    time::Duration,
 };
 
 /// So long that nobody waits for its end.
@@ -38,8 +39,8 @@ fn start(workplace: &Workplace, output: &str, stdout: Stdio) -> Child {
 
 /// Moments to kill at: REBOND_SEED brings those of a failed test back.
 fn moments() -> impl Iterator<Item = Duration> {
-    let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap().as_nanos() as u64;
-    let mut state = std::env::var("REBOND_SEED").map_or(now, |seed| seed.parse().expect("a number")) | 1;
+    let random = RandomState::new().build_hasher().finish();
+    let mut state = std::env::var("REBOND_SEED").map_or(random, |seed| seed.parse().expect("a number")) | 1;
     println!("REBOND_SEED={state}");
     std::iter::repeat_with(move || {
         // Marsaglia's xorshift64.
