@@ -11,8 +11,10 @@
 //! 6. [`render`] makes states into pictures. It never sees the engine.
 //! 7. [`figure`] makes states and collisions into lecture figures, in the view's shapes.
 //! 8. [`illustration`] draws recordings in that way, and binds what it draws to their evidence.
-//! 9. [`cli`] puts these together for the command line; nothing else reports errors to people.
+//! 9. [`check`] holds recordings and pictures to what they were.
+//! 10. [`cli`] puts these together for the command line; nothing else reports errors to people.
 
+pub mod check;
 pub mod cli;
 pub mod figure;
 pub mod illustration;

@@ -2,6 +2,8 @@
 
 #[path = "integration/bundled.rs"]
 mod bundled;
+#[path = "integration/check.rs"]
+mod check;
 #[path = "integration/clicks.rs"]
 mod clicks;
 #[path = "integration/clips.rs"]

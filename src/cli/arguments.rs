@@ -1,3 +1,4 @@
+use super::shard::Shard;
 use crate::illustration::WishedWindow;
 use crate::physics::{Rect, Vector};
 use crate::render::SHORTEST_HOLD;
@@ -35,6 +36,8 @@ pub enum Command {
     Export(ExportOptions),
     /// Tell what is inside a recording, or what a picture was drawn from
     Info(InfoOptions),
+    /// Hold recordings and pictures to what they were
+    Check(CheckOptions),
     /// Save all that can be read of a damaged or unfinished recording
     Recover(RecoverOptions),
     /// Print the completions for a shell
@@ -335,6 +338,46 @@ pub struct InfoOptions {
     /// Read and verify all of a recording, however large; up to 16 MiB that is done anyway
     #[arg(long)]
     pub verify: bool,
+}
+
+/// Options of `check`.
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Every recording (*.mcap) must replay and, if NAME.toml stands beside NAME.mcap, still be what that
+scene gives. Every picture drawn by rebond must come out again: it says itself of what and how it
+was drawn. Pictures can also be listed in a manifest, any file *.check: one command a line, as it
+would be typed in that folder, such as
+  rebond figure strobe fall.mcap -o fall.svg
+Compared are all bits of states, all pixels and instants of PNG and GIF, all bytes of SVG and PDF.
+Exit codes: 0 same, 3 something differs, 4 a recording is truncated or corrupt, 1 something cannot
+be checked; if several, the first of 1, 4, 3.
+
+Examples:
+  rebond check recordings
+  rebond check lecture --update          accepts what changed, and draws what is missing
+  rebond check lecture --shard 2/4       the second quarter; with --json parts join as they are")]
+pub struct CheckOptions {
+    /// Files, or folders and all below them
+    #[arg(required = true, value_name = "PATH")]
+    pub paths: Vec<PathBuf>,
+    /// Accept what changed, after it is shown
+    #[arg(long)]
+    pub update: bool,
+    /// Check the I-th of N parts only
+    #[arg(long, value_name = "I/N", default_value = "1/1", hide_default_value = true, conflicts_with = "update")]
+    pub shard: Shard,
+    /// Threads to check on [default: one for each processor]
+    #[arg(long, value_name = "N")]
+    pub jobs: Option<std::num::NonZero<usize>>,
+    /// Where a page goes that shows what differs
+    #[arg(long, value_name = "FOLDER", default_value = "rebond-check")]
+    pub report: PathBuf,
+    /// One JSON object a case
+    #[arg(long)]
+    pub json: bool,
+    /// Only what is not the same
+    #[arg(short, long)]
+    pub quiet: bool,
 }
 
 /// Options of `recover`.

@@ -55,6 +55,9 @@ pub enum CommandError {
     /// Something stands where the result is to go.
     #[error("{} exists already; give another name with -o, or --force to replace it", .0.display())]
     Exists(PathBuf),
+    /// There is nothing to check.
+    #[error(transparent)]
+    Check(#[from] crate::check::CheckError),
     /// There is no illustration.
     #[error(transparent)]
     Illustration(illustration::Error),

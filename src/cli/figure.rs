@@ -3,7 +3,7 @@ use super::error::CommandError;
 use super::source::Source;
 use super::{Exit, damage, output, progress, wish};
 use crate::figure::Axis;
-use crate::illustration::{self, Evidence, Figure, Format, WishedFigure, WishedSubject};
+use crate::illustration::{self, Evidence, Figure, Format, Wish, WishedFigure, WishedSubject};
 use std::num::NonZero;
 use std::path::Path;
 
@@ -19,10 +19,7 @@ pub fn run(options: &FigureCommandOptions) -> Result<Exit, CommandError> {
     let recordings: Vec<illustration::Source> = sources.iter().map(|source| source.recording.clone()).collect();
     let bar = progress::bar("drawing", 0);
     let mut heard = progress::listener(&bar);
-    let mut wish = wish::of(&options.look, WishedSubject::Figure(figure(options)));
-    (wish.from, wish.to, wish.every) = (options.from, options.to, options.every);
-    wish.titles.clone_from(&options.title);
-    let evidence = Evidence::new(&wish.request(&recordings, &mut heard)?, &recordings);
+    let evidence = Evidence::new(&wish(options).request(&recordings, &mut heard)?, &recordings);
     let mut conditions = Vec::new();
     output::write_file(path, options.output.force, |output| {
         conditions = illustration::draw(&evidence, &recordings, format, NonZero::<usize>::MIN, &mut heard, output)?;
@@ -30,6 +27,17 @@ pub fn run(options: &FigureCommandOptions) -> Result<Exit, CommandError> {
     })?;
     bar.finish_and_clear();
     Ok(damage::tell_all(&conditions))
+}
+
+/// What is asked for.
+pub fn wish(options: &FigureCommandOptions) -> Wish {
+    Wish {
+        from: options.from,
+        to: options.to,
+        every: options.every,
+        titles: options.title.clone(),
+        ..wish::of(&options.look, WishedSubject::Figure(figure(options)))
+    }
 }
 
 fn figure(options: &FigureCommandOptions) -> WishedFigure {
@@ -51,7 +59,8 @@ const fn axis(axis: FigureAxis) -> Axis {
     }
 }
 
-fn format(path: &Path) -> Result<Format, CommandError> {
+/// What the name of the result asks for.
+pub fn format(path: &Path) -> Result<Format, CommandError> {
     match Format::of_name(path) {
         Some(format) if !format.is_animated() => Ok(format),
         None if output::is_standard_output(path) => Ok(Format::Png),

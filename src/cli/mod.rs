@@ -1,6 +1,7 @@
 //! The command line: one file per command, and the edge where errors become reports.
 
 mod arguments;
+mod check;
 mod completions;
 mod damage;
 mod error;
@@ -8,6 +9,7 @@ mod exit;
 mod export;
 mod figure;
 mod info;
+mod jobs;
 mod kind;
 mod output;
 mod progress;
@@ -15,6 +17,7 @@ mod record;
 mod recover;
 mod render;
 mod replay;
+mod shard;
 mod source;
 mod video;
 mod wish;
@@ -31,6 +34,7 @@ pub fn run(arguments: Arguments) -> Exit {
         Command::Figure(options) => figure::run(options),
         Command::Export(options) => export::run(options),
         Command::Info(options) => info::run(options),
+        Command::Check(options) => check::run(options),
         Command::Recover(options) => recover::run(options),
         Command::Completions(options) => completions::run(options),
     };

@@ -3,7 +3,7 @@ use super::error::CommandError;
 use super::kind::Kind;
 use super::output::{self, Folder};
 use super::source::Source;
-use super::{Exit, damage, progress, video, wish};
+use super::{Exit, damage, jobs, progress, video, wish};
 use crate::illustration::{self, Evidence, Format, Progress, Subject, Wish, WishedSubject};
 use std::num::NonZero;
 
@@ -28,6 +28,15 @@ pub fn run(options: &RenderOptions) -> Result<Exit, CommandError> {
     bar.finish_and_clear();
     job.tell(&mut heard)?;
     Ok(exit)
+}
+
+/// What is asked for and its format, where that is one file that is drawn here.
+pub fn picture_wish(options: &RenderOptions) -> Result<Option<(Wish, Format)>, CommandError> {
+    let kind = Kind::of(options)?;
+    Ok(match kind {
+        Kind::Animation(format) | Kind::Picture(format) => Some((wish(options, kind), format)),
+        Kind::Video(_) | Kind::Sequence => None,
+    })
 }
 
 fn wish(options: &RenderOptions, kind: Kind) -> Wish {
@@ -59,7 +68,7 @@ struct Job<'a> {
 
 impl Job<'_> {
     fn threads(&self) -> NonZero<usize> {
-        self.options.jobs.or(std::thread::available_parallelism().ok()).unwrap_or(NonZero::<usize>::MIN)
+        jobs::threads(self.options.jobs)
     }
 
     fn file(&self, format: Format, heard: Progress) -> Result<Exit, CommandError> {

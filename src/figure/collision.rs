@@ -1,12 +1,11 @@
 use super::close_up::CloseUp;
 use super::pair::{Pair, ROLES};
-use super::panels::{Panels, above_caption, caption, dashed};
+use super::panels::{Panels, above_caption, caption, dashed, in_rows};
 use super::{FigureOptions, Meeting};
 use crate::physics::{Collision, Rect, Vector};
-use crate::render::area::overlap;
+use crate::render::area::{inset, overlap};
 use crate::render::labels::Labels;
 use crate::render::layers::bodies::border_color;
-use crate::render::layers::legend::Legend;
 use crate::render::number::significant;
 use crate::render::text::Line;
 use crate::render::{Arrow, Camera, DisplayList, Ink, Look, Shape};
@@ -15,15 +14,7 @@ use crate::render::{Arrow, Camera, DisplayList, Ink, Look, Shape};
 /// close by, the unit normal n̂, the penetration vector n⃗ and the share of it by which each is
 /// displaced; (c) the two apart again, with the velocities of their rebound, dotted.
 pub fn collision(meetings: &[Meeting], options: &FigureOptions) -> DisplayList {
-    let mut panels = Panels::new(options, &Legend::of(&options.style));
-    let titles: Vec<&str> = meetings.iter().map(|meeting| meeting.title.as_str()).collect();
-    let page = panels.room;
-    for (meeting, place) in meetings.iter().zip(panels.titled(&titles, 1)) {
-        panels.room = place;
-        row(meeting, &mut panels, options);
-        panels.room = page;
-    }
-    panels.finish()
+    in_rows(meetings, options, row)
 }
 
 /// The three pictures of one collision, and its numbers below.
@@ -78,7 +69,10 @@ fn labels(pair: &Pair, room: &Rect, camera: &Camera, rects: &[Rect; 2], arrows: 
     let mut labels = Labels::within(*room);
     pair.names(camera, rects, arrows, look).iter().for_each(|name| labels.take(name.place()));
     for rect in rects.iter().filter_map(|rect| overlap(&camera.rect(rect), room)) {
-        labels.avoid_border(&rect, 1.0);
+        // Not even close to it, lest a label seem to touch.
+        for apart in [-0.3, 0.0, 0.3] {
+            labels.avoid_border(&inset(&rect, apart * look.text), 1.0);
+        }
         labels.avoid(rect, 0.3);
     }
     for arrow in arrows {

@@ -10,7 +10,7 @@ use crate::render::{DisplayList, Frame, Look};
 /// Chosen instants side by side, each with its time: read like a page, row by row. Of several runs
 /// each has its own row, or as many as suit it, one below the other.
 pub fn filmstrip(runs: &[Run], options: &FigureOptions) -> DisplayList {
-    let mut panels = Panels::new(options, &legend(runs, &options.style));
+    let mut panels = Panels::new(options, &legend(runs, options));
     let titles: Vec<&str> = runs.iter().map(|run| run.title.as_str()).collect();
     let page = panels.room;
     for (run, place) in runs.iter().zip(panels.titled(&titles, 1)) {

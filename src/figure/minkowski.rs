@@ -1,12 +1,11 @@
 use super::pair::Pair;
-use super::panels::{Panels, above_caption, caption, dashed, outline};
+use super::panels::{Panels, above_caption, caption, dashed, in_rows, outline};
 use super::{FigureOptions, Meeting};
 use crate::physics::{Rect, Vector};
 use crate::render::area::{contains, inset, larger, smaller};
 use crate::render::labels::Labels;
 use crate::render::layers::bodies::border_color;
 use crate::render::layers::grid::round_spacing;
-use crate::render::layers::legend::Legend;
 use crate::render::number::significant;
 use crate::render::text::Line;
 use crate::render::{Arrow, Camera, Color, DisplayList, Look, Shape};
@@ -15,15 +14,7 @@ use crate::render::{Arrow, Camera, Color, DisplayList, Look, Shape};
 /// s = b ⊖ c around the origin, with the vectors from the origin to its four sides, of which
 /// the shortest is the penetration vector n⃗; (c) the same close by, where n⃗ is too short.
 pub fn minkowski(meetings: &[Meeting], options: &FigureOptions) -> DisplayList {
-    let mut panels = Panels::new(options, &Legend::of(&options.style));
-    let titles: Vec<&str> = meetings.iter().map(|meeting| meeting.title.as_str()).collect();
-    let page = panels.room;
-    for (meeting, place) in meetings.iter().zip(panels.titled(&titles, 1)) {
-        panels.room = place;
-        row(meeting, &mut panels, options);
-        panels.room = page;
-    }
-    panels.finish()
+    in_rows(meetings, options, row)
 }
 
 /// The pictures of one collision.

@@ -46,7 +46,8 @@ impl Pair {
         });
         let colors = [0, 1].map(|at| color(bodies[at], collision.before[at], options));
         let mut pair = Pair { collision, names, colors, area: boxes, time };
-        pair.area = pair.with_arrows(boxes, size);
+        let apart = near_parts(&pair.displaced());
+        pair.area = pair.with_arrows(union(&boxes, &apart), size);
         pair
     }
 

@@ -1,4 +1,4 @@
-use super::{FigureOptions, Run};
+use super::{FigureOptions, Meeting, Run};
 use crate::physics::{Rect, Vector};
 use crate::render::area::{inset, larger, smaller};
 use crate::render::layers::legend::{Legend, Place};
@@ -128,6 +128,23 @@ impl Panels {
             shapes: self.shapes,
         }
     }
+}
+
+/// A page with a row for each collision, as `row` draws it.
+pub fn in_rows(
+    meetings: &[Meeting],
+    options: &FigureOptions,
+    row: impl Fn(&Meeting, &mut Panels, &FigureOptions),
+) -> DisplayList {
+    let mut panels = Panels::new(options, &Legend::of(&options.style));
+    let titles: Vec<&str> = meetings.iter().map(|meeting| meeting.title.as_str()).collect();
+    let page = panels.room;
+    for (meeting, place) in meetings.iter().zip(panels.titled(&titles, 1)) {
+        panels.room = place;
+        row(meeting, &mut panels, options);
+        panels.room = page;
+    }
+    panels.finish()
 }
 
 /// The part of a panel that is not caption.

@@ -25,7 +25,7 @@ const NAMED: usize = 24;
 /// Where each body is over time: a band as wide as the body, so that bands that touch are
 /// bodies that touch. Several runs have the same scales.
 pub fn spacetime(runs: &[Run], axis: Axis, options: &FigureOptions) -> DisplayList {
-    let mut panels = Panels::new(options, &legend(runs, &options.style));
+    let mut panels = Panels::new(options, &legend(runs, options));
     let bands: Vec<Vec<Band>> = runs.iter().map(|run| bands(run, axis, options)).collect();
     let Some((time, place)) = ranges(runs, &bands, axis, options) else { return panels.finish() };
     let (place, titles) = match axis {

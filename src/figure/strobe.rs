@@ -10,7 +10,7 @@ use crate::render::{Color, DisplayList, Frame, Ink, Shape, Sprite, palette};
 
 /// Many instants in one picture, the earlier the fainter: how things moved.
 pub fn strobe(runs: &[Run], options: &FigureOptions) -> DisplayList {
-    let mut panels = Panels::new(options, &legend(runs, &options.style));
+    let mut panels = Panels::new(options, &legend(runs, options));
     let titles: Vec<&str> = runs.iter().map(|run| run.title.as_str()).collect();
     let extents: Vec<Vector> = runs.iter().map(|run| extent(run, options)).collect();
     let columns = panels.columns(&extents, (TITLE + 1.6) * panels.look.text);

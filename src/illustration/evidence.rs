@@ -19,7 +19,10 @@ pub struct Evidence {
     pub request: Request,
 }
 
-const SOFTWARE: &str = "Software";
+/// What this program calls itself in pictures.
+pub const SOFTWARE: &str = concat!("rebond ", env!("CARGO_PKG_VERSION"));
+
+const DRAWN_BY: &str = "Software";
 const RECORDING: &str = "rebond recording";
 const STEPS: &str = "rebond steps";
 const OPTIONS: &str = "rebond options";
@@ -32,7 +35,7 @@ impl Evidence {
     pub fn new(request: &Request, sources: &[Source]) -> Evidence {
         let identity = |source: &Source| source.survey.identity.clone().unwrap_or_else(|| UNFINISHED.into());
         Evidence {
-            software: concat!("rebond ", env!("CARGO_PKG_VERSION")).to_owned(),
+            software: SOFTWARE.to_owned(),
             recordings: sources.iter().map(identity).collect(),
             recorded_every: sources.iter().map(|source| source.header.every).max().unwrap_or(1),
             request: request.clone(),
@@ -44,7 +47,7 @@ impl Evidence {
         let entry = |key: &str, value: String| (key.to_owned(), value);
         Metadata {
             entries: vec![
-                entry(SOFTWARE, self.software.clone()),
+                entry(DRAWN_BY, self.software.clone()),
                 entry(RECORDING, self.recordings.join("; ")),
                 entry(STEPS, steps(&self.request.subject)),
                 entry(OPTIONS, self.options().to_string()),
@@ -76,7 +79,7 @@ impl Evidence {
         let options = Options::parse(get(OPTIONS)?).ok_or_else(|| wrong(OPTIONS))?;
         let subject = subject(get(STEPS)?, &options).ok_or_else(|| wrong(STEPS))?;
         Ok(Evidence {
-            software: get(SOFTWARE)?.clone(),
+            software: get(DRAWN_BY)?.clone(),
             recordings: get(RECORDING)?.split("; ").map(str::to_owned).collect(),
             recorded_every: options.get("recorded_every").map_or(Some(1), |every| every.parse().ok()).unwrap_or(1),
             request: request(subject, &options).ok_or_else(|| wrong(OPTIONS))?,

@@ -27,7 +27,7 @@ mod wish;
 pub use again::again;
 pub use draw::{draw, draw_sequence, frames, timeline, view};
 pub use error::Error;
-pub use evidence::Evidence;
+pub use evidence::{Evidence, SOFTWARE};
 pub use format::Format;
 pub use frames::{Condition, Frames, Reached};
 pub use request::{Encounter, Figure, Request, Subject};

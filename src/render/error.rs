@@ -34,6 +34,6 @@ pub enum RenderError {
     #[error(transparent)]
     Read(std::io::Error),
     /// A picture's file is damaged or of another kind.
-    #[error("no PNG file that can be read: {0}")]
+    #[error("no picture file that can be read: {0}")]
     Unreadable(String),
 }

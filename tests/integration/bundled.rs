@@ -1,12 +1,9 @@
 //! The scenes and recordings that come with rebond.
 
-use crate::rebond::{Workplace, bundled_scenes};
-use rebond::{
-    physics::CollisionCount,
-    recording,
-    replay::{Verdict, replay},
-    scene,
-};
+use crate::rebond::bundled_scenes;
+use rebond::scene;
+use std::fs;
+use std::path::Path;
 
 #[test]
 fn every_bundled_scene_is_read() {
@@ -18,31 +15,35 @@ fn every_bundled_scene_is_read() {
     }
 }
 
-/// The recordings were made once and committed: a change of the engine by one bit shows here.
+/// The recordings and pictures were made once and committed: a change of an engine by one bit, or of
+/// a drawing by one pixel, shows here.
 #[test]
-fn every_committed_recording_replays_the_same() {
-    let mut replayed = 0;
-    for path in bundled_scenes() {
-        let path = path.with_extension("mcap");
-        if !path.exists() {
-            continue;
-        }
-        let recording = recording::open(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-        let verdict = replay(recording, 0..=u64::MAX, &mut CollisionCount::default(), &mut |_| ());
-        let verdict = verdict.unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-        assert!(matches!(verdict, Verdict::Same { .. }), "{}: {verdict}", path.display());
-        replayed += 1;
+fn committed_recordings_and_pictures_are_what_their_scenes_give() {
+    let mut command = assert_cmd::Command::new(env!("CARGO_BIN_EXE_rebond"));
+    command.current_dir(env!("CARGO_MANIFEST_DIR"));
+    let output = command.args(["check", "recordings", "snapshots", "--report", "failures/check"]).output().unwrap();
+    let told = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success(), "{told}{}", String::from_utf8_lossy(&output.stderr));
+    let held = |name: &str| told.lines().any(|line| line.starts_with(name) && line.contains(": same"));
+    for path in bundled_scenes().iter().filter(|path| path.with_extension("mcap").exists()) {
+        let name = path.with_extension("mcap").file_name().unwrap().to_string_lossy().into_owned();
+        assert!(held(&format!("recordings/{name}: ")), "{name} in {told}");
     }
-    assert!(replayed >= 6, "{replayed} recordings");
+    assert!(held("snapshots/gallery/click-session.gif: "), "{told}");
 }
 
-/// A committed recording is what recording its scene gives today, byte for byte.
+/// The README shows what its commands give, all of it, and a page of it loads in no time.
 #[test]
-fn committed_recordings_are_what_their_scenes_give() {
-    for path in bundled_scenes().into_iter().filter(|path| path.with_extension("mcap").exists()) {
-        let workplace = Workplace::new();
-        workplace.done(&format!("record {} -o run.mcap", path.display()));
-        let committed = std::fs::read(path.with_extension("mcap")).unwrap();
-        assert!(workplace.read("run.mcap") == committed, "{}", path.display());
+fn the_gallery_is_drawn_by_commands_and_shown_by_the_readme() {
+    let package = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let [readme, commands] =
+        ["README.md", "recordings/gallery.check"].map(|name| fs::read_to_string(package.join(name)).unwrap());
+    let pictures: Vec<_> = fs::read_dir(package.join("snapshots/gallery")).unwrap().map(Result::unwrap).collect();
+    assert!(pictures.len() >= 10, "{} pictures", pictures.len());
+    for picture in pictures {
+        let name = picture.file_name().into_string().unwrap();
+        assert!(commands.contains(&format!(" -o ../snapshots/gallery/{name} ")), "no command draws {name}");
+        assert!(readme.contains(&format!("](snapshots/gallery/{name})")), "the README does not show {name}");
+        assert!(picture.metadata().unwrap().len() < 1_000_000, "{name} is too large");
     }
 }

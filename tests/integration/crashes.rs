@@ -3,10 +3,9 @@
 use crate::rebond::Workplace;
 use rebond::recording::{self, Health};
 use std::{
-    hash::{BuildHasher, Hasher, RandomState},
     process::{Child, Command, Stdio},
     thread,
-    time::Duration,
+    time::{Duration, SystemTime},
 };
 
 /// So long that nobody waits for its end.
@@ -39,7 +38,8 @@ fn start(workplace: &Workplace, output: &str, stdout: Stdio) -> Child {
 
 /// Moments to kill at: REBOND_SEED brings those of a failed test back.
 fn moments() -> impl Iterator<Item = Duration> {
-    let random = RandomState::new().build_hasher().finish();
+    #[expect(clippy::disallowed_methods, reason = "only when to kill depends on the clock")]
+    let random = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap().as_nanos() as u64;
     let mut state = std::env::var("REBOND_SEED").map_or(random, |seed| seed.parse().expect("a number")) | 1;
     println!("REBOND_SEED={state}");
     std::iter::repeat_with(move || {

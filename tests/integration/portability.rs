@@ -54,7 +54,7 @@ const RULES: &[Rule] = &[
     Rule {
         word: "thread::",
         allowed: &[
-            "src/cli/render.rs",
+            "src/cli/jobs.rs",
             "src/recording/background.rs",
             "src/recording/writer.rs",
             "src/render/in_order.rs",
