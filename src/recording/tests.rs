@@ -147,7 +147,9 @@ fn every_flipped_bit_is_noticed_and_costs_one_chunk_at_most() {
     let bytes = record(&drop_and_delete());
     let (whole, _) = items(&bytes);
     let mut table = BTreeMap::new();
-    for bit in 0..bytes.len() * 8 {
+    // Every bit where that takes seconds; without optimisation every 13th, each of a byte's in turn.
+    let stride = if cfg!(debug_assertions) { 13 } else { 1 };
+    for bit in (0..bytes.len() * 8).step_by(stride) {
         let mut flipped = bytes.clone();
         flipped[bit / 8] ^= 1 << (bit % 8);
         let (part, health) = items(&flipped);
