@@ -5,13 +5,14 @@ mod verdict;
 use std::{
     io::{Read, Seek},
     ops::RangeInclusive,
+    path::Path,
 };
 
 use crate::{
-    physics::{Collision, Engine, Memory, Observer, Settings},
+    physics::{Collision, CollisionCount, Engine, Memory, Observer, Settings},
     recording::{
         BodyTable, Change, End, Error, Health, Item, Keyframe, RecordedEvent, RecordedState, Recording,
-        SEMANTICS_VERSION, StateDigest, numbers,
+        SEMANTICS_VERSION, StateDigest, numbers, open,
     },
 };
 
@@ -33,6 +34,14 @@ pub fn replay<R: Read + Seek, O: Observer>(
     progress: &mut dyn FnMut(u64),
 ) -> Result<Verdict, Error> {
     watch(recording, steps, &mut Listening(observer), progress)
+}
+
+/// [`replay`] of all of the recording at `path`, with nobody to watch.
+///
+/// # Errors
+/// As for [`replay`], and if the file cannot be opened.
+pub fn replay_file(path: &Path) -> Result<Verdict, Error> {
+    replay(open(path)?, 0..=u64::MAX, &mut CollisionCount::default(), &mut |_| ())
 }
 
 /// Whoever wants to see the engine of a replay, too.

@@ -43,6 +43,8 @@ mod hard_scenes;
 mod hostile_lengths;
 #[path = "integration/laboratory.rs"]
 mod laboratory;
+#[path = "integration/library.rs"]
+mod library;
 #[path = "integration/live_events.rs"]
 mod live_events;
 #[path = "integration/pace.rs"]

@@ -57,7 +57,7 @@ pub enum Drawing {
     },
     /// Nothing: the evidence in the picture names a recording that is nowhere.
     Orphaned {
-        /// Its identity.
+        /// Which, in words.
         recording: String,
     },
     /// What somebody wrote down cannot be understood.

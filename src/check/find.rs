@@ -1,9 +1,10 @@
 use super::{Case, Drawing, Reference};
 use crate::illustration::{Evidence, Format};
-use crate::recording;
+use crate::recording::{self, Identity};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::OsStr;
 use std::path::{Component, Path, PathBuf};
+use std::str::FromStr;
 use std::{fs, io};
 
 /// How the names of manifests end: files that list references.
@@ -161,7 +162,11 @@ impl Identities {
         for recording in &evidence.recordings {
             let places = self.0.get(recording).map(Vec::as_slice).unwrap_or_default();
             let Some(place) = places.iter().find(|place| place.every <= evidence.recorded_every) else {
-                return Drawing::Orphaned { recording: recording.clone() };
+                let recording = match Identity::from_str(recording) {
+                    Ok(_) => format!("its recording {recording}"),
+                    Err(_) => "its recording, which was unfinished and had no identity yet,".into(),
+                };
+                return Drawing::Orphaned { recording };
             };
             sources.push(place.path.clone());
         }

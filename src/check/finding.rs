@@ -53,7 +53,7 @@ pub enum Outcome {
     Missing,
     /// A picture's recording is not there.
     Orphaned {
-        /// Its identity or name.
+        /// Which, in words.
         recording: String,
     },
     /// A picture cannot be drawn, for that is not as it should be which it is drawn of.
@@ -138,7 +138,7 @@ impl Display for Outcome {
             Outcome::Differs(mismatch) => write!(out, "differs: {mismatch}"),
             Outcome::Missing => write!(out, "missing: there is no such picture yet"),
             Outcome::Orphaned { recording } => {
-                write!(out, "orphaned: its recording {recording} is not there; delete it, or bring the recording back")
+                write!(out, "orphaned: {recording} is not there")
             }
             Outcome::Undrawn { why, .. } => write!(out, "undrawn: {why}"),
             Outcome::Failed(why) => write!(out, "failed: {why}"),

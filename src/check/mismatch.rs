@@ -84,12 +84,18 @@ fn bytes(expected: &[u8], actual: &[u8]) -> String {
     let [was, is] = [expected, actual].map(String::from_utf8_lossy);
     let place = was.lines().zip(is.lines()).position(|(was, is)| was != is);
     let place = place.unwrap_or_else(|| was.lines().count().min(is.lines().count()));
-    let line = |text: &str| match text.lines().nth(place) {
-        Some(line) if line.chars().count() <= 80 => line.trim().to_owned(),
-        Some(line) => format!("{}…", line.trim().chars().take(80).collect::<String>()),
-        None => "no such line".to_owned(),
-    };
-    format!("line {} is {:?}, expected {:?}", place + 1, line(&is), line(&was))
+    let [was, is] = [&was, &is].map(|text| text.lines().nth(place).unwrap_or_default().trim());
+    let alike = was.chars().zip(is.chars()).take_while(|(was, is)| was == is).count();
+    let [was, is] = [was, is].map(|line| excerpt(line, alike));
+    format!("line {} is {is:?}, expected {was:?}", place + 1)
+}
+
+/// What of a line is around a place in it.
+fn excerpt(line: &str, place: usize) -> String {
+    let (before, length) = (place.saturating_sub(20), 60);
+    let part: String = line.chars().skip(before).take(length).collect();
+    let [begin, end] = [before > 0, line.chars().count() > before + length].map(|cut| if cut { "…" } else { "" });
+    format!("{begin}{part}{end}")
 }
 
 /// What the files say of themselves, where the expected one says anything.

@@ -1,9 +1,8 @@
 //! Whether a recording replays, and whether the scene beside it still gives it.
 
 use super::{Drift, Finding, Fresh, Outcome};
-use crate::physics::CollisionCount;
 use crate::recording::{self, Error, Identity};
-use crate::replay::{Verdict, replay};
+use crate::replay::{Verdict, replay_file};
 use crate::run::{self, RunError};
 use crate::scene::{self, Scene};
 use std::path::Path;
@@ -16,7 +15,10 @@ pub fn examine(path: &Path, scene: Option<&Path>) -> Finding {
     let Some(scene_path) = scene else { return finding(replayed, None) };
     let fresh = match scene::load(scene_path).map_err(RunError::from).and_then(|scene| anew(&scene, path)) {
         Ok(fresh) => fresh,
-        Err(error) => return finding(Outcome::Failed(error.to_string()), None),
+        Err(error) => {
+            let why = format!("its scene {} cannot be recorded: {error}", scene_path.display());
+            return finding(Outcome::Failed(why), None);
+        }
     };
     let Outcome::Replayed { verdict: verdict @ Verdict::Same { .. }, .. } = replayed else {
         return finding(replayed, Some(Fresh::Recording(fresh.file)));
@@ -29,9 +31,7 @@ pub fn examine(path: &Path, scene: Option<&Path>) -> Finding {
 }
 
 fn replayed(path: &Path) -> Outcome {
-    let done = recording::open(path)
-        .and_then(|recording| replay(recording, 0..=u64::MAX, &mut CollisionCount::default(), &mut |_| ()));
-    match done {
+    match replay_file(path) {
         Ok(Verdict::Diverged(divergence)) => Outcome::Diverged(divergence),
         Ok(verdict) => Outcome::Replayed { verdict, has_scene: false },
         Err(Error::OtherSemantics { found }) => Outcome::OtherSemantics { found },

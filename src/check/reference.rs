@@ -58,7 +58,7 @@ fn drawn(reference: &Reference, software: &str) -> Result<(Vec<u8>, Format), Box
 
 fn all_there(sources: &[PathBuf]) -> Result<(), Box<Outcome>> {
     match sources.iter().find(|source| !source.exists()) {
-        Some(source) => Err(Box::new(Outcome::Orphaned { recording: source.display().to_string() })),
+        Some(source) => Err(Box::new(Outcome::Orphaned { recording: format!("its recording {}", source.display()) })),
         None => Ok(()),
     }
 }
@@ -120,8 +120,7 @@ impl Opened {
         let unwritable = |error| run::RunError::from(recording::Error::Write(error));
         let (file, place) =
             tempfile::Builder::new().prefix("rebond-").suffix(".mcap").tempfile().map_err(unwritable)?.into_parts();
-        let plan = run::RecordOptions { steps: scene.run.steps, every: 1, viewer: None };
-        run::record(&scene, plan, NO_LIVE_EVENTS, file, |_| ())?;
+        run::record(&scene, run::RecordOptions::whole(&scene), NO_LIVE_EVENTS, file, |_| ())?;
         Ok(Opened { source: Source::open(&place)?, _made_here: Some(place) })
     }
 }

@@ -19,6 +19,9 @@ pub struct Arguments {
     /// What to do.
     #[command(subcommand)]
     pub command: Command,
+    /// Say nothing but results and errors
+    #[arg(short, long, global = true, display_order = 900)]
+    pub quiet: bool,
 }
 
 /// The commands.
@@ -42,6 +45,8 @@ pub enum Command {
     Recover(RecoverOptions),
     /// Print the completions for a shell
     Completions(CompletionsOptions),
+    /// Write the manual pages
+    Man(ManOptions),
 }
 
 /// Where a result goes, and whether something may stand there already.
@@ -89,6 +94,9 @@ pub struct RecordOptions {
     /// Skip event lines that are malformed or late, and count them
     #[arg(long)]
     pub lenient: bool,
+    /// Tell what was recorded as one JSON object
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// Options of `replay`.
@@ -108,28 +116,31 @@ pub struct ReplayOptions {
     /// The last step to compare
     #[arg(long, value_name = "STEP")]
     pub to: Option<u64>,
+    /// The verdict as one JSON object
+    #[arg(long)]
+    pub json: bool,
 }
 
 /// How pictures look; what no flag says the scene's `[figure]` says.
 #[derive(Args, Debug)]
 pub struct LookOptions {
     /// Width and height in pixels
-    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = picture_size)]
+    #[arg(long, value_name = "WxH", value_parser = picture_size)]
     pub size: Option<[u32; 2]>,
     /// light or dark
     #[arg(long, value_parser = theme)]
     pub theme: Option<Theme>,
-    /// What to draw beside the boxes: velocity, force, normal, impulse, penetration, trail, name,
-    /// mass, grid, axes, scale, clock; or none
+    /// none, or of velocity, force, normal, impulse, penetration, trail, name, mass, grid, axes,
+    /// scale, clock
     #[arg(long, value_name = "LIST", value_parser = overlays)]
     pub show: Option<Overlays>,
     /// What colours tell: body, material or speed
     #[arg(long, value_name = "WHAT", value_parser = color_by)]
     pub color_by: Option<ColorBy>,
-    /// What is seen: world, bodies (wherever they go), or X,Y,WIDTH,HEIGHT in metres
-    #[arg(long, value_name = "WINDOW", value_parser = window, allow_hyphen_values = true)]
+    /// What is seen: world, bodies, or X,Y,WIDTH,HEIGHT in metres
+    #[arg(long, value_name = "AREA", value_parser = window, allow_hyphen_values = true)]
     pub window: Option<WishedWindow>,
-    /// Keep this body in the middle; --window WIDTHxHEIGHT says how much is seen around it
+    /// Keep this body in the middle, --window WxH around it
     #[arg(long, value_name = "NAME")]
     pub follow: Option<String>,
     /// What is written below
@@ -140,15 +151,15 @@ pub struct LookOptions {
 /// Options of `render`.
 #[derive(Args, Debug)]
 #[command(after_help = "\
-OUT.gif and OUT.apng are animations, OUT.mp4 and OUT.webm too if ffmpeg is there; OUT.png, .svg or
-.pdf with --at is one picture, any other name a folder of 000000.png, 000001.png, ... Flags
-override the scene's [figure].
+OUT.gif and .apng are animations, with ffmpeg .mp4 and .webm too; OUT.png, .svg
+and .pdf with --at are one picture, any other name a folder of one PNG a step.
+What no flag says the scene's [figure] says.
 
 Examples:
   rebond render recordings/figure-1.toml -o figure-1.gif
-  rebond render figure-1.mcap -o frames/ --from 60 --to 120 --show velocity,name,clock
-  rebond render figure-1.mcap -o slow.apng --slow 0.1 --hold 0.5 at collisions --follow c
-  rebond render figure-1.mcap -o impact.svg --at 24 --theme dark --size 1920x1080")]
+  rebond render run.mcap -o frames/ --from 60 --to 120 --show name,clock
+  rebond render run.mcap -o slow.apng --slow 0.1 --hold 0.5 at collisions
+  rebond render run.mcap -o impact.svg --at 24 --theme dark --size 1920x1080")]
 pub struct RenderOptions {
     /// A scene (.toml) or a recording (.mcap)
     pub source: PathBuf,
@@ -170,11 +181,11 @@ pub struct RenderOptions {
     /// Draw about that many frames for each second
     #[arg(long, value_parser = positive)]
     pub fps: Option<f64>,
-    /// Slow motion: simulated seconds for each second on the screen, such as 0.1
+    /// Slow motion: simulated seconds a second, such as 0.1
     #[arg(long, value_name = "PACE", value_parser = positive)]
     pub slow: Option<f64>,
-    /// Stop so many seconds whenever bodies meet: 0.5 at collisions
-    #[arg(long, num_args = 3, value_names = ["S", "at", "collisions"])]
+    /// Stop so long whenever bodies meet: 0.5 at collisions
+    #[arg(long, num_args = 3, value_names = ["S", "at", "…"])]
     pub hold: Option<Vec<HoldWord>>,
     /// How it looks.
     #[command(flatten)]
@@ -229,8 +240,8 @@ impl std::str::FromStr for HoldWord {
 Examples:
   rebond figure collision recordings/figure-1.toml -o collision.svg
   rebond figure minkowski figure-1.mcap -o minkowski.pdf --pair c,b
-  rebond figure filmstrip figure-1.mcap -o strip.png --from 40 --to 90 --every 10
-  rebond figure strobe recordings/bullet-handout.mcap recordings/bullet-exact.mcap -o bullets.svg")]
+  rebond figure filmstrip run.mcap -o strip.png --from 40 --to 90 --every 10
+  rebond figure strobe bullet-handout.mcap bullet-exact.mcap -o bullets.svg")]
 pub struct FigureCommandOptions {
     /// collision, minkowski, strobe, spacetime, energy or filmstrip
     #[arg(hide_possible_values = true)]
@@ -244,7 +255,7 @@ pub struct FigureCommandOptions {
     /// How it looks.
     #[command(flatten)]
     pub look: LookOptions,
-    /// collision, minkowski: the first collision from this step on
+    /// collision, minkowski: the first collision from here on
     #[arg(long, value_name = "STEP", default_value_t = 0)]
     pub step: u64,
     /// collision, minkowski: only of these two bodies
@@ -259,10 +270,10 @@ pub struct FigureCommandOptions {
     /// The last step to draw
     #[arg(long, value_name = "STEP")]
     pub to: Option<u64>,
-    /// Draw every N-th step, counted from step 0 [default: as many as suit the figure]
+    /// Draw every N-th step, counted from step 0 [default: what suits]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub every: Option<u64>,
-    /// What is written above a recording, in the order of several [default: their own titles]
+    /// What is written above each of several [default: their own titles]
     #[arg(long, value_name = "TEXT")]
     pub title: Vec<String>,
 }
@@ -343,19 +354,17 @@ pub struct InfoOptions {
 /// Options of `check`.
 #[derive(Args, Debug)]
 #[command(after_help = "\
-Every recording (*.mcap) must replay and, if NAME.toml stands beside NAME.mcap, still be what that
-scene gives. Every picture drawn by rebond must come out again: it says itself of what and how it
-was drawn. Pictures can also be listed in a manifest, any file *.check: one command a line, as it
-would be typed in that folder, such as
+Every recording must replay and, if NAME.toml stands beside NAME.mcap, still be
+what that scene gives. Every picture drawn by rebond must come out again. More
+pictures are listed in a manifest NAME.check: a command a line, as typed there:
   rebond figure strobe fall.mcap -o fall.svg
-Compared are all bits of states, all pixels and instants of PNG and GIF, all bytes of SVG and PDF.
-Exit codes: 0 same, 3 something differs, 4 a recording is truncated or corrupt, 1 something cannot
-be checked; if several, the first of 1, 4, 3.
+Exit codes: 0 same, 3 something differs, 4 a recording is truncated or corrupt,
+1 something cannot be checked; of several the first of 1, 4, 3.
 
 Examples:
   rebond check recordings
-  rebond check lecture --update          accepts what changed, and draws what is missing
-  rebond check lecture --shard 2/4       the second quarter; with --json parts join as they are")]
+  rebond check lecture --update        accepts, and draws what is missing
+  rebond check lecture --shard 2/4     with --json parts join as they are")]
 pub struct CheckOptions {
     /// Files, or folders and all below them
     #[arg(required = true, value_name = "PATH")]
@@ -375,9 +384,6 @@ pub struct CheckOptions {
     /// One JSON object a case
     #[arg(long)]
     pub json: bool,
-    /// Only what is not the same
-    #[arg(short, long)]
-    pub quiet: bool,
 }
 
 /// Options of `recover`.
@@ -403,6 +409,19 @@ Example:
 pub struct CompletionsOptions {
     /// bash, zsh, fish, elvish or powershell
     pub shell: clap_complete::Shell,
+}
+
+/// Options of `man`.
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Example:
+  rebond man ~/.local/share/man/man1       then: man rebond, man rebond-render")]
+pub struct ManOptions {
+    /// The folder they go to
+    pub folder: PathBuf,
+    /// Replace those that are there
+    #[arg(short, long)]
+    pub force: bool,
 }
 
 /// A list of overlays as one flag gives it.

@@ -25,6 +25,12 @@ pub enum CommandError {
         /// What of it.
         source: recording::Error,
     },
+    /// A scene stands where a recording is wanted.
+    #[error("{} is a scene; record it first: rebond record {} -o {}", path.display(), path.display(), path.with_extension("mcap").display())]
+    NotRecordedYet {
+        /// The scene.
+        path: PathBuf,
+    },
     /// A recording cannot be opened or created; the error names it.
     #[error(transparent)]
     RecordingFile(recording::Error),
@@ -119,6 +125,9 @@ impl CommandError {
         match source {
             recording::Error::Open { .. } | recording::Error::Create { .. } | recording::Error::Exists { .. } => {
                 CommandError::RecordingFile(source)
+            }
+            recording::Error::NotARecording { .. } if path.extension().is_some_and(|extension| extension == "toml") => {
+                CommandError::NotRecordedYet { path: path.into() }
             }
             recording::Error::Write(source) => CommandError::unwritable(path)(source),
             source => CommandError::Recording { path: path.into(), source },

@@ -10,7 +10,9 @@ mod export;
 mod figure;
 mod info;
 mod jobs;
+mod json;
 mod kind;
+mod man;
 mod output;
 mod progress;
 mod record;
@@ -27,6 +29,7 @@ pub use exit::Exit;
 
 /// Runs one command to its end and says how it ended; errors are reported on the way.
 pub fn run(arguments: Arguments) -> Exit {
+    output::be_quiet(arguments.quiet);
     let result = match &arguments.command {
         Command::Record(options) => record::run(options),
         Command::Replay(options) => replay::run(options),
@@ -37,6 +40,7 @@ pub fn run(arguments: Arguments) -> Exit {
         Command::Check(options) => check::run(options),
         Command::Recover(options) => recover::run(options),
         Command::Completions(options) => completions::run(options),
+        Command::Man(options) => man::run(options),
     };
     result.unwrap_or_else(error::report)
 }

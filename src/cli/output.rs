@@ -7,6 +7,7 @@ use std::{
     fs,
     io::{self, BufWriter, Write},
     path::{Path, PathBuf},
+    sync::OnceLock,
 };
 use tempfile::{Builder, NamedTempFile, TempDir};
 
@@ -21,9 +22,36 @@ pub fn print(text: &[u8]) -> Result<(), CommandError> {
     output.write_all(text).and_then(|()| output.flush()).map_err(CommandError::StandardOutput)
 }
 
+/// Set once, before any command runs.
+static QUIET: OnceLock<bool> = OnceLock::new();
+
+/// From now on nothing but results and errors is told, if that is wished.
+pub fn be_quiet(quiet: bool) {
+    let _ = QUIET.set(quiet); // Whoever runs several commands in one program decides at the first.
+}
+
+/// Whether nothing but results and errors is told.
+pub fn is_quiet() -> bool {
+    QUIET.get().copied().unwrap_or(false)
+}
+
 /// Tells the user something on standard error; results go to standard output.
 pub fn note(text: std::fmt::Arguments) {
-    let _ = writeln!(io::stderr(), "{text}");
+    if !is_quiet() {
+        let _ = writeln!(io::stderr(), "{text}");
+    }
+}
+
+/// Says what became of the result at `path`: on standard output, unless the result itself is there.
+pub fn tell(path: &Path, text: &str) -> Result<(), CommandError> {
+    if is_quiet() {
+        return Ok(());
+    }
+    if is_standard_output(path) {
+        note(format_args!("{text}"));
+        return Ok(());
+    }
+    print(format!("{text}\n").as_bytes())
 }
 
 /// Writes one file with `write`, or standard output for `-`.

@@ -78,17 +78,20 @@ fn tell(options: &RecordOptions, recorded: &Recorded, skipped: u64) -> Result<()
         output::note(format_args!("{skipped} event line(s) skipped"));
     }
     let end = &recorded.end;
-    let line = format!(
-        "{}: {} steps, {} bodies, {} collisions, identity {}\n",
+    let collisions = end.collisions.unwrap_or_default();
+    if options.json {
+        let object = serde_json::json!({
+            "path": options.output.display().to_string(), "steps": end.steps, "bodies": end.bodies,
+            "collisions": collisions, "identity": end.identity.to_string(), "error": end.error,
+        });
+        return output::tell(&options.output, &object.to_string());
+    }
+    let told = format!(
+        "{}: {} steps, {} bodies, {collisions} collisions, identity {}",
         options.output.display(),
         end.steps,
         end.bodies,
-        end.collisions.unwrap_or_default(),
         end.identity
     );
-    if output::is_standard_output(&options.output) {
-        output::note(format_args!("{}", line.trim_end()));
-        return Ok(());
-    }
-    output::print(line.as_bytes())
+    output::tell(&options.output, &told)
 }

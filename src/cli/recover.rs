@@ -12,11 +12,7 @@ pub fn run(options: &RecoverOptions) -> Result<Exit, CommandError> {
         recovery = Some(recording::recover(&mut recording, output).map_err(failed)?.0);
         Ok(())
     })?;
-    let told = recovery.map_or(String::new(), |recovery| format!("{recovery}\n"));
-    if output::is_standard_output(&options.output.output) {
-        output::note(format_args!("{}", told.trim_end()));
-    } else {
-        output::print(told.as_bytes())?;
-    }
+    let told = recovery.map_or(String::new(), |recovery| recovery.to_string());
+    output::tell(&options.output.output, &told)?;
     Ok(Exit::Done)
 }

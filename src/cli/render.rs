@@ -104,10 +104,6 @@ impl Job<'_> {
                 format!("{}: {}", path.display(), illustration::timeline(request, self.source, heard)?)
             }
         };
-        if output::is_standard_output(path) {
-            output::note(format_args!("{line}"));
-            return Ok(());
-        }
-        output::print(format!("{line}\n").as_bytes())
+        output::tell(path, &line)
     }
 }

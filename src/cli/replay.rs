@@ -1,6 +1,6 @@
 use super::arguments::ReplayOptions;
 use super::error::CommandError;
-use super::{Exit, output, progress};
+use super::{Exit, json, output, progress};
 use crate::physics::{CollisionCount, Observer};
 use crate::recording;
 use crate::replay::{Verdict, replay};
@@ -10,7 +10,8 @@ use std::{ops::RangeInclusive, path::Path};
 pub fn run(options: &ReplayOptions) -> Result<Exit, CommandError> {
     let steps = options.from.unwrap_or(0)..=options.to.unwrap_or(u64::MAX);
     let verdict = judge(&options.recording, steps, &mut CollisionCount::default())?;
-    output::print(format!("{verdict}\n").as_bytes())?;
+    let told = if options.json { json::verdict(&verdict).to_string() } else { verdict.to_string() };
+    output::print(format!("{told}\n").as_bytes())?;
     Ok(exit(&verdict))
 }
 

@@ -40,7 +40,7 @@ fn is_recording(path: &Path) -> Result<bool, CommandError> {
 /// Records a scene and replays it; a verdict other than `same` is told and ends the work.
 fn record_and_replay(scene: &Scene, path: &Path) -> Result<(), CommandError> {
     let file = File::create(path).map_err(CommandError::unwritable(path))?;
-    let plan = run::RecordOptions { steps: scene.run.steps, every: 1, viewer: None };
+    let plan = run::RecordOptions::whole(scene);
     let recorded = record::record(scene, plan, run::NO_LIVE_EVENTS, file, path)?;
     if let Some(error) = &recorded.error {
         output::note(format_args!("{error}; drawing what came before"));

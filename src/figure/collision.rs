@@ -111,7 +111,7 @@ pub fn name_arrow(arrow: &Arrow, markup: &str, labels: &mut Labels, panels: &mut
         return;
     }
     let line = Line::math(markup, 1.1 * panels.look.text);
-    let label = labels.place(line, arrow.to, along, 0.7 * panels.look.text, arrow.color);
+    let label = labels.place(line, arrow.to, along, panels.look.text, arrow.color);
     label.draw(&panels.look, &mut panels.shapes);
 }
 

@@ -2,7 +2,7 @@ use super::energies::energies;
 use super::meeting::meeting;
 use super::stops::stops;
 use super::style::style;
-use super::{Condition, Encounter, Error, Evidence, Figure, Format, Frames, Progress, Request, Source, Subject};
+use super::{Condition, Encounter, Error, Evidence, Figure, Format, Frames, Progress, Request, Source, Subject, Wish};
 use crate::figure::{self, EnergyRun, FigureOptions, Meeting, Run};
 use crate::render::{
     DisplayList, Frame, Metadata, Pace, Sampling, Thinning, Timeline, View, compose, write_apng, write_gif,
@@ -40,6 +40,26 @@ pub fn draw(
     let (list, conditions) = picture(request, sources, progress)?;
     format.write(&list, &metadata, output)?;
     Ok(conditions)
+}
+
+/// The file of what somebody wishes for, with its evidence, drawn on this thread.
+///
+/// ```no_run
+/// use rebond::illustration::{Format, Source, Wish, WishedSubject, drawn};
+///
+/// let source = Source::open("cradle.mcap".as_ref())?;
+/// let png = drawn(&Wish::new(WishedSubject::Still { step: 60 }), &[source], Format::Png)?;
+/// std::fs::write("cradle.png", png)?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+///
+/// # Errors
+/// When there is nothing such to show in the recordings, or as for [`draw`].
+pub fn drawn(wish: &Wish, sources: &[Source], format: Format) -> Result<Vec<u8>, Error> {
+    let evidence = Evidence::new(&wish.request(sources, &mut |_, _| ())?, sources);
+    let mut file = Vec::new();
+    draw(&evidence, sources, format, NonZero::<usize>::MIN, &mut |_, _| (), &mut file)?;
+    Ok(file)
 }
 
 /// Hands the step and the PNG file of each frame of a clip to `output`, in order. The evidence in

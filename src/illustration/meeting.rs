@@ -1,4 +1,5 @@
 use super::style::appearance;
+use super::wish::unknown;
 use super::{Encounter, Error, Progress, Source, source};
 use crate::figure::Meeting;
 use crate::physics::{BodyId, Collision, Engine, Observer};
@@ -31,9 +32,13 @@ pub fn meeting(source: &Source, step: u64, pair: Option<&[String; 2]>, progress:
         let [c, b] = collision.bodies.map(|id| bodies.get(&id).cloned());
         Some(Meeting { title: String::new(), collision, bodies: [c?, b?] })
     });
+    let missing = pair.into_iter().flatten().find(|&name| !source.survey.names.contains(name));
+    if let Some(name) = missing {
+        return Err(unknown(name, std::slice::from_ref(source)));
+    }
     found.ok_or_else(|| {
         let between = pair.map_or(String::new(), |[a, b]| format!(" between {a:?} and {b:?}"));
-        Error::Nothing { what: format!("no collision{between} from step {step} on") }
+        Error::Nothing { what: format!("no collision{between} from step {step} on, in a run of {steps} steps") }
     })
 }
 

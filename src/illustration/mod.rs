@@ -25,7 +25,7 @@ mod survey;
 mod wish;
 
 pub use again::again;
-pub use draw::{draw, draw_sequence, frames, timeline, view};
+pub use draw::{draw, draw_sequence, drawn, frames, timeline, view};
 pub use error::Error;
 pub use evidence::{Evidence, SOFTWARE};
 pub use format::Format;

@@ -187,7 +187,7 @@ impl Wish {
 
     fn following(&self, name: &str, window: Option<WishedWindow>, sources: &[Source]) -> Result<Aim, Error> {
         if !sources.iter().all(|source| source.survey.names.iter().any(|known| known == name)) {
-            return Err(Error::Nothing { what: format!("no body is ever called {name:?}") });
+            return Err(unknown(name, sources));
         }
         let size = match window {
             Some(WishedWindow::Size(size)) => size,
@@ -282,6 +282,13 @@ impl Wish {
         let sampling = counted(sampling, &sources[0])?;
         Ok(Subject::Figure { figure, steps: sampling.steps, every: sampling.every })
     }
+}
+
+/// The error of a body that is not in all of the recordings.
+pub fn unknown(name: &str, sources: &[Source]) -> Error {
+    let known = sources.iter().flat_map(|source| &source.survey.names).take(8);
+    let known: Vec<String> = known.map(|name| format!("{name:?}")).collect();
+    Error::Nothing { what: format!("no body is ever called {name:?}; there are {}", known.join(", ")) }
 }
 
 /// The recording of what shows one only.

@@ -222,7 +222,8 @@ impl std::fmt::Display for Timeline {
             write!(out, ", {} × as fast as it happens", self.pace.slow)?;
         }
         if self.pace.hold > 0.0 {
-            write!(out, ", {} stops of {} s", self.stops(), self.pace.hold)?;
+            let (count, noun) = (self.stops(), if self.stops() == 1 { "stop" } else { "stops" });
+            write!(out, ", {count} {noun} of {} s", self.pace.hold)?;
         }
         Ok(())
     }

@@ -1,9 +1,7 @@
-use crate::{recording, scene::SceneError};
+use crate::{physics::StepError, recording, scene::SceneError};
 use std::io;
 
-/// Why a run could not be recorded to its end.
-///
-/// A step the engine could not complete is no such error: it is part of what is recorded.
+/// Why a run could not be carried or recorded to its end.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum RunError {
     /// An input is refused.
@@ -13,6 +11,9 @@ pub enum RunError {
     /// The recording cannot be written.
     #[error(transparent)]
     Recording(#[from] recording::Error),
+    /// The engine could not complete a step. While recording that is no error: it is recorded.
+    #[error(transparent)]
+    Step(#[from] StepError),
     /// Live events cannot be read.
     #[error("cannot read the events after line {line}: {source}")]
     Events {

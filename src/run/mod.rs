@@ -86,6 +86,29 @@ impl Run {
         self.engine.step(observer)
     }
 
+    /// Runs up to the state `step` as it is recorded: what the scene has happen then has happened.
+    ///
+    /// ```
+    /// # let draft = rebond::scene::draft::Draft::default();
+    /// # let scene = draft.scene("scene.toml")?;
+    /// let mut run = rebond::run::Run::new(&scene);
+    /// let mut collisions = Vec::new();
+    /// run.go_to(60, &mut collisions)?;
+    /// assert_eq!(run.engine().present_step(), 60);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// When an input of the scene is refused, or the engine cannot complete a step.
+    pub fn go_to<O: Observer>(&mut self, step: u64, observer: &mut O) -> Result<(), RunError> {
+        self.happen(Vec::new(), |error| Err(error.into()))?;
+        while self.engine.present_step() < step {
+            self.step(observer)?;
+            self.happen(Vec::new(), |error| Err(error.into()))?;
+        }
+        Ok(())
+    }
+
     /// What an input comes to in the world as it is now.
     fn resolve(&mut self, action: Action) -> Result<Option<Change>, Fault> {
         match action {

@@ -15,6 +15,13 @@ pub struct RecordOptions {
     pub viewer: Option<Paint>,
 }
 
+impl RecordOptions {
+    /// All of a scene, every state in full, and nothing for viewers.
+    pub const fn whole(scene: &Scene) -> RecordOptions {
+        RecordOptions { steps: scene.run.steps, every: 1, viewer: None }
+    }
+}
+
 /// What came of recording a scene.
 #[derive(Debug)]
 pub struct Recorded {

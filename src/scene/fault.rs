@@ -108,6 +108,9 @@ impl Fault {
     /// What would be accepted instead.
     pub fn help(&self) -> String {
         match self {
+            Fault::Syntax { language: "TOML", message } if message.contains("duplicate key") => {
+                "keep one of the two; tables of which there are several have two brackets, such as [[spawn]]".into()
+            }
             Fault::Syntax { language: "TOML", .. } => "see https://toml.io for the language".into(),
             Fault::Syntax { .. } => "write one JSON object a line, for example {\"delete\": {\"name\": \"b\"}}".into(),
             Fault::UnknownKey { nearest: Some(nearest), accepts, .. } => {

@@ -1,10 +1,11 @@
 //! What a run is asked to be: a TOML file made into plain, checked values.
 //!
-//! [`load`] or [`parse`] gives a [`Scene`]; [`live::parse_line`] reads one more [`Action`]
+//! [`load`] or [`parse`] gives a [`Scene`], as does a [`draft`] in code; [`live::parse_line`] reads one more [`Action`]
 //! from a line of JSON. Both refuse what they do not understand with one [`SceneError`]
 //! that points at the text and says what would be accepted.
 
 mod action;
+pub mod draft;
 mod fault;
 mod figure_options;
 mod input;

@@ -11,7 +11,7 @@ use std::io::Cursor;
 
 /// A folder as somebody keeps it for a lecture: a scene, its recording, pictures that a manifest
 /// lists, and one that says itself how it was drawn.
-fn lecture() -> Workplace {
+pub fn lecture() -> Workplace {
     let workplace = Workplace::with_scene(SCENE);
     workplace.done("record scene.toml -o scene.mcap");
     workplace.write(
@@ -101,11 +101,11 @@ fn a_scene_that_was_edited_is_named_with_what_changed() {
     workplace.write("scene.toml", &later);
     assert!(told(&workplace, 3, "scene.mcap").contains("at step 60 recorded delete body 6, now nothing more"));
     workplace.write("scene.toml", "not a scene");
-    assert!(told(&workplace, 1, "scene.mcap").starts_with("failed: "));
+    assert!(told(&workplace, 1, "scene.mcap").starts_with("failed: its scene scene.toml cannot be recorded: "));
 }
 
 /// An engine that takes gravity to be another by one bit.
-fn record_by_another_engine(workplace: &Workplace) {
+pub fn record_by_another_engine(workplace: &Workplace) {
     let scene = scene::load(&workplace.path("scene.toml")).unwrap();
     let settings = run::settings(&scene);
     let text = SceneText { file_name: "scene.toml".into(), text: scene.source.text.clone() };

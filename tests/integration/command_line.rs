@@ -181,14 +181,69 @@ fn completions_know_the_commands() {
 }
 
 #[test]
+fn the_manual_has_a_page_for_each_command() {
+    let workplace = Workplace::new();
+    workplace.done("man man1");
+    let page = String::from_utf8(workplace.read("man1/rebond-render.1")).unwrap();
+    assert!(page.contains(".TH rebond-render 1") && page.contains("Examples"), "{page}");
+    assert!(workplace.path("man1/rebond.1").exists() && workplace.path("man1/rebond-check.1").exists());
+    assert_eq!(workplace.rebond("man man1").code, 1, "pages that are there stay");
+    workplace.done("man man1 --force");
+}
+
+#[test]
+fn quiet_says_nothing_but_results_and_errors() {
+    let workplace = Workplace::with_scene(SCENE);
+    for line in
+        ["--quiet record scene.toml -o run.mcap", "render -q run.mcap -o run.gif", "-q render scene.toml -o a.gif"]
+    {
+        let outcome = workplace.done(line);
+        assert_eq!((outcome.output.as_str(), outcome.errors.as_str()), ("", ""), "{line}");
+    }
+    assert_eq!(workplace.done("replay run.mcap --quiet").output, "same: 90 steps, 7 bodies\n");
+    assert!(workplace.rebond("replay none.mcap --quiet").errors.contains("none.mcap"));
+}
+
+#[test]
+fn scripts_are_told_in_json() {
+    let workplace = Workplace::with_scene(SCENE);
+    let json = |line: &str| -> serde_json::Value { serde_json::from_str(&workplace.rebond(line).output).unwrap() };
+    let recorded = json("record scene.toml -o run.mcap --json");
+    assert_eq!((recorded["steps"].as_u64(), recorded["path"].as_str()), (Some(90), Some("run.mcap")));
+    let verdict = json("replay run.mcap --json");
+    assert_eq!((verdict["verdict"].as_str(), verdict["same_steps"].as_u64()), (Some("same"), Some(90)));
+    let bytes = workplace.read("run.mcap");
+    std::fs::write(workplace.path("cut.mcap"), &bytes[..bytes.len() * 2 / 3]).unwrap();
+    assert_eq!(json("replay cut.mcap --json")["verdict"], "truncated");
+}
+
+/// Colours are for terminals; a pipe gets none, whatever NO_COLOR says.
+#[test]
+fn there_are_no_colours_in_a_pipe() {
+    let workplace = Workplace::with_scene(&SCENE.replace("rate = 60", "rate = 0"));
+    for line in ["record scene.toml -o a.mcap", "--help", "render --helb", "check ."] {
+        let output = std::process::Command::new(env!("CARGO_BIN_EXE_rebond"))
+            .args(line.split(' '))
+            .current_dir(workplace.path("."))
+            .env_remove("NO_COLOR")
+            .output()
+            .unwrap();
+        assert!(!output.stdout.contains(&0x1b) && !output.stderr.contains(&0x1b), "{line}");
+    }
+}
+
+#[test]
 fn help_has_examples_and_fits_a_screen() {
     let workplace = Workplace::new();
-    for command in ["record", "replay", "render", "figure", "export", "info", "check", "recover", "completions"] {
-        let help = workplace.done(&format!("{command} --help")).output;
+    let mut all = workplace.done_in("80", "--help").output;
+    for command in ["record", "replay", "render", "figure", "export", "info", "check", "recover", "completions", "man"]
+    {
+        let help = workplace.done_in("80", &format!("{command} --help")).output;
         assert!(help.contains("Example"), "{command}");
-        assert!(help.lines().count() <= 46, "{command}: {}", help.lines().count());
+        assert!(help.lines().count() <= 41, "{command}: {} lines", help.lines().count());
+        all += &format!("\n$ rebond {command} --help\n{help}");
     }
-    assert_text("help", &workplace.done("--help").output);
+    assert_text("help", &all);
 }
 
 #[test]

@@ -63,7 +63,7 @@ fn slow_motion_of_the_handouts_solver_shows_its_states_longer() {
 fn a_clip_stops_at_the_very_instant_of_an_impact() {
     let workplace = workplace("event-driven");
     let told = workplace.done("render run.mcap -o held.gif --hold 0.5 at collisions --fps 10").output;
-    assert_eq!(told, "held.gif: every step, 10 frames/s, 1 stops of 0.5 s\n");
+    assert_eq!(told, "held.gif: every step, 10 frames/s, 1 stop of 0.5 s\n");
     let delays = delays(&workplace.read("held.gif"));
     // The impact comes 0.025 s after step 4; its frame stays for the rest of the step and half a second more.
     assert_eq!(delays, [10, 10, 10, 10, 3, 57, 10, 10, 10, 10, 10, 10, 10, 10]);
@@ -97,7 +97,7 @@ fn a_stop_of_the_handouts_solver_is_at_the_state_it_found() {
         SHOT.replace("event-driven", "handout").replace("rate = 10", "rate = 100").replace("steps = 12", "steps = 60");
     let workplace = Workplace::with_scene(&slower);
     let told = workplace.done("render scene.toml -o held.gif --hold 0.5 at collisions --fps 50").output;
-    assert_eq!(told, "held.gif: every 2nd step, 50 frames/s, 1 stops of 0.5 s\n");
+    assert_eq!(told, "held.gif: every 2nd step, 50 frames/s, 1 stop of 0.5 s\n");
     let longest = delays(&workplace.read("held.gif")).into_iter().max();
     assert!(longest.is_some_and(|longest| (51..=52).contains(&longest)), "{longest:?}");
 }

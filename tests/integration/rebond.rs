@@ -94,6 +94,13 @@ impl Workplace {
         }
     }
 
+    /// Runs `rebond` on a terminal of so many columns and expects it to be done.
+    pub fn done_in(&self, columns: &str, line: &str) -> Outcome {
+        let outcome = self.run(self.command(line).env("COLUMNS", columns));
+        assert_eq!(outcome.code, 0, "rebond {line}: {outcome:?}");
+        outcome
+    }
+
     /// Runs `rebond` and expects it to be done without an error.
     pub fn done(&self, line: &str) -> Outcome {
         let outcome = self.rebond(line);

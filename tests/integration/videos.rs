@@ -71,7 +71,7 @@ fn stops_are_frames_sent_again() {
     let workplace = workplace(Some(COUNTING));
     workplace.write("scene.toml", &falling);
     let outcome = render(&workplace, "render scene.toml -o clip.mp4 --hold 0.5 at collisions");
-    assert!(outcome.output.contains("1 stops of 0.5 s"), "{outcome:?}");
+    assert!(outcome.output.contains("1 stop of 0.5 s"), "{outcome:?}");
     let written = String::from_utf8(workplace.read("clip.mp4")).unwrap();
     let bytes: u64 = written.trim_end().lines().last().unwrap().trim().parse().unwrap();
     assert_eq!(bytes, (10 + 15) * 64 * 36 * 4, "half a second is 15 frames more");

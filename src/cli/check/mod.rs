@@ -71,7 +71,7 @@ impl Examination<'_> {
         if self.options.json {
             return output::print(json(&finding, &shown, is_accepted).as_bytes());
         }
-        if self.options.quiet && finding.outcome.grade() == Grade::Same {
+        if output::is_quiet() && finding.outcome.grade() == Grade::Same {
             return Ok(());
         }
         output::print(line(&finding, is_accepted).as_bytes())

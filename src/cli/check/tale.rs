@@ -1,8 +1,8 @@
 //! What was found, for people and for scripts.
 
 use crate::check::{Drift, Finding, Fresh, Grade, Outcome};
+use crate::cli::json::difference;
 use crate::illustration::Format;
-use crate::replay::{Difference, ulps};
 use std::fmt::{self, Display, Formatter};
 use std::path::PathBuf;
 
@@ -29,20 +29,13 @@ pub fn json(finding: &Finding, shown: &[PathBuf], is_accepted: bool) -> String {
 
 /// The first number that differs, if one does.
 fn divergence(outcome: &Outcome) -> Option<serde_json::Value> {
-    let (step, difference) = match outcome {
-        Outcome::Diverged(divergence) => (divergence.step, &divergence.difference),
-        Outcome::Drifted(Drift::State { step, difference }) => (*step, difference),
-        _ => return None,
-    };
-    Some(match difference {
-        Difference::Number { body, field, recorded, replayed } => serde_json::json!({
-            "step": step, "body": body, "field": field, "recorded": recorded, "replayed": replayed,
-            "ulps": ulps(*recorded, *replayed),
-        }),
-        Difference::Digest { .. } | Difference::Course { .. } => {
-            serde_json::json!({ "step": step, "what": difference.to_string() })
-        }
-    })
+    match outcome {
+        Outcome::Diverged(divergence) => Some(difference(divergence.step, &divergence.difference)),
+        Outcome::Drifted(Drift::State { step, difference: found }) => Some(difference(*step, found)),
+        Outcome::Drifted(_) | Outcome::Replayed { .. } | Outcome::OtherSemantics { .. } | Outcome::Damaged(_) => None,
+        Outcome::Drawn | Outcome::Differs(_) | Outcome::Missing | Outcome::Orphaned { .. } => None,
+        Outcome::Undrawn { .. } | Outcome::Failed(_) => None,
+    }
 }
 
 /// How many of each kind there were, and how they are.
