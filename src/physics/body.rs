@@ -6,26 +6,29 @@ use super::{Material, Rect, Vector};
 pub type BodyId = u32;
 
 /// A box: a rectangle with a mass, a velocity and a force.
+///
+/// What changes at every step lies in one cache line.
 #[derive(Clone, Debug, PartialEq)]
+#[repr(C, align(64))]
 pub struct Body {
-    /// Its number in creation order.
-    pub id: BodyId,
-    /// Unique among the bodies alive; what errors and pictures call it.
-    pub name: String,
     /// Where it is, m.
     pub rect: Rect,
+    /// m/s.
+    pub velocity: Vector,
     /// kg; infinity for what is never pushed.
     pub mass: f64,
     /// 1/mass, kg⁻¹; 0 for an infinite mass.
     pub inverse_mass: f64,
-    /// m/s.
-    pub velocity: Vector,
     /// The sum of the forces since the last step, N (the handout's accumulator).
     pub force: Vector,
     /// The force it carries at all times, N.
     pub constant_force: Vector,
+    /// Its number in creation order.
+    pub id: BodyId,
     /// What it is made of, for the restitution table.
     pub material: Material,
+    /// Unique among the bodies alive; what errors and pictures call it.
+    pub name: String,
 }
 
 impl Body {

@@ -86,7 +86,7 @@ impl EventDriven {
         while let Some(Member { slot: by, .. }) = block.members.get(next).copied() {
             next += 1;
             if self.stands(by, side.axis) {
-                standing = standing.or(Some(self.fine(by, side.axis).velocity));
+                standing = standing.or(Some(self.fine_velocity(by, side.axis)));
                 continue;
             }
             let in_contact = self.contacts.of(by).iter().filter(|contact| contact.axis == side.axis);
@@ -147,7 +147,7 @@ impl EventDriven {
     fn common_velocity(&self, block: &Block, side: Side) -> DoubleDouble {
         let mut excess = DoubleDouble::ZERO;
         for member in &block.members {
-            let difference = self.fine(member.slot, side.axis).velocity - side.velocity;
+            let difference = self.fine_velocity(member.slot, side.axis) - side.velocity;
             excess = excess + difference * DoubleDouble::from(self.traits[member.slot as usize].mass);
         }
         side.velocity + excess / block.mass.into()
@@ -156,8 +156,7 @@ impl EventDriven {
     /// Who touches a body along an axis, no faster than `slow` against it and not in contact,
     /// and whether ahead of it.
     fn clinging(&self, world: &World, slot: Slot, axis: usize, slow: f64) -> Vec<(Slot, bool)> {
-        let mut near = Vec::new();
-        self.neighbours.near(slot, &self.movers[slot as usize], |other| near.push(other));
+        let mut near = self.neighbours.all_near(slot, &self.movers[slot as usize]);
         near.sort_unstable();
         near.dedup();
         near.retain(|other| {
@@ -196,20 +195,20 @@ impl EventDriven {
     /// The body hit starts at `start`, and the others are put on each other's faces.
     pub(super) fn push(&mut self, block: &Block, side: Side, start: DoubleDouble, velocity: DoubleDouble) {
         for (place, member) in block.members.iter().enumerate() {
-            let own = self.fine(member.slot, side.axis);
+            let acceleration = self.acceleration(member.slot, side.axis);
             let size = |slot: Slot| self.movers[slot as usize].size[side.axis].into();
             let position = match member.on {
                 None if place == 0 => start,
-                None => own.position,
+                None => self.fine(member.slot, side.axis).position,
                 Some((other, true)) => self.fine(other, side.axis).position + size(other),
                 Some((other, false)) => self.fine(other, side.axis).position - size(member.slot),
             };
-            self.redirect(member.slot, side.axis, FineState { position, velocity, acceleration: own.acceleration });
+            self.redirect(member.slot, side.axis, FineState { position, velocity, acceleration });
         }
         for member in &block.members {
             let mut next = 0;
             while let Some(contact) = self.contacts.of(member.slot).get(next).copied() {
-                if contact.axis != side.axis || self.fine(contact.other, side.axis).velocity.high == velocity.high {
+                if contact.axis != side.axis || self.fine_velocity(contact.other, side.axis).high == velocity.high {
                     next += 1;
                 } else {
                     self.unjoin(member.slot, contact.other);

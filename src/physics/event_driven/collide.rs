@@ -147,7 +147,8 @@ impl EventDriven {
             return foretold;
         }
         self.nudge(delay);
-        self.encounter(pair, axis)
+        let states = foretold.states.map(|state| state.after(delay.into()));
+        Encounter { states, approach: (states[0].velocity - states[1].velocity).high, ..foretold }
     }
 
     /// How much later than foretold the faces meet, s: what rounding hid from prediction.
@@ -164,12 +165,11 @@ impl EventDriven {
         if gap == 0.0 || speed <= 0.0 || square < 0.0 {
             return 0.0;
         }
-        let delay = 2.0 * gap / (speed + square.sqrt());
-        let earliest = slots.map(|slot| {
-            let since = self.movers[slot as usize].motion[axis].since;
-            -self.age(since, self.residues[slot as usize][axis].offset).high
-        });
-        let delay = earliest.into_iter().fold(delay, |delay, limit| if limit > delay { limit } else { delay });
+        let mut delay = 2.0 * gap / (speed + square.sqrt());
+        if delay < 0.0 {
+            let earliest = slots.map(|slot| -self.age(slot, axis).high);
+            delay = earliest.into_iter().fold(delay, |delay, limit| if limit > delay { limit } else { delay });
+        }
         if (-LONGEST_ROUNDING..=LONGEST_WAIT).contains(&delay) { delay } else { 0.0 }
     }
 
@@ -215,7 +215,7 @@ impl EventDriven {
         if mover.infinite {
             return true;
         }
-        let motion = &mover.motion[axis];
+        let motion = mover.motion.along(axis);
         let t = self.clock.seconds(motion.since, self.now);
         let way = t * (motion.velocity.abs() + 0.5 * motion.acceleration.abs() * t);
         let hurry = &mut mover.hurry[axis];
@@ -250,7 +250,7 @@ impl EventDriven {
     fn state(&self, pair: [Slot; 2]) -> [(Rect, Vector); 2] {
         pair.map(|slot| {
             let mover = &self.movers[slot as usize];
-            let [(x, vx), (y, vy)] = AXES.map(|axis| mover.motion[axis].at(&self.clock, self.now));
+            let [[x, y], [vx, vy]] = mover.motion.at(&self.clock, self.now);
             (Rect::new(Vector::new(x, y), mover.size[0], mover.size[1]), Vector::new(vx, vy))
         })
     }

@@ -21,6 +21,8 @@ pub struct Contact {
 #[derive(Clone, Debug, Default)]
 pub struct Contacts {
     of: Vec<Vec<Contact>>,
+    /// How many are listed: where there are none nobody looks for them.
+    count: usize,
 }
 
 impl Contacts {
@@ -31,12 +33,12 @@ impl Contacts {
 
     /// The contacts of a body; none are listed with an infinite mass.
     pub fn of(&self, slot: Slot) -> &[Contact] {
-        &self.of[slot as usize]
+        if self.count == 0 { &[] } else { &self.of[slot as usize] }
     }
 
     /// The axis along which two bodies are in contact, if they are; ask for a finite mass.
     pub fn between(&self, slot: Slot, other: Slot) -> Option<usize> {
-        self.of[slot as usize].iter().find(|contact| contact.other == other).map(|contact| contact.axis)
+        self.of(slot).iter().find(|contact| contact.other == other).map(|contact| contact.axis)
     }
 
     /// Enters a contact: the second body lies ahead of the first.
@@ -47,19 +49,24 @@ impl Contacts {
                 let contact = Contact { other, axis, ahead };
                 let place = contacts.partition_point(|known| *known < contact);
                 contacts.insert(place, contact);
+                self.count += 1;
             }
         }
     }
 
     /// Strikes out the contact of two bodies.
     pub fn part(&mut self, slot: Slot, other: Slot) {
-        self.of[slot as usize].retain(|contact| contact.other != other);
-        self.of[other as usize].retain(|contact| contact.other != slot);
+        for [own, others] in [[slot, other], [other, slot]] {
+            let contacts = &mut self.of[own as usize];
+            self.count -= contacts.len();
+            contacts.retain(|contact| contact.other != others);
+            self.count += contacts.len();
+        }
     }
 
     /// Whether contacts lead on from a body, in a direction along an axis, to an infinite mass.
     pub fn holds(&self, movers: &[Mover], slot: Slot, axis: usize, ahead: bool) -> bool {
-        self.of[slot as usize].iter().any(|contact| {
+        self.of(slot).iter().any(|contact| {
             contact.axis == axis && contact.ahead == ahead && movers[contact.other as usize].is_immovable(axis, ahead)
         })
     }

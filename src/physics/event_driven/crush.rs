@@ -55,8 +55,7 @@ impl EventDriven {
     /// The nearest infinite mass beside a body.
     fn wall_beside(&self, slot: Slot, axis: usize, ahead: bool) -> Option<Slot> {
         let own = self.fine(slot, axis).position.high;
-        let mut near = Vec::new();
-        self.neighbours.near(slot, &self.movers[slot as usize], |other| near.push(other));
+        let mut near = self.neighbours.all_near(slot, &self.movers[slot as usize]);
         near.sort_unstable();
         near.retain(|other| {
             let there = self.fine(*other, axis).position.high;

@@ -23,6 +23,11 @@ pub struct Residue {
     pub offset: f64,
 }
 
+/// Those of a body along both axes: one cache line.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+pub struct Residues(pub [Residue; 2]);
+
 /// Where a body is along an axis at an instant, and how it moves on.
 #[derive(Clone, Copy, Debug)]
 pub struct FineState {
@@ -35,6 +40,11 @@ pub struct FineState {
 }
 
 impl FineState {
+    /// Whether it neither moves nor begins to.
+    fn is_still(&self) -> bool {
+        self.velocity.high == 0.0 && self.acceleration.high == 0.0
+    }
+
     /// The same motion t seconds later.
     #[inline]
     pub fn after(&self, t: DoubleDouble) -> FineState {
@@ -51,24 +61,55 @@ impl EventDriven {
     /// The state of a body along an axis at the present instant.
     #[inline]
     pub(super) fn fine(&self, slot: Slot, axis: usize) -> FineState {
-        let motion = &self.movers[slot as usize].motion[axis];
-        let residue = &self.residues[slot as usize][axis];
-        let reference = FineState {
-            position: DoubleDouble { high: motion.position, low: residue.position },
-            velocity: DoubleDouble { high: motion.velocity, low: residue.velocity },
-            acceleration: DoubleDouble { high: motion.acceleration, low: residue.acceleration },
-        };
-        if motion.is_still() || (motion.since == self.now && residue.offset == self.now_residue) {
+        let reference = self.reference(slot, axis);
+        if reference.is_still() || self.is_fresh(slot, axis) {
             return reference;
         }
-        reference.after(self.age(motion.since, residue.offset))
+        reference.after(self.age(slot, axis))
     }
 
-    /// Seconds from a reference instant to the present one.
+    /// Its velocity alone, m/s.
     #[inline]
-    pub(super) fn age(&self, since: Instant, residue: f64) -> DoubleDouble {
-        let [from, to] = [(since.offset, residue), (self.now.offset, self.now_residue)];
-        let offset = DoubleDouble { high: to.0, low: to.1 } - DoubleDouble { high: from.0, low: from.1 };
+    pub(super) fn fine_velocity(&self, slot: Slot, axis: usize) -> DoubleDouble {
+        let reference = self.reference(slot, axis);
+        if reference.acceleration.high == 0.0 || self.is_fresh(slot, axis) {
+            return reference.velocity;
+        }
+        reference.velocity + reference.acceleration * self.age(slot, axis)
+    }
+
+    /// The state at the reference instant.
+    #[inline]
+    fn reference(&self, slot: Slot, axis: usize) -> FineState {
+        let motion = &self.movers[slot as usize].motion;
+        let residue = &self.residues[slot as usize].0[axis];
+        FineState {
+            position: DoubleDouble { high: motion.position[axis], low: residue.position },
+            velocity: DoubleDouble { high: motion.velocity[axis], low: residue.velocity },
+            acceleration: self.acceleration(slot, axis),
+        }
+    }
+
+    /// The acceleration of a body along an axis, m/s².
+    #[inline]
+    pub(super) fn acceleration(&self, slot: Slot, axis: usize) -> DoubleDouble {
+        let high = self.movers[slot as usize].motion.acceleration[axis];
+        DoubleDouble { high, low: self.residues[slot as usize].0[axis].acceleration }
+    }
+
+    /// Whether the present instant is the reference.
+    #[inline]
+    fn is_fresh(&self, slot: Slot, axis: usize) -> bool {
+        self.movers[slot as usize].motion.since(axis) == self.now
+            && self.residues[slot as usize].0[axis].offset == self.now_residue
+    }
+
+    /// Seconds from the reference instant to the present one.
+    #[inline]
+    pub(super) fn age(&self, slot: Slot, axis: usize) -> DoubleDouble {
+        let since = self.movers[slot as usize].motion.since(axis);
+        let from = DoubleDouble { high: since.offset, low: self.residues[slot as usize].0[axis].offset };
+        let offset = DoubleDouble { high: self.now.offset, low: self.now_residue } - from;
         if self.now.step == since.step {
             return offset;
         }
@@ -79,14 +120,13 @@ impl EventDriven {
     pub(super) fn redirect(&mut self, slot: Slot, axis: usize, state: FineState) {
         let FineState { position, velocity, acceleration } = state;
         let mover = &mut self.movers[slot as usize];
-        mover.motion[axis] = Motion {
-            position: position.high,
-            velocity: velocity.high,
-            acceleration: acceleration.high,
-            since: self.now,
-        };
-        mover.since = mover.motion[0].since.or_later(mover.motion[1].since);
-        self.residues[slot as usize][axis] = Residue {
+        let [position_now, velocity_now, acceleration_now] =
+            [position, velocity, acceleration].map(|number| number.high);
+        let since = self.now;
+        let motion = Motion { position: position_now, velocity: velocity_now, acceleration: acceleration_now, since };
+        mover.motion.set(axis, motion);
+        mover.since = mover.motion.latest();
+        self.residues[slot as usize].0[axis] = Residue {
             position: position.low,
             velocity: velocity.low,
             acceleration: acceleration.low,

@@ -32,8 +32,8 @@ impl<'a> State<'a> {
     /// The state at an instant.
     #[inline]
     pub fn new(clock: &Clock, mover: &'a Mover, at: Instant) -> State<'a> {
-        let [(x, vx), (y, vy)] = [mover.motion[0].at(clock, at), mover.motion[1].at(clock, at)];
-        State { mover, at, position: [x, y], velocity: [vx, vy] }
+        let [position, velocity] = mover.motion.at(clock, at);
+        State { mover, at, position, velocity }
     }
 
     /// The state at another instant, if it is another.
@@ -77,15 +77,13 @@ impl Relative {
     #[inline]
     fn new(clock: &Clock, first: &State, second: &Mover) -> Relative {
         let a = first.position;
-        let seconds = AXES.map(|axis| clock.seconds(second.motion[axis].since, first.at));
-        let b = AXES.map(|axis| second.motion[axis].position_after(seconds[axis]));
-        let velocity = AXES.map(|axis| second.motion[axis].velocity_after(seconds[axis]));
+        let [b, velocity] = second.motion.at(clock, first.at);
         let sizes = [first.mover.size, second.size];
         Relative {
             ahead: AXES.map(|axis| (b[axis] - a[axis]) - sizes[0][axis]),
             behind: AXES.map(|axis| (a[axis] - b[axis]) - sizes[1][axis]),
             velocity: AXES.map(|axis| velocity[axis] - first.velocity[axis]),
-            acceleration: AXES.map(|axis| second.motion[axis].acceleration - first.mover.motion[axis].acceleration),
+            acceleration: AXES.map(|axis| second.motion.acceleration[axis] - first.mover.motion.acceleration[axis]),
             tolerance: AXES.map(|axis| tolerance(a[axis].abs() + b[axis].abs() + (sizes[0][axis] + sizes[1][axis]))),
         }
     }
@@ -96,32 +94,18 @@ impl Relative {
         if self.ahead[axis] > self.behind[axis] { self.ahead[axis] } else { self.behind[axis] }
     }
 
-    /// Whether the boxes are apart on an axis and will ever be: the commonest case, seen at once.
-    #[inline]
-    fn separate(&self) -> bool {
-        let separate = AXES.map(|axis| {
-            let (velocity, acceleration) = (self.velocity[axis], self.acceleration[axis]);
-            let goes_ahead = (self.ahead[axis] > 0.0) & (velocity >= 0.0) & (acceleration >= 0.0);
-            let goes_behind = (self.behind[axis] > 0.0) & (velocity <= 0.0) & (acceleration <= 0.0);
-            goes_ahead | goes_behind
-        });
-        separate[0] | separate[1]
-    }
-
-    /// Whether the boxes stay apart on an axis for so many seconds at least: of many boxes
-    /// around one, all but the nearest.
+    /// Whether on an axis the boxes are apart and stay so for so many seconds at least: of many
+    /// boxes around one, all but the nearest.
     #[inline]
     fn stay_apart(&self, seconds: f64) -> bool {
-        let way = |speed: f64, acceleration: f64| {
-            let speed = if speed > 0.0 { speed } else { 0.0 };
-            let acceleration = if acceleration > 0.0 { acceleration } else { 0.0 };
-            seconds * (speed + 0.5 * acceleration * seconds)
-        };
+        let positive = |number: f64| if number > 0.0 { number } else { 0.0 };
         let apart = AXES.map(|axis| {
-            let (velocity, acceleration) = (self.velocity[axis], self.acceleration[axis]);
-            let ahead = self.ahead[axis] - way(-velocity, -acceleration) > self.tolerance[axis];
-            let behind = self.behind[axis] - way(velocity, acceleration) > self.tolerance[axis];
-            ahead | behind
+            let side = if self.ahead[axis] > self.behind[axis] { -1.0 } else { 1.0 };
+            let (speed, acceleration) = (side * self.velocity[axis], side * self.acceleration[axis]);
+            let gap = self.gap(axis);
+            let recede = (gap > 0.0) & (speed <= 0.0) & (acceleration <= 0.0);
+            let way = seconds * (positive(speed) + 0.5 * positive(acceleration) * seconds);
+            recede | (gap - way > self.tolerance[axis])
         });
         apart[0] | apart[1]
     }
@@ -209,7 +193,7 @@ pub fn meeting(clock: &Clock, first: &State, second: &Mover, latest: f64) -> Opt
 #[inline]
 fn meeting_from(clock: &Clock, first: &State, second: &Mover, latest: f64) -> Option<(Instant, Kind)> {
     let relative = Relative::new(clock, first, second);
-    if relative.separate() | relative.stay_apart(latest) {
+    if relative.stay_apart(latest) {
         return None;
     }
     let (seconds, kind) = match straight_meeting(&relative) {
@@ -308,12 +292,17 @@ pub fn parting(clock: &Clock, axis: usize, first: &Mover, second: &Mover) -> Opt
 mod tests {
     use super::*;
     use crate::physics::event_driven::motion::Motion;
+    use crate::physics::event_driven::motions::Motions;
 
     /// A unit box: position, velocity, acceleration.
     fn mover(x: [f64; 3], y: [f64; 3]) -> Mover {
         let since = Instant::start_of(0);
-        let motion =
-            [x, y].map(|[position, velocity, acceleration]| Motion { position, velocity, acceleration, since });
+        let motion = Motions::new([x, y].map(|[position, velocity, acceleration]| Motion {
+            position,
+            velocity,
+            acceleration,
+            since,
+        }));
         let held = [[false; 2]; 2];
         Mover { motion, size: [1.0; 2], since, generation: 0, place: 0, infinite: false, held, hurry: [0; 2] }
     }

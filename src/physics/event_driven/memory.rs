@@ -26,10 +26,10 @@ impl EventDriven {
         for slot in alive {
             let mover = &self.movers[slot];
             for axis in AXES {
-                let motion = &mover.motion[axis];
+                let motion = mover.motion.along(axis);
                 memory.integers.extend([motion.since.step as u64, u64::from(mover.hurry[axis])]);
                 memory.numbers.extend([motion.position, motion.velocity, motion.acceleration, motion.since.offset]);
-                let residue = &self.residues[slot][axis];
+                let residue = &self.residues[slot].0[axis];
                 memory.numbers.extend([residue.position, residue.velocity, residue.acceleration, residue.offset]);
             }
             contacts.extend(self.contacts_of(slot));
@@ -80,10 +80,12 @@ impl EventDriven {
             let slot = self.add(body, place, Instant::start_of(step));
             let mover = &mut self.movers[slot as usize];
             for axis in AXES {
-                (mover.motion[axis], mover.hurry[axis]) = reader.motion(step)?;
-                self.residues[slot as usize][axis] = reader.residue()?;
+                let (motion, hurry) = reader.motion(step)?;
+                mover.motion.set(axis, motion);
+                mover.hurry[axis] = hurry;
+                self.residues[slot as usize].0[axis] = reader.residue()?;
             }
-            mover.since = mover.motion[0].since.or_later(mover.motion[1].since);
+            mover.since = mover.motion.latest();
         }
         self.restore_contacts(&mut reader)?;
         for _ in 0..reader.integer()? {
@@ -107,8 +109,6 @@ impl EventDriven {
         self.contacts = super::Contacts::default();
         self.forced = [0; 2];
         self.fresh.clear();
-        self.outlooks.clear();
-        self.reaches.clear();
         self.moving = super::Moving::default();
         self.calendar = super::Calendar::new(0);
         self.changed.clear();

@@ -1,13 +1,13 @@
 //! The exact solver: from event to event. See [`EventDriven`].
 //!
 //! Boxes neither turn nor rub, so between events each moves on a parabola along each axis
-//! (`motion`), each pair meets at a root known in closed form (`meeting`), and there is no
+//! (`motion`, `motions`), each pair meets at a root known in closed form (`meeting`), and there is no
 //! time step to trade against error: a step only says when the state is sampled.
 //!
 //! One step: newcomers are admitted and put apart (`separation`); what is due happens in its
 //! total order (`schedule`): boxes collide (`collide`, `block`, `impact`), slide off edges and
 //! take up or end contacts (`contact`, `settle`, `least_change`), and whoever that concerned
-//! looks ahead again among its neighbours (`outlook`, `reach`, `neighbours`, `grid`); what moved
+//! looks ahead again among its neighbours (`outlook`, `reach`, `near`, `neighbours`, `grid`); what moved
 //! is sampled (`sampling`), and who is about to leave its cell moves on (`calendar`). `memory` is
 //! what must be kept to go on to the bit, `crush` how a step may fail.
 //!
@@ -51,7 +51,9 @@ mod least_change;
 mod meeting;
 mod memory;
 mod motion;
+mod motions;
 mod mover;
+mod near;
 mod neighbours;
 mod outlook;
 mod reach;
@@ -65,13 +67,14 @@ use block::Block;
 use calendar::Calendar;
 use contact::Contacts;
 use double_double::DoubleDouble;
-use fine_state::Residue;
+use fine_state::{Residue, Residues};
 use instant::{Clock, Instant};
 use meeting::Kind;
 use motion::Motion;
+use motions::Motions;
 use mover::{AXES, Mover, Slot, Traits};
+use near::Near;
 use neighbours::Neighbours;
-use outlook::Outlook;
 use reach::Reach;
 use sampling::Moving;
 use schedule::Schedule;
@@ -83,7 +86,7 @@ const GLANCES_PER_BODY: u64 = 1000;
 /// The exact solver's own state.
 ///
 /// What it *is* are the motions, the contacts and the bodies not yet admitted; that is what
-/// [`EventDriven::memory`] keeps. Grids, schedule and outlooks are derived from it, and
+/// [`EventDriven::memory`] keeps. Grids and schedule are derived from it, and
 /// nothing of how they were derived shows in any result.
 #[derive(Clone, Debug)]
 pub struct EventDriven {
@@ -95,7 +98,7 @@ pub struct EventDriven {
     /// By slot, in creation order; deleted ones leave a gap.
     movers: Vec<Mover>,
     /// The lower halves of their motions.
-    residues: Vec<[Residue; 2]>,
+    residues: Vec<Residues>,
     traits: Vec<Traits>,
     contacts: Contacts,
     /// How many bodies carry a force of their own along each axis.
@@ -109,8 +112,6 @@ pub struct EventDriven {
     neighbours: Neighbours,
     schedule: Schedule,
     calendar: Calendar,
-    outlooks: Vec<Outlook>,
-    reaches: Vec<Reach>,
     moving: Moving,
     /// Bodies whose motion or contacts changed at the present instant.
     changed: Vec<Slot>,
@@ -121,6 +122,8 @@ pub struct EventDriven {
     blocks: [Block; 2],
     /// Room for those who are to be moved on.
     due: Vec<Slot>,
+    /// Room for those who are near a body.
+    near: Near,
 }
 
 impl EventDriven {
@@ -143,14 +146,13 @@ impl EventDriven {
             neighbours: Neighbours::new(1.0),
             schedule: Schedule::new(clock, 0, 0),
             calendar: Calendar::new(0),
-            outlooks: Vec::new(),
-            reaches: Vec::new(),
             moving: Moving::default(),
             changed: Vec::new(),
             loosened: [Vec::new(), Vec::new()],
             made_for: 0,
             blocks: [Block::default(), Block::default()],
             due: Vec::new(),
+            near: Near::default(),
         }
     }
 
@@ -171,11 +173,12 @@ impl EventDriven {
             false => DoubleDouble::from(force[axis]) / body.mass.into() + self.gravity[axis].into(),
         });
         let state = [(body.rect.origin.x, body.velocity.x), (body.rect.origin.y, body.velocity.y)];
-        let motion = AXES.map(|axis| {
+        let motion = Motions::new(AXES.map(|axis| {
             let (position, velocity) = state[axis];
             Motion { position, velocity, acceleration: free_fall[axis].high, since }
-        });
-        self.residues.push(AXES.map(|axis| Residue { acceleration: free_fall[axis].low, ..Residue::default() }));
+        }));
+        let residues = AXES.map(|axis| Residue { acceleration: free_fall[axis].low, ..Residue::default() });
+        self.residues.push(Residues(residues));
         let size = [body.rect.width(), body.rect.height()];
         self.movers.push(Mover {
             motion,
@@ -192,8 +195,6 @@ impl EventDriven {
         let (mass, material) = (body.mass, body.material);
         self.traits.push(Traits { id: body.id, mass, material, free_fall, forced, alive: true });
         self.contacts.add_body();
-        self.outlooks.push(Outlook { meeting: None, generation: 0 });
-        self.reaches.push(Reach::ANYWHERE);
         self.moving.add_body();
         self.calendar.add_body();
         slot
@@ -272,13 +273,12 @@ impl EventDriven {
                 return Err(self.too_many(world, step, turn.pair));
             }
             self.advance_to(turn.at);
-            let Outlook { meeting, generation } = self.outlooks[slot as usize];
-            let Some(kind) = meeting else {
+            let Some(kind) = turn.meeting else {
                 self.cross(slot);
                 continue;
             };
             let partner = if turn.pair[0] == slot { turn.pair[1] } else { turn.pair[0] };
-            if self.movers[partner as usize].generation != generation {
+            if self.movers[partner as usize].generation != turn.generation {
                 self.predict(slot);
                 continue;
             }
@@ -382,7 +382,7 @@ impl EventDriven {
         }
         changed.dedup();
         for slot in &changed {
-            self.reaches[*slot as usize] = Reach::ANYWHERE;
+            self.neighbours.extend(*slot, Reach::ANYWHERE);
         }
         for slot in &changed {
             self.predict(*slot);

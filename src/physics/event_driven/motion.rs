@@ -1,4 +1,4 @@
-use super::instant::{Clock, Instant};
+use super::instant::Instant;
 
 /// How a body moves along one axis from a reference instant on: x = p + v·t + ½·a·t².
 ///
@@ -13,30 +13,6 @@ pub struct Motion {
     pub acceleration: f64,
     /// The reference instant.
     pub since: Instant,
-}
-
-impl Motion {
-    /// The position after t seconds from the reference, m.
-    pub fn position_after(&self, t: f64) -> f64 {
-        self.position + t * (self.velocity + 0.5 * self.acceleration * t)
-    }
-
-    /// The velocity after t seconds from the reference, m/s.
-    pub fn velocity_after(&self, t: f64) -> f64 {
-        self.velocity + self.acceleration * t
-    }
-
-    /// Position, m, and velocity, m/s, at an instant.
-    #[inline]
-    pub fn at(&self, clock: &Clock, instant: Instant) -> (f64, f64) {
-        let t = clock.seconds(self.since, instant);
-        (self.position_after(t), self.velocity_after(t))
-    }
-
-    /// Whether it neither moves nor begins to.
-    pub fn is_still(&self) -> bool {
-        self.velocity == 0.0 && self.acceleration == 0.0
-    }
 }
 
 /// Seconds until a gap closes that shrinks at `speed` and ever faster by `acceleration`.
@@ -69,15 +45,6 @@ pub fn closing_time(gap: f64, speed: f64, acceleration: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_parabola_starts_at_its_reference() {
-        let since = Instant::start_of(2);
-        let motion = Motion { position: 1.0, velocity: 3.0, acceleration: -2.0, since };
-        let clock = Clock::new(2.0);
-        assert_eq!(motion.at(&clock, since), (1.0, 3.0));
-        assert_eq!(motion.at(&clock, Instant::start_of(4)), (3.0, 1.0));
-    }
 
     #[test]
     fn the_gap_closes_at_the_root_where_it_shrinks() {

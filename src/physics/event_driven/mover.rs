@@ -1,6 +1,6 @@
 use super::double_double::DoubleDouble;
 use super::instant::Instant;
-use super::motion::Motion;
+use super::motions::Motions;
 use crate::physics::{BodyId, Material};
 
 /// The number of a body within the solver: later created, higher number.
@@ -11,10 +11,10 @@ pub const AXES: [usize; 2] = [0, 1];
 
 /// What prediction reads of a body, and nothing else: two cache lines.
 #[derive(Clone, Copy, Debug)]
-#[repr(align(64))]
+#[repr(C, align(64))]
 pub struct Mover {
     /// The motion along x and along y.
-    pub motion: [Motion; 2],
+    pub motion: Motions,
     /// Width and height, m.
     pub size: [f64; 2],
     /// The later of the two reference instants: from there on this is how it moves.
@@ -34,7 +34,7 @@ pub struct Mover {
 impl Mover {
     /// Whether it never moves: infinite mass, at rest.
     pub fn is_anchored(&self) -> bool {
-        self.infinite && self.motion[0].is_still() && self.motion[1].is_still()
+        self.infinite && self.motion.is_still()
     }
 
     /// Whether a push along the axis (`ahead`: towards greater coordinates) cannot move it.
@@ -45,6 +45,7 @@ impl Mover {
 
 /// What is rarely asked of a body.
 #[derive(Clone, Debug)]
+#[repr(align(64))]
 pub struct Traits {
     /// Its number in the world.
     pub id: BodyId,

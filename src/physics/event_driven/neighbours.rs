@@ -8,6 +8,8 @@ use super::instant::{Clock, Instant};
 use super::meeting::State;
 use super::motion::closing_time;
 use super::mover::{AXES, Mover, Slot};
+use super::near::Near;
+use super::reach::Reach;
 
 /// A box is at most this fraction of its cell's side, so that with [`SLACK`] on either side
 /// it never reaches beyond the neighbouring cells.
@@ -42,16 +44,20 @@ pub struct Neighbours {
     anchored: Vec<(Slot, [[f64; 2]; 2])>,
 }
 
+/// All that is read of a body on the way past it: one cache line.
 #[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
 struct Seat {
+    reach: Reach,
+    cell: [i64; 2],
     grid: u32,
     member: u32,
-    cell: [i64; 2],
     previous: Slot,
     next: Slot,
 }
 
-const NOWHERE: Seat = Seat { grid: NONE, member: NONE, cell: [0; 2], previous: NONE, next: NONE };
+const NOWHERE: Seat =
+    Seat { reach: Reach::ANYWHERE, cell: [0; 2], grid: NONE, member: NONE, previous: NONE, next: NONE };
 
 impl Neighbours {
     /// Grids for boxes whose usual longer side is `size`, m.
@@ -65,14 +71,15 @@ impl Neighbours {
             self.seats.resize(slot as usize + 1, NOWHERE);
         }
         if mover.is_anchored() {
-            let low = [mover.motion[0].position, mover.motion[1].position];
+            let low = mover.motion.position;
             let corners = [low, [low[0] + mover.size[0], low[1] + mover.size[1]]];
             self.anchored.push((slot, corners));
             for grid in &mut self.grids {
                 grid.anchor(slot, corners);
             }
         } else {
-            let centre = [0, 1].map(|axis| mover.motion[axis].at(clock, now).0 + mover.size[axis] / 2.0);
+            let [position, _] = mover.motion.at(clock, now);
+            let centre = AXES.map(|axis| position[axis] + mover.size[axis] / 2.0);
             let grid = self.grid_for(clock, mover, now, centre);
             self.sit(slot, grid, centre);
         }
@@ -95,7 +102,8 @@ impl Neighbours {
         let members = self.grids[grid].members.len();
         self.grids[grid].members.push(slot);
         let cell = self.grids[grid].cell(centre);
-        self.seats[slot as usize] = Seat { grid: grid as u32, member: members as u32, ..NOWHERE };
+        let reach = self.seats[slot as usize].reach;
+        self.seats[slot as usize] = Seat { reach, grid: grid as u32, member: members as u32, ..NOWHERE };
         if (members + 1) * 2 > self.grids[grid].buckets.len() {
             self.seats[slot as usize].cell = cell;
             self.rebuild(grid, (members + 1).next_power_of_two() * 4);
@@ -112,7 +120,7 @@ impl Neighbours {
         if let Some(moved) = members.get(seat.member as usize) {
             self.seats[*moved as usize].member = seat.member;
         }
-        self.seats[slot as usize] = NOWHERE;
+        self.seats[slot as usize] = Seat { reach: seat.reach, ..NOWHERE };
     }
 
     fn link(&mut self, slot: Slot, cell: [i64; 2]) {
@@ -159,10 +167,10 @@ impl Neighbours {
     /// a step, and than what its coordinates can resolve.
     fn grid_for(&mut self, clock: &Clock, mover: &Mover, now: Instant, centre: [f64; 2]) -> usize {
         let mut needed = 0.0;
+        let [_, velocity] = mover.motion.at(clock, now);
         for axis in AXES {
-            let (_, velocity) = mover.motion[axis].at(clock, now);
-            let fall = mover.motion[axis].acceleration.abs() * clock.period;
-            let covered = (velocity.abs() + fall) * clock.period / CELLS_PER_STEP;
+            let fall = mover.motion.acceleration[axis].abs() * clock.period;
+            let covered = (velocity[axis].abs() + fall) * clock.period / CELLS_PER_STEP;
             for need in [mover.size[axis] / FILL * (1.0 - f64::EPSILON), covered, centre[axis].abs() / FURTHEST_CELL] {
                 if need > needed {
                     needed = need;
@@ -193,13 +201,25 @@ impl Neighbours {
         distance < side * FURTHEST_CELL && speed * clock.period < side && larger * 2.0 > side
     }
 
+    /// Where a body can be until it looks ahead again.
+    #[inline]
+    pub fn reach(&self, slot: Slot) -> &Reach {
+        &self.seats[slot as usize].reach
+    }
+
+    /// Says where a body can be until it looks ahead again.
+    #[inline]
+    pub fn extend(&mut self, slot: Slot, reach: Reach) {
+        self.seats[slot as usize].reach = reach;
+    }
+
     /// When a body leaves its cell, in seconds from now; infinite if never.
     #[inline]
     pub fn leaving(&self, slot: Slot, state: &State) -> f64 {
         let seat = &self.seats[slot as usize];
         let side = self.grids[seat.grid as usize].side;
         let leaving = AXES.map(|axis| {
-            let (velocity, acceleration) = (state.velocity[axis], state.mover.motion[axis].acceleration);
+            let (velocity, acceleration) = (state.velocity[axis], state.mover.motion.acceleration[axis]);
             let centre = state.position[axis] + state.mover.size[axis] / 2.0;
             let low = seat.cell[axis] as f64 * side;
             let way = [centre - (low - side * SLACK), (low + side * (1.0 + SLACK)) - centre];
@@ -229,7 +249,7 @@ impl Neighbours {
             grid = self.grid_for(clock, mover, state.at, centre);
         }
         let left = clock.period - state.at.offset;
-        let falls = mover.motion[0].acceleration.abs() + mover.motion[1].acceleration.abs();
+        let falls = mover.motion.acceleration[0].abs() + mover.motion.acceleration[1].abs();
         if (speed + falls * left) * left <= SLACK * self.grids[grid].side {
             centre = AXES.map(|axis| centre[axis] + state.velocity[axis] * (left / 2.0));
         }
@@ -247,9 +267,11 @@ impl Neighbours {
         self.seats.len() <= FEW
     }
 
-    /// Shows each body, itself included and some perhaps twice, that may touch this one before
-    /// either of the two leaves its cell.
-    pub fn near(&self, slot: Slot, mover: &Mover, mut show: impl FnMut(Slot)) {
+    /// Finds the bodies, some perhaps twice, that may touch this one, whose reach is given,
+    /// before either of the two looks ahead again.
+    pub fn near(&self, slot: Slot, mover: &Mover, reach: &Reach, near: &mut Near) {
+        near.clear();
+        let mut show = |other: Slot| near.enter(other, (other != slot) & reach.touches(self.reach(other)));
         if self.are_few() {
             self.grids.iter().flat_map(|grid| &grid.members).for_each(|slot| show(*slot));
             self.anchored.iter().for_each(|(slot, _)| show(*slot));
@@ -257,22 +279,44 @@ impl Neighbours {
         }
         let seat = &self.seats[slot as usize];
         let grid = &self.grids[seat.grid as usize];
+        self.show_anchors(grid, seat.cell, &mut show);
+        self.show_other_grids(seat.grid as usize, seat.cell, mover, &mut show);
+        self.around(slot, reach, near);
+    }
+
+    /// All bodies, some perhaps twice, that may touch this one now.
+    pub fn all_near(&self, slot: Slot, mover: &Mover) -> Vec<Slot> {
+        let mut near = Near::default();
+        self.near(slot, mover, &Reach::ANYWHERE, &mut near);
+        near.slots().to_vec()
+    }
+
+    /// Finds who sits in the cell of a body or next to it.
+    ///
+    /// How many sit in a cell cannot be guessed, so the nine lists are walked along side by
+    /// side: of each one body at most is still to be shown.
+    #[inline]
+    fn around(&self, slot: Slot, reach: &Reach, near: &mut Near) {
+        let seat = &self.seats[slot as usize];
+        let grid = &self.grids[seat.grid as usize];
         let (middle, mask) = (grid.bucket(seat.cell) as u64, grid.buckets.len() as u64 - 1);
-        // Most cells are empty or hold one box: without a branch for each there is none to guess wrong.
-        let (mut firsts, mut count) = ([NONE; 9], 0);
+        let (mut open, mut found, mut shown) = ([NONE; 16], 0, 0);
         for row in [middle.wrapping_sub(grid.row), middle, middle.wrapping_add(grid.row)] {
             for bucket in [row.wrapping_sub(1), row, row.wrapping_add(1)] {
                 let first = grid.buckets[(bucket & mask) as usize].first;
-                let first = if first == slot { seat.next } else { first };
-                firsts[count] = first;
-                count += usize::from(first != NONE);
+                open[found % 16] = first;
+                found += usize::from(first != NONE);
             }
         }
-        for first in &firsts[..count] {
-            self.show_list(*first, &mut show);
+        while shown < found {
+            let other = open[shown % 16];
+            shown += 1;
+            let Seat { next, reach: others, .. } = &self.seats[other as usize];
+            near.enter(other, (other != slot) & reach.touches(others));
+            let next = *next;
+            open[found % 16] = next;
+            found += usize::from(next != NONE);
         }
-        self.show_anchors(grid, seat.cell, &mut show);
-        self.show_other_grids(seat.grid as usize, seat.cell, mover, &mut show);
     }
 
     fn show_list(&self, first: Slot, show: &mut impl FnMut(Slot)) {

@@ -4,40 +4,21 @@ use super::contact::Contact;
 use super::instant::{Instant, LONGEST_ROUNDING};
 use super::meeting::{Kind, State, meeting, parting};
 use super::mover::{Mover, Slot};
+use super::near::Near;
 use super::reach::Reach;
 use super::schedule::Turn;
 use super::{Contacts, EventDriven, instant::Clock};
 
-/// What a body expects when its turn comes: to meet, or else to leave its cell.
-///
-/// Of each pair it is enough that one of the two knows: the one that looked ahead last.
-/// A meeting whose partner has changed since then is void; when its time comes the body
-/// looks ahead again.
-#[derive(Clone, Copy, Debug)]
-pub struct Outlook {
-    /// How it meets the other of the pair whose turn it is.
-    pub meeting: Option<Kind>,
-    /// The other's generation when this was foretold.
-    pub generation: u32,
-}
-
-/// A meeting foretold.
-#[derive(Clone, Copy, Debug)]
-struct Meeting {
-    turn: Turn,
-    kind: Kind,
-    /// Of the partner, when this was foretold.
-    generation: u32,
-}
-
 /// Keeps the earlier of two meetings.
-fn keep_first(first: &mut Option<Meeting>, meeting: Meeting) {
+fn keep_first(first: &mut Option<Turn>, turn: Turn) {
     let earlier = match first {
         None => true,
-        Some(known) => meeting.turn.is_before(&known.turn) || (meeting.turn == known.turn && meeting.kind < known.kind),
+        Some(known) => {
+            turn.is_before(known) || (turn.at == known.at && turn.pair == known.pair && turn.meeting < known.meeting)
+        }
     };
     if earlier {
-        *first = Some(meeting);
+        *first = Some(turn);
     }
 }
 
@@ -55,7 +36,7 @@ struct Asker<'a> {
     slot: Slot,
     /// Since when it has moved as it does.
     state: State<'a>,
-    first: Option<Meeting>,
+    first: Option<Turn>,
     /// Seconds from then on until no later than which something is known to happen.
     latest: f64,
 }
@@ -81,16 +62,22 @@ impl<'a> Asker<'a> {
     /// Asks one body; whether that is now the first to be met.
     fn ask(&mut self, other: Slot) -> bool {
         let partner = &self.movers[other as usize];
-        if self.slot == other || (self.state.is_infinite() && partner.infinite) {
+        if self.state.is_infinite() && partner.infinite {
             return false;
         }
         if self.touches(other) {
             return false;
         }
         let Some((at, kind)) = meeting(self.clock, &self.state, partner, self.latest) else { return false };
-        let turn = Turn { at, late: kind == Kind::Press, pair: pair(self.slot, other) };
-        keep_first(&mut self.first, Meeting { turn, kind, generation: partner.generation });
-        let latest = self.clock.seconds(self.state.at, at) * LATER + 2.0 * LONGEST_ROUNDING;
+        let pair = pair(self.slot, other);
+        keep_first(&mut self.first, Turn { at, pair, meeting: Some(kind), generation: partner.generation });
+        self.looks_again_in(self.clock.seconds(self.state.at, at))
+    }
+
+    /// It looks ahead again after so many seconds at the latest; whether that is news.
+    #[inline]
+    fn looks_again_in(&mut self, seconds: f64) -> bool {
+        let latest = seconds * LATER + 2.0 * LONGEST_ROUNDING;
         let sooner = latest < self.latest;
         if sooner {
             self.latest = latest;
@@ -112,28 +99,38 @@ impl<'a> Asker<'a> {
 impl EventDriven {
     /// Looks ahead for a body: asks everyone near it whom it may meet before it looks again.
     pub(super) fn predict(&mut self, slot: Slot) {
+        let mut near = std::mem::take(&mut self.near);
+        self.predict_among(slot, &mut near);
+        self.near = near;
+    }
+
+    fn predict_among(&mut self, slot: Slot, near: &mut Near) {
         let mover = &self.movers[slot as usize];
         if mover.is_anchored() {
-            self.reaches[slot as usize] = Reach::new(&State::new(&self.clock, mover, self.now), 0.0);
+            let reach = Reach::new(&State::new(&self.clock, mover, self.now), 0.0);
+            self.neighbours.extend(slot, reach);
             return;
         }
         let mut asker = Asker::new(self, slot);
         let (mut leaving, mut reach) = (f64::INFINITY, Reach::ANYWHERE);
         if self.neighbours.are_few() {
-            self.neighbours.near(slot, mover, |other| _ = asker.ask(other));
+            self.neighbours.near(slot, mover, &reach, near);
+            near.slots().iter().for_each(|other| _ = asker.ask(*other));
         } else {
             let state = asker.state.until(&self.clock, self.now);
             leaving = self.neighbours.leaving(slot, &state);
+            asker.looks_again_in(self.clock.seconds(asker.state.at, self.now) + leaving);
             reach = Reach::new(&state, leaving);
-            self.neighbours.near(slot, mover, |other| {
-                if reach.touches(&self.reaches[other as usize]) && asker.ask(other) {
+            self.neighbours.near(slot, mover, &reach, near);
+            for other in near.slots() {
+                if reach.touches(self.neighbours.reach(*other)) && asker.ask(*other) {
                     reach = Reach::new(&state, asker.seconds_from(self.now, leaving));
                 }
-            });
+            }
         }
         let mut first = asker.first;
         self.foresee_partings(slot, &mut first);
-        self.reaches[slot as usize] = reach;
+        self.neighbours.extend(slot, reach);
         self.expect(slot, first, leaving);
     }
 
@@ -153,45 +150,40 @@ impl EventDriven {
         self.due = due;
     }
 
-    fn foresee_partings(&self, slot: Slot, first: &mut Option<Meeting>) {
+    fn foresee_partings(&self, slot: Slot, first: &mut Option<Turn>) {
         for contact in self.contacts.of(slot) {
             let partner = &self.movers[contact.other as usize];
             if let Some(at) = parting(&self.clock, contact.axis, &self.movers[slot as usize], partner) {
-                let turn = Turn { at, late: false, pair: pair(slot, contact.other) };
-                let kind = Kind::Part(contact.axis as u8);
-                keep_first(first, Meeting { turn, kind, generation: partner.generation });
+                let pair = pair(slot, contact.other);
+                let meeting = Some(Kind::Part(contact.axis as u8));
+                keep_first(first, Turn { at, pair, meeting, generation: partner.generation });
             }
         }
     }
 
     /// Has the body wait for what it expects: its first meeting, or to leave its cell so many
     /// seconds from now. Unless that is still in this step it is left to the calendar.
-    fn expect(&mut self, slot: Slot, meeting: Option<Meeting>, leaving: f64) {
+    fn expect(&mut self, slot: Slot, meeting: Option<Turn>, leaving: f64) {
         let offset = self.now.offset + leaving;
-        let mut leaves = None;
+        let (mut leaves, mut looks_again) = (None, f64::INFINITY);
         if offset <= self.clock.period {
-            leaves = Some(Turn { at: Instant { step: self.now.step, offset }, late: false, pair: [slot, slot] });
+            let at = Instant { step: self.now.step, offset };
+            leaves = Some(Turn { at, pair: [slot, slot], meeting: None, generation: 0 });
         } else if offset == f64::INFINITY {
             self.calendar.forget(slot);
         } else {
             let ahead = (offset * self.clock.rate) as u32;
-            self.calendar.note(slot, if ahead > 1 { ahead } else { 1 });
+            let ahead = if ahead > 1 { ahead } else { 1 };
+            self.calendar.note(slot, ahead);
+            looks_again = self.now.step + f64::from(ahead);
         }
-        match (meeting, leaves) {
-            (Some(meeting), None) => self.expect_meeting(slot, &meeting),
-            (Some(meeting), Some(leaves)) if !leaves.at.is_before(meeting.turn.at) => {
-                self.expect_meeting(slot, &meeting)
-            }
-            (Some(_) | None, leaves) => {
-                self.outlooks[slot as usize].meeting = None;
-                self.schedule.set(slot, leaves);
-            }
-        }
-    }
-
-    fn expect_meeting(&mut self, slot: Slot, meeting: &Meeting) {
-        self.outlooks[slot as usize] = Outlook { meeting: Some(meeting.kind), generation: meeting.generation };
-        self.schedule.set(slot, Some(meeting.turn));
+        let meeting = meeting.filter(|meeting| meeting.at.step < looks_again);
+        let leaves_first = match (&meeting, &leaves) {
+            (Some(meeting), Some(leaves)) => leaves.at.is_before(meeting.at),
+            (Some(_), None) => false,
+            (None, Some(_) | None) => true,
+        };
+        self.schedule.set(slot, if leaves_first { leaves } else { meeting });
     }
 }
 

@@ -26,22 +26,18 @@ impl Reach {
     #[inline]
     pub fn new(state: &State, seconds: f64) -> Reach {
         let mover: &Mover = state.mover;
+        let zero_or = |number: f64, product: f64| if number == 0.0 { 0.0 } else { product };
         let spans = AXES.map(|axis| {
-            let (from, size) = (state.position[axis], mover.size[axis]);
-            let acceleration = mover.motion[axis].acceleration;
-            if mover.motion[axis].velocity == 0.0 && acceleration == 0.0 {
-                return [from, from + size];
-            }
-            let to = from + state.velocity[axis] * seconds;
-            let bend = 0.5 * acceleration.abs() * (seconds * seconds);
+            let (from, velocity) = (state.position[axis], state.velocity[axis]);
+            let acceleration = mover.motion.acceleration[axis];
+            let to = from + zero_or(velocity, velocity * seconds);
+            let bend = zero_or(acceleration, 0.5 * acceleration.abs() * (seconds * seconds));
             let [low, high] = if from < to { [from, to] } else { [to, from] };
-            [low - bend, (high + bend) + size]
+            let [low, high] = [low - bend, (high + bend) + mover.size[axis]];
+            let rounding = (low.abs() + high.abs()) * ROUNDING;
+            [low - rounding, high + rounding]
         });
-        let rounding = spans.map(|[low, high]| (low.abs() + high.abs()) * ROUNDING);
-        Reach {
-            low: AXES.map(|axis| spans[axis][0] - rounding[axis]),
-            high: AXES.map(|axis| spans[axis][1] + rounding[axis]),
-        }
+        Reach { low: spans.map(|[low, _]| low), high: spans.map(|[_, high]| high) }
     }
 
     /// Whether two have a point in common; what is not a number touches everything.
@@ -57,16 +53,13 @@ mod tests {
     use super::*;
     use crate::physics::event_driven::instant::{Clock, Instant};
     use crate::physics::event_driven::motion::Motion;
+    use crate::physics::event_driven::motions::Motions;
 
     /// A unit box at the origin: velocity and acceleration along y.
     fn mover(velocity: f64, acceleration: f64) -> Mover {
         let since = Instant::start_of(0);
-        let motion = [[0.0; 3], [0.0, velocity, acceleration]].map(|[position, velocity, acceleration]| Motion {
-            position,
-            velocity,
-            acceleration,
-            since,
-        });
+        let along = |velocity: f64, acceleration: f64| Motion { position: 0.0, velocity, acceleration, since };
+        let motion = Motions::new([along(0.0, 0.0), along(velocity, acceleration)]);
         let held = [[false; 2]; 2];
         Mover { motion, size: [1.0; 2], since, generation: 0, place: 0, infinite: false, held, hurry: [0; 2] }
     }

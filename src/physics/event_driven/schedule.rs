@@ -4,6 +4,7 @@
 //! turns come in their total order, so that how finely time is sliced changes no result.
 
 use super::instant::{Clock, Instant};
+use super::meeting::Kind;
 use super::mover::Slot;
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
@@ -16,22 +17,35 @@ const BODIES_PER_SLICE: u64 = 8;
 /// The wheel reaches so many steps ahead; what comes later is looked at again then.
 const STEPS: u64 = 32;
 
-/// When something happens and, of all that happens at that instant, in which order: what is
-/// late last, then by the lower body of the pair, then the higher, then the kind of meeting.
+/// What happens next to a body, and when: to meet another, or else to leave its cell.
+///
+/// Of each pair it is enough that one of the two knows: the one that looked ahead last.
+/// A meeting whose partner has changed since then is void; when its time comes the body
+/// looks ahead again.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Turn {
     /// The instant.
     pub at: Instant,
-    /// Whether it waits for all else at that instant, which may make it void.
-    pub late: bool,
     /// The two bodies, the earlier created first; the same twice for a body on its own.
     pub pair: [Slot; 2],
+    /// How the two meet.
+    pub meeting: Option<Kind>,
+    /// The partner's generation when this was foretold.
+    pub generation: u32,
 }
 
 impl Turn {
-    /// Whether this turn comes before `other`.
+    /// Whether this turn comes before `other`: of all that happens at an instant what is late
+    /// comes last, then by the lower body of the pair, then the higher.
+    #[inline]
     pub fn is_before(&self, other: &Turn) -> bool {
-        self.at.is_before(other.at) || (self.at == other.at && (self.late, self.pair) < (other.late, other.pair))
+        self.at.is_before(other.at)
+            || (self.at == other.at && (self.is_late(), self.pair) < (other.is_late(), other.pair))
+    }
+
+    /// Whether it waits for all else at that instant, which may make it void.
+    fn is_late(&self) -> bool {
+        self.meeting == Some(Kind::Press)
     }
 }
 
@@ -70,6 +84,7 @@ impl Ord for Waiting {
 }
 
 #[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
 struct Pending {
     turn: Turn,
     stamp: u32,
@@ -79,7 +94,7 @@ struct Pending {
     next: Slot,
 }
 
-const NO_TURN: Turn = Turn { at: Instant::NEVER, late: false, pair: [NONE; 2] };
+const NO_TURN: Turn = Turn { at: Instant::NEVER, pair: [NONE; 2], meeting: None, generation: 0 };
 
 const IDLE: Pending = Pending { turn: NO_TURN, stamp: 0, place: NONE, previous: NONE, next: NONE };
 
@@ -225,7 +240,7 @@ mod tests {
     use super::*;
 
     fn turn(step: f64, offset: f64, pair: [Slot; 2]) -> Option<Turn> {
-        Some(Turn { at: Instant { step, offset }, late: false, pair })
+        Some(Turn { at: Instant { step, offset }, pair, meeting: None, generation: 0 })
     }
 
     fn order(bodies: usize) -> Vec<(u64, Slot)> {

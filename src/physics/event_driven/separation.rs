@@ -78,7 +78,7 @@ impl EventDriven {
 
     fn block_of(&self, slot: Slot) -> Block {
         let mover = &self.movers[slot as usize];
-        Block { low: AXES.map(|axis| mover.motion[axis].at(&self.clock, self.now).0), size: mover.size }
+        Block { low: mover.motion.at(&self.clock, self.now)[0], size: mover.size }
     }
 
     /// The nearest free place for a body that overlaps something; none if it overlaps nothing.

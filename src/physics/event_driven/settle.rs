@@ -125,8 +125,7 @@ impl EventDriven {
     }
 
     fn accelerate(&mut self, slot: Slot, axis: usize, acceleration: DoubleDouble) {
-        let high = self.movers[slot as usize].motion[axis].acceleration;
-        if high != acceleration.high || self.residues[slot as usize][axis].acceleration != acceleration.low {
+        if self.acceleration(slot, axis) != acceleration {
             let state = self.fine(slot, axis);
             self.redirect(slot, axis, FineState { acceleration, ..state });
         }
@@ -135,9 +134,9 @@ impl EventDriven {
     /// Ends the contacts of these bodies whose partners accelerate apart.
     fn part_separating(&mut self, axis: usize, slots: &[Slot]) {
         for slot in slots {
-            let own = self.movers[*slot as usize].motion[axis].acceleration;
+            let own = self.movers[*slot as usize].motion.acceleration[axis];
             for contact in self.contacts.of(*slot).to_vec() {
-                let others = self.movers[contact.other as usize].motion[axis].acceleration;
+                let others = self.movers[contact.other as usize].motion.acceleration[axis];
                 if contact.axis == axis && if contact.ahead { others > own } else { others < own } {
                     self.unjoin(*slot, contact.other);
                 }
