@@ -318,6 +318,9 @@ pub struct InfoOptions {
     /// One JSON object in place of lines
     #[arg(long)]
     pub json: bool,
+    /// Read and verify all of a recording, however large; up to 16 MiB that is done anyway
+    #[arg(long)]
+    pub verify: bool,
 }
 
 /// Options of `check`.

@@ -8,6 +8,7 @@ use crate::render::Sampling;
 /// Energy and momentum of the states that a sampling shows, and how the recording was found to be.
 pub fn energies(source: &Source, sampling: &Sampling) -> Result<(Vec<EnergySample>, Condition), Error> {
     let mut playback = Playback::new(source::open(&source.path)?);
+    playback.seek(*sampling.steps.start()).map_err(|error| source.unreadable(error))?;
     let settings = &source.header.settings;
     let mut samples = Vec::new();
     let mut reached = Reached::End;

@@ -3,7 +3,7 @@ use super::wish::unknown;
 use super::{Encounter, Error, Progress, Source, source};
 use crate::figure::Meeting;
 use crate::physics::{BodyId, Collision, Engine, Observer};
-use crate::recording::{Change, Item};
+use crate::recording::{Change, RecordedEvent};
 use crate::render::Appearance;
 use crate::replay::{Replaying, Verdict, Witness};
 use std::{collections::BTreeMap, sync::Arc};
@@ -50,15 +50,14 @@ pub fn encounter(meeting: &Meeting) -> Encounter {
 
 /// Every body that is ever spawned.
 pub fn appearances(source: &Source) -> Result<BTreeMap<BodyId, Arc<Appearance>>, Error> {
+    let gravity = source.header.settings.gravity;
     let mut bodies = BTreeMap::new();
-    for item in source::open(&source.path)? {
-        if let Item::Event(event) = item.map_err(|error| source.unreadable(error))?
-            && let Change::Spawn { id, spawn, color } = &event.change
-        {
-            let gravity = source.header.settings.gravity;
+    let take = |event: RecordedEvent| {
+        if let Change::Spawn { id, spawn, color } = &event.change {
             bodies.insert(*id, Arc::new(appearance(*id, spawn, color.as_deref(), gravity)));
         }
-    }
+    };
+    source::open(&source.path)?.events(take).map_err(|error| source.unreadable(error))?;
     Ok(bodies)
 }
 

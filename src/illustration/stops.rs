@@ -13,7 +13,8 @@ pub fn stops(source: &Source, sampling: &Sampling, progress: Progress) -> Result
     let mut stops = Stops { from, rate, step: 0, met: Vec::new(), before: Vec::new(), moments: Vec::new() };
     let last = *sampling.steps.end();
     let recording = source::open(&source.path)?;
-    let done = replay(recording, 0..=last, &mut stops, &mut |step| progress(step, last));
+    // Who met in the step before the first is known from the one before that.
+    let done = replay(recording, from.saturating_sub(2)..=last, &mut stops, &mut |step| progress(step, last));
     done.map_err(|error| source.unreadable(error))?;
     Ok(stops.moments)
 }

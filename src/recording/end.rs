@@ -1,7 +1,7 @@
-use super::Identity;
+use super::{Extremes, Identity};
 
 /// How a run ended: what stands at the end of a finished recording.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct End {
     /// Steps taken: the number of the last state.
     pub steps: u64,
@@ -15,6 +15,9 @@ pub struct End {
     pub error: Option<String>,
     /// Whether this is what could be saved of a damaged or unfinished recording.
     pub recovered: bool,
+    /// What no recorded state exceeds; unknown where states are missing, where one is beyond
+    /// the finite numbers, and before format 2.
+    pub extremes: Option<Extremes>,
     /// The digest of it all.
     pub identity: Identity,
 }

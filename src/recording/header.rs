@@ -4,8 +4,9 @@ use super::Gap;
 
 /// The version of the file format this program writes: topics, schemas, metadata.
 ///
-/// A reader refuses a newer one and reads every older one.
-pub const FORMAT_VERSION: u32 = 1;
+/// A reader refuses a newer one and reads every older one. Version 2 tells the extremes at the
+/// end, and has the solver's numbers in keyframes by columns.
+pub const FORMAT_VERSION: u32 = 2;
 
 /// The version of what the engine computes: it changes when the same events may give
 /// other bits than before.

@@ -105,7 +105,7 @@ fn a_newer_format_is_refused_by_its_number() {
     let mut run = drop_and_delete();
     run.header.versions.format = 99;
     let found = complaint(record(&run));
-    assert_eq!(found, "the recording has format version 99, this rebond reads up to 1; read it with a newer rebond");
+    assert_eq!(found, "the recording has format version 99, this rebond reads up to 2; read it with a newer rebond");
 }
 
 #[test]

@@ -23,6 +23,7 @@ pub struct Inbox {
     pub damage: Option<Damage>,
     /// How the run ended, once known.
     pub end: Option<End>,
+    format: u32,
     channels: BTreeMap<u16, Option<Topic>>,
     /// What viewers draw of the state that is to come.
     view: Option<Item>,
@@ -38,9 +39,10 @@ pub struct Locus {
 }
 
 impl Inbox {
-    /// At the start of the recording with that header.
-    pub fn new(course: Course) -> Inbox {
-        Inbox { course, ready: VecDeque::new(), damage: None, end: None, channels: first_channels(), view: None }
+    /// At the start of a recording of that format.
+    pub fn new(course: Course, format: u32) -> Inbox {
+        let channels = first_channels();
+        Inbox { course, ready: VecDeque::new(), damage: None, end: None, format, channels, view: None }
     }
 
     /// Starts over somewhere else in the recording, with the channels of its index.
@@ -113,7 +115,7 @@ impl Inbox {
             }
             Topic::Bodies => {
                 check_length(data, limits::KEYFRAME_BYTES)?;
-                let keyframe = cdr::decode::<BodiesMessage>(data)?.keyframe()?;
+                let keyframe = cdr::decode::<BodiesMessage>(data)?.keyframe(self.format)?;
                 self.cross_gap(keyframe.step);
                 self.course.keyframe(&keyframe)?;
                 self.ready.push_back(Item::Keyframe(keyframe));

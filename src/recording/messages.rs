@@ -2,11 +2,17 @@
 //!
 //! The structs mirror `schemas/*.msg` field by field: the order is the format.
 
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
 
 use crate::physics::{BodyId, Memory, Rect, Spawn, Vector};
 
-use super::{Change, Keyframe, KeyframeBody, KnownBody, RecordedEvent, limits};
+use super::{
+    Change, Keyframe, KeyframeBody, KnownBody, RecordedEvent,
+    columns::{by_bodies, by_columns},
+    limits,
+};
 
 /// `rebond_msgs/msg/Event`.
 #[derive(Serialize, Deserialize)]
@@ -39,7 +45,7 @@ struct SpawnMessage {
 pub struct BodiesMessage {
     step: u64,
     next_id: BodyId,
-    spawned: Vec<SpawnMessage>,
+    spawned: Vec<Spawned>,
     x: Vec<f64>,
     y: Vec<f64>,
     vx: Vec<f64>,
@@ -48,6 +54,25 @@ pub struct BodiesMessage {
     fy: Vec<f64>,
     solver_integers: Vec<u64>,
     solver_numbers: Vec<f64>,
+}
+
+/// A body of a keyframe, made what it is as soon as it is read: there may be many.
+#[derive(Clone, Serialize, Deserialize)]
+#[serde(try_from = "SpawnMessage", into = "SpawnMessage")]
+struct Spawned(Arc<KnownBody>);
+
+impl TryFrom<SpawnMessage> for Spawned {
+    type Error = String;
+
+    fn try_from(message: SpawnMessage) -> Result<Spawned, String> {
+        message.body().map(|body| Spawned(body.into()))
+    }
+}
+
+impl From<Spawned> for SpawnMessage {
+    fn from(Spawned(body): Spawned) -> SpawnMessage {
+        SpawnMessage::new(body.id, &body.spawn, body.color.as_deref())
+    }
 }
 
 impl EventMessage {
@@ -123,13 +148,13 @@ impl SpawnMessage {
 }
 
 impl BodiesMessage {
-    /// The message of a keyframe.
-    pub fn new(keyframe: &Keyframe) -> BodiesMessage {
+    /// The message of a keyframe in a recording of that format.
+    pub fn new(keyframe: &Keyframe, format: u32) -> BodiesMessage {
         let column = |number: fn(&KeyframeBody) -> f64| keyframe.bodies.iter().map(number).collect();
         BodiesMessage {
             step: keyframe.step,
             next_id: keyframe.next_id,
-            spawned: keyframe.bodies.iter().map(|body| SpawnMessage::from(&*body.known)).collect(),
+            spawned: keyframe.bodies.iter().map(|body| Spawned(body.known.clone())).collect(),
             x: column(|body| body.position.x),
             y: column(|body| body.position.y),
             vx: column(|body| body.velocity.x),
@@ -137,15 +162,15 @@ impl BodiesMessage {
             fx: column(|body| body.force.x),
             fy: column(|body| body.force.y),
             solver_integers: keyframe.memory.integers.clone(),
-            solver_numbers: keyframe.memory.numbers.clone(),
+            solver_numbers: by_columns(&keyframe.memory.numbers, keyframe.bodies.len(), format),
         }
     }
 
-    /// The keyframe of a message.
+    /// The keyframe of a message in a recording of that format.
     ///
     /// # Errors
     /// In words, if it is not one this program could have recorded.
-    pub fn keyframe(self) -> Result<Keyframe, String> {
+    pub fn keyframe(self, format: u32) -> Result<Keyframe, String> {
         let columns = [&self.x, &self.y, &self.vx, &self.vy, &self.fx, &self.fy];
         if columns.iter().any(|column| column.len() != self.spawned.len()) {
             return Err("a keyframe with columns of different lengths".into());
@@ -153,42 +178,36 @@ impl BodiesMessage {
         if columns.into_iter().flatten().any(|number| !number.is_finite()) {
             return Err("a keyframe with a number that is not finite".into());
         }
-        if self.spawned.windows(2).any(|pair| pair[0].id >= pair[1].id)
-            || self.spawned.last().is_some_and(|last| last.id >= self.next_id)
+        if self.spawned.windows(2).any(|pair| pair[0].0.id >= pair[1].0.id)
+            || self.spawned.last().is_some_and(|last| last.0.id >= self.next_id)
         {
             return Err("a keyframe with ids out of order".into());
         }
         let at = |x: &[f64], y: &[f64], place: usize| Vector::new(x[place], y[place]);
-        let bodies = self.spawned.into_iter().enumerate().map(|(place, spawn)| {
-            Ok(KeyframeBody {
-                known: spawn.body()?.into(),
-                position: at(&self.x, &self.y, place),
-                velocity: at(&self.vx, &self.vy, place),
-                force: at(&self.fx, &self.fy, place),
-            })
+        let numbers = by_bodies(self.solver_numbers, self.spawned.len(), format);
+        let bodies = self.spawned.into_iter().enumerate().map(|(place, Spawned(known))| KeyframeBody {
+            known,
+            position: at(&self.x, &self.y, place),
+            velocity: at(&self.vx, &self.vy, place),
+            force: at(&self.fx, &self.fy, place),
         });
         Ok(Keyframe {
             step: self.step,
             next_id: self.next_id,
-            bodies: bodies.collect::<Result<_, String>>()?,
-            memory: Memory { integers: self.solver_integers, numbers: self.solver_numbers },
+            bodies: bodies.collect(),
+            memory: Memory { integers: self.solver_integers, numbers },
         })
-    }
-}
-
-impl From<&KnownBody> for SpawnMessage {
-    fn from(body: &KnownBody) -> SpawnMessage {
-        SpawnMessage::new(body.id, &body.spawn, body.color.as_deref())
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use std::sync::Arc;
-
     use proptest::{collection::vec, prelude::*};
 
-    use super::{super::cdr, *};
+    use super::{
+        super::{FORMAT_VERSION, cdr},
+        *,
+    };
 
     /// Any finite double, -0.0 and subnormals included.
     fn finite() -> impl Strategy<Value = f64> {
@@ -254,13 +273,14 @@ mod tests {
             step: u64,
             bodies in (body(3), body(7), body(8)),
             integers in vec(any::<u64>(), 0..5),
-            numbers in vec(finite(), 0..5),
+            numbers in vec(finite(), 0..10),
+            format in 1_u32..3,
         ) {
             let bodies = vec![bodies.0, bodies.1, bodies.2];
             let keyframe = Keyframe { step, next_id: 9, bodies, memory: Memory { integers, numbers } };
             let mut bytes = Vec::new();
-            cdr::encode(&BodiesMessage::new(&keyframe), &mut bytes);
-            let back = cdr::decode::<BodiesMessage>(&bytes).unwrap().keyframe().unwrap();
+            cdr::encode(&BodiesMessage::new(&keyframe, format), &mut bytes);
+            let back = cdr::decode::<BodiesMessage>(&bytes).unwrap().keyframe(format).unwrap();
             prop_assert!(same(&back, &keyframe), "{back:?}");
         }
 
@@ -268,7 +288,7 @@ mod tests {
         fn any_bytes_are_a_message_or_an_error(bytes in vec(any::<u8>(), 0..300)) {
             let with_header = [cdr::HEADER.as_slice(), &bytes].concat();
             let _ = cdr::decode::<EventMessage>(&with_header).map(EventMessage::event);
-            let _ = cdr::decode::<BodiesMessage>(&with_header).map(BodiesMessage::keyframe);
+            let _ = cdr::decode::<BodiesMessage>(&with_header).map(|message| message.keyframe(FORMAT_VERSION));
         }
     }
 }

@@ -16,7 +16,7 @@ use xxhash_rust::xxh3::Xxh3;
 use crate::physics::{Restitution, RestitutionPair, Settings, SolverKind, Vector};
 
 use super::{
-    End, FORMAT_VERSION, Gap, Header, SceneText, Versions,
+    End, Extremes, FORMAT_VERSION, Gap, Header, Reach, SceneText, Versions,
     fields::{Fields, Malformed},
     limits,
 };
@@ -90,6 +90,9 @@ pub fn of_end(header: &Header, end: &End) -> Map {
     if end.recovered {
         put(&mut map, "recovered", "yes");
     }
+    if let Some(extremes) = &end.extremes {
+        put_extremes(&mut map, extremes);
+    }
     sealed(map)
 }
 
@@ -137,8 +140,37 @@ pub fn end(map: &Map) -> Result<End, String> {
         events: value(map, "events")?,
         error: map.get("error").cloned(),
         recovered: map.contains_key("recovered"),
+        extremes: extremes(map)?,
         identity: value(map, "identity")?,
     })
+}
+
+/// Left out where a number is not finite: then whoever needs them looks at the states.
+fn put_extremes(map: &mut Map, Extremes { top_speed, reach }: &Extremes) {
+    if !top_speed.is_finite() {
+        return;
+    }
+    put(map, "top_speed", float(*top_speed));
+    if let Some(Reach { near, far }) = reach {
+        for (key, number) in REACH.into_iter().zip([near.x, near.y, far.x, far.y]) {
+            put(map, key, float(number));
+        }
+    }
+}
+
+const REACH: [&str; 4] = ["reach_left", "reach_top", "reach_right", "reach_bottom"];
+
+fn extremes(map: &Map) -> Result<Option<Extremes>, String> {
+    if !map.contains_key("top_speed") {
+        return Ok(None);
+    }
+    let top_speed = finite(map, "top_speed")?;
+    if !map.contains_key(REACH[0]) {
+        return Ok(Some(Extremes { top_speed, reach: None }));
+    }
+    let [left, top, right, bottom] = REACH.map(|key| finite(map, key));
+    let reach = Reach { near: Vector::new(left?, top?), far: Vector::new(right?, bottom?) };
+    Ok(Some(Extremes { top_speed, reach: Some(reach) }))
 }
 
 fn header_fields(map: &Map, format: u32) -> Result<Header, String> {
@@ -250,8 +282,17 @@ mod tests {
         ((".*", ".*"), 0.0..=1.0).prop_map(|((a, b), restitution)| RestitutionPair { materials: [a, b], restitution })
     }
 
+    fn finite() -> impl Strategy<Value = f64> {
+        prop::num::f64::NORMAL | prop::num::f64::SUBNORMAL | prop::num::f64::ZERO
+    }
+
+    fn extremes() -> impl Strategy<Value = Option<Extremes>> {
+        let corner = || (finite(), finite()).prop_map(|(x, y)| Vector::new(x, y));
+        let reach = prop::option::of((corner(), corner()).prop_map(|(near, far)| Reach { near, far }));
+        prop::option::of((finite(), reach).prop_map(|(top_speed, reach)| Extremes { top_speed, reach }))
+    }
+
     fn gravity() -> impl Strategy<Value = Option<Vector>> {
-        let finite = || prop::num::f64::NORMAL | prop::num::f64::SUBNORMAL | prop::num::f64::ZERO;
         prop::option::of((finite(), finite()).prop_map(|(x, y)| Vector::new(x, y)))
     }
 
@@ -264,6 +305,7 @@ mod tests {
             pairs in vec(pair(), 0..4),
             (events_per_step, steps, every) in any::<(u64, u64, u64)>(),
             (collisions, error, recovered) in any::<(Option<u64>, Option<String>, bool)>(),
+            extremes in extremes(),
         ) {
             let restitution = Restitution::new(default, &pairs);
             let settings = Settings { solver: SolverKind::EventDriven, rate, gravity, restitution, events_per_step };
@@ -271,7 +313,7 @@ mod tests {
             let every = every.max(1);
             let (versions, scene) = (Versions::CURRENT, SceneText::default());
             let wanted = Header { versions, settings, steps, every, scene, gaps };
-            let end = End { steps, collisions, bodies: 3, events: 4, error, recovered, identity: Identity(5) };
+            let end = End { steps, collisions, bodies: 3, events: 4, error, recovered, extremes, identity: Identity(5) };
             for map in [of_header(&wanted), of_end(&wanted, &end)] {
                 let found = header(&map).unwrap();
                 prop_assert_eq!(format!("{found:?}"), format!("{wanted:?}"), "-0.0 counts, so compare the text");

@@ -13,9 +13,10 @@ use super::{
     course::Course,
     head::{self, Fault, Head},
     inbox::{Inbox, Locus},
-    index::{self, Index},
+    index::Index,
     records::{Broken, Place, Records},
     resync::{self, Remedy},
+    topic::Topic,
 };
 
 /// A recording being read from its start: an iterator of [`Item`]s in file order.
@@ -24,7 +25,7 @@ use super::{
 pub struct Recording<R> {
     /// What the recording starts with.
     pub header: Header,
-    records: Records<R>,
+    pub(super) records: Records<R>,
     chunks: Chunks,
     /// The chunk being read or the last one.
     chunk: Locus,
@@ -33,7 +34,7 @@ pub struct Recording<R> {
     suspect: Option<Fault>,
     inbox: Inbox,
     /// Where the chunks are, once that was asked for.
-    index: Option<Index>,
+    pub(super) index: Option<Index>,
     progress: Progress,
 }
 
@@ -89,7 +90,7 @@ impl<R: Read + Seek> Recording<R> {
     pub fn read(read: R) -> Result<Recording<R>, Error> {
         let mut records = Records::new(read);
         let head = head::read(&mut records)?;
-        let inbox = Inbox::new(Course::new(&head.header, head.has_scene));
+        let inbox = Inbox::new(Course::new(&head.header, head.has_scene), head.header.versions.format);
         let mut recording = Recording {
             header: head.header.clone(),
             records,
@@ -113,14 +114,11 @@ impl<R: Read + Seek> Recording<R> {
     /// # Errors
     /// If the system cannot read.
     pub fn seek(&mut self, step: u64) -> Result<(), Error> {
-        let index = match self.index.take() {
-            Some(index) => index,
-            None => index::read(&mut self.records).map_err(Error::Read)?,
-        };
+        let index = self.take_index()?;
         let time = clock::nanoseconds(step, self.header.settings.rate);
         let after = index.chunks.partition_point(|chunk| chunk.first_time <= time);
         let mut found = false;
-        for place in (0..after).rev() {
+        for place in (0..after).rev().filter(|place| index.has(*place, Topic::Bodies)) {
             found = self.seek_keyframe(&index, place, step)?;
             if found {
                 break;
@@ -132,25 +130,36 @@ impl<R: Read + Seek> Recording<R> {
 
     /// Whether the chunk has a keyframe at or before `step`; if so, that is the next item.
     fn seek_keyframe(&mut self, index: &Index, place: usize, step: u64) -> Result<bool, Error> {
-        self.go_to(index.chunks[place].offset)?;
-        self.inbox.jump(&index.channels);
-        self.chunk_count = place as u64;
-        self.next_record()?;
-        while let Ok(Some(record)) = self.chunks.next() {
-            self.inbox.chunk_record(self.chunk, &record);
-            while let Some(item) = self.inbox.ready.pop_front() {
-                match item {
-                    Item::Keyframe(keyframe) if keyframe.step <= step => {
-                        self.inbox.ready.push_front(Item::Keyframe(keyframe));
-                        return Ok(true);
-                    }
-                    Item::Keyframe(_) | Item::Damaged(_) => return Ok(false),
-                    Item::Event(_) | Item::State(_) | Item::Doubtful(_) => {}
-                    Item::View { .. } | Item::Gap(_) | Item::End(_) => {}
+        self.go_to_chunk(index, place)?;
+        while let Some(item) = self.next_of_chunk() {
+            match item {
+                Item::Keyframe(keyframe) if keyframe.step <= step => {
+                    self.inbox.ready.push_front(Item::Keyframe(keyframe));
+                    return Ok(true);
                 }
+                Item::Keyframe(_) | Item::Damaged(_) => return Ok(false),
+                Item::Event(_) | Item::State(_) | Item::Doubtful(_) => {}
+                Item::View { .. } | Item::Gap(_) | Item::End(_) => {}
             }
         }
         Ok(false)
+    }
+
+    /// Opens the chunk, as if nothing stood before it.
+    pub(super) fn go_to_chunk(&mut self, index: &Index, place: usize) -> Result<(), Error> {
+        self.go_to(index.chunks[place].offset)?;
+        self.inbox.jump(&index.channels);
+        self.chunk_count = place as u64;
+        self.next_record()
+    }
+
+    /// The next thing in the open chunk; none where that ends or cannot be read on.
+    pub(super) fn next_of_chunk(&mut self) -> Option<Item> {
+        while self.inbox.ready.is_empty() {
+            let Ok(Some(record)) = self.chunks.next() else { return None };
+            self.inbox.chunk_record(self.chunk, &record);
+        }
+        self.inbox.ready.pop_front()
     }
 
     /// Reads on at `offset`, where a record starts.

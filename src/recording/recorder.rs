@@ -3,7 +3,7 @@ use std::io::Write;
 use crate::physics::BodyId;
 
 use super::{
-    BodyTable, Change, End, Error, Header, Keyframe, Outcome, RecordedEvent, RecordedState, StateDigest,
+    BodyTable, Change, End, Error, Extremes, Header, Keyframe, Outcome, RecordedEvent, RecordedState, StateDigest,
     batch::{Batch, Entry, Row},
     cdr, clock,
     container::Container,
@@ -28,10 +28,15 @@ pub struct Recorder<W: Write> {
     unflushed_events: bool,
     state: RecordedState,
     digest: StateDigest,
+    /// Of the states so far, where the end tells them.
+    extremes: Option<Extremes>,
     /// The colours for viewers, if boxes are recorded for them.
     paint: Option<Paint>,
     bytes: Vec<u8>,
 }
+
+/// The first format whose end tells the extremes.
+const EXTREMES_SINCE: u32 = 2;
 
 impl<W: Write> Recorder<W> {
     /// Writes the head of a recording.
@@ -50,6 +55,7 @@ impl<W: Write> Recorder<W> {
             unflushed_events: false,
             state: RecordedState::default(),
             digest: StateDigest::default(),
+            extremes: (header.gaps.is_empty() && header.versions.format >= EXTREMES_SINCE).then(Extremes::default),
             paint: None,
             bytes: Vec::new(),
         })
@@ -88,6 +94,7 @@ impl<W: Write> Recorder<W> {
             events: self.events,
             error: outcome.error,
             recovered,
+            extremes: self.extremes,
             identity: self.identity.identity(),
         };
         let write = self.container.finish(metadata::of_end(&self.header, &end))?;
@@ -117,7 +124,7 @@ impl<W: Write> Recorder<W> {
     /// If writing fails.
     pub fn keyframe(&mut self, keyframe: &Keyframe) -> Result<(), Error> {
         self.next_id = keyframe.next_id;
-        cdr::encode(&BodiesMessage::new(keyframe), &mut self.bytes);
+        cdr::encode(&BodiesMessage::new(keyframe, self.header.versions.format), &mut self.bytes);
         match self.bytes.len() <= limits::KEYFRAME_BYTES {
             true => self.put(Topic::Bodies, keyframe.step),
             false => Ok(()),
@@ -131,6 +138,7 @@ impl<W: Write> Recorder<W> {
     pub fn state(&mut self, state: &RecordedState) -> Result<(), Error> {
         self.steps = state.step;
         self.identity.state(state.step, state.digest);
+        self.see(state);
         state.encode(&mut self.bytes);
         self.put(Topic::States, state.step)?;
         if self.unflushed_events || clock::ends_second(state.step, self.header.settings.rate) {
@@ -149,6 +157,16 @@ impl<W: Write> Recorder<W> {
         match message.len() <= limits::MESSAGE_BYTES {
             true => self.container.message(Topic::Scene, time, message),
             false => Ok(()),
+        }
+    }
+
+    fn see(&mut self, state: &RecordedState) {
+        if let Some(extremes) = &mut self.extremes
+            && state.step.is_multiple_of(self.header.every)
+        {
+            for (known, moved) in self.table.with_state(state) {
+                extremes.see(known, moved.unwrap_or_else(|| known.first_numbers()));
+            }
         }
     }
 

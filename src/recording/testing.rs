@@ -128,7 +128,7 @@ pub fn record_altered(run: &Run, mut alter: impl FnMut(&mut RecordedState)) -> V
                 (Topic::Events, event.step)
             }
             Item::Keyframe(keyframe) => {
-                cdr::encode(&BodiesMessage::new(&keyframe), &mut bytes);
+                cdr::encode(&BodiesMessage::new(&keyframe, run.header.versions.format), &mut bytes);
                 (Topic::Bodies, keyframe.step)
             }
             Item::State(mut state) => {

@@ -1,6 +1,11 @@
 //! Writing and reading together.
 
-use std::{collections::BTreeMap, io::Cursor, num::NonZero};
+use std::{
+    cell::Cell,
+    collections::BTreeMap,
+    io::{self, Cursor},
+    num::NonZero,
+};
 
 use super::{
     Change, Damage, Error, Health, Item, Playback, RecordedEvent, Recording, Recovery, recover,
@@ -142,7 +147,9 @@ fn every_flipped_bit_is_noticed_and_costs_one_chunk_at_most() {
     let bytes = record(&drop_and_delete());
     let (whole, _) = items(&bytes);
     let mut table = BTreeMap::new();
-    for bit in 0..bytes.len() * 8 {
+    // Every bit where that takes seconds; without optimisation every 13th, each of a byte's in turn.
+    let stride = if cfg!(debug_assertions) { 13 } else { 1 };
+    for bit in (0..bytes.len() * 8).step_by(stride) {
         let mut flipped = bytes.clone();
         flipped[bit / 8] ^= 1 << (bit % 8);
         let (part, health) = items(&flipped);
@@ -207,6 +214,74 @@ fn seeking_reads_little() {
     let mut whole = read(&bytes).unwrap();
     whole.by_ref().for_each(drop);
     assert_eq!(chunk, whole.chunks());
+}
+
+/// Counts what is read.
+struct Counting<'a>(Cursor<&'a [u8]>, &'a Cell<usize>);
+
+impl io::Read for Counting<'_> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let count = self.0.read(buffer)?;
+        self.1.set(self.1.get() + count);
+        Ok(count)
+    }
+}
+
+impl io::Seek for Counting<'_> {
+    fn seek(&mut self, to: io::SeekFrom) -> io::Result<u64> {
+        self.0.seek(to)
+    }
+}
+
+#[test]
+fn the_outline_events_and_one_state_are_found_without_reading_the_rest() {
+    let bytes = record(&bounce(20_000));
+    let count = Cell::new(0);
+    let mut recording = Recording::read(Counting(Cursor::new(&bytes), &count)).unwrap();
+    let outline = recording.outline().unwrap().unwrap();
+    let mut events = Vec::new();
+    recording.events(|event| events.push(event)).unwrap();
+    let mut playback = Playback::new(recording);
+    playback.seek(9_999).unwrap();
+    assert_eq!(playback.next().unwrap().unwrap().step, 9_999);
+    assert!(count.get() < bytes.len() / 2, "{} of {} bytes were read", count.get(), bytes.len());
+    assert_eq!(events, bounce(20_000).events);
+    let all = items(&bytes).0;
+    assert_eq!(Some(&Item::End(outline.end)), all.last());
+    let keyframes = all.iter().filter(|item| matches!(item, Item::Keyframe(_))).count() as u64;
+    assert_eq!((outline.states, outline.keyframes), (20_001, keyframes));
+}
+
+#[test]
+fn an_unfinished_or_damaged_index_tells_no_outline_but_all_events() {
+    let bytes = record(&bounce(50));
+    let cut = &bytes[..bytes.len() - 20];
+    let mut flipped = bytes.clone();
+    flipped[bytes.len() - 60] ^= 1;
+    for broken in [cut, &flipped] {
+        let mut recording = read(broken).unwrap();
+        assert_eq!(recording.outline().unwrap(), None);
+        let mut events = Vec::new();
+        recording.events(|event| events.push(event)).unwrap();
+        assert_eq!(events, bounce(50).events);
+        assert_eq!(recording.by_ref().next().unwrap().unwrap(), Item::Event(events[0].clone()), "it starts again");
+    }
+}
+
+#[test]
+fn a_recording_of_the_first_format_replays_and_recovers_to_itself() {
+    for solver in [SolverKind::Handout, SolverKind::EventDriven] {
+        let mut run = bounce(50);
+        run.header.versions.format = 1;
+        run.header.settings.solver = solver;
+        let bytes = record(&run);
+        assert_eq!(verdict(&bytes), "same: 50 steps, 7 bodies");
+        let from = replay(read(&bytes).unwrap(), 45..=50, &mut CollisionCount::default(), &mut |_| {}).unwrap();
+        assert_eq!(from.to_string(), "same: 5 steps, 7 bodies");
+        assert!(recovered(&bytes).1 == bytes);
+        let outline = read(&bytes).unwrap().outline().unwrap().unwrap();
+        assert_eq!(outline.end.extremes, None);
+    }
 }
 
 fn recovered(bytes: &[u8]) -> (Recovery, Vec<u8>) {

@@ -22,6 +22,22 @@ pub enum RunError {
         /// What the system says.
         source: io::Error,
     },
+    /// A live event is not text.
+    #[error("line {line} of the events is not UTF-8; write it as UTF-8, or skip such lines with --lenient")]
+    NotText {
+        /// The line, from 1.
+        line: u64,
+    },
+    /// A line is too long to be an event.
+    #[error(
+        "line {line} of the events has more than {limit} bytes, which no event needs; write one JSON object a line, or skip such lines with --lenient"
+    )]
+    TooLong {
+        /// The line, from 1.
+        line: u64,
+        /// The most it may have.
+        limit: usize,
+    },
     /// A live event names a step that is over.
     #[error(
         "line {line} of the events names step {named}, but the run is at step {present} already; order the lines by step, or skip such lines with --lenient"

@@ -85,7 +85,13 @@ impl<R: BufRead> LiveEvents<R> {
             return Ok(None);
         }
         self.line += 1;
-        let text = String::from_utf8_lossy(&text);
+        let line = self.line;
+        if text.len() > LONGEST_LINE {
+            return Err(RunError::TooLong { line, limit: LONGEST_LINE });
+        }
+        let text = str::from_utf8(&text).map_err(|_| RunError::NotText { line })?;
+        // Some programs begin a file with a byte order mark.
+        let text = if line == 1 { text.trim_start_matches('\u{feff}') } else { text };
         if text.trim().is_empty() {
             return Ok(None);
         }
@@ -108,12 +114,28 @@ impl<R: BufRead> LiveEvents<R> {
     }
 }
 
-/// An event takes a few hundred bytes; a longer line is cut here, and is refused as it is.
-const LONGEST_LINE: u64 = 64 * 1024;
+/// Bytes of a line: an event takes a few hundred.
+const LONGEST_LINE: usize = 8 * 1024;
 
+/// Reads a line, of which it keeps a little more than it may have; how many bytes were read.
 fn read_bounded_line(lines: &mut impl BufRead, text: &mut Vec<u8>) -> std::io::Result<usize> {
-    use std::io::Read;
-    lines.by_ref().take(LONGEST_LINE).read_until(b'\n', text)
+    let mut read = 0;
+    loop {
+        let buffer = match lines.fill_buf() {
+            Ok(buffer) => buffer,
+            Err(error) if error.kind() == std::io::ErrorKind::Interrupted => continue,
+            Err(error) => return Err(error),
+        };
+        let end = buffer.iter().position(|byte| *byte == b'\n').map(|place| place + 1);
+        let part = &buffer[..end.unwrap_or(buffer.len())];
+        text.extend(part.iter().take(LONGEST_LINE + 1 - text.len()));
+        let count = part.len();
+        lines.consume(count);
+        read += count;
+        if end.is_some() || count == 0 {
+            return Ok(read);
+        }
+    }
 }
 
 /// For runs that take no events but the scene's.

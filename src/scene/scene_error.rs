@@ -107,7 +107,9 @@ impl SceneError {
     }
 
     pub(super) fn in_event(line: u64, text: &str, refusal: Refusal) -> SceneError {
-        let excerpt = Excerpt { name: "events".into(), line, text: text.into() };
+        // What came through a pipe must not steer the terminal it is shown on.
+        let text = text.replace(|letter: char| letter.is_ascii_control() && letter != '\t', "?");
+        let excerpt = Excerpt { name: "events".into(), line, text };
         SceneError::Event { line, flaw: Box::new(Flaw::new(refusal, Some(excerpt))) }
     }
 }

@@ -5,7 +5,7 @@ use rebond::recording::{self, Health};
 use std::{
     process::{Child, Command, Stdio},
     thread,
-    time::Duration,
+    time::{Duration, SystemTime},
 };
 
 /// So long that nobody waits for its end.
@@ -36,26 +36,52 @@ fn start(workplace: &Workplace, output: &str, stdout: Stdio) -> Child {
         .expect("the program starts")
 }
 
+/// Moments to kill at: REBOND_SEED brings those of a failed test back.
+fn moments() -> impl Iterator<Item = Duration> {
+    #[expect(clippy::disallowed_methods, reason = "only when to kill depends on the clock")]
+    let random = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap().as_nanos() as u64;
+    let mut state = std::env::var("REBOND_SEED").map_or(random, |seed| seed.parse().expect("a number")) | 1;
+    println!("REBOND_SEED={state}");
+    std::iter::repeat_with(move || {
+        // Marsaglia's xorshift64.
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        Duration::from_micros(state % 600_000)
+    })
+}
+
+/// Kills a recording in progress after that time: the step after which it is cut, if any.
+fn killed_after(time: Duration) -> Option<u64> {
+    let workplace = Workplace::with_scene(ENDLESS);
+    let mut writer = start(&workplace, "run.mcap", Stdio::null());
+    thread::sleep(time);
+    writer.kill().unwrap();
+    writer.wait().unwrap();
+    // There may be no file yet, or nothing in it.
+    let mut recording = recording::open(&workplace.path("run.mcap")).ok()?;
+    recording.by_ref().for_each(|item| drop(item.unwrap()));
+    let Health::Truncated { after } = recording.health() else { panic!("{:?}", recording.health()) };
+    let replayed = workplace.rebond("replay run.mcap");
+    assert_eq!(replayed.code, 4, "{replayed:?}");
+    let recovered = workplace.done("recover run.mcap -o fixed.mcap");
+    let step = after?;
+    assert_eq!(replayed.output, format!("truncated after step {step}: {step} steps same\n"));
+    assert!(recovered.output.contains(&format!("{} states up to step {step}", step + 1)), "{recovered:?}");
+    assert_eq!(workplace.done("replay fixed.mcap").output, format!("same: {step} steps, 20 bodies\n"));
+    Some(step)
+}
+
 #[test]
-fn a_killed_recording_keeps_what_was_flushed() {
+fn a_recording_killed_at_any_moment_keeps_what_was_flushed() {
     let mut last_steps = Vec::new();
-    for milliseconds in [20, 70, 150, 310, 640] {
-        let workplace = Workplace::with_scene(ENDLESS);
-        let mut writer = start(&workplace, "run.mcap", Stdio::null());
-        thread::sleep(Duration::from_millis(milliseconds));
-        writer.kill().unwrap();
-        writer.wait().unwrap();
-        let Ok(mut recording) = recording::open(&workplace.path("run.mcap")) else {
-            continue; // Killed before the head was written.
-        };
-        recording.by_ref().for_each(|item| drop(item.unwrap()));
-        let Health::Truncated { after } = recording.health() else { panic!("{:?}", recording.health()) };
-        let replayed = workplace.rebond("replay run.mcap");
-        assert_eq!(replayed.code, 4, "{replayed:?}");
-        if let Some(step) = after {
-            assert_eq!(replayed.output, format!("truncated after step {step}: {step} steps same\n"));
-            last_steps.push(step);
-        }
+    for time in moments().take(10).chain([Duration::from_millis(700)]) {
+        let after = killed_after(time);
+        println!("killed after {time:?}: cut after step {after:?}");
+        last_steps.extend(after);
+    }
+    for step in &last_steps {
+        assert!(*step == 0 || (step + 1).is_multiple_of(60), "{step} is not the last of a second");
     }
     assert!(last_steps.last().is_some_and(|step| *step >= 59), "nothing was flushed: {last_steps:?}");
 }

@@ -63,6 +63,7 @@ fn of_length(length: u64) -> Vec<u8> {
 /// Name, what follows the head, and what is to be said of it.
 fn hostile() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     let many = u32::MAX.to_le_bytes();
+    let crowd = keyframe_of(190_000);
     let bodies = |bytes_each: usize| ((MESSAGE / bytes_each) as u32).to_le_bytes();
     vec![
         ("a chunk of 100 GB", of_length(100_000_000_000), "length exceeds limit"),
@@ -78,8 +79,27 @@ fn hostile() -> Vec<(&'static str, Vec<u8>, &'static str)> {
         ("a long text", chunk(&message(EVENTS, MESSAGE, &[&[0; 8], &[1, 0, 0, 0, 0, 0, 0, 0], &bodies(2)])), "bytes"),
         ("2^32 spawns", chunk(&message(EVENTS, 100, &[&[0; 8], &many])), "not CDR"),
         ("a keyframe of 2^32 bodies", chunk(&message(BODIES, 100, &[&[0; 12], &many])), "not CDR"),
+        ("a keyframe of bodies never spawned", chunk(&message(BODIES, crowd.len() + 4, &[&crowd])), "other bodies"),
         ("a keyframe of zeros", chunk(&message(BODIES, 28 << 20, &[&[0; 12], &bodies(128)])), "corrupt chunk 1"),
     ]
+}
+
+/// A keyframe that could be one, of so many bodies without a name at one place.
+fn keyframe_of(bodies: u32) -> Vec<u8> {
+    let mut data = [&0_u64.to_le_bytes() as &[u8], &bodies.to_le_bytes(), &bodies.to_le_bytes()].concat();
+    let numbers: [f64; 9] = [1.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0];
+    let no_text = [1, 0, 0, 0, 0, 0, 0, 0];
+    for id in 0..bodies {
+        data.extend([id.to_le_bytes(), [1, 0, 0, 0], [0; 4], [0; 4]].concat());
+        data.extend(numbers.iter().flat_map(|number| number.to_le_bytes()));
+        data.extend([no_text, no_text].concat());
+    }
+    for number in [1.0_f64, 1.0, 0.0, 0.0, 0.0, 0.0] {
+        data.extend([bodies, 0].map(u32::to_le_bytes).concat());
+        data.extend(number.to_le_bytes().repeat(bodies as usize));
+    }
+    data.extend([0; 8]);
+    data
 }
 
 #[test]

@@ -91,3 +91,74 @@ fn lines_that_cannot_be_obeyed_are_errors_with_their_number_or_are_counted() {
     }
     assert_text("errors-of-live-events", &told);
 }
+
+/// What comes out of broken programs, wrong files and hostile pipes.
+fn abuse() -> Vec<(&'static str, Vec<u8>)> {
+    let of = |text: &str| text.as_bytes().to_vec();
+    let named = |name: String| format!(r#"{{"spawn": {{"name": "{name}", "at": [9, 5], "size": [1, 1], "mass": 2}}}}"#);
+    let at = |x: &str| format!(r#"{{"spawn": {{"at": [{x}, 5], "size": [1, 1], "mass": 2}}}}"#);
+    vec![
+        ("half a line", of(r#"{"delete": {"step": 9, "na"#)),
+        ("a megabyte", vec![b'x'; 1_000_000]),
+        ("a megabyte of spaces before an event", [vec![b' '; 1_000_000], of(&named("c".into()))].concat()),
+        ("a long name", of(&named("n".repeat(300)))),
+        ("zeros", vec![0; 5]),
+        ("a zero in a name", of(&named("c\0".into()))),
+        ("an escaped zero in a name", of(&named(r"c\u0000".into()))),
+        ("half a surrogate", of(&named(r"\ud800".into()))),
+        ("not UTF-8", [of(r#"{"delete": {"name": ""#), vec![0xff, 0xfe], of(r#""}}"#)].concat()),
+        ("UTF-16", "{}".encode_utf16().chain([0xd800]).flat_map(u16::to_le_bytes).collect()),
+        ("a key twice", of(r#"{"delete": {"name": "a", "name": "a"}}"#)),
+        ("two events", of(r#"{"delete": {"name": "a"}} {"delete": {"name": "a"}}"#)),
+        ("beyond the numbers", of(&at("1e400"))),
+        ("no number", of(&at("NaN"))),
+        ("half a step", of(r#"{"delete": {"step": 6.5, "name": "a"}}"#)),
+        ("a step beyond the numbers", of(r#"{"delete": {"step": 99999999999999999999, "name": "a"}}"#)),
+        ("lists in lists", vec![b'['; 5000]),
+        ("a colour for the terminal", of("\u{1b}[31mred")),
+    ]
+}
+
+#[test]
+fn abuse_is_refused_in_a_few_words_and_skipped_if_asked_for() {
+    let good = br#"{"spawn": {"step": 5, "name": "b", "at": [2.0, 5.0], "size": [1.0, 1.0], "mass": 2.0}}"#;
+    let after = br#"{"delete": {"step": 11, "name": "b"}}"#;
+    let mut told = String::new();
+    for (what, bad) in abuse() {
+        let workplace = Workplace::with_scene(SCENE);
+        let lines = [good.as_slice(), &bad, after].join(&b'\n');
+        let outcome = workplace.rebond_with_input("record scene.toml -o run.mcap --events -", &lines);
+        assert_eq!(outcome.code, 1, "{what}: {outcome:?}");
+        assert!(outcome.errors.contains("line 2"), "{what}: {outcome:?}");
+        assert!(!outcome.errors.contains(['\0', '\u{1b}']), "{what}: {outcome:?}");
+        let first = outcome.errors.lines().next().unwrap_or_default();
+        told += &format!("{what}: {first}\n");
+        let lenient = workplace.rebond_with_input("record scene.toml -o lenient.mcap --events - --lenient", &lines);
+        assert_eq!(lenient.code, 0, "{what}: {lenient:?}");
+        assert_eq!(lenient.errors, "1 event line(s) skipped\n", "{what}");
+        assert_eq!(lives(&workplace, "lenient.mcap"), ["b 5 10"], "{what}");
+        assert_eq!(workplace.done("replay lenient.mcap").output, "same: 20 steps, 2 bodies\n", "{what}");
+    }
+    assert_text("errors-of-abused-events", &told);
+}
+
+#[test]
+fn lines_end_as_they_do_elsewhere() {
+    let lines = [
+        r#"{"spawn": {"step": 5, "name": "b", "at": [2.0, 5.0], "size": [1.0, 1.0], "mass": 2.0}}"#,
+        r#"{"delete": {"step": 11, "name": "b"}}"#,
+    ];
+    let [unix, dos, marked, unended, nothing] = [
+        lines.join("\n") + "\n",
+        lines.join("\r\n") + "\r\n",
+        format!("\u{feff}{}\n", lines.join("\n")),
+        lines.join("\n\n \t\n"),
+        String::new(),
+    ];
+    for (input, expected) in [(unix, 1), (dos, 1), (marked, 1), (unended, 1), (nothing, 0)] {
+        let workplace = Workplace::with_scene(SCENE);
+        let outcome = workplace.rebond_with_input("record scene.toml -o run.mcap --events -", &input);
+        assert_eq!(outcome.code, 0, "{input:?}: {outcome:?}");
+        assert_eq!(lives(&workplace, "run.mcap").len(), expected, "{input:?}");
+    }
+}

@@ -66,8 +66,8 @@ impl Workplace {
     }
 
     /// Runs `rebond` with something on standard input.
-    pub fn rebond_with_input(&self, line: &str, input: &str) -> Outcome {
-        self.run(self.command(line).write_stdin(input))
+    pub fn rebond_with_input(&self, line: &str, input: &(impl AsRef<[u8]> + ?Sized)) -> Outcome {
+        self.run(self.command(line).write_stdin(input.as_ref()))
     }
 
     /// Runs `rebond` where programs are found in one folder only.

@@ -1,4 +1,4 @@
-//! Recordings of every released version, kept under tests/recordings: a newer program replays
+//! Recordings of every released version and format, kept under tests/recordings: a newer program replays
 //! them or says exactly why not, and shows their states in any case.
 
 use crate::rebond::Workplace;
