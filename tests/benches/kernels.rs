@@ -25,6 +25,7 @@ mod event_driven {
     pub mod least_change;
     pub mod meeting;
     pub mod motion;
+    pub mod motions;
     pub mod mover;
     pub mod schedule;
 }
@@ -37,6 +38,7 @@ use event_driven::instant::{Clock, Instant};
 use event_driven::least_change::{Group, least_change};
 use event_driven::meeting::{State, meeting};
 use event_driven::motion::Motion;
+use event_driven::motions::Motions;
 use event_driven::mover::Mover;
 use event_driven::schedule::{Schedule, Turn};
 
@@ -82,7 +84,7 @@ fn mover(x: f64, y: f64, velocity: [f64; 2], acceleration: f64) -> Mover {
     let since = Instant::start_of(0);
     let along = |position: f64, velocity: f64, acceleration: f64| Motion { position, velocity, acceleration, since };
     Mover {
-        motion: [along(x, velocity[0], 0.0), along(y, velocity[1], acceleration)],
+        motion: Motions::new([along(x, velocity[0], 0.0), along(y, velocity[1], acceleration)]),
         size: [1.0; 2],
         since,
         generation: 0,
@@ -115,7 +117,8 @@ fn schedule(bencher: Bencher, bodies: u32) {
         |schedule| {
             for slot in 0..bodies {
                 let offset = f64::from(slot * 7919 % bodies) / f64::from(bodies) / 60.0;
-                schedule.set(slot, Some(Turn { at: Instant { step: 0.0, offset }, late: false, pair: [slot; 2] }));
+                let at = Instant { step: 0.0, offset };
+                schedule.set(slot, Some(Turn { at, pair: [slot; 2], meeting: None, generation: 0 }));
             }
             schedule.begin(0);
             while let Some(turn) = schedule.next(0) {
