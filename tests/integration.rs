@@ -61,6 +61,8 @@ mod released;
 mod report;
 #[path = "integration/scene_errors.rs"]
 mod scene_errors;
+#[path = "integration/shards.rs"]
+mod shards;
 #[path = "integration/snapshot.rs"]
 mod snapshot;
 #[path = "integration/stills.rs"]

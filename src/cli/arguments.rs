@@ -67,6 +67,7 @@ pub struct OutputOptions {
 Examples:
   rebond record recordings/figure-1.toml -o figure-1.mcap
   rebond record scene.toml -o long.mcap --steps 100000 --every 100
+  rebond record scene.toml -o heavy.mcap --set restitution.default=0.5 --set spawn.c.mass=2
   printf '{\"click\": {\"step\": 30, \"at\": [4, 5]}}\\n' | rebond record scene.toml -o clicked.mcap --events -")]
 pub struct RecordOptions {
     /// The scene, a TOML file
@@ -80,6 +81,9 @@ pub struct RecordOptions {
     /// More events, one JSON object a line; - for standard input
     #[arg(long, value_name = "FILE.jsonl")]
     pub events: Option<PathBuf>,
+    /// Set a value of the scene anew, such as spawn.c.mass=2
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<crate::scene::Setting>,
     /// Stop after that many steps, whatever the scene says
     #[arg(long, value_name = "N")]
     pub steps: Option<u64>,
@@ -182,6 +186,9 @@ pub struct RenderOptions {
     /// Draw about that many frames for each second
     #[arg(long, value_parser = positive)]
     pub fps: Option<f64>,
+    /// Draw part I of N of a folder of PNG
+    #[arg(long, value_name = "I/N", default_value = "1/1", hide_default_value = true, conflicts_with = "at")]
+    pub shard: Shard,
     /// Slow motion: simulated seconds a second, such as 0.1
     #[arg(long, value_name = "PACE", value_parser = positive)]
     pub slow: Option<f64>,
@@ -300,6 +307,9 @@ pub struct ExportOptions {
     /// The last step to write
     #[arg(long, value_name = "STEP")]
     pub to: Option<u64>,
+    /// Write part I of N; in a row they are the whole
+    #[arg(long, value_name = "I/N", default_value = "1/1", hide_default_value = true)]
+    pub shard: Shard,
 }
 
 /// Options of `info`.

@@ -10,18 +10,25 @@ pub fn run(options: &ExportOptions) -> Result<Exit, CommandError> {
     let format = Format::of(&options.output)?;
     let failed = |error| CommandError::recording(&options.recording, error);
     let mut playback = Playback::new(recording::open(&options.recording).map_err(failed)?);
-    playback.seek(options.from.unwrap_or(0)).map_err(failed)?;
+    let end = playback.header().steps;
+    let from = options.from.unwrap_or(0);
+    let to = options.to.unwrap_or(end).min(end);
+    let own = options.shard.steps(from, to);
+    let first = own.as_ref().map_or(from.max(end + 1), |own| *own.start());
+    playback.seek(first).map_err(failed)?;
     let mut reached = Reached::End;
     output::write_file(&options.output, options.force, |table| {
         let failed_write = CommandError::unwritable(&options.output);
-        table.write_all(format.heading().as_bytes()).map_err(&failed_write)?;
+        if options.shard.number == 1 {
+            table.write_all(format.heading().as_bytes()).map_err(&failed_write)?;
+        }
         for frame in playback.by_ref() {
             let frame = frame.map_err(failed)?;
-            if frame.step > options.to.unwrap_or(u64::MAX) {
+            if own.as_ref().is_none_or(|own| frame.step > *own.end()) {
                 reached = Reached::LastStep;
                 break;
             }
-            if frame.step >= options.from.unwrap_or(0) {
+            if frame.step >= first {
                 format.write(&frame, table).map_err(&failed_write)?;
             }
         }

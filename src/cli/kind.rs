@@ -1,4 +1,4 @@
-use super::{arguments::RenderOptions, error::CommandError, output};
+use super::{arguments::RenderOptions, error::CommandError, output, shard::Shard};
 use crate::illustration::Format;
 use std::path::Path;
 
@@ -45,6 +45,18 @@ impl Kind {
             (Some(_), None, None) => {
                 unknown("OUT.gif, OUT.apng, OUT.mp4, OUT.webm, OUT.png with --at STEP, or a folder OUT/")
             }
+        }
+    }
+
+    /// Refuses to make a part of what is not made in parts.
+    pub fn refuse_shard(self, path: &Path, shard: Shard) -> Result<(), CommandError> {
+        match self {
+            Kind::Sequence => Ok(()),
+            Kind::Animation(_) | Kind::Picture(_) | Kind::Video(_) if shard == Shard::WHOLE => Ok(()),
+            Kind::Animation(_) | Kind::Picture(_) | Kind::Video(_) => Err(CommandError::UnknownKind {
+                path: path.into(),
+                expected: "--shard makes a part of a folder OUT/ of one PNG a step; a single file has no parts",
+            }),
         }
     }
 

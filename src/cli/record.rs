@@ -13,7 +13,10 @@ use std::{
 
 /// Runs a scene and records it.
 pub fn run(options: &RecordOptions) -> Result<Exit, CommandError> {
-    let scene = scene::load(&options.scene)?;
+    let scene = match options.set.as_slice() {
+        [] => scene::load(&options.scene)?,
+        settings => scene::load_with(&options.scene, settings)?,
+    };
     let plan = run::RecordOptions {
         steps: options.steps.unwrap_or(scene.run.steps),
         every: options.every,

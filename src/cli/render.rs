@@ -2,6 +2,7 @@ use super::arguments::RenderOptions;
 use super::error::CommandError;
 use super::kind::Kind;
 use super::output::{self, Folder};
+use super::shard::Shard;
 use super::source::Source;
 use super::{Exit, damage, jobs, progress, video, wish};
 use crate::illustration::{self, Evidence, Format, Progress, Subject, Wish, WishedSubject};
@@ -11,6 +12,7 @@ use std::num::NonZero;
 pub fn run(options: &RenderOptions) -> Result<Exit, CommandError> {
     let kind = Kind::of(options)?;
     kind.refuse_existing(&options.output.output, options.output.force)?;
+    kind.refuse_shard(&options.output.output, options.shard)?;
     if let Kind::Video(_) = kind {
         video::refuse_without_ffmpeg(&options.output.output)?;
     }
@@ -18,7 +20,11 @@ pub fn run(options: &RenderOptions) -> Result<Exit, CommandError> {
     let bar = progress::bar("drawing", 0);
     let mut heard = progress::listener(&bar);
     let recordings = [source.recording.clone()];
-    let evidence = Evidence::new(&wish(options, kind).request(&recordings, &mut heard)?, &recordings);
+    let Some(wish) = part(wish(options, kind), options.shard, recordings[0].survey.last_step) else {
+        Folder::create(&options.output.output, options.output.force)?.finish()?;
+        return Ok(Exit::Done);
+    };
+    let evidence = Evidence::new(&wish.request(&recordings, &mut heard)?, &recordings);
     let job = Job { options, evidence, source: &recordings[0] };
     let exit = match kind {
         Kind::Animation(format) | Kind::Picture(format) => job.file(format, &mut heard)?,
@@ -57,6 +63,16 @@ fn wish(options: &RenderOptions, kind: Kind) -> Wish {
         hold: options.hold_seconds(),
         ..wish::of(&options.look, subject)
     }
+}
+
+/// Of what is asked for the part that is a shard's; none if there are too few steps for it.
+fn part(wish: Wish, shard: Shard, last_step: Option<u64>) -> Option<Wish> {
+    if shard == Shard::WHOLE {
+        return Some(wish);
+    }
+    let end = last_step.unwrap_or(0);
+    let own = shard.steps(wish.from.unwrap_or(0), wish.to.unwrap_or(end).min(end))?;
+    Some(Wish { from: Some(*own.start()), to: Some(*own.end()), ..wish })
 }
 
 /// One thing to be drawn.

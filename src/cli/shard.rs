@@ -1,4 +1,4 @@
-use std::ops::Range;
+use std::ops::{Range, RangeInclusive};
 
 /// One of several parts of some work, which joined in order are all of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,7 +15,18 @@ impl Shard {
 
     /// Which of `count` things are its own: neighbours, so that parts join by being put in a row.
     pub fn range(self, count: usize) -> Range<usize> {
-        let border = |number: u64| (count as u128 * u128::from(number) / u128::from(self.of)) as usize;
+        let Range { start, end } = self.part(count as u64);
+        start as usize..end as usize
+    }
+
+    /// Its own of the steps from one to another, both included; none if there are too few for all.
+    pub fn steps(self, from: u64, to: u64) -> Option<RangeInclusive<u64>> {
+        let Range { start, end } = self.part((to + 1).saturating_sub(from));
+        (start < end).then(|| from + start..=from + end - 1)
+    }
+
+    fn part(self, count: u64) -> Range<u64> {
+        let border = |number: u64| (u128::from(count) * u128::from(number) / u128::from(self.of)) as u64;
         border(self.number - 1)..border(self.number)
     }
 }
@@ -45,6 +56,13 @@ mod tests {
                 assert_eq!(all, (0..count).collect::<Vec<usize>>(), "{count} in {of}");
             }
         }
+    }
+
+    #[test]
+    fn steps_in_a_row_are_all_steps() {
+        let all: Vec<u64> = (1..=4).filter_map(|number| Shard { number, of: 4 }.steps(3, 12)).flatten().collect();
+        assert_eq!(all, (3..=12).collect::<Vec<u64>>());
+        assert_eq!(Shard { number: 1, of: 4 }.steps(3, 3), None, "the last has the only step");
     }
 
     #[test]

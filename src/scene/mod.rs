@@ -18,6 +18,7 @@ mod room;
 mod run_options;
 mod scatter;
 mod scene_error;
+mod setting;
 mod source;
 mod spawn_request;
 mod timeline;
@@ -35,6 +36,7 @@ pub use figure_options::{ColorBy, FigureOptions, Overlay, Theme};
 pub use input::Input;
 pub use run_options::RunOptions;
 pub use scene_error::{Excerpt, Flaw, SceneError};
+pub use setting::Setting;
 pub use source::{Place, SceneSource};
 pub use spawn_request::{Blueprint, SpawnRequest};
 pub use walls::Walls;
@@ -93,6 +95,25 @@ pub fn parse(path: &str, text: &str) -> Result<Scene, SceneError> {
 /// # Errors
 /// Those of [`parse`], and the file being unreadable, too long or not text.
 pub fn load(path: &Path) -> Result<Scene, SceneError> {
+    parse(&path.to_string_lossy(), &text_of(path)?)
+}
+
+/// The scene in the file at `path` with some values set anew: for studies of a parameter.
+///
+/// Its source is the text so changed: a recording of it stands alone.
+///
+/// # Errors
+/// Those of [`load`], and [`SceneError::Setting`] where the scene has no place for a value.
+pub fn load_with(path: &Path, settings: &[Setting]) -> Result<Scene, SceneError> {
+    let text = setting::set(path, &text_of(path)?, settings)?;
+    let settings: Vec<String> = settings.iter().map(|setting| format!(" --set {setting}")).collect();
+    let called = path.to_string_lossy();
+    let mut scene = parse(&(called.to_string() + &settings.concat()), &text)?;
+    scene.source.path = called.into();
+    Ok(scene)
+}
+
+fn text_of(path: &Path) -> Result<String, SceneError> {
     let mut bytes = Vec::new();
     File::open(path)
         .and_then(|file| file.take(LONGEST_SCENE + 1).read_to_end(&mut bytes))
@@ -100,9 +121,8 @@ pub fn load(path: &Path) -> Result<Scene, SceneError> {
     if bytes.len() as u64 > LONGEST_SCENE {
         return Err(SceneError::TooLong { path: path.into(), limit: LONGEST_SCENE });
     }
-    let text = String::from_utf8(bytes)
-        .map_err(|error| SceneError::NotText { path: path.into(), byte: error.utf8_error().valid_up_to() })?;
-    parse(&path.to_string_lossy(), &text)
+    String::from_utf8(bytes)
+        .map_err(|error| SceneError::NotText { path: path.into(), byte: error.utf8_error().valid_up_to() })
 }
 
 fn read(source: &SceneSource) -> Result<Scene, Refusal> {

@@ -33,6 +33,17 @@ pub enum SceneError {
         /// How many bytes before it are fine.
         byte: usize,
     },
+    /// A value is to be set for which the scene has no place.
+    #[error("cannot set {setting} in the scene {}: {reason}", path.display())]
+    #[diagnostic(help("keys are those of the file, such as run.rate, spawn.NAME.mass or scatter.1.seed"))]
+    Setting {
+        /// As the user named it.
+        path: PathBuf,
+        /// As it was typed.
+        setting: String,
+        /// Why not.
+        reason: String,
+    },
     /// Something in a scene is not as the format has it.
     #[error(transparent)]
     #[diagnostic(transparent)]
@@ -97,7 +108,10 @@ impl SceneError {
     pub fn fault(&self) -> Option<&Fault> {
         match self {
             SceneError::Scene(flaw) | SceneError::Event { flaw, .. } => Some(&flaw.fault),
-            SceneError::Unreadable { .. } | SceneError::TooLong { .. } | SceneError::NotText { .. } => None,
+            SceneError::Unreadable { .. }
+            | SceneError::TooLong { .. }
+            | SceneError::NotText { .. }
+            | SceneError::Setting { .. } => None,
         }
     }
 
