@@ -1,6 +1,7 @@
 use std::collections::BTreeMap;
 
 use mcap::{
+    McapError,
     records::op,
     sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions},
 };
@@ -109,7 +110,7 @@ impl Chunks {
             Some(Err(error)) => {
                 chunk.exhausted = true;
                 self.usable = false;
-                Err(error.to_string())
+                Err(told(&error, chunk.position == 0))
             }
             None | Some(Ok(LinearReadEvent::ReadRequest(_))) => {
                 chunk.exhausted = true;
@@ -171,6 +172,18 @@ impl<'a> RawMessage<'a> {
         let log_time = fields.u64()?;
         let _publish_time = fields.u64()?;
         Ok(RawMessage { channel, log_time, data: fields.rest() })
+    }
+}
+
+/// Why a chunk cannot be read, in words.
+///
+/// How far damaged bytes are decompressed before that is noticed, and into what, depends on the
+/// processor: the words do not.
+fn told(error: &McapError, is_at_start: bool) -> String {
+    match error {
+        McapError::BadChunkCrc { .. } | McapError::DecompressionError(_) => "its bytes do not fit its checksum".into(),
+        McapError::UnexpectedEoc if is_at_start => "its bytes do not fit its checksum".into(),
+        error => error.to_string(),
     }
 }
 
