@@ -27,7 +27,9 @@ mod tests {
     #[cfg(target_os = "linux")]
     fn what_is_taken_is_seen() {
         let before = super::begin().unwrap();
-        let taken = vec![1_u8; 64 << 20];
-        assert!(super::most().unwrap() >= before + (60 << 20), "{} bytes", taken.len());
+        // More by far than other tests give back meanwhile.
+        let taken = std::hint::black_box(vec![1_u8; 256 << 20]);
+        let most = super::most().unwrap();
+        assert!(most >= before + (128 << 20), "{most} bytes of {before} and {}", taken.len());
     }
 }
