@@ -56,7 +56,7 @@ fn heading(shard: Shard) -> &'static str {
 /// All cases that could be asked for, in the order by which processes of their own know them.
 fn all_cases(options: &ReportOptions) -> Result<Vec<Case>, CommandError> {
     if options.growth {
-        return Ok(cases::growth(options.full));
+        return Ok(cases::growth());
     }
     if options.scenes.is_empty() {
         return Ok(cases::all(options.full));

@@ -27,7 +27,7 @@ fn errors_of_the_hard_scenes_are_these() {
 
 #[test]
 fn every_hard_scene_is_a_scene() {
-    for case in cases::all(true).iter().chain(&cases::growth(true)) {
+    for case in cases::all(true).iter().chain(&cases::growth()) {
         let crowd = case.text.contains("000\nseed");
         let trial = case.trials()[0];
         assert!(crowd || case.scene(trial).is_ok(), "{}: {:?}", case.name, case.scene(trial).err());
