@@ -251,6 +251,7 @@ impl EventDriven {
         }
     }
 
+    #[inline]
     fn state(&self, pair: [Slot; 2]) -> [(Rect, Vector); 2] {
         pair.map(|slot| {
             let mover = &self.movers[slot as usize];
@@ -259,6 +260,8 @@ impl EventDriven {
         })
     }
 
+    /// What an observer is told; inlined, so that nothing is computed for one who does not listen.
+    #[inline(always)]
     fn report(&self, pair: [Slot; 2], normal: Vector, impulse: f64, before: [(Rect, Vector); 2]) -> Collision {
         Collision {
             step: self.now.step as u64,

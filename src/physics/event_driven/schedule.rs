@@ -1,4 +1,5 @@
-//! What happens next: a wheel of short time slices, and a heap for the slice at hand.
+//! What happens next: pages of coming steps, short slices of the present one, and a heap for the
+//! slice at hand.
 //!
 //! Every body has at most one turn pending. The slices only sort roughly; inside a slice
 //! turns come in their total order, so that how finely time is sliced changes no result.
@@ -11,10 +12,10 @@ use std::collections::BinaryHeap;
 
 const NONE: u32 = u32::MAX;
 
-/// With so many bodies for each slice of a step, few meet in a slice.
-const BODIES_PER_SLICE: u64 = 8;
+/// With so many bodies for each slice of a step, few meet in a slice, and few slices are empty.
+const BODIES_PER_SLICE: u64 = 32;
 
-/// The wheel reaches so many steps ahead; what comes later is looked at again then.
+/// The pages reach so many steps ahead; what comes later is looked at again then.
 const STEPS: u64 = 32;
 
 /// What happens next to a body, and when: to meet another, or else to leave its cell.
@@ -83,33 +84,39 @@ impl Ord for Waiting {
     }
 }
 
+/// What a body waits for, and where it stands until then.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 struct Pending {
     turn: Turn,
+    /// The first slice of the step on whose page it stands, or its slice of the present step.
+    stands: u64,
     stamp: u32,
-    /// The place in the wheel, or [`NONE`].
-    place: u32,
-    previous: Slot,
-    next: Slot,
 }
+
+const NOWHERE: u64 = u64::MAX;
 
 const NO_TURN: Turn = Turn { at: Instant::NEVER, pair: [NONE; 2], meeting: None, generation: 0 };
 
-const IDLE: Pending = Pending { turn: NO_TURN, stamp: 0, place: NONE, previous: NONE, next: NONE };
+const IDLE: Pending = Pending { turn: NO_TURN, stands: NOWHERE, stamp: 0 };
 
 /// The turns of all bodies.
+///
+/// A body whose turn comes later than was foretold stays where it stands until that is at hand,
+/// and is entered anew then: so it stands in one place only, and what it left is known to be void.
 #[derive(Clone, Debug)]
 pub struct Schedule {
     clock: Clock,
     /// Slices a step: 2 to this power.
     fineness: u32,
-    /// The slice at hand.
+    /// The slice at hand, counted from the first step on.
     present: u64,
-    /// First body of each slice of the wheel.
-    wheel: Vec<Slot>,
-    /// How many bodies wait in each step of the wheel.
-    waiting: Vec<u32>,
+    /// For each of the coming steps who stands there.
+    pages: Vec<Vec<Slot>>,
+    /// For each slice of the present step who stands there.
+    slices: Vec<Vec<Slot>>,
+    /// How many stand in slices.
+    waiting: usize,
     pending: Vec<Pending>,
     heap: BinaryHeap<Reverse<Waiting>>,
 }
@@ -122,8 +129,9 @@ impl Schedule {
             clock,
             fineness,
             present: step << fineness,
-            wheel: vec![NONE; (STEPS << fineness) as usize],
-            waiting: vec![0; STEPS as usize],
+            pages: vec![Vec::new(); STEPS as usize],
+            slices: vec![Vec::new(); 1 << fineness],
+            waiting: 0,
             pending: Vec::new(),
             heap: BinaryHeap::new(),
         }
@@ -135,11 +143,10 @@ impl Schedule {
             self.pending.resize(slot as usize + 1, IDLE);
         }
         let turn = turn.unwrap_or(NO_TURN);
-        if self.pending[slot as usize].turn == turn {
+        let pending = &mut self.pending[slot as usize];
+        if pending.turn == turn {
             return;
         }
-        self.unlink(slot);
-        let pending = &mut self.pending[slot as usize];
         pending.stamp = pending.stamp.wrapping_add(1);
         pending.turn = turn;
         if turn != NO_TURN {
@@ -151,8 +158,7 @@ impl Schedule {
     pub fn next(&mut self, step: u64) -> Option<(Slot, Turn)> {
         let end = (step + 1) << self.fineness;
         loop {
-            while let Some(Reverse(first)) = self.heap.peek().copied() {
-                self.heap.pop();
+            while let Some(Reverse(first)) = self.heap.pop() {
                 let pending = &mut self.pending[first.slot as usize];
                 if pending.stamp == first.stamp {
                     pending.turn = NO_TURN;
@@ -166,72 +172,68 @@ impl Schedule {
         }
     }
 
-    /// Enters the step: what is due in its first slice is at hand.
+    /// Enters the step: who stands on its page goes to the slices, or is at hand.
     pub fn begin(&mut self, step: u64) {
         if self.present < step << self.fineness {
             self.present = step << self.fineness;
-            self.open();
+            let place = (step % STEPS) as usize;
+            let page = std::mem::take(&mut self.pages[place]);
+            self.pages[place] = self.enter_again(page);
         }
     }
 
     /// Goes on to the next slice, or over the rest of a step in which nobody waits.
     fn advance(&mut self) {
-        let step = self.present >> self.fineness;
-        let empty = self.waiting[(step % STEPS) as usize] == 0;
-        self.present = if empty { ((step + 1) << self.fineness) - 1 } else { self.present + 1 };
-        self.open();
+        let last = self.present | (self.slices.len() as u64 - 1);
+        self.present = if self.waiting == 0 { last } else { self.present + 1 };
+        let place = (self.present & (self.slices.len() as u64 - 1)) as usize;
+        let slice = std::mem::take(&mut self.slices[place]);
+        self.waiting -= slice.len();
+        self.slices[place] = self.enter_again(slice);
     }
 
-    /// Puts what waits in the present slice into the heap, or further off if it is not due.
-    fn open(&mut self) {
-        let place = (self.present & (self.wheel.len() as u64 - 1)) as usize;
-        let mut slot = self.wheel[place];
-        while slot != NONE {
-            let next = self.pending[slot as usize].next;
-            self.unlink(slot);
-            self.enter(slot);
-            slot = next;
+    /// Sends on those who still stand in the present place; returns the emptied list.
+    fn enter_again(&mut self, mut list: Vec<Slot>) -> Vec<Slot> {
+        for slot in list.drain(..) {
+            let pending = &mut self.pending[slot as usize];
+            if pending.stands == self.present {
+                pending.stands = NOWHERE;
+                if pending.turn != NO_TURN {
+                    self.enter(slot);
+                }
+            }
         }
+        list
     }
 
     fn enter(&mut self, slot: Slot) {
         let pending = &mut self.pending[slot as usize];
         let last = (1 << self.fineness) - 1;
         let within = (pending.turn.at.offset * self.clock.rate * f64::from(1_u32 << self.fineness)) as i64 as u64;
-        let slice = ((pending.turn.at.step as i64 as u64) << self.fineness) + if within < last { within } else { last };
+        let step = pending.turn.at.step as i64 as u64;
+        let slice = (step << self.fineness) + if within < last { within } else { last };
         if slice <= self.present {
+            pending.stands = NOWHERE;
             self.heap.push(Reverse(Waiting { turn: pending.turn, slot, stamp: pending.stamp }));
             return;
         }
-        let furthest = (((self.present >> self.fineness) + STEPS) << self.fineness) - 1;
-        let slice = if slice < furthest { slice } else { furthest };
-        let place = (slice & (self.wheel.len() as u64 - 1)) as usize;
-        pending.place = place as u32;
-        pending.previous = NONE;
-        pending.next = self.wheel[place];
-        let next = pending.next;
-        self.waiting[place >> self.fineness] += 1;
-        self.wheel[place] = slot;
-        if next != NONE {
-            self.pending[next as usize].previous = slot;
-        }
-    }
-
-    fn unlink(&mut self, slot: Slot) {
-        let pending = self.pending[slot as usize];
-        if pending.place == NONE {
+        let present_step = self.present >> self.fineness;
+        let stands = if step == present_step {
+            slice
+        } else {
+            let furthest = present_step + STEPS - 1;
+            (if step < furthest { step } else { furthest }) << self.fineness
+        };
+        if stands >= pending.stands {
             return;
         }
-        self.waiting[(pending.place >> self.fineness) as usize] -= 1;
-        if pending.previous == NONE {
-            self.wheel[pending.place as usize] = pending.next;
+        pending.stands = stands;
+        if step == present_step {
+            self.waiting += 1;
+            self.slices[(slice & last) as usize].push(slot);
         } else {
-            self.pending[pending.previous as usize].next = pending.next;
+            self.pages[((stands >> self.fineness) % STEPS) as usize].push(slot);
         }
-        if pending.next != NONE {
-            self.pending[pending.next as usize].previous = pending.previous;
-        }
-        self.pending[slot as usize].place = NONE;
     }
 }
 
