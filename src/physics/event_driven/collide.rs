@@ -2,12 +2,13 @@
 
 use super::EventDriven;
 use super::block::Side;
-use super::double_double::DoubleDouble;
-use super::fine_state::FineState;
+use super::double_double::{Double, DoubleDouble};
+use super::fine_state::{FineState, both_after};
 use super::impact::{Blow, LONGEST_HURRY, capture_speed, is_no_way};
 use super::instant::LONGEST_ROUNDING;
 use super::meeting::tolerance;
 use super::mover::{AXES, Slot};
+use super::side_by_side::SideBySide;
 use crate::physics::{Collision, Observer, Rect, StepError, Vector, World};
 
 /// The two that collide along an axis, the one behind first, at the instant of the blow.
@@ -15,6 +16,8 @@ struct Encounter {
     axis: usize,
     slots: [Slot; 2],
     states: [FineState; 2],
+    /// Seconds since the references of their motions.
+    ages: [f64; 2],
     /// m/s.
     approach: f64,
 }
@@ -133,14 +136,14 @@ impl EventDriven {
 
     /// The two at the present instant.
     fn encounter(&self, pair: [Slot; 2], axis: usize) -> Encounter {
-        let states = pair.map(|slot| self.fine(slot, axis));
-        let middles = AXES.map(|place| {
-            let size = self.movers[pair[place] as usize].size[axis];
-            states[place].position.high + size / 2.0
-        });
-        let (slots, states) =
-            if middles[0] <= middles[1] { (pair, states) } else { ([pair[1], pair[0]], [states[1], states[0]]) };
-        Encounter { axis, slots, states, approach: (states[0].velocity - states[1].velocity).high }
+        let ([first, second], ages) = self.both_fine(pair, axis);
+        let middle = |slot: Slot, state: &FineState| state.position.high + self.movers[slot as usize].size[axis] / 2.0;
+        let (slots, states, ages) = if middle(pair[0], &first) <= middle(pair[1], &second) {
+            (pair, [first, second], ages)
+        } else {
+            ([pair[1], pair[0]], [second, first], [ages[1], ages[0]])
+        };
+        Encounter { axis, slots, states, ages, approach: (states[0].velocity - states[1].velocity).high }
     }
 
     /// The two at the instant of the blow, which is found to 32 digits on the way.
@@ -151,7 +154,7 @@ impl EventDriven {
             return foretold;
         }
         self.nudge(delay);
-        let states = foretold.states.map(|state| state.after(delay.into()));
+        let states = both_after(foretold.states, SideBySide::all(delay).into());
         Encounter { states, approach: (states[0].velocity - states[1].velocity).high, ..foretold }
     }
 
@@ -161,7 +164,7 @@ impl EventDriven {
     /// so small that sixteen digits of t are enough. No motion is followed back beyond its
     /// reference instant.
     fn delay(&self, encounter: &Encounter) -> f64 {
-        let Encounter { axis, slots, states: [first, second], approach: speed } = *encounter;
+        let Encounter { axis, slots, states: [first, second], ages, approach: speed } = *encounter;
         let size = self.movers[slots[0] as usize].size[axis];
         let gap = (second.position - first.position - size.into()).high;
         let acceleration = (first.acceleration - second.acceleration).high;
@@ -171,8 +174,7 @@ impl EventDriven {
         }
         let mut delay = 2.0 * gap / (speed + square.sqrt());
         if delay < 0.0 {
-            let earliest = slots.map(|slot| -self.age(slot, axis).high);
-            delay = earliest.into_iter().fold(delay, |delay, limit| if limit > delay { limit } else { delay });
+            delay = ages.into_iter().fold(delay, |delay, age| if -age > delay { -age } else { delay });
         }
         if (-LONGEST_ROUNDING..=LONGEST_WAIT).contains(&delay) { delay } else { 0.0 }
     }
@@ -253,11 +255,12 @@ impl EventDriven {
 
     #[inline]
     fn state(&self, pair: [Slot; 2]) -> [(Rect, Vector); 2] {
-        pair.map(|slot| {
+        let state = |slot: Slot| {
             let mover = &self.movers[slot as usize];
             let [[x, y], [vx, vy]] = mover.motion.at(&self.clock, self.now);
             (Rect::new(Vector::new(x, y), mover.size[0], mover.size[1]), Vector::new(vx, vy))
-        })
+        };
+        [state(pair[0]), state(pair[1])]
     }
 
     /// What an observer is told; inlined, so that nothing is computed for one who does not listen.

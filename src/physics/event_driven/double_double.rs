@@ -1,25 +1,50 @@
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
+/// What a [`DoubleDouble`] is made of: a double, or several computed side by side.
+pub trait Double:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
+{
+    /// A double, in each place.
+    fn all(number: f64) -> Self;
+
+    /// 0 in place of what is not finite.
+    fn finite_or_zero(self) -> Self;
+}
+
+impl Double for f64 {
+    #[inline]
+    fn all(number: f64) -> f64 {
+        number
+    }
+
+    #[inline]
+    fn finite_or_zero(self) -> f64 {
+        if self.is_finite() { self } else { 0.0 }
+    }
+}
+
 /// A number of 32 digits: the sum of two doubles, the second at most half a unit in the last
 /// place of the first.
 ///
 /// Not promised: more than 30 digits after a few operations, or anything where a product of
 /// doubles overflows (beyond 1e150 in general).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct DoubleDouble {
+pub struct DoubleDouble<T = f64> {
     /// The number, rounded to a double.
-    pub high: f64,
+    pub high: T,
     /// What rounding it lost.
-    pub low: f64,
+    pub low: T,
 }
 
 impl DoubleDouble {
     /// The number 0.
     pub const ZERO: DoubleDouble = DoubleDouble { high: 0.0, low: 0.0 };
+}
 
+impl<T: Double> DoubleDouble<T> {
     /// The sum of two doubles, exactly (Knuth, TAOCP 2, 4.2.2, theorem B).
     #[inline]
-    pub fn sum(a: f64, b: f64) -> DoubleDouble {
+    pub fn sum(a: T, b: T) -> DoubleDouble<T> {
         let high = a + b;
         let part = high - a;
         DoubleDouble { high, low: (a - (high - part)) + (b - part) }
@@ -27,7 +52,7 @@ impl DoubleDouble {
 
     /// The sum of two doubles of which the first is the greater or 0, exactly (Dekker, 1971).
     #[inline]
-    fn quick_sum(a: f64, b: f64) -> DoubleDouble {
+    fn quick_sum(a: T, b: T) -> DoubleDouble<T> {
         let high = a + b;
         DoubleDouble { high, low: b - (high - a) }
     }
@@ -36,40 +61,41 @@ impl DoubleDouble {
     /// the available precision", 1971): a fused multiply-add would be shorter, but is slow
     /// where the processor has none.
     #[inline]
-    pub fn product(a: f64, b: f64) -> DoubleDouble {
+    pub fn product(a: T, b: T) -> DoubleDouble<T> {
         let high = a * b;
         let [a_high, a_low] = halves(a);
         let [b_high, b_low] = halves(b);
         let low = ((a_high * b_high - high) + a_high * b_low + a_low * b_high) + a_low * b_low;
-        DoubleDouble { high, low: if low.is_finite() { low } else { 0.0 } }
+        DoubleDouble { high, low: low.finite_or_zero() }
     }
 
     /// Half of it, exactly.
     #[inline]
-    pub fn half(self) -> DoubleDouble {
-        DoubleDouble { high: 0.5 * self.high, low: 0.5 * self.low }
+    pub fn half(self) -> DoubleDouble<T> {
+        DoubleDouble { high: T::all(0.5) * self.high, low: T::all(0.5) * self.low }
     }
 }
 
 /// The upper and the lower 26 bits of a double (Veltkamp, 1968).
 #[inline]
-fn halves(number: f64) -> [f64; 2] {
-    let shifted = 134_217_729.0 * number;
+fn halves<T: Double>(number: T) -> [T; 2] {
+    let shifted = T::all(134_217_729.0) * number;
     let high = shifted - (shifted - number);
     [high, number - high]
 }
 
-impl From<f64> for DoubleDouble {
-    fn from(high: f64) -> DoubleDouble {
-        DoubleDouble { high, low: 0.0 }
+impl<T: Double> From<T> for DoubleDouble<T> {
+    #[inline]
+    fn from(high: T) -> DoubleDouble<T> {
+        DoubleDouble { high, low: T::all(0.0) }
     }
 }
 
-impl Add for DoubleDouble {
-    type Output = DoubleDouble;
+impl<T: Double> Add for DoubleDouble<T> {
+    type Output = DoubleDouble<T>;
 
     #[inline]
-    fn add(self, other: DoubleDouble) -> DoubleDouble {
+    fn add(self, other: DoubleDouble<T>) -> DoubleDouble<T> {
         let sum = DoubleDouble::sum(self.high, other.high);
         let rest = DoubleDouble::sum(self.low, other.low);
         let sum = DoubleDouble::quick_sum(sum.high, sum.low + rest.high);
@@ -77,41 +103,41 @@ impl Add for DoubleDouble {
     }
 }
 
-impl Neg for DoubleDouble {
-    type Output = DoubleDouble;
+impl<T: Double> Neg for DoubleDouble<T> {
+    type Output = DoubleDouble<T>;
 
     #[inline]
-    fn neg(self) -> DoubleDouble {
+    fn neg(self) -> DoubleDouble<T> {
         DoubleDouble { high: -self.high, low: -self.low }
     }
 }
 
-impl Sub for DoubleDouble {
-    type Output = DoubleDouble;
+impl<T: Double> Sub for DoubleDouble<T> {
+    type Output = DoubleDouble<T>;
 
     #[inline]
-    fn sub(self, other: DoubleDouble) -> DoubleDouble {
+    fn sub(self, other: DoubleDouble<T>) -> DoubleDouble<T> {
         self + -other
     }
 }
 
-impl Mul for DoubleDouble {
-    type Output = DoubleDouble;
+impl<T: Double> Mul for DoubleDouble<T> {
+    type Output = DoubleDouble<T>;
 
     #[inline]
-    fn mul(self, other: DoubleDouble) -> DoubleDouble {
+    fn mul(self, other: DoubleDouble<T>) -> DoubleDouble<T> {
         let product = DoubleDouble::product(self.high, other.high);
         let cross = self.high * other.low + self.low * other.high;
         DoubleDouble::quick_sum(product.high, product.low + cross)
     }
 }
 
-impl Div for DoubleDouble {
-    type Output = DoubleDouble;
+impl<T: Double> Div for DoubleDouble<T> {
+    type Output = DoubleDouble<T>;
 
     /// Long division, a double at a time.
     #[inline]
-    fn div(self, other: DoubleDouble) -> DoubleDouble {
+    fn div(self, other: DoubleDouble<T>) -> DoubleDouble<T> {
         let first = self.high / other.high;
         let rest = self - other * first.into();
         let second = rest.high / other.high;

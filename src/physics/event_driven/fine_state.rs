@@ -5,10 +5,11 @@
 //! prediction, which asks far more often than anything happens, reads the upper sixteen.
 
 use super::EventDriven;
-use super::double_double::DoubleDouble;
+use super::double_double::{Double, DoubleDouble};
 use super::instant::Instant;
 use super::motion::Motion;
 use super::mover::Slot;
+use super::side_by_side::SideBySide;
 
 /// What the doubles of a [`Motion`] leave unsaid: the lower halves of its numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -30,30 +31,81 @@ pub struct Residues(pub [Residue; 2]);
 
 /// Where a body is along an axis at an instant, and how it moves on.
 #[derive(Clone, Copy, Debug)]
-pub struct FineState {
+pub struct FineState<T = f64> {
     /// m.
-    pub position: DoubleDouble,
+    pub position: DoubleDouble<T>,
     /// m/s.
-    pub velocity: DoubleDouble,
+    pub velocity: DoubleDouble<T>,
     /// m/s².
-    pub acceleration: DoubleDouble,
+    pub acceleration: DoubleDouble<T>,
+}
+
+impl<T: Double> FineState<T> {
+    /// The same motion t seconds later, if nothing accelerates.
+    #[inline]
+    fn drifted(self, t: DoubleDouble<T>) -> FineState<T> {
+        FineState { position: self.position + self.velocity * t, ..self }
+    }
+
+    /// The same motion t seconds later, if it accelerates.
+    #[inline]
+    fn fallen(self, t: DoubleDouble<T>) -> FineState<T> {
+        let FineState { position, velocity, acceleration } = self;
+        let gain = acceleration * t;
+        FineState { position: position + (velocity + gain.half()) * t, velocity: velocity + gain, acceleration }
+    }
 }
 
 impl FineState {
     /// Whether it neither moves nor begins to.
+    #[inline]
     fn is_still(&self) -> bool {
-        self.velocity.high == 0.0 && self.acceleration.high == 0.0
+        (self.velocity.high == 0.0) & (self.acceleration.high == 0.0)
     }
 
     /// The same motion t seconds later.
     #[inline]
     pub fn after(&self, t: DoubleDouble) -> FineState {
-        let FineState { position, velocity, acceleration } = *self;
-        if acceleration.high == 0.0 {
-            return FineState { position: position + velocity * t, ..*self };
+        if self.acceleration.high == 0.0 { self.drifted(t) } else { self.fallen(t) }
+    }
+}
+
+impl FineState<SideBySide> {
+    /// Those of two bodies.
+    #[inline]
+    fn of(states: [FineState; 2]) -> FineState<SideBySide> {
+        let [first, second] = states;
+        FineState {
+            position: DoubleDouble::of([first.position, second.position]),
+            velocity: DoubleDouble::of([first.velocity, second.velocity]),
+            acceleration: DoubleDouble::of([first.acceleration, second.acceleration]),
         }
-        let gain = acceleration * t;
-        FineState { position: position + (velocity + gain.half()) * t, velocity: velocity + gain, acceleration }
+    }
+
+    /// That of each of the two.
+    #[inline]
+    fn apart(self) -> [FineState; 2] {
+        let [position, velocity, acceleration] =
+            [self.position.apart(), self.velocity.apart(), self.acceleration.apart()];
+        [0, 1].map(|place| FineState {
+            position: position[place],
+            velocity: velocity[place],
+            acceleration: acceleration[place],
+        })
+    }
+}
+
+/// The motions of two bodies, each so many seconds later.
+#[inline]
+pub fn both_after(states: [FineState; 2], t: DoubleDouble<SideBySide>) -> [FineState; 2] {
+    let accelerate = [states[0].acceleration.high != 0.0, states[1].acceleration.high != 0.0];
+    if accelerate == [false; 2] {
+        FineState::of(states).drifted(t).apart()
+    } else if accelerate == [true; 2] {
+        FineState::of(states).fallen(t).apart()
+    } else {
+        let [first, second] = t.apart();
+        [states[0].after(first), states[1].after(second)]
     }
 }
 
@@ -66,6 +118,17 @@ impl EventDriven {
             return reference;
         }
         reference.after(self.age(slot, axis))
+    }
+
+    /// Those of two bodies, and the seconds since their references.
+    #[inline]
+    pub(super) fn both_fine(&self, slots: [Slot; 2], axis: usize) -> ([FineState; 2], [f64; 2]) {
+        let references = [self.reference(slots[0], axis), self.reference(slots[1], axis)];
+        let ages = self.ages(slots, axis);
+        let later = both_after(references, ages);
+        let stands = |place: usize| references[place].is_still() | self.is_fresh(slots[place], axis);
+        let state = |place: usize| if stands(place) { references[place] } else { later[place] };
+        ([state(0), state(1)], ages.high.0)
     }
 
     /// Its velocity alone, m/s.
@@ -114,6 +177,19 @@ impl EventDriven {
             return offset;
         }
         self.clock.exact_period * DoubleDouble::from(self.now.step - since.step) + offset
+    }
+
+    /// Seconds from the reference instants of two bodies to the present one.
+    #[inline]
+    fn ages(&self, slots: [Slot; 2], axis: usize) -> DoubleDouble<SideBySide> {
+        let since = [0, 1].map(|place| self.movers[slots[place] as usize].motion.since(axis));
+        let residues = [0, 1].map(|place| self.residues[slots[place] as usize].0[axis].offset);
+        let from = DoubleDouble { high: SideBySide(since.map(|since| since.offset)), low: SideBySide(residues) };
+        let offset =
+            DoubleDouble { high: SideBySide::all(self.now.offset), low: SideBySide::all(self.now_residue) } - from;
+        let period = self.clock.exact_period;
+        let period = DoubleDouble { high: SideBySide::all(period.high), low: SideBySide::all(period.low) };
+        period * DoubleDouble::from(SideBySide(since.map(|since| self.now.step - since.step))) + offset
     }
 
     /// Gives a body a new motion along one axis from now on.

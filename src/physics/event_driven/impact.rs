@@ -1,6 +1,7 @@
 //! What a blow does to velocities: the formulas, and nothing of the world.
 
 use super::double_double::DoubleDouble;
+use super::side_by_side::SideBySide;
 
 /// Velocities along the normal, in order along the axis, and what the impact law needs of the two.
 #[derive(Clone, Copy, Debug)]
@@ -49,8 +50,12 @@ impl Blow {
 
     /// Which part of the approach each of the two makes up for: the other's part of the mass.
     fn shares(&self) -> [DoubleDouble; 2] {
+        if self.mass[0] == self.mass[1] {
+            return [DoubleDouble::from(0.5); 2];
+        }
         let sum = DoubleDouble::sum(self.mass[0], self.mass[1]);
-        [DoubleDouble::from(self.mass[1]) / sum, DoubleDouble::from(self.mass[0]) / sum]
+        let others = DoubleDouble::from(SideBySide([self.mass[1], self.mass[0]]));
+        (others / DoubleDouble::of([sum; 2])).apart()
     }
 }
 

@@ -61,6 +61,7 @@ mod sampling;
 mod schedule;
 mod separation;
 mod settle;
+mod side_by_side;
 
 use super::{Body, BodyId, Observer, Settings, StepError, World};
 use block::Block;
