@@ -18,23 +18,17 @@ pub struct Grid {
     pub side: f64,
     /// Along which multiple of rows the plane is wound.
     pub row: u64,
-    /// As many as a power of two.
-    pub buckets: Vec<Bucket>,
+    /// Where the cells wound onto the same place keep their bodies: the first of a list, or
+    /// [`NONE`]. As many as a power of two.
+    pub buckets: Vec<Slot>,
+    /// For each bucket the index of its anchored boxes, or [`NONE`].
+    pub anchors_of: Vec<u32>,
     /// Who sits in it.
     pub members: Vec<Slot>,
     /// The anchored boxes near each bucket that has any.
     pub anchors: Vec<Vec<Slot>>,
     /// The anchored boxes too large to be entered cell by cell.
     pub everywhere: Vec<Slot>,
-}
-
-/// Where the cells wound onto the same place keep their bodies.
-#[derive(Clone, Copy, Debug)]
-pub struct Bucket {
-    /// The first of a list, or [`NONE`].
-    pub first: Slot,
-    /// The index of its anchored boxes, or [`NONE`].
-    pub anchors: u32,
 }
 
 impl Grid {
@@ -44,6 +38,7 @@ impl Grid {
             side,
             row: 0,
             buckets: Vec::new(),
+            anchors_of: Vec::new(),
             members: Vec::new(),
             anchors: Vec::new(),
             everywhere: Vec::new(),
@@ -55,7 +50,9 @@ impl Grid {
     /// Empties it and gives it so many buckets, a power of two.
     pub fn resize(&mut self, buckets: usize) {
         self.buckets.clear();
-        self.buckets.resize(buckets, Bucket { first: NONE, anchors: NONE });
+        self.buckets.resize(buckets, NONE);
+        self.anchors_of.clear();
+        self.anchors_of.resize(buckets, NONE);
         // Rows a golden section apart lie as evenly on the ring of buckets as can be,
         // whatever the shape of the inhabited region (Knuth, TAOCP 3, 6.4).
         self.row = (buckets as f64 * 0.618_033_988_749_894_9) as u64 | 1;
@@ -88,12 +85,11 @@ impl Grid {
         for y in from[1]..=to[1] {
             for x in from[0]..=to[0] {
                 let bucket = self.bucket([x, y]);
-                let bucket = &mut self.buckets[bucket];
-                if bucket.anchors == NONE {
-                    bucket.anchors = self.anchors.len() as u32;
+                if self.anchors_of[bucket] == NONE {
+                    self.anchors_of[bucket] = self.anchors.len() as u32;
                     self.anchors.push(Vec::new());
                 }
-                let anchors = &mut self.anchors[bucket.anchors as usize];
+                let anchors = &mut self.anchors[self.anchors_of[bucket] as usize];
                 if anchors.last() != Some(&slot) {
                     anchors.push(slot);
                 }

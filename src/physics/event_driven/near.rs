@@ -22,10 +22,16 @@ impl Near {
     #[inline]
     pub fn enter(&mut self, slot: Slot, is_near: bool) {
         if self.count == self.slots.len() {
-            self.slots.resize(2 * self.count + 16, slot);
+            self.make_room();
         }
         self.slots[self.count] = slot;
         self.count += usize::from(is_near);
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn make_room(&mut self) {
+        self.slots.resize(2 * self.count + 16, 0);
     }
 
     /// Those found.

@@ -40,35 +40,36 @@ pub struct Neighbours {
     grids: Vec<Grid>,
     /// Where each body sits, by slot.
     seats: Vec<Seat>,
+    /// In which cell, by slot.
+    cells: Vec<[i64; 2]>,
     /// The boxes that never move: lower and upper corner.
     anchored: Vec<(Slot, [[f64; 2]; 2])>,
 }
 
-/// All that is read of a body on the way past it: one cache line.
+/// All that is read of a body on the way past it: half a cache line.
 #[derive(Clone, Copy, Debug)]
-#[repr(align(64))]
+#[repr(align(32))]
 struct Seat {
     reach: Reach,
-    cell: [i64; 2],
     grid: u32,
     member: u32,
     previous: Slot,
     next: Slot,
 }
 
-const NOWHERE: Seat =
-    Seat { reach: Reach::ANYWHERE, cell: [0; 2], grid: NONE, member: NONE, previous: NONE, next: NONE };
+const NOWHERE: Seat = Seat { reach: Reach::ANYWHERE, grid: NONE, member: NONE, previous: NONE, next: NONE };
 
 impl Neighbours {
     /// Grids for boxes whose usual longer side is `size`, m.
     pub fn new(size: f64) -> Neighbours {
-        Neighbours { base: size / FILL, grids: Vec::new(), seats: Vec::new(), anchored: Vec::new() }
+        Neighbours { base: size / FILL, grids: Vec::new(), seats: Vec::new(), cells: Vec::new(), anchored: Vec::new() }
     }
 
     /// Enters a body.
     pub fn insert(&mut self, clock: &Clock, slot: Slot, mover: &Mover, now: Instant) {
         if self.seats.len() <= slot as usize {
             self.seats.resize(slot as usize + 1, NOWHERE);
+            self.cells.resize(slot as usize + 1, [0; 2]);
         }
         if mover.is_anchored() {
             let low = mover.motion.position;
@@ -105,7 +106,7 @@ impl Neighbours {
         let reach = self.seats[slot as usize].reach;
         self.seats[slot as usize] = Seat { reach, grid: grid as u32, member: members as u32, ..NOWHERE };
         if (members + 1) * 2 > self.grids[grid].buckets.len() {
-            self.seats[slot as usize].cell = cell;
+            self.cells[slot as usize] = cell;
             self.rebuild(grid, (members + 1).next_power_of_two() * 4);
         } else {
             self.link(slot, cell);
@@ -126,13 +127,13 @@ impl Neighbours {
     fn link(&mut self, slot: Slot, cell: [i64; 2]) {
         let grid = &mut self.grids[self.seats[slot as usize].grid as usize];
         let bucket = grid.bucket(cell);
-        let next = grid.buckets[bucket].first;
-        grid.buckets[bucket].first = slot;
+        let next = grid.buckets[bucket];
+        grid.buckets[bucket] = slot;
         if next != NONE {
             self.seats[next as usize].previous = slot;
         }
+        self.cells[slot as usize] = cell;
         let seat = &mut self.seats[slot as usize];
-        seat.cell = cell;
         seat.previous = NONE;
         seat.next = next;
     }
@@ -141,8 +142,8 @@ impl Neighbours {
         let seat = self.seats[slot as usize];
         if seat.previous == NONE {
             let grid = &mut self.grids[seat.grid as usize];
-            let bucket = grid.bucket(seat.cell);
-            grid.buckets[bucket].first = seat.next;
+            let bucket = grid.bucket(self.cells[slot as usize]);
+            grid.buckets[bucket] = seat.next;
         } else {
             self.seats[seat.previous as usize].next = seat.next;
         }
@@ -156,7 +157,7 @@ impl Neighbours {
         self.grids[grid].resize(buckets);
         for member in 0..self.grids[grid].members.len() {
             let slot = self.grids[grid].members[member];
-            self.link(slot, self.seats[slot as usize].cell);
+            self.link(slot, self.cells[slot as usize]);
         }
         for (slot, corners) in &self.anchored {
             self.grids[grid].anchor(*slot, *corners);
@@ -216,12 +217,12 @@ impl Neighbours {
     /// When a body leaves its cell, in seconds from now; infinite if never.
     #[inline]
     pub fn leaving(&self, slot: Slot, state: &State) -> f64 {
-        let seat = &self.seats[slot as usize];
+        let (seat, cell) = (&self.seats[slot as usize], self.cells[slot as usize]);
         let side = self.grids[seat.grid as usize].side;
         let leaving = AXES.map(|axis| {
             let (velocity, acceleration) = (state.velocity[axis], state.mover.motion.acceleration[axis]);
             let centre = state.position[axis] + state.mover.size[axis] / 2.0;
-            let low = seat.cell[axis] as f64 * side;
+            let low = cell[axis] as f64 * side;
             let way = [centre - (low - side * SLACK), (low + side * (1.0 + SLACK)) - centre];
             if acceleration != 0.0 {
                 let behind = closing_time(way[0], -velocity, -acceleration);
@@ -277,10 +278,10 @@ impl Neighbours {
             self.anchored.iter().for_each(|(slot, _)| show(*slot));
             return;
         }
-        let seat = &self.seats[slot as usize];
+        let (seat, cell) = (&self.seats[slot as usize], self.cells[slot as usize]);
         let grid = &self.grids[seat.grid as usize];
-        self.show_anchors(grid, seat.cell, &mut show);
-        self.show_other_grids(seat.grid as usize, seat.cell, mover, &mut show);
+        self.show_anchors(grid, cell, &mut show);
+        self.show_other_grids(seat.grid as usize, cell, mover, &mut show);
         self.around(slot, reach, near);
     }
 
@@ -299,11 +300,11 @@ impl Neighbours {
     fn around(&self, slot: Slot, reach: &Reach, near: &mut Near) {
         let seat = &self.seats[slot as usize];
         let grid = &self.grids[seat.grid as usize];
-        let (middle, mask) = (grid.bucket(seat.cell) as u64, grid.buckets.len() as u64 - 1);
+        let (middle, mask) = (grid.bucket(self.cells[slot as usize]) as u64, grid.buckets.len() as u64 - 1);
         let (mut open, mut found, mut shown) = ([NONE; 16], 0, 0);
         for row in [middle.wrapping_sub(grid.row), middle, middle.wrapping_add(grid.row)] {
             for bucket in [row.wrapping_sub(1), row, row.wrapping_add(1)] {
-                let first = grid.buckets[(bucket & mask) as usize].first;
+                let first = grid.buckets[(bucket & mask) as usize];
                 open[found % 16] = first;
                 found += usize::from(first != NONE);
             }
@@ -328,7 +329,7 @@ impl Neighbours {
     }
 
     fn show_anchors(&self, grid: &Grid, cell: [i64; 2], show: &mut impl FnMut(Slot)) {
-        let anchors = grid.buckets[grid.bucket(cell)].anchors;
+        let anchors = grid.anchors_of[grid.bucket(cell)];
         if anchors != NONE {
             grid.anchors[anchors as usize].iter().for_each(|slot| show(*slot));
         }
@@ -362,7 +363,7 @@ impl Neighbours {
         for y in from[1]..=to[1] {
             for x in from[0]..=to[0] {
                 let grid = &self.grids[grid];
-                self.show_list(grid.buckets[grid.bucket([x, y])].first, show);
+                self.show_list(grid.buckets[grid.bucket([x, y])], show);
             }
         }
     }
