@@ -59,6 +59,16 @@ impl Calendar {
         }
     }
 
+    /// Whether nobody stands on the page of the next step.
+    pub fn is_free(&self) -> bool {
+        self.pages[((self.present + 1) % PAGES) as usize].is_empty()
+    }
+
+    /// Goes on to the next step, whose page is empty.
+    pub fn pass(&mut self) {
+        self.present += 1;
+    }
+
     /// Goes on to the next step and collects who is due in it.
     pub fn turn_page(&mut self, due: &mut Vec<Slot>) {
         self.present += 1;

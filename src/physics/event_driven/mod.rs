@@ -233,6 +233,10 @@ impl EventDriven {
     /// [`StepError::TooManyEvents`] beyond the limit, [`StepError::NotFinite`] if a number
     /// overflows. In the first two cases the world still shows the state before the step.
     pub fn step<O: Observer>(&mut self, world: &mut World, step: u64, observer: &mut O) -> Result<(), StepError> {
+        if self.rests(step) {
+            self.pass(step);
+            return Ok(());
+        }
         self.advance_to(Instant::start_of(step));
         self.admit(world, step);
         self.run(world, step, Instant::NEVER, observer)?;
@@ -258,6 +262,18 @@ impl EventDriven {
         ahead.admit(world, step);
         ahead.run(world, step, instant, observer)?;
         Ok(ahead.seen_at(world, instant))
+    }
+
+    /// Whether nobody moves in the step, and nobody is to be looked at.
+    fn rests(&self, step: u64) -> bool {
+        self.fresh.is_empty() && self.moving.is_empty() && self.schedule.is_free(step) && self.calendar.is_free()
+    }
+
+    /// Passes over a step in which all rests.
+    fn pass(&mut self, step: u64) {
+        self.schedule.pass(step);
+        self.calendar.pass();
+        self.advance_to(Instant::start_of(step + 1));
     }
 
     /// Lets happen what is due in the step, up to an instant.

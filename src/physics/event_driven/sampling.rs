@@ -24,6 +24,11 @@ impl Moving {
         self.places.push(NONE);
     }
 
+    /// Whether there is nothing to be copied.
+    pub fn is_empty(&self) -> bool {
+        self.slots.is_empty() && self.stopped.is_empty()
+    }
+
     /// A body has a new motion.
     pub fn update(&mut self, slot: Slot, mover: &Mover) {
         if mover.motion.is_still() {

@@ -182,6 +182,16 @@ impl Schedule {
         }
     }
 
+    /// Whether nobody waits for anything in the step to come.
+    pub fn is_free(&self, step: u64) -> bool {
+        self.heap.is_empty() && self.waiting == 0 && self.pages[(step % STEPS) as usize].is_empty()
+    }
+
+    /// Passes over a step in which nobody waits.
+    pub fn pass(&mut self, step: u64) {
+        self.present = ((step + 1) << self.fineness) - 1;
+    }
+
     /// Goes on to the next slice, or over the rest of a step in which nobody waits.
     fn advance(&mut self) {
         let last = self.present | (self.slices.len() as u64 - 1);
