@@ -20,22 +20,16 @@ fn stays_for(steps: u64, conditions: Conditions, bodies: &[Sketch]) {
 }
 
 #[test]
-fn stacks_of_any_height_and_mass_ratio_do_not_move() {
+fn stacks_of_any_height_and_mass_ratio_do_not_move_in_a_million_steps() {
     let conditions = |restitution| Conditions { gravity: EARTH, restitution, ..Conditions::default() };
     for restitution in [0.0, 0.5, 1.0] {
-        stays_for(100_000, conditions(restitution), &stack([1.0].into_iter()));
-        stays_for(10_000, conditions(restitution), &stack((0..50).map(|_| 1.0)));
-        stays_for(10_000, conditions(restitution), &stack((0..10).map(|n| if n % 2 == 0 { 1.0 } else { 1e12 })));
-        stays_for(1000, conditions(restitution), &stack((0..1000).map(|n| 1.0 + f64::from(n))));
+        let stays = |bodies: &[Sketch]| stays_for(1_000_000, conditions(restitution), bodies);
+        stays(&stack([1.0].into_iter()));
+        stays(&stack((0..50).map(|_| 1.0)));
+        stays(&stack((0..50).map(|n| if n % 2 == 0 { 1.0 } else { 1e12 })));
+        stays(&stack((0..1000).map(|n| 1.0 + f64::from(n))));
+        stays(&stack((0..1000).map(|n| if n % 2 == 0 { 1.0 } else { 1e12 })));
     }
-}
-
-/// `cargo test --release -- --ignored`
-#[test]
-#[ignore = "a million steps"]
-fn stacks_do_not_move_in_a_million_steps() {
-    let conditions = Conditions { gravity: EARTH, restitution: 0.0, ..Conditions::default() };
-    stays_for(1_000_000, conditions, &stack((0..1000).map(|n| if n % 2 == 0 { 1.0 } else { 1e12 })));
 }
 
 /// Decimal coordinates leave gaps and overlaps of an ulp: they count as contact and stay.
