@@ -1,5 +1,5 @@
-use super::arguments::{FigureAxis, FigureCommandOptions, FigureKind};
 use super::error::CommandError;
+use super::picture_arguments::{FigureAxis, FigureCommandOptions, FigureKind};
 use super::source::Source;
 use super::{Exit, damage, output, progress, wish};
 use crate::figure::Axis;

@@ -1,4 +1,4 @@
-use super::{arguments::RenderOptions, error::CommandError, output, shard::Shard};
+use super::{error::CommandError, output, picture_arguments::RenderOptions, shard::Shard};
 use crate::illustration::Format;
 use std::path::Path;
 

@@ -14,6 +14,7 @@ mod json;
 mod kind;
 mod man;
 mod output;
+mod picture_arguments;
 mod progress;
 mod record;
 mod recover;

@@ -1,7 +1,7 @@
-use super::arguments::RenderOptions;
 use super::error::CommandError;
 use super::kind::Kind;
 use super::output::{self, Folder};
+use super::picture_arguments::RenderOptions;
 use super::shard::Shard;
 use super::source::Source;
 use super::{Exit, damage, jobs, progress, video, wish};

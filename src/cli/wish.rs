@@ -1,4 +1,4 @@
-use super::arguments::LookOptions;
+use super::picture_arguments::LookOptions;
 use crate::illustration::{Wish, WishedSubject};
 
 /// What the flags that every picture has ask for.

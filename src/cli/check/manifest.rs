@@ -2,7 +2,8 @@
 //! the manifest's folder.
 
 use crate::check::{CheckError, Drawing, Reference, plain};
-use crate::cli::arguments::{Arguments, Command, FigureCommandOptions, RenderOptions};
+use crate::cli::arguments::{Arguments, Command};
+use crate::cli::picture_arguments::{FigureCommandOptions, RenderOptions};
 use crate::cli::{figure, output, render};
 use crate::illustration::Wish;
 use clap::Parser;
