@@ -71,6 +71,12 @@ impl Clock {
         (to.step - from.step) / self.rate + (to.offset - from.offset)
     }
 
+    /// The same, but for rounding: good enough where nothing is decided by it.
+    #[inline]
+    pub fn about(&self, from: Instant, to: Instant) -> f64 {
+        (to.step - from.step) * self.period + (to.offset - from.offset)
+    }
+
     /// The very end of a step, a whole number.
     pub fn end_of(&self, step: f64) -> Instant {
         Instant { step, offset: self.period }

@@ -219,21 +219,22 @@ impl Neighbours {
     pub fn leaving(&self, slot: Slot, state: &State) -> f64 {
         let (seat, cell) = (&self.seats[slot as usize], self.cells[slot as usize]);
         let side = self.grids[seat.grid as usize].side;
-        let leaving = AXES.map(|axis| {
-            let (velocity, acceleration) = (state.velocity[axis], state.mover.motion.acceleration[axis]);
-            let centre = state.position[axis] + state.mover.size[axis] / 2.0;
-            let low = cell[axis] as f64 * side;
-            let way = [centre - (low - side * SLACK), (low + side * (1.0 + SLACK)) - centre];
-            if acceleration != 0.0 {
-                let behind = closing_time(way[0], -velocity, -acceleration);
-                let ahead = closing_time(way[1], velocity, acceleration);
+        let acceleration = state.mover.motion.acceleration;
+        let centre = AXES.map(|axis| state.position[axis] + state.mover.size[axis] / 2.0);
+        let low = cell.map(|index| index as f64 * side);
+        let behind = AXES.map(|axis| centre[axis] - (low[axis] - side * SLACK));
+        let ahead = AXES.map(|axis| (low[axis] + side * (1.0 + SLACK)) - centre[axis]);
+        let leaving = if acceleration == [0.0; 2] {
+            let way = AXES.map(|axis| if state.velocity[axis] > 0.0 { ahead[axis] } else { behind[axis] });
+            AXES.map(|axis| way[axis] / state.velocity[axis].abs())
+        } else {
+            AXES.map(|axis| {
+                let (speed, acceleration) = (state.velocity[axis], acceleration[axis]);
+                let [behind, ahead] = [(behind, -1.0), (ahead, 1.0)]
+                    .map(|(way, side)| closing_time(way[axis], side * speed, side * acceleration));
                 if ahead < behind { ahead } else { behind }
-            } else if velocity == 0.0 {
-                f64::INFINITY
-            } else {
-                (if velocity > 0.0 { way[1] } else { way[0] }) / velocity.abs()
-            }
-        });
+            })
+        };
         let first = if leaving[0] < leaving[1] { leaving[0] } else { leaving[1] };
         if first > 0.0 { first } else { 0.0 }
     }

@@ -55,7 +55,7 @@ impl<'a> Asker<'a> {
 
     /// Seconds from an instant until no later than which something is known to happen.
     fn seconds_from(&self, now: Instant, most: f64) -> f64 {
-        let seconds = self.latest - self.clock.seconds(self.state.at, now);
+        let seconds = self.latest - self.clock.about(self.state.at, now);
         if seconds < most { seconds } else { most }
     }
 
@@ -71,7 +71,7 @@ impl<'a> Asker<'a> {
         let Some((at, kind)) = meeting(self.clock, &self.state, partner, self.latest) else { return false };
         let pair = pair(self.slot, other);
         keep_first(&mut self.first, Turn { at, pair, meeting: Some(kind), generation: partner.generation });
-        self.looks_again_in(self.clock.seconds(self.state.at, at))
+        self.looks_again_in(self.clock.about(self.state.at, at))
     }
 
     /// It looks ahead again after so many seconds at the latest; whether that is news.
@@ -119,7 +119,7 @@ impl EventDriven {
         } else {
             let state = asker.state.until(&self.clock, self.now);
             leaving = self.neighbours.leaving(slot, &state);
-            asker.looks_again_in(self.clock.seconds(asker.state.at, self.now) + leaving);
+            asker.looks_again_in(self.clock.about(asker.state.at, self.now) + leaving);
             reach = Reach::new(&state, leaving);
             self.neighbours.near(slot, mover, &reach, near);
             for other in near.slots() {

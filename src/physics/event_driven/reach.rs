@@ -7,6 +7,9 @@ use super::mover::{AXES, Mover};
 /// also that to single precision.
 const ROUNDING: f64 = 1.0 / (1_u64 << 22) as f64;
 
+/// Longer than anything lasts, s; its square is finite.
+const EVER: f64 = 1e150;
+
 /// A rectangle that a body does not leave until it looks ahead again.
 ///
 /// Two bodies whose reaches do not touch need not be asked when they meet: should they, it
@@ -29,21 +32,23 @@ impl Reach {
     #[inline]
     pub fn new(state: &State, seconds: f64) -> Reach {
         let mover: &Mover = state.mover;
-        let zero_or = |number: f64, product: f64| if number == 0.0 { 0.0 } else { product };
-        let spans = AXES.map(|axis| {
-            let (from, velocity) = (state.position[axis], state.velocity[axis]);
-            let acceleration = mover.motion.acceleration[axis];
-            let to = from + zero_or(velocity, velocity * seconds);
-            let bend = zero_or(acceleration, 0.5 * acceleration * (seconds * seconds));
-            let bent = to + bend;
-            let [low, high] = if from < to { [from, to] } else { [to, from] };
+        let seconds = if seconds < EVER { seconds } else { EVER };
+        let from = state.position;
+        let to = AXES.map(|axis| from[axis] + state.velocity[axis] * seconds);
+        let mut low = AXES.map(|axis| if from[axis] < to[axis] { from[axis] } else { to[axis] });
+        let mut high = AXES.map(|axis| if from[axis] > to[axis] { from[axis] } else { to[axis] });
+        let mut terms = AXES.map(|axis| low[axis].abs() + high[axis].abs() + mover.size[axis]);
+        if mover.motion.acceleration != [0.0; 2] {
+            let bend = mover.motion.acceleration.map(|acceleration| 0.5 * acceleration * (seconds * seconds));
+            let bent = AXES.map(|axis| to[axis] + bend[axis]);
             // What is not a number counts as either.
-            let low = if bent >= low { low } else { bent };
-            let high = (if bent <= high { high } else { bent }) + mover.size[axis];
-            let rounding = (low.abs() + high.abs() + bend.abs()) * ROUNDING;
-            [low - rounding, -high - rounding]
-        });
-        Reach { borders: [spans[0][0], spans[1][0], spans[0][1], spans[1][1]].map(|border| border as f32) }
+            low = AXES.map(|axis| if bent[axis] >= low[axis] { low[axis] } else { bent[axis] });
+            high = AXES.map(|axis| if bent[axis] <= high[axis] { high[axis] } else { bent[axis] });
+            terms = AXES.map(|axis| terms[axis] + bend[axis].abs());
+        }
+        let lower = AXES.map(|axis| (low[axis] - terms[axis] * ROUNDING) as f32);
+        let upper = AXES.map(|axis| (-(high[axis] + mover.size[axis]) - terms[axis] * ROUNDING) as f32);
+        Reach { borders: [lower[0], lower[1], upper[0], upper[1]] }
     }
 
     /// Whether two have a point in common; what is not a number touches everything.
