@@ -4,15 +4,17 @@
 //! (`motion`, `motions`), each pair meets at a root known in closed form (`meeting`), and there is no
 //! time step to trade against error: a step only says when the state is sampled.
 //!
-//! One step: newcomers are admitted and put apart (`separation`); what is due happens in its
-//! total order (`schedule`): boxes collide (`collide`, `block`, `impact`), slide off edges and
-//! take up or end contacts (`contact`, `settle`, `least_change`), and whoever that concerned
-//! looks ahead again among its neighbours (`outlook`, `reach`, `near`, `neighbours`, `grid`); what moved
-//! is sampled (`sampling`), and who is about to leave its cell moves on (`calendar`). `memory` is
-//! what must be kept to go on to the bit, `crush` how a step may fail.
+//! One step: newcomers are admitted (`admission`) and put apart (`separation`); what is due
+//! happens in its total order (`schedule`): boxes collide (`collide`, `block`, `impact`), slide
+//! off edges and take up or end contacts (`contact`, `settle`, `least_change`), and whoever that
+//! concerned looks ahead again among its neighbours (`outlook`, `reach`, `near`, `neighbours`,
+//! `grid`); what moved is sampled (`sampling`), and who is about to leave its cell moves on
+//! (`calendar`). Where all rests, none of this takes any time. `memory` is what must be kept to
+//! go on to the bit, `crush` how a step may fail.
 //!
 //! Prediction computes with doubles; what happens is computed with twice the digits
-//! (`fine_state`), so that rounding is no error one could see after thousands of collisions.
+//! (`fine_state`, `double_double`, `side_by_side`), so that rounding is no error one could see
+//! after thousands of collisions.
 //!
 //! The rules where mechanics leaves a choice:
 //!
@@ -37,6 +39,7 @@
 //!   apart touch, if nothing else tells them apart; faces that touch at the instant of a sample
 //!   in this sense have collided in it.
 
+mod admission;
 mod block;
 mod calendar;
 mod collide;
@@ -324,63 +327,6 @@ impl EventDriven {
         }
         self.predict_changed();
         Ok(())
-    }
-
-    /// Takes up the bodies spawned since the last step.
-    fn admit(&mut self, world: &World, step: u64) {
-        if self.fresh.is_empty() {
-            return;
-        }
-        let fresh = std::mem::take(&mut self.fresh);
-        let many = self.movers.len() > 2 * self.made_for || self.movers.len() > 2 * world.bodies.len() + 64;
-        if many || self.neighbours.are_few() || fresh.iter().any(|slot| self.movers[*slot as usize].is_anchored()) {
-            self.fresh = fresh;
-            if self.movers.len() > world.bodies.len() {
-                self.forget_deleted(world, step);
-            }
-            let fresh = std::mem::take(&mut self.fresh);
-            self.make(step);
-            self.separate(&fresh);
-            self.changed.extend((0..self.movers.len() as Slot).filter(|slot| self.traits[*slot as usize].alive));
-        } else {
-            for slot in &fresh {
-                self.neighbours.insert(&self.clock, *slot, &self.movers[*slot as usize], self.now);
-            }
-            self.separate(&fresh);
-            self.changed.extend(fresh);
-        }
-        self.predict_changed();
-    }
-
-    /// Closes the gaps that deleted bodies leave.
-    fn forget_deleted(&mut self, world: &World, step: u64) {
-        let memory = self.memory();
-        let taken_up = self.take_up(world, step, &memory);
-        debug_assert_eq!(taken_up, Ok(()));
-    }
-
-    /// Makes grids and schedule anew, fit for the bodies there are.
-    fn make(&mut self, step: u64) {
-        self.made_for = self.movers.len();
-        self.neighbours = Neighbours::new(self.usual_size());
-        self.schedule = Schedule::new(self.clock, step, self.movers.len());
-        self.calendar = Calendar::new(step);
-        (0..self.movers.len()).for_each(|_| self.calendar.add_body());
-        for slot in 0..self.movers.len() {
-            if self.traits[slot].alive && self.fresh.binary_search(&(slot as Slot)).is_err() {
-                self.neighbours.insert(&self.clock, slot as Slot, &self.movers[slot], self.now);
-            }
-        }
-    }
-
-    /// The greatest size of moving bodies, but for a few much larger than the rest, m.
-    fn usual_size(&self) -> f64 {
-        let moving = (0..self.movers.len()).filter(|slot| self.traits[*slot].alive && !self.movers[*slot].infinite);
-        let longer = |[width, height]: [f64; 2]| if width > height { width } else { height };
-        let mut sizes: Vec<f64> = moving.map(|slot| longer(self.movers[slot].size)).collect();
-        sizes.sort_unstable_by(f64::total_cmp);
-        let Some(large) = sizes.get(sizes.len() * 9 / 10) else { return 1.0 };
-        sizes[sizes.partition_point(|size| *size <= 2.0 * large) - 1]
     }
 
     /// Notes that what was foretold of this body does not hold any more.
