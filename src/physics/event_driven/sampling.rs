@@ -16,12 +16,15 @@ pub struct Moving {
     places: Vec<u32>,
     /// Bodies that came to rest in this step: to be copied once more.
     stopped: Vec<Slot>,
+    /// For each body whether it is among them.
+    has_stopped: Vec<bool>,
 }
 
 impl Moving {
     /// Makes room for one more body.
     pub fn add_body(&mut self) {
         self.places.push(NONE);
+        self.has_stopped.push(false);
     }
 
     /// Whether there is nothing to be copied.
@@ -33,7 +36,9 @@ impl Moving {
     pub fn update(&mut self, slot: Slot, mover: &Mover) {
         if mover.motion.is_still() {
             self.remove(slot);
-            self.stopped.push(slot);
+            if !std::mem::replace(&mut self.has_stopped[slot as usize], true) {
+                self.stopped.push(slot);
+            }
         } else if self.places[slot as usize] == NONE {
             self.places[slot as usize] = self.slots.len() as u32;
             self.slots.push(slot);
@@ -44,6 +49,14 @@ impl Moving {
     pub fn forget(&mut self, slot: Slot) {
         self.remove(slot);
         self.stopped.retain(|stopped| *stopped != slot);
+        self.has_stopped[slot as usize] = false;
+    }
+
+    /// Those who came to rest in this step, which is over.
+    fn take_stopped(&mut self) -> Vec<Slot> {
+        let stopped = std::mem::take(&mut self.stopped);
+        stopped.iter().for_each(|slot| self.has_stopped[*slot as usize] = false);
+        stopped
     }
 
     fn remove(&mut self, slot: Slot) {
@@ -61,7 +74,7 @@ impl Moving {
 impl EventDriven {
     /// Writes the state at the end of the step into the world.
     pub(super) fn sample(&mut self, world: &mut World, step: u64) -> Result<(), StepError> {
-        let stopped = std::mem::take(&mut self.moving.stopped);
+        let stopped = self.moving.take_stopped();
         let clock = self.clock;
         let end = Instant::start_of(step + 1);
         let gapless = self.movers.len() == world.bodies.len();

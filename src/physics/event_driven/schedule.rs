@@ -15,6 +15,9 @@ const NONE: u32 = u32::MAX;
 /// With so many bodies for each slice of a step, few meet in a slice, and few slices are empty.
 const BODIES_PER_SLICE: u64 = 32;
 
+/// So many turns may be in the heap, void or not.
+const FEW: usize = 64;
+
 /// The pages reach so many steps ahead; what comes later is looked at again then.
 const STEPS: u64 = 32;
 
@@ -119,6 +122,8 @@ pub struct Schedule {
     waiting: usize,
     pending: Vec<Pending>,
     heap: BinaryHeap<Reverse<Waiting>>,
+    /// With more turns than these in the heap, the void ones are worth looking for.
+    crowded: usize,
 }
 
 impl Schedule {
@@ -134,6 +139,7 @@ impl Schedule {
             waiting: 0,
             pending: Vec::new(),
             heap: BinaryHeap::new(),
+            crowded: FEW,
         }
     }
 
@@ -216,6 +222,14 @@ impl Schedule {
         list
     }
 
+    /// Throws the void turns out of the heap: at least every other one, or it may double.
+    #[cold]
+    fn forget_void(&mut self) {
+        let pending = &self.pending;
+        self.heap.retain(|Reverse(waiting)| pending[waiting.slot as usize].stamp == waiting.stamp);
+        self.crowded = 2 * self.heap.len() + FEW;
+    }
+
     fn enter(&mut self, slot: Slot) {
         let pending = &mut self.pending[slot as usize];
         let last = (1 << self.fineness) - 1;
@@ -224,7 +238,11 @@ impl Schedule {
         let slice = (step << self.fineness) + if within < last { within } else { last };
         if slice <= self.present {
             pending.stands = NOWHERE;
-            self.heap.push(Reverse(Waiting { turn: pending.turn, slot, stamp: pending.stamp }));
+            let waiting = Waiting { turn: pending.turn, slot, stamp: pending.stamp };
+            self.heap.push(Reverse(waiting));
+            if self.heap.len() > self.crowded {
+                self.forget_void();
+            }
             return;
         }
         let present_step = self.present >> self.fineness;
@@ -278,6 +296,20 @@ mod tests {
             }
         }
         order
+    }
+
+    #[test]
+    fn void_turns_take_no_memory() {
+        let mut schedule = Schedule::new(Clock::new(1.0), 0, 100);
+        schedule.begin(0);
+        (0..100).for_each(|slot| schedule.set(slot, turn(0.0, 0.0, [slot, slot])));
+        for round in 1..10_000 {
+            let later = 0.01 + 1e-9 * f64::from(round);
+            (0..3).for_each(|slot| schedule.set(slot, turn(0.0, later, [slot, slot])));
+        }
+        assert!(schedule.heap.len() <= 2 * 100 + FEW, "{}", schedule.heap.len());
+        let order: Vec<Slot> = std::iter::from_fn(|| Some(schedule.next(0)?.0)).collect();
+        assert_eq!(order, (3..100).chain(0..3).collect::<Vec<Slot>>());
     }
 
     #[test]
