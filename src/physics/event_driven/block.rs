@@ -4,7 +4,9 @@ use super::EventDriven;
 use super::double_double::DoubleDouble;
 use super::fine_state::FineState;
 use super::impact::is_no_way;
+use super::meeting::State;
 use super::mover::Slot;
+use super::reach::Reach;
 use crate::physics::World;
 
 /// Bodies that take a blow as one.
@@ -165,9 +167,9 @@ impl EventDriven {
     /// Who touches a body along an axis, no faster than `slow` against it and not in contact,
     /// and whether ahead of it.
     fn clinging(&self, world: &World, slot: Slot, axis: usize, slow: f64) -> Vec<(Slot, bool)> {
-        let mut near = self.neighbours.all_near(slot, &self.movers[slot as usize]);
-        near.sort_unstable();
-        near.dedup();
+        let mover = &self.movers[slot as usize];
+        let reach = Reach::new(&State::new(&self.clock, mover, self.now), 0.0);
+        let mut near = self.neighbours.all_near(slot, mover, &reach);
         near.retain(|other| {
             let [own, others] = [slot, *other].map(|slot| self.traits[slot as usize].material);
             let known = *other == slot || self.contacts.between(slot, *other).is_some();

@@ -2,6 +2,7 @@
 
 use super::EventDriven;
 use super::mover::{AXES, Slot};
+use super::reach::Reach;
 use crate::physics::{StepError, World};
 
 impl EventDriven {
@@ -55,8 +56,7 @@ impl EventDriven {
     /// The nearest infinite mass beside a body.
     fn wall_beside(&self, slot: Slot, axis: usize, ahead: bool) -> Option<Slot> {
         let own = self.fine(slot, axis).position.high;
-        let mut near = self.neighbours.all_near(slot, &self.movers[slot as usize]);
-        near.sort_unstable();
+        let mut near = self.neighbours.all_near(slot, &self.movers[slot as usize], &Reach::ANYWHERE);
         near.retain(|other| {
             let there = self.fine(*other, axis).position.high;
             let beside = self.movers[*other as usize].infinite && self.overlap_on(1 - axis, slot, *other);

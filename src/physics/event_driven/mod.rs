@@ -334,6 +334,7 @@ impl EventDriven {
         let mover = &mut self.movers[slot as usize];
         if !mover.infinite {
             mover.generation = mover.generation.wrapping_add(1);
+            self.neighbours.extend(slot, Reach::ANYWHERE);
             self.changed.push(slot);
         }
     }
@@ -344,9 +345,6 @@ impl EventDriven {
             changed.sort_unstable();
         }
         changed.dedup();
-        for slot in &changed {
-            self.neighbours.extend(*slot, Reach::ANYWHERE);
-        }
         for slot in &changed {
             self.predict(*slot);
             self.moving.update(*slot, &self.movers[*slot as usize]);

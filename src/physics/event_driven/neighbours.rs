@@ -286,11 +286,14 @@ impl Neighbours {
         self.around(slot, reach, near);
     }
 
-    /// All bodies, some perhaps twice, that may touch this one now.
-    pub fn all_near(&self, slot: Slot, mover: &Mover) -> Vec<Slot> {
+    /// All bodies that may touch this one, whose reach is given, by slot.
+    pub fn all_near(&self, slot: Slot, mover: &Mover, reach: &Reach) -> Vec<Slot> {
         let mut near = Near::default();
-        self.near(slot, mover, &Reach::ANYWHERE, &mut near);
-        near.slots().to_vec()
+        self.near(slot, mover, reach, &mut near);
+        let mut all = near.slots().to_vec();
+        all.sort_unstable();
+        all.dedup();
+        all
     }
 
     /// Finds who sits in the cell of a body or next to it.
