@@ -55,8 +55,9 @@ impl Reach {
     #[inline]
     pub fn touches(&self, other: &Reach) -> bool {
         let [a, b] = [self.borders, other.borders];
-        let gaps = [a[0] + b[2], a[1] + b[3], a[2] + b[0], a[3] + b[1]];
-        !((gaps[0] > 0.0) | (gaps[1] > 0.0) | (gaps[2] > 0.0) | (gaps[3] > 0.0))
+        let greater = |a: f32, b: f32| if a > b { a } else { b };
+        let gaps = [greater(a[0] + b[2], a[2] + b[0]), greater(a[1] + b[3], a[3] + b[1])];
+        !(greater(gaps[0], gaps[1]) > 0.0)
     }
 }
 
