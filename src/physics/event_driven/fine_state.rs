@@ -187,9 +187,13 @@ impl EventDriven {
         let from = DoubleDouble { high: SideBySide(since.map(|since| since.offset)), low: SideBySide(residues) };
         let offset =
             DoubleDouble { high: SideBySide::all(self.now.offset), low: SideBySide::all(self.now_residue) } - from;
+        let steps = since.map(|since| self.now.step - since.step);
+        if steps == [0.0; 2] {
+            return offset;
+        }
         let period = self.clock.exact_period;
         let period = DoubleDouble { high: SideBySide::all(period.high), low: SideBySide::all(period.low) };
-        period * DoubleDouble::from(SideBySide(since.map(|since| self.now.step - since.step))) + offset
+        period * DoubleDouble::from(SideBySide(steps)) + offset
     }
 
     /// Gives a body a new motion along one axis from now on.
