@@ -273,7 +273,7 @@ impl Neighbours {
     /// before either of the two looks ahead again.
     pub fn near(&self, slot: Slot, mover: &Mover, reach: &Reach, near: &mut Near) {
         near.clear();
-        let mut show = |other: Slot| near.enter(other, (other != slot) & reach.touches(self.reach(other)));
+        let mut show = |other: Slot| near.enter(other, (other != slot) & !reach.is_apart_from(self.reach(other)));
         if self.are_few() {
             self.grids.iter().flat_map(|grid| &grid.members).for_each(|slot| show(*slot));
             self.anchored.iter().for_each(|(slot, _)| show(*slot));
@@ -317,7 +317,7 @@ impl Neighbours {
             let other = open[shown % 16];
             shown += 1;
             let Seat { next, reach: others, .. } = &self.seats[other as usize];
-            near.enter(other, (other != slot) & reach.touches(others));
+            near.enter(other, (other != slot) & !reach.is_apart_from(others));
             let next = *next;
             open[found % 16] = next;
             found += usize::from(next != NONE);

@@ -123,7 +123,7 @@ impl EventDriven {
             reach = Reach::new(&state, leaving);
             self.neighbours.near(slot, mover, &reach, near);
             for other in near.slots() {
-                if reach.touches(self.neighbours.reach(*other)) && asker.ask(*other) {
+                if !reach.is_apart_from(self.neighbours.reach(*other)) && asker.ask(*other) {
                     reach = Reach::new(&state, asker.seconds_from(self.now, leaving));
                 }
             }

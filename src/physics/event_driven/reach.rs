@@ -51,13 +51,13 @@ impl Reach {
         Reach { borders: [lower[0], lower[1], upper[0], upper[1]] }
     }
 
-    /// Whether two have a point in common; what is not a number touches everything.
+    /// Whether two have no point in common; what is not a number is apart from nothing.
     #[inline]
-    pub fn touches(&self, other: &Reach) -> bool {
+    pub fn is_apart_from(&self, other: &Reach) -> bool {
         let [a, b] = [self.borders, other.borders];
         let greater = |a: f32, b: f32| if a > b { a } else { b };
         let gaps = [greater(a[0] + b[2], a[2] + b[0]), greater(a[1] + b[3], a[3] + b[1])];
-        !(greater(gaps[0], gaps[1]) > 0.0)
+        greater(gaps[0], gaps[1]) > 0.0
     }
 }
 
@@ -93,16 +93,16 @@ mod tests {
     fn boxes_that_touch_are_within_reach() {
         let standing = reach(&mover(0.0, 0.0), f64::INFINITY);
         let below = Reach { borders: [0.0, 1.0, -1.0, -2.0] };
-        assert!(standing.touches(&below) && below.touches(&standing));
+        assert!(!standing.is_apart_from(&below) && !below.is_apart_from(&standing));
         let further = Reach { borders: [0.0, 1.5, -1.0, -2.0] };
-        assert!(!standing.touches(&further) && !further.touches(&standing));
-        assert!(reach(&mover(1.0, 0.0), 0.75).touches(&further));
-        assert!(Reach::ANYWHERE.touches(&standing) && Reach::ANYWHERE.touches(&Reach::ANYWHERE));
+        assert!(standing.is_apart_from(&further) && further.is_apart_from(&standing));
+        assert!(!reach(&mover(1.0, 0.0), 0.75).is_apart_from(&further));
+        assert!([standing, Reach::ANYWHERE].iter().all(|other| !Reach::ANYWHERE.is_apart_from(other)));
     }
 
     #[test]
     fn what_turns_back_some_day_is_everywhere_in_the_end() {
         let thrown = reach(&mover(4.0, -2.0), f64::INFINITY);
-        assert!(thrown.touches(&Reach { borders: [0.0, -1e9, -1.0, 1e9] }));
+        assert!(!thrown.is_apart_from(&Reach { borders: [0.0, -1e9, -1.0, 1e9] }));
     }
 }
