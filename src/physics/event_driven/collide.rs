@@ -172,7 +172,7 @@ impl EventDriven {
         if gap == 0.0 || speed <= 0.0 || square < 0.0 {
             return 0.0;
         }
-        let mut delay = if acceleration == 0.0 { gap / speed } else { 2.0 * gap / (speed + square.sqrt()) };
+        let mut delay = 2.0 * gap / (speed + square.sqrt());
         if delay < 0.0 {
             delay = ages.into_iter().fold(delay, |delay, age| if -age > delay { -age } else { delay });
         }
