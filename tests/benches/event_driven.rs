@@ -4,8 +4,9 @@
 //! nothing; energy drift; worst overlap; collisions; nanoseconds per collision, all else
 //! included; bytes per body, where memory had to grow for the scene. An elastic gas of equal
 //! boxes is also run by the plain engine in `cell_list`, in turns with ours, so that the last
-//! column compares the two however busy the machine is. Without arguments, scenes made here;
-//! with `--full`, Galperin's billiard up to the tenth digit of π, which takes half an hour.
+//! column but one compares the two however busy the machine is. The last is what a step costs
+//! after all has come to rest. Without arguments, scenes made here; with `--full`, Galperin's
+//! billiard up to the tenth digit of π, which takes half an hour.
 
 mod cell_list;
 
@@ -19,7 +20,7 @@ use std::{path::Path, time::Instant};
 
 fn main() {
     println!(
-        "scene                        bodies    steps  ns/body-step  energy drift  overlap, m  collisions  ns/collision  bytes/body  plain/ours"
+        "scene                        bodies    steps  ns/body-step  energy drift  overlap, m  collisions  ns/collision  bytes/body  plain/ours  ns/step at rest"
     );
     let (options, paths): (Vec<String>, Vec<String>) =
         std::env::args().skip(1).partition(|word| word.starts_with("--"));
@@ -82,10 +83,23 @@ fn measure(name: &str, scene: &Scene) {
         .map(|figure| figure.unwrap_or_else(|| "-".to_owned()));
     let steps = scene.run.steps;
     let each = ours * 1e9 / collisions.0 as f64;
+    let rest = at_rest(&mut run).map_or("-".to_owned(), |cost| format!("{cost:.1}"));
     println!(
-        "{name:28} {bodies:6} {steps:8} {cost:13.2} {drift:13.1e} {overlap:11.1e} {:11} {each:13.0} {bytes:>11} {ratio:>11}",
+        "{name:28} {bodies:6} {steps:8} {cost:13.2} {drift:13.1e} {overlap:11.1e} {:11} {each:13.0} {bytes:>11} {ratio:>11} {rest:>16}",
         collisions.0
     );
+}
+
+/// What a further step costs, ns, if nothing moves any more.
+fn at_rest(run: &mut Run) -> Option<f64> {
+    const STEPS: u32 = 1_000_000;
+    let moves = |world: &World| world.bodies.iter().any(|body| body.velocity != rebond::physics::Vector::ZERO);
+    if moves(run.engine().world()) {
+        return None;
+    }
+    let start = Instant::now();
+    (0..STEPS).for_each(|_| run.step(&mut CollisionCount::default()).expect("nothing to happen"));
+    Some(start.elapsed().as_secs_f64() * 1e9 / f64::from(STEPS))
 }
 
 /// The plain engine on the same gas, which samples each step as ours does.

@@ -85,7 +85,10 @@ impl EventDriven {
             (false, true) => self.write(world, &stopped, |slot, _| slot, |motion| motion.at(&clock, end)),
             (false, false) => self.write(world, &stopped, |_, place| *place, |motion| motion.at(&clock, end)),
         };
-        match world.bodies.iter().find(|body| !are_finite && !has_finite_state(body)) {
+        if are_finite {
+            return Ok(());
+        }
+        match world.bodies.iter().find(|body| !has_finite_state(body)) {
             Some(body) => Err(StepError::NotFinite { step, body: body.name.clone() }),
             None => Ok(()),
         }
