@@ -4,22 +4,22 @@
 //! The pipeline, in a few lines. A scene comes from a file, from text, or from code:
 //!
 //! ```
-//! use rebond::scene::draft::{Draft, Spawn, World};
+//! use rebond::scene::builder::{SceneBuilder, Spawn, World};
 //!
 //! // One box of 2 kg at 4 m/s between four walls; lengths are in metres, y points down.
-//! let scene = Draft {
+//! let scene = SceneBuilder {
 //!     world: World { size: [16.0, 9.0], walls: true, ..World::default() },
 //!     spawn: vec![Spawn { at: [2.0, 3.0], mass: 2.0, velocity: [4.0, 0.0], ..Spawn::default() }],
-//!     ..Draft::default()
+//!     ..SceneBuilder::default()
 //! }
-//! .scene("one-box.toml")?;
+//! .build("one-box.toml")?;
 //! # Ok::<(), rebond::scene::SceneError>(())
 //! ```
 //!
 //! Step it, and look at the world in between:
 //!
 //! ```
-//! # let scene = rebond::scene::draft::Draft { spawn: vec![rebond::scene::draft::Spawn { at: [2.0, 3.0], velocity: [4.0, 0.0], ..Default::default() }], ..Default::default() }.scene("one-box.toml")?;
+//! # let scene = rebond::scene::builder::SceneBuilder { spawn: vec![rebond::scene::builder::Spawn { at: [2.0, 3.0], velocity: [4.0, 0.0], ..Default::default() }], ..Default::default() }.build("one-box.toml")?;
 //! use rebond::{physics::Collision, run::Run};
 //!
 //! let mut run = Run::new(&scene);
@@ -33,7 +33,7 @@
 //! Record it, and hold the recording to what it was:
 //!
 //! ```
-//! # let scene = rebond::scene::draft::Draft { spawn: vec![rebond::scene::draft::Spawn { velocity: [4.0, 0.0], ..Default::default() }], ..Default::default() }.scene("one-box.toml")?;
+//! # let scene = rebond::scene::builder::SceneBuilder { spawn: vec![rebond::scene::builder::Spawn { velocity: [4.0, 0.0], ..Default::default() }], ..Default::default() }.build("one-box.toml")?;
 //! # let folder = tempfile::tempdir()?;
 //! # let path = folder.path().join("one-box.mcap");
 //! use rebond::run::{self, NO_LIVE_EVENTS, RecordOptions};
@@ -49,14 +49,14 @@
 //! Draw it, as a picture, an animation or a figure:
 //!
 //! ```
-//! # let scene = rebond::scene::draft::Draft { spawn: vec![rebond::scene::draft::Spawn { velocity: [4.0, 0.0], ..Default::default() }], ..Default::default() }.scene("one-box.toml")?;
+//! # let scene = rebond::scene::builder::SceneBuilder { spawn: vec![rebond::scene::builder::Spawn { velocity: [4.0, 0.0], ..Default::default() }], ..Default::default() }.build("one-box.toml")?;
 //! # let folder = tempfile::tempdir()?;
 //! # let path = folder.path().join("one-box.mcap");
 //! # rebond::run::record(&scene, rebond::run::RecordOptions::whole(&scene), rebond::run::NO_LIVE_EVENTS, std::fs::File::create(&path)?, |_| ())?;
-//! use rebond::illustration::{Format, Source, Wish, WishedSubject, drawn};
+//! use rebond::picture::{Format, PictureOptions, Source, SubjectOptions, draw_to_vec};
 //!
-//! let wish = Wish { size: Some([640, 360]), ..Wish::new(WishedSubject::Still { step: 60 }) };
-//! let svg = drawn(&wish, &[Source::open(&path)?], Format::Svg)?;
+//! let options = PictureOptions { size: Some([640, 360]), ..PictureOptions::new(SubjectOptions::Still { step: 60 }) };
+//! let svg = draw_to_vec(&options, &[Source::open(&path)?], Format::Svg)?;
 //! assert!(svg.starts_with(b"<svg"));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -73,7 +73,7 @@
 //! 5. [`replay`] runs a recording again and says whether every bit came out the same.
 //! 6. [`render`] makes states into pictures. It never sees the engine.
 //! 7. [`figure`] makes states and collisions into lecture figures, in the view's shapes.
-//! 8. [`illustration`] draws recordings in that way, and binds what it draws to their evidence.
+//! 8. [`picture`] draws recordings in these ways and stores the provenance in each file.
 //! 9. [`check`] holds recordings and pictures to what they were, and [`testing`] does so in tests.
 //! 10. [`report`] runs hard scenes and sets errors beside costs; its truths share nothing with
 //!     the solvers.
@@ -81,9 +81,11 @@
 
 pub mod check;
 pub mod cli;
+mod counted;
 pub mod figure;
-pub mod illustration;
+pub mod guide;
 pub mod physics;
+pub mod picture;
 pub mod recording;
 pub mod render;
 pub mod replay;

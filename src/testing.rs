@@ -1,10 +1,10 @@
-//! For the tests of those who use rebond.
+//! Assertions for tests of programs that use rebond.
 
 use crate::replay::Verdict;
 use crate::replay::replay_file;
 use std::path::Path;
 
-/// Fails a test unless the recording at `path` is whole and replays the same, to the last bit.
+/// Asserts that the recording at `path` is complete and replays bit for bit the same.
 ///
 /// ```no_run
 /// #[test]
@@ -14,9 +14,9 @@ use std::path::Path;
 /// ```
 ///
 /// # Panics
-/// If it does not, or cannot be read. The message names the file and says where: the step, the
-/// body, the field, what was recorded and what came out, how many ulps apart, and the last event
-/// before. It is the one documented panic of this crate.
+/// If the recording does not replay the same or cannot be read. The message contains the path and the first difference:
+/// the step, body and field, the recorded and the replayed value, their distance in ulps, and the last event before it.
+/// This is the only documented panic of this crate.
 #[track_caller]
 pub fn assert_replays(path: impl AsRef<Path>) {
     let path = path.as_ref();

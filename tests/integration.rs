@@ -1,13 +1,13 @@
 //! All integration tests, in one binary: linking is most of what they cost.
 
+#[path = "integration/animations.rs"]
+mod animations;
 #[path = "integration/bundled.rs"]
 mod bundled;
 #[path = "integration/check.rs"]
 mod check;
 #[path = "integration/clicks.rs"]
 mod clicks;
-#[path = "integration/clips.rs"]
-mod clips;
 #[path = "integration/command_line.rs"]
 mod command_line;
 #[path = "integration/command_line_errors.rs"]
@@ -24,10 +24,8 @@ mod event_driven_contacts;
 mod event_driven_impacts;
 #[path = "integration/event_driven_laws.rs"]
 mod event_driven_laws;
-#[path = "integration/event_driven_truth.rs"]
-mod event_driven_truth;
-#[path = "integration/evidence.rs"]
-mod evidence;
+#[path = "integration/event_driven_oracle.rs"]
+mod event_driven_oracle;
 #[path = "integration/figures.rs"]
 mod figures;
 #[path = "integration/frames.rs"]
@@ -41,20 +39,18 @@ mod hard_scenes;
 #[cfg(target_os = "linux")]
 #[path = "integration/hostile_lengths.rs"]
 mod hostile_lengths;
-#[path = "integration/laboratory.rs"]
-mod laboratory;
 #[path = "integration/library.rs"]
 mod library;
 #[path = "integration/live_events.rs"]
 mod live_events;
-#[path = "integration/pace.rs"]
-mod pace;
 #[path = "integration/portability.rs"]
 mod portability;
+#[path = "integration/provenance.rs"]
+mod provenance;
 #[path = "integration/rebond.rs"]
 mod rebond;
-#[path = "integration/reference.rs"]
-mod reference;
+#[path = "integration/reference_image.rs"]
+mod reference_image;
 #[path = "integration/released.rs"]
 mod released;
 #[path = "integration/report.rs"]
@@ -63,6 +59,8 @@ mod report;
 mod scene_errors;
 #[path = "integration/shards.rs"]
 mod shards;
+#[path = "integration/slow_motion.rs"]
+mod slow_motion;
 #[path = "integration/snapshot.rs"]
 mod snapshot;
 #[path = "integration/stills.rs"]
@@ -73,3 +71,5 @@ mod threads;
 mod videos;
 #[path = "integration/viewer.rs"]
 mod viewer;
+#[path = "integration/world_builder.rs"]
+mod world_builder;

@@ -1,22 +1,22 @@
-use crate::illustration::{Evidence, Format, Wish};
+use crate::picture::{Format, PictureOptions, Provenance};
 use std::path::{Path, PathBuf};
 
-/// One file that is held.
+/// A file to check.
 #[derive(Clone, Debug)]
 pub enum Case {
-    /// A recording must replay the same.
+    /// A recording, which must replay the same.
     Recording {
         /// The recording.
         path: PathBuf,
-        /// The scene beside it, which must still give it: `NAME.toml` beside `NAME.mcap`.
+        /// The scene next to it (`NAME.toml` next to `NAME.mcap`), a new run of which must match the recording.
         scene: Option<PathBuf>,
     },
-    /// A picture must come out again.
-    Picture(Reference),
+    /// A picture, which must be redrawn the same.
+    Picture(ReferenceImage),
 }
 
 impl Case {
-    /// The file that is held.
+    /// The path of the file.
     pub fn path(&self) -> &Path {
         match self {
             Case::Recording { path, .. } => path,
@@ -25,44 +25,44 @@ impl Case {
     }
 }
 
-/// A picture that is held, and how it is drawn.
+/// A picture to check, and how it is drawn.
 #[derive(Clone, Debug)]
-pub struct Reference {
+pub struct ReferenceImage {
     /// The file; it may be missing.
     pub file: PathBuf,
-    /// What draws it.
-    pub drawing: Drawing,
+    /// How it is drawn.
+    pub recipe: Recipe,
 }
 
-/// What draws a picture.
+/// How a picture is drawn.
 #[derive(Clone, Debug)]
-pub enum Drawing {
-    /// What somebody wrote down.
-    Wished {
-        /// What they wish for.
-        wish: Box<Wish>,
+pub enum Recipe {
+    /// By a command that a manifest lists.
+    Listed {
+        /// The options of the command.
+        options: Box<PictureOptions>,
         /// Scenes or recordings.
         sources: Vec<PathBuf>,
-        /// What it is written as.
+        /// The file format.
         format: Format,
     },
-    /// The evidence in the picture itself.
-    Again {
-        /// What it says.
-        evidence: Box<Evidence>,
-        /// The recordings it names, in its order.
+    /// By the provenance that the picture contains.
+    Embedded {
+        /// The provenance.
+        provenance: Box<Provenance>,
+        /// The recordings that the provenance names, in the same order.
         sources: Vec<PathBuf>,
-        /// What it is written as.
+        /// The file format.
         format: Format,
     },
-    /// Nothing: the evidence in the picture names a recording that is nowhere.
+    /// Not at all: a recording that the provenance names was not found.
     Orphaned {
-        /// Which, in words.
-        recording: String,
+        /// The recording and why it is missing.
+        reason: String,
     },
-    /// What somebody wrote down cannot be understood.
-    Refused {
-        /// Why.
-        why: String,
+    /// Not at all: the line of the manifest is invalid.
+    Invalid {
+        /// The line number and the error.
+        reason: String,
     },
 }

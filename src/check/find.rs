@@ -1,5 +1,5 @@
-use super::{Case, Drawing, Reference};
-use crate::illustration::{Evidence, Format};
+use super::{Case, Recipe, ReferenceImage};
+use crate::picture::{Format, Provenance};
 use crate::recording::{self, Identity};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::OsStr;
@@ -7,62 +7,65 @@ use std::path::{Component, Path, PathBuf};
 use std::str::FromStr;
 use std::{fs, io};
 
-/// How the names of manifests end: files that list references.
+/// The file name extension of manifests, which list reference images.
 pub const MANIFEST_EXTENSION: &str = "check";
 
-/// Why cases cannot be looked for.
+/// The error of searching for cases.
 #[derive(Debug, thiserror::Error)]
 pub enum CheckError {
     /// A file or folder cannot be read.
     #[error("cannot read {}: {source}", path.display())]
     Unreadable {
-        /// Which.
+        /// The file or folder.
         path: PathBuf,
-        /// What the system says.
+        /// The error of the operating system.
         source: io::Error,
     },
-    /// There is nothing to check.
-    #[error("there is nothing to check in {}: no recording (*.mcap), no manifest (*.check), no picture drawn by rebond", paths.join(", "))]
-    Nothing {
-        /// Where.
+    /// No case was found.
+    #[error(
+        "nothing to check in {}: expected recordings (*.mcap), manifests (*.check) or pictures drawn by rebond",
+        paths.join(", ")
+    )]
+    NothingFound {
+        /// The files and folders searched.
         paths: Vec<String>,
     },
 }
 
-/// All cases in files and folders: first the recordings, then the pictures, each ordered by name.
+/// Finds all cases in files and folders: first the recordings, then the pictures, both ordered by name.
 ///
-/// Folders are searched to any depth, but for hidden ones and those that call themselves a cache by
-/// a `CACHEDIR.TAG`. `manifest` reads the references that a manifest lists. Any other picture is
-/// held by its own evidence; it is orphaned if the recording that names is not among those found.
+/// Folders are searched recursively, except hidden ones and those marked as a cache by a `CACHEDIR.TAG`.
+/// `read_manifest` reads the pictures that a manifest lists. A picture that no manifest lists is checked by its own
+/// provenance; it is orphaned if its recording is not among those found.
 ///
 /// # Errors
-/// When something cannot be read, or there is nothing.
+/// If a file or folder cannot be read, or no case is found.
 pub fn find(
     paths: &[PathBuf],
-    manifest: impl Fn(&Path) -> Result<Vec<Reference>, CheckError>,
+    read_manifest: impl Fn(&Path) -> Result<Vec<ReferenceImage>, CheckError>,
 ) -> Result<Vec<Case>, CheckError> {
     let files = files(paths)?;
-    let with =
+    let with_extension =
         |extension: &'static str| files.iter().filter(move |path| path.extension() == Some(OsStr::new(extension)));
     let mut pictures = Vec::new();
-    for path in with(MANIFEST_EXTENSION) {
-        pictures.extend(manifest(path)?);
+    for path in with_extension(MANIFEST_EXTENSION) {
+        pictures.extend(read_manifest(path)?);
     }
-    let listed: BTreeSet<PathBuf> = pictures.iter().map(|reference| identified(&reference.file)).collect();
-    let recordings: Vec<&PathBuf> = with("mcap").collect();
-    let mut identities = None;
-    for file in files.iter().filter(|file| Format::of_name(file).is_some() && !listed.contains(&identified(file))) {
+    let listed: BTreeSet<PathBuf> = pictures.iter().map(|reference| canonical(&reference.file)).collect();
+    let recordings: Vec<&PathBuf> = with_extension("mcap").collect();
+    let mut index = None;
+    for file in files.iter().filter(|file| Format::from_path(file).is_some() && !listed.contains(&canonical(file))) {
         let content = fs::read(file).map_err(unreadable(file))?;
-        if let Ok((format, evidence)) = Evidence::read(&content) {
-            let identities = identities.get_or_insert_with(|| Identities::of(&recordings));
-            pictures.push(Reference { file: file.clone(), drawing: identities.drawing(evidence, format) });
+        if let Ok((format, provenance)) = Provenance::read(&content) {
+            let index = index.get_or_insert_with(|| RecordingIndex::new(&recordings));
+            pictures.push(ReferenceImage { file: file.clone(), recipe: index.recipe(provenance, format) });
         }
     }
     pictures.sort_by(|a, b| a.file.cmp(&b.file));
     let recordings = recordings.into_iter().map(|path| Case::Recording { path: path.clone(), scene: scene_of(path) });
     let cases: Vec<Case> = recordings.chain(pictures.into_iter().map(Case::Picture)).collect();
     if cases.is_empty() {
-        return Err(CheckError::Nothing { paths: paths.iter().map(|path| path.display().to_string()).collect() });
+        return Err(CheckError::NothingFound { paths: paths.iter().map(|path| path.display().to_string()).collect() });
     }
     Ok(cases)
 }
@@ -75,13 +78,13 @@ fn unreadable(path: &Path) -> impl FnOnce(io::Error) -> CheckError {
     move |source| CheckError::Unreadable { path: path.into(), source }
 }
 
-/// All files below these paths, sorted, each once.
+/// Returns all files below these paths, sorted and without duplicates.
 fn files(paths: &[PathBuf]) -> Result<Vec<PathBuf>, CheckError> {
     let mut found = BTreeMap::new();
     for path in paths {
         match fs::metadata(path).map_err(unreadable(path))?.is_dir() {
             true => walk(path, &mut found)?,
-            false => drop(found.insert(identified(path), path.clone())),
+            false => drop(found.insert(canonical(path), path.clone())),
         }
     }
     let mut files: Vec<PathBuf> = found.into_values().collect();
@@ -89,7 +92,7 @@ fn files(paths: &[PathBuf]) -> Result<Vec<PathBuf>, CheckError> {
     Ok(files)
 }
 
-/// What marks a folder whose content can be made again, by <https://bford.info/cachedir>.
+/// The file that marks a folder as a cache, see <https://bford.info/cachedir>.
 pub(super) const CACHE_TAG: &str = "CACHEDIR.TAG";
 
 fn walk(folder: &Path, found: &mut BTreeMap<PathBuf, PathBuf>) -> Result<(), CheckError> {
@@ -102,85 +105,86 @@ fn walk(folder: &Path, found: &mut BTreeMap<PathBuf, PathBuf>) -> Result<(), Che
         match kind.is_dir() {
             _ if entry.file_name().to_string_lossy().starts_with('.') => {}
             true => walk(&path, found)?,
-            false => drop(found.insert(identified(&path), plain(&path))),
+            false => drop(found.insert(canonical(&path), normalize(&path))),
         }
     }
     Ok(())
 }
 
-/// A path by which two names of a file are seen to be one, whether it is there or not.
-fn identified(path: &Path) -> PathBuf {
+/// Returns a path that is the same for all names of a file, even if the file does not exist.
+fn canonical(path: &Path) -> PathBuf {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     match (folder.canonicalize(), path.file_name()) {
         (Ok(folder), Some(name)) => folder.join(name),
-        _ => plain(path),
+        _ => normalize(path),
     }
 }
 
-/// A path as people write it: without `.`, and without `..` behind a name.
-pub fn plain(path: &Path) -> PathBuf {
-    let mut plain = PathBuf::new();
+/// Removes `.` from a path, and `..` after a name.
+pub fn normalize(path: &Path) -> PathBuf {
+    let mut normalized = PathBuf::new();
     for component in path.components() {
         match component {
             Component::CurDir => {}
-            Component::ParentDir if matches!(plain.components().next_back(), Some(Component::Normal(_))) => {
-                plain.pop();
+            Component::ParentDir if matches!(normalized.components().next_back(), Some(Component::Normal(_))) => {
+                normalized.pop();
             }
             Component::Prefix(_) | Component::RootDir | Component::ParentDir | Component::Normal(_) => {
-                plain.push(component);
+                normalized.push(component);
             }
         }
     }
-    plain
+    normalized
 }
 
-/// Where recordings are, by what names them in pictures.
-struct Identities(BTreeMap<String, Vec<Place>>);
+/// The recordings that were found, by identity. Pictures name their recordings by identity.
+struct RecordingIndex(BTreeMap<String, Vec<FoundRecording>>);
 
 /// A recording that was found.
 #[derive(Clone, Debug)]
-struct Place {
+struct FoundRecording {
     path: PathBuf,
-    /// States in full are those of every so many steps.
+    /// Full states are recorded every `every` steps.
     every: u64,
 }
 
-impl Identities {
-    /// Those of the recordings that can be read; what is wrong with others their own cases tell.
-    fn of(recordings: &[&PathBuf]) -> Identities {
-        let mut places: BTreeMap<String, Vec<Place>> = BTreeMap::new();
+impl RecordingIndex {
+    /// Indexes all readable recordings. Unreadable ones are reported by their own cases.
+    fn new(recordings: &[&PathBuf]) -> RecordingIndex {
+        let mut found: BTreeMap<String, Vec<FoundRecording>> = BTreeMap::new();
         for path in recordings {
-            if let Some((identity, place)) = identity(path) {
-                places.entry(identity).or_default().push(place);
+            if let Some((identity, recording)) = identify(path) {
+                found.entry(identity).or_default().push(recording);
             }
         }
-        Identities(places)
+        RecordingIndex(found)
     }
 
-    fn drawing(&self, evidence: Evidence, format: Format) -> Drawing {
+    fn recipe(&self, provenance: Provenance, format: Format) -> Recipe {
         let mut sources = Vec::new();
-        for recording in &evidence.recordings {
-            let places = self.0.get(recording).map(Vec::as_slice).unwrap_or_default();
-            let Some(place) = places.iter().find(|place| place.every <= evidence.recorded_every) else {
-                let recording = match Identity::from_str(recording) {
-                    Ok(_) => format!("its recording {recording}"),
-                    Err(_) => "its recording, which was unfinished and had no identity yet,".into(),
+        for identity in &provenance.recordings {
+            let found = self.0.get(identity).map(Vec::as_slice).unwrap_or_default();
+            let Some(recording) = found.iter().find(|found| found.every <= provenance.recorded_every) else {
+                let reason = match Identity::from_str(identity) {
+                    Ok(_) => format!("its recording with identity {identity} was not found in the given paths"),
+                    Err(_) => "its recording was unfinished and has no identity to find it by".into(),
                 };
-                return Drawing::Orphaned { recording };
+                return Recipe::Orphaned { reason };
             };
-            sources.push(place.path.clone());
+            sources.push(recording.path.clone());
         }
-        Drawing::Again { evidence: Box::new(evidence), sources, format }
+        Recipe::Embedded { provenance: Box::new(provenance), sources, format }
     }
 }
 
-fn identity(path: &Path) -> Option<(String, Place)> {
+/// Reads the identity of a recording. `None` if it is unfinished or cannot be read.
+fn identify(path: &Path) -> Option<(String, FoundRecording)> {
     let mut recording = recording::open(path).ok()?;
     if recording.by_ref().any(|item| item.is_err()) {
         return None;
     }
     let every = recording.header.every;
-    Some((recording.end()?.identity.to_string(), Place { path: path.into(), every }))
+    Some((recording.trailer()?.identity.to_string(), FoundRecording { path: path.into(), every }))
 }
 
 #[cfg(test)]
@@ -188,16 +192,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn paths_are_told_as_people_write_them() {
-        for (given, told) in
+    fn paths_are_normalized() {
+        for (given, expected) in
             [("a/./b", "a/b"), ("a/b/../c", "a/c"), ("../a", "../a"), ("../../a/../b", "../../b"), ("/a/../b", "/b")]
         {
-            assert_eq!(plain(Path::new(given)), Path::new(told), "{given}");
+            assert_eq!(normalize(Path::new(given)), Path::new(expected), "{given}");
         }
     }
 
     #[test]
-    fn hidden_folders_and_caches_are_left_alone() {
+    fn hidden_folders_and_caches_are_skipped() {
         let folder = tempfile::TempDir::new().unwrap();
         for name in [".git/a.mcap", "target/b.mcap", "deep/er/c.mcap", "d.mcap"] {
             let path = folder.path().join(name);

@@ -1,24 +1,26 @@
-use crate::illustration::{Evidence, Format, SOFTWARE};
+use crate::counted::counted;
+use crate::picture::{Format, Provenance, SOFTWARE};
 use crate::render::compare::{Comparison, compare, side_by_side};
-use crate::render::{Exposure, Picture, Projector, RenderError};
+use crate::render::number_format::format_significant;
+use crate::render::{AnimationDecoder, DecodedFrame, Picture, RenderError};
 use std::fmt::{self, Display, Formatter};
 
 /// How a picture differs from its reference.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mismatch {
-    /// In words.
-    pub what: String,
-    /// Expected, difference and actual side by side, of what is made of pixels.
-    pub shown: Option<Picture>,
-    /// The program that drew the reference, if it was another.
+    /// The difference in words.
+    pub description: String,
+    /// Expected, difference and actual side by side, if the pixels differ.
+    pub comparison: Option<Picture>,
+    /// The version of rebond that drew the reference, if it was another one.
     pub drawn_by: Option<String>,
-    /// What both files are.
+    /// The file format.
     pub format: Format,
 }
 
 impl Display for Mismatch {
     fn fmt(&self, out: &mut Formatter) -> fmt::Result {
-        out.write_str(&self.what)?;
+        out.write_str(&self.description)?;
         match &self.drawn_by {
             Some(software) => write!(out, "; it was drawn by {software}, and {SOFTWARE} draws it differently"),
             None => Ok(()),
@@ -26,96 +28,108 @@ impl Display for Mismatch {
     }
 }
 
-/// How the file of a picture differs from the one that was expected, if what they show does.
+/// Compares the file of a picture with the expected one. `None` if both show the same and have the same provenance.
 ///
 /// # Errors
-/// When the expected file cannot be read.
+/// If the expected file cannot be read.
 pub fn mismatch(format: Format, expected: &[u8], actual: &[u8]) -> Result<Option<Mismatch>, RenderError> {
     if expected == actual {
         return Ok(None);
     }
-    let found = match (Format::of_content(expected), format) {
+    let found = match (Format::from_content(expected), format) {
         (Some(Format::Png | Format::Gif | Format::Apng), Format::Png | Format::Gif | Format::Apng) => {
-            pixels(expected, actual)?
+            differing_frame(expected, actual)?
         }
-        (_, Format::Png | Format::Gif | Format::Apng) => Some((format!("it is no {}", format.name()), None)),
+        (_, Format::Png | Format::Gif | Format::Apng) => {
+            Some((format!("the reference is not a valid {} file", format.name()), None))
+        }
         (_, Format::Svg | Format::Pdf) => {
-            let told = sources(expected, actual).filter(|_| lines(expected, actual).is_none());
-            Some((told.or_else(|| lines(expected, actual)).unwrap_or_else(|| "its bytes differ".into()), None))
+            let description = differing_line(expected, actual).or_else(|| differing_provenance(expected, actual));
+            Some((description.unwrap_or_else(|| "the bytes differ".into()), None))
         }
     };
-    let found = found.or_else(|| sources(expected, actual).map(|what| (what, None)));
-    Ok(found.map(|(what, shown)| Mismatch { what, shown, drawn_by: other_software(expected), format }))
+    let found = found.or_else(|| differing_provenance(expected, actual).map(|description| (description, None)));
+    Ok(found.map(|(description, comparison)| Mismatch {
+        description,
+        comparison,
+        drawn_by: other_software(expected),
+        format,
+    }))
 }
 
-type Found = (String, Option<Picture>);
+/// A description and the pixels to show.
+type FrameDifference = (String, Option<Picture>);
 
-/// The first exposure that differs.
-fn pixels(expected: &[u8], actual: &[u8]) -> Result<Option<Found>, RenderError> {
-    let mut actual = Projector::new(actual)?;
+/// Returns the first frame that differs in its pixels or duration, or a difference in the number of frames.
+fn differing_frame(expected: &[u8], actual: &[u8]) -> Result<Option<FrameDifference>, RenderError> {
+    let mut actual = AnimationDecoder::new(actual)?;
     let mut count = 0_u64;
     let mut first = None;
-    for was in Projector::new(expected)? {
-        let was = was?;
+    for expected_frame in AnimationDecoder::new(expected)? {
+        let expected_frame = expected_frame?;
         count += 1;
-        let Some(is) = actual.next().transpose()? else {
-            return Ok(Some((format!("{} pictures, expected more", count - 1), None)));
+        let Some(actual_frame) = actual.next().transpose()? else {
+            return Ok(Some((format!("{}, expected more", counted(count - 1, "frame")), None)));
         };
-        first = first.or_else(|| exposures(&was, &is).map(|found| (count, found)));
+        first = first.or_else(|| compare_frames(&expected_frame, &actual_frame).map(|found| (count, found)));
     }
     let more = actual.count() as u64;
     match first {
         Some((1, found)) if count == 1 && more == 0 => Ok(Some(found)),
-        Some((place, (what, shown))) => Ok(Some((format!("picture {place} of {count}: {what}"), shown))),
-        None if more > 0 => Ok(Some((format!("{} pictures, expected {count}", count + more), None))),
+        Some((number, (description, comparison))) => {
+            Ok(Some((format!("frame {number} of {count}: {description}"), comparison)))
+        }
+        None if more > 0 => Ok(Some((format!("{}, expected {count}", counted(count + more, "frame")), None))),
         None => Ok(None),
     }
 }
 
-fn exposures(was: &Exposure, is: &Exposure) -> Option<Found> {
-    match compare(&was.picture, &is.picture) {
-        Comparison::Same if was.is_as_long_as(is) => None,
+fn compare_frames(expected: &DecodedFrame, actual: &DecodedFrame) -> Option<FrameDifference> {
+    match compare(&expected.picture, &actual.picture) {
+        Comparison::Same if expected.has_same_duration_as(actual) => None,
         Comparison::Same => {
-            let [expected, actual] = [was, is].map(|seen| f64::from(seen.parts) / f64::from(seen.per_second));
-            Some((format!("it is seen for {actual} s, expected {expected} s"), None))
+            let [expected, actual] = [expected, actual]
+                .map(|frame| format_significant(f64::from(frame.ticks) / f64::from(frame.ticks_per_second), 6));
+            Some((format!("shown for {actual} s, expected {expected} s"), None))
         }
-        comparison => Some((comparison.to_string(), Some(side_by_side(&was.picture, &is.picture)))),
+        comparison => Some((comparison.to_string(), Some(side_by_side(&expected.picture, &actual.picture)))),
     }
 }
 
-/// The first line of a drawing that differs, what it says of itself left aside.
-fn lines(expected: &[u8], actual: &[u8]) -> Option<String> {
-    let [was, is] = [expected, actual].map(String::from_utf8_lossy);
-    let differs = |(was, is): (&str, &str)| was != is && !was.starts_with("rebond ");
-    let length = was.lines().count().min(is.lines().count());
-    let is_longer = was.lines().count() != is.lines().count();
-    let place = was.lines().zip(is.lines()).position(differs).or(is_longer.then_some(length))?;
-    let [was, is] = [&was, &is].map(|text| text.lines().nth(place).unwrap_or_default().trim());
-    let alike = was.chars().zip(is.chars()).take_while(|(was, is)| was == is).count();
-    let [was, is] = [was, is].map(|line| excerpt(line, alike));
-    Some(format!("line {} is {is:?}, expected {was:?}", place + 1))
+/// Describes the first line that differs, except lines of the provenance.
+fn differing_line(expected: &[u8], actual: &[u8]) -> Option<String> {
+    let [expected, actual] = [expected, actual].map(String::from_utf8_lossy);
+    let differs = |(expected, actual): (&str, &str)| expected != actual && !expected.starts_with("rebond ");
+    let [expected_length, actual_length] = [&expected, &actual].map(|text| text.lines().count());
+    let first_extra = (expected_length != actual_length).then_some(expected_length.min(actual_length));
+    let index = expected.lines().zip(actual.lines()).position(differs).or(first_extra)?;
+    let [expected, actual] = [&expected, &actual].map(|text| text.lines().nth(index).unwrap_or_default().trim());
+    let common = expected.chars().zip(actual.chars()).take_while(|(expected, actual)| expected == actual).count();
+    let [expected, actual] = [expected, actual].map(|line| excerpt(line, common));
+    Some(format!("line {} is {actual:?}, expected {expected:?}", index + 1))
 }
 
-/// What of a line is around a place in it.
-fn excerpt(line: &str, place: usize) -> String {
-    let (before, length) = (place.saturating_sub(20), 60);
-    let part: String = line.chars().skip(before).take(length).collect();
-    let [begin, end] = [before > 0, line.chars().count() > before + length].map(|cut| if cut { "…" } else { "" });
+/// The part of a line around a position.
+fn excerpt(line: &str, position: usize) -> String {
+    let (start, length) = (position.saturating_sub(20), 60);
+    let part: String = line.chars().skip(start).take(length).collect();
+    let [begin, end] = [start > 0, line.chars().count() > start + length].map(|cut| if cut { "…" } else { "" });
     format!("{begin}{part}{end}")
 }
 
-/// What the files say of themselves, where the expected one says anything.
-fn sources(expected: &[u8], actual: &[u8]) -> Option<String> {
-    let [was, is] = [expected, actual].map(|file| Evidence::read(file).ok().map(|(_, evidence)| evidence));
-    let (was, is) = (was?, is?);
-    let entries = was.metadata().entries.into_iter().zip(is.metadata().entries);
-    let mut differing = entries.filter(|(was, is)| was != is && was.0 != "Software");
-    differing.next().map(|((key, was), (_, is))| {
-        format!("all that is drawn is the same, but its {} is {is}, expected {was}", key.trim_start_matches("rebond "))
+/// Describes the first difference in provenance, other than the version of rebond.
+fn differing_provenance(expected: &[u8], actual: &[u8]) -> Option<String> {
+    let [expected, actual] =
+        [expected, actual].map(|file| Provenance::read(file).ok().map(|(_, provenance)| provenance));
+    let entries = expected?.metadata().entries.into_iter().zip(actual?.metadata().entries);
+    let mut differing = entries.filter(|(expected, actual)| expected != actual && expected.0 != "Software");
+    differing.next().map(|((key, expected), (_, actual))| {
+        let key = key.trim_start_matches("rebond ");
+        format!("the drawing is the same, but its {key} is {actual}, expected {expected}")
     })
 }
 
 fn other_software(expected: &[u8]) -> Option<String> {
-    let (_, evidence) = Evidence::read(expected).ok()?;
-    (evidence.software != SOFTWARE).then_some(evidence.software)
+    let (_, provenance) = Provenance::read(expected).ok()?;
+    (provenance.software != SOFTWARE).then_some(provenance.software)
 }

@@ -1,24 +1,24 @@
-//! Snapshot regression testing: recordings that must replay and pictures that must come out again.
+//! Snapshot regression tests of recordings and pictures.
 //!
-//! [`find`] looks through folders for [`Case`]s, [`examine`] makes a [`Finding`] of each, and
-//! a [`Page`] shows what differs. Comparison is exact: every bit of every state; of a PNG, GIF or
-//! animated PNG every pixel, every instant and what it says of itself, but not how it is compressed;
-//! of an SVG or PDF every byte, but for the version of the program that drew it.
+//! [`find`] searches folders for [`Case`]s, [`check_cases`] replays or redraws each of them, and a [`Page`] shows the
+//! differences. Comparison is exact. Of a recording, every bit of every state is compared; of a PNG, GIF or animated
+//! PNG, every pixel, every frame duration and the provenance, but not the compression; of an SVG or PDF, every byte
+//! except the version of the program that drew it.
 
 mod case;
-mod drift;
-mod examine;
+mod check_cases;
+mod check_result;
 mod find;
-mod finding;
 mod mismatch;
 mod page;
 mod recording;
-mod reference;
+mod reference_image;
+mod scene_mismatch;
 
-pub use case::{Case, Drawing, Reference};
-pub use drift::Drift;
-pub use examine::examine;
-pub use find::{CheckError, MANIFEST_EXTENSION, find, plain};
-pub use finding::{Finding, Fresh, Grade, Outcome};
+pub use case::{Case, Recipe, ReferenceImage};
+pub use check_cases::check_cases;
+pub use check_result::{CheckResult, Outcome, Replacement, Severity};
+pub use find::{CheckError, MANIFEST_EXTENSION, find, normalize};
 pub use mismatch::{Mismatch, mismatch};
 pub use page::Page;
+pub use scene_mismatch::SceneMismatch;

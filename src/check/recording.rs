@@ -1,6 +1,6 @@
-//! Whether a recording replays, and whether the scene beside it still gives it.
+//! Checking a recording: it must replay the same and match a new run of the scene next to it.
 
-use super::{Drift, Finding, Fresh, Outcome};
+use super::{CheckResult, Outcome, Replacement, SceneMismatch};
 use crate::recording::{self, Error, Identity};
 use crate::replay::{Verdict, replay_file};
 use crate::run::{self, RunError};
@@ -8,65 +8,67 @@ use crate::scene::{self, Scene};
 use std::path::Path;
 use tempfile::TempPath;
 
-/// Examines the recording at `path`.
-pub fn examine(path: &Path, scene: Option<&Path>) -> Finding {
-    let replayed = replayed(path);
-    let finding = |outcome, fresh| Finding { path: path.into(), outcome, fresh };
-    let Some(scene_path) = scene else { return finding(replayed, None) };
-    let fresh = match scene::load(scene_path).map_err(RunError::from).and_then(|scene| anew(&scene, path)) {
-        Ok(fresh) => fresh,
+/// Checks the recording at `path`, and compares it with a new run of the scene, if one is given.
+pub fn check_recording(path: &Path, scene: Option<&Path>) -> CheckResult {
+    let replayed = replay_recording(path);
+    let result = |outcome, replacement| CheckResult { path: path.into(), outcome, replacement };
+    let Some(scene_path) = scene else { return result(replayed, None) };
+    let new_recording = scene::load(scene_path).map_err(RunError::from).and_then(|scene| record_scene(&scene, path));
+    let new_recording = match new_recording {
+        Ok(new_recording) => new_recording,
         Err(error) => {
-            let why = format!("its scene {} cannot be recorded: {error}", scene_path.display());
-            return finding(Outcome::Failed(why), None);
+            let reason = format!("its scene {} cannot be run: {error}", scene_path.display());
+            return result(Outcome::Failed(reason), None);
         }
     };
     let Outcome::Replayed { verdict: verdict @ Verdict::Same { .. }, .. } = replayed else {
-        return finding(replayed, Some(Fresh::Recording(fresh.file)));
+        return result(replayed, Some(Replacement::Recording(new_recording.file)));
     };
-    match drift(path, &fresh) {
-        Ok(None) => finding(Outcome::Replayed { verdict, has_scene: true }, None),
-        Ok(Some(drift)) => finding(Outcome::Drifted(drift), Some(Fresh::Recording(fresh.file))),
-        Err(error) => finding(Outcome::Failed(error.to_string()), None),
+    match compare_with(path, &new_recording) {
+        Ok(None) => result(Outcome::Replayed { verdict, matches_scene: true }, None),
+        Ok(Some(mismatch)) => result(Outcome::Drifted(mismatch), Some(Replacement::Recording(new_recording.file))),
+        Err(error) => result(Outcome::Failed(error.to_string()), None),
     }
 }
 
-fn replayed(path: &Path) -> Outcome {
+fn replay_recording(path: &Path) -> Outcome {
     match replay_file(path) {
         Ok(Verdict::Diverged(divergence)) => Outcome::Diverged(divergence),
-        Ok(verdict) => Outcome::Replayed { verdict, has_scene: false },
+        Ok(verdict) => Outcome::Replayed { verdict, matches_scene: false },
         Err(Error::OtherSemantics { found }) => Outcome::OtherSemantics { found },
         Err(error) if error.is_damage() => Outcome::Damaged(error.to_string()),
         Err(error) => Outcome::Failed(error.to_string()),
     }
 }
 
-/// A recording made anew of a scene.
-struct Anew {
+/// A recording of a new run of a scene.
+struct NewRecording {
     file: TempPath,
     identity: Identity,
 }
 
-/// Records a scene as far and as finely as the recording at `path` was; where that cannot be read,
-/// as the scene has it.
-fn anew(scene: &Scene, path: &Path) -> Result<Anew, RunError> {
+/// Records a scene with the number of steps and the thinning of the recording at `path`, or in full if that recording
+/// cannot be read.
+fn record_scene(scene: &Scene, path: &Path) -> Result<NewRecording, RunError> {
     let (steps, every) = match recording::open(path) {
         Ok(recording) => (recording.header.steps, recording.header.every),
         Err(_) => (scene.run.steps, 1),
     };
     let unwritable = |error| RunError::from(Error::Write(error));
-    let (file, place) = tempfile::Builder::new().prefix("rebond-").tempfile().map_err(unwritable)?.into_parts();
+    let (file, temp_path) = tempfile::Builder::new().prefix("rebond-").tempfile().map_err(unwritable)?.into_parts();
     let plan = run::RecordOptions { steps, every, viewer: None };
     let recorded = run::record(scene, plan, run::NO_LIVE_EVENTS, file, |_| ())?;
-    Ok(Anew { file: place, identity: recorded.end.identity })
+    Ok(NewRecording { file: temp_path, identity: recorded.end.identity })
 }
 
-fn drift(path: &Path, fresh: &Anew) -> Result<Option<Drift>, Error> {
+/// Compares the recording at `path` with a new one. `None` if both have the same identity.
+fn compare_with(path: &Path, new_recording: &NewRecording) -> Result<Option<SceneMismatch>, Error> {
     let mut recorded = recording::open(path)?;
     for item in recorded.by_ref() {
         item?;
     }
-    if recorded.end().is_some_and(|end| end.identity == fresh.identity) {
+    if recorded.trailer().is_some_and(|end| end.identity == new_recording.identity) {
         return Ok(None);
     }
-    Drift::between(recording::open(path)?, recording::open(&fresh.file)?).map(Some)
+    SceneMismatch::between(recording::open(path)?, recording::open(&new_recording.file)?).map(Some)
 }

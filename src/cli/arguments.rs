@@ -5,7 +5,7 @@ use crate::scene::Theme;
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 
-/// A physics engine of boxes that records, replays bit for bit, and draws itself
+/// Deterministic 2-D physics of boxes: record, replay bit for bit, draw
 #[derive(Debug, Parser)]
 #[command(
     version,
@@ -15,10 +15,10 @@ use std::path::PathBuf;
     next_line_help = false
 )]
 pub struct Arguments {
-    /// What to do.
+    /// The command.
     #[command(subcommand)]
     pub command: Command,
-    /// Say nothing but results and errors
+    /// Print only results and errors
     #[arg(short, long, global = true, display_order = 900)]
     pub quiet: bool,
 }
@@ -28,35 +28,35 @@ pub struct Arguments {
 pub enum Command {
     /// Run a scene and record its events and states
     Record(RecordOptions),
-    /// Run a recording again and compare every recorded state bit for bit
+    /// Replay a recording and compare every state bit for bit
     Replay(ReplayOptions),
-    /// Draw a scene or a recording as GIF, animated PNG or PNG
+    /// Draw a scene or recording as an animation or as pictures
     Render(RenderOptions),
-    /// Draw a lecture figure of a scene or a recording as PNG, SVG or PDF
+    /// Draw a lecture figure of scenes or recordings as PNG, SVG or PDF
     Figure(FigureCommandOptions),
-    /// Write the states of a recording as a table
+    /// Export the states of a recording as CSV or JSON Lines
     Export(ExportOptions),
-    /// Tell what is inside a recording, or what a picture was drawn from
+    /// Show the contents of a recording, or the provenance of a picture
     Info(InfoOptions),
-    /// Hold recordings and pictures to what they were
+    /// Check that recordings and pictures are unchanged
     Check(CheckOptions),
-    /// Save all that can be read of a damaged or unfinished recording
+    /// Recover the readable part of a damaged or unfinished recording
     Recover(RecoverOptions),
-    /// Measure errors and costs of both solvers on hard scenes
+    /// Measure error and cost of both solvers on hard scenes
     Report(ReportOptions),
-    /// Print the completions for a shell
+    /// Print shell completions
     Completions(CompletionsOptions),
     /// Write the manual pages
     Man(ManOptions),
 }
 
-/// Where a result goes, and whether something may stand there already.
+/// The output file, and permission to overwrite it.
 #[derive(Args, Debug)]
 pub struct OutputOptions {
-    /// The file to write, - for standard output
+    /// Write to this file, - for standard output
     #[arg(short, long, value_name = "OUT")]
     pub output: PathBuf,
-    /// Replace what is there
+    /// Overwrite an existing file
     #[arg(short, long)]
     pub force: bool,
 }
@@ -67,39 +67,39 @@ pub struct OutputOptions {
 Examples:
   rebond record recordings/figure-1.toml -o figure-1.mcap
   rebond record scene.toml -o long.mcap --steps 100000 --every 100
-  rebond record scene.toml -o heavy.mcap --set restitution.default=0.5 --set spawn.c.mass=2
-  printf '{\"click\": {\"step\": 30, \"at\": [4, 5]}}\\n' | rebond record scene.toml -o clicked.mcap --events -")]
+  rebond record scene.toml -o heavy.mcap --set spawn.c.mass=2
+  rebond record scene.toml -o clicked.mcap --events - < clicks.jsonl")]
 pub struct RecordOptions {
-    /// The scene, a TOML file
+    /// The scene to run (TOML)
     pub scene: PathBuf,
-    /// The recording to write, - for standard output
+    /// Write the recording to this file, - for standard output
     #[arg(short, long, value_name = "OUT.mcap")]
     pub output: PathBuf,
-    /// Replace the recording that is there
+    /// Overwrite an existing recording
     #[arg(short, long)]
     pub force: bool,
-    /// More events, one JSON object a line; - for standard input
+    /// Read more events from a JSON Lines file, - for standard input
     #[arg(long, value_name = "FILE.jsonl")]
     pub events: Option<PathBuf>,
-    /// Set a value of the scene anew, such as spawn.c.mass=2
+    /// Override a value of the scene, for example spawn.c.mass=2
     #[arg(long, value_name = "KEY=VALUE")]
-    pub set: Vec<crate::scene::Setting>,
-    /// Stop after that many steps, whatever the scene says
+    pub set: Vec<crate::scene::Override>,
+    /// Run N steps instead of the number in the scene
     #[arg(long, value_name = "N")]
     pub steps: Option<u64>,
-    /// Record the states of every N-th step only, digests of all
+    /// Record only every N-th state, but all digests
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
     pub every: u64,
-    /// Wait for the disk at each flush, against loss of power
+    /// Sync each flush to disk, to survive a power failure
     #[arg(long)]
     pub sync: bool,
-    /// Add boxes that Foxglove and Lichtblick show, in the topic /scene
+    /// Add the topic /scene for Foxglove and Lichtblick
     #[arg(long)]
     pub viewer: bool,
-    /// Skip event lines that are malformed or late, and count them
+    /// Skip invalid or late event lines instead of failing
     #[arg(long)]
     pub lenient: bool,
-    /// Tell what was recorded as one JSON object
+    /// Print the result as a JSON object
     #[arg(long)]
     pub json: bool,
 }
@@ -107,7 +107,8 @@ pub struct RecordOptions {
 /// Options of `replay`.
 #[derive(Args, Debug)]
 #[command(after_help = "\
-The last line of standard output is the verdict. Exit codes: 0 same, 3 diverged, 4 truncated or corrupt.
+The last line of standard output is the verdict.
+Exit codes: 0 same, 1 error, 3 diverged, 4 truncated or corrupt.
 
 Examples:
   rebond replay recordings/figure-1.mcap
@@ -115,13 +116,13 @@ Examples:
 pub struct ReplayOptions {
     /// The recording
     pub recording: PathBuf,
-    /// The first step to compare
+    /// Start comparing at this step
     #[arg(long, value_name = "STEP")]
     pub from: Option<u64>,
-    /// The last step to compare
+    /// Stop comparing after this step
     #[arg(long, value_name = "STEP")]
     pub to: Option<u64>,
-    /// The verdict as one JSON object
+    /// Print the verdict as a JSON object
     #[arg(long)]
     pub json: bool,
 }
@@ -129,8 +130,8 @@ pub struct ReplayOptions {
 /// Options of `export`.
 #[derive(Args, Debug)]
 #[command(after_help = "\
-Columns: step,time,name,x,y,vx,vy; one row for each body alive at each step, walls included;
-decimals are the shortest that give the same number back.
+Columns: step,time,name,x,y,vx,vy. One row per body and recorded step, walls
+included. Numbers are the shortest decimals that read back to the same value.
 
 Examples:
   rebond export figure-1.mcap > figure-1.csv
@@ -138,19 +139,19 @@ Examples:
 pub struct ExportOptions {
     /// The recording
     pub recording: PathBuf,
-    /// The table to write: .csv or .jsonl; - for CSV on standard output
+    /// Write to this .csv or .jsonl file, - for CSV on standard output
     #[arg(short, long, value_name = "FILE", default_value = "-")]
     pub output: PathBuf,
-    /// Replace the table that is there
+    /// Overwrite an existing table
     #[arg(short, long)]
     pub force: bool,
-    /// The first step to write
+    /// Start at this step
     #[arg(long, value_name = "STEP")]
     pub from: Option<u64>,
-    /// The last step to write
+    /// Stop after this step
     #[arg(long, value_name = "STEP")]
     pub to: Option<u64>,
-    /// Write part I of N; in a row they are the whole
+    /// Export part I of N; the parts concatenate to the whole table
     #[arg(long, value_name = "I/N", default_value = "1/1", hide_default_value = true)]
     pub shard: Shard,
 }
@@ -158,20 +159,20 @@ pub struct ExportOptions {
 /// Options of `info`.
 #[derive(Args, Debug)]
 #[command(after_help = "\
-Of a picture made by rebond (PNG, GIF, animated PNG, SVG, PDF) it tells the recording, the steps
-and the options it was drawn from.
+For a picture made by rebond (PNG, GIF, animated PNG, SVG, PDF), prints the
+recording, the steps and the options it was drawn from.
 
 Examples:
   rebond info figure-1.mcap
   rebond info figure-1.mcap --json
   rebond info collision.svg")]
 pub struct InfoOptions {
-    /// A recording, or a picture of one
+    /// A recording, or a picture made by rebond
     pub file: PathBuf,
-    /// One JSON object in place of lines
+    /// Print a JSON object instead of lines
     #[arg(long)]
     pub json: bool,
-    /// Read and verify all of a recording, however large; up to 16 MiB that is done anyway
+    /// Verify all chunks, which is the default up to 16 MiB
     #[arg(long)]
     pub verify: bool,
 }
@@ -179,34 +180,35 @@ pub struct InfoOptions {
 /// Options of `check`.
 #[derive(Args, Debug)]
 #[command(after_help = "\
-Every recording must replay and, if NAME.toml stands beside NAME.mcap, still be
-what that scene gives. Every picture drawn by rebond must come out again. More
-pictures are listed in a manifest NAME.check: a command a line, as typed there:
+A recording must replay the same and, if NAME.toml is next to NAME.mcap, match a
+new run of that scene. A picture drawn by rebond must be redrawn the same. More
+pictures are listed in a manifest NAME.check, one command per line, with paths
+relative to its folder:
   rebond figure strobe fall.mcap -o fall.svg
 Exit codes: 0 same, 3 something differs, 4 a recording is truncated or corrupt,
-1 something cannot be checked; of several the first of 1, 4, 3.
+1 a check failed. If several apply: 1 before 4 before 3.
 
 Examples:
   rebond check recordings
-  rebond check lecture --update        accepts, and draws what is missing
-  rebond check lecture --shard 2/4     with --json parts join as they are")]
+  rebond check lecture --update
+  rebond check lecture --shard 2/4 --json > 2.jsonl")]
 pub struct CheckOptions {
-    /// Files, or folders and all below them
+    /// Files, or folders to search recursively
     #[arg(required = true, value_name = "PATH")]
     pub paths: Vec<PathBuf>,
-    /// Accept what changed, after it is shown
+    /// Accept changes and draw missing pictures
     #[arg(long)]
     pub update: bool,
-    /// Check the I-th of N parts only
+    /// Check only part I of N
     #[arg(long, value_name = "I/N", default_value = "1/1", hide_default_value = true, conflicts_with = "update")]
     pub shard: Shard,
-    /// Threads to check on [default: one for each processor]
+    /// Use N threads [default: one per processor]
     #[arg(long, value_name = "N")]
     pub jobs: Option<std::num::NonZero<usize>>,
-    /// Where a page goes that shows what differs
+    /// Write a page of all differences to this folder
     #[arg(long, value_name = "FOLDER", default_value = "rebond-check")]
     pub report: PathBuf,
-    /// One JSON object a case
+    /// Print one JSON object per case
     #[arg(long)]
     pub json: bool,
 }
@@ -214,14 +216,14 @@ pub struct CheckOptions {
 /// Options of `recover`.
 #[derive(Args, Debug)]
 #[command(after_help = "\
-Nothing is invented: what is missing is said to be missing, and the rest replays the same.
+Lost steps are reported, never invented. The new recording replays the same.
 
 Example:
   rebond recover broken.mcap -o fixed.mcap")]
 pub struct RecoverOptions {
     /// The damaged recording
     pub recording: PathBuf,
-    /// Where the new recording goes.
+    /// The new recording.
     #[command(flatten)]
     pub output: OutputOptions,
 }
@@ -229,9 +231,9 @@ pub struct RecoverOptions {
 /// Options of `report`.
 #[derive(Args, Debug)]
 #[command(after_help = "\
-Errors are found against closed forms and arithmetic of 77 decimals and are the
-same each time. Costs are processor time: let the machine be quiet. Parts join:
---csv byte for byte, --json by --read.
+Errors are relative to closed-form solutions or 77-digit arithmetic and do not
+vary between runs. Costs are processor times: run on an idle machine. To join
+the parts of --shard, concatenate their --csv or --read their --json output.
 
 Examples:
   rebond report                      all hard scenes, in a few minutes
@@ -241,46 +243,46 @@ Examples:
   rebond report --read 1.json --read 2.json --plot all.png
   rebond report --growth --plot growth.pdf")]
 pub struct ReportOptions {
-    /// Scenes of your own, in place of the hard ones
+    /// Measure these scenes instead of the built-in ones
     #[arg(value_name = "SCENE.toml", conflicts_with_all = ["growth", "read"])]
     pub scenes: Vec<PathBuf>,
-    /// Run what takes long, too
+    /// Include runs that take long
     #[arg(long)]
     pub full: bool,
-    /// How costs grow with bodies and steps instead
+    /// Measure how cost grows with bodies and steps
     #[arg(long)]
     pub growth: bool,
-    /// Only these families of scenes, such as stack,gas
+    /// Run only these families of scenes, for example stack,gas
     #[arg(long, value_name = "FAMILIES", value_delimiter = ',')]
     pub only: Vec<String>,
-    /// Only one of several parts of the scenes: 2/4
+    /// Run only part I of N of the scenes
     #[arg(long, value_name = "I/N", default_value = "1/1", hide_default_value = true)]
     pub shard: Shard,
-    /// Show what --json wrote before; may be repeated
+    /// Read results of --json instead of measuring; repeatable
     #[arg(long, value_name = "FILE.json", conflicts_with_all = ["full", "growth"])]
     pub read: Vec<PathBuf>,
-    /// A JSON list in place of the table
+    /// Print a JSON list instead of a table
     #[arg(long, conflicts_with = "csv")]
     pub json: bool,
-    /// Comma-separated values in place of the table
+    /// Print CSV instead of a table
     #[arg(long)]
     pub csv: bool,
-    /// Draw error against cost: .png, .svg or .pdf
+    /// Draw error against cost to this .png, .svg or .pdf file
     #[arg(long, value_name = "FILE")]
     pub plot: Option<PathBuf>,
-    /// Replace the diagram that is there
+    /// Overwrite an existing diagram
     #[arg(short, long, requires = "plot")]
     pub force: bool,
-    /// Pixels of the diagram [default: as many as suit]
+    /// Set the size in pixels [default: automatic]
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = picture_size, requires = "plot")]
     pub size: Option<[u32; 2]>,
-    /// light or dark
+    /// Use the light or dark theme
     #[arg(long, value_parser = theme, requires = "plot")]
     pub theme: Option<Theme>,
-    /// What is written below the diagram
+    /// Write this text below the diagram
     #[arg(long, value_name = "TEXT", requires = "plot")]
     pub caption: Option<String>,
-    /// Measure the cost of one run alone: what the report does for each, in a process of its own
+    /// Measure the cost of a single run; the report starts one such process per run
     #[arg(long, hide = true, value_name = "NUMBER")]
     pub cost_of: Option<usize>,
 }
@@ -291,7 +293,7 @@ pub struct ReportOptions {
 Example:
   rebond completions bash > ~/.local/share/bash-completion/completions/rebond")]
 pub struct CompletionsOptions {
-    /// bash, zsh, fish, elvish or powershell
+    /// The shell to generate completions for
     pub shell: clap_complete::Shell,
 }
 
@@ -301,9 +303,9 @@ pub struct CompletionsOptions {
 Example:
   rebond man ~/.local/share/man/man1       then: man rebond, man rebond-render")]
 pub struct ManOptions {
-    /// The folder they go to
+    /// The folder to write to
     pub folder: PathBuf,
-    /// Replace those that are there
+    /// Overwrite existing pages
     #[arg(short, long)]
     pub force: bool,
 }

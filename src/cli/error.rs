@@ -1,15 +1,15 @@
 use super::{Exit, output};
-use crate::{illustration, recording, render::RenderError, run::RunError, scene::SceneError};
+use crate::{picture, recording, render::RenderError, run::RunError, scene::SceneError};
 use miette::{Diagnostic, MietteHandlerOpts};
 use std::{
     io::{self, Write},
     path::{Path, PathBuf},
 };
 
-/// Why a command could not be carried out.
+/// The error of a command.
 #[derive(Debug, thiserror::Error, Diagnostic)]
 pub enum CommandError {
-    /// The scene is refused.
+    /// The scene is invalid.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Scene(#[from] SceneError),
@@ -17,148 +17,148 @@ pub enum CommandError {
     #[error(transparent)]
     #[diagnostic(transparent)]
     Run(#[from] RunError),
-    /// A recording cannot be read or written.
+    /// A recording cannot be read.
     #[error("{}: {source}", path.display())]
     Recording {
-        /// Which one.
+        /// The recording.
         path: PathBuf,
-        /// What of it.
+        /// The cause.
         source: recording::Error,
     },
-    /// A scene stands where a recording is wanted.
-    #[error("{} is a scene; record it first: rebond record {} -o {}", path.display(), path.display(), path.with_extension("mcap").display())]
-    NotRecordedYet {
+    /// A scene was given in place of a recording.
+    #[error("{} is a scene, not a recording; record it first: rebond record {} -o {}", path.display(), path.display(), path.with_extension("mcap").display())]
+    SceneAsRecording {
         /// The scene.
         path: PathBuf,
     },
     /// A recording cannot be opened or created; the error names it.
     #[error(transparent)]
     RecordingFile(recording::Error),
-    /// There is no picture.
+    /// A picture cannot be drawn.
     #[error(transparent)]
     Render(#[from] RenderError),
     /// A file cannot be read.
     #[error("cannot read {}: {source}", path.display())]
     Unreadable {
-        /// Which file.
+        /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The error of the operating system.
         source: io::Error,
     },
     /// A result cannot be written.
     #[error("cannot write {}: {source}", path.display())]
-    #[diagnostic(help("see that its folder is there, may be written to and has room, or give another place with -o"))]
+    #[diagnostic(help("check that the folder exists, is writable and has free space, or choose another path"))]
     Unwritable {
-        /// Which file or folder.
+        /// The file or folder.
         path: PathBuf,
-        /// What the system says.
+        /// The error of the operating system.
         source: io::Error,
     },
-    /// Standard output does not take any more.
+    /// Standard output cannot be written.
     #[error("cannot write to standard output: {0}")]
-    #[diagnostic(help("its reader has gone or has no room; give a file with -o instead"))]
+    #[diagnostic(help("the reader of the pipe has exited, or the disk is full; write to a file with -o instead"))]
     StandardOutput(#[source] io::Error),
-    /// Something stands where the result is to go.
-    #[error("{} exists already; give another name with -o, or --force to replace it", .0.display())]
+    /// The output file already exists.
+    #[error("{} already exists; choose another name, or overwrite it with --force", .0.display())]
     Exists(PathBuf),
-    /// There is nothing to check.
+    /// The check cannot start.
     #[error(transparent)]
     Check(#[from] crate::check::CheckError),
-    /// There is no illustration.
+    /// A picture cannot be drawn.
     #[error(transparent)]
-    Illustration(illustration::Error),
-    /// A picture says nothing of where it comes from.
+    Picture(picture::Error),
+    /// A picture has no provenance, or an invalid one.
     #[error("{}: {source}", path.display())]
-    NoEvidence {
+    NoProvenance {
         /// The picture.
         path: PathBuf,
-        /// What of it.
-        source: Box<illustration::Error>,
+        /// The cause.
+        source: Box<picture::Error>,
     },
-    /// There is no family of that name.
-    #[error("there is no family {name:?} of scenes; there are {known}")]
-    NoFamily {
-        /// What was asked for.
+    /// A family of scenes does not exist.
+    #[error("unknown family of scenes {name:?}; known families: {known}")]
+    UnknownFamily {
+        /// The requested name.
         name: String,
-        /// All there are.
+        /// The names of all families.
         known: String,
     },
-    /// A process that was to measure a cost has failed.
-    #[error("cannot measure what {scene:?} costs: {reason}")]
-    NoCost {
-        /// Which scene.
+    /// The process that measures the cost of a run failed.
+    #[error("cannot measure the cost of {scene:?}: {reason}")]
+    CostNotMeasured {
+        /// The name of the scene.
         scene: String,
-        /// What became of the process.
+        /// The messages of the process, or its exit status.
         reason: String,
     },
-    /// What was to be shown again is not a report.
-    #[error("{} is not what rebond report --json writes: {source}", path.display())]
-    NoReport {
-        /// Which file.
+    /// A file given with `--read` is not a report.
+    #[error("{} is not a report written by rebond report --json: {source}", path.display())]
+    NotAReport {
+        /// The file.
         path: PathBuf,
-        /// What of it.
+        /// The cause.
         source: serde_json::Error,
     },
-    /// A video cannot be compressed.
+    /// ffmpeg cannot be started.
     #[error(
-        "cannot make {}: ffmpeg cannot be run ({source}); install it (https://ffmpeg.org), or give a name that ends \
-         in .gif or .apng, which need nothing",
+        "cannot write {}: ffmpeg cannot be run ({source}); install it (https://ffmpeg.org), or write a .gif or .apng \
+         file instead",
         path.display()
     )]
     NoFfmpeg {
         /// The video.
         path: PathBuf,
-        /// What the system says.
+        /// The error of the operating system.
         source: io::Error,
     },
-    /// ffmpeg gave up.
-    #[error("cannot make {}: ffmpeg says: {what}", path.display())]
+    /// ffmpeg failed.
+    #[error("cannot write {}: ffmpeg failed: {message}", path.display())]
     Ffmpeg {
         /// The video.
         path: PathBuf,
-        /// Its own words.
-        what: String,
+        /// The messages of ffmpeg, or its exit status.
+        message: String,
     },
-    /// ffmpeg does not take any more.
+    /// ffmpeg closed its standard input.
     #[error("cannot write to ffmpeg: {0}")]
     Pipe(#[source] io::Error),
-    /// The name of the result does not say what it is to be.
-    #[error("cannot tell what {} is to be: {expected}", path.display())]
-    UnknownKind {
-        /// The name given.
+    /// The name of the output is not one that the command supports.
+    #[error("cannot write {}: {expected}", path.display())]
+    UnsupportedOutput {
+        /// The output.
         path: PathBuf,
-        /// What names would be accepted.
+        /// The supported names.
         expected: &'static str,
     },
-    /// A scene that was recorded just now did not replay the same.
-    #[error("the scene did not replay the same; this is a fault of rebond, please report it with the scene")]
-    NotTheSame,
-    /// The run ended in an error of the engine; the recording tells it too.
-    #[error("{error}; recorded up to there in {}", path.display())]
+    /// A scene that was just recorded did not replay the same.
+    #[error("the scene did not replay the same; this is a bug in rebond, please report it with the scene")]
+    NotReproducible,
+    /// The engine failed in a step. The recording ends with the same error.
+    #[error("{error}; the steps before it are recorded in {}", path.display())]
     Step {
         /// The recording.
         path: PathBuf,
-        /// What happened.
+        /// The error of the engine.
         error: crate::physics::StepError,
     },
 }
 
 impl CommandError {
-    /// The error of reading or writing a recording at `path`, which is named once.
+    /// Converts an error of reading or writing the recording at `path`, so that the message names the path once.
     pub fn recording(path: &Path, source: recording::Error) -> CommandError {
         match source {
             recording::Error::Open { .. } | recording::Error::Create { .. } | recording::Error::Exists { .. } => {
                 CommandError::RecordingFile(source)
             }
             recording::Error::NotARecording { .. } if path.extension().is_some_and(|extension| extension == "toml") => {
-                CommandError::NotRecordedYet { path: path.into() }
+                CommandError::SceneAsRecording { path: path.into() }
             }
             recording::Error::Write(source) => CommandError::unwritable(path)(source),
             source => CommandError::Recording { path: path.into(), source },
         }
     }
 
-    /// The error of writing a result at `path`, which may be standard output.
+    /// Returns a function that converts an error of writing to `path`, which may be standard output.
     pub fn unwritable(path: &Path) -> impl Fn(io::Error) -> CommandError {
         move |source| match output::is_standard_output(path) {
             true => CommandError::StandardOutput(source),
@@ -167,28 +167,26 @@ impl CommandError {
     }
 }
 
-impl From<illustration::Error> for CommandError {
-    fn from(error: illustration::Error) -> CommandError {
+impl From<picture::Error> for CommandError {
+    fn from(error: picture::Error) -> CommandError {
         match error {
-            illustration::Error::Recording { path, source } => CommandError::recording(&path, source),
-            illustration::Error::Scene(error) => CommandError::Scene(error),
-            error => CommandError::Illustration(error),
+            picture::Error::Recording { path, source } => CommandError::recording(&path, source),
+            picture::Error::Scene(error) => CommandError::Scene(error),
+            error => CommandError::Picture(error),
         }
     }
 }
 
-/// Tells the user on standard error. Should that be closed, the exit code remains.
+/// Prints an error on standard error and returns the exit code. A failure to print is ignored.
 ///
-/// Each error is one sentence that says what the system said, so causes are not listed again,
-/// and it stays on one line, so that a script can find words in it.
+/// Messages contain their causes, so these are not listed again. Lines are not wrapped, so that scripts can search
+/// them.
 pub fn report(error: CommandError) -> Exit {
     let handler = || MietteHandlerOpts::new().without_cause_chain().wrap_lines(false).build();
     let _ = miette::set_hook(Box::new(move |_| Box::new(handler()))); // Fails only if set before.
     let report = miette::Report::new(error);
     let exit = match report.downcast_ref() {
-        Some(CommandError::NotTheSame | CommandError::Illustration(illustration::Error::Diverged { .. })) => {
-            Exit::Diverged
-        }
+        Some(CommandError::NotReproducible | CommandError::Picture(picture::Error::Diverged { .. })) => Exit::Diverged,
         Some(CommandError::Recording { source, .. }) if source.is_damage() => Exit::Damaged,
         Some(_) | None => Exit::Error,
     };

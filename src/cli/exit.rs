@@ -1,15 +1,15 @@
 use std::process::ExitCode;
 
-/// How a command ended, as a script sees it.
+/// The exit code of a command. (2, wrong usage, is returned by the argument parser.)
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Exit {
-    /// Done, and the same.
+    /// Success; everything that was compared is the same.
     Done = 0,
-    /// Bad input, unreadable, no such file. (2 is wrong usage; the argument parser ends with it.)
+    /// Invalid input, an unreadable or missing file, or a result that cannot be written.
     Error = 1,
-    /// A replay diverged or an image differs.
+    /// A replay diverged or a picture differs.
     Diverged = 3,
-    /// Truncated or corrupt; the part that could be read is the same.
+    /// A recording is truncated or corrupt; the part that could be read is the same.
     Damaged = 4,
 }
 

@@ -1,9 +1,9 @@
 use super::error::CommandError;
 use super::picture_arguments::{FigureAxis, FigureCommandOptions, FigureKind};
 use super::source::Source;
-use super::{Exit, damage, output, progress, wish};
+use super::{Exit, output, picture_options, progress, warnings};
 use crate::figure::Axis;
-use crate::illustration::{self, Evidence, Figure, Format, Wish, WishedFigure, WishedSubject};
+use crate::picture::{self, Figure, FigureChoice, Format, PictureOptions, Provenance, SubjectOptions};
 use std::num::NonZero;
 use std::path::Path;
 
@@ -16,39 +16,39 @@ pub fn run(options: &FigureCommandOptions) -> Result<Exit, CommandError> {
     }
     let sources =
         options.sources.iter().map(|path| Source::open(path)).collect::<Result<Vec<Source>, CommandError>>()?;
-    let recordings: Vec<illustration::Source> = sources.iter().map(|source| source.recording.clone()).collect();
+    let recordings: Vec<picture::Source> = sources.iter().map(|source| source.recording.clone()).collect();
     let bar = progress::bar("drawing", 0);
-    let mut heard = progress::listener(&bar);
-    let evidence = Evidence::new(&wish(options).request(&recordings, &mut heard)?, &recordings);
-    let mut conditions = Vec::new();
+    let mut on_progress = progress::updater(&bar);
+    let provenance = Provenance::new(&picture_options(options).resolve(&recordings, &mut on_progress)?, &recordings);
+    let mut statuses = Vec::new();
     output::write_file(path, options.output.force, |output| {
-        conditions = illustration::draw(&evidence, &recordings, format, NonZero::<usize>::MIN, &mut heard, output)?;
+        statuses = picture::draw(&provenance, &recordings, format, NonZero::<usize>::MIN, &mut on_progress, output)?;
         Ok(())
     })?;
     bar.finish_and_clear();
-    Ok(damage::tell_all(&conditions))
+    Ok(warnings::warn_all(&statuses))
 }
 
-/// What is asked for.
-pub fn wish(options: &FigureCommandOptions) -> Wish {
-    Wish {
+/// Converts the command-line options to picture options.
+pub fn picture_options(options: &FigureCommandOptions) -> PictureOptions {
+    PictureOptions {
         from: options.from,
         to: options.to,
         every: options.every,
         titles: options.title.clone(),
-        ..wish::of(&options.look, WishedSubject::Figure(figure(options)))
+        ..picture_options::from_look(&options.look, SubjectOptions::Figure(figure(options)))
     }
 }
 
-fn figure(options: &FigureCommandOptions) -> WishedFigure {
+fn figure(options: &FigureCommandOptions) -> FigureChoice {
     let (step, pair) = (options.step, options.pair.clone());
     match options.kind {
-        FigureKind::Collision => WishedFigure::Collision { step, pair },
-        FigureKind::Minkowski => WishedFigure::Minkowski { step, pair },
-        FigureKind::Strobe => WishedFigure::States(Figure::Strobe),
-        FigureKind::Spacetime => WishedFigure::States(Figure::Spacetime(axis(options.axis))),
-        FigureKind::Energy => WishedFigure::States(Figure::Energy),
-        FigureKind::Filmstrip => WishedFigure::States(Figure::Filmstrip),
+        FigureKind::Collision => FigureChoice::Collision { step, pair },
+        FigureKind::Minkowski => FigureChoice::Minkowski { step, pair },
+        FigureKind::Strobe => FigureChoice::States(Figure::Strobe),
+        FigureKind::Spacetime => FigureChoice::States(Figure::Spacetime(axis(options.axis))),
+        FigureKind::Energy => FigureChoice::States(Figure::Energy),
+        FigureKind::Filmstrip => FigureChoice::States(Figure::Filmstrip),
     }
 }
 
@@ -59,14 +59,14 @@ const fn axis(axis: FigureAxis) -> Axis {
     }
 }
 
-/// What the name of the result asks for.
+/// Determines the format from the name of the output.
 pub fn format(path: &Path) -> Result<Format, CommandError> {
-    match Format::of_name(path) {
+    match Format::from_path(path) {
         Some(format) if !format.is_animated() => Ok(format),
         None if output::is_standard_output(path) => Ok(Format::Png),
         Some(_) | None => {
-            let expected = "a figure is F.png, F.svg, F.pdf, or - for PNG on standard output";
-            Err(CommandError::UnknownKind { path: path.into(), expected })
+            let expected = "expected F.png, F.svg or F.pdf, or - for PNG on standard output";
+            Err(CommandError::UnsupportedOutput { path: path.into(), expected })
         }
     }
 }

@@ -1,8 +1,8 @@
 use super::arguments::InfoOptions;
 use super::error::CommandError;
 use super::{Exit, output};
-use crate::illustration::{Evidence, Format};
-use crate::recording::{self, Change, End, Header, Health, Item, Outline, Recording, Versions};
+use crate::picture::{Format, Provenance};
+use crate::recording::{self, Change, Header, Health, Item, Recording, Summary, Trailer, Versions};
 use crate::scene;
 use serde::Serialize;
 use std::{
@@ -11,21 +11,21 @@ use std::{
     path::Path,
 };
 
-/// Prints what is inside a recording, or what a picture was drawn from.
+/// Prints the contents of a recording, or the provenance of a picture.
 pub fn run(options: &InfoOptions) -> Result<Exit, CommandError> {
     let path = &options.file;
-    if let Some(text) = of_picture(path, options.json)? {
+    if let Some(text) = picture_info(path, options.json)? {
         output::print(text.as_bytes())?;
         return Ok(Exit::Done);
     }
     let mut recording = recording::open(path).map_err(|error| CommandError::recording(path, error))?;
     let bytes = fs::metadata(path).map_err(|source| CommandError::Unreadable { path: path.clone(), source })?.len();
-    let outline = match options.verify || bytes <= READ_ANYWAY {
+    let summary = match options.verify || bytes <= MAX_ALWAYS_VERIFIED {
         true => None,
-        false => recording.outline().map_err(|error| CommandError::recording(path, error))?,
+        false => recording.summary().map_err(|error| CommandError::recording(path, error))?,
     };
-    let (info, exit) = match outline {
-        Some(outline) => (Info::told(&recording.header, outline, bytes), Exit::Done),
+    let (info, exit) = match summary {
+        Some(summary) => (Info::from_index(&recording.header, summary, bytes), Exit::Done),
         None => Info::read(path, &mut recording, bytes)?,
     };
     let text = if options.json { info.json() } else { info.lines() };
@@ -33,23 +33,23 @@ pub fn run(options: &InfoOptions) -> Result<Exit, CommandError> {
     Ok(exit)
 }
 
-/// Bytes of a file that is read whole in about a tenth of a second.
-const READ_ANYWAY: u64 = 16 << 20;
+/// Bytes; a file up to this size is read completely in about 0.1 s.
+const MAX_ALWAYS_VERIFIED: u64 = 16 << 20;
 
-/// What a picture says of itself; nothing if the file is none.
-fn of_picture(path: &Path, json: bool) -> Result<Option<String>, CommandError> {
+/// The provenance of a picture. `None` if the file is not a picture.
+fn picture_info(path: &Path, json: bool) -> Result<Option<String>, CommandError> {
     let unreadable = |source| CommandError::Unreadable { path: path.into(), source };
     let mut file = File::open(path).map_err(unreadable)?;
-    let mut begin = Vec::new();
-    file.by_ref().take(16).read_to_end(&mut begin).map_err(unreadable)?;
-    if Format::of_content(&begin).is_none() {
+    let mut magic = Vec::new();
+    file.by_ref().take(16).read_to_end(&mut magic).map_err(unreadable)?;
+    if Format::from_content(&magic).is_none() {
         return Ok(None);
     }
-    let mut content = begin;
+    let mut content = magic;
     file.read_to_end(&mut content).map_err(unreadable)?;
-    let (format, evidence) = Evidence::read(&content)
-        .map_err(|error| CommandError::NoEvidence { path: path.into(), source: Box::new(error) })?;
-    let entries = evidence.metadata().entries.into_iter().map(|(key, value)| {
+    let (format, provenance) = Provenance::read(&content)
+        .map_err(|error| CommandError::NoProvenance { path: path.into(), source: Box::new(error) })?;
+    let entries = provenance.metadata().entries.into_iter().map(|(key, value)| {
         let key = key.strip_prefix("rebond ").map_or(key.to_lowercase(), str::to_owned);
         (key, value)
     });
@@ -63,7 +63,7 @@ fn of_picture(path: &Path, json: bool) -> Result<Option<String>, CommandError> {
     }))
 }
 
-/// What is inside a recording, in the order in which it is printed.
+/// The contents of a recording, in the order in which they are printed.
 #[derive(Serialize)]
 struct Info {
     title: Option<String>,
@@ -74,11 +74,11 @@ struct Info {
     rate: f64,
     /// The number of the last state.
     steps: Option<u64>,
-    /// Simulated seconds up to it.
+    /// Simulated time of the last state, s.
     duration: Option<f64>,
-    /// States in full are those of every so many steps.
+    /// Full states are recorded every `every` steps.
     every: u64,
-    /// Bodies that ever lived, walls included.
+    /// Bodies that ever existed, walls included.
     bodies: u64,
     /// Spawns and deletes, walls included.
     events: u64,
@@ -95,51 +95,51 @@ struct Info {
 }
 
 impl Info {
-    /// Verifies it all.
+    /// Reads and verifies the whole recording.
     fn read<R: Read + Seek>(
         path: &Path,
         recording: &mut Recording<R>,
         bytes: u64,
     ) -> Result<(Info, Exit), CommandError> {
-        let mut info = Info::of_header(&recording.header, bytes);
+        let mut info = Info::from_header(&recording.header, bytes);
         for item in recording.by_ref() {
             info.count(&item.map_err(|error| CommandError::recording(path, error))?);
         }
-        info.chunks = recording.chunks();
+        info.chunks = recording.chunk_count();
         info.health = health(&recording.health());
-        let exit = if recording.health() == Health::Whole { Exit::Done } else { Exit::Damaged };
-        Ok((info.summed_up(), exit))
+        let exit = if recording.health() == Health::Complete { Exit::Done } else { Exit::Damaged };
+        Ok((info.with_totals(), exit))
     }
 
-    /// What the end and the index of a finished recording tell.
-    fn told(header: &Header, outline: Outline, bytes: u64) -> Info {
-        let Outline { end, states, keyframes, chunks } = outline;
-        let mut info = Info::of_header(header, bytes);
-        info.steps = (states > 0).then_some(end.steps);
-        info.spawns = end.bodies;
-        info.deletes = end.events.saturating_sub(end.bodies);
+    /// The information that the end and the index of a finished recording contain.
+    fn from_index(header: &Header, summary: Summary, bytes: u64) -> Info {
+        let Summary { trailer, states, keyframes, chunks } = summary;
+        let mut info = Info::from_header(header, bytes);
+        info.steps = (states > 0).then_some(trailer.steps);
+        info.spawns = trailer.bodies;
+        info.deletes = trailer.events.saturating_sub(trailer.bodies);
         info.keyframes = keyframes;
         info.chunks = chunks;
-        info.health = "finished, its chunks not read: --verify reads them".into();
-        info.end(&end);
-        info.summed_up()
+        info.health = "finished; chunks not verified, verify them with --verify".into();
+        info.set_trailer(&trailer);
+        info.with_totals()
     }
 
-    fn summed_up(mut self) -> Info {
+    fn with_totals(mut self) -> Info {
         self.duration = self.steps.map(|steps| steps as f64 / self.rate);
         self.events = self.spawns + self.deletes;
         self.bodies = self.spawns;
         self
     }
 
-    fn of_header(header: &Header, bytes: u64) -> Info {
+    fn from_header(header: &Header, bytes: u64) -> Info {
         let Versions { format, semantics } = header.versions;
         Info {
             title: scene::parse(&header.scene.file_name, &header.scene.text).ok().and_then(|scene| scene.title),
             scene: header.scene.file_name.clone(),
-            solver: header.settings.solver.name(),
+            solver: header.config.solver.name(),
             versions: format!("format {format}, semantics {semantics}"),
-            rate: header.settings.rate,
+            rate: header.config.rate,
             steps: None,
             duration: None,
             every: header.every,
@@ -163,17 +163,17 @@ impl Info {
                 Change::Spawn { .. } => self.spawns += 1,
                 Change::Delete { .. } => self.deletes += 1,
             },
-            Item::State(state) | Item::Doubtful(state) => self.steps = Some(state.step),
+            Item::State(state) | Item::SuspectState(state) => self.steps = Some(state.step),
             Item::Keyframe(_) => self.keyframes += 1,
-            Item::View { .. } | Item::Damaged(_) | Item::Gap(_) => {}
-            Item::End(end) => self.end(end),
+            Item::SceneUpdate { .. } | Item::Damaged(_) | Item::Gap(_) => {}
+            Item::Trailer(trailer) => self.set_trailer(trailer),
         }
     }
 
-    fn end(&mut self, end: &End) {
-        self.collisions = end.collisions;
-        self.error = end.error.clone();
-        self.identity = Some(end.identity.to_string());
+    fn set_trailer(&mut self, trailer: &Trailer) {
+        self.collisions = trailer.collisions;
+        self.error = trailer.error.clone();
+        self.identity = Some(trailer.identity.to_string());
     }
 
     fn json(&self) -> String {
@@ -181,16 +181,16 @@ impl Info {
         text + "\n"
     }
 
-    /// One `key: value` a line; what is not known is left out, but for what every recording has.
+    /// One `key: value` per line. A missing title or error is left out; other missing values are "unknown".
     fn lines(&self) -> String {
         let value = serde_json::to_value(self).expect("plain values with text for keys");
         let mut lines = String::new();
         for (key, value) in value.as_object().into_iter().flatten() {
             let text = match value {
                 serde_json::Value::Null if key == "title" || key == "error" => continue,
-                serde_json::Value::Null => "unknown, the recording is unfinished".into(),
+                serde_json::Value::Null => "unknown: the end of the run was not recorded".into(),
                 serde_json::Value::String(text) => text.clone(),
-                serde_json::Value::Number(number) => whole_or_not(number),
+                serde_json::Value::Number(number) => without_trailing_zero(number),
                 value => value.to_string(),
             };
             lines += &format!("{key}: {text}\n");
@@ -199,15 +199,15 @@ impl Info {
     }
 }
 
-/// 60 rather than 60.0.
-fn whole_or_not(number: &serde_json::Number) -> String {
+/// Formats 60.0 as 60.
+fn without_trailing_zero(number: &serde_json::Number) -> String {
     let text = number.to_string();
     text.strip_suffix(".0").map_or(text.clone(), str::to_owned)
 }
 
 fn health(health: &Health) -> String {
     match health {
-        Health::Whole => "whole".into(),
+        Health::Complete => "whole".into(),
         Health::Truncated { after: Some(step) } => format!("truncated after step {step}"),
         Health::Truncated { after: None } => "truncated before the first state".into(),
         Health::Corrupt(damage) => format!("corrupt {damage}"),

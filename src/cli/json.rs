@@ -1,9 +1,9 @@
-//! What scripts are told: one JSON object a line.
+//! JSON output: one object per line.
 
 use crate::replay::{Difference, Verdict, ulps};
 use serde_json::{Value, json};
 
-/// A verdict, with its line for people.
+/// A verdict as JSON, including its line of text.
 pub fn verdict(verdict: &Verdict) -> Value {
     let (word, steps) = match verdict {
         Verdict::Same { steps, .. } => ("same", Some(steps)),
@@ -18,14 +18,14 @@ pub fn verdict(verdict: &Verdict) -> Value {
     json!({ "verdict": word, "same_steps": steps, "divergence": divergence, "what": verdict.to_string() })
 }
 
-/// Where a run is not as it was, and how.
+/// A difference as JSON, with the step where it was found.
 pub fn difference(step: u64, difference: &Difference) -> Value {
     match difference {
-        Difference::Number { body, field, recorded, replayed } => json!({
+        Difference::Value { body, field, recorded, replayed } => json!({
             "step": step, "body": body, "field": field, "recorded": recorded, "replayed": replayed,
             "ulps": ulps(*recorded, *replayed),
         }),
-        Difference::Digest { .. } | Difference::Course { .. } => {
+        Difference::Digest { .. } | Difference::Mismatch { .. } => {
             json!({ "step": step, "what": difference.to_string() })
         }
     }

@@ -1,11 +1,11 @@
 use super::arguments::{Arguments, ManOptions};
 use super::error::CommandError;
 use super::{Exit, output::Folder};
-use crate::illustration::SOFTWARE;
+use crate::picture::SOFTWARE;
 use clap::CommandFactory;
 use clap_mangen::Man;
 
-/// Writes a page for the program and one for each command.
+/// Writes one manual page for the program and one for each command.
 pub fn run(options: &ManOptions) -> Result<Exit, CommandError> {
     let mut program = Arguments::command();
     program.build();
@@ -14,14 +14,14 @@ pub fn run(options: &ManOptions) -> Result<Exit, CommandError> {
         let man = Man::new(command.clone()).source(SOFTWARE);
         let mut page = Vec::new();
         man.render(&mut page).map_err(CommandError::unwritable(&options.folder))?;
-        folder.write(man.get_filename(), line_by_line(&String::from_utf8_lossy(&page)).as_bytes())?;
+        folder.write(man.get_filename(), keep_line_breaks(&String::from_utf8_lossy(&page)).as_bytes())?;
     }
     folder.finish()?;
     Ok(Exit::Done)
 }
 
-/// Notes and examples keep their lines, as in `--help`; the page would join them to paragraphs.
-fn line_by_line(page: &str) -> String {
+/// Keeps the line breaks of notes and examples, as in `--help`; by default a manual page joins lines to paragraphs.
+fn keep_line_breaks(page: &str) -> String {
     let Some((before, notes)) = page.split_once(".SH EXTRA\n") else { return page.to_owned() };
     let (notes, after) = notes.split_at(notes.find("\n.SH").map_or(notes.len(), |end| end + 1));
     format!("{before}.SH NOTES\n.nf\n{notes}\n.fi\n{after}")

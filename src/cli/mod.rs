@@ -1,9 +1,8 @@
-//! The command line: one file per command, and the edge where errors become reports.
+//! The command line: one file per command. Errors are printed here and nowhere else.
 
 mod arguments;
 mod check;
 mod completions;
-mod damage;
 mod error;
 mod exit;
 mod export;
@@ -11,10 +10,11 @@ mod figure;
 mod info;
 mod jobs;
 mod json;
-mod kind;
 mod man;
 mod output;
+mod output_kind;
 mod picture_arguments;
+mod picture_options;
 mod progress;
 mod record;
 mod recover;
@@ -25,14 +25,14 @@ mod shard;
 mod source;
 mod values;
 mod video;
-mod wish;
+mod warnings;
 
 pub use arguments::{Arguments, Command};
 pub use exit::Exit;
 
-/// Runs one command to its end and says how it ended; errors are reported on the way.
+/// Runs one command, prints its error if it fails, and returns the exit code.
 pub fn run(arguments: Arguments) -> Exit {
-    output::be_quiet(arguments.quiet);
+    output::set_quiet(arguments.quiet);
     let result = match &arguments.command {
         Command::Record(options) => record::run(options),
         Command::Replay(options) => replay::run(options),

@@ -1,7 +1,7 @@
-//! Results appear whole or not at all: they are written beside their place and renamed.
+//! Output files appear complete or not at all: they are written to a temporary file in the same folder and renamed.
 
 use super::error::CommandError;
-use crate::illustration;
+use crate::picture;
 use crate::render::RenderError;
 use std::{
     fs,
@@ -11,7 +11,7 @@ use std::{
 };
 use tempfile::{Builder, NamedTempFile, TempDir};
 
-/// Whether that path means standard output.
+/// Returns true if `path` stands for standard output.
 pub fn is_standard_output(path: &Path) -> bool {
     path == Path::new("-")
 }
@@ -25,36 +25,37 @@ pub fn print(text: &[u8]) -> Result<(), CommandError> {
 /// Set once, before any command runs.
 static QUIET: OnceLock<bool> = OnceLock::new();
 
-/// From now on nothing but results and errors is told, if that is wished.
-pub fn be_quiet(quiet: bool) {
-    let _ = QUIET.set(quiet); // Whoever runs several commands in one program decides at the first.
+/// Suppresses everything but results and errors if `quiet` is true. Only the first call has an effect.
+pub fn set_quiet(quiet: bool) {
+    let _ = QUIET.set(quiet);
 }
 
-/// Whether nothing but results and errors is told.
+/// Returns true if only results and errors are printed.
 pub fn is_quiet() -> bool {
     QUIET.get().copied().unwrap_or(false)
 }
 
-/// Tells the user something on standard error; results go to standard output.
-pub fn note(text: std::fmt::Arguments) {
+/// Prints a line on standard error, unless `--quiet` is given.
+pub fn info(text: std::fmt::Arguments) {
     if !is_quiet() {
         let _ = writeln!(io::stderr(), "{text}");
     }
 }
 
-/// Says what became of the result at `path`: on standard output, unless the result itself is there.
-pub fn tell(path: &Path, text: &str) -> Result<(), CommandError> {
+/// Prints a line about the result at `path`: on standard output, or on standard error if the result itself goes to
+/// standard output.
+pub fn print_result(path: &Path, text: &str) -> Result<(), CommandError> {
     if is_quiet() {
         return Ok(());
     }
     if is_standard_output(path) {
-        note(format_args!("{text}"));
+        info(format_args!("{text}"));
         return Ok(());
     }
     print(format!("{text}\n").as_bytes())
 }
 
-/// Writes one file with `write`, or standard output for `-`.
+/// Writes one file with `write`; writes to standard output if `path` is `-`.
 pub fn write_file(
     path: &Path,
     force: bool,
@@ -62,41 +63,41 @@ pub fn write_file(
 ) -> Result<(), CommandError> {
     if is_standard_output(path) {
         let mut output = BufWriter::new(io::stdout().lock());
-        write(&mut output).map_err(|error| with_place(error, path))?;
+        write(&mut output).map_err(|error| with_path(error, path))?;
         return output.flush().map_err(CommandError::StandardOutput);
     }
     refuse_existing(path, force)?;
-    let file = beside(path).map_err(CommandError::unwritable(path))?;
+    let file = temp_beside(path).map_err(CommandError::unwritable(path))?;
     let mut output = BufWriter::new(file);
-    write(&mut output).map_err(|error| with_place(error, path))?;
+    write(&mut output).map_err(|error| with_path(error, path))?;
     let file = output.into_inner().map_err(|error| CommandError::unwritable(path)(error.into_error()))?;
-    put(file, path, force)
+    persist(file, path, force)
 }
 
-/// Has one file written at a place beside the one it is to have, by a program of its own.
-pub fn write_beside(
+/// Creates a temporary file in the folder of `path`, passes its path to `write`, and renames it to `path`.
+pub fn write_by_path(
     path: &Path,
     force: bool,
     write: impl FnOnce(&Path) -> Result<(), CommandError>,
 ) -> Result<(), CommandError> {
     refuse_existing(path, force)?;
-    let file = beside(path).map_err(CommandError::unwritable(path))?;
+    let file = temp_beside(path).map_err(CommandError::unwritable(path))?;
     write(file.path())?;
-    put(file, path, force)
+    persist(file, path, force)
 }
 
-/// An encoder knows what the system said but not where it was writing.
-fn with_place(error: CommandError, path: &Path) -> CommandError {
+/// Adds the path to a write error of an encoder, which does not know it.
+fn with_path(error: CommandError, path: &Path) -> CommandError {
     match error {
         CommandError::Render(RenderError::Write(source))
-        | CommandError::Illustration(illustration::Error::Render(RenderError::Write(source))) => {
+        | CommandError::Picture(picture::Error::Render(RenderError::Write(source))) => {
             CommandError::unwritable(path)(source)
         }
         error => error,
     }
 }
 
-/// The error of a file that exists and is to stay.
+/// Returns an error if `path` exists and may not be overwritten.
 pub fn refuse_existing(path: &Path, force: bool) -> Result<(), CommandError> {
     if !force && path.symlink_metadata().is_ok() {
         return Err(CommandError::Exists(path.into()));
@@ -104,8 +105,8 @@ pub fn refuse_existing(path: &Path, force: bool) -> Result<(), CommandError> {
     Ok(())
 }
 
-fn put(file: NamedTempFile, path: &Path, force: bool) -> Result<(), CommandError> {
-    // Without force a file that came to stand there meanwhile stays, too.
+fn persist(file: NamedTempFile, path: &Path, force: bool) -> Result<(), CommandError> {
+    // Another program may have created the file meanwhile.
     let persisted = if force { file.persist(path) } else { file.persist_noclobber(path) };
     match persisted {
         Ok(_) => Ok(()),
@@ -114,16 +115,16 @@ fn put(file: NamedTempFile, path: &Path, force: bool) -> Result<(), CommandError
     }
 }
 
-fn beside(path: &Path) -> io::Result<NamedTempFile> {
-    builder(&mut Builder::new()).tempfile_in(parent(path))
+fn temp_beside(path: &Path) -> io::Result<NamedTempFile> {
+    configure(&mut Builder::new()).tempfile_in(parent(path))
 }
 
 fn parent(path: &Path) -> &Path {
     path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Hidden names, and the permissions any new file gets rather than those of a secret.
-fn builder<'b, 'a: 'b>(builder: &'b mut Builder<'a, 'static>) -> &'b mut Builder<'a, 'static> {
+/// Configures hidden names, and the usual permissions of new files instead of those of private temporary files.
+fn configure<'b, 'a: 'b>(builder: &'b mut Builder<'a, 'static>) -> &'b mut Builder<'a, 'static> {
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
@@ -132,7 +133,7 @@ fn builder<'b, 'a: 'b>(builder: &'b mut Builder<'a, 'static>) -> &'b mut Builder
     builder.prefix(".rebond-")
 }
 
-/// A folder of files that appear in their place together, at [`Folder::finish`].
+/// A folder of files that are moved to their place together, by [`Folder::finish`].
 pub struct Folder {
     path: PathBuf,
     force: bool,
@@ -141,7 +142,7 @@ pub struct Folder {
 }
 
 impl Folder {
-    /// The folder at `path`, which may exist: only files in it are never replaced without force.
+    /// Opens the folder at `path`, which may exist. Existing files in it are overwritten only if `force` is true.
     pub fn create(path: &Path, force: bool) -> Result<Folder, CommandError> {
         let unwritable = CommandError::unwritable(path);
         if path.exists() && !path.is_dir() {
@@ -152,7 +153,7 @@ impl Folder {
         Ok(Folder { path: path.into(), force, staging, names: Vec::new() })
     }
 
-    /// Adds a file.
+    /// Adds a file to the staging folder.
     pub fn write(&mut self, name: String, content: &[u8]) -> Result<(), CommandError> {
         refuse_existing(&self.path.join(&name), self.force)?;
         let staged = self.staging.path().join(&name);
@@ -161,7 +162,7 @@ impl Folder {
         Ok(())
     }
 
-    /// Moves all files to their place.
+    /// Moves all files from the staging folder to their place.
     pub fn finish(self) -> Result<(), CommandError> {
         for name in &self.names {
             refuse_existing(&self.path.join(name), self.force)?;

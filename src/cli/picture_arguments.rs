@@ -3,34 +3,34 @@
 use super::arguments::OutputOptions;
 use super::shard::Shard;
 use super::values::{HoldWord, Overlays, color_by, overlays, pair, picture_size, positive, theme, window};
-use crate::illustration::WishedWindow;
+use crate::picture::WindowOptions;
 use crate::scene::{ColorBy, Theme};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
-/// How pictures look; what no flag says the scene's `[figure]` says.
+/// Appearance of pictures. An option that is `None` falls back to the `[figure]` of the scene.
 #[derive(Args, Debug)]
 pub struct LookOptions {
-    /// Width and height in pixels
+    /// Set width and height in pixels
     #[arg(long, value_name = "WxH", value_parser = picture_size)]
     pub size: Option<[u32; 2]>,
-    /// light or dark
+    /// Use the light or dark theme
     #[arg(long, value_parser = theme)]
     pub theme: Option<Theme>,
-    /// none, or of velocity, force, normal, impulse, penetration, trail, name, mass, grid, axes,
-    /// scale, clock
+    /// Show these overlays: none, or a list of velocity, force, normal, impulse, penetration, trail,
+    /// name, mass, grid, axes, scale, clock
     #[arg(long, value_name = "LIST", value_parser = overlays)]
     pub show: Option<Overlays>,
-    /// What colours tell: body, material or speed
-    #[arg(long, value_name = "WHAT", value_parser = color_by)]
+    /// Colour bodies by body, material or speed
+    #[arg(long, value_name = "KEY", value_parser = color_by)]
     pub color_by: Option<ColorBy>,
-    /// What is seen: world, bodies, or X,Y,WIDTH,HEIGHT in metres
+    /// Show world, bodies, or X,Y,WIDTH,HEIGHT in metres
     #[arg(long, value_name = "AREA", value_parser = window, allow_hyphen_values = true)]
-    pub window: Option<WishedWindow>,
-    /// Keep this body in the middle, --window WxH around it
+    pub window: Option<WindowOptions>,
+    /// Keep this body centred; --window WxH sets the area
     #[arg(long, value_name = "NAME")]
     pub follow: Option<String>,
-    /// What is written below
+    /// Write this text below the picture
     #[arg(long, value_name = "TEXT")]
     pub caption: Option<String>,
 }
@@ -38,9 +38,9 @@ pub struct LookOptions {
 /// Options of `render`.
 #[derive(Args, Debug)]
 #[command(after_help = "\
-OUT.gif and .apng are animations, with ffmpeg .mp4 and .webm too; OUT.png, .svg
-and .pdf with --at are one picture, any other name a folder of one PNG a step.
-What no flag says the scene's [figure] says.
+OUT.gif and OUT.apng are animations; OUT.mp4 and OUT.webm need ffmpeg. OUT.png,
+OUT.svg and OUT.pdf need --at. Any other name is a folder with one PNG per step.
+Options that are not given come from the [figure] section of the scene.
 
 Examples:
   rebond render recordings/figure-1.toml -o figure-1.gif
@@ -50,43 +50,43 @@ Examples:
 pub struct RenderOptions {
     /// A scene (.toml) or a recording (.mcap)
     pub source: PathBuf,
-    /// Where the pictures go.
+    /// The output file or folder.
     #[command(flatten)]
     pub output: OutputOptions,
-    /// Draw the state of this step alone
+    /// Draw only the state of this step
     #[arg(long, value_name = "STEP", conflicts_with_all = ["from", "to", "every", "fps"])]
     pub at: Option<u64>,
-    /// The first step to draw
+    /// Start at this step
     #[arg(long, value_name = "STEP")]
     pub from: Option<u64>,
-    /// The last step to draw
+    /// Stop after this step
     #[arg(long, value_name = "STEP")]
     pub to: Option<u64>,
     /// Draw every N-th step, counted from step 0
     #[arg(long, value_name = "N", conflicts_with = "fps", value_parser = clap::value_parser!(u64).range(1..))]
     pub every: Option<u64>,
-    /// Draw about that many frames for each second
+    /// Draw about this many frames per second
     #[arg(long, value_parser = positive)]
     pub fps: Option<f64>,
-    /// Draw part I of N of a folder of PNG
+    /// Draw only part I of N of a folder of PNG files
     #[arg(long, value_name = "I/N", default_value = "1/1", hide_default_value = true, conflicts_with = "at")]
     pub shard: Shard,
-    /// Slow motion: simulated seconds a second, such as 0.1
+    /// Play in slow motion, for example 0.1 times as fast
     #[arg(long, value_name = "PACE", value_parser = positive)]
     pub slow: Option<f64>,
-    /// Stop so long whenever bodies meet: 0.5 at collisions
+    /// Pause S seconds, for example 0.5 at collisions
     #[arg(long, num_args = 3, value_names = ["S", "at", "…"])]
     pub hold: Option<Vec<HoldWord>>,
-    /// How it looks.
+    /// The appearance.
     #[command(flatten)]
     pub look: LookOptions,
-    /// Threads to draw on [default: one for each processor]
+    /// Use N threads [default: one per processor]
     #[arg(long, value_name = "N")]
     pub jobs: Option<std::num::NonZero<usize>>,
 }
 
 impl RenderOptions {
-    /// How long an animation stops at collisions, s.
+    /// The pause of an animation at each collision, s.
     pub fn hold_seconds(&self) -> Option<f64> {
         self.hold.iter().flatten().find_map(|word| match word {
             HoldWord::Seconds(seconds) => Some(*seconds),
@@ -104,51 +104,51 @@ Examples:
   rebond figure filmstrip run.mcap -o strip.png --from 40 --to 90 --every 10
   rebond figure strobe bullet-handout.mcap bullet-exact.mcap -o bullets.svg")]
 pub struct FigureCommandOptions {
-    /// collision, minkowski, strobe, spacetime, energy or filmstrip
+    /// The figure: collision, minkowski, strobe, spacetime, energy or filmstrip
     #[arg(hide_possible_values = true)]
     pub kind: FigureKind,
-    /// A scene (.toml) or a recording (.mcap); several are shown side by side
+    /// Scenes (.toml) or recordings (.mcap); several are drawn side by side
     #[arg(required = true, value_name = "SOURCE")]
     pub sources: Vec<PathBuf>,
-    /// The file to write: .png, .svg or .pdf.
+    /// The output file: .png, .svg or .pdf.
     #[command(flatten)]
     pub output: OutputOptions,
-    /// How it looks.
+    /// The appearance.
     #[command(flatten)]
     pub look: LookOptions,
-    /// collision, minkowski: the first collision from here on
+    /// collision, minkowski: first collision from this step on
     #[arg(long, value_name = "STEP", default_value_t = 0)]
     pub step: u64,
-    /// collision, minkowski: only of these two bodies
+    /// collision, minkowski: only collisions of these bodies
     #[arg(long, value_name = "A,B", value_parser = pair)]
     pub pair: Option<[String; 2]>,
-    /// spacetime: which coordinate to draw over time, x or y
+    /// spacetime: draw x or y against time
     #[arg(long, default_value = "x", hide_possible_values = true)]
     pub axis: FigureAxis,
-    /// The first step to draw
+    /// Start at this step
     #[arg(long, value_name = "STEP")]
     pub from: Option<u64>,
-    /// The last step to draw
+    /// Stop after this step
     #[arg(long, value_name = "STEP")]
     pub to: Option<u64>,
-    /// Draw every N-th step, counted from step 0 [default: what suits]
+    /// Draw every N-th step, from step 0 [default: automatic]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub every: Option<u64>,
-    /// What is written above each of several [default: their own titles]
+    /// Write this above a source; repeatable [default: scene titles]
     #[arg(long, value_name = "TEXT")]
     pub title: Vec<String>,
 }
 
-/// Which figure.
+/// The kind of a figure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum FigureKind {
     /// The handout's figure 1: before, the overlap and its normal, after
     Collision,
-    /// The handout's figure 2: the Minkowski difference and the four ways out
+    /// The handout's figure 2: the Minkowski difference and the four penetration depths
     Minkowski,
-    /// Many instants in one picture, fading
+    /// Many instants in one picture, older ones fainter
     Strobe,
-    /// Places against time
+    /// Positions against time
     Spacetime,
     /// Energy and momentum against time, with their drift
     Energy,
@@ -156,7 +156,7 @@ pub enum FigureKind {
     Filmstrip,
 }
 
-/// Which coordinate a space-time figure shows.
+/// The coordinate that a space-time figure shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum FigureAxis {
     /// To the right

@@ -1,9 +1,10 @@
 use super::arguments::RecordOptions;
 use super::error::CommandError;
 use super::{Exit, output, progress};
-use crate::illustration;
-use crate::recording::{self, Overwrite, Paint, Sync};
-use crate::run::{self, LiveEvents, Manners, Recorded, RunError};
+use crate::counted::counted;
+use crate::picture;
+use crate::recording::{self, ColorFn, Overwrite, Sync};
+use crate::run::{self, LiveEvents, OnBadEvent, Recorded, RunError};
 use crate::scene::{self, Scene};
 use std::{
     fs::File,
@@ -15,26 +16,26 @@ use std::{
 pub fn run(options: &RecordOptions) -> Result<Exit, CommandError> {
     let scene = match options.set.as_slice() {
         [] => scene::load(&options.scene)?,
-        settings => scene::load_with(&options.scene, settings)?,
+        overrides => scene::load_with(&options.scene, overrides)?,
     };
     let plan = run::RecordOptions {
         steps: options.steps.unwrap_or(scene.run.steps),
         every: options.every,
-        viewer: options.viewer.then_some(illustration::paint as Paint),
+        viewer: options.viewer.then_some(picture::body_color as ColorFn),
     };
-    tell_unreached(&scene, plan.steps);
-    let manners = if options.lenient { Manners::Lenient } else { Manners::Strict };
+    warn_of_unreached_inputs(&scene, plan.steps);
+    let on_bad_event = if options.lenient { OnBadEvent::Skip } else { OnBadEvent::Fail };
     let events = options.events.as_deref().map(open_events).transpose()?;
-    let mut live = events.map(|lines| LiveEvents::new(lines, manners, plan.steps));
+    let mut live = events.map(|lines| LiveEvents::new(lines, on_bad_event, plan.steps));
     let recorded = record(&scene, plan, live.as_mut(), open_output(options)?, &options.output)?;
-    tell(options, &recorded, live.map_or(0, |live| live.skipped()))?;
+    print_summary(options, &recorded, live.map_or(0, |live| live.skipped()))?;
     match recorded.error {
         Some(error) => Err(CommandError::Step { path: options.output.clone(), error }),
         None => Ok(Exit::Done),
     }
 }
 
-/// Records with a progress bar; `path` is what errors call the output.
+/// Records with a progress bar. `path` is the name of the output in errors.
 pub fn record<W: Write + Send + 'static>(
     scene: &Scene,
     plan: run::RecordOptions,
@@ -51,10 +52,11 @@ pub fn record<W: Write + Send + 'static>(
     })
 }
 
-fn tell_unreached(scene: &Scene, steps: u64) {
+fn warn_of_unreached_inputs(scene: &Scene, steps: u64) {
     let unreached = scene.inputs.iter().filter(|input| input.step > steps).count();
     if unreached > 0 {
-        output::note(format_args!("{unreached} events of the scene come after step {steps} and do not happen"));
+        let events = counted(unreached as u64, "event");
+        output::info(format_args!("ignored {events} of the scene after step {steps}, the last step"));
     }
 }
 
@@ -76,9 +78,9 @@ fn open_output(options: &RecordOptions) -> Result<Box<dyn Write + Send>, Command
     Ok(Box::new(file.map_err(|error| CommandError::recording(&options.output, error))?))
 }
 
-fn tell(options: &RecordOptions, recorded: &Recorded, skipped: u64) -> Result<(), CommandError> {
+fn print_summary(options: &RecordOptions, recorded: &Recorded, skipped: u64) -> Result<(), CommandError> {
     if skipped > 0 {
-        output::note(format_args!("{skipped} event line(s) skipped"));
+        output::info(format_args!("skipped {}", counted(skipped, "event line")));
     }
     let end = &recorded.end;
     let collisions = end.collisions.unwrap_or_default();
@@ -87,14 +89,15 @@ fn tell(options: &RecordOptions, recorded: &Recorded, skipped: u64) -> Result<()
             "path": options.output.display().to_string(), "steps": end.steps, "bodies": end.bodies,
             "collisions": collisions, "identity": end.identity.to_string(), "error": end.error,
         });
-        return output::tell(&options.output, &object.to_string());
+        return output::print_result(&options.output, &object.to_string());
     }
-    let told = format!(
-        "{}: {} steps, {} bodies, {collisions} collisions, identity {}",
+    let line = format!(
+        "{}: {}, {}, {}, identity {}",
         options.output.display(),
-        end.steps,
-        end.bodies,
+        counted(end.steps, "step"),
+        counted(end.bodies, "body"),
+        counted(collisions, "collision"),
         end.identity
     );
-    output::tell(&options.output, &told)
+    output::print_result(&options.output, &line)
 }

@@ -3,7 +3,7 @@ use super::error::CommandError;
 use super::{Exit, output};
 use crate::recording;
 
-/// Saves all that can be read of a damaged recording, and says what could not.
+/// Writes the readable part of a damaged recording to a new one, and prints what was lost.
 pub fn run(options: &RecoverOptions) -> Result<Exit, CommandError> {
     let failed = |error| CommandError::recording(&options.recording, error);
     let mut recording = recording::open(&options.recording).map_err(failed)?;
@@ -12,7 +12,7 @@ pub fn run(options: &RecoverOptions) -> Result<Exit, CommandError> {
         recovery = Some(recording::recover(&mut recording, output).map_err(failed)?.0);
         Ok(())
     })?;
-    let told = recovery.map_or(String::new(), |recovery| recovery.to_string());
-    output::tell(&options.output.output, &told)?;
+    let summary = recovery.map_or(String::new(), |recovery| recovery.to_string());
+    output::print_result(&options.output.output, &summary)?;
     Ok(Exit::Done)
 }

@@ -1,125 +1,131 @@
 use super::error::CommandError;
-use super::kind::Kind;
 use super::output::{self, Folder};
+use super::output_kind::OutputKind;
 use super::picture_arguments::RenderOptions;
 use super::shard::Shard;
 use super::source::Source;
-use super::{Exit, damage, jobs, progress, video, wish};
-use crate::illustration::{self, Evidence, Format, Progress, Subject, Wish, WishedSubject};
+use super::{Exit, jobs, picture_options, progress, video, warnings};
+use crate::picture::{self, Format, PictureOptions, Progress, Provenance, Subject, SubjectOptions};
 use std::num::NonZero;
 
 /// Draws a scene or a recording.
 pub fn run(options: &RenderOptions) -> Result<Exit, CommandError> {
-    let kind = Kind::of(options)?;
+    let kind = OutputKind::from_options(options)?;
     kind.refuse_existing(&options.output.output, options.output.force)?;
     kind.refuse_shard(&options.output.output, options.shard)?;
-    if let Kind::Video(_) = kind {
-        video::refuse_without_ffmpeg(&options.output.output)?;
+    if let OutputKind::Video(_) = kind {
+        video::require_ffmpeg(&options.output.output)?;
     }
     let source = Source::open(&options.source)?;
     let bar = progress::bar("drawing", 0);
-    let mut heard = progress::listener(&bar);
+    let mut on_progress = progress::updater(&bar);
     let recordings = [source.recording.clone()];
-    let Some(wish) = part(wish(options, kind), options.shard, recordings[0].survey.last_step) else {
+    let Some(picture_options) =
+        shard_options(picture_options(options, kind), options.shard, recordings[0].summary.last_step)
+    else {
         Folder::create(&options.output.output, options.output.force)?.finish()?;
         return Ok(Exit::Done);
     };
-    let evidence = Evidence::new(&wish.request(&recordings, &mut heard)?, &recordings);
-    let job = Job { options, evidence, source: &recordings[0] };
+    let provenance = Provenance::new(&picture_options.resolve(&recordings, &mut on_progress)?, &recordings);
+    let job = Job { options, provenance, source: &recordings[0] };
     let exit = match kind {
-        Kind::Animation(format) | Kind::Picture(format) => job.file(format, &mut heard)?,
-        Kind::Video(container) => job.video(container, &mut heard)?,
-        Kind::Sequence => job.sequence(&mut heard)?,
+        OutputKind::Animation(format) | OutputKind::Picture(format) => job.file(format, &mut on_progress)?,
+        OutputKind::Video(container) => job.video(container, &mut on_progress)?,
+        OutputKind::Sequence => job.sequence(&mut on_progress)?,
     };
     bar.finish_and_clear();
-    job.tell(&mut heard)?;
+    job.print_summary(&mut on_progress)?;
     Ok(exit)
 }
 
-/// What is asked for and its format, where that is one file that is drawn here.
-pub fn picture_wish(options: &RenderOptions) -> Result<Option<(Wish, Format)>, CommandError> {
-    let kind = Kind::of(options)?;
+/// Returns the picture options and the format of an output that is one file and needs no ffmpeg.
+pub fn single_file_options(options: &RenderOptions) -> Result<Option<(PictureOptions, Format)>, CommandError> {
+    let kind = OutputKind::from_options(options)?;
     Ok(match kind {
-        Kind::Animation(format) | Kind::Picture(format) => Some((wish(options, kind), format)),
-        Kind::Video(_) | Kind::Sequence => None,
+        OutputKind::Animation(format) | OutputKind::Picture(format) => Some((picture_options(options, kind), format)),
+        OutputKind::Video(_) | OutputKind::Sequence => None,
     })
 }
 
-fn wish(options: &RenderOptions, kind: Kind) -> Wish {
+fn picture_options(options: &RenderOptions, kind: OutputKind) -> PictureOptions {
     let subject = match (options.at, kind) {
-        (Some(step), _) => WishedSubject::Still { step },
-        (None, Kind::Animation(format) | Kind::Picture(format)) => {
-            WishedSubject::Animation { fastest: Wish::fastest(format) }
+        (Some(step), _) => SubjectOptions::Still { step },
+        (None, OutputKind::Animation(format) | OutputKind::Picture(format)) => {
+            SubjectOptions::Animation { max_fps: PictureOptions::max_fps(format) }
         }
-        (None, Kind::Video(_)) => WishedSubject::Animation { fastest: f64::INFINITY },
-        (None, Kind::Sequence) => WishedSubject::Sequence,
+        (None, OutputKind::Video(_)) => SubjectOptions::Animation { max_fps: f64::INFINITY },
+        (None, OutputKind::Sequence) => SubjectOptions::Sequence,
     };
-    Wish {
+    PictureOptions {
         from: options.from,
         to: options.to,
         every: options.every,
         fps: options.fps,
         slow: options.slow,
         hold: options.hold_seconds(),
-        ..wish::of(&options.look, subject)
+        ..picture_options::from_look(&options.look, subject)
     }
 }
 
-/// Of what is asked for the part that is a shard's; none if there are too few steps for it.
-fn part(wish: Wish, shard: Shard, last_step: Option<u64>) -> Option<Wish> {
+/// Restricts the options to the steps of one shard. Returns `None` if the shard has no steps.
+fn shard_options(options: PictureOptions, shard: Shard, last_step: Option<u64>) -> Option<PictureOptions> {
     if shard == Shard::WHOLE {
-        return Some(wish);
+        return Some(options);
     }
     let end = last_step.unwrap_or(0);
-    let own = shard.steps(wish.from.unwrap_or(0), wish.to.unwrap_or(end).min(end))?;
-    Some(Wish { from: Some(*own.start()), to: Some(*own.end()), ..wish })
+    let steps = shard.steps(options.from.unwrap_or(0), options.to.unwrap_or(end).min(end))?;
+    Some(PictureOptions { from: Some(*steps.start()), to: Some(*steps.end()), ..options })
 }
 
-/// One thing to be drawn.
+/// One drawing job.
 struct Job<'a> {
     options: &'a RenderOptions,
-    evidence: Evidence,
-    source: &'a illustration::Source,
+    provenance: Provenance,
+    source: &'a picture::Source,
 }
 
 impl Job<'_> {
     fn threads(&self) -> NonZero<usize> {
-        jobs::threads(self.options.jobs)
+        jobs::thread_count(self.options.jobs)
     }
 
-    fn file(&self, format: Format, heard: Progress) -> Result<Exit, CommandError> {
+    fn file(&self, format: Format, on_progress: Progress) -> Result<Exit, CommandError> {
         let sources = std::slice::from_ref(self.source);
-        let mut conditions = Vec::new();
+        let mut statuses = Vec::new();
         output::write_file(&self.options.output.output, self.options.output.force, |output| {
-            conditions = illustration::draw(&self.evidence, sources, format, self.threads(), heard, output)?;
+            statuses = picture::draw(&self.provenance, sources, format, self.threads(), on_progress, output)?;
             Ok(())
         })?;
-        Ok(damage::tell_all(&conditions))
+        Ok(warnings::warn_all(&statuses))
     }
 
-    fn video(&self, container: super::kind::Container, heard: Progress) -> Result<Exit, CommandError> {
+    fn video(
+        &self,
+        container: super::output_kind::VideoContainer,
+        on_progress: Progress,
+    ) -> Result<Exit, CommandError> {
         let output = &self.options.output;
-        video::write(&self.evidence, self.source, container, self.threads(), heard, output)
+        video::write(&self.provenance, self.source, container, self.threads(), on_progress, output)
     }
 
-    fn sequence(&self, heard: Progress) -> Result<Exit, CommandError> {
+    fn sequence(&self, on_progress: Progress) -> Result<Exit, CommandError> {
         let mut folder = Folder::create(&self.options.output.output, self.options.output.force)?;
         let write = |step, file: Vec<u8>| folder.write(format!("{step:06}.png"), &file);
-        let condition = illustration::draw_sequence(&self.evidence, self.source, self.threads(), heard, write)?;
+        let status = picture::draw_sequence(&self.provenance, self.source, self.threads(), on_progress, write)?;
         folder.finish()?;
-        Ok(damage::tell(&condition))
+        Ok(warnings::warn_if_damaged(&status))
     }
 
-    /// Says what was drawn: a clip cannot show every step of every run.
-    fn tell(&self, heard: Progress) -> Result<(), CommandError> {
+    /// Prints which steps were drawn: an animation does not show every step of every run.
+    fn print_summary(&self, on_progress: Progress) -> Result<(), CommandError> {
         let path = &self.options.output.output;
-        let request = &self.evidence.request;
+        let request = &self.provenance.picture;
         let line = match &request.subject {
             Subject::Still { step, .. } => format!("{}: step {step}", path.display()),
-            Subject::Clip { .. } | Subject::Figure { .. } | Subject::Collision(_) | Subject::Minkowski(_) => {
-                format!("{}: {}", path.display(), illustration::timeline(request, self.source, heard)?)
+            Subject::Animation { .. } | Subject::Figure { .. } | Subject::Collision(_) | Subject::Minkowski(_) => {
+                format!("{}: {}", path.display(), picture::schedule(request, self.source, on_progress)?)
             }
         };
-        output::tell(path, &line)
+        output::print_result(path, &line)
     }
 }

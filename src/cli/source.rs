@@ -1,32 +1,32 @@
 use super::error::CommandError;
 use super::{output, record, replay};
-use crate::illustration;
 use crate::physics::CollisionCount;
+use crate::picture;
 use crate::replay::Verdict;
 use crate::run;
 use crate::scene::{self, Scene};
 use std::{fs::File, io::Read, path::Path};
 use tempfile::TempDir;
 
-/// A recording that is drawn, or one made of a scene for that.
+/// A recording to draw, possibly a temporary one made from a scene.
 pub struct Source {
-    /// The recording, looked through.
-    pub recording: illustration::Source,
-    /// Holds the recording of a scene until it has been drawn.
-    _made_here: Option<TempDir>,
+    /// The recording, with its summary.
+    pub recording: picture::Source,
+    /// The folder of the temporary recording; it is removed when this is dropped.
+    _temporary: Option<TempDir>,
 }
 
 impl Source {
-    /// Opens a recording; or records a scene and makes sure that it replays the same.
+    /// Opens a recording, or records a scene and verifies that it replays the same.
     pub fn open(path: &Path) -> Result<Source, CommandError> {
         if is_recording(path)? {
-            return Ok(Source { recording: illustration::Source::open(path)?, _made_here: None });
+            return Ok(Source { recording: picture::Source::open(path)?, _temporary: None });
         }
         let scene = scene::load(path)?;
         let folder = TempDir::with_prefix("rebond-").map_err(CommandError::unwritable(&std::env::temp_dir()))?;
         let recording = folder.path().join("scene.mcap");
         record_and_replay(&scene, &recording)?;
-        Ok(Source { recording: illustration::Source::open(&recording)?, _made_here: Some(folder) })
+        Ok(Source { recording: picture::Source::open(&recording)?, _temporary: Some(folder) })
     }
 }
 
@@ -37,18 +37,20 @@ fn is_recording(path: &Path) -> Result<bool, CommandError> {
     Ok(magic.starts_with(mcap::MAGIC) || path.extension().is_some_and(|extension| extension == "mcap"))
 }
 
-/// Records a scene and replays it; a verdict other than `same` is told and ends the work.
+/// Records a scene and replays it. A verdict other than `same` is an error.
 fn record_and_replay(scene: &Scene, path: &Path) -> Result<(), CommandError> {
     let file = File::create(path).map_err(CommandError::unwritable(path))?;
     let plan = run::RecordOptions::whole(scene);
     let recorded = record::record(scene, plan, run::NO_LIVE_EVENTS, file, path)?;
     if let Some(error) = &recorded.error {
-        output::note(format_args!("{error}; drawing what came before"));
+        output::info(format_args!("{error}; drawing the steps before it"));
     }
-    let verdict = replay::judge(path, 0..=u64::MAX, &mut CollisionCount::default())?;
-    output::note(format_args!("{verdict}"));
+    let verdict = replay::replay_with_progress(path, 0..=u64::MAX, &mut CollisionCount::default())?;
+    output::info(format_args!("{verdict}"));
     match verdict {
         Verdict::Same { .. } => Ok(()),
-        Verdict::Diverged(_) | Verdict::Truncated { .. } | Verdict::Corrupt { .. } => Err(CommandError::NotTheSame),
+        Verdict::Diverged(_) | Verdict::Truncated { .. } | Verdict::Corrupt { .. } => {
+            Err(CommandError::NotReproducible)
+        }
     }
 }

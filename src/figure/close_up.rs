@@ -1,102 +1,109 @@
-use super::collision::name_arrow;
+use super::collision::label_arrow;
 use super::pair::{Pair, ROLES};
 use super::panels::Panels;
 use crate::physics::{Rect, Vector};
-use crate::render::area::{contains, larger, overlap, smaller};
-use crate::render::labels::Labels;
-use crate::render::layers::contacts::contact;
-use crate::render::layers::grid::round_spacing;
-use crate::render::number::significant;
+use crate::render::area::{contains, intersection, larger, smaller};
+use crate::render::label_placer::LabelPlacer;
+use crate::render::layers::contacts::contact_center;
+use crate::render::layers::grid::nice_spacing;
+use crate::render::number_format::format_significant;
 use crate::render::text::Line;
-use crate::render::{Arrow, Camera, Color, Look, Shape};
+use crate::render::{Arrow, Camera, Color, Metrics, Shape};
 
-/// What happens where the two meet, as large as is needed to see it.
+/// A close-up of the contact, magnified until the penetration is clearly visible.
 pub struct CloseUp {
-    /// The pair in pale colours, so that vectors stand out.
+    /// The pair in faded colours, so that vectors stand out.
     pair: Pair,
     /// Pixels per metre.
     scale: f64,
-    /// How many times larger than elsewhere in the figure.
+    /// Magnification relative to the other panels of the figure.
     zoom: f64,
 }
 
 impl CloseUp {
-    /// The close-up beside pictures with `scale` pixels per metre.
-    pub fn new(pair: &Pair, scale: f64, look: &Look) -> CloseUp {
+    /// Creates the close-up for a figure whose other panels have `scale` pixels per metre.
+    pub fn new(pair: &Pair, scale: f64, metrics: &Metrics) -> CloseUp {
         let depth = pair.collision.penetration.norm() * scale;
-        let wanted = 5.0 * look.text;
-        let zoom = if depth > 0.0 && depth < wanted { smaller(round_spacing(wanted / depth), 1e9) } else { 1.0 };
-        CloseUp { pair: pair.paler(look), scale: scale * zoom, zoom }
+        let target_length = 5.0 * metrics.font_size;
+        let zoom =
+            if depth > 0.0 && depth < target_length { smaller(nice_spacing(target_length / depth), 1e9) } else { 1.0 };
+        CloseUp { pair: pair.faded(metrics), scale: scale * zoom, zoom }
     }
 
-    /// The boxes, what they share, and the vectors there.
-    pub fn draw(&self, room: &Rect, panels: &mut Panels) {
-        let look = panels.look;
+    /// Draws the boxes, their overlap, and the vectors of the contact.
+    pub fn draw(&self, panel: &Rect, panels: &mut Panels) {
+        let metrics = panels.metrics;
         let rects = &self.pair.collision.rects;
-        let origin = contact(rects).sub(room.center().mult(1.0 / self.scale));
-        let camera = Camera { scale: self.scale, origin, ..self.pair.camera(room, self.scale) };
-        let mut shapes = self.pair.boxes(&camera, rects, &look);
-        let seen = rects.map(|rect| camera.rect(&rect));
-        if let Some(rect) = overlap(&seen[0], &seen[1]) {
-            let pale = look.palette.penetration.mix(look.palette.background, 70);
+        let origin = contact_center(rects).sub(panel.center().mult(1.0 / self.scale));
+        let camera = Camera { scale: self.scale, origin, ..self.pair.camera(panel, self.scale) };
+        let mut shapes = self.pair.boxes(&camera, rects, &metrics);
+        let page_rects = rects.map(|rect| camera.rect(&rect));
+        if let Some(rect) = intersection(&page_rects[0], &page_rects[1]) {
+            let pale = metrics.palette.penetration.mix(metrics.palette.background, 70);
             shapes.push(Shape::Rect { rect, ink: pale.into() });
         }
         if self.zoom == 1.0 {
-            let normal = self.pair.collision.normal.mult(5.0 * look.text);
-            let from = camera.point(contact(rects));
-            let arrow = Arrow { from, to: from.add(normal.mult(1.4)), width: look.line, color: look.palette.normal };
-            let names = self.pair.names(&camera, rects, &[arrow], &look);
+            let normal = self.pair.collision.normal.mult(5.0 * metrics.font_size);
+            let from = camera.point(contact_center(rects));
+            let arrow = Arrow {
+                from,
+                to: from.add(normal.mult(1.4)),
+                width: metrics.line_width,
+                color: metrics.palette.normal,
+            };
+            let names = self.pair.names(&camera, rects, &[arrow], &metrics);
             names.into_iter().for_each(|name| name.draw_bare(&mut shapes));
         } else {
-            shapes.extend([0, 1].map(|at| self.role(at, room, &look)));
+            shapes.extend([0, 1].map(|at| self.role_label(at, panel, &metrics)));
         }
-        panels.shapes.push(Shape::Clip { window: *room, shapes });
-        if seen.iter().any(|rect| !contains(room, rect)) {
-            panels.frame(room);
+        panels.shapes.push(Shape::Clip { window: *panel, shapes });
+        if page_rects.iter().any(|rect| !contains(panel, rect)) {
+            panels.draw_frame(panel);
         }
-        self.draw_vectors(room, panels);
+        self.draw_vectors(panel, panels);
     }
 
-    /// The handout's name of a box, on the side of the contact where the box is.
-    fn role(&self, at: usize, room: &Rect, look: &Look) -> Shape {
-        let line = Line::math(ROLES[at], 1.4 * look.text);
+    /// The handout's name of a box as a label on the box's side of the contact.
+    fn role_label(&self, at: usize, panel: &Rect, metrics: &Metrics) -> Shape {
+        let line = Line::math(ROLES[at], 1.4 * metrics.font_size);
         let side = self.pair.collision.normal.mult(if at == 0 { 0.4 } else { -0.4 });
-        let normal = Vector::new(side.x * room.width(), side.y * room.height());
-        let middle = room.center().add(normal);
-        let at_middle = middle.add(Vector::new(-line.width / 2.0, line.height() / 2.0));
-        Shape::Text { line, at: at_middle, ink: look.palette.text_on(self.pair.colors[at]).into() }
+        let normal = Vector::new(side.x * panel.width(), side.y * panel.height());
+        let middle = panel.center().add(normal);
+        let baseline = middle.add(Vector::new(-line.width / 2.0, line.height() / 2.0));
+        Shape::Text { line, at: baseline, ink: metrics.palette.text_on(self.pair.colors[at]).into() }
     }
 
-    /// Normal, penetration and shares, side by side along the contact.
-    fn draw_vectors(&self, room: &Rect, panels: &mut Panels) {
-        let look = panels.look;
+    /// Draws normal, penetration and its shares side by side along the contact.
+    fn draw_vectors(&self, panel: &Rect, panels: &mut Panels) {
+        let metrics = panels.metrics;
         let normal = self.pair.collision.normal;
         let penetration = self.pair.collision.penetration.mult(self.scale);
-        let apart = if penetration == Vector::ZERO { 0.0 } else { self.contact_length() * self.scale / 3.0 };
-        let across = if normal.x == 0.0 { room.width() } else { room.height() };
-        let apart = smaller(apart, smaller(4.0 * look.text, 0.3 * across));
-        let aside = Vector::new(-normal.y, normal.x).mult(apart);
+        let spacing = if penetration == Vector::ZERO { 0.0 } else { self.contact_length() * self.scale / 3.0 };
+        let across = if normal.x == 0.0 { panel.width() } else { panel.height() };
+        let spacing = smaller(spacing, smaller(4.0 * metrics.font_size, 0.3 * across));
+        let step = Vector::new(-normal.y, normal.x).mult(spacing);
         let [share_c, share_b] = self.pair.collision.shares;
-        let blue = Color::hex(0x0072b2).mix(look.palette.ink, 20);
-        let from = |place: f64, back: f64| room.center().add(aside.mult(place)).sub(penetration.mult(back));
+        let blue = Color::hex(0x0072b2).mix(metrics.palette.ink, 20);
+        let from =
+            |steps: f64, penetrations: f64| panel.center().add(step.mult(steps)).sub(penetration.mult(penetrations));
         let vectors = [
-            (from(-1.0, 0.0), normal.mult(5.0 * look.text), look.palette.normal, "n̂"),
-            (from(0.0, 0.5), penetration, look.palette.penetration, "n⃗"),
+            (from(-1.0, 0.0), normal.mult(5.0 * metrics.font_size), metrics.palette.normal, "n̂"),
+            (from(0.0, 0.5), penetration, metrics.palette.penetration, "n⃗"),
             (from(1.0, 0.0), penetration.mult(share_c), blue, "N_c n⃗"),
             (from(1.0, 0.0), penetration.mult(-share_b), blue, "-N_b n⃗"),
         ];
-        let mut labels = Labels::within(*room);
+        let mut placer = LabelPlacer::within(*panel);
         for &(from, vector, _, _) in &vectors {
-            labels.avoid_line(from, from.add(vector), 3.0);
+            placer.avoid_line(from, from.add(vector), 3.0);
         }
         for (from, vector, color, name) in vectors.into_iter().filter(|(_, vector, _, _)| vector.norm() > 0.0) {
-            let arrow = Arrow { from, to: from.add(vector), width: 1.5 * look.line, color };
-            arrow.draw(&look, &mut panels.shapes);
-            name_arrow(&arrow, name, &mut labels, panels);
+            let arrow = Arrow { from, to: from.add(vector), width: 1.5 * metrics.line_width, color };
+            arrow.draw(&metrics, &mut panels.shapes);
+            label_arrow(&arrow, name, &mut placer, panels);
         }
     }
 
-    /// How long the face is along which the two meet, m.
+    /// Length of the shared face of the two boxes, m.
     fn contact_length(&self) -> f64 {
         let [c, b] = &self.pair.collision.rects;
         let (far_c, far_b) = (c.far_corner(), b.far_corner());
@@ -105,11 +112,14 @@ impl CloseUp {
         if self.pair.collision.normal.x == 0.0 { x } else { y }
     }
 
-    /// What is written below it.
+    /// The caption below the panel, as markup.
     pub fn title(&self) -> String {
-        let what = if self.pair.collision.penetration == Vector::ZERO { "they touch" } else { "they overlap" };
-        let zoom =
-            if self.zoom == 1.0 { String::new() } else { format!(", {} \"times larger\"", significant(self.zoom, 1)) };
-        format!("\"(b) {what}\"{zoom}")
+        let state = if self.pair.collision.penetration == Vector::ZERO { "they touch" } else { "they overlap" };
+        let zoom = if self.zoom == 1.0 {
+            String::new()
+        } else {
+            format!(", {} \"times larger\"", format_significant(self.zoom, 1))
+        };
+        format!("\"(b) {state}\"{zoom}")
     }
 }

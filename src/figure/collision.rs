@@ -1,139 +1,149 @@
 use super::close_up::CloseUp;
 use super::pair::{Pair, ROLES};
-use super::panels::{Panels, above_caption, caption, dashed, in_rows};
-use super::{FigureOptions, Meeting};
+use super::panels::{Panels, above_caption, caption, dashed, draw_rows};
+use super::{CollisionSubject, FigureOptions};
 use crate::physics::{Collision, Rect, Vector};
-use crate::render::area::{inset, overlap};
-use crate::render::labels::Labels;
+use crate::render::area::{inset, intersection};
+use crate::render::label_placer::LabelPlacer;
 use crate::render::layers::bodies::border_color;
-use crate::render::number::significant;
+use crate::render::number_format::format_significant;
 use crate::render::text::Line;
-use crate::render::{Arrow, Camera, DisplayList, Ink, Look, Shape};
+use crate::render::{Arrow, Camera, DisplayList, Ink, Metrics, Shape};
 
-/// The handout's figure 1: (a) c and b as they meet, with their velocities; (b) their overlap
-/// close by, the unit normal n̂, the penetration vector n⃗ and the share of it by which each is
-/// displaced; (c) the two apart again, with the velocities of their rebound, dotted.
-pub fn collision(meetings: &[Meeting], options: &FigureOptions) -> DisplayList {
-    in_rows(meetings, options, row)
+/// Figure 1 of the handout: (a) boxes c and b at contact, with their velocities; (b) a close-up of their overlap with
+/// the unit normal n̂, the penetration vector n⃗ and the share of it by which each box is displaced; (c) the boxes
+/// after the displacement, with their velocities after the rebound, dashed.
+pub fn collision(subjects: &[CollisionSubject], options: &FigureOptions) -> DisplayList {
+    draw_rows(subjects, options, row)
 }
 
-/// The three pictures of one collision, and its numbers below.
-fn row(meeting: &Meeting, panels: &mut Panels, options: &FigureOptions) {
-    let pair = Pair::new(meeting, options);
-    let facts = Line::math(&facts(&pair.collision), 0.9 * panels.look.text);
-    let foot = Vector::new(panels.room.center().x, panels.room.far_corner().y);
-    panels.centered(facts, foot, panels.look.palette.ink.into());
-    panels.take_below(1.8 * panels.look.text);
-    let places = panels.grid(3, 3);
-    let [before, close, after] = [0, 1, 2].map(|at| above_caption(&places[at], &panels.look));
+/// Draws the three panels of one collision, with its values below.
+fn row(subject: &CollisionSubject, panels: &mut Panels, options: &FigureOptions) {
+    let pair = Pair::new(subject, options);
+    let values = Line::math(&values(&pair.collision), 0.9 * panels.metrics.font_size);
+    let bottom = Vector::new(panels.content.center().x, panels.content.far_corner().y);
+    panels.centered(values, bottom, panels.metrics.palette.ink.into());
+    panels.split_bottom(1.8 * panels.metrics.font_size);
+    let cells = panels.grid(3, 3);
+    let [before, center, after] = [0, 1, 2].map(|at| above_caption(&cells[at], &panels.metrics));
     let scale = pair.scale(&before);
     draw_before(&pair, &before, scale, panels);
-    let close_up = CloseUp::new(&pair, scale, &panels.look);
-    close_up.draw(&close, panels);
+    let close_up = CloseUp::new(&pair, scale, &panels.metrics);
+    close_up.draw(&center, panels);
     draw_after(&pair, &after, scale, panels);
     caption(&before, "\"(a) before\"", panels);
-    caption(&close, &close_up.title(), panels);
+    caption(&center, &close_up.title(), panels);
     caption(&after, "\"(c) after\"", panels);
 }
 
-fn draw_before(pair: &Pair, room: &Rect, scale: f64, panels: &mut Panels) {
-    let (camera, look) = (pair.camera(room, scale), panels.look);
+fn draw_before(pair: &Pair, panel: &Rect, scale: f64, panels: &mut Panels) {
+    let (camera, metrics) = (pair.camera(panel, scale), panels.metrics);
     let rects = pair.collision.rects;
-    let arrows = pair.arrows(&camera, &rects, &pair.collision.before, look.palette.ink, &look);
-    pair.draw_met(room, scale, &arrows, panels);
-    let mut labels = labels(pair, room, &camera, &rects, &arrows, &look);
+    let arrows = pair.arrows(&camera, &rects, &pair.collision.before, metrics.palette.ink, &metrics);
+    pair.draw_at_contact(panel, scale, &arrows, panels);
+    let mut placer = placer(pair, panel, &camera, &rects, &arrows, &metrics);
     for (at, arrow) in arrows.iter().enumerate() {
-        arrow.draw(&look, &mut panels.shapes);
-        name_arrow(arrow, &format!("v⃗_{}", ROLES[at]), &mut labels, panels);
+        arrow.draw(&metrics, &mut panels.shapes);
+        label_arrow(arrow, &format!("v⃗_{}", ROLES[at]), &mut placer, panels);
     }
 }
 
-fn draw_after(pair: &Pair, room: &Rect, scale: f64, panels: &mut Panels) {
-    let (camera, look) = (pair.camera(room, scale), panels.look);
+fn draw_after(pair: &Pair, panel: &Rect, scale: f64, panels: &mut Panels) {
+    let (camera, metrics) = (pair.camera(panel, scale), panels.metrics);
     let rects = pair.displaced();
-    let arrows = pair.arrows(&camera, &rects, &pair.collision.after, look.palette.ink, &look);
-    let mut shapes = pair.named_boxes(&camera, &rects, &arrows, &look);
-    for (met, _) in pair.collision.rects.iter().zip(&rects).filter(|(met, now)| met != now) {
-        shapes.extend(dashed_outline(&camera.rect(met), &look));
+    let arrows = pair.arrows(&camera, &rects, &pair.collision.after, metrics.palette.ink, &metrics);
+    let mut shapes = pair.named_boxes(&camera, &rects, &arrows, &metrics);
+    for (initial, _) in pair.collision.rects.iter().zip(&rects).filter(|(initial, displaced)| initial != displaced) {
+        shapes.extend(dashed_outline(&camera.rect(initial), &metrics));
     }
-    panels.shapes.push(Shape::Clip { window: *room, shapes });
-    let mut labels = labels(pair, room, &camera, &rects, &arrows, &look);
+    panels.shapes.push(Shape::Clip { window: *panel, shapes });
+    let mut placer = placer(pair, panel, &camera, &rects, &arrows, &metrics);
     for (at, arrow) in arrows.iter().enumerate() {
-        draw_dotted(arrow, &look, &mut panels.shapes);
-        name_arrow(arrow, &format!("v⃗′_{}", ROLES[at]), &mut labels, panels);
+        draw_dashed(arrow, &metrics, &mut panels.shapes);
+        label_arrow(arrow, &format!("v⃗′_{}", ROLES[at]), &mut placer, panels);
     }
 }
 
-/// Labels that keep off arrows, names and the borders of boxes.
-fn labels(pair: &Pair, room: &Rect, camera: &Camera, rects: &[Rect; 2], arrows: &[Arrow; 2], look: &Look) -> Labels {
-    let mut labels = Labels::within(*room);
-    pair.names(camera, rects, arrows, look).iter().for_each(|name| labels.take(name.place()));
-    for rect in rects.iter().filter_map(|rect| overlap(&camera.rect(rect), room)) {
-        // Not even close to it, lest a label seem to touch.
-        for apart in [-0.3, 0.0, 0.3] {
-            labels.avoid_border(&inset(&rect, apart * look.text), 1.0);
+/// A label placer that avoids arrows, names and the borders of boxes.
+fn placer(
+    pair: &Pair,
+    panel: &Rect,
+    camera: &Camera,
+    rects: &[Rect; 2],
+    arrows: &[Arrow; 2],
+    metrics: &Metrics,
+) -> LabelPlacer {
+    let mut placer = LabelPlacer::within(*panel);
+    pair.names(camera, rects, arrows, metrics).iter().for_each(|name| placer.reserve(name.bounds()));
+    for rect in rects.iter().filter_map(|rect| intersection(&camera.rect(rect), panel)) {
+        // Also avoids the vicinity of the border, so that labels do not appear to touch it.
+        for distance in [-0.3, 0.0, 0.3] {
+            placer.avoid_border(&inset(&rect, distance * metrics.font_size), 1.0);
         }
-        labels.avoid(rect, 0.3);
+        placer.avoid(rect, 0.3);
     }
     for arrow in arrows {
-        labels.avoid_line(arrow.from, arrow.to, 3.0);
+        placer.avoid_line(arrow.from, arrow.to, 3.0);
     }
-    labels
+    placer
 }
 
-/// The numbers of the collision in one line.
-fn facts(collision: &Collision) -> String {
-    let [share_c, share_b] = collision.shares.map(|share| significant(share, 3));
-    let mut facts = vec![format!("\"step\" {}", collision.step)];
+/// The values of the collision in one line, as markup.
+fn values(collision: &Collision) -> String {
+    let [share_c, share_b] = collision.shares.map(|share| format_significant(share, 3));
+    let mut values = vec![format!("\"step\" {}", collision.step)];
     if collision.penetration != Vector::ZERO {
-        facts.push(format!("|n⃗| = {} \"m\"", significant(collision.penetration.norm(), 3)));
-        facts.push(format!("N_c = {share_c}"));
-        facts.push(format!("N_b = {share_b}"));
+        values.push(format!("|n⃗| = {} \"m\"", format_significant(collision.penetration.norm(), 3)));
+        values.push(format!("N_c = {share_c}"));
+        values.push(format!("N_b = {share_b}"));
     }
     if let Some(restitution) = restitution(collision) {
-        facts.push(format!("e = {}", significant(restitution, 3)));
+        values.push(format!("e = {}", format_significant(restitution, 3)));
     }
-    facts.push(format!("j = {} \"N·s\"", significant(collision.impulse, 3)));
-    facts.join(",   ")
+    values.push(format!("j = {} \"N·s\"", format_significant(collision.impulse, 3)));
+    values.join(",   ")
 }
 
-/// How much of the speed along the normal came back.
+/// The coefficient of restitution: the negative ratio of the relative normal velocities after and before.
 fn restitution(collision: &Collision) -> Option<f64> {
-    let along = |[c, b]: [Vector; 2]| c.sub(b).dot(collision.normal);
-    let (before, after) = (along(collision.before), along(collision.after));
+    let normal_velocity = |[c, b]: [Vector; 2]| c.sub(b).dot(collision.normal);
+    let (before, after) = (normal_velocity(collision.before), normal_velocity(collision.after));
     (collision.impulse != 0.0 && before != 0.0).then(|| -after / before)
 }
 
-/// Writes what an arrow is called beside its tip.
-pub fn name_arrow(arrow: &Arrow, markup: &str, labels: &mut Labels, panels: &mut Panels) {
-    let along = arrow.to.sub(arrow.from);
-    if along.norm() < arrow.width {
+/// Draws the label of an arrow at its tip.
+pub fn label_arrow(arrow: &Arrow, markup: &str, placer: &mut LabelPlacer, panels: &mut Panels) {
+    let direction = arrow.to.sub(arrow.from);
+    if direction.norm() < arrow.width {
         return;
     }
-    let line = Line::math(markup, 1.1 * panels.look.text);
-    let label = labels.place(line, arrow.to, along, panels.look.text, arrow.color);
-    label.draw(&panels.look, &mut panels.shapes);
+    let line = Line::math(markup, 1.1 * panels.metrics.font_size);
+    let label = placer.place(line, arrow.to, direction, panels.metrics.font_size, arrow.color);
+    label.draw(&panels.metrics, &mut panels.shapes);
 }
 
-/// An arrow with a dashed shaft.
-fn draw_dotted(arrow: &Arrow, look: &Look, shapes: &mut Vec<Shape>) {
-    let along = arrow.to.sub(arrow.from);
-    let length = along.norm();
+/// Draws an arrow with a dashed shaft.
+fn draw_dashed(arrow: &Arrow, metrics: &Metrics, shapes: &mut Vec<Shape>) {
+    let direction = arrow.to.sub(arrow.from);
+    let length = direction.norm();
     let head = 6.0 * arrow.width;
     if length <= head {
-        return arrow.draw(look, shapes);
+        return arrow.draw(metrics, shapes);
     }
-    let neck = arrow.to.sub(along.mult(head / length));
-    let halo = Ink::from(look.palette.background);
-    shapes.push(Shape::Polyline { points: vec![arrow.from, neck], width: arrow.width + look.line, ink: halo });
+    let neck = arrow.to.sub(direction.mult(head / length));
+    let halo = Ink::from(metrics.palette.background);
+    shapes.push(Shape::Polyline { points: vec![arrow.from, neck], width: arrow.width + metrics.line_width, ink: halo });
     shapes.extend(dashed(arrow.from, neck, 2.0 * arrow.width, arrow.width, arrow.color.into()));
-    Arrow { from: neck, ..*arrow }.draw(look, shapes);
+    Arrow { from: neck, ..*arrow }.draw(metrics, shapes);
 }
 
-/// Where a box was.
-fn dashed_outline(rect: &Rect, look: &Look) -> Vec<Shape> {
+/// The outline of a box, dashed.
+fn dashed_outline(rect: &Rect, metrics: &Metrics) -> Vec<Shape> {
     let (near, far) = (rect.origin, rect.far_corner());
     let corners = [near, Vector::new(far.x, near.y), far, Vector::new(near.x, far.y), near];
-    let ink = Ink::from(border_color(look.palette.muted, look));
-    corners.windows(2).flat_map(|side| dashed(side[0], side[1], 3.0 * look.line, look.line / 2.0, ink)).collect()
+    let ink = Ink::from(border_color(metrics.palette.muted, metrics));
+    corners
+        .windows(2)
+        .flat_map(|side| dashed(side[0], side[1], 3.0 * metrics.line_width, metrics.line_width / 2.0, ink))
+        .collect()
 }

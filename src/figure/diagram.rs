@@ -1,67 +1,67 @@
 use super::log_axes::{LogAxes, Scale};
 use super::panels::Panels;
 use crate::physics::{Rect, Vector};
-use crate::render::area::{inset, overlap};
+use crate::render::area::{inset, intersection};
 use crate::render::layers::legend::{Entry, Legend};
 use crate::render::text::Line;
-use crate::render::{Color, DisplayList, Ink, Look, Shape, palette};
+use crate::render::{Color, DisplayList, Ink, Metrics, Shape, palette};
 use crate::scene::Theme;
 
-/// Numbers against numbers on logarithmic scales.
+/// A diagram with logarithmic scales.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Diagram {
-    /// What is written above it.
+    /// Title above the diagram.
     pub title: String,
-    /// What the horizontal scale is called, as markup.
+    /// Title of the horizontal axis, as markup.
     pub x: String,
-    /// What the vertical scale is called, as markup.
+    /// Title of the vertical axis, as markup.
     pub y: String,
-    /// Drawn in this order.
+    /// Curves, in drawing order.
     pub curves: Vec<Curve>,
 }
 
-/// A line through points, which stand for themselves.
+/// A curve: points joined by straight lines.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
-    /// What its colour means; curves of one name have one colour in all diagrams.
+    /// Name in the legend. Curves of the same name have the same colour in all diagrams.
     pub name: String,
-    /// What is written at its last point; nothing if empty.
+    /// Label of the last point; none if empty.
     pub label: String,
-    /// In order.
+    /// Points, in drawing order.
     pub points: Vec<Point>,
 }
 
-/// A point of a curve; both numbers positive, or zero.
+/// A point of a curve. Coordinates must be positive or zero.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Point {
-    /// Across.
+    /// Horizontal coordinate.
     pub x: f64,
-    /// Upwards.
+    /// Vertical coordinate.
     pub y: f64,
-    /// What is written beside it; nothing if empty.
+    /// Label next to the point; none if empty.
     pub label: String,
 }
 
-/// How a page of diagrams looks.
+/// The options of a page of diagrams.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DiagramOptions {
-    /// Width and height, px; as many as suit the diagrams if absent.
+    /// Width and height, px; derived from the number of diagrams if `None`.
     pub size: Option<[u32; 2]>,
-    /// Light or dark.
+    /// Light or dark theme.
     pub theme: Theme,
-    /// What is written below; nothing if empty.
+    /// Caption below the diagrams; none if empty.
     pub caption: String,
 }
 
-/// Colours in the order of names, told apart on light and on dark.
+/// Indices into the body colours in the order of curve names, distinguishable on light and dark backgrounds.
 const COLORS: [usize; 7] = [4, 5, 6, 1, 2, 0, 3];
 
-/// Several diagrams on one page, with one legend.
+/// Draws diagrams on one page, with a common legend.
 pub fn diagrams(diagrams: &[Diagram], options: &DiagramOptions) -> DisplayList {
     let columns = columns(diagrams.len());
     let rows = diagrams.len().div_ceil(columns).max(1);
-    let size = options.size.unwrap_or_else(|| page(columns, rows));
-    let look = look(options.theme, size, columns, rows);
+    let size = options.size.unwrap_or_else(|| page_size(columns, rows));
+    let metrics = metrics(options.theme, size, columns, rows);
     let mut names: Vec<&str> = Vec::new();
     for curve in diagrams.iter().flat_map(|diagram| &diagram.curves) {
         if !names.contains(&curve.name.as_str()) {
@@ -69,12 +69,12 @@ pub fn diagrams(diagrams: &[Diagram], options: &DiagramOptions) -> DisplayList {
         }
     }
     let entries = names.iter().enumerate().map(|(number, name)| Entry::new(color(number), name));
-    let mut panels = Panels::on(size, look, &options.caption, &Legend { entries: entries.collect() });
+    let mut panels = Panels::with_metrics(size, metrics, &options.caption, &Legend { entries: entries.collect() });
     let titles: Vec<&str> = diagrams.iter().map(|diagram| diagram.title.as_str()).collect();
-    let places = panels.titled(&titles, columns);
-    for (diagram, place) in diagrams.iter().zip(&places) {
+    let cells = panels.titled_cells(&titles, columns);
+    for (diagram, cell) in diagrams.iter().zip(&cells) {
         let color_of = |curve: &Curve| color(names.iter().position(|name| *name == curve.name).unwrap_or(0));
-        draw(diagram, place, color_of, &mut panels);
+        draw(diagram, cell, color_of, &mut panels);
     }
     panels.finish()
 }
@@ -87,63 +87,75 @@ fn columns(count: usize) -> usize {
     }
 }
 
-fn page(columns: usize, rows: usize) -> [u32; 2] {
+fn page_size(columns: usize, rows: usize) -> [u32; 2] {
     match (columns, rows) {
         (1, _) => [1280, 720],
         (columns, rows) => [columns as u32 * 560, rows as u32 * 400 + 60],
     }
 }
 
-/// Letters as large as suits a diagram, not the page.
-fn look(theme: Theme, [width, height]: [u32; 2], columns: usize, rows: usize) -> Look {
-    let across = f64::from(width) / columns as f64 / 560.0;
-    let down = f64::from(height) / rows as f64 / 400.0;
-    let unit = if across < down { across } else { down };
-    let whole = |length: f64| if length < 1.0 { 1.0 } else { length.round() };
-    Look {
-        text: whole(19.0 * if unit > 1.4 { 1.4 } else { unit }),
-        line: whole(2.0 * unit),
-        ..Look::new(theme, [width, height])
+/// Metrics that suit the size of one diagram rather than of the page.
+fn metrics(theme: Theme, [width, height]: [u32; 2], columns: usize, rows: usize) -> Metrics {
+    let scale_x = f64::from(width) / columns as f64 / 560.0;
+    let scale_y = f64::from(height) / rows as f64 / 400.0;
+    let unit = if scale_x < scale_y { scale_x } else { scale_y };
+    let at_least_one_pixel = |length: f64| if length < 1.0 { 1.0 } else { length.round() };
+    Metrics {
+        font_size: at_least_one_pixel(19.0 * if unit > 1.4 { 1.4 } else { unit }),
+        line_width: at_least_one_pixel(2.0 * unit),
+        ..Metrics::new(theme, [width, height])
     }
 }
 
 fn color(number: usize) -> Color {
-    palette::BODIES[COLORS[number % COLORS.len()]]
+    palette::BODY_COLORS[COLORS[number % COLORS.len()]]
 }
 
-fn draw(diagram: &Diagram, place: &Rect, color: impl Fn(&Curve) -> Color, panels: &mut Panels) {
+fn draw(diagram: &Diagram, cell: &Rect, color_of: impl Fn(&Curve) -> Color, panels: &mut Panels) {
     let points = || diagram.curves.iter().flat_map(|curve| &curve.points);
     let axes = LogAxes::within(
-        place,
+        cell,
         Scale::of(points().map(|point| point.x)),
         Scale::of(points().map(|point| point.y)),
-        &panels.look,
+        &panels.metrics,
     );
-    axes.draw([&diagram.x, &diagram.y], &panels.look, &mut panels.shapes);
+    axes.draw([&diagram.x, &diagram.y], &panels.metrics, &mut panels.shapes);
     let at = |point: &Point| axes.point(point.x, point.y);
-    let mut taken: Vec<Rect> = points().map(|point| around(at(point), 0.35 * panels.look.text)).collect();
+    let mut occupied: Vec<Rect> =
+        points().map(|point| square_around(at(point), 0.35 * panels.metrics.font_size)).collect();
     for curve in &diagram.curves {
-        let ink = Ink::from(color(curve));
-        let seen: Vec<Vector> = curve.points.iter().map(at).collect();
-        let width = panels.look.line;
-        panels.shapes.push(Shape::Polyline { points: seen.clone(), width, ink });
-        taken.extend(seen.windows(2).flat_map(|ends| along(ends[0], ends[1], 0.5 * panels.look.text, width)));
-        panels.shapes.extend(seen.iter().map(|&at| dot(at, 0.3 * panels.look.text, ink)));
+        let ink = Ink::from(color_of(curve));
+        let positions: Vec<Vector> = curve.points.iter().map(at).collect();
+        let width = panels.metrics.line_width;
+        panels.shapes.push(Shape::Polyline { points: positions.clone(), width, ink });
+        occupied.extend(
+            positions
+                .windows(2)
+                .flat_map(|ends| squares_along(ends[0], ends[1], 0.5 * panels.metrics.font_size, width)),
+        );
+        panels.shapes.extend(positions.iter().map(|&at| dot(at, 0.3 * panels.metrics.font_size, ink)));
     }
-    // Names of curves come first: a rate without room is missed less.
+    // Labels of curves first: they are more important than those of points.
     for curve in &diagram.curves {
         if let Some(last) = curve.points.last() {
-            write(&curve.label, at(last), color(curve).into(), &axes.frame, &mut taken, panels);
+            draw_label(&curve.label, at(last), color_of(curve).into(), &axes.plot_area, &mut occupied, panels);
         }
     }
     for curve in &diagram.curves {
         for point in &curve.points {
-            write(&point.label, at(point), panels.look.palette.muted.into(), &axes.frame, &mut taken, panels);
+            draw_label(
+                &point.label,
+                at(point),
+                panels.metrics.palette.muted.into(),
+                &axes.plot_area,
+                &mut occupied,
+                panels,
+            );
         }
     }
 }
 
-/// An octagon for a dot.
+/// A dot, drawn as an octagon.
 fn dot(at: Vector, radius: f64, ink: Ink) -> Shape {
     const HALF: f64 = 0.414_213_562_373_095;
     let corner = |x: f64, y: f64| at.add(Vector::new(x * radius, y * radius));
@@ -160,46 +172,48 @@ fn dot(at: Vector, radius: f64, ink: Ink) -> Shape {
     Shape::Polygon { points: corners.map(|(x, y)| corner(x, y)).into(), ink }
 }
 
-/// Writes beside a point where there is room: on its right, above, below or left; else nowhere.
-fn write(label: &str, point: Vector, ink: Ink, frame: &Rect, taken: &mut Vec<Rect>, panels: &mut Panels) {
+/// Draws a label at the first free position around a point: right, above, below, left, then diagonally. Omits the label
+/// if there is none.
+fn draw_label(label: &str, point: Vector, ink: Ink, plot_area: &Rect, occupied: &mut Vec<Rect>, panels: &mut Panels) {
     if label.is_empty() {
         return;
     }
-    let line = Line::plain(label, 0.7 * panels.look.text);
-    let (width, height, gap) = (line.width, line.height(), 0.45 * panels.look.text);
+    let line = Line::plain(label, 0.7 * panels.metrics.font_size);
+    let (width, height, gap) = (line.width, line.height(), 0.45 * panels.metrics.font_size);
     let middle = point.sub(Vector::new(width / 2.0, height / 2.0));
-    let aside = width / 2.0 + gap;
-    let over = height / 2.0 + gap;
-    let ways = [
-        (aside, 0.0),
-        (0.0, -over),
-        (0.0, over),
-        (-aside, 0.0),
-        (aside, -over),
-        (aside, over),
-        (-aside, -over),
-        (-aside, over),
+    let right = width / 2.0 + gap;
+    let down = height / 2.0 + gap;
+    let offsets = [
+        (right, 0.0),
+        (0.0, -down),
+        (0.0, down),
+        (-right, 0.0),
+        (right, -down),
+        (right, down),
+        (-right, -down),
+        (-right, down),
     ];
-    let places = ways.map(|(x, y)| Rect::new(middle.add(Vector::new(x, y)), width, height));
-    let inside = |place: &Rect| {
-        overlap(place, frame).is_some_and(|seen| seen.width() >= width - 0.5 && seen.height() >= height - 0.5)
+    let candidates = offsets.map(|(x, y)| Rect::new(middle.add(Vector::new(x, y)), width, height));
+    let inside = |bounds: &Rect| {
+        intersection(bounds, plot_area)
+            .is_some_and(|visible| visible.width() >= width - 0.5 && visible.height() >= height - 0.5)
     };
-    let free = |place: &&Rect| inside(place) && !taken.iter().any(|other| overlap(place, other).is_some());
-    if let Some(place) = places.iter().find(free) {
-        // A letter's width apart from what is written next.
-        taken.push(inset(place, -0.2 * panels.look.text));
-        let at = Vector::new(place.origin.x.round(), (place.origin.y + height).round());
+    let free = |bounds: &&Rect| inside(bounds) && !occupied.iter().any(|other| intersection(bounds, other).is_some());
+    if let Some(bounds) = candidates.iter().find(free) {
+        // Keeps a distance of about one letter from later labels.
+        occupied.push(inset(bounds, -0.2 * panels.metrics.font_size));
+        let at = Vector::new(bounds.origin.x.round(), (bounds.origin.y + height).round());
         panels.shapes.push(Shape::Text { line, at, ink });
     }
 }
 
-/// The room a line between two points takes, as squares along it.
-fn along(from: Vector, to: Vector, spacing: f64, width: f64) -> Vec<Rect> {
+/// The area of a line between two points, as squares along it.
+fn squares_along(from: Vector, to: Vector, spacing: f64, width: f64) -> Vec<Rect> {
     let count = (to.sub(from).norm() / spacing).ceil().clamp(1.0, 1000.0) as u32;
     let at = |number: u32| from.add(to.sub(from).mult(f64::from(number) / f64::from(count)));
-    (0..=count).map(|number| around(at(number), width)).collect()
+    (0..=count).map(|number| square_around(at(number), width)).collect()
 }
 
-fn around(point: Vector, radius: f64) -> Rect {
+fn square_around(point: Vector, radius: f64) -> Rect {
     Rect::new(point.sub(Vector::new(radius, radius)), 2.0 * radius, 2.0 * radius)
 }

@@ -1,20 +1,20 @@
 use super::FigureOptions;
-use super::axes::{Axes, Range, Titles};
+use super::axes::{Axes, AxisTitles, Range};
 use super::panels::Panels;
 use crate::physics::{Rect, Vector};
 use crate::render::layers::legend::{Entry, Legend};
-use crate::render::number::significant;
+use crate::render::number_format::format_significant;
 use crate::render::text::Line;
-use crate::render::{Color, DisplayList, Ink, Look, Shape, palette};
+use crate::render::{Color, DisplayList, Ink, Metrics, Shape, palette};
 
-/// What of a state is, or should be, conserved.
+/// Energy and momentum of a state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EnergySample {
-    /// s.
+    /// Simulated time, s.
     pub time: f64,
-    /// Kinetic energy of the finite masses, J.
+    /// Kinetic energy of the bodies of finite mass, J.
     pub kinetic: f64,
-    /// Their potential energy, J; figures count it from its least value.
+    /// Their potential energy, J. Figures show it relative to its minimum.
     pub potential: f64,
     /// Their momentum, kg·m/s.
     pub momentum: Vector,
@@ -26,40 +26,39 @@ impl EnergySample {
     }
 }
 
-/// Energy and momentum of one run.
+/// Energy and momentum of one run over time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EnergyRun {
-    /// What is written above it, if there are several.
+    /// Title, shown if there are several runs.
     pub title: String,
-    /// In the order of time.
+    /// Samples in the order of time.
     pub samples: Vec<EnergySample>,
 }
 
-/// One line of a diagram.
+/// A curve of a diagram.
 struct Series {
     name: &'static str,
     color: Color,
     values: Vec<[f64; 2]>,
 }
 
-/// Energy and momentum over time, with the drift of the whole written on it. Several runs have
-/// the same scales.
+/// Draws energy and momentum over time, labelled with the drift of the total energy. Several runs have the same scales.
 pub fn energy(runs: &[EnergyRun], options: &FigureOptions) -> DisplayList {
-    let all: Vec<Vec<EnergySample>> = runs.iter().map(|run| from_least(&run.samples)).collect();
+    let all: Vec<Vec<EnergySample>> = runs.iter().map(|run| relative_to_minimum(&run.samples)).collect();
     let has_potential = all.iter().flatten().any(|sample| sample.potential != 0.0);
-    let look = Look::new(options.style.theme, options.size);
-    let energies: Vec<Vec<Series>> = all.iter().map(|samples| energies(samples, has_potential, &look)).collect();
+    let metrics = Metrics::new(options.style.theme, options.size);
+    let energies: Vec<Vec<Series>> = all.iter().map(|samples| energies(samples, has_potential, &metrics)).collect();
     let Some(time) = Range::of(all.iter().flatten().map(|sample| sample.time)) else {
         return Panels::new(options, &Legend::default()).finish();
     };
     let momenta: Vec<Vec<Series>> = all.iter().map(|samples| momenta(samples)).collect();
     let mut panels = Panels::new(options, &legend(&energies, &momenta));
     let titles: Vec<&str> = runs.iter().map(|run| run.title.as_str()).collect();
-    let rooms = panels.titled(&titles, runs.len());
-    for (at, room) in rooms.iter().enumerate() {
-        let upper = (room.height() * 0.6).round();
-        let above = Rect::new(room.origin, room.width(), upper);
-        let below = Rect::new(room.origin.add(Vector::new(0.0, upper)), room.width(), room.height() - upper);
+    let panel_areas = panels.titled_cells(&titles, runs.len());
+    for (at, panel) in panel_areas.iter().enumerate() {
+        let upper = (panel.height() * 0.6).round();
+        let above = Rect::new(panel.origin, panel.width(), upper);
+        let below = Rect::new(panel.origin.add(Vector::new(0.0, upper)), panel.width(), panel.height() - upper);
         let [e, p] = [&energies, &momenta].map(|series| range(series));
         diagram(&energies[at], &above, [time, e], "E / \"J\"", Some(drift(&all[at])), &mut panels);
         diagram(&momenta[at], &below, [time, p], "p / \"(kg·m/s)\"", None, &mut panels);
@@ -67,78 +66,79 @@ pub fn energy(runs: &[EnergyRun], options: &FigureOptions) -> DisplayList {
     panels.finish()
 }
 
-/// All values, and zero.
+/// The range of all values and zero, with a margin.
 fn range(series: &[Vec<Series>]) -> Range {
     let all = series.iter().flatten().flat_map(|series| series.values.iter().map(|value| value[1]));
-    Range::of(all).unwrap_or(Range { from: 0.0, to: 1.0 }).with(0.0).widened(0.08)
+    Range::of(all).unwrap_or(Range { from: 0.0, to: 1.0 }).including(0.0).widened(0.08)
 }
 
-/// Potential energy has no zero of its own: counted from its least value, the whole is what
-/// the run had to give, and a drift in parts of it means something.
-fn from_least(samples: &[EnergySample]) -> Vec<EnergySample> {
-    let least = Range::of(samples.iter().map(|sample| sample.potential)).map_or(0.0, |range| range.from);
-    let constant = samples.iter().all(|sample| sample.potential == least);
-    let zero = |sample: &EnergySample| if constant { 0.0 } else { sample.potential - least };
-    samples.iter().map(|sample| EnergySample { potential: zero(sample), ..*sample }).collect()
+/// Shifts potential energy so that its minimum is 0. Its zero is arbitrary; relative to the minimum, the total is the
+/// energy available in the run, so that a relative drift is meaningful.
+fn relative_to_minimum(samples: &[EnergySample]) -> Vec<EnergySample> {
+    let minimum = Range::of(samples.iter().map(|sample| sample.potential)).map_or(0.0, |range| range.from);
+    let is_constant = samples.iter().all(|sample| sample.potential == minimum);
+    let shifted = |sample: &EnergySample| if is_constant { 0.0 } else { sample.potential - minimum };
+    samples.iter().map(|sample| EnergySample { potential: shifted(sample), ..*sample }).collect()
 }
 
 fn values(samples: &[EnergySample], value: impl Fn(&EnergySample) -> f64) -> Vec<[f64; 2]> {
     samples.iter().map(|sample| [sample.time, value(sample)]).collect()
 }
 
-/// The potential energy only where there is one.
-fn energies(samples: &[EnergySample], has_potential: bool, look: &Look) -> Vec<Series> {
-    let kinetic = Series { name: "kinetic", color: palette::BODIES[5], values: values(samples, |s| s.kinetic) };
+/// The energy curves; only the kinetic energy if there is no potential energy.
+fn energies(samples: &[EnergySample], has_potential: bool, metrics: &Metrics) -> Vec<Series> {
+    let kinetic = Series { name: "kinetic", color: palette::BODY_COLORS[5], values: values(samples, |s| s.kinetic) };
     if !has_potential {
         return vec![kinetic];
     }
-    let potential = Series { name: "potential", color: palette::BODIES[0], values: values(samples, |s| s.potential) };
-    let total = Series { name: "total", color: look.palette.muted, values: values(samples, EnergySample::total) };
-    // The total lies beneath, and wider, so that it is seen where it is one of the two.
+    let potential =
+        Series { name: "potential", color: palette::BODY_COLORS[0], values: values(samples, |s| s.potential) };
+    let total = Series { name: "total", color: metrics.palette.muted, values: values(samples, EnergySample::total) };
+    // The total is drawn first and wider, so that it stays visible where it equals another curve.
     vec![total, kinetic, potential]
 }
 
 fn momenta(samples: &[EnergySample]) -> Vec<Series> {
     vec![
-        Series { name: "p_x", color: palette::BODIES[6], values: values(samples, |s| s.momentum.x) },
-        Series { name: "p_y", color: palette::BODIES[2], values: values(samples, |s| s.momentum.y) },
+        Series { name: "p_x", color: palette::BODY_COLORS[6], values: values(samples, |s| s.momentum.x) },
+        Series { name: "p_y", color: palette::BODY_COLORS[2], values: values(samples, |s| s.momentum.y) },
     ]
 }
 
-/// How far the last total energy is from the first.
+/// The change of the total energy from first to last sample as a label, relative if the first is not 0.
 fn drift(samples: &[EnergySample]) -> String {
     let (Some(first), Some(last)) = (samples.first(), samples.last()) else { return String::new() };
     let (change, size) = (last.total() - first.total(), first.total().abs());
     match size {
-        0.0 => format!("ΔE = {} \"J\"", significant(change, 3)),
-        size => format!("ΔE/E = {}", significant(change / size, 3)),
+        0.0 => format!("ΔE = {} \"J\"", format_significant(change, 3)),
+        size => format!("ΔE/E = {}", format_significant(change / size, 3)),
     }
 }
 
 fn diagram(
     series: &[Series],
-    room: &Rect,
+    panel: &Rect,
     [time, range]: [Range; 2],
     title: &str,
     note: Option<String>,
     panels: &mut Panels,
 ) {
-    let axes = Axes::within(room, time, range, 0.0, &panels.look);
-    axes.draw(&Titles { x: "t / \"s\"", y: title }, &panels.look, &mut panels.shapes);
+    let axes = Axes::within(panel, time, range, 0.0, &panels.metrics);
+    axes.draw(&AxisTitles { x: "t / \"s\"", y: title }, &panels.metrics, &mut panels.shapes);
     for series in series {
         let ink = Ink::from(series.color);
         let width = if series.name == "total" { 3.0 } else { 1.25 };
-        panels.shapes.push(axes.curve(series.values.iter().copied(), width * panels.look.line, ink));
+        panels.shapes.push(axes.curve(series.values.iter().copied(), width * panels.metrics.line_width, ink));
     }
     if let Some(note) = note {
-        let line = Line::math(&note, 0.9 * panels.look.text);
-        let baseline = (axes.frame.origin.y - 0.5 * panels.look.text).round();
-        let at = Vector::new((axes.frame.far_corner().x - line.width).round(), baseline);
-        panels.shapes.push(Shape::Text { line, at, ink: panels.look.palette.ink.into() });
+        let line = Line::math(&note, 0.9 * panels.metrics.font_size);
+        let baseline = (axes.plot_area.origin.y - 0.5 * panels.metrics.font_size).round();
+        let at = Vector::new((axes.plot_area.far_corner().x - line.width).round(), baseline);
+        panels.shapes.push(Shape::Text { line, at, ink: panels.metrics.palette.ink.into() });
     }
 }
 
-/// One legend for all diagrams.
+/// The common legend of all diagrams.
 fn legend(energies: &[Vec<Series>], momenta: &[Vec<Series>]) -> Legend {
     let series = energies.first().into_iter().chain(momenta.first()).flatten();
     let entry = |series: &Series| Entry { name: series.name.to_owned(), ..Entry::new(series.color, "") };

@@ -1,84 +1,97 @@
 use super::pair::Pair;
-use super::panels::{Panels, above_caption, caption, dashed, in_rows, outline};
-use super::{FigureOptions, Meeting};
+use super::panels::{Panels, above_caption, caption, dashed, draw_rows, outline};
+use super::{CollisionSubject, FigureOptions};
 use crate::physics::{Rect, Vector};
-use crate::render::area::{contains, inset, larger, smaller};
-use crate::render::labels::Labels;
+use crate::render::area::{contains, inset, intersection, larger, smaller};
+use crate::render::label_placer::LabelPlacer;
 use crate::render::layers::bodies::border_color;
-use crate::render::layers::grid::round_spacing;
-use crate::render::number::significant;
+use crate::render::layers::grid::nice_spacing;
+use crate::render::number_format::format_significant;
 use crate::render::text::Line;
-use crate::render::{Arrow, Camera, Color, DisplayList, Look, Shape};
+use crate::render::{Arrow, Camera, Color, DisplayList, Metrics, Shape};
 
-/// The handout's figure 2: (a) c and b where they met; (b) their Minkowski difference
-/// s = b ⊖ c around the origin, with the vectors from the origin to its four sides, of which
-/// the shortest is the penetration vector n⃗; (c) the same close by, where n⃗ is too short.
-pub fn minkowski(meetings: &[Meeting], options: &FigureOptions) -> DisplayList {
-    in_rows(meetings, options, row)
+/// Figure 2 of the handout: (a) boxes c and b at contact; (b) their Minkowski difference s = b ⊖ c around the origin,
+/// with the vectors from the origin to its four sides, the shortest of which is the penetration vector n⃗; (c) the same
+/// magnified, if n⃗ is too short in (b).
+pub fn minkowski(subjects: &[CollisionSubject], options: &FigureOptions) -> DisplayList {
+    draw_rows(subjects, options, row)
 }
 
-/// The pictures of one collision.
-fn row(meeting: &Meeting, panels: &mut Panels, options: &FigureOptions) {
-    let pair = Pair::new(meeting, options);
-    let difference = Difference::new(&pair, &panels.look);
-    let rooms = |count: usize, panels: &Panels| -> Vec<Rect> {
-        panels.grid(count, count).iter().map(|place| above_caption(place, &panels.look)).collect()
+/// Draws the panels of one collision.
+fn row(subject: &CollisionSubject, panels: &mut Panels, options: &FigureOptions) {
+    let pair = Pair::new(subject, options);
+    let difference = MinkowskiDifference::new(&pair, &panels.metrics);
+    let panel_rects = |count: usize, panels: &Panels| -> Vec<Rect> {
+        panels.grid(count, count).iter().map(|cell| above_caption(cell, &panels.metrics)).collect()
     };
-    let scale = |room: &Rect| smaller(pair.scale(room), difference.scale(room));
-    let two = rooms(2, panels);
-    let zoom = difference.zoom(scale(&two[0]), &panels.look);
-    let rooms = if zoom == 1.0 { two } else { rooms(3, panels) };
-    let scale = scale(&rooms[0]);
-    pair.draw_met(&rooms[0], scale, &[], panels);
-    caption(&rooms[0], "\"(a) the boxes\" c \"and\" b", panels);
-    difference.draw(&rooms[1], scale, difference.middle, zoom == 1.0, panels);
-    caption(&rooms[1], "\"(b)\" s = b ⊖ c \"around the origin\"", panels);
-    if let Some(room) = rooms.get(2) {
-        difference.draw(room, scale * zoom, Vector::ZERO, true, panels);
-        caption(room, &format!("\"(c)\" {} \"times larger\"", significant(zoom, 1)), panels);
+    let scale = |panel: &Rect| smaller(pair.scale(panel), difference.scale(panel));
+    let two = panel_rects(2, panels);
+    let zoom = difference.zoom(scale(&two[0]), &panels.metrics);
+    let panel_rects = if zoom == 1.0 { two } else { panel_rects(3, panels) };
+    let scale = scale(&panel_rects[0]);
+    pair.draw_at_contact(&panel_rects[0], scale, &[], panels);
+    caption(&panel_rects[0], "\"(a) the boxes\" c \"and\" b", panels);
+    let length_label = if zoom == 1.0 { LengthLabel::Shown } else { LengthLabel::Hidden };
+    difference.draw(&panel_rects[1], scale, difference.middle, length_label, panels);
+    caption(&panel_rects[1], "\"(b)\" s = b ⊖ c \"around the origin\"", panels);
+    if let Some(panel) = panel_rects.get(2) {
+        difference.draw(panel, scale * zoom, Vector::ZERO, LengthLabel::Shown, panels);
+        caption(panel, &format!("\"(c)\" {} \"times larger\"", format_significant(zoom, 1)), panels);
     }
 }
 
-/// s = b ⊖ c and how it is drawn.
-struct Difference {
+/// The Minkowski difference s = b ⊖ c and how it is drawn.
+struct MinkowskiDifference {
+    /// The difference s, m.
     rect: Rect,
+    /// Fill colour of the difference.
     fill: Color,
-    /// From the origin to the four sides, in the handout's order: left, right, top, bottom.
+    /// The vectors from the origin to the four sides in the handout's order: left, right, top, bottom, m.
     vectors: [Vector; 4],
-    /// The place of the shortest of them.
+    /// Index of the shortest vector.
     shortest: usize,
-    /// The middle of what is shown, m.
+    /// Middle of the visible area, m.
     middle: Vector,
-    /// Width and height of what is shown, m.
+    /// Width and height of the visible area, m.
     extent: Vector,
 }
 
-/// A penetration of that part of the difference and less is none.
-const TOUCHING: f64 = 1e-12;
+/// The label with the length of the shortest vector, shown in the panel where that vector is large enough.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum LengthLabel {
+    Shown,
+    Hidden,
+}
 
-/// Parts of the smaller box that are shown at most on each side of the origin.
-const FARTHEST: f64 = 2.5;
+/// A penetration up to this fraction of the size of the difference counts as zero.
+const TOUCH_TOLERANCE: f64 = 1e-12;
 
-impl Difference {
-    fn new(pair: &Pair, look: &Look) -> Difference {
+/// Maximum extent of the visible area on each side of the origin, relative to the size of the smaller box.
+const MAX_EXTENT: f64 = 2.5;
+
+impl MinkowskiDifference {
+    fn new(pair: &Pair, metrics: &Metrics) -> MinkowskiDifference {
         let [c, b] = &pair.collision.rects;
         let rect = c.minkowski_difference(b);
         let size = smaller(larger(c.width(), c.height()), larger(b.width(), b.height()));
-        let most = FARTHEST * size;
+        let max_extent = MAX_EXTENT * size;
         let far = rect.far_corner();
-        let near = Vector::new(larger(smaller(rect.origin.x, 0.0), -most), larger(smaller(rect.origin.y, 0.0), -most));
-        let end = Vector::new(smaller(larger(far.x, 0.0), most), smaller(larger(far.y, 0.0), most));
+        let near = Vector::new(
+            larger(smaller(rect.origin.x, 0.0), -max_extent),
+            larger(smaller(rect.origin.y, 0.0), -max_extent),
+        );
+        let end = Vector::new(smaller(larger(far.x, 0.0), max_extent), smaller(larger(far.y, 0.0), max_extent));
         let mut vectors = to_sides(&rect);
         let shortest = shortest(&vectors);
-        // What is left by rounding where the two just touch is nothing.
-        if vectors[shortest].norm() <= TOUCHING * larger(rect.width(), rect.height()) {
+        // If the boxes only touch, a tiny penetration is a rounding error.
+        if vectors[shortest].norm() <= TOUCH_TOLERANCE * larger(rect.width(), rect.height()) {
             vectors[shortest] = Vector::ZERO;
         }
         let extent = end.sub(near);
         let margin = 0.25 * larger(extent.x, extent.y);
-        Difference {
+        MinkowskiDifference {
             rect,
-            fill: pair.colors[0].mix(pair.colors[1], 50).mix(look.palette.background, 65),
+            fill: pair.colors[0].mix(pair.colors[1], 50).mix(metrics.palette.background, 65),
             vectors,
             shortest,
             middle: near.add(end).mult(0.5),
@@ -86,75 +99,92 @@ impl Difference {
         }
     }
 
-    /// Pixels per metre with which all that is shown fits into a panel.
-    fn scale(&self, room: &Rect) -> f64 {
-        smaller(room.width() / self.extent.x, room.height() / self.extent.y)
+    /// The scale, in pixels per metre, with which the visible area fits into a panel.
+    fn scale(&self, panel: &Rect) -> f64 {
+        smaller(panel.width() / self.extent.x, panel.height() / self.extent.y)
     }
 
-    /// How many times larger n⃗ must be drawn to be seen well.
-    fn zoom(&self, scale: f64, look: &Look) -> f64 {
-        let (length, wanted) = (self.vectors[self.shortest].norm() * scale, 5.0 * look.text);
-        let is_seen = length == 0.0 || length >= 0.5 * wanted;
-        if is_seen { 1.0 } else { smaller(round_spacing(wanted / length), 1e9) }
+    /// The magnification that makes n⃗ clearly visible; 1 if it is large enough already.
+    fn zoom(&self, scale: f64, metrics: &Metrics) -> f64 {
+        let (length, target_length) = (self.vectors[self.shortest].norm() * scale, 5.0 * metrics.font_size);
+        let is_visible = length == 0.0 || length >= 0.5 * target_length;
+        if is_visible { 1.0 } else { smaller(nice_spacing(target_length / length), 1e9) }
     }
 
-    /// The difference in a panel whose middle shows the point `middle`, m; the length of the
-    /// shortest vector is written where it is seen best.
-    fn draw(&self, room: &Rect, scale: f64, middle: Vector, measured: bool, panels: &mut Panels) {
-        let look = panels.look;
-        let origin = middle.sub(room.center().mult(1.0 / scale));
+    /// Draws the difference in a panel whose middle shows the point `middle` (m). `length_label` is the label of the
+    /// shortest vector.
+    fn draw(&self, panel: &Rect, scale: f64, middle: Vector, length_label: LengthLabel, panels: &mut Panels) {
+        let metrics = panels.metrics;
+        let origin = middle.sub(panel.center().mult(1.0 / scale));
         let world = self.rect.far_corner();
-        let camera = Camera { size: [1, 1], window: *room, scale, origin, world };
-        let seen = camera.rect(&self.rect);
-        let mut shapes = vec![Shape::Rect { rect: seen, ink: self.fill.into() }];
-        shapes.extend(outline(&seen, look.line, border_color(self.fill, &look).into()));
-        let zero = camera.point(Vector::ZERO);
-        let mut labels = Labels::within(*room);
-        labels.avoid_border(&seen, 1.0);
-        draw_axes(zero, room, &mut labels, &look, &mut shapes);
-        for (vector, color, width) in self.candidates(&look) {
-            let arrow = Arrow { from: zero, to: zero.add(vector.mult(scale)), width, color };
-            labels.avoid_line(arrow.from, arrow.to, 2.0);
-            arrow.draw(&look, &mut shapes);
+        let camera = Camera { size: [1, 1], viewport: *panel, scale, origin, world };
+        let page_rect = camera.rect(&self.rect);
+        let mut shapes = vec![Shape::Rect { rect: page_rect, ink: self.fill.into() }];
+        shapes.extend(outline(&page_rect, metrics.line_width, border_color(self.fill, &metrics).into()));
+        let origin_on_page = camera.point(Vector::ZERO);
+        let mut placer = LabelPlacer::within(*panel);
+        placer.avoid_border(&page_rect, 1.0);
+        draw_axes(origin_on_page, panel, &mut placer, &metrics, &mut shapes);
+        for (vector, color, width) in self.candidates(&metrics) {
+            let arrow = Arrow { from: origin_on_page, to: origin_on_page.add(vector.mult(scale)), width, color };
+            placer.avoid_line(arrow.from, arrow.to, 2.0);
+            arrow.draw(&metrics, &mut shapes);
         }
         if self.vectors[self.shortest] == Vector::ZERO {
-            let side = 4.0 * look.line;
-            let mark = Rect::new(zero.sub(Vector::new(side / 2.0, side / 2.0)), side, side);
-            shapes.push(Shape::Rect { rect: mark, ink: look.palette.penetration.into() });
+            let side = 4.0 * metrics.line_width;
+            let mark = Rect::new(origin_on_page.sub(Vector::new(side / 2.0, side / 2.0)), side, side);
+            shapes.push(Shape::Rect { rect: mark, ink: metrics.palette.penetration.into() });
         }
-        self.name(&seen, room, &mut labels, &look, &mut shapes);
-        if measured {
-            self.measure_shortest(zero, scale, &mut labels, &look, &mut shapes);
+        self.draw_name(&page_rect, panel, &mut placer, &metrics, &mut shapes);
+        if length_label == LengthLabel::Shown {
+            self.label_shortest(origin_on_page, scale, &mut placer, &metrics, &mut shapes);
         }
-        panels.shapes.push(Shape::Clip { window: *room, shapes });
-        if !contains(room, &seen) {
-            panels.frame(room);
+        panels.shapes.push(Shape::Clip { window: *panel, shapes });
+        if !contains(panel, &page_rect) {
+            panels.draw_frame(panel);
         }
     }
 
-    /// The four vectors, the shortest last and marked.
-    fn candidates(&self, look: &Look) -> Vec<(Vector, Color, f64)> {
-        let others = (0..4).filter(|&place| place != self.shortest);
-        let mut candidates: Vec<_> = others.map(|place| (self.vectors[place], blue(look), look.line)).collect();
-        candidates.push((self.vectors[self.shortest], look.palette.penetration, 2.0 * look.line));
+    /// The four vectors with colour and line width, the shortest last and highlighted.
+    fn candidates(&self, metrics: &Metrics) -> Vec<(Vector, Color, f64)> {
+        let others = (0..4).filter(|&index| index != self.shortest);
+        let mut candidates: Vec<_> =
+            others.map(|index| (self.vectors[index], blue(metrics), metrics.line_width)).collect();
+        candidates.push((self.vectors[self.shortest], metrics.palette.penetration, 2.0 * metrics.line_width));
         candidates
     }
 
-    fn name(&self, seen: &Rect, room: &Rect, labels: &mut Labels, look: &Look, shapes: &mut Vec<Shape>) {
-        let Some(part) = crate::render::area::overlap(seen, room) else { return };
-        let part = inset(&part, smaller(look.text, smaller(part.width(), part.height()) / 2.0));
-        let (near, far) = (part.origin, part.far_corner());
+    /// Draws the name s of the difference in one of its visible corners.
+    fn draw_name(
+        &self,
+        page_rect: &Rect,
+        panel: &Rect,
+        placer: &mut LabelPlacer,
+        metrics: &Metrics,
+        shapes: &mut Vec<Shape>,
+    ) {
+        let Some(visible) = intersection(page_rect, panel) else { return };
+        let visible = inset(&visible, smaller(metrics.font_size, smaller(visible.width(), visible.height()) / 2.0));
+        let (near, far) = (visible.origin, visible.far_corner());
         let corners = [far, near, Vector::new(near.x, far.y), Vector::new(far.x, near.y)];
-        let line = Line::math("s", 1.2 * look.text);
-        labels.place_along(line, &corners, Vector::new(-1.0, -1.0), 0.0, look.palette.ink).draw(look, shapes);
+        let line = Line::math("s", 1.2 * metrics.font_size);
+        placer.place_along(line, &corners, Vector::new(-1.0, -1.0), 0.0, metrics.palette.ink).draw(metrics, shapes);
     }
 
-    fn measure_shortest(&self, zero: Vector, scale: f64, labels: &mut Labels, look: &Look, shapes: &mut Vec<Shape>) {
+    /// Draws the label with the length of the shortest vector.
+    fn label_shortest(
+        &self,
+        origin_on_page: Vector,
+        scale: f64,
+        placer: &mut LabelPlacer,
+        metrics: &Metrics,
+        shapes: &mut Vec<Shape>,
+    ) {
         let vector = self.vectors[self.shortest];
-        let line = Line::math(&format!("|n⃗| = {} \"m\"", significant(vector.norm(), 3)), look.text);
-        let aside = Vector::new(vector.y, -vector.x);
-        let middle = zero.add(vector.mult(scale / 2.0));
-        labels.place(line, middle, aside, look.text, look.palette.penetration).draw(look, shapes);
+        let line = Line::math(&format!("|n⃗| = {} \"m\"", format_significant(vector.norm(), 3)), metrics.font_size);
+        let normal = Vector::new(vector.y, -vector.x);
+        let middle = origin_on_page.add(vector.mult(scale / 2.0));
+        placer.place(line, middle, normal, metrics.font_size, metrics.palette.penetration).draw(metrics, shapes);
     }
 }
 
@@ -163,39 +193,49 @@ fn to_sides(s: &Rect) -> [Vector; 4] {
     [Vector::new(s.origin.x, 0.0), Vector::new(far.x, 0.0), Vector::new(0.0, s.origin.y), Vector::new(0.0, far.y)]
 }
 
-/// The first of the shortest, as the handout's solver takes it.
+/// The index of the shortest vector; the first one if several are equal, as in the handout's solver.
 fn shortest(vectors: &[Vector; 4]) -> usize {
     let mut best = 0;
-    for place in 1..4 {
-        if vectors[place].norm() < vectors[best].norm() {
-            best = place;
+    for index in 1..4 {
+        if vectors[index].norm() < vectors[best].norm() {
+            best = index;
         }
     }
     best
 }
 
-/// The handout draws the candidates in blue.
-fn blue(look: &Look) -> Color {
-    Color::hex(0x0072b2).mix(look.palette.ink, 20)
+/// The colour of the candidates, blue as in the handout.
+fn blue(metrics: &Metrics) -> Color {
+    Color::hex(0x0072b2).mix(metrics.palette.ink, 20)
 }
 
-/// The axes through the origin, dashed, with their names and that of the origin.
-fn draw_axes(zero: Vector, room: &Rect, labels: &mut Labels, look: &Look, shapes: &mut Vec<Shape>) {
-    let far = room.far_corner();
-    let muted = look.palette.muted;
+/// Draws the axes through the origin, dashed, with their names and the label of the origin.
+fn draw_axes(
+    origin_on_page: Vector,
+    panel: &Rect,
+    placer: &mut LabelPlacer,
+    metrics: &Metrics,
+    shapes: &mut Vec<Shape>,
+) {
+    let far = panel.far_corner();
+    let muted = metrics.palette.muted;
     let ends = [
-        [Vector::new(room.origin.x, zero.y), Vector::new(far.x, zero.y)],
-        [Vector::new(zero.x, room.origin.y), Vector::new(zero.x, far.y)],
+        [Vector::new(panel.origin.x, origin_on_page.y), Vector::new(far.x, origin_on_page.y)],
+        [Vector::new(origin_on_page.x, panel.origin.y), Vector::new(origin_on_page.x, far.y)],
     ];
     for [from, to] in ends {
-        shapes.extend(dashed(from, to, 3.0 * look.line, look.line / 2.0, muted.into()));
-        labels.avoid_line(from, to, 1.0);
+        shapes.extend(dashed(from, to, 3.0 * metrics.line_width, metrics.line_width / 2.0, muted.into()));
+        placer.avoid_line(from, to, 1.0);
     }
     for ([_, end], name) in ends.iter().zip(["x", "y"]) {
-        let back = zero.sub(*end).mult(look.text / zero.sub(*end).norm());
-        let line = Line::math(name, look.text);
-        labels.place(line, end.add(back), Vector::new(-1.0, -1.0), 0.6 * look.text, muted).draw(look, shapes);
+        let inward = origin_on_page.sub(*end).mult(metrics.font_size / origin_on_page.sub(*end).norm());
+        let line = Line::math(name, metrics.font_size);
+        placer
+            .place(line, end.add(inward), Vector::new(-1.0, -1.0), 0.6 * metrics.font_size, muted)
+            .draw(metrics, shapes);
     }
-    let line = Line::math("0", look.text);
-    labels.place(line, zero, Vector::new(-1.0, 1.0), 0.5 * look.text, look.palette.ink).draw(look, shapes);
+    let line = Line::math("0", metrics.font_size);
+    placer
+        .place(line, origin_on_page, Vector::new(-1.0, 1.0), 0.5 * metrics.font_size, metrics.palette.ink)
+        .draw(metrics, shapes);
 }

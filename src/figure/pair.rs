@@ -1,90 +1,90 @@
 use super::panels::Panels;
-use super::{FigureOptions, Meeting};
+use super::{CollisionSubject, FigureOptions};
 use crate::physics::{Collision, Rect, Vector};
-use crate::render::area::{inset, larger, overlap, smaller, union};
-use crate::render::labels::{Label, Labels};
+use crate::render::area::{inset, intersection, larger, smaller, union};
+use crate::render::label_placer::{Label, LabelPlacer};
 use crate::render::layers::bodies::draw_box;
-use crate::render::layers::contacts::contact;
+use crate::render::layers::contacts::contact_center;
 use crate::render::text::Line;
-use crate::render::{Appearance, Arrow, Camera, Color, Look, Shape, Sprite, palette};
+use crate::render::{Appearance, Arrow, Camera, Color, Metrics, Shape, Sprite, palette};
 use std::sync::Arc;
 
-/// The two boxes of a collision, and how they are drawn.
+/// The two boxes of a collision and how they are drawn.
 #[derive(Clone)]
 pub struct Pair {
-    /// Told with [`ROLES`] as they are drawn.
+    /// The collision, its bodies in the order of [`ROLES`].
     pub collision: Collision,
     names: [String; 2],
-    /// Of c and b.
+    /// The colours of c and b.
     pub colors: [Color; 2],
-    /// What is to be seen, m: of a box far larger than the other only the part beside it.
+    /// The visible area, m. A box far larger than the other is cropped around the smaller one.
     pub area: Rect,
-    /// Seconds that turn a velocity into an arrow, m.
-    time: f64,
+    /// Factor from velocity to arrow length in the world, s.
+    arrow_seconds: f64,
 }
 
-/// The handout's names of the two. Whichever a solver looked at first, c is drawn as the one
-/// that can be pushed, or else as the one created first.
+/// The handout's names of the two bodies. The body of finite mass is c; if both masses are finite or infinite, c is the
+/// body created first. This does not depend on the order in the recorded collision.
 pub const ROLES: [&str; 2] = ["c", "b"];
 
-/// The length of the longest arrow in parts of what is seen.
-const LONGEST_ARROW: f64 = 0.4;
+/// Length of the longest arrow relative to the size of the visible area.
+const MAX_ARROW: f64 = 0.4;
 
 impl Pair {
-    /// The pair of a collision.
-    pub fn new(meeting: &Meeting, options: &FigureOptions) -> Pair {
-        let [c, b] = &meeting.bodies;
-        let (collision, bodies) = in_roles(&meeting.collision, [c, b]);
-        let boxes = near_parts(&collision.rects);
+    /// Creates the pair of a collision.
+    pub fn new(subject: &CollisionSubject, options: &FigureOptions) -> Pair {
+        let [c, b] = &subject.bodies;
+        let (collision, bodies) = assign_roles(&subject.collision, [c, b]);
+        let boxes = cropped_bounds(&collision.rects);
         let size = larger(boxes.width(), boxes.height());
         let speeds = collision.before.iter().chain(&collision.after).map(|velocity| velocity.norm());
         let top = speeds.fold(0.0, larger);
-        let time = if top > 0.0 { LONGEST_ARROW * size / top } else { 0.0 };
+        let arrow_seconds = if top > 0.0 { MAX_ARROW * size / top } else { 0.0 };
         let names = [0, 1].map(|at| match bodies[at].name.as_str() {
             name if name == ROLES[at] => format!("\"{name}\""),
             name => format!("{}: \"{}\"", ROLES[at], name.replace('"', "'")),
         });
-        let colors = [0, 1].map(|at| color(bodies[at], collision.before[at], options));
-        let mut pair = Pair { collision, names, colors, area: boxes, time };
-        let apart = near_parts(&pair.displaced());
-        pair.area = pair.with_arrows(union(&boxes, &apart), size);
+        let colors = [0, 1].map(|at| body_color(bodies[at], collision.before[at], options));
+        let mut pair = Pair { collision, names, colors, area: boxes, arrow_seconds };
+        let displaced = cropped_bounds(&pair.displaced());
+        pair.area = pair.with_arrows(union(&boxes, &displaced), size);
         pair
     }
 
     fn with_arrows(&self, boxes: Rect, size: f64) -> Rect {
-        let starts = self.collision.rects.map(|rect| visible_middle(&rect, &boxes));
+        let starts = self.collision.rects.map(|rect| visible_center(&rect, &boxes));
         let tips = [self.collision.before, self.collision.after]
             .into_iter()
-            .flat_map(|velocities| [0, 1].map(|at| starts[at].add(velocities[at].mult(self.time))));
+            .flat_map(|velocities| [0, 1].map(|at| starts[at].add(velocities[at].mult(self.arrow_seconds))));
         let all = tips.map(|tip| Rect::new(tip, 0.0, 0.0)).fold(boxes, |all, tip| union(&all, &tip));
-        let by = 0.06 * size;
-        Rect::new(all.origin.sub(Vector::new(by, by)), all.width() + 2.0 * by, all.height() + 2.0 * by)
+        let margin = 0.06 * size;
+        Rect::new(all.origin.sub(Vector::new(margin, margin)), all.width() + 2.0 * margin, all.height() + 2.0 * margin)
     }
 
-    /// The same pair in paler colours.
-    pub fn paler(&self, look: &Look) -> Pair {
-        Pair { colors: self.colors.map(|color| color.mix(look.palette.background, 45)), ..self.clone() }
+    /// The pair in colours faded towards the background.
+    pub fn faded(&self, metrics: &Metrics) -> Pair {
+        Pair { colors: self.colors.map(|color| color.mix(metrics.palette.background, 45)), ..self.clone() }
     }
 
-    /// Pixels per metre with which all of it is seen in a panel.
-    pub fn scale(&self, room: &Rect) -> f64 {
-        Camera::over(&self.area, [1, 1], *room, 0.0).scale
+    /// The scale, in pixels per metre, with which the visible area fits into a panel.
+    pub fn scale(&self, panel: &Rect) -> f64 {
+        Camera::fit(&self.area, [1, 1], *panel, 0.0).scale
     }
 
-    /// The camera that shows the pair with so many pixels per metre.
-    pub fn camera(&self, room: &Rect, scale: f64) -> Camera {
-        let middle = self.area.center().sub(room.center().mult(1.0 / scale));
-        Camera { scale, origin: middle, ..Camera::over(&self.area, [1, 1], *room, 0.0) }
+    /// The camera that shows the pair in a panel with `scale` pixels per metre.
+    pub fn camera(&self, panel: &Rect, scale: f64) -> Camera {
+        let origin = self.area.center().sub(panel.center().mult(1.0 / scale));
+        Camera { scale, origin, ..Camera::fit(&self.area, [1, 1], *panel, 0.0) }
     }
 
-    /// The boxes where they met, with their names.
-    pub fn draw_met(&self, room: &Rect, scale: f64, arrows: &[Arrow], panels: &mut Panels) {
-        let camera = self.camera(room, scale);
-        let shapes = self.named_boxes(&camera, &self.collision.rects, arrows, &panels.look);
-        panels.shapes.push(Shape::Clip { window: *room, shapes });
+    /// Draws the boxes at contact, with their names.
+    pub fn draw_at_contact(&self, panel: &Rect, scale: f64, arrows: &[Arrow], panels: &mut Panels) {
+        let camera = self.camera(panel, scale);
+        let shapes = self.named_boxes(&camera, &self.collision.rects, arrows, &panels.metrics);
+        panels.shapes.push(Shape::Clip { window: *panel, shapes });
     }
 
-    /// Where the two are once each was displaced by its share.
+    /// The boxes after each is displaced by its share of the penetration.
     pub fn displaced(&self) -> [Rect; 2] {
         let mut rects = self.collision.rects;
         let [share_c, share_b] = self.collision.shares;
@@ -93,72 +93,79 @@ impl Pair {
         rects
     }
 
-    /// The boxes with their names in corners where no arrow is.
-    pub fn named_boxes(&self, camera: &Camera, rects: &[Rect; 2], arrows: &[Arrow], look: &Look) -> Vec<Shape> {
-        let mut shapes = self.boxes(camera, rects, look);
-        for name in self.names(camera, rects, arrows, look) {
+    /// The boxes with their names in corners without arrows.
+    pub fn named_boxes(&self, camera: &Camera, rects: &[Rect; 2], arrows: &[Arrow], metrics: &Metrics) -> Vec<Shape> {
+        let mut shapes = self.boxes(camera, rects, metrics);
+        for name in self.names(camera, rects, arrows, metrics) {
             name.draw_bare(&mut shapes);
         }
         shapes
     }
 
-    /// The names of the boxes that have room for them.
-    pub fn names(&self, camera: &Camera, rects: &[Rect; 2], arrows: &[Arrow], look: &Look) -> Vec<Label> {
-        let mut labels = Labels::within(camera.window);
-        arrows.iter().for_each(|arrow| labels.avoid_line(arrow.from, arrow.to, 1.0));
-        self.collision.rects.iter().for_each(|rect| labels.avoid_border(&camera.rect(rect), 1.0));
-        let name = |at: usize| self.name_in_corner(at, &camera.rect(&rects[at]), camera, &labels, look);
+    /// The names of the boxes, where they fit.
+    pub fn names(&self, camera: &Camera, rects: &[Rect; 2], arrows: &[Arrow], metrics: &Metrics) -> Vec<Label> {
+        let mut placer = LabelPlacer::within(camera.viewport);
+        arrows.iter().for_each(|arrow| placer.avoid_line(arrow.from, arrow.to, 1.0));
+        self.collision.rects.iter().for_each(|rect| placer.avoid_border(&camera.rect(rect), 1.0));
+        let name = |at: usize| self.name_in_corner(at, &camera.rect(&rects[at]), camera, &placer, metrics);
         [0, 1].into_iter().filter_map(name).collect()
     }
 
-    /// The larger box first, so that the smaller one is seen.
-    pub fn boxes(&self, camera: &Camera, rects: &[Rect; 2], look: &Look) -> Vec<Shape> {
+    /// The boxes, the larger one first, so that the smaller one stays visible.
+    pub fn boxes(&self, camera: &Camera, rects: &[Rect; 2], metrics: &Metrics) -> Vec<Shape> {
         let mut shapes = Vec::new();
         let size = |at: usize| rects[at].width() * rects[at].height();
         let order = if size(0) > size(1) { [0, 1] } else { [1, 0] };
         for at in order {
-            draw_box(&camera.rect(&rects[at]), self.colors[at], look, &mut shapes);
+            draw_box(&camera.rect(&rects[at]), self.colors[at], metrics, &mut shapes);
         }
         shapes
     }
 
-    /// The name of a box, or only its role, as there is room; in the corner that is freest, and of
-    /// equals the one farthest from where the two meet.
-    fn name_in_corner(&self, at: usize, seen: &Rect, camera: &Camera, labels: &Labels, look: &Look) -> Option<Label> {
-        let margin = 4.0 * look.line;
-        let part = inset(&overlap(seen, &camera.window)?, margin);
-        let lines = [self.names[at].as_str(), ROLES[at]].map(|name| Line::math(name, 0.9 * look.text));
-        let line = lines.into_iter().find(|line| line.width <= part.width() && line.height() <= part.height())?;
-        let (near, far) = (part.origin, part.far_corner());
+    /// The name of a box, or only its role if the name does not fit, in the corner of the least label cost. Of equal
+    /// corners the one farthest from the contact is used.
+    fn name_in_corner(
+        &self,
+        at: usize,
+        page_rect: &Rect,
+        camera: &Camera,
+        placer: &LabelPlacer,
+        metrics: &Metrics,
+    ) -> Option<Label> {
+        let margin = 4.0 * metrics.line_width;
+        let visible = inset(&intersection(page_rect, &camera.viewport)?, margin);
+        let lines = [self.names[at].as_str(), ROLES[at]].map(|name| Line::math(name, 0.9 * metrics.font_size));
+        let line = lines.into_iter().find(|line| line.width <= visible.width() && line.height() <= visible.height())?;
+        let (near, far) = (visible.origin, visible.far_corner());
         let (right, low) = (far.x - line.width, far.y - line.height());
         let corners = [(near.x, near.y), (right, near.y), (near.x, low), (right, low)];
-        let meeting = camera.point(contact(&self.collision.rects));
-        let mut places = corners.map(|(x, y)| Rect::new(Vector::new(x, y), line.width, line.height()));
-        let distance = |place: &Rect| place.center().sub(meeting).norm().round();
-        places.sort_by(|a, b| distance(b).total_cmp(&distance(a)));
-        let (place, _) = labels.best(places.into_iter())?;
-        Some(Label::at(&place, line, look.palette.text_on(self.colors[at])))
+        let contact = camera.point(contact_center(&self.collision.rects));
+        let mut candidates = corners.map(|(x, y)| Rect::new(Vector::new(x, y), line.width, line.height()));
+        let distance = |bounds: &Rect| bounds.center().sub(contact).norm().round();
+        candidates.sort_by(|a, b| distance(b).total_cmp(&distance(a)));
+        let (bounds, _) = placer.best(candidates.into_iter())?;
+        Some(Label::in_bounds(&bounds, line, metrics.palette.text_on(self.colors[at])))
     }
 
-    /// The velocities, each from the middle of what is seen of its box.
+    /// The velocity arrows, from the middle of the visible part of each box.
     pub fn arrows(
         &self,
         camera: &Camera,
         rects: &[Rect; 2],
         velocities: &[Vector; 2],
         color: Color,
-        look: &Look,
+        metrics: &Metrics,
     ) -> [Arrow; 2] {
         [0, 1].map(|at| {
-            let from = camera.point(visible_middle(&rects[at], &self.area));
-            let to = from.add(velocities[at].mult(self.time * camera.scale));
-            Arrow { from, to, width: 1.5 * look.line, color }
+            let from = camera.point(visible_center(&rects[at], &self.area));
+            let to = from.add(velocities[at].mult(self.arrow_seconds * camera.scale));
+            Arrow { from, to, width: 1.5 * metrics.line_width, color }
         })
     }
 }
 
-/// The collision as it is if the bodies change names where that suits their roles better.
-fn in_roles<'a>(collision: &Collision, bodies: [&'a Appearance; 2]) -> (Collision, [&'a Appearance; 2]) {
+/// The collision and its bodies, swapped if necessary so that they are in the order of [`ROLES`].
+fn assign_roles<'a>(collision: &Collision, bodies: [&'a Appearance; 2]) -> (Collision, [&'a Appearance; 2]) {
     let rank = |body: &Appearance| (body.mass == f64::INFINITY, body.id);
     let [c, b] = bodies;
     if rank(c) <= rank(b) {
@@ -178,11 +185,11 @@ fn in_roles<'a>(collision: &Collision, bodies: [&'a Appearance; 2]) -> (Collisio
     (other, [b, c])
 }
 
-/// The colour the body has in frames.
-fn color(body: &Appearance, velocity: Vector, options: &FigureOptions) -> Color {
-    let look = Look::new(options.style.theme, options.size);
+/// The colour of the body, as in frames.
+fn body_color(body: &Appearance, velocity: Vector, options: &FigureOptions) -> Color {
+    let metrics = Metrics::new(options.style.theme, options.size);
     if body.is_wall {
-        return look.palette.wall;
+        return metrics.palette.wall;
     }
     let sprite = Sprite {
         appearance: Arc::new(body.clone()),
@@ -193,26 +200,26 @@ fn color(body: &Appearance, velocity: Vector, options: &FigureOptions) -> Color 
     palette::body_color(&sprite, &options.style)
 }
 
-/// Both boxes, but of one that is far larger than the other only what is beside that.
-fn near_parts([c, b]: &[Rect; 2]) -> Rect {
-    union(&near_part(c, b), &near_part(b, c))
+/// The union of both boxes; a box more than four times larger than the other is cropped around it.
+fn cropped_bounds([c, b]: &[Rect; 2]) -> Rect {
+    union(&crop(c, b), &crop(b, c))
 }
 
-fn near_part(rect: &Rect, other: &Rect) -> Rect {
+fn crop(rect: &Rect, other: &Rect) -> Rect {
     let size = larger(other.width(), other.height());
-    let cut = |from: f64, to: f64, low: f64, high: f64| {
+    let crop_axis = |from: f64, to: f64, low: f64, high: f64| {
         if to - from <= 4.0 * size {
             return [from, to];
         }
         [larger(from, low - 0.6 * size), smaller(to, high + 0.6 * size)]
     };
     let (far, other_far) = (rect.far_corner(), other.far_corner());
-    let [left, right] = cut(rect.origin.x, far.x, other.origin.x, other_far.x);
-    let [top, bottom] = cut(rect.origin.y, far.y, other.origin.y, other_far.y);
+    let [left, right] = crop_axis(rect.origin.x, far.x, other.origin.x, other_far.x);
+    let [top, bottom] = crop_axis(rect.origin.y, far.y, other.origin.y, other_far.y);
     Rect::new(Vector::new(left, top), right - left, bottom - top)
 }
 
-/// The middle of what is seen of a rectangle.
-fn visible_middle(rect: &Rect, area: &Rect) -> Vector {
-    overlap(rect, area).map_or(rect.center(), |part| part.center())
+/// The middle of the visible part of a rectangle; of the whole rectangle if none is visible.
+fn visible_center(rect: &Rect, area: &Rect) -> Vector {
+    intersection(rect, area).map_or(rect.center(), |visible| visible.center())
 }

@@ -1,37 +1,37 @@
-use super::{FigureOptions, Meeting, Run};
+use super::{CollisionSubject, FigureOptions, FigureRun};
 use crate::physics::{Rect, Vector};
 use crate::render::area::{inset, larger, smaller};
-use crate::render::layers::legend::{Legend, Place};
+use crate::render::layers::legend::{Alignment, Legend};
 use crate::render::text::Line;
-use crate::render::{Aim, Camera, DisplayList, Frame, Ink, Look, Shape, View};
+use crate::render::{Camera, CameraTarget, DisplayList, Frame, Ink, Metrics, Shape, View};
 
-/// A figure being made: a page with room for panels, and a caption below.
+/// The page of a figure while it is being drawn: an area for panels, with a legend and a caption below.
 pub struct Panels {
-    /// Colours and sizes.
-    pub look: Look,
-    /// What is not caption or margin, px.
-    pub room: Rect,
+    /// Colours, font size and line width.
+    pub metrics: Metrics,
+    /// The area left for panels, px.
+    pub content: Rect,
     size: [u32; 2],
-    /// Drawn in this order.
+    /// The shapes drawn so far, in drawing order.
     pub shapes: Vec<Shape>,
 }
 
-/// Height of what is above a titled panel, in texts' heights.
+/// Height of the title above a panel, in font sizes.
 pub const TITLE: f64 = 1.8;
 
 impl Panels {
-    /// An empty page with a caption and a legend below.
+    /// Creates a page with the caption of `options` and a legend.
     pub fn new(options: &FigureOptions, legend: &Legend) -> Panels {
-        let look = Look::new(options.style.theme, options.size);
-        Panels::on(options.size, look, &options.style.caption, legend)
+        let metrics = Metrics::new(options.style.theme, options.size);
+        Panels::with_metrics(options.size, metrics, &options.style.caption, legend)
     }
 
-    /// An empty page of that size and look.
-    pub fn on(size: [u32; 2], look: Look, caption: &str, legend: &Legend) -> Panels {
+    /// Creates a page of the given size and metrics with a caption and a legend.
+    pub fn with_metrics(size: [u32; 2], metrics: Metrics, caption: &str, legend: &Legend) -> Panels {
         let [width, height] = size.map(f64::from);
-        let margin = look.text.round();
-        let room = Rect::new(Vector::new(margin, margin), width - 2.0 * margin, height - 2.0 * margin);
-        let mut panels = Panels { look, room, size, shapes: Vec::new() };
+        let margin = metrics.font_size.round();
+        let content = Rect::new(Vector::new(margin, margin), width - 2.0 * margin, height - 2.0 * margin);
+        let mut panels = Panels { metrics, content, size, shapes: Vec::new() };
         panels.caption(caption);
         panels.legend(legend);
         panels
@@ -41,172 +41,175 @@ impl Panels {
         if caption.is_empty() {
             return;
         }
-        let lines = [1.0, 0.85, 0.7].map(|size| Line::plain(caption, size * self.look.text));
+        let lines = [1.0, 0.85, 0.7].map(|size| Line::plain(caption, size * self.metrics.font_size));
         let [.., last] = &lines;
-        let line = lines.iter().find(|line| line.width <= self.room.width()).unwrap_or(last).clone();
-        let strip = self.take_below(1.5 * self.look.text);
-        let ink = self.look.palette.ink.into();
+        let line = lines.iter().find(|line| line.width <= self.content.width()).unwrap_or(last).clone();
+        let strip = self.split_bottom(1.5 * self.metrics.font_size);
+        let ink = self.metrics.palette.ink.into();
         self.centered(line, Vector::new(strip.center().x, strip.far_corner().y), ink);
     }
 
     fn legend(&mut self, legend: &Legend) {
         if !legend.entries.is_empty() {
-            let strip = self.take_below(1.5 * self.look.text);
-            let low =
-                Rect::new(strip.origin.add(Vector::new(0.0, 0.5 * self.look.text)), strip.width(), self.look.text);
-            legend.draw(&low, Place::Middle, &self.look, &mut self.shapes);
+            let strip = self.split_bottom(1.5 * self.metrics.font_size);
+            let legend_strip = Rect::new(
+                strip.origin.add(Vector::new(0.0, 0.5 * self.metrics.font_size)),
+                strip.width(),
+                self.metrics.font_size,
+            );
+            legend.draw(&legend_strip, Alignment::Center, &self.metrics, &mut self.shapes);
         }
     }
 
-    /// Cuts a strip off the lower end of the room.
-    pub fn take_below(&mut self, height: f64) -> Rect {
-        let (room, rest) = (self.room, self.room.height() - height);
-        self.room = Rect::new(room.origin, room.width(), rest);
-        Rect::new(room.origin.add(Vector::new(0.0, rest)), room.width(), height)
+    /// Cuts a strip off the lower end of the content area and returns it.
+    pub fn split_bottom(&mut self, height: f64) -> Rect {
+        let (content, rest) = (self.content, self.content.height() - height);
+        self.content = Rect::new(content.origin, content.width(), rest);
+        Rect::new(content.origin.add(Vector::new(0.0, rest)), content.width(), height)
     }
 
-    /// A place for each of several runs, with its title above; all of the room for a single one.
-    pub fn titled(&mut self, titles: &[&str], columns: usize) -> Vec<Rect> {
+    /// Draws a title for each of several cells and returns the areas below the titles. A single cell has no title and
+    /// fills the content area.
+    pub fn titled_cells(&mut self, titles: &[&str], columns: usize) -> Vec<Rect> {
         if titles.len() < 2 {
-            return vec![self.room; titles.len()];
+            return vec![self.content; titles.len()];
         }
-        let above = TITLE * self.look.text;
-        let places = self.grid(titles.len(), columns);
-        let ink = self.look.palette.ink.into();
-        for (title, place) in titles.iter().zip(&places) {
-            let lines = [1.0, 0.85, 0.7].map(|size| Line::plain(title, size * self.look.text));
+        let above = TITLE * self.metrics.font_size;
+        let cells = self.grid(titles.len(), columns);
+        let ink = self.metrics.palette.ink.into();
+        for (title, cell) in titles.iter().zip(&cells) {
+            let lines = [1.0, 0.85, 0.7].map(|size| Line::plain(title, size * self.metrics.font_size));
             let [.., last] = &lines;
-            let line = lines.iter().find(|line| line.width <= place.width()).unwrap_or(last).clone();
-            self.centered(line, Vector::new(place.center().x, place.origin.y + self.look.text), ink);
+            let line = lines.iter().find(|line| line.width <= cell.width()).unwrap_or(last).clone();
+            self.centered(line, Vector::new(cell.center().x, cell.origin.y + self.metrics.font_size), ink);
         }
         let below =
-            |place: Rect| Rect::new(place.origin.add(Vector::new(0.0, above)), place.width(), place.height() - above);
-        places.into_iter().map(below).collect()
+            |cell: Rect| Rect::new(cell.origin.add(Vector::new(0.0, above)), cell.width(), cell.height() - above);
+        cells.into_iter().map(below).collect()
     }
 
-    /// The room in equal parts, `columns` in a row, with gaps between.
+    /// Divides the content area into `count` equal cells with gaps, `columns` per row.
     pub fn grid(&self, count: usize, columns: usize) -> Vec<Rect> {
         let rows = count.div_ceil(columns).max(1);
-        let gap = self.look.text.round();
-        let width = ((self.room.width() - gap * (columns - 1) as f64) / columns as f64).floor();
-        let height = ((self.room.height() - gap * (rows - 1) as f64) / rows as f64).floor();
-        let place = |at: usize| {
+        let gap = self.metrics.font_size.round();
+        let width = ((self.content.width() - gap * (columns - 1) as f64) / columns as f64).floor();
+        let height = ((self.content.height() - gap * (rows - 1) as f64) / rows as f64).floor();
+        let cell = |at: usize| {
             let (column, row) = ((at % columns) as f64, (at / columns) as f64);
-            Rect::new(self.room.origin.add(Vector::new(column * (width + gap), row * (height + gap))), width, height)
+            Rect::new(self.content.origin.add(Vector::new(column * (width + gap), row * (height + gap))), width, height)
         };
-        (0..count).map(place).collect()
+        (0..count).map(cell).collect()
     }
 
-    /// The number of columns with which pictures of these extents are seen largest, with so much
-    /// written above and below each, px.
-    pub fn columns(&self, extents: &[Vector], written: f64) -> usize {
+    /// The number of columns that allows the largest scale for pictures of these extents, with `text_height` px of text
+    /// above and below each picture.
+    pub fn columns(&self, extents: &[Vector], text_height: f64) -> usize {
         let widest = extents.iter().fold(Vector::ZERO, |a, b| Vector::new(larger(a.x, b.x), larger(a.y, b.y)));
         let scale = |columns: usize| {
-            let (across, rows) = (columns as f64, extents.len().div_ceil(columns) as f64);
-            let gap = self.look.text;
-            let width = (self.room.width() + gap) / across - gap;
-            let height = (self.room.height() + gap) / rows - gap - written;
+            let (column_count, rows) = (columns as f64, extents.len().div_ceil(columns) as f64);
+            let gap = self.metrics.font_size;
+            let width = (self.content.width() + gap) / column_count - gap;
+            let height = (self.content.height() + gap) / rows - gap - text_height;
             smaller(width / widest.x, height / widest.y)
         };
         let better = |best: usize, columns: usize| if scale(columns) > scale(best) { columns } else { best };
         (1..=extents.len()).reduce(better).unwrap_or(1)
     }
 
-    /// Writes a line around the middle `at` of its baseline.
+    /// Draws a line of text with the middle of its baseline at `at`.
     pub fn centered(&mut self, line: Line, at: Vector, ink: Ink) {
         let at = Vector::new((at.x - line.width / 2.0).round(), at.y.round());
         self.shapes.push(Shape::Text { line, at, ink });
     }
 
-    /// A thin frame around a panel whose content is cut off there.
-    pub fn frame(&mut self, room: &Rect) {
-        let thin = (self.look.line / 2.0).ceil();
-        self.shapes.extend(outline(&inset(room, thin), thin, self.look.palette.wall_edge.into()));
+    /// Draws a thin frame around a panel whose content is clipped.
+    pub fn draw_frame(&mut self, panel: &Rect) {
+        let thin = (self.metrics.line_width / 2.0).ceil();
+        self.shapes.extend(outline(&inset(panel, thin), thin, self.metrics.palette.wall_edge.into()));
     }
 
-    /// The finished page.
+    /// Returns the display list of the page.
     pub fn finish(self) -> DisplayList {
         DisplayList {
             size: self.size,
-            background: self.look.palette.background,
+            background: self.metrics.palette.background,
             backdrop: Vec::new(),
             shapes: self.shapes,
         }
     }
 }
 
-/// A page with a row for each collision, as `row` draws it.
-pub fn in_rows(
-    meetings: &[Meeting],
+/// A page with one row per collision, drawn by `row`.
+pub fn draw_rows(
+    subjects: &[CollisionSubject],
     options: &FigureOptions,
-    row: impl Fn(&Meeting, &mut Panels, &FigureOptions),
+    row: impl Fn(&CollisionSubject, &mut Panels, &FigureOptions),
 ) -> DisplayList {
     let mut panels = Panels::new(options, &Legend::of(&options.style));
-    let titles: Vec<&str> = meetings.iter().map(|meeting| meeting.title.as_str()).collect();
-    let page = panels.room;
-    for (meeting, place) in meetings.iter().zip(panels.titled(&titles, 1)) {
-        panels.room = place;
-        row(meeting, &mut panels, options);
-        panels.room = page;
+    let titles: Vec<&str> = subjects.iter().map(|subject| subject.title.as_str()).collect();
+    let page_content = panels.content;
+    for (subject, cell) in subjects.iter().zip(panels.titled_cells(&titles, 1)) {
+        panels.content = cell;
+        row(subject, &mut panels, options);
+        panels.content = page_content;
     }
     panels.finish()
 }
 
-/// The part of a panel that is not caption.
-pub fn above_caption(place: &Rect, look: &Look) -> Rect {
-    Rect::new(place.origin, place.width(), place.height() - 2.0 * look.text)
+/// The part of a cell above its caption.
+pub fn above_caption(cell: &Rect, metrics: &Metrics) -> Rect {
+    Rect::new(cell.origin, cell.width(), cell.height() - 2.0 * metrics.font_size)
 }
 
-/// What is written below a panel.
-pub fn caption(room: &Rect, markup: &str, panels: &mut Panels) {
-    let line = Line::math(markup, panels.look.text);
-    let at = Vector::new(room.center().x, room.far_corner().y + 1.5 * panels.look.text);
-    panels.centered(line, at, panels.look.palette.ink.into());
+/// Draws the caption below a panel.
+pub fn caption(panel: &Rect, markup: &str, panels: &mut Panels) {
+    let line = Line::math(markup, panels.metrics.font_size);
+    let at = Vector::new(panel.center().x, panel.far_corner().y + 1.5 * panels.metrics.font_size);
+    panels.centered(line, at, panels.metrics.palette.ink.into());
 }
 
-/// What of a world is aimed at, in the middle of a part of the page, with a margin for its walls,
-/// px; without a frame it is followed in none.
-pub fn world_view(room: &Rect, margin: f64, run: &Run, frame: &Frame, options: &FigureOptions) -> View {
+/// The view of the camera target at `frame`, in the middle of `panel`, with a margin for the walls, px.
+pub fn world_view(panel: &Rect, margin: f64, run: &FigureRun, frame: &Frame, options: &FigureOptions) -> View {
     let world = Rect::new(Vector::ZERO, run.world.x, run.world.y);
-    let area = match &options.aim {
-        Aim::World => world,
-        Aim::Window(area) => *area,
-        Aim::Follow { size, .. } => Rect::new(world.center().sub(size.mult(0.5)), size.x, size.y),
+    let area = match &options.camera_target {
+        CameraTarget::World => world,
+        CameraTarget::Window(area) => *area,
+        CameraTarget::Follow { size, .. } => Rect::new(world.center().sub(size.mult(0.5)), size.x, size.y),
     };
-    let camera = Camera::over(&area, options.size, *room, margin);
-    let window = inset(&camera.rect(&area), -margin);
-    let camera = Camera { window, world: run.world, ..camera };
-    let follow = options.aim.follows().map(str::to_owned);
+    let camera = Camera::fit(&area, options.size, *panel, margin);
+    let viewport = inset(&camera.rect(&area), -margin);
+    let camera = Camera { viewport, world: run.world, ..camera };
+    let follow = options.camera_target.followed_body().map(str::to_owned);
     let view = View { camera, follow, style: options.style.clone() };
-    View { camera: view.camera_at(frame), follow: None, ..view }
+    View { camera: view.camera_for(frame), follow: None, ..view }
 }
 
-/// Width and height of what is aimed at, m.
-pub fn extent(run: &Run, options: &FigureOptions) -> Vector {
-    match &options.aim {
-        Aim::World => run.world,
-        Aim::Window(area) => Vector::new(area.width(), area.height()),
-        Aim::Follow { size, .. } => *size,
+/// Width and height of the camera target, m.
+pub fn target_extent(run: &FigureRun, options: &FigureOptions) -> Vector {
+    match &options.camera_target {
+        CameraTarget::World => run.world,
+        CameraTarget::Window(area) => Vector::new(area.width(), area.height()),
+        CameraTarget::Follow { size, .. } => *size,
     }
 }
 
-/// A frame of four thin rectangles around the outside of another, px.
+/// A frame around the outside of a rectangle, as four rectangles of `width` px.
 pub fn outline(rect: &Rect, width: f64, ink: Ink) -> [Shape; 4] {
     let (near, far) = (rect.origin, rect.far_corner());
     let side = |x: f64, y: f64, width: f64, height: f64| Shape::Rect {
         rect: Rect::new(Vector::new(x, y), width, height),
         ink,
     };
-    let across = rect.width() + 2.0 * width;
+    let full_width = rect.width() + 2.0 * width;
     [
-        side(near.x - width, near.y - width, across, width),
-        side(near.x - width, far.y, across, width),
+        side(near.x - width, near.y - width, full_width, width),
+        side(near.x - width, far.y, full_width, width),
         side(near.x - width, near.y, width, rect.height()),
         side(far.x, near.y, width, rect.height()),
     ]
 }
 
-/// The pieces of a dashed line.
+/// The segments of a dashed line.
 pub fn dashed(from: Vector, to: Vector, dash: f64, width: f64, ink: Ink) -> Vec<Shape> {
     let length = to.sub(from).norm();
     if length == 0.0 || !length.is_finite() {
@@ -214,10 +217,10 @@ pub fn dashed(from: Vector, to: Vector, dash: f64, width: f64, ink: Ink) -> Vec<
     }
     let at = |along: f64| from.add(to.sub(from).mult(along / length));
     let count = (length / (2.0 * dash)).ceil() as u32;
-    let piece = |number: u32| {
+    let segment = |number: u32| {
         let start = f64::from(number) * 2.0 * dash;
         let end = if start + dash < length { start + dash } else { length };
         Shape::Polyline { points: vec![at(start), at(end)], width, ink }
     };
-    (0..count).map(piece).collect()
+    (0..count).map(segment).collect()
 }

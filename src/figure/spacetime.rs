@@ -1,77 +1,71 @@
-use super::axes::{Axes, Range, Titles};
+use super::axes::{Axes, AxisTitles, Range};
 use super::panels::Panels;
 use super::run::legend;
-use super::{FigureOptions, Run};
-use crate::physics::{BodyId, Rect, Vector};
+use super::{FigureOptions, FigureRun};
+use crate::physics::{Axis, BodyId, Rect, Vector};
 use crate::render::area::{larger, smaller};
 use crate::render::layers::bodies::border_color;
 use crate::render::text::Line;
-use crate::render::{Aim, Color, DisplayList, Ink, Look, Palette, Shape, Sprite, palette};
+use crate::render::{CameraTarget, Color, DisplayList, Ink, Metrics, Palette, Shape, Sprite, palette};
 use crate::scene::Overlay;
 use std::collections::BTreeMap;
 
-/// Which coordinate a diagram shows.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Axis {
-    /// To the right.
-    X,
-    /// Downwards, and drawn so.
-    Y,
-}
+/// Maximum number of labelled bodies; with more bodies there are no labels.
+const MAX_LABELS: usize = 24;
 
-/// More bodies than that are not named.
-const NAMED: usize = 24;
-
-/// Where each body is over time: a band as wide as the body, so that bands that touch are
-/// bodies that touch. Several runs have the same scales.
-pub fn spacetime(runs: &[Run], axis: Axis, options: &FigureOptions) -> DisplayList {
+/// Draws the position of each body along an axis over time, as a band as wide as the body: bands touch where bodies
+/// touch. The y axis points downwards, as in the world. Several runs have the same scales.
+pub fn spacetime(runs: &[FigureRun], axis: Axis, options: &FigureOptions) -> DisplayList {
     let mut panels = Panels::new(options, &legend(runs, options));
     let bands: Vec<Vec<Band>> = runs.iter().map(|run| bands(run, axis, options)).collect();
-    let Some((time, place)) = ranges(runs, &bands, axis, options) else { return panels.finish() };
-    let (place, titles) = match axis {
-        Axis::X => (place, Titles { x: "t / \"s\"", y: "x / \"m\"" }),
-        Axis::Y => (Range { from: place.to, to: place.from }, Titles { x: "t / \"s\"", y: "y / \"m\"" }),
+    let Some((time, positions)) = ranges(runs, &bands, axis, options) else { return panels.finish() };
+    let (positions, titles) = match axis {
+        Axis::X => (positions, AxisTitles { x: "t / \"s\"", y: "x / \"m\"" }),
+        Axis::Y => (Range { from: positions.to, to: positions.from }, AxisTitles { x: "t / \"s\"", y: "y / \"m\"" }),
     };
     let names: Vec<&str> = runs.iter().map(|run| run.title.as_str()).collect();
-    // Several runs have a legend.
-    let is_named = options.style.shows(Overlay::Name) && runs.len() == 1;
-    for (room, bands) in panels.titled(&names, runs.len()).iter().zip(&bands) {
-        let labels = if is_named { labels(bands, place, &panels.look) } else { Vec::new() };
-        let right = labels.iter().map(|label| label.line.width + 2.0 * panels.look.text).fold(0.0, larger);
-        let axes = Axes::within(room, time, place, right.ceil(), &panels.look);
-        axes.draw(&titles, &panels.look, &mut panels.shapes);
-        let drawn: Vec<Shape> =
-            bands.iter().filter(|band| !band.is_backdrop(place)).flat_map(|band| band.draw(&axes, &panels)).collect();
-        panels.shapes.push(Shape::Clip { window: axes.frame, shapes: drawn });
-        name(labels, &axes, &mut panels);
+    // Figures of several runs have a legend instead.
+    let has_labels = options.style.shows(Overlay::Name) && runs.len() == 1;
+    for (panel, bands) in panels.titled_cells(&names, runs.len()).iter().zip(&bands) {
+        let labels = if has_labels { labels(bands, positions, &panels.metrics) } else { Vec::new() };
+        let right = labels.iter().map(|label| label.line.width + 2.0 * panels.metrics.font_size).fold(0.0, larger);
+        let axes = Axes::within(panel, time, positions, right.ceil(), &panels.metrics);
+        axes.draw(&titles, &panels.metrics, &mut panels.shapes);
+        let shapes: Vec<Shape> = bands
+            .iter()
+            .filter(|band| !band.spans_axis(positions))
+            .flat_map(|band| band.draw(&axes, &panels))
+            .collect();
+        panels.shapes.push(Shape::Clip { window: axes.plot_area, shapes });
+        draw_labels(labels, &axes, &mut panels);
     }
     panels.finish()
 }
 
-/// One body as long as it is alive.
+/// The band of one body during its lifetime.
 struct Band {
     name: String,
     color: Color,
     is_wall: bool,
-    /// Whether it never moves, whatever hits it.
-    is_scenery: bool,
-    spans: Vec<Span>,
+    /// True for static bodies (of infinite mass).
+    is_static: bool,
+    samples: Vec<BandSample>,
 }
 
-/// Where a body is at one instant.
+/// The extent of a body at one instant.
 #[derive(Clone, Copy)]
-struct Span {
-    /// s.
+struct BandSample {
+    /// Simulated time, s.
     time: f64,
-    /// m.
+    /// Lower end, m.
     from: f64,
-    /// m.
+    /// Upper end, m.
     to: f64,
-    /// What it is drawn in from here on.
+    /// The colour of the band from this instant on.
     color: Color,
 }
 
-fn bands(run: &Run, axis: Axis, options: &FigureOptions) -> Vec<Band> {
+fn bands(run: &FigureRun, axis: Axis, options: &FigureOptions) -> Vec<Band> {
     let wall = Palette::of(options.style.theme).wall;
     let mut bands: BTreeMap<BodyId, Band> = BTreeMap::new();
     for frame in &run.frames {
@@ -80,17 +74,18 @@ fn bands(run: &Run, axis: Axis, options: &FigureOptions) -> Vec<Band> {
                 name: sprite.appearance.name.clone(),
                 color: if sprite.appearance.is_wall { wall } else { palette::body_color(sprite, &options.style) },
                 is_wall: sprite.appearance.is_wall,
-                is_scenery: sprite.appearance.mass == f64::INFINITY,
-                spans: Vec::new(),
+                is_static: sprite.appearance.mass == f64::INFINITY,
+                samples: Vec::new(),
             });
             let [from, to] = extent(sprite, axis);
             let color = if band.is_wall { wall } else { palette::body_color(sprite, &options.style) };
-            band.spans.push(Span { time: frame.time, from, to, color });
+            band.samples.push(BandSample { time: frame.time, from, to, color });
         }
     }
-    let mut bands: Vec<Band> = bands.into_values().filter(|band| !band.is_wall || band.is_beside(run, axis)).collect();
-    // What moves is seen in front of what does not.
-    bands.sort_by_key(|band| !band.is_scenery);
+    let mut bands: Vec<Band> =
+        bands.into_values().filter(|band| !band.is_wall || band.bounds_world(run, axis)).collect();
+    // Moving bodies are drawn over static ones.
+    bands.sort_by_key(|band| !band.is_static);
     bands
 }
 
@@ -102,10 +97,10 @@ fn extent(sprite: &Sprite, axis: Axis) -> [f64; 2] {
     }
 }
 
-/// The whole time, and all places where a body ever is, or those in the window aimed at.
-fn ranges(runs: &[Run], bands: &[Vec<Band>], axis: Axis, options: &FigureOptions) -> Option<(Range, Range)> {
+/// The ranges of the two axes: all of the time, and the positions of all bodies or those in the camera's window.
+fn ranges(runs: &[FigureRun], bands: &[Vec<Band>], axis: Axis, options: &FigureOptions) -> Option<(Range, Range)> {
     let time = Range::of(runs.iter().flat_map(|run| &run.frames).map(|frame| frame.time))?;
-    if let Aim::Window(area) = &options.aim {
+    if let CameraTarget::Window(area) = &options.camera_target {
         let (near, far) = (area.origin, area.far_corner());
         let [from, to] = match axis {
             Axis::X => [near.x, far.x],
@@ -113,126 +108,130 @@ fn ranges(runs: &[Run], bands: &[Vec<Band>], axis: Axis, options: &FigureOptions
         };
         return Some((time, Range { from, to }));
     }
-    let of = |scenery: bool| {
-        let bands = bands.iter().flatten().filter(move |band| band.is_scenery == scenery);
-        Range::of(bands.flat_map(|band| band.spans.iter().flat_map(|span| [span.from, span.to])))
+    let of = |is_static: bool| {
+        let bands = bands.iter().flatten().filter(move |band| band.is_static == is_static);
+        Range::of(bands.flat_map(|band| band.samples.iter().flat_map(|sample| [sample.from, sample.to])))
     };
-    let places = of(false).or(of(true))?;
+    let all_positions = of(false).or(of(true))?;
     let world = runs.iter().map(|run| if axis == Axis::X { run.world.x } else { run.world.y }).fold(0.0, larger);
-    // What has left the world is not followed, or the rest would be seen as a line.
-    let seen = Range { from: larger(places.from, 0.0), to: smaller(places.to, world) };
-    let place = if seen.from < seen.to { seen } else { places };
-    Some((time, place.widened(0.05)))
+    // Bodies that have left the world do not extend the range, which would shrink the others to lines.
+    let within_world = Range { from: larger(all_positions.from, 0.0), to: smaller(all_positions.to, world) };
+    let positions = if within_world.from < within_world.to { within_world } else { all_positions };
+    Some((time, positions.widened(0.05)))
 }
 
 impl Band {
-    /// Where the middle of the body is last between two places, m.
+    /// The last position of the body's middle between two positions, m.
     fn last_within(&self, low: f64, high: f64) -> Option<f64> {
-        let middles = self.spans.iter().rev().map(|span| (span.from + span.to) / 2.0);
+        let middles = self.samples.iter().rev().map(|sample| (sample.from + sample.to) / 2.0);
         middles.into_iter().find(|&middle| low <= middle && middle <= high)
     }
 
-    fn label(&self, look: &Look) -> Line {
-        let kept: String = self.name.chars().take(LONGEST).collect();
+    fn label(&self, metrics: &Metrics) -> Line {
+        let kept: String = self.name.chars().take(MAX_LABEL_CHARS).collect();
         let name = if kept.len() < self.name.len() { format!("{}…", kept.trim_end()) } else { kept };
-        Line::plain(&name, 0.8 * look.text)
+        Line::plain(&name, 0.8 * metrics.font_size)
     }
 
-    /// Whether a wall bounds the world along the axis, and does not span it.
-    fn is_beside(&self, run: &Run, axis: Axis) -> bool {
+    /// Returns true if a wall bounds the world along the axis rather than spanning it.
+    fn bounds_world(&self, run: &FigureRun, axis: Axis) -> bool {
         let extent = match axis {
             Axis::X => run.world.x,
             Axis::Y => run.world.y,
         };
-        self.spans.iter().all(|span| span.to <= 0.0 || span.from >= extent)
+        self.samples.iter().all(|sample| sample.to <= 0.0 || sample.from >= extent)
     }
 
-    /// Whether it is scenery that spans most of what the scale shows, such as a floor along x.
-    fn is_backdrop(&self, place: Range) -> bool {
-        let (low, high) = (smaller(place.from, place.to), larger(place.from, place.to));
+    /// Returns true for a static body that spans most of the axis, such as a floor along x.
+    fn spans_axis(&self, positions: Range) -> bool {
+        let (low, high) = (smaller(positions.from, positions.to), larger(positions.from, positions.to));
         let covered = |from: f64, to: f64| smaller(to, high) - larger(from, low);
-        self.is_scenery && self.spans.iter().all(|span| covered(span.from, span.to) > (high - low) / 2.0)
+        self.is_static && self.samples.iter().all(|sample| covered(sample.from, sample.to) > (high - low) / 2.0)
     }
 
     fn draw(&self, axes: &Axes, panels: &Panels) -> Vec<Shape> {
         let mut shapes = Vec::new();
-        let mut rest = &self.spans[..];
-        // A piece for each colour reaches to where the next one begins.
+        let mut rest = &self.samples[..];
+        // One polygon per colour, which extends to the start of the next one.
         while let Some(first) = rest.first() {
-            let same = rest.iter().take_while(|span| span.color == first.color).count();
-            let piece = &rest[..(same + 1).min(rest.len())];
-            let (one, other) = (edge(piece, |span| span.from, axes), edge(piece, |span| span.to, axes));
-            let points = one.into_iter().chain(other.into_iter().rev()).collect();
+            let count = rest.iter().take_while(|sample| sample.color == first.color).count();
+            let section = &rest[..(count + 1).min(rest.len())];
+            let (lower, upper) = (edge(section, |sample| sample.from, axes), edge(section, |sample| sample.to, axes));
+            let points = lower.into_iter().chain(upper.into_iter().rev()).collect();
             shapes.push(Shape::Polygon { points, ink: Ink { color: first.color, opacity: 150 } });
-            rest = &rest[same..];
+            rest = &rest[count..];
         }
-        let border = border_color(self.color, &panels.look).into();
-        let line = |points| Shape::Polyline { points, width: 0.75 * panels.look.line, ink: border };
-        shapes.extend([line(edge(&self.spans, |span| span.from, axes)), line(edge(&self.spans, |span| span.to, axes))]);
+        let border = border_color(self.color, &panels.metrics).into();
+        let line = |points| Shape::Polyline { points, width: 0.75 * panels.metrics.line_width, ink: border };
+        shapes.extend([
+            line(edge(&self.samples, |sample| sample.from, axes)),
+            line(edge(&self.samples, |sample| sample.to, axes)),
+        ]);
         shapes
     }
 }
 
-/// One side of a band, as fine as can be seen.
-fn edge(spans: &[Span], side: impl Fn(&Span) -> f64, axes: &Axes) -> Vec<Vector> {
-    let points = spans.iter().map(|span| axes.point(span.time, side(span)));
-    let mut seen: Vec<Vector> = Vec::new();
+/// One edge of a band. Points closer than half a pixel to the one before are dropped.
+fn edge(samples: &[BandSample], side: impl Fn(&BandSample) -> f64, axes: &Axes) -> Vec<Vector> {
+    let points = samples.iter().map(|sample| axes.point(sample.time, side(sample)));
+    let mut vertices: Vec<Vector> = Vec::new();
     for at in points.filter(|at| at.is_finite()) {
-        if seen.last().is_none_or(|last| at.sub(*last).norm() >= 0.5) {
-            seen.push(at);
+        if vertices.last().is_none_or(|last| at.sub(*last).norm() >= 0.5) {
+            vertices.push(at);
         }
     }
-    seen
+    vertices
 }
 
-/// Letters of a name at most.
-const LONGEST: usize = 20;
+/// Maximum number of characters of a label.
+const MAX_LABEL_CHARS: usize = 20;
 
-/// What is written beside the end of a band.
+/// The label at the end of a band.
 struct BandLabel {
-    /// Where the body is last within the scale, m.
+    /// The last position of the body within the range of the axis, m.
     at: f64,
     color: Color,
     line: Line,
 }
 
-/// The names of bodies where the scale shows them, from above to below.
-fn labels(bands: &[Band], place: Range, look: &Look) -> Vec<BandLabel> {
-    let (low, high) = (smaller(place.from, place.to), larger(place.from, place.to));
-    let named = bands.iter().filter(|band| !band.is_wall && !band.is_backdrop(place));
-    let label =
-        |band: &Band| Some(BandLabel { at: band.last_within(low, high)?, color: band.color, line: band.label(look) });
+/// The labels of the bodies visible in the diagram, from top to bottom.
+fn labels(bands: &[Band], positions: Range, metrics: &Metrics) -> Vec<BandLabel> {
+    let (low, high) = (smaller(positions.from, positions.to), larger(positions.from, positions.to));
+    let named = bands.iter().filter(|band| !band.is_wall && !band.spans_axis(positions));
+    let label = |band: &Band| {
+        Some(BandLabel { at: band.last_within(low, high)?, color: band.color, line: band.label(metrics) })
+    };
     let mut labels: Vec<BandLabel> = named.filter_map(label).collect();
-    if labels.len() > NAMED {
+    if labels.len() > MAX_LABELS {
         return Vec::new();
     }
     labels.sort_by(|a, b| a.at.total_cmp(&b.at));
-    if place.to > place.from {
+    if positions.to > positions.from {
         labels.reverse();
     }
     labels
 }
 
-/// Names on the right of the diagram, each beside the end of its band with its colour before it,
-/// moved apart where they would meet.
-fn name(labels: Vec<BandLabel>, axes: &Axes, panels: &mut Panels) {
-    let look = panels.look;
-    let (apart, x) = (1.15 * look.text, axes.frame.far_corner().x + 0.4 * look.text);
-    let far = axes.frame.far_corner().y;
+/// Draws labels on the right of the diagram, each at the height of the end of its band with a swatch of its colour,
+/// moved apart where they would overlap.
+fn draw_labels(labels: Vec<BandLabel>, axes: &Axes, panels: &mut Panels) {
+    let metrics = panels.metrics;
+    let (spacing, x) = (1.15 * metrics.font_size, axes.plot_area.far_corner().x + 0.4 * metrics.font_size);
+    let far = axes.plot_area.far_corner().y;
     let mut heights: Vec<f64> = labels.iter().map(|label| axes.point(0.0, label.at).y).collect();
     for at in 1..heights.len() {
-        heights[at] = larger(heights[at], heights[at - 1] + apart);
+        heights[at] = larger(heights[at], heights[at - 1] + spacing);
     }
-    let mut lowest = far;
+    let mut limit = far;
     for height in heights.iter_mut().rev() {
-        *height = smaller(*height, lowest);
-        lowest = *height - apart;
+        *height = smaller(*height, limit);
+        limit = *height - spacing;
     }
     for (BandLabel { color, line, .. }, y) in labels.into_iter().zip(heights) {
-        let side = (0.6 * look.text).round();
+        let side = (0.6 * metrics.font_size).round();
         let swatch = Rect::new(Vector::new(x.round(), (y - side / 2.0).round()), side, side);
         panels.shapes.push(Shape::Rect { rect: swatch, ink: color.into() });
-        let at = Vector::new((x + side + 0.4 * look.text).round(), (y + line.height() / 2.0).round());
-        panels.shapes.push(Shape::Text { line, at, ink: look.palette.ink.into() });
+        let at = Vector::new((x + side + 0.4 * metrics.font_size).round(), (y + line.height() / 2.0).round());
+        panels.shapes.push(Shape::Text { line, at, ink: metrics.palette.ink.into() });
     }
 }

@@ -1,43 +1,43 @@
 use super::{Material, Rect, Vector};
 
-/// The number of a body: how many bodies were created before it in the run, walls included.
+/// The id of a body: the number of bodies created before it in the run, walls included.
 ///
-/// Never used twice, so bodies sorted by it stand in creation order.
+/// Ids are never reused, so bodies sorted by id are in creation order.
 pub type BodyId = u32;
 
 /// A box: a rectangle with a mass, a velocity and a force.
 ///
-/// What changes at every step lies in one cache line.
+/// The fields that change in every step lie in one cache line.
 #[derive(Clone, Debug, PartialEq)]
 #[repr(C, align(64))]
 pub struct Body {
-    /// Where it is, m.
+    /// Position and size, m.
     pub rect: Rect,
-    /// m/s.
+    /// Velocity, m/s.
     pub velocity: Vector,
-    /// kg; infinity for what is never pushed.
+    /// Mass, kg; infinity for a body that no impulse moves.
     pub mass: f64,
     /// 1/mass, kg⁻¹; 0 for an infinite mass.
     pub inverse_mass: f64,
-    /// The sum of the forces since the last step, N (the handout's accumulator).
+    /// The sum of the forces since the last step, N (the accumulator of the handout).
     pub force: Vector,
-    /// The force it carries at all times, N.
+    /// The constant force on it, N.
     pub constant_force: Vector,
-    /// Its number in creation order.
+    /// Its id, in creation order.
     pub id: BodyId,
-    /// What it is made of, for the restitution table.
+    /// Its material, for the restitution table.
     pub material: Material,
-    /// Unique among the bodies alive; what errors and pictures call it.
+    /// Its name in errors and pictures, unique among the bodies alive.
     pub name: String,
 }
 
 impl Body {
-    /// Whether it is never pushed: it keeps its velocity for life.
+    /// True if its mass is infinite, so that its velocity never changes.
     pub const fn is_infinite(&self) -> bool {
         self.mass == f64::INFINITY
     }
 
-    /// Whether its position or velocity can ever change: an infinite mass at rest stays there.
+    /// True unless it is static (an infinite mass at rest), so that its position or velocity can change.
     pub fn can_move(&self) -> bool {
         !self.is_infinite() || self.velocity != Vector::ZERO
     }

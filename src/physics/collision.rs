@@ -1,39 +1,39 @@
 use super::{BodyId, Rect, Vector};
 
-/// One collision as it was resolved: what an [`Observer`] sees and figures draw.
+/// A resolved collision, as an [`Observer`] receives it and figures draw it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Collision {
-    /// The step it happened in: between state `step` and state `step + 1`.
+    /// The step in which it happened: between state `step` and state `step + 1`.
     pub step: u64,
-    /// Seconds since the start of that step; 0 where a solver only looks once a step.
+    /// The time since the start of that step, s; 0 with the handout solver, which detects collisions once per step.
     pub time: f64,
-    /// The handout's c and b.
+    /// The two bodies: c and b in the handout.
     pub bodies: [BodyId; 2],
-    /// Where the two were before they were displaced, m.
+    /// Their rectangles before they were displaced, m.
     pub rects: [Rect; 2],
-    /// Unit normal n̂ of the face that was hit, pointing the way c is pushed.
+    /// The unit normal n̂ of the face that was hit, in the direction in which c is pushed.
     pub normal: Vector,
-    /// The penetration vector n⃗, m; null for solvers that let nothing penetrate.
+    /// The penetration vector n⃗, m; null with the event-driven solver, in which no box penetrates another.
     pub penetration: Vector,
     /// The shares Nc and Nb of the penetration by which the two were displaced.
     pub shares: [f64; 2],
-    /// The impulse j on c along the normal (and −j on b), N·s; 0 if the two separated already.
+    /// The impulse j on c along the normal (and −j on b), N·s; 0 if the two were already separating.
     pub impulse: f64,
-    /// Velocities before, m/s.
+    /// The velocities before the impulse, m/s.
     pub before: [Vector; 2],
-    /// Velocities after, m/s.
+    /// The velocities after the impulse, m/s.
     pub after: [Vector; 2],
 }
 
-/// Whoever wants to know of collisions while the engine steps.
+/// Receives the collisions while the engine steps.
 ///
-/// Observing changes no bit of the simulation: an observer gets values, never the world.
+/// Observing changes no bit of the simulation: an observer receives values, not the world.
 pub trait Observer {
-    /// Called once for each collision, in the order in which they are resolved.
+    /// Receives each collision once, in the order of resolution.
     fn collision(&mut self, collision: &Collision);
 }
 
-/// Counts the collisions that gave an impulse.
+/// Counts the collisions with an impulse.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct CollisionCount(pub u64);
 

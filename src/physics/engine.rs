@@ -1,24 +1,24 @@
 use super::{
-    Body, BodyId, Event, Memory, Observer, Restitution, Snapshot, SnapshotError, Spawn, StepError, Vector, World,
-    event_driven::EventDriven, handout,
+    Body, BodyId, Event, Observer, Restitution, Snapshot, SnapshotError, SolverSnapshot, Spawn, StepError, Vector,
+    World, event_driven::EventDriven, handout,
 };
 
-/// Which of the two solvers moves the world.
+/// The solver that moves the world.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SolverKind {
-    /// The handout's algorithm as printed.
+    /// The algorithm of the handout, as printed.
     Handout,
-    /// The exact one, from event to event.
+    /// The exact solver: event-driven molecular dynamics.
     EventDriven,
 }
 
 impl SolverKind {
-    /// The solver of that name in scenes and recordings.
-    pub fn named(name: &str) -> Option<SolverKind> {
+    /// The solver with a name used in scenes and recordings; `None` if the name is unknown.
+    pub fn from_name(name: &str) -> Option<SolverKind> {
         [SolverKind::Handout, SolverKind::EventDriven].into_iter().find(|kind| kind.name() == name)
     }
 
-    /// Whether it knows where bodies are between two steps.
+    /// Returns true if the solver defines states between two steps.
     pub const fn is_continuous(self) -> bool {
         match self {
             SolverKind::Handout => false,
@@ -26,7 +26,7 @@ impl SolverKind {
         }
     }
 
-    /// Its name in scenes and recordings.
+    /// The name in scenes and recordings.
     pub const fn name(self) -> &'static str {
         match self {
             SolverKind::Handout => "handout",
@@ -35,30 +35,30 @@ impl SolverKind {
     }
 }
 
-/// What an engine is told once and never again.
+/// The configuration of an engine, constant for its lifetime.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Settings {
-    /// Which solver.
+pub struct EngineConfig {
+    /// The solver.
     pub solver: SolverKind,
     /// Steps per second, Hz; finite and positive.
     pub rate: f64,
-    /// m/s²; absent means that nothing is computed for it.
+    /// Gravitational acceleration, m/s². `None` skips the computation instead of adding zeros.
     pub gravity: Option<Vector>,
-    /// e for each pair of materials.
+    /// The coefficient of restitution e of each pair of materials.
     pub restitution: Restitution,
-    /// How much may happen within one step before the run is given up.
+    /// The number of events allowed in a step; beyond it the step fails.
     pub events_per_step: u64,
 }
 
-/// A limit no sensible scene comes near: Galperin's billiard of 8 digits has bursts of 10⁸,
-/// and says so in its scene.
+/// The default of [`EngineConfig::events_per_step`], far above the needs of ordinary scenes. (Galperin's
+/// billiard for 8 digits of π has bursts of 10⁸ and sets its own limit.)
 pub const DEFAULT_EVENTS_PER_STEP: u64 = 1_000_000;
 
 /// A world and the solver that moves it in fixed steps.
 ///
-/// Deterministic to the bit: the same settings and events give the same states on every
-/// machine. It reads no clock and no file, and never fails but in [`Engine::step`], whose
-/// error ends the run.
+/// The engine is deterministic: the same configuration and events give the same states bit for bit on
+/// every machine. It reads no clock and no file. Besides [`Engine::restore`], only [`Engine::step`] and
+/// [`Engine::world_after`] can fail; an error of a step ends the run.
 #[derive(Clone, Debug)]
 pub struct Engine {
     world: World,
@@ -75,35 +75,34 @@ enum Solver {
 }
 
 impl Engine {
-    /// An empty world at step 0.
-    pub fn new(settings: Settings) -> Engine {
-        let solver = match settings.solver {
+    /// Creates an engine with an empty world at step 0.
+    pub fn new(config: EngineConfig) -> Engine {
+        let solver = match config.solver {
             SolverKind::Handout => Solver::Handout,
-            SolverKind::EventDriven => Solver::EventDriven(Box::new(EventDriven::new(&settings))),
+            SolverKind::EventDriven => Solver::EventDriven(Box::new(EventDriven::new(&config))),
         };
-        let world = World { bodies: Vec::new(), gravity: settings.gravity, restitution: settings.restitution };
-        Engine { world, step: 0, next_id: 0, rate: settings.rate, solver }
+        let world = World { bodies: Vec::new(), gravity: config.gravity, restitution: config.restitution };
+        Engine { world, step: 0, next_id: 0, rate: config.rate, solver }
     }
 
-    /// The world as sampled at the present step.
+    /// The world as sampled at the current step.
     pub fn world(&self) -> &World {
         &self.world
     }
 
-    /// The number of steps taken.
-    pub fn present_step(&self) -> u64 {
+    /// The current step: the number of steps taken.
+    pub fn current_step(&self) -> u64 {
         self.step
     }
 
-    /// The id the next spawned body will get.
+    /// The id of the next body to be spawned.
     pub fn next_id(&self) -> BodyId {
         self.next_id
     }
 
-    /// Lets one event happen now, between two steps.
+    /// Applies an event at the current step.
     ///
-    /// A delete of a body that is not alive changes nothing; who takes names looks them
-    /// up first.
+    /// The deletion of a body that is not alive has no effect.
     pub fn apply(&mut self, event: &Event) {
         match event {
             Event::Spawn(spawn) => self.spawn(spawn),
@@ -127,23 +126,23 @@ impl Engine {
         self.world.bodies.push(body);
         match &mut self.solver {
             Solver::Handout => {}
-            Solver::EventDriven(solver) => solver.spawned(&self.world, self.step),
+            Solver::EventDriven(solver) => solver.add_spawned(&self.world, self.step),
         }
     }
 
     fn delete(&mut self, id: BodyId) {
-        let Some(place) = self.world.place(id) else { return };
+        let Some(index) = self.world.index_of(id) else { return };
         match &mut self.solver {
             Solver::Handout => {}
-            Solver::EventDriven(solver) => solver.deleting(&self.world, place, self.step),
+            Solver::EventDriven(solver) => solver.remove(&self.world, index, self.step),
         }
-        self.world.bodies.remove(place);
+        self.world.bodies.remove(index);
     }
 
-    /// Moves the world on by one step of 1/rate seconds.
+    /// Advances the world by one step of 1/rate seconds. The observer receives the collisions.
     ///
     /// # Errors
-    /// When the step cannot be completed; the engine is then not to be stepped again.
+    /// If the step cannot be completed. The engine must not be stepped again after an error.
     pub fn step<O: Observer>(&mut self, observer: &mut O) -> Result<(), StepError> {
         match &mut self.solver {
             Solver::Handout => handout::step(&mut self.world, self.step, 1.0 / self.rate, observer)?,
@@ -153,40 +152,41 @@ impl Engine {
         Ok(())
     }
 
-    /// The world `offset` seconds (0 to 1/rate) after the present step, without going there:
-    /// what the exact solver passes through. The handout's has nothing between two steps, and
-    /// gives the present state. The observer sees the collisions up to there.
+    /// Returns the world `offset` seconds (0 to 1/rate) after the current step, without advancing the
+    /// engine. The observer receives the collisions up to that instant.
+    ///
+    /// The handout solver defines no states between two steps: with it, the current state is returned.
     ///
     /// # Errors
     /// As for [`Engine::step`].
-    pub fn between<O: Observer>(&self, offset: f64, observer: &mut O) -> Result<World, StepError> {
+    pub fn world_after<O: Observer>(&self, offset: f64, observer: &mut O) -> Result<World, StepError> {
         match &self.solver {
-            Solver::EventDriven(solver) if offset > 0.0 => solver.between(&self.world, self.step, offset, observer),
+            Solver::EventDriven(solver) if offset > 0.0 => solver.world_after(&self.world, self.step, offset, observer),
             Solver::EventDriven(_) | Solver::Handout => Ok(self.world.clone()),
         }
     }
 
-    /// All that [`Engine::restore`] needs to go on to the bit from here.
+    /// Returns a snapshot from which [`Engine::restore`] continues bit for bit.
     pub fn snapshot(&self) -> Snapshot {
-        let memory = match &self.solver {
-            Solver::Handout => Memory::default(),
-            Solver::EventDriven(solver) => solver.memory(),
+        let solver = match &self.solver {
+            Solver::Handout => SolverSnapshot::default(),
+            Solver::EventDriven(solver) => solver.snapshot(),
         };
-        Snapshot { step: self.step, next_id: self.next_id, bodies: self.world.bodies.clone(), memory }
+        Snapshot { step: self.step, next_id: self.next_id, bodies: self.world.bodies.clone(), solver }
     }
 
-    /// The engine that took `snapshot`, given the settings it had.
+    /// Restores the engine of which `snapshot` was taken. `config` must be its configuration.
     ///
     /// # Errors
-    /// When the snapshot's memory does not fit the solver: it comes from a file, after all.
-    pub fn restore(settings: Settings, snapshot: Snapshot) -> Result<Engine, SnapshotError> {
-        let mut engine = Engine::new(settings);
+    /// If the solver's part of the snapshot was not created by this solver or is damaged.
+    pub fn restore(config: EngineConfig, snapshot: Snapshot) -> Result<Engine, SnapshotError> {
+        let mut engine = Engine::new(config);
         engine.step = snapshot.step;
         engine.next_id = snapshot.next_id;
         engine.world.bodies = snapshot.bodies;
         match &mut engine.solver {
             Solver::Handout => {}
-            Solver::EventDriven(solver) => solver.restore(&engine.world, snapshot.step, &snapshot.memory)?,
+            Solver::EventDriven(solver) => solver.restore(&engine.world, snapshot.step, &snapshot.solver)?,
         }
         Ok(engine)
     }

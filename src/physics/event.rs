@@ -1,35 +1,35 @@
 use super::{BodyId, Rect, Vector};
 
-/// One change of the world from outside. There is no other way in.
+/// An input to the world: the only way to change it besides a step.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Event {
-    /// A body comes into being.
+    /// Creates a body.
     Spawn(Spawn),
-    /// The body of that number goes.
+    /// Deletes the body with this id.
     Delete(BodyId),
 }
 
-/// All constants of a new body, and its first position and velocity.
+/// The constants of a new body and its initial position and velocity.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spawn {
-    /// Unique among the bodies alive.
+    /// Name, unique among the bodies alive.
     pub name: String,
-    /// First position and lifelong size, m; both extents positive.
+    /// Initial position and constant size, m. Width and height are positive.
     pub rect: Rect,
-    /// kg, positive; infinity for what is never pushed.
+    /// Mass, kg, positive; infinity for a body that no impact accelerates.
     pub mass: f64,
-    /// First velocity, m/s.
+    /// Initial velocity, m/s.
     pub velocity: Vector,
     /// Constant force, N.
     pub force: Vector,
-    /// Name of its material; empty for none.
+    /// Name of the material; empty for none.
     pub material: String,
 }
 
 impl Spawn {
-    /// Whether there can be such a body: only the mass may be infinite, and none is NaN, whose
-    /// bits are not the same on every processor.
-    pub fn is_possible(&self) -> bool {
+    /// Returns true if all numbers are valid: only the mass may be infinite, and none may be NaN, whose bits
+    /// differ between processors.
+    pub fn is_valid(&self) -> bool {
         let finite = [self.rect.origin, self.velocity, self.force].into_iter().all(Vector::is_finite);
         let sides = [self.rect.width(), self.rect.height()].into_iter().all(|side| side.is_finite() && side > 0.0);
         finite && sides && self.mass > 0.0
@@ -41,16 +41,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn nothing_but_a_mass_may_be_infinite() {
-        let possible = |mass: f64, x: f64, width: f64| {
+    fn only_a_mass_may_be_infinite() {
+        let is_valid = |mass: f64, x: f64, width: f64| {
             let (name, material) = (String::new(), String::new());
             let rect = Rect::new(Vector::new(x, 0.0), width, 1.0);
-            Spawn { name, rect, mass, velocity: Vector::ZERO, force: Vector::ZERO, material }.is_possible()
+            Spawn { name, rect, mass, velocity: Vector::ZERO, force: Vector::ZERO, material }.is_valid()
         };
-        assert!(possible(1.0, 0.0, 1.0) && possible(f64::INFINITY, 0.0, 1.0));
-        for strange in [f64::NAN, f64::NEG_INFINITY] {
-            assert!(!possible(strange, 0.0, 1.0) && !possible(1.0, strange, 1.0) && !possible(1.0, 0.0, strange));
+        assert!(is_valid(1.0, 0.0, 1.0) && is_valid(f64::INFINITY, 0.0, 1.0));
+        for invalid in [f64::NAN, f64::NEG_INFINITY] {
+            assert!(!is_valid(invalid, 0.0, 1.0) && !is_valid(1.0, invalid, 1.0) && !is_valid(1.0, 0.0, invalid));
         }
-        assert!(!possible(0.0, 0.0, 1.0) && !possible(1.0, 0.0, 0.0) && !possible(1.0, 0.0, f64::INFINITY));
+        assert!(!is_valid(0.0, 0.0, 1.0) && !is_valid(1.0, 0.0, 0.0) && !is_valid(1.0, 0.0, f64::INFINITY));
     }
 }

@@ -1,24 +1,24 @@
-//! The handout's solver, as printed: the teaching reference.
+//! The solver of the handout, as printed: the reference for teaching.
 //!
-//! O(n²), one look a step, no memory between steps. It is kept to the letter, down to
-//! the order of every operation, so that a twin of the handout in any language with
-//! IEEE 754 doubles gives the same bits. Its limits (fast boxes pass through thin ones,
-//! stacks sink, energy drifts) are the handout's and are shown, not mended. Only where
-//! the text divides by zero or pulls boxes together is it repaired:
+//! It tests all O(n²) pairs once per step and keeps no state between steps. It follows the handout
+//! in the order of every operation, so that an implementation in any language with
+//! IEEE 754 doubles gives the same bits. Its limitations (fast boxes tunnel through thin ones,
+//! stacks sink, energy drifts) are the handout's and are kept. It is repaired only where the text
+//! divides by zero or pulls boxes together:
 //!
-//! - **R1** The unit normal is the chosen face's own, not n⃗/|n⃗|, which is 0/0 when
+//! - **R1** The unit normal is that of the chosen face, not n⃗/|n⃗|, which is 0/0 when
 //!   boxes just touch.
-//! - **R2** A pair that separates already gets no impulse, which would pull it together.
+//! - **R2** A pair that already separates gets no impulse, which would pull it together.
 //! - **R3** Two infinite masses never collide, at rest or not.
 //! - **R4** An infinite mass is never displaced.
 
 use super::{Body, Collision, Observer, Rect, StepError, Vector, World};
 
-/// Moves the world on by `dt` seconds from state `step` to the next.
+/// Advances the world by `dt` seconds from state `step` to the next.
 ///
 /// # Errors
-/// [`StepError::NotFinite`] if a position or velocity overflows; the world is then left
-/// as it came out and is not to be stepped again.
+/// [`StepError::NotFinite`] if a position or velocity overflows; the world then holds a partial step
+/// and must not be stepped again.
 pub fn step<O: Observer>(world: &mut World, step: u64, dt: f64, observer: &mut O) -> Result<(), StepError> {
     for c in 0..world.bodies.len() {
         for b in 0..world.bodies.len() {
@@ -29,20 +29,20 @@ pub fn step<O: Observer>(world: &mut World, step: u64, dt: f64, observer: &mut O
         let body = &mut world.bodies[c];
         accelerate(body, world.gravity);
         advance(body, dt);
-        refuse_infinite(body, step)?;
+        check_finite(body, step)?;
     }
-    // A later body may have pushed an earlier one once more.
-    world.bodies.iter().try_for_each(|body| refuse_infinite(body, step))
+    // A later body may have displaced an earlier one again.
+    world.bodies.iter().try_for_each(|body| check_finite(body, step))
 }
 
-fn refuse_infinite(body: &Body, step: u64) -> Result<(), StepError> {
+fn check_finite(body: &Body, step: u64) -> Result<(), StepError> {
     match body.velocity.is_finite() && body.rect.origin.is_finite() {
         true => Ok(()),
         false => Err(StepError::NotFinite { step, body: body.name.clone() }),
     }
 }
 
-/// Adds up the forces on a body: its own first, then its weight.
+/// Sums the forces on a body: the constant force first, then its weight.
 fn accelerate(body: &mut Body, gravity: Option<Vector>) {
     body.force = body.force.add(body.constant_force);
     if let (Some(gravity), false) = (gravity, body.is_infinite()) {
@@ -68,8 +68,8 @@ fn collide<O: Observer>(world: &mut World, step: u64, [c, b]: [usize; 2], observ
     if !s.has_origin() {
         return;
     }
-    let (penetration, normal) = shortest_way_out(&s);
-    let shares = shares(c, b);
+    let (penetration, normal) = minimum_translation(&s);
+    let shares = penetration_shares(c, b);
     let rects = [c.rect, b.rect];
     c.rect.move_by(penetration.mult(shares[0]));
     b.rect.move_by(penetration.mult(-shares[1]));
@@ -99,10 +99,11 @@ fn collide<O: Observer>(world: &mut World, step: u64, [c, b]: [usize; 2], observ
     });
 }
 
-/// The shortest of the four vectors from the origin to a face of s, and that face's unit normal.
+/// The minimum translation vector: the shortest of the four vectors from the origin to a face of the Minkowski
+/// difference s, and the unit normal of that face.
 ///
-/// Of equal lengths the first in the order left, right, top, bottom wins.
-pub fn shortest_way_out(s: &Rect) -> (Vector, Vector) {
+/// Of equally short vectors, the first in the order left, right, top, bottom.
+pub fn minimum_translation(s: &Rect) -> (Vector, Vector) {
     let faces = faces(s);
     let mut shortest = 0;
     for candidate in 1..faces.len() {
@@ -113,7 +114,8 @@ pub fn shortest_way_out(s: &Rect) -> (Vector, Vector) {
     faces[shortest]
 }
 
-/// The four vectors of the handout's figure 2 with the unit normals of their faces (R1).
+/// The vectors from the origin to the four faces of s (figure 2 of the handout), with the unit normals of the
+/// faces (R1).
 pub fn faces(s: &Rect) -> [(Vector, Vector); 4] {
     let far = s.far_corner();
     [
@@ -124,8 +126,8 @@ pub fn faces(s: &Rect) -> [(Vector, Vector); 4] {
     ]
 }
 
-/// Nc and Nb: how much of the penetration each of the two makes up for.
-fn shares(c: &Body, b: &Body) -> [f64; 2] {
+/// The shares Nc and Nb of the penetration by which each of the two is displaced.
+fn penetration_shares(c: &Body, b: &Body) -> [f64; 2] {
     if c.is_infinite() {
         return [0.0, 1.0]; // R4
     }

@@ -24,11 +24,11 @@ fn world(bodies: Vec<Body>) -> World {
     World { bodies, gravity: None, restitution: Restitution::new(1.0, &[]) }
 }
 
-/// Resolves c = body 0 against b = body 1 once and returns what an observer saw of it.
+/// Resolves c = body 0 against b = body 1 once and returns the observed collision, if any.
 fn collide_once(world: &mut World) -> Option<Collision> {
-    let mut seen: Vec<Collision> = Vec::new();
-    collide(world, 0, [0, 1], &mut seen);
-    seen.pop()
+    let mut collisions: Vec<Collision> = Vec::new();
+    collide(world, 0, [0, 1], &mut collisions);
+    collisions.pop()
 }
 
 /// A unit box c at the origin of mass 1 moving with `velocity`, and a unit box b at `at` at rest.
@@ -42,7 +42,7 @@ fn x_y(v: Vector) -> (f64, f64) {
 
 #[test]
 fn each_face_pushes_c_out_of_it() {
-    // (velocity of c, place of b, unit normal, place of c afterwards): c alone moves, so Nc = 1.
+    // (velocity of c, position of b, unit normal, position of c afterwards): only c moves, so Nc = 1.
     let faces = [
         ([2.0, 0.0], [0.75, 0.125], (-1.0, 0.0), (-0.25, 0.0)),
         ([-2.0, 0.0], [-0.75, 0.125], (1.0, 0.0), (0.25, 0.0)),
@@ -51,64 +51,64 @@ fn each_face_pushes_c_out_of_it() {
     ];
     for (velocity, at, normal, after) in faces {
         let mut world = unit_pair(velocity, at);
-        let seen = collide_once(&mut world).expect("they overlap");
-        assert_eq!(x_y(seen.normal), normal);
+        let collision = collide_once(&mut world).expect("they overlap");
+        assert_eq!(x_y(collision.normal), normal);
         assert_eq!(x_y(world.bodies[0].rect.origin), after);
         assert_eq!(x_y(world.bodies[1].rect.origin), (at[0], at[1]));
         assert_eq!(x_y(world.bodies[0].velocity), (0.0, 0.0), "equal masses swap velocities at e = 1");
         assert_eq!(x_y(world.bodies[1].velocity), (velocity[0], velocity[1]));
-        assert_eq!(seen.impulse, 2.0);
+        assert_eq!(collision.impulse, 2.0);
     }
 }
 
 #[test]
-fn of_equal_penetrations_the_first_face_in_order_wins() {
-    // A box wholly centred on another: all four ways out are 1 m long.
-    let (_, normal) = shortest_way_out(&Rect::new(Vector::new(-1.0, -1.0), 2.0, 2.0));
+fn of_equal_penetrations_the_first_face_in_order_is_chosen() {
+    // A box centered on an equal one: all four vectors to a face are 1 m long.
+    let (_, normal) = minimum_translation(&Rect::new(Vector::new(-1.0, -1.0), 2.0, 2.0));
     assert_eq!(x_y(normal), (-1.0, 0.0), "left before right, top, bottom");
-    let (_, normal) = shortest_way_out(&Rect::new(Vector::new(-3.0, -1.0), 4.0, 2.0));
+    let (_, normal) = minimum_translation(&Rect::new(Vector::new(-3.0, -1.0), 4.0, 2.0));
     assert_eq!(x_y(normal), (1.0, 0.0), "right before top and bottom");
-    let (_, normal) = shortest_way_out(&Rect::new(Vector::new(-3.0, -1.0), 6.0, 2.0));
+    let (_, normal) = minimum_translation(&Rect::new(Vector::new(-3.0, -1.0), 6.0, 2.0));
     assert_eq!(x_y(normal), (0.0, -1.0), "top before bottom");
 }
 
 #[test]
-fn penetration_is_shared_by_speed() {
+fn penetration_is_shared_in_proportion_to_speed() {
     let mut world = unit_pair([3.0, 0.0], [0.5, 0.0]);
     world.bodies[1].velocity = Vector::new(-1.0, 0.0);
-    let seen = collide_once(&mut world).unwrap();
-    assert_eq!(seen.shares, [0.75, 0.25]);
+    let collision = collide_once(&mut world).unwrap();
+    assert_eq!(collision.shares, [0.75, 0.25]);
     assert_eq!(world.bodies[0].rect.origin.x, -0.5 * 0.75);
     assert_eq!(world.bodies[1].rect.origin.x, 0.5 + 0.5 * 0.25);
     assert_eq!([world.bodies[0].velocity.x, world.bodies[1].velocity.x], [-1.0, 3.0]);
 }
 
 #[test]
-fn at_rest_the_heavier_ejects_the_lighter() {
+fn at_rest_only_the_lighter_body_is_displaced() {
     // (mass of c, mass of b, shares)
     let rows = [(1.0, 2.0, [1.0, 0.0]), (2.0, 1.0, [0.0, 1.0]), (1.0, 1.0, [0.0, 1.0])];
     for (mass_c, mass_b, shares) in rows {
         let c = body(0, [0.0, 0.0], [1.0, 1.0], mass_c, [0.0, 0.0]);
         let b = body(1, [0.75, 0.0], [1.0, 1.0], mass_b, [0.0, 0.0]);
         let mut world = world(vec![c, b]);
-        let seen = collide_once(&mut world).unwrap();
-        assert_eq!(seen.shares, shares);
+        let collision = collide_once(&mut world).unwrap();
+        assert_eq!(collision.shares, shares);
         assert_eq!(world.bodies[0].rect.origin.x, -0.25 * shares[0]);
         assert_eq!(world.bodies[1].rect.origin.x, 0.75 + 0.25 * shares[1]);
-        assert_eq!(seen.impulse, 0.0);
+        assert_eq!(collision.impulse, 0.0);
     }
 }
 
 #[test]
 fn the_impulse_follows_masses_and_restitution() {
-    // c of 2 kg at 3 m/s meets b of 1 kg at rest: j = −(1+e)·3/(1/2 + 1).
+    // c of 2 kg at 3 m/s hits b of 1 kg at rest: j = −(1+e)·3/(1/2 + 1).
     for (e, after) in [(1.0, [1.0, 4.0]), (0.5, [1.5, 3.0]), (0.0, [2.0, 2.0])] {
         let c = body(0, [0.0, 0.0], [1.0, 1.0], 2.0, [3.0, 0.0]);
         let b = body(1, [0.75, 0.0], [1.0, 1.0], 1.0, [0.0, 0.0]);
         let mut world = world(vec![c, b]);
         world.restitution = Restitution::new(e, &[]);
-        let seen = collide_once(&mut world).unwrap();
-        assert_eq!(seen.impulse, (1.0 + e) * 3.0 / 1.5);
+        let collision = collide_once(&mut world).unwrap();
+        assert_eq!(collision.impulse, (1.0 + e) * 3.0 / 1.5);
         assert_eq!([world.bodies[0].velocity.x, world.bodies[1].velocity.x], after);
     }
 }
@@ -124,19 +124,19 @@ fn steel_and_wood_rebound_as_the_handout_says() {
         b.material = table.material(name);
         let mut world = world(vec![c, b]);
         world.restitution = table.clone();
-        let seen = collide_once(&mut world).unwrap();
-        assert_eq!(seen.impulse, (1.0 + e) * 20.0 / 0.25);
+        let collision = collide_once(&mut world).unwrap();
+        assert_eq!(collision.impulse, (1.0 + e) * 20.0 / 0.25);
         assert_eq!(world.bodies[0].velocity.x, rebound);
     }
 }
 
 #[test]
-fn a_wall_gives_nothing_and_takes_nothing() {
+fn a_wall_at_rest_does_not_move() {
     let c = body(0, [0.0, 0.0], [1.0, 1.0], 2.0, [3.0, 1.0]);
     let wall = body(1, [0.75, -5.0], [1.0, 10.0], INFINITE, [0.0, 0.0]);
     let mut world = world(vec![c, wall.clone()]);
-    let seen = collide_once(&mut world).unwrap();
-    assert_eq!(seen.shares, [1.0, 0.0]);
+    let collision = collide_once(&mut world).unwrap();
+    assert_eq!(collision.shares, [1.0, 0.0]);
     assert_eq!(x_y(world.bodies[0].rect.origin), (-0.25, 0.0));
     assert_eq!(x_y(world.bodies[0].velocity), (-3.0, 1.0));
     assert_eq!(world.bodies[1], wall);
@@ -145,8 +145,8 @@ fn a_wall_gives_nothing_and_takes_nothing() {
 #[test]
 fn r1_boxes_that_just_touch_have_a_normal() {
     let mut world = unit_pair([1.0, 0.0], [1.0, 0.0]);
-    let seen = collide_once(&mut world).expect("touching is meeting");
-    assert_eq!((x_y(seen.penetration), x_y(seen.normal)), ((0.0, 0.0), (-1.0, 0.0)));
+    let collision = collide_once(&mut world).expect("touching boxes collide");
+    assert_eq!((x_y(collision.penetration), x_y(collision.normal)), ((0.0, 0.0), (-1.0, 0.0)));
     assert_eq!([world.bodies[0].velocity.x, world.bodies[1].velocity.x], [0.0, 1.0]);
     assert!(world.bodies.iter().all(|body| body.rect.origin.is_finite()));
 }
@@ -154,9 +154,9 @@ fn r1_boxes_that_just_touch_have_a_normal() {
 #[test]
 fn r2_a_separating_pair_is_repositioned_without_an_impulse() {
     let mut world = unit_pair([-1.0, 0.0], [0.75, 0.0]);
-    let seen = collide_once(&mut world).unwrap();
-    assert_eq!(seen.impulse, 0.0);
-    assert_eq!(seen.before, seen.after);
+    let collision = collide_once(&mut world).unwrap();
+    assert_eq!(collision.impulse, 0.0);
+    assert_eq!(collision.before, collision.after);
     assert_eq!(world.bodies[0].rect.origin.x, -0.25);
     assert_eq!(world.bodies[0].velocity.x, -1.0);
 }
@@ -178,15 +178,15 @@ fn r4_an_infinite_mass_in_motion_is_not_displaced() {
         (mass.mass, mass.inverse_mass) = (INFINITE, 0.0);
         mass.velocity = Vector::new(if infinite == 0 { 2.0 } else { -2.0 }, 0.0);
         let before = world.bodies[infinite].rect;
-        let seen = collide_once(&mut world).unwrap();
-        assert_eq!(seen.shares, if infinite == 0 { [0.0, 1.0] } else { [1.0, 0.0] });
+        let collision = collide_once(&mut world).unwrap();
+        assert_eq!(collision.shares, if infinite == 0 { [0.0, 1.0] } else { [1.0, 0.0] });
         assert_eq!(world.bodies[infinite].rect, before);
         assert_eq!(world.bodies[1 - infinite].velocity.x, if infinite == 0 { 4.0 } else { -4.0 });
     }
 }
 
 #[test]
-fn a_step_adds_force_then_weight_then_moves_with_the_new_velocity() {
+fn a_step_adds_force_and_weight_and_moves_with_the_new_velocity() {
     let mut falling = body(0, [0.0, 0.0], [1.0, 1.0], 2.0, [1.0, 0.0]);
     falling.constant_force = Vector::new(4.0, -2.0);
     let mut pinned = body(1, [50.0, 0.0], [1.0, 1.0], INFINITE, [1.0, 0.0]);
@@ -198,23 +198,24 @@ fn a_step_adds_force_then_weight_then_moves_with_the_new_velocity() {
     assert_eq!(x_y(world.bodies[0].velocity), (1.5, 1.75));
     assert_eq!(x_y(world.bodies[0].rect.origin), (0.375, 0.4375));
     assert_eq!(x_y(world.bodies[0].force), (0.0, 0.0));
-    assert_eq!(x_y(world.bodies[1].velocity), (1.0, 0.0), "an infinite mass feels neither");
+    assert_eq!(x_y(world.bodies[1].velocity), (1.0, 0.0), "neither acts on an infinite mass");
     assert_eq!(x_y(world.bodies[1].rect.origin), (50.25, 0.0));
 }
 
 #[test]
-fn a_step_meets_each_pair_twice_and_moves_each_body_before_the_next_looks() {
-    // c stops b's partner before b itself looks: the second look finds them touching, apart.
+fn a_step_tests_each_pair_twice_and_moves_each_body_before_testing_the_next() {
+    // c collides and moves before b is tested: the second test finds the pair touching, but separating.
     let mut world = unit_pair([2.0, 0.0], [0.75, 0.0]);
-    let mut seen: Vec<Collision> = Vec::new();
-    step(&mut world, 7, 0.5, &mut seen).unwrap();
-    let pairs: Vec<_> = seen.iter().map(|collision| (collision.step, collision.bodies, collision.impulse)).collect();
+    let mut collisions: Vec<Collision> = Vec::new();
+    step(&mut world, 7, 0.5, &mut collisions).unwrap();
+    let pairs: Vec<_> =
+        collisions.iter().map(|collision| (collision.step, collision.bodies, collision.impulse)).collect();
     assert_eq!(pairs, [(7, [0, 1], 2.0), (7, [1, 0], 0.0)]);
     assert_eq!(world.bodies[1].rect.origin.x, 0.75 + 2.0 * 0.5);
 }
 
 #[test]
-fn numbers_that_overflow_end_the_run_by_name() {
+fn an_overflow_is_an_error_that_names_the_body() {
     let mut world = world(vec![body(0, [0.0, 0.0], [1.0, 1.0], 1.0, [1e308, 0.0])]);
     let error = step(&mut world, 3, 10.0, &mut Vec::new()).unwrap_err();
     assert_eq!(error, StepError::NotFinite { step: 3, body: "#0".into() });

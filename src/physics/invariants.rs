@@ -1,34 +1,34 @@
-//! What the laws of mechanics keep, measured on a world. Infinite masses are left out.
+//! Conserved quantities and overlap of a world. Bodies of infinite mass are excluded.
 
 use super::{Body, Vector, World};
 
-/// Sum of ½·m·v², J.
+/// The kinetic energy, Σ ½·m·v², J.
 pub fn kinetic_energy(world: &World) -> f64 {
     finite(world).map(|body| 0.5 * body.mass * body.velocity.dot(body.velocity)).sum()
 }
 
-/// Sum of −(m·g + f)·x at the centres, J: what gravity and constant forces can still give.
+/// The potential energy of gravity and the constant forces, −Σ (m·g + F)·x at the centres, J.
 pub fn potential_energy(world: &World) -> f64 {
     let gravity = world.gravity.unwrap_or(Vector::ZERO);
     finite(world).map(|body| -gravity.mult(body.mass).add(body.constant_force).dot(body.rect.center())).sum()
 }
 
-/// Sum of m·v, kg·m/s.
+/// The momentum, Σ m·v, kg·m/s.
 pub fn momentum(world: &World) -> Vector {
     finite(world).fold(Vector::ZERO, |sum, body| sum.add(body.velocity.mult(body.mass)))
 }
 
-/// The deepest overlap of any two boxes, m: the shorter side of their common rectangle.
+/// The deepest overlap of any two boxes, m: the shorter side of their intersection. 0 if none overlap.
 ///
-/// Zero if none overlap. Pairs of infinite masses are left out. Boxes are swept from left to
-/// right, so that only those above each other are compared.
+/// Pairs of infinite masses are excluded. The boxes are sorted along x (sweep and prune), so that only
+/// pairs that overlap on x are compared.
 pub fn worst_overlap(world: &World) -> f64 {
-    let mut swept: Vec<&Body> = world.bodies.iter().collect();
-    swept.sort_by(|a, b| a.rect.origin.x.total_cmp(&b.rect.origin.x));
+    let mut sorted: Vec<&Body> = world.bodies.iter().collect();
+    sorted.sort_by(|a, b| a.rect.origin.x.total_cmp(&b.rect.origin.x));
     let mut worst = 0.0;
-    for (place, a) in swept.iter().enumerate() {
-        let far = a.rect.far_corner().x;
-        for b in swept[place + 1..].iter().take_while(|b| b.rect.origin.x < far) {
+    for (index, a) in sorted.iter().enumerate() {
+        let right = a.rect.far_corner().x;
+        for b in sorted[index + 1..].iter().take_while(|b| b.rect.origin.x < right) {
             let overlap = if a.is_infinite() && b.is_infinite() { 0.0 } else { overlap(a, b) };
             if overlap > worst {
                 worst = overlap;

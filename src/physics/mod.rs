@@ -1,12 +1,12 @@
-//! The model: boxes that move and collide. It names no file, clock, format or pixel.
+//! The model: boxes that move and collide. It depends on no file, wall clock, format or display.
 //!
-//! Axes: x to the right, y **down**; a position is a box's upper-left corner. SI units
-//! throughout: m, s, kg, N, J.
+//! Axes: x to the right, y **down**; the position of a box is its upper-left corner. All quantities are
+//! in SI units: m, s, kg, N, J.
 //!
-//! Everything enters as an [`Event`] through [`Engine::apply`]; [`Engine::step`] moves the
-//! world on by 1/rate; [`Engine::world`] is what can be seen of it. Who wants to know of
-//! collisions passes an [`Observer`].
+//! All input is an [`Event`], applied by [`Engine::apply`]. [`Engine::step`] advances the world by
+//! 1/rate seconds, and [`Engine::world`] returns it. An [`Observer`] receives the collisions.
 
+mod axis;
 mod body;
 mod collision;
 mod engine;
@@ -21,13 +21,14 @@ mod step_error;
 mod vector;
 mod world;
 
+pub use axis::{Axis, Side};
 pub use body::{Body, BodyId};
 pub use collision::{Collision, CollisionCount, Observer};
-pub use engine::{DEFAULT_EVENTS_PER_STEP, Engine, Settings, SolverKind};
+pub use engine::{DEFAULT_EVENTS_PER_STEP, Engine, EngineConfig, SolverKind};
 pub use event::{Event, Spawn};
 pub use rect::Rect;
 pub use restitution::{Material, Restitution, RestitutionPair};
-pub use snapshot::{Memory, Snapshot, SnapshotError};
+pub use snapshot::{Snapshot, SnapshotError, SolverSnapshot};
 pub use step_error::StepError;
 pub use vector::Vector;
 pub use world::World;

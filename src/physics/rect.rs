@@ -1,6 +1,6 @@
 use super::Vector;
 
-/// An axis-aligned rectangle: a position that moves and a size that does not.
+/// An axis-aligned rectangle with a variable position and a fixed size.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rect {
     /// The upper-left corner, m.
@@ -15,22 +15,22 @@ impl Rect {
         Rect { origin, width, height }
     }
 
-    /// Extent along x, m; fixed for life.
+    /// The extent along x, m.
     pub const fn width(&self) -> f64 {
         self.width
     }
 
-    /// Extent along y, m; fixed for life.
+    /// The extent along y, m.
     pub const fn height(&self) -> f64 {
         self.height
     }
 
-    /// The corner opposite to the origin, m.
+    /// The lower-right corner, m.
     pub const fn far_corner(&self) -> Vector {
         Vector::new(self.origin.x + self.width, self.origin.y + self.height)
     }
 
-    /// The middle of the rectangle, m.
+    /// The center of the rectangle, m.
     pub const fn center(&self) -> Vector {
         Vector::new(self.origin.x + self.width / 2.0, self.origin.y + self.height / 2.0)
     }
@@ -42,7 +42,7 @@ impl Rect {
 
     /// The Minkowski difference r ⊖ c of `r` and this rectangle c (the handout's `mDiff`).
     ///
-    /// It holds the origin exactly when the two rectangles meet.
+    /// It contains the origin if and only if the two rectangles overlap or touch.
     pub const fn minkowski_difference(&self, r: &Rect) -> Rect {
         let c = self;
         let x = r.origin.x - c.origin.x - c.width;
@@ -50,12 +50,12 @@ impl Rect {
         Rect::new(Vector::new(x, y), r.width + c.width, r.height + c.height)
     }
 
-    /// Whether the point (0, 0) lies in the rectangle, its border included.
+    /// True if the rectangle, including its border, contains the point (0, 0).
     pub const fn has_origin(&self) -> bool {
         self.has_point(Vector::ZERO)
     }
 
-    /// Whether the point `p` lies in the rectangle, its border included.
+    /// True if the rectangle, including its border, contains the point `p`.
     pub const fn has_point(&self, p: Vector) -> bool {
         let far = self.far_corner();
         self.origin.x <= p.x && p.x <= far.x && self.origin.y <= p.y && p.y <= far.y
@@ -69,7 +69,7 @@ mod tests {
     const C: Rect = Rect::new(Vector::new(1.0, 2.0), 3.0, 1.0);
 
     #[test]
-    fn moves_and_keeps_its_size() {
+    fn moving_keeps_the_size() {
         let mut c = C;
         c.move_by(Vector::new(0.5, -1.0));
         assert_eq!((c.origin, c.width(), c.height()), (Vector::new(1.5, 1.0), 3.0, 1.0));
@@ -83,7 +83,7 @@ mod tests {
     }
 
     #[test]
-    fn holds_the_origin_exactly_when_the_rectangles_meet() {
+    fn minkowski_difference_contains_the_origin_iff_the_rectangles_overlap_or_touch() {
         let apart = Rect::new(Vector::new(4.1, 2.0), 1.0, 1.0);
         let touching = Rect::new(Vector::new(4.0, 2.0), 1.0, 1.0);
         let corner = Rect::new(Vector::new(4.0, 3.0), 1.0, 1.0);

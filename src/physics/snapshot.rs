@@ -1,35 +1,35 @@
 use super::{Body, BodyId};
 
-/// Everything an engine needs to go on to the bit as if it had never stopped.
+/// The complete state of an engine, from which it continues bit for bit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Snapshot {
-    /// The step whose state this is.
+    /// The step of the state.
     pub step: u64,
-    /// The id the next body will get.
+    /// The id of the next body to be spawned.
     pub next_id: BodyId,
-    /// The bodies alive, in creation order, as sampled at that step.
+    /// The bodies alive, in creation order, as sampled at this step.
     pub bodies: Vec<Body>,
-    /// What the solver remembers beyond that.
-    pub memory: Memory,
+    /// The state of the solver.
+    pub solver: SolverSnapshot,
 }
 
-/// A solver's own state as two flat lists, laid out as that solver documents.
+/// The state of a solver as two flat lists, whose layout the solver defines.
 ///
-/// Numbers and nothing else, so that whoever stores a snapshot need not know the solver.
+/// It consists of numbers only, so that it can be stored without knowledge of the solver.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Memory {
+pub struct SolverSnapshot {
     /// Counts, steps, ids.
     pub integers: Vec<u64>,
     /// Seconds, metres, metres per second.
     pub numbers: Vec<f64>,
 }
 
-/// Why a snapshot cannot be restored: it was not made by this solver, or it is damaged.
+/// The reason why a snapshot cannot be restored: another solver created it, or it is damaged.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("the snapshot of step {step} does not fit the solver: {what}")]
+#[error("the snapshot of step {step} does not fit the solver: {reason}")]
 pub struct SnapshotError {
     /// The step of the snapshot.
     pub step: u64,
-    /// What does not fit.
-    pub what: String,
+    /// The mismatch.
+    pub reason: String,
 }

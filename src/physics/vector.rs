@@ -1,13 +1,16 @@
-/// A vector in the plane: x to the right, y down. An immutable value.
+use super::Axis;
+use std::ops::Index;
+
+/// A vector in the plane: x to the right, y down.
 ///
-/// The methods carry the handout's names, so that the solver reads beside it.
-/// They compute as printed, one rounding for each + − × ÷ and √, and promise
-/// nothing about overflow: a product of huge components may be infinite.
+/// The methods have the names of the handout, so that the solver can be read side by side with it.
+/// They compute as printed there, with one rounding for each + − × ÷ and √. Products of huge
+/// components may overflow to infinity.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Vector {
-    /// Component to the right.
+    /// The component to the right.
     pub x: f64,
-    /// Component downwards.
+    /// The downward component.
     pub y: f64,
 }
 
@@ -18,6 +21,14 @@ impl Vector {
     /// The vector (x, y).
     pub const fn new(x: f64, y: f64) -> Vector {
         Vector { x, y }
+    }
+
+    /// The vector of the given component along `axis`; the other component is 0.
+    pub const fn along(axis: Axis, component: f64) -> Vector {
+        match axis {
+            Axis::X => Vector::new(component, 0.0),
+            Axis::Y => Vector::new(0.0, component),
+        }
     }
 
     /// The sum of this vector and `v`.
@@ -42,22 +53,34 @@ impl Vector {
 
     /// The length √(x·x + y·y).
     ///
-    /// Squares that underflow give 0 and squares that overflow give infinity:
-    /// the handout's formula is kept, not a scaled one.
+    /// Squares that underflow give 0 and squares that overflow give infinity, as in the handout's
+    /// formula.
     pub fn norm(self) -> f64 {
         (self.x * self.x + self.y * self.y).sqrt()
     }
 
     /// The vector of length 1 in the same direction, v × 1/|v|.
     ///
-    /// The null vector has no direction: its components come out NaN.
+    /// The components are NaN for the null vector, which has no direction.
     pub fn normalize(self) -> Vector {
         self.mult(1.0 / self.norm())
     }
 
-    /// Whether neither component is NaN or infinite.
+    /// True if neither component is NaN or infinite.
     pub const fn is_finite(self) -> bool {
         self.x.is_finite() && self.y.is_finite()
+    }
+}
+
+impl Index<Axis> for Vector {
+    type Output = f64;
+
+    #[inline]
+    fn index(&self, axis: Axis) -> &f64 {
+        match axis {
+            Axis::X => &self.x,
+            Axis::Y => &self.y,
+        }
     }
 }
 
@@ -74,7 +97,7 @@ mod tests {
         assert_eq!(v.mult(2.0), Vector::new(6.0, 8.0));
         assert_eq!(v.dot(w), -1.0);
         assert_eq!(v.norm(), 5.0);
-        assert_eq!(v, Vector::new(3.0, 4.0), "operations leave their operands alone");
+        assert_eq!(v, Vector::new(3.0, 4.0), "operations do not change their operands");
     }
 
     #[test]

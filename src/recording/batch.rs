@@ -1,66 +1,66 @@
 use crate::physics::{Body, BodyId, Engine, Snapshot};
 
-use super::{RecordedEvent, limits, view::Paint};
+use super::{RecordedEvent, limits, scene_update::ColorFn};
 
-/// What the stepping thread hands over in one go, in the order in which it happened.
+/// A batch of entries that the stepping thread hands to the writer thread, in chronological order.
 ///
-/// It is all copied out of the world at once, so that encoding, digesting and compressing
-/// cost the stepping thread nothing.
+/// The data is copied out of the world, so that encoding, digesting and compressing cost the
+/// stepping thread nothing.
 #[derive(Debug, Default)]
 pub struct Batch {
-    /// What happened.
+    /// The entries.
     pub entries: Vec<Entry>,
-    /// The rows of all states in it, one after the other.
+    /// The rows of all states of the batch, concatenated.
     pub rows: Vec<Row>,
 }
 
-/// One thing to be recorded.
+/// One thing to record.
 #[derive(Debug)]
 pub enum Entry {
-    /// From now on viewers are to see boxes in these colours.
-    Paint(Paint),
+    /// Record scene updates for viewers from now on, in these colours.
+    Colors(ColorFn),
     /// An event.
     Event(RecordedEvent),
-    /// Everything about a step, for a keyframe.
+    /// The snapshot of a step, for a keyframe.
     Snapshot(Snapshot),
     /// A state.
     State {
-        /// Its number.
+        /// The step.
         step: u64,
-        /// How many of the rows not yet used are its own.
+        /// The number of its rows, which are the next unused ones of the batch.
         rows: usize,
     },
 }
 
-/// A body as a state sees it.
+/// One body in a state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row {
-    /// Which body.
+    /// The body.
     pub id: BodyId,
     /// x, y (m), vx, vy (m/s).
-    pub numbers: [f64; 4],
-    /// Whether it has infinite mass.
-    pub infinite: bool,
+    pub state: [f64; 4],
+    /// True if the body has infinite mass.
+    pub is_static: bool,
 }
 
-/// Bytes of a row in the file; its size in memory is not the same on every machine.
+/// Bytes of a row in the file. (The size in memory differs between machines.)
 const RECORDED_BYTES: usize = 36;
 
 impl Batch {
-    /// Adds the state of the engine's present step.
+    /// Adds the state of the engine's current step.
     pub fn push_state(&mut self, engine: &Engine) {
         let bodies = &engine.world().bodies;
-        self.entries.push(Entry::State { step: engine.present_step(), rows: bodies.len() });
+        self.entries.push(Entry::State { step: engine.current_step(), rows: bodies.len() });
         self.rows.extend(bodies.iter().map(Row::new));
     }
 
-    /// Whether it is worth handing over: as much as keeps the other thread busy for longer
-    /// than waking it takes.
+    /// Returns true if the batch is large enough to hand over: it keeps the writer thread busy for
+    /// longer than waking the thread takes.
     pub fn is_large(&self) -> bool {
         self.rows.len() * RECORDED_BYTES > limits::CHUNK_BYTES / 16
     }
 
-    /// Takes everything out, keeping the memory.
+    /// Removes all entries and keeps the allocated memory.
     pub fn clear(&mut self) {
         self.entries.clear();
         self.rows.clear();
@@ -69,12 +69,12 @@ impl Batch {
 
 impl Row {
     fn new(body: &Body) -> Row {
-        Row { id: body.id, numbers: numbers(body), infinite: body.is_infinite() }
+        Row { id: body.id, state: body_state(body), is_static: body.is_infinite() }
     }
 }
 
-/// What a state says of a body: x, y (m), vx, vy (m/s).
-pub fn numbers(body: &Body) -> [f64; 4] {
+/// Returns x, y (m), vx, vy (m/s) of a body.
+pub fn body_state(body: &Body) -> [f64; 4] {
     let (position, velocity) = (body.rect.origin, body.velocity);
     [position.x, position.y, velocity.x, velocity.y]
 }

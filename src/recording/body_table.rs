@@ -4,84 +4,85 @@ use crate::physics::{BodyId, Spawn, Vector};
 
 use super::{Change, RecordedState};
 
-/// A body as its spawn told it: all that never changes.
+/// The constants of a body and its initial state, from its spawn.
 #[derive(Clone, Debug, PartialEq)]
-pub struct KnownBody {
-    /// Its number in creation order.
+pub struct BodyInfo {
+    /// The id; ids ascend in creation order.
     pub id: BodyId,
-    /// Its constants; position and velocity are those of its first moment.
+    /// The constants, and the position and velocity at the spawn.
     pub spawn: Spawn,
-    /// What the scene wants it drawn in.
+    /// The colour that the scene gives it, for instance `#3366cc`.
     pub color: Option<String>,
 }
 
-impl KnownBody {
-    /// Position (m) and velocity (m/s) of its first moment: x, y, vx, vy.
-    pub fn first_numbers(&self) -> [f64; 4] {
+impl BodyInfo {
+    /// Returns x, y (m), vx, vy (m/s) at the spawn.
+    pub fn initial_state(&self) -> [f64; 4] {
         let (position, velocity) = (self.spawn.rect.origin, self.spawn.velocity);
         [position.x, position.y, velocity.x, velocity.y]
     }
 
-    /// Whether x, y, vx, vy are still those of its first moment, to the bit, and at rest.
-    pub fn stands_at(&self, numbers: [f64; 4]) -> bool {
-        self.spawn.velocity == Vector::ZERO && self.first_numbers().map(f64::to_bits) == numbers.map(f64::to_bits)
+    /// Returns true if the body was spawned at rest and `state` (x, y, vx, vy) has the bits of its
+    /// initial state.
+    pub fn is_at_initial_state(&self, state: [f64; 4]) -> bool {
+        self.spawn.velocity == Vector::ZERO && self.initial_state().map(f64::to_bits) == state.map(f64::to_bits)
     }
 }
 
-/// The bodies alive, in creation order, kept up to date from events.
+/// The living bodies in creation order, updated by events.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct BodyTable {
-    bodies: Vec<Arc<KnownBody>>,
+    bodies: Vec<Arc<BodyInfo>>,
 }
 
-impl FromIterator<Arc<KnownBody>> for BodyTable {
-    /// The bodies must come in creation order.
-    fn from_iter<T: IntoIterator<Item = Arc<KnownBody>>>(bodies: T) -> BodyTable {
+impl FromIterator<Arc<BodyInfo>> for BodyTable {
+    /// Collects bodies, which must be in creation order.
+    fn from_iter<T: IntoIterator<Item = Arc<BodyInfo>>>(bodies: T) -> BodyTable {
         BodyTable { bodies: bodies.into_iter().collect() }
     }
 }
 
 impl BodyTable {
-    /// The bodies alive, ids ascending.
-    pub fn bodies(&self) -> &[Arc<KnownBody>] {
+    /// The living bodies, ids ascending.
+    pub fn bodies(&self) -> &[Arc<BodyInfo>] {
         &self.bodies
     }
 
-    /// The body of that number, if it is alive.
-    pub fn body(&self, id: BodyId) -> Option<&Arc<KnownBody>> {
-        self.place(id).ok().map(|place| &self.bodies[place])
+    /// Returns the body with this id, if it is alive.
+    pub fn body(&self, id: BodyId) -> Option<&Arc<BodyInfo>> {
+        self.index(id).ok().map(|index| &self.bodies[index])
     }
 
-    /// Follows one event.
+    /// Applies an event.
     pub fn apply(&mut self, change: &Change) {
         match change {
             Change::Spawn { id, spawn, color } => {
-                if let Err(place) = self.place(*id) {
-                    let known = KnownBody { id: *id, spawn: spawn.clone(), color: color.clone() };
-                    self.bodies.insert(place, Arc::new(known));
+                if let Err(index) = self.index(*id) {
+                    let info = BodyInfo { id: *id, spawn: spawn.clone(), color: color.clone() };
+                    self.bodies.insert(index, Arc::new(info));
                 }
             }
             Change::Delete { id } => {
-                if let Ok(place) = self.place(*id) {
-                    self.bodies.remove(place);
+                if let Ok(index) = self.index(*id) {
+                    self.bodies.remove(index);
                 }
             }
         }
     }
 
-    /// The bodies alive in creation order, each with its x, y, vx, vy if `state` lists it.
-    pub fn with_state(&self, state: &RecordedState) -> impl Iterator<Item = (&Arc<KnownBody>, Option<[f64; 4]>)> {
+    /// Returns the living bodies in creation order, each with its x, y, vx, vy if `state` lists it.
+    pub fn join_state(&self, state: &RecordedState) -> impl Iterator<Item = (&Arc<BodyInfo>, Option<[f64; 4]>)> {
         let mut next = 0;
-        self.bodies.iter().map(move |known| {
-            while state.id.get(next).is_some_and(|id| *id < known.id) {
+        self.bodies.iter().map(move |info| {
+            while state.id.get(next).is_some_and(|id| *id < info.id) {
                 next += 1;
             }
-            let listed = state.id.get(next) == Some(&known.id);
-            (known, listed.then(|| state.numbers(next)))
+            let listed = state.id.get(next) == Some(&info.id);
+            (info, listed.then(|| state.body_state(next)))
         })
     }
 
-    fn place(&self, id: BodyId) -> Result<usize, usize> {
+    fn index(&self, id: BodyId) -> Result<usize, usize> {
         self.bodies.binary_search_by_key(&id, |body| body.id)
     }
 }

@@ -7,137 +7,141 @@ use mcap::{
 };
 
 use super::{
-    fields::{Fields, Malformed},
+    cursor::{Cursor, Malformed},
     limits,
-    records::PREFIX_BYTES,
+    record_reader::PREFIX_BYTES,
 };
 
-/// Opens chunks one after the other and hands out their records, each chunk's only once
-/// all of it has passed its checksum.
-pub struct Chunks {
-    /// Kept from chunk to chunk: making one costs as much as reading a small chunk.
+/// Reads the records of one chunk after another. The checksum of a chunk is verified before its first
+/// record is returned.
+pub struct ChunkReader {
+    /// Reused from chunk to chunk, because creating one costs as much as reading a small chunk.
     reader: LinearReader,
-    /// Whether the reader can take another chunk.
-    usable: bool,
+    /// True if the reader has failed and cannot read another chunk.
+    has_failed: bool,
     chunk: Option<Chunk>,
 }
 
-/// What is known of the chunk being read.
+/// The chunk being read.
 struct Chunk {
+    /// The time range according to the header.
     declared: TimeRange,
+    /// The time range of the messages read so far.
     found: Option<TimeRange>,
+    /// The offset of the next record in the uncompressed chunk.
     position: u64,
+    /// The messages read so far, by channel.
     index: BTreeMap<u16, Vec<IndexEntry>>,
-    exhausted: bool,
+    is_exhausted: bool,
 }
 
-/// First and last log time of a chunk, simulated nanoseconds.
+/// The first and last log time of a chunk, in simulated nanoseconds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct TimeRange {
     first: u64,
     last: u64,
 }
 
-/// Where a message lies: log time and offset in the uncompressed chunk.
+/// An entry of a message index: log time and offset in the uncompressed chunk.
 type IndexEntry = (u64, u64);
 
 /// A record inside a chunk.
 pub struct ChunkRecord<'a> {
-    /// Which kind.
+    /// The kind of record.
     pub opcode: u8,
-    /// Its fields.
+    /// The fields.
     pub body: &'a [u8],
 }
 
-/// A message as it lies in the file.
+/// An encoded message.
 pub struct RawMessage<'a> {
-    /// Which channel.
+    /// The id of the channel.
     pub channel: u16,
-    /// Simulated nanoseconds.
+    /// In simulated nanoseconds.
     pub log_time: u64,
-    /// CDR.
+    /// The message, encoded as its channel declares.
     pub data: &'a [u8],
 }
 
-impl Chunks {
-    /// With no chunk open.
-    pub fn new() -> Chunks {
-        Chunks { reader: strict(), usable: true, chunk: None }
+impl ChunkReader {
+    /// Creates a reader without an open chunk.
+    pub fn new() -> ChunkReader {
+        ChunkReader { reader: strict_reader(), has_failed: false, chunk: None }
     }
 
     /// Opens the chunk whose record has this body.
     ///
     /// # Errors
-    /// In words, if its header is not sound. Its checksum is verified by the first
-    /// [`Chunks::next`].
+    /// Returns a description of the damage if the header is invalid. The checksum is verified by the
+    /// first call of [`ChunkReader::next_record`].
     pub fn open(&mut self, body: &[u8]) -> Result<(), String> {
         self.close();
-        let (declared, compression, data) = header(body).map_err(|Malformed| "its header is damaged")?;
-        if compression.is_empty() && !is_whole_records(data) {
-            return Err("its records do not fill it".into());
+        let (declared, compression, data) = parse_header(body).map_err(|Malformed| "the chunk header is damaged")?;
+        if compression.is_empty() && !ends_with_a_record(data) {
+            return Err("the last record of the chunk is incomplete".into());
         }
         let space = self.reader.insert(PREFIX_BYTES + body.len());
         space[0] = op::CHUNK;
         space[1..PREFIX_BYTES].copy_from_slice(&(body.len() as u64).to_le_bytes());
         space[PREFIX_BYTES..][..body.len()].copy_from_slice(body);
         self.reader.notify_read(PREFIX_BYTES + body.len());
-        self.chunk = Some(Chunk { declared, found: None, position: 0, index: BTreeMap::new(), exhausted: false });
+        self.chunk = Some(Chunk { declared, found: None, position: 0, index: BTreeMap::new(), is_exhausted: false });
         Ok(())
     }
 
-    /// Forgets the open chunk.
+    /// Closes the open chunk.
     pub fn close(&mut self) {
-        let unread = self.chunk.take().is_some_and(|chunk| !chunk.exhausted);
-        if unread || !self.usable {
-            self.reader = strict();
-            self.usable = true;
+        let is_unread = self.chunk.take().is_some_and(|chunk| !chunk.is_exhausted);
+        if is_unread || self.has_failed {
+            self.reader = strict_reader();
+            self.has_failed = false;
         }
     }
 
-    /// The next record of the open chunk, or none behind the last one.
+    /// Returns the next record of the open chunk, or `None` after the last one.
     ///
     /// # Errors
-    /// In words, if the chunk does not fit its checksum or its header; nothing more of it
-    /// can be read then.
-    pub fn next(&mut self) -> Result<Option<ChunkRecord<'_>>, String> {
-        let Some(chunk) = self.chunk.as_mut().filter(|chunk| !chunk.exhausted) else { return Ok(None) };
+    /// Returns a description of the damage if the chunk does not match its checksum or its header.
+    /// The rest of the chunk is then unreadable.
+    pub fn next_record(&mut self) -> Result<Option<ChunkRecord<'_>>, String> {
+        let Some(chunk) = self.chunk.as_mut().filter(|chunk| !chunk.is_exhausted) else { return Ok(None) };
         match self.reader.next_event() {
             Some(Ok(LinearReadEvent::Record { opcode, data })) => {
                 let record = ChunkRecord { opcode, body: data };
-                chunk.note(&record);
+                chunk.add_record(&record);
                 Ok(Some(record))
             }
             Some(Err(error)) => {
-                chunk.exhausted = true;
-                self.usable = false;
-                Err(told(&error, chunk.position == 0))
+                chunk.is_exhausted = true;
+                self.has_failed = true;
+                Err(describe(&error, chunk.position == 0))
             }
             None | Some(Ok(LinearReadEvent::ReadRequest(_))) => {
-                chunk.exhausted = true;
-                chunk.check_times()?;
+                chunk.is_exhausted = true;
+                chunk.check_time_range()?;
                 Ok(None)
             }
         }
     }
 
-    /// Compares a message index record behind the chunk with what the chunk holds.
+    /// Compares a message index record with the messages of the chunk before it.
     ///
     /// # Errors
-    /// In words, if they differ.
-    pub fn check_index(&self, body: &[u8]) -> Result<(), String> {
-        let Some(chunk) = &self.chunk else { return Err("a message index stands behind no chunk".into()) };
-        if !self.usable {
-            return Ok(()); // The chunk is damaged, as was said already.
+    /// Returns a description of the damage if they differ.
+    pub fn check_message_index(&self, body: &[u8]) -> Result<(), String> {
+        let Some(chunk) = &self.chunk else { return Err("a message index does not follow a chunk".into()) };
+        if self.has_failed {
+            return Ok(()); // The damage of the chunk was already reported.
         }
-        match index(body) {
+        match parse_message_index(body) {
             Ok((channel, entries)) if chunk.index.get(&channel).is_some_and(|found| *found == entries) => Ok(()),
-            Ok(_) | Err(Malformed) => Err("the message index does not fit its chunk".into()),
+            Ok(_) | Err(Malformed) => Err("the message index does not match its chunk".into()),
         }
     }
 }
 
 impl Chunk {
-    fn note(&mut self, record: &ChunkRecord<'_>) {
+    fn add_record(&mut self, record: &ChunkRecord<'_>) {
         let offset = self.position;
         self.position += (PREFIX_BYTES + record.body.len()) as u64;
         let Some(message) = record.message() else { return };
@@ -147,10 +151,10 @@ impl Chunk {
         self.index.entry(channel).or_default().push((log_time, offset));
     }
 
-    fn check_times(&self) -> Result<(), String> {
+    fn check_time_range(&self) -> Result<(), String> {
         match self.found {
             Some(found) if found != self.declared => {
-                Err("its header tells another time range than its messages".into())
+                Err("the time range in the chunk header does not match the messages".into())
             }
             Some(_) | None => Ok(()),
         }
@@ -158,7 +162,7 @@ impl Chunk {
 }
 
 impl ChunkRecord<'_> {
-    /// The message this is, if it is one.
+    /// Returns the message, if the record is one.
     pub fn message(&self) -> Option<RawMessage<'_>> {
         (self.opcode == op::MESSAGE).then(|| RawMessage::parse(self.body).ok()).flatten()
     }
@@ -166,7 +170,7 @@ impl ChunkRecord<'_> {
 
 impl<'a> RawMessage<'a> {
     fn parse(body: &'a [u8]) -> Result<RawMessage<'a>, Malformed> {
-        let mut fields = Fields::new(body);
+        let mut fields = Cursor::new(body);
         let channel = fields.u16()?;
         let _sequence = fields.u32()?;
         let log_time = fields.u64()?;
@@ -175,19 +179,21 @@ impl<'a> RawMessage<'a> {
     }
 }
 
-/// Why a chunk cannot be read, in words.
+/// Describes why a chunk cannot be read.
 ///
-/// How far damaged bytes are decompressed before that is noticed, and into what, depends on the
-/// processor: the words do not.
-fn told(error: &McapError, is_at_start: bool) -> String {
+/// How many damaged bytes are decompressed before the error is detected depends on the processor;
+/// the description does not.
+fn describe(error: &McapError, is_at_start: bool) -> String {
     match error {
-        McapError::BadChunkCrc { .. } | McapError::DecompressionError(_) => "its bytes do not fit its checksum".into(),
-        McapError::UnexpectedEoc if is_at_start => "its bytes do not fit its checksum".into(),
+        McapError::BadChunkCrc { .. } | McapError::DecompressionError(_) => {
+            "the chunk does not match its checksum".into()
+        }
+        McapError::UnexpectedEoc if is_at_start => "the chunk does not match its checksum".into(),
         error => error.to_string(),
     }
 }
 
-fn strict() -> LinearReader {
+fn strict_reader() -> LinearReader {
     let options = LinearReaderOptions::default()
         .with_skip_start_magic(true)
         .with_skip_end_magic(true)
@@ -196,22 +202,22 @@ fn strict() -> LinearReader {
     LinearReader::new_with_options(options)
 }
 
-/// Time range, compression and data of a chunk record that ends with its data.
-fn header(body: &[u8]) -> Result<(TimeRange, &str, &[u8]), Malformed> {
-    let mut fields = Fields::new(body);
+/// Returns time range, compression and data of a chunk record, which must end with its data.
+fn parse_header(body: &[u8]) -> Result<(TimeRange, &str, &[u8]), Malformed> {
+    let mut fields = Cursor::new(body);
     let declared = TimeRange { first: fields.u64()?, last: fields.u64()? };
     let _uncompressed_size = fields.u64()?;
     let _checksum = fields.u32()?;
     let compression = fields.text()?;
     let compressed_size = fields.u64()?;
     let data = fields.bytes(compressed_size)?;
-    fields.end()?;
+    fields.finish()?;
     Ok((declared, compression, data))
 }
 
-/// Whether an uncompressed chunk ends where its last record does: the crate trusts it to.
-fn is_whole_records(data: &[u8]) -> bool {
-    let mut fields = Fields::new(data);
+/// Returns true if an uncompressed chunk ends at the end of a record, which the `mcap` crate does not check.
+fn ends_with_a_record(data: &[u8]) -> bool {
+    let mut fields = Cursor::new(data);
     loop {
         match (fields.bytes(1), fields.u64()) {
             (Err(Malformed), _) => return true,
@@ -221,15 +227,15 @@ fn is_whole_records(data: &[u8]) -> bool {
     }
 }
 
-fn index(body: &[u8]) -> Result<(u16, Vec<IndexEntry>), Malformed> {
-    let mut fields = Fields::new(body);
+fn parse_message_index(body: &[u8]) -> Result<(u16, Vec<IndexEntry>), Malformed> {
+    let mut fields = Cursor::new(body);
     let channel = fields.u16()?;
     let length = fields.u32()?;
-    let mut records = Fields::new(fields.bytes(length.into())?);
+    let mut records = Cursor::new(fields.bytes(length.into())?);
     let mut entries = Vec::new();
     while !records.is_empty() {
         entries.push((records.u64()?, records.u64()?));
     }
-    fields.end()?;
+    fields.finish()?;
     Ok((channel, entries))
 }

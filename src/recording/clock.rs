@@ -1,7 +1,7 @@
-/// Simulated nanoseconds from the start of the run to state `step`.
+/// Returns the simulated time of state `step`, in nanoseconds since the start of the run.
 ///
-/// Exact (rounded down) when `rate` (Hz) is a whole number, else to the precision of f64;
-/// beyond 584 years it stays at the largest number.
+/// Exact (rounded down) if `rate` (Hz) is an integer, else to the precision of f64. Saturates at
+/// `u64::MAX` (584 years).
 pub fn nanoseconds(step: u64, rate: f64) -> u64 {
     const SECOND: u128 = 1_000_000_000;
     let whole = rate as u64;
@@ -12,12 +12,12 @@ pub fn nanoseconds(step: u64, rate: f64) -> u64 {
     }
 }
 
-/// The number of steps nearest to a second of simulated time, at least one.
+/// Returns the number of steps nearest to a second of simulated time, at least 1.
 pub fn steps_per_second(rate: f64) -> u64 {
     (rate.round() as u64).max(1)
 }
 
-/// Whether the state of `step` is the last one of its second, after which a writer flushes.
+/// Returns true if the state of `step` is the last one of its second, after which a writer flushes.
 pub fn ends_second(step: u64, rate: f64) -> bool {
     (step % steps_per_second(rate)) + 1 == steps_per_second(rate)
 }
@@ -27,7 +27,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn whole_rates_count_exactly() {
+    fn integer_rates_are_exact() {
         assert_eq!(nanoseconds(1, 60.0), 16_666_666);
         assert_eq!(nanoseconds(86_400 * 60, 60.0), 86_400_000_000_000);
         assert_eq!(nanoseconds(3, 0.5), 6_000_000_000);

@@ -1,26 +1,27 @@
-//! How the solver's numbers stand in a keyframe.
+//! The order of the solver's numbers in a keyframe.
 
-/// The first format in which they stand by columns.
-const SINCE: u32 = 2;
+/// The first format version that stores the solver's numbers by columns.
+const FIRST_FORMAT: u32 = 2;
 
-/// Numbers that come body by body as a keyframe of that format has them: where each body has as
-/// many, by columns, all first numbers before all second ones, since like numbers compress better.
-pub fn by_columns(numbers: &[f64], bodies: usize, format: u32) -> Vec<f64> {
-    match format < SINCE || bodies == 0 || !numbers.len().is_multiple_of(bodies) {
+/// Transposes per-body rows into columns (format ≥ 2), which compress better.
+///
+/// Returns `numbers` unchanged if they cannot be divided evenly among the bodies.
+pub fn to_columns(numbers: &[f64], bodies: usize, format: u32) -> Vec<f64> {
+    match format < FIRST_FORMAT || bodies == 0 || !numbers.len().is_multiple_of(bodies) {
         true => numbers.into(),
         false => transposed(numbers, numbers.len() / bodies),
     }
 }
 
-/// The numbers of [`by_columns`] body by body again.
-pub fn by_bodies(numbers: Vec<f64>, bodies: usize, format: u32) -> Vec<f64> {
-    match format < SINCE || bodies == 0 || !numbers.len().is_multiple_of(bodies) {
+/// Inverts [`to_columns`].
+pub fn from_columns(numbers: Vec<f64>, bodies: usize, format: u32) -> Vec<f64> {
+    match format < FIRST_FORMAT || bodies == 0 || !numbers.len().is_multiple_of(bodies) {
         true => numbers,
         false => transposed(&numbers, bodies),
     }
 }
 
-/// Rows of that width made into columns.
+/// Transposes a matrix with rows of length `width`.
 fn transposed(numbers: &[f64], width: usize) -> Vec<f64> {
     (0..width).flat_map(|column| numbers.iter().skip(column).step_by(width)).copied().collect()
 }
@@ -32,19 +33,19 @@ mod tests {
     use super::*;
 
     #[test]
-    fn like_numbers_of_different_bodies_stand_together() {
+    fn rows_are_transposed_into_columns() {
         let rows = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0];
-        assert_eq!(by_columns(&rows, 2, SINCE), [1.0, 4.0, 2.0, 5.0, 3.0, 6.0]);
-        assert_eq!(by_columns(&rows, 4, SINCE), rows, "six numbers are not of four bodies");
-        assert_eq!(by_columns(&rows, 2, 1), rows, "the first format had no columns");
-        assert!(by_columns(&[], 2, SINCE).is_empty());
+        assert_eq!(to_columns(&rows, 2, FIRST_FORMAT), [1.0, 4.0, 2.0, 5.0, 3.0, 6.0]);
+        assert_eq!(to_columns(&rows, 4, FIRST_FORMAT), rows, "six numbers cannot be divided among four bodies");
+        assert_eq!(to_columns(&rows, 2, 1), rows, "the first format had no columns");
+        assert!(to_columns(&[], 2, FIRST_FORMAT).is_empty());
     }
 
     proptest! {
         #[test]
-        fn they_come_back(bodies in 0_usize..9, numbers in vec(-1.0..1.0, 0..40), format in 1_u32..3) {
-            let columns = by_columns(&numbers, bodies, format);
-            prop_assert_eq!(by_bodies(columns, bodies, format), numbers);
+        fn from_columns_inverts_to_columns(bodies in 0_usize..9, numbers in vec(-1.0..1.0, 0..40), format in 1_u32..3) {
+            let columns = to_columns(&numbers, bodies, format);
+            prop_assert_eq!(from_columns(columns, bodies, format), numbers);
         }
     }
 }

@@ -2,25 +2,25 @@ use xxhash_rust::xxh3::xxh3_64;
 
 use crate::physics::BodyId;
 
-/// The digest of one state: of all bodies alive, in creation order.
+/// The digest of one state: of all living bodies, in creation order.
 ///
-/// It is the 64-bit XXH3 of one row of 36 bytes a body: id (u32), x, y (m), vx, vy (m/s,
-/// the bits of each f64), all little-endian. Bits count, so −0.0 differs from 0.0; but every
-/// NaN counts the same, as processors do not agree on its bits.
+/// The digest is the 64-bit XXH3 of one row of 36 bytes per body: id (u32), x, y (m), vx, vy (m/s,
+/// the bits of each f64), all little-endian. Bits count, so −0.0 differs from 0.0; but all NaNs are
+/// equal, because their bits differ between processors.
 #[derive(Clone, Debug, Default)]
 pub struct StateDigest {
     rows: Vec<u8>,
 }
 
 impl StateDigest {
-    /// Starts over, keeping the memory.
+    /// Removes all bodies and keeps the allocated memory.
     pub fn clear(&mut self) {
         self.rows.clear();
     }
 
-    /// Adds the next body in creation order.
-    pub fn body(&mut self, id: BodyId, numbers: [f64; 4]) {
-        let [x, y, vx, vy] = numbers.map(canonical_bits);
+    /// Adds the next body in creation order: x, y (m), vx, vy (m/s).
+    pub fn add(&mut self, id: BodyId, state: [f64; 4]) {
+        let [x, y, vx, vy] = state.map(canonical_bits);
         let mut row = [0; 36];
         row[0..4].copy_from_slice(&id.to_le_bytes());
         row[4..12].copy_from_slice(&x.to_le_bytes());
@@ -30,7 +30,7 @@ impl StateDigest {
         self.rows.extend_from_slice(&row);
     }
 
-    /// The digest of the bodies added since the last [`StateDigest::clear`].
+    /// Returns the digest of the bodies added since the last [`StateDigest::clear`].
     pub fn value(&self) -> u64 {
         xxh3_64(&self.rows)
     }
@@ -45,12 +45,12 @@ fn canonical_bits(number: f64) -> u64 {
 mod tests {
     use super::*;
 
-    /// x86 makes a negative NaN of 0 ÷ 0, ARM a positive one.
+    /// On x86, 0 ÷ 0 is a negative NaN; on ARM it is a positive one.
     #[test]
-    fn every_nan_is_the_same() {
+    fn all_nans_have_the_same_digest() {
         let digest = |bits: u64| {
             let mut digest = StateDigest::default();
-            digest.body(0, [f64::from_bits(bits), 0.0, 0.0, 0.0]);
+            digest.add(0, [f64::from_bits(bits), 0.0, 0.0, 0.0]);
             digest.value()
         };
         assert_eq!(digest(0x7ff8_0000_0000_0000), digest(0xfff8_0000_0000_0001));
@@ -58,10 +58,10 @@ mod tests {
     }
 
     #[test]
-    fn every_bit_of_every_row_counts() {
+    fn every_bit_of_every_row_changes_the_digest() {
         let digest = |rows: &[(BodyId, [f64; 4])]| {
             let mut digest = StateDigest::default();
-            rows.iter().for_each(|(id, numbers)| digest.body(*id, *numbers));
+            rows.iter().for_each(|(id, state)| digest.add(*id, *state));
             digest.value()
         };
         let base = digest(&[(4, [0.0, 1.0, 2.0, 3.0])]);

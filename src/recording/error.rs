@@ -1,111 +1,112 @@
 use std::{io, path::PathBuf};
 
-/// Why a recording cannot be written or read at all.
+/// The reason why a recording cannot be written, or cannot be read at all.
 ///
-/// Damage inside a recording is no error: what can be read is read, and
-/// [`Health`](super::Health) says what could not.
+/// Damage inside a recording is not an error: the readable part is read, and
+/// [`Health`](super::Health) reports the damage.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// The file cannot be opened.
     #[error("{}: cannot be opened: {source}", path.display())]
     Open {
-        /// Which file.
+        /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The error of the operating system.
         source: io::Error,
     },
     /// The file cannot be created.
     #[error("{}: cannot be created: {source}", path.display())]
     Create {
-        /// Which file.
+        /// The file.
         path: PathBuf,
-        /// What the system says.
+        /// The error of the operating system.
         source: io::Error,
     },
-    /// The file is there and is to stay.
-    #[error("{}: exists already; --force overwrites it", path.display())]
+    /// The file exists and may not be overwritten.
+    #[error("{}: the file already exists; --force overwrites it", path.display())]
     Exists {
-        /// Which file.
+        /// The file.
         path: PathBuf,
     },
-    /// Reading failed halfway.
+    /// Reading failed.
     #[error("the recording cannot be read: {0}")]
     Read(#[source] io::Error),
-    /// Writing failed; what was flushed before stays readable.
+    /// Writing failed. All data flushed before stays readable.
     #[error("the recording cannot be written: {0}")]
     Write(#[source] io::Error),
-    /// It is not a recording of this program.
-    #[error("not a recording of rebond: {what}")]
+    /// The file is not a recording of this program.
+    #[error("not a recording of rebond: {reason}")]
     NotARecording {
-        /// What gives it away.
-        what: &'static str,
+        /// The reason.
+        reason: &'static str,
     },
-    /// It ends before its settings do.
-    #[error("truncated before its settings: nothing in it can be read")]
-    CutHead,
-    /// Its settings are damaged, and there is no second copy of them.
-    #[error("corrupt at byte {offset}: {what}; without the settings nothing else can be read")]
-    DamagedHead {
-        /// Of the damaged record, bytes from the start of the file.
+    /// The file ends before its settings.
+    #[error("truncated before its settings: nothing in the file can be read")]
+    TruncatedHeader,
+    /// The settings are damaged, and there is no second copy of them.
+    #[error("corrupt at byte {offset}: {reason}; without the settings nothing else can be read")]
+    CorruptHeader {
+        /// The offset of the damaged record, in bytes from the start of the file.
         offset: u64,
-        /// What is wrong there.
-        what: String,
+        /// A description of the damage.
+        reason: String,
     },
-    /// It is newer than this program.
+    /// The format is newer than this program.
     #[error(
-        "the recording has format version {found}, this rebond reads up to {}; read it with a newer rebond",
+        "the recording has format version {found}, but this rebond reads versions up to {}; use a newer rebond",
         super::FORMAT_VERSION
     )]
     NewerFormat {
-        /// Its format version.
+        /// The format version of the recording.
         found: u32,
     },
-    /// It was made by an engine that computes otherwise.
+    /// The recording was made by an engine with other semantics.
     #[error(
-        "the recording was made with engine semantics {found}, this rebond has {}: it can show the states but not \
-         replay them; replay it with the rebond it was made with",
+        "the recording was made with engine semantics {found}, but this rebond has {}: it can show the states but not \
+         replay them; replay them with the version of rebond that recorded them",
         super::SEMANTICS_VERSION
     )]
     OtherSemantics {
-        /// Its engine-semantics version.
+        /// The engine-semantics version of the recording.
         found: u32,
     },
-    /// What was to be written is beyond what a recording may hold.
-    #[error("{what} is more than a recording holds: {found}, at most {limit}")]
+    /// A quantity exceeds a limit of the format.
+    #[error("{quantity} is {found}, but a recording can hold at most {limit}")]
     TooLarge {
-        /// What is too large.
-        what: &'static str,
-        /// How large it is.
+        /// The quantity, a noun phrase in the singular.
+        quantity: &'static str,
+        /// Its value.
         found: u64,
-        /// How large it may be.
+        /// The largest allowed value.
         limit: u64,
     },
-    /// A body that was to be recorded could not be read again.
-    #[error("body {name:?} cannot be: its numbers must be finite, its mass and both its sides positive")]
-    Impossible {
-        /// Its name.
+    /// A body has invalid constants, which the reader would reject.
+    #[error(
+        "body {name:?} cannot be recorded: its mass and both its sides must be positive, and all its other numbers finite"
+    )]
+    InvalidBody {
+        /// The name of the body.
         name: String,
     },
-    /// The writer was handed a step that is not the next one.
-    #[error("state {found} was to be recorded when state {due} was due")]
+    /// A state other than the next one was passed to the writer.
+    #[error("state {found} cannot be recorded, because the next state is {expected}")]
     OutOfOrder {
-        /// The step that was due.
-        due: u64,
-        /// The step that came.
+        /// The expected step.
+        expected: u64,
+        /// The step of the state.
         found: u64,
     },
-    /// The world has bodies the recording does not know of.
+    /// The world differs from the recorded events.
     #[error("step {step}: the world was changed by an event that was not recorded")]
-    Unrecorded {
+    UnrecordedEvent {
         /// The step.
         step: u64,
     },
 }
 
 impl Error {
-    /// Whether it is a recording of ours that is cut or damaged, before anything of it can be
-    /// read.
+    /// Returns true if the file is a recording of rebond whose settings are damaged or cut off.
     pub const fn is_damage(&self) -> bool {
-        matches!(self, Error::CutHead | Error::DamagedHead { .. })
+        matches!(self, Error::TruncatedHeader | Error::CorruptHeader { .. })
     }
 }

@@ -1,35 +1,35 @@
 use crate::physics::{BodyId, Event, Spawn};
 
-/// One event as it was applied: the expanded truth that replay feeds to the engine.
+/// An event as it was applied to the engine, with all values resolved. Replay applies it again.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RecordedEvent {
-    /// It changed state `step` before that state was recorded.
+    /// The step whose state the event changed, before that state was recorded.
     pub step: u64,
-    /// What happened.
+    /// The change.
     pub change: Change,
 }
 
-/// What an event did.
+/// The effect of an event.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Change {
-    /// A body came into being.
+    /// A body was created.
     Spawn {
-        /// The id the engine gave it.
+        /// The id that the engine assigned.
         id: BodyId,
-        /// Its constants, first position and first velocity.
+        /// The constants, initial position and initial velocity.
         spawn: Spawn,
-        /// What the scene wants it drawn in, for instance `#3366cc`.
+        /// The colour that the scene gives it, for instance `#3366cc`.
         color: Option<String>,
     },
-    /// A body went.
+    /// A body was removed.
     Delete {
-        /// Its id.
+        /// The id of the body.
         id: BodyId,
     },
 }
 
 impl Change {
-    /// The event as the engine takes it.
+    /// Returns the event in the form that the engine applies.
     pub fn event(&self) -> Event {
         match self {
             Change::Spawn { spawn, .. } => Event::Spawn(spawn.clone()),

@@ -6,37 +6,37 @@ use std::{
 
 use super::Error;
 
-/// Whether an existing file may be replaced.
+/// Policy for an output file that already exists.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Overwrite {
-    /// `--force`.
+    /// It is replaced (`--force`).
     Allowed,
-    /// An existing file is an error.
+    /// It is kept, and opening it is an error.
     Refused,
 }
 
-/// How far down a flush reaches.
+/// The layer to which a flush writes the data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Sync {
-    /// To the operating system: survives the death of the program.
+    /// The operating system: data survives a crash of the program.
     Program,
-    /// To the disk: survives a power loss (`--sync`).
+    /// The disk: data survives a power loss (`--sync`).
     Disk,
 }
 
-/// A file to record into, whose flush reaches as far down as was asked for.
+/// A file to record into, with flushes to the chosen layer.
 #[derive(Debug)]
 pub struct RecordingFile {
     file: File,
     sync: Sync,
 }
 
-/// Opens `path` to record into, in place, so that it can be read while the run goes on.
+/// Opens `path` for recording, in place, so that the file can be read during the run.
 ///
-/// What is no ordinary file (`/dev/null`, a named pipe) is written to without further ado.
+/// Special files (`/dev/null`, a named pipe) are opened regardless of `overwrite`.
 ///
 /// # Errors
-/// If the file exists and is to stay, or cannot be created.
+/// Returns an error if the file exists and may not be replaced, or if it cannot be created.
 pub fn create(path: &Path, overwrite: Overwrite, sync: Sync) -> Result<RecordingFile, Error> {
     let special = path.metadata().is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir());
     let mut options = OpenOptions::new();

@@ -1,29 +1,29 @@
 use std::fmt;
 
-/// What reading a recording to its end has shown.
+/// The condition of a recording, known after it was read to its end.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Health {
-    /// Complete, every checksum right.
-    Whole,
-    /// The file ends before the recording does: a run in progress, a kill, a cut.
+    /// The recording is complete and all checksums are correct.
+    Complete,
+    /// The file ends before the end record: the run is in progress or was killed, or the file was cut.
     Truncated {
-        /// The last step whose state could be read; none if there was none.
+        /// The step of the last readable state, if any.
         after: Option<u64>,
     },
-    /// Something in the file is not as it was written; the first such place.
+    /// The file is damaged; holds the first damage.
     Corrupt(Damage),
 }
 
-/// A place in a recording that is not as it was written.
+/// A damaged place in a recording.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Damage {
-    /// Chunk it lies in, counted from 1; none outside of chunks.
+    /// The number of the chunk, counted from 1; `None` outside of chunks.
     pub chunk: Option<u64>,
-    /// Offset of the damaged record, bytes from the start of the file.
+    /// The offset of the damaged record, in bytes from the start of the file.
     pub offset: u64,
-    /// What is wrong there.
-    pub what: String,
-    /// The last step whose state was read before it; none if there was none.
+    /// A description of the damage.
+    pub reason: String,
+    /// The step of the last state before the damage, if any.
     pub after: Option<u64>,
 }
 
@@ -34,8 +34,8 @@ impl fmt::Display for Damage {
             None => write!(f, "record at byte {}", self.offset)?,
         }
         match self.after {
-            Some(step) => write!(f, " after step {step}: {}", self.what),
-            None => write!(f, " before the first state: {}", self.what),
+            Some(step) => write!(f, " after step {step}: {}", self.reason),
+            None => write!(f, " before the first state: {}", self.reason),
         }
     }
 }

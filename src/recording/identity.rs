@@ -4,10 +4,10 @@ use xxhash_rust::xxh3::Xxh3;
 
 use super::{Header, metadata};
 
-/// A digest chained over versions, settings, scene, events and the digest of every state.
+/// A digest over versions, settings, scene, events and the digests of all states.
 ///
-/// Two runs have the same identity exactly when the same went in and the same came out,
-/// however thinned they were recorded. It prints as 32 hexadecimal digits.
+/// Two runs have the same identity if and only if their inputs and states are the same, whatever
+/// the thinning of their recordings. It is printed as 32 hexadecimal digits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Identity(pub u128);
 
@@ -25,47 +25,47 @@ impl FromStr for Identity {
     }
 }
 
-/// The identity of a run as it grows.
+/// Computes the identity of a run incrementally.
 ///
-/// XXH3 (128 bits) over parts, each a letter, its length (u64, little-endian) and its
-/// bytes, so that no two different runs have the same bytes.
+/// The identity is the 128-bit XXH3 of a sequence of parts. Each part is a tag letter, the length
+/// (u64, little-endian) and the bytes, so that different runs always give different input.
 #[derive(Clone)]
 pub struct IdentityChain(Xxh3);
 
 impl IdentityChain {
-    /// Starts with what a run is asked to be.
+    /// Starts a chain with the settings and the scene text of a run.
     pub fn new(header: &Header) -> IdentityChain {
         let mut chain = IdentityChain(Xxh3::new());
-        for (key, value) in metadata::of_settings(header) {
-            chain.part(b'K', key.as_bytes());
-            chain.part(b'V', value.as_bytes());
+        for (key, value) in metadata::settings_map(header) {
+            chain.add_part(b'K', key.as_bytes());
+            chain.add_part(b'V', value.as_bytes());
         }
-        chain.part(b'T', header.scene.text.as_bytes());
+        chain.add_part(b'T', header.scene.text.as_bytes());
         chain
     }
 
-    /// Adds one event as it is encoded in the file.
+    /// Adds an event, encoded as in the file.
     pub fn event(&mut self, message: &[u8]) {
-        self.part(b'E', message);
+        self.add_part(b'E', message);
     }
 
-    /// Adds one state.
+    /// Adds the digest of a state.
     pub fn state(&mut self, step: u64, digest: u64) {
         let mut bytes = [0; 16];
         bytes[..8].copy_from_slice(&step.to_le_bytes());
         bytes[8..].copy_from_slice(&digest.to_le_bytes());
-        self.part(b'S', &bytes);
+        self.add_part(b'S', &bytes);
     }
 
-    /// The identity of the run so far.
+    /// Returns the identity of the run so far.
     pub fn identity(&self) -> Identity {
         Identity(self.0.digest128())
     }
 
-    fn part(&mut self, letter: u8, bytes: &[u8]) {
-        let mut head = [letter; 9];
-        head[1..].copy_from_slice(&(bytes.len() as u64).to_le_bytes());
-        self.0.update(&head);
+    fn add_part(&mut self, tag: u8, bytes: &[u8]) {
+        let mut prefix = [tag; 9];
+        prefix[1..].copy_from_slice(&(bytes.len() as u64).to_le_bytes());
+        self.0.update(&prefix);
         self.0.update(bytes);
     }
 }

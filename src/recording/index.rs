@@ -6,73 +6,72 @@ use std::{
 use mcap::{MAGIC, records::op};
 
 use super::{
-    fields::{Fields, Malformed},
+    cursor::{Cursor, Malformed},
     metadata,
-    records::{PREFIX_BYTES, Records},
+    record_reader::{PREFIX_BYTES, RecordReader},
     resync,
     topic::Topic,
 };
 
-/// Where the chunks of a recording are: enough to read on at any of them.
+/// The index of the chunks of a recording, for reading at any of them.
 #[derive(Default)]
 pub struct Index {
-    /// In file order.
+    /// The chunks in file order.
     pub chunks: Vec<IndexedChunk>,
-    /// The bodies of the channel records, which stand in the first chunk otherwise.
+    /// The bodies of the channel records, which are otherwise only in the first chunk.
     pub channels: Vec<Vec<u8>>,
-    /// Where the metadata at the end is, bytes from the start of the file.
-    pub end: Option<u64>,
-    /// How many messages each channel has.
-    counts: BTreeMap<u16, u64>,
+    /// The offset of the end record, in bytes from the start of the file.
+    pub trailer_offset: Option<u64>,
+    /// The number of messages of each channel.
+    message_counts: BTreeMap<u16, u64>,
 }
 
-/// A chunk as the index knows it.
+/// A chunk in the index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct IndexedChunk {
-    /// Of its record, bytes from the start of the file.
+    /// The offset of the chunk record, in bytes from the start of the file.
     pub offset: u64,
-    /// Of its first message, simulated nanoseconds.
+    /// The time of the first message, in simulated nanoseconds.
     pub first_time: u64,
-    /// Which channels it has messages of.
+    /// The channels of its messages.
     channels: ChannelSet,
 }
 
-/// Channels by their number, one bit each; the last is for all that are too high for one of
-/// their own.
+/// A set of channel ids as a bit mask. The last bit stands for all ids from 15.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct ChannelSet(u16);
 
 impl Index {
-    /// How many messages there are of a topic.
-    pub fn messages(&self, topic: Topic) -> u64 {
-        self.channels_of(topic).filter_map(|channel| self.counts.get(&channel)).sum()
+    /// Returns the number of messages of a topic.
+    pub fn message_count(&self, topic: Topic) -> u64 {
+        self.channels_of(topic).filter_map(|channel| self.message_counts.get(&channel)).sum()
     }
 
-    /// Whether the chunk there may have messages of a topic.
-    pub fn has(&self, place: usize, topic: Topic) -> bool {
-        // An index that names no channels is one that was made here.
-        self.channels.is_empty() || self.channels_of(topic).any(|channel| self.chunks[place].channels.has(channel))
+    /// Returns true if a chunk may contain messages of a topic.
+    pub fn may_contain(&self, chunk: usize, topic: Topic) -> bool {
+        // An index without channels was built by scanning.
+        self.channels.is_empty() || self.channels_of(topic).any(|channel| self.chunks[chunk].channels.contains(channel))
     }
 
     fn channels_of(&self, topic: Topic) -> impl Iterator<Item = u16> {
-        let number = move |body: &Vec<u8>| {
-            let mut fields = Fields::new(body);
-            let (number, _schema, name) = (fields.u16().ok()?, fields.u16().ok()?, fields.text().ok()?);
-            (name == topic.name()).then_some(number)
+        let channel_id = move |body: &Vec<u8>| {
+            let mut fields = Cursor::new(body);
+            let (id, _schema, name) = (fields.u16().ok()?, fields.u16().ok()?, fields.text().ok()?);
+            (name == topic.name()).then_some(id)
         };
-        self.channels.iter().filter_map(number)
+        self.channels.iter().filter_map(channel_id)
     }
 }
 
 impl ChannelSet {
-    /// What is not known may be anything.
+    /// All channels, for chunks whose channels are unknown.
     const ALL: ChannelSet = ChannelSet(u16::MAX);
 
     fn with(self, channel: u16) -> ChannelSet {
         ChannelSet(self.0 | ChannelSet::bit(channel))
     }
 
-    fn has(self, channel: u16) -> bool {
+    fn contains(self, channel: u16) -> bool {
         self.0 & ChannelSet::bit(channel) != 0
     }
 
@@ -81,52 +80,52 @@ impl ChannelSet {
     }
 }
 
-/// Reads the index at the end of a finished recording; of any other one, makes it by
-/// passing over all records without opening a chunk.
+/// Reads the index in the summary section of a finished recording. For an unfinished or damaged one,
+/// builds the index by scanning all records, without opening chunks.
 ///
 /// # Errors
-/// If the system cannot read.
-pub fn read<R: Read + Seek>(records: &mut Records<R>) -> io::Result<Index> {
-    if let Some(start) = summary_start(records.read())?
+/// Returns an error if the file cannot be read.
+pub fn read<R: Read + Seek>(records: &mut RecordReader<R>) -> io::Result<Index> {
+    if let Some(start) = summary_start(records.source())?
         && let Some(index) = from_summary(records, start)?
     {
         return Ok(index);
     }
-    from_records(records)
+    scan(records)
 }
 
-/// Bytes of a data end record, which stands before the summary.
+/// Bytes of the data end record, which precedes the summary section.
 const DATA_END_BYTES: u64 = PREFIX_BYTES as u64 + 4;
 
 /// Bytes of a footer record.
 const FOOTER_BYTES: usize = PREFIX_BYTES + 20;
 
-/// Where the summary starts, if there is one.
-fn summary_start<R: Read + Seek>(read: &mut R) -> io::Result<Option<u64>> {
+/// Returns the offset of the summary section, if there is one.
+fn summary_start<R: Read + Seek>(source: &mut R) -> io::Result<Option<u64>> {
     const TAIL: usize = FOOTER_BYTES + MAGIC.len();
-    let length = read.seek(SeekFrom::End(0))?;
+    let length = source.seek(SeekFrom::End(0))?;
     let Some(start) = length.checked_sub(TAIL as u64) else { return Ok(None) };
-    read.seek(SeekFrom::Start(start))?;
+    source.seek(SeekFrom::Start(start))?;
     let mut tail = [0; TAIL];
-    resync::read_up_to(read, &mut tail)?;
-    Ok(footer(&tail).ok().filter(|summary| (DATA_END_BYTES..start).contains(summary)))
+    resync::read_up_to(source, &mut tail)?;
+    Ok(parse_footer(&tail).ok().filter(|summary| (DATA_END_BYTES..start).contains(summary)))
 }
 
-fn footer(tail: &[u8]) -> Result<u64, Malformed> {
-    let mut fields = Fields::new(tail);
+fn parse_footer(tail: &[u8]) -> Result<u64, Malformed> {
+    let mut fields = Cursor::new(tail);
     match (fields.bytes(1)?, fields.u64()?) {
         ([op::FOOTER], 20) => fields.u64(),
         _ => Err(Malformed),
     }
 }
 
-/// None if the summary is not as it was written.
-fn from_summary<R: Read + Seek>(records: &mut Records<R>, start: u64) -> io::Result<Option<Index>> {
+/// Reads the summary section. Returns `None` if it is damaged.
+fn from_summary<R: Read + Seek>(records: &mut RecordReader<R>, start: u64) -> io::Result<Option<Index>> {
     records.seek(start - DATA_END_BYTES)?;
     let mut index = Index::default();
-    while let Ok(next) = records.advance() {
-        let Some(place) = next else { return Ok(Some(index)) };
-        if index.take(place.opcode, &records.body).is_err() {
+    while let Ok(next) = records.next_record() {
+        let Some(record) = next else { return Ok(Some(index)) };
+        if index.add_record(record.opcode, &records.body).is_err() {
             return Ok(None);
         }
     }
@@ -134,27 +133,27 @@ fn from_summary<R: Read + Seek>(records: &mut Records<R>, start: u64) -> io::Res
 }
 
 impl Index {
-    /// Takes a record of the summary.
-    fn take(&mut self, opcode: u8, body: &[u8]) -> Result<(), Malformed> {
+    /// Adds a record of the summary section.
+    fn add_record(&mut self, opcode: u8, body: &[u8]) -> Result<(), Malformed> {
         match opcode {
-            op::CHUNK_INDEX => self.chunks.push(chunk_index(body)?),
+            op::CHUNK_INDEX => self.chunks.push(parse_chunk_index(body)?),
             op::CHANNEL => self.channels.push(body.into()),
-            op::STATISTICS => self.counts = message_counts(body)?,
-            op::METADATA_INDEX => self.end = end_offset(body)?.or(self.end),
+            op::STATISTICS => self.message_counts = parse_message_counts(body)?,
+            op::METADATA_INDEX => self.trailer_offset = parse_trailer_offset(body)?.or(self.trailer_offset),
             _ => {}
         }
         Ok(())
     }
 }
 
-fn chunk_index(body: &[u8]) -> Result<IndexedChunk, Malformed> {
-    let mut fields = Fields::new(body);
+fn parse_chunk_index(body: &[u8]) -> Result<IndexedChunk, Malformed> {
+    let mut fields = Cursor::new(body);
     let first_time = fields.u64()?;
     let _last_time = fields.u64()?;
     let offset = fields.u64()?;
     let _length = fields.u64()?;
     let bytes = fields.u32()?;
-    let mut message_indexes = Fields::new(fields.bytes(bytes.into())?);
+    let mut message_indexes = Cursor::new(fields.bytes(bytes.into())?);
     let mut channels = ChannelSet(0);
     while !message_indexes.is_empty() {
         channels = channels.with(message_indexes.u16()?);
@@ -163,11 +162,11 @@ fn chunk_index(body: &[u8]) -> Result<IndexedChunk, Malformed> {
     Ok(IndexedChunk { first_time, offset, channels: if bytes == 0 { ChannelSet::ALL } else { channels } })
 }
 
-fn message_counts(body: &[u8]) -> Result<BTreeMap<u16, u64>, Malformed> {
-    let mut fields = Fields::new(body);
+fn parse_message_counts(body: &[u8]) -> Result<BTreeMap<u16, u64>, Malformed> {
+    let mut fields = Cursor::new(body);
     let _other_counts_and_times = fields.bytes(8 + 2 + 4 + 4 + 4 + 4 + 8 + 8)?;
     let bytes = fields.u32()?;
-    let mut pairs = Fields::new(fields.bytes(bytes.into())?);
+    let mut pairs = Cursor::new(fields.bytes(bytes.into())?);
     let mut counts = BTreeMap::new();
     while !pairs.is_empty() {
         counts.insert(pairs.u16()?, pairs.u64()?);
@@ -175,31 +174,31 @@ fn message_counts(body: &[u8]) -> Result<BTreeMap<u16, u64>, Malformed> {
     Ok(counts)
 }
 
-/// Where the metadata is that the record tells of, if that is the one at the end.
-fn end_offset(body: &[u8]) -> Result<Option<u64>, Malformed> {
-    let mut fields = Fields::new(body);
+/// Returns the offset in a metadata index record, if it is the one of the end record.
+fn parse_trailer_offset(body: &[u8]) -> Result<Option<u64>, Malformed> {
+    let mut fields = Cursor::new(body);
     let (offset, _length) = (fields.u64()?, fields.u64()?);
-    Ok((fields.text()? == metadata::END).then_some(offset))
+    Ok((fields.text()? == metadata::TRAILER).then_some(offset))
 }
 
-fn from_records<R: Read + Seek>(records: &mut Records<R>) -> io::Result<Index> {
+fn scan<R: Read + Seek>(records: &mut RecordReader<R>) -> io::Result<Index> {
     let mut index = Index::default();
     records.rewind()?;
     loop {
-        match records.advance() {
-            Ok(Some(place)) if place.opcode == op::CHUNK => {
-                let first_time = Fields::new(&records.body).u64();
+        match records.next_record() {
+            Ok(Some(record)) if record.opcode == op::CHUNK => {
+                let first_time = Cursor::new(&records.body).u64();
                 index.chunks.extend(first_time.map(|first_time| IndexedChunk {
                     first_time,
-                    offset: place.offset,
+                    offset: record.offset,
                     channels: ChannelSet::ALL,
                 }));
             }
-            Ok(Some(place)) if place.opcode != op::DATA_END => {}
+            Ok(Some(record)) if record.opcode != op::DATA_END => {}
             Ok(_) => return Ok(index),
-            Err(broken) => match resync::remedy(records.read(), &broken)? {
-                resync::Remedy::GoOn(next) => records.seek(next)?,
-                resync::Remedy::Cut | resync::Remedy::None => return Ok(index),
+            Err(fault) => match resync::resync(records.source(), &fault)? {
+                resync::Resync::ContinueAt(next) => records.seek(next)?,
+                resync::Resync::Truncated | resync::Resync::Corrupt => return Ok(index),
             },
         }
     }

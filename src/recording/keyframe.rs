@@ -1,70 +1,69 @@
 use std::sync::Arc;
 
-use crate::physics::{Body, BodyId, Memory, Rect, Settings, Snapshot, Vector};
+use crate::physics::{Body, BodyId, EngineConfig, Rect, Snapshot, SolverSnapshot, Vector};
 
-use super::{BodyTable, KnownBody};
+use super::{BodyInfo, BodyTable};
 
-/// Everything about one step: what a run can be taken up from to the bit.
+/// The complete state of a step, from which a run can be continued bit for bit.
 ///
-/// It stands after the events of its step and before its state.
+/// In the file it follows the events of its step and precedes the state.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Keyframe {
     /// The step.
     pub step: u64,
-    /// The id the next body will get.
+    /// The id of the next body to be spawned.
     pub next_id: BodyId,
-    /// The bodies alive, in creation order.
+    /// The living bodies, in creation order.
     pub bodies: Vec<KeyframeBody>,
-    /// What the solver remembers beyond the bodies.
-    pub memory: Memory,
+    /// The internal state of the solver.
+    pub solver: SolverSnapshot,
 }
 
 /// A body in a [`Keyframe`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct KeyframeBody {
-    /// As it was spawned.
-    pub known: Arc<KnownBody>,
-    /// Where it is, m.
+    /// The constants and the initial state.
+    pub info: Arc<BodyInfo>,
+    /// The upper-left corner, m.
     pub position: Vector,
-    /// m/s.
+    /// The velocity, m/s.
     pub velocity: Vector,
-    /// The engine's accumulator of forces, N.
+    /// The accumulated force of the engine, N.
     pub force: Vector,
 }
 
 impl Keyframe {
-    /// The keyframe of a snapshot whose bodies are those of the table.
+    /// Creates the keyframe of a snapshot, whose bodies must be those of `table`.
     pub fn new(snapshot: Snapshot, table: &BodyTable) -> Keyframe {
-        let bodies = snapshot.bodies.iter().zip(table.bodies()).map(|(body, known)| KeyframeBody {
-            known: known.clone(),
+        let bodies = snapshot.bodies.iter().zip(table.bodies()).map(|(body, info)| KeyframeBody {
+            info: info.clone(),
             position: body.rect.origin,
             velocity: body.velocity,
             force: body.force,
         });
-        Keyframe { step: snapshot.step, next_id: snapshot.next_id, bodies: bodies.collect(), memory: snapshot.memory }
+        Keyframe { step: snapshot.step, next_id: snapshot.next_id, bodies: bodies.collect(), solver: snapshot.solver }
     }
 
-    /// What [`Engine::restore`](crate::physics::Engine::restore) takes, given the settings
-    /// of the run.
-    pub fn snapshot(&self, settings: &Settings) -> Snapshot {
+    /// Returns the snapshot for [`Engine::restore`](crate::physics::Engine::restore).
+    pub fn snapshot(&self, config: &EngineConfig) -> Snapshot {
         Snapshot {
             step: self.step,
             next_id: self.next_id,
-            bodies: self.bodies.iter().map(|body| body.body(settings)).collect(),
-            memory: self.memory.clone(),
+            bodies: self.bodies.iter().map(|body| body.body(config)).collect(),
+            solver: self.solver.clone(),
         }
     }
 
-    /// The bodies alive.
+    /// Returns the living bodies.
     pub fn table(&self) -> BodyTable {
-        self.bodies.iter().map(|body| body.known.clone()).collect()
+        self.bodies.iter().map(|body| body.info.clone()).collect()
     }
 }
 
 impl KeyframeBody {
-    /// The body as the engine holds it.
-    fn body(&self, settings: &Settings) -> Body {
-        let KnownBody { id, spawn, .. } = &*self.known;
+    /// Returns the body as the engine stores it.
+    fn body(&self, config: &EngineConfig) -> Body {
+        let BodyInfo { id, spawn, .. } = &*self.info;
         Body {
             id: *id,
             name: spawn.name.clone(),
@@ -74,7 +73,7 @@ impl KeyframeBody {
             velocity: self.velocity,
             force: self.force,
             constant_force: spawn.force,
-            material: settings.restitution.material(&spawn.material),
+            material: config.restitution.material(&spawn.material),
         }
     }
 }

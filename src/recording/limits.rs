@@ -1,36 +1,36 @@
-//! What a recording may hold at most: held when writing and when reading, so that what
-//! was written can be read and a hostile length costs nothing.
+//! Limits of a recording. The writer and the reader enforce the same limits, so that every written
+//! recording is readable and a hostile length costs nothing.
 
-/// Bytes of one MCAP record, of a chunk before and of a chunk after decompression: with
-/// what is made of it, a file that lies costs less than 100 MB.
+/// Bytes of one MCAP record, and of a chunk before and after decompression. With the decoded data, a
+/// hostile file costs less than 100 MB.
 pub const RECORD_BYTES: usize = 40 << 20;
 
-/// Bytes after which a chunk is closed; larger chunks compress better, smaller ones lose
-/// less.
+/// Bytes after which a chunk is closed. Larger chunks compress better; smaller ones lose less data
+/// when damaged.
 pub const CHUNK_BYTES: usize = 4 << 20;
 
-/// Bytes of one message: with a chunk that is almost full it still fits into a record.
+/// Bytes of one message. Added to an almost full chunk, it still fits into a record.
 pub const MESSAGE_BYTES: usize = RECORD_BYTES - CHUNK_BYTES - (1 << 20);
 
-/// Bytes of a keyframe: in memory it takes up to three times as much.
+/// Bytes of a keyframe. In memory it needs up to three times as much.
 pub const KEYFRAME_BYTES: usize = 28 << 20;
 
-/// Bytes of an event: one body and its three texts.
+/// Bytes of an event: one body with its three strings.
 pub const EVENT_BYTES: usize = 4 * STRING_BYTES;
 
-/// Bytes of a name, material or colour.
+/// Bytes of a name, material or colour string.
 pub const STRING_BYTES: usize = 4096;
 
-/// Bytes of a scene's text.
+/// Bytes of the scene text.
 pub const SCENE_BYTES: usize = 32 << 20;
 
-/// Bodies alive at one time: so many that a state fits into a message (36 bytes each).
+/// Bodies alive at the same time. A state (36 bytes per body) then fits into a message.
 pub const BODIES: usize = 1_000_000;
 
-/// The last step of the longest run: beyond it a double does not count every step.
+/// The last step of the longest run. Larger step numbers are not exact as f64.
 pub const STEPS: u64 = 1 << 53;
 
-/// Materials that the restitution table names.
+/// Materials in the restitution table.
 pub const MATERIALS: usize = 256;
 
 const _: () = assert!(64 + 36 * BODIES <= MESSAGE_BYTES);

@@ -1,16 +1,17 @@
-//! Events and keyframes as they are laid out in messages, and back, checked.
+//! Message layouts of events and keyframes, and conversions with validation.
 //!
-//! The structs mirror `schemas/*.msg` field by field: the order is the format.
+//! The structs mirror `schemas/*.msg` field by field. The order of the fields is part of the format.
 
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use crate::physics::{BodyId, Memory, Rect, Spawn, Vector};
+use crate::counted::counted;
+use crate::physics::{BodyId, Rect, SolverSnapshot, Spawn, Vector};
 
 use super::{
-    Change, Keyframe, KeyframeBody, KnownBody, RecordedEvent,
-    columns::{by_bodies, by_columns},
+    BodyInfo, Change, Keyframe, KeyframeBody, RecordedEvent,
+    columns::{from_columns, to_columns},
     limits,
 };
 
@@ -56,27 +57,27 @@ pub struct BodiesMessage {
     solver_numbers: Vec<f64>,
 }
 
-/// A body of a keyframe, made what it is as soon as it is read: there may be many.
+/// A body of a keyframe, converted while it is decoded, because there may be many.
 #[derive(Clone, Serialize, Deserialize)]
 #[serde(try_from = "SpawnMessage", into = "SpawnMessage")]
-struct Spawned(Arc<KnownBody>);
+struct Spawned(Arc<BodyInfo>);
 
 impl TryFrom<SpawnMessage> for Spawned {
     type Error = String;
 
     fn try_from(message: SpawnMessage) -> Result<Spawned, String> {
-        message.body().map(|body| Spawned(body.into()))
+        message.into_body_info().map(|info| Spawned(info.into()))
     }
 }
 
 impl From<Spawned> for SpawnMessage {
-    fn from(Spawned(body): Spawned) -> SpawnMessage {
-        SpawnMessage::new(body.id, &body.spawn, body.color.as_deref())
+    fn from(Spawned(info): Spawned) -> SpawnMessage {
+        SpawnMessage::new(info.id, &info.spawn, info.color.as_deref())
     }
 }
 
 impl EventMessage {
-    /// The message of an event.
+    /// Creates the message of an event.
     pub fn new(event: &RecordedEvent) -> EventMessage {
         let (spawn, delete) = match &event.change {
             Change::Spawn { id, spawn, color } => (vec![SpawnMessage::new(*id, spawn, color.as_deref())], vec![]),
@@ -85,19 +86,25 @@ impl EventMessage {
         EventMessage { step: event.step, spawn, delete }
     }
 
-    /// The event of a message.
+    /// Converts the message to an event.
     ///
     /// # Errors
-    /// In words, if it is not one this program could have recorded.
-    pub fn event(self) -> Result<RecordedEvent, String> {
-        let found = (self.spawn.len(), self.delete.len());
+    /// Returns a description of the problem if the event is invalid.
+    pub fn into_event(self) -> Result<RecordedEvent, String> {
+        let counts = (self.spawn.len(), self.delete.len());
         let change = match (self.spawn.into_iter().next(), self.delete.first()) {
-            (Some(spawn), None) if found.0 == 1 => {
-                let KnownBody { id, spawn, color } = spawn.body()?;
+            (Some(spawn), None) if counts.0 == 1 => {
+                let BodyInfo { id, spawn, color } = spawn.into_body_info()?;
                 Change::Spawn { id, spawn, color }
             }
-            (None, Some(&id)) if found.1 == 1 => Change::Delete { id },
-            _ => return Err(format!("an event of {} spawns and {} deletes", found.0, found.1)),
+            (None, Some(&id)) if counts.1 == 1 => Change::Delete { id },
+            _ => {
+                return Err(format!(
+                    "an event has {} and {}, but must have exactly one spawn or delete",
+                    counted(counts.0, "spawn"),
+                    counted(counts.1, "delete"),
+                ));
+            }
         };
         Ok(RecordedEvent { step: self.step, change })
     }
@@ -122,9 +129,9 @@ impl SpawnMessage {
         }
     }
 
-    fn body(self) -> Result<KnownBody, String> {
-        self.check()?;
-        let impossible = format!("body {:?} has impossible constants", self.name);
+    fn into_body_info(self) -> Result<BodyInfo, String> {
+        self.check_strings()?;
+        let invalid = format!("body {:?} has invalid constants", self.name);
         let spawn = Spawn {
             rect: Rect::new(Vector::new(self.x, self.y), self.width, self.height),
             mass: self.mass,
@@ -134,68 +141,73 @@ impl SpawnMessage {
             material: self.material,
         };
         let color = (!self.color.is_empty()).then_some(self.color);
-        if spawn.is_possible() { Ok(KnownBody { id: self.id, spawn, color }) } else { Err(impossible) }
+        if spawn.is_valid() { Ok(BodyInfo { id: self.id, spawn, color }) } else { Err(invalid) }
     }
 
-    fn check(&self) -> Result<(), String> {
-        if let Some(long) =
-            [&self.name, &self.material, &self.color].into_iter().find(|s| s.len() > limits::STRING_BYTES)
+    fn check_strings(&self) -> Result<(), String> {
+        if let Some(text) =
+            [&self.name, &self.material, &self.color].into_iter().find(|text| text.len() > limits::STRING_BYTES)
         {
-            return Err(format!("body {} has a string of {} bytes", self.id, long.len()));
+            return Err(format!(
+                "body {} has a string of {} bytes, but at most {} are allowed",
+                self.id,
+                text.len(),
+                limits::STRING_BYTES,
+            ));
         }
         Ok(())
     }
 }
 
 impl BodiesMessage {
-    /// The message of a keyframe in a recording of that format.
+    /// Creates the message of a keyframe for a recording of this format version.
     pub fn new(keyframe: &Keyframe, format: u32) -> BodiesMessage {
-        let column = |number: fn(&KeyframeBody) -> f64| keyframe.bodies.iter().map(number).collect();
+        let column = |value: fn(&KeyframeBody) -> f64| keyframe.bodies.iter().map(value).collect();
         BodiesMessage {
             step: keyframe.step,
             next_id: keyframe.next_id,
-            spawned: keyframe.bodies.iter().map(|body| Spawned(body.known.clone())).collect(),
+            spawned: keyframe.bodies.iter().map(|body| Spawned(body.info.clone())).collect(),
             x: column(|body| body.position.x),
             y: column(|body| body.position.y),
             vx: column(|body| body.velocity.x),
             vy: column(|body| body.velocity.y),
             fx: column(|body| body.force.x),
             fy: column(|body| body.force.y),
-            solver_integers: keyframe.memory.integers.clone(),
-            solver_numbers: by_columns(&keyframe.memory.numbers, keyframe.bodies.len(), format),
+            solver_integers: keyframe.solver.integers.clone(),
+            solver_numbers: to_columns(&keyframe.solver.numbers, keyframe.bodies.len(), format),
         }
     }
 
-    /// The keyframe of a message in a recording of that format.
+    /// Converts the message to a keyframe of a recording of this format version.
     ///
     /// # Errors
-    /// In words, if it is not one this program could have recorded.
-    pub fn keyframe(self, format: u32) -> Result<Keyframe, String> {
+    /// Returns a description of the problem if the keyframe is invalid.
+    pub fn into_keyframe(self, format: u32) -> Result<Keyframe, String> {
         let columns = [&self.x, &self.y, &self.vx, &self.vy, &self.fx, &self.fy];
         if columns.iter().any(|column| column.len() != self.spawned.len()) {
-            return Err("a keyframe with columns of different lengths".into());
+            return Err("a keyframe has columns of different lengths".into());
         }
         if columns.into_iter().flatten().any(|number| !number.is_finite()) {
-            return Err("a keyframe with a number that is not finite".into());
+            return Err("a keyframe contains a value that is not finite".into());
         }
         if self.spawned.windows(2).any(|pair| pair[0].0.id >= pair[1].0.id)
             || self.spawned.last().is_some_and(|last| last.0.id >= self.next_id)
         {
-            return Err("a keyframe with ids out of order".into());
+            return Err("the ids in a keyframe are not in ascending order".into());
         }
-        let at = |x: &[f64], y: &[f64], place: usize| Vector::new(x[place], y[place]);
-        let numbers = by_bodies(self.solver_numbers, self.spawned.len(), format);
-        let bodies = self.spawned.into_iter().enumerate().map(|(place, Spawned(known))| KeyframeBody {
-            known,
-            position: at(&self.x, &self.y, place),
-            velocity: at(&self.vx, &self.vy, place),
-            force: at(&self.fx, &self.fy, place),
+        let vector = |x: &[f64], y: &[f64], index: usize| Vector::new(x[index], y[index]);
+        let numbers = from_columns(self.solver_numbers, self.spawned.len(), format);
+        let bodies = self.spawned.into_iter().enumerate().map(|(index, Spawned(info))| KeyframeBody {
+            info,
+            position: vector(&self.x, &self.y, index),
+            velocity: vector(&self.vx, &self.vy, index),
+            force: vector(&self.fx, &self.fy, index),
         });
         Ok(Keyframe {
             step: self.step,
             next_id: self.next_id,
             bodies: bodies.collect(),
-            memory: Memory { integers: self.solver_integers, numbers },
+            solver: SolverSnapshot { integers: self.solver_integers, numbers },
         })
     }
 }
@@ -209,7 +221,7 @@ mod tests {
         *,
     };
 
-    /// Any finite double, -0.0 and subnormals included.
+    /// Any finite f64, including -0.0 and subnormals.
     fn finite() -> impl Strategy<Value = f64> {
         prop::num::f64::NORMAL | prop::num::f64::SUBNORMAL | prop::num::f64::ZERO
     }
@@ -236,40 +248,40 @@ mod tests {
         )
     }
 
-    fn known(id: BodyId) -> impl Strategy<Value = KnownBody> {
-        (spawn(), prop::option::of(".+")).prop_map(move |(spawn, color)| KnownBody { id, spawn, color })
+    fn info(id: BodyId) -> impl Strategy<Value = BodyInfo> {
+        (spawn(), prop::option::of(".+")).prop_map(move |(spawn, color)| BodyInfo { id, spawn, color })
     }
 
     fn body(id: BodyId) -> impl Strategy<Value = KeyframeBody> {
-        (known(id), vector(), vector(), vector()).prop_map(|(known, position, velocity, force)| KeyframeBody {
-            known: Arc::new(known),
+        (info(id), vector(), vector(), vector()).prop_map(|(info, position, velocity, force)| KeyframeBody {
+            info: Arc::new(info),
             position,
             velocity,
             force,
         })
     }
 
-    /// Equal to the bit: what `==` says of values whose text distinguishes -0.0.
-    fn same<T: PartialEq + std::fmt::Debug>(a: &T, b: &T) -> bool {
+    /// Compares bit for bit: the `Debug` text distinguishes -0.0 from 0.0, which are equal.
+    fn are_identical<T: PartialEq + std::fmt::Debug>(a: &T, b: &T) -> bool {
         a == b && format!("{a:?}") == format!("{b:?}")
     }
 
     proptest! {
         #[test]
-        fn events_come_back(step: u64, id: BodyId, body in known(0), deletes: bool) {
-            let change = match deletes {
+        fn decoding_inverts_encoding_of_events(step: u64, id: BodyId, body in info(0), is_delete: bool) {
+            let change = match is_delete {
                 true => Change::Delete { id },
                 false => Change::Spawn { id, spawn: body.spawn, color: body.color },
             };
             let event = RecordedEvent { step, change };
             let mut bytes = Vec::new();
             cdr::encode(&EventMessage::new(&event), &mut bytes);
-            let back = cdr::decode::<EventMessage>(&bytes).unwrap().event().unwrap();
-            prop_assert!(same(&back, &event), "{back:?}");
+            let decoded = cdr::decode::<EventMessage>(&bytes).unwrap().into_event().unwrap();
+            prop_assert!(are_identical(&decoded, &event), "{decoded:?}");
         }
 
         #[test]
-        fn keyframes_come_back(
+        fn decoding_inverts_encoding_of_keyframes(
             step: u64,
             bodies in (body(3), body(7), body(8)),
             integers in vec(any::<u64>(), 0..5),
@@ -277,18 +289,18 @@ mod tests {
             format in 1_u32..3,
         ) {
             let bodies = vec![bodies.0, bodies.1, bodies.2];
-            let keyframe = Keyframe { step, next_id: 9, bodies, memory: Memory { integers, numbers } };
+            let keyframe = Keyframe { step, next_id: 9, bodies, solver: SolverSnapshot { integers, numbers } };
             let mut bytes = Vec::new();
             cdr::encode(&BodiesMessage::new(&keyframe, format), &mut bytes);
-            let back = cdr::decode::<BodiesMessage>(&bytes).unwrap().keyframe(format).unwrap();
-            prop_assert!(same(&back, &keyframe), "{back:?}");
+            let decoded = cdr::decode::<BodiesMessage>(&bytes).unwrap().into_keyframe(format).unwrap();
+            prop_assert!(are_identical(&decoded, &keyframe), "{decoded:?}");
         }
 
         #[test]
-        fn any_bytes_are_a_message_or_an_error(bytes in vec(any::<u8>(), 0..300)) {
+        fn arbitrary_bytes_decode_to_a_message_or_an_error(bytes in vec(any::<u8>(), 0..300)) {
             let with_header = [cdr::HEADER.as_slice(), &bytes].concat();
-            let _ = cdr::decode::<EventMessage>(&with_header).map(EventMessage::event);
-            let _ = cdr::decode::<BodiesMessage>(&with_header).map(|message| message.keyframe(FORMAT_VERSION));
+            let _ = cdr::decode::<EventMessage>(&with_header).map(EventMessage::into_event);
+            let _ = cdr::decode::<BodiesMessage>(&with_header).map(|message| message.into_keyframe(FORMAT_VERSION));
         }
     }
 }

@@ -1,9 +1,9 @@
 //! The two metadata records, `rebond` at the start and `rebond_end` at the end.
 //!
-//! Every value is text. A float stands there twice, as the shortest decimal that reads
-//! back to it and as its bits: `0.95 0x3fee666666666666`; the bits count. Each record has a
-//! checksum of its own, as MCAP gives metadata none. `checksum` and `format_version` mean
-//! the same in every format to come, so that an older program knows a newer recording.
+//! All values are text. A float is stored twice, as the shortest decimal that parses to it and as
+//! bits: `0.95 0x3fee666666666666`; only the bits are read. Each record has a checksum of its own,
+//! because MCAP has none for metadata. `checksum` and `format_version` keep their meaning in all
+//! future formats, so that an older program recognises a newer recording.
 
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -13,255 +13,260 @@ use std::{
 
 use xxhash_rust::xxh3::Xxh3;
 
-use crate::physics::{Restitution, RestitutionPair, Settings, SolverKind, Vector};
+use crate::physics::{EngineConfig, Restitution, RestitutionPair, SolverKind, Vector};
 
 use super::{
-    End, Extremes, FORMAT_VERSION, Gap, Header, Reach, SceneText, Versions,
-    fields::{Fields, Malformed},
+    Bounds, FORMAT_VERSION, Gap, Header, SceneText, StateBounds, Trailer, Versions,
+    cursor::{Cursor, Malformed},
     limits,
 };
 
-/// The name of the record at the start.
-pub const START: &str = "rebond";
+/// The name of the header record at the start.
+pub const HEADER: &str = "rebond";
 
-/// The name of the record at the end.
-pub const END: &str = "rebond_end";
+/// The name of the end record.
+pub const TRAILER: &str = "rebond_end";
 
-/// What the file says it was written by.
+/// The library field of the file: the program and version that wrote it.
 pub const LIBRARY: &str = concat!("rebond/", env!("CARGO_PKG_VERSION"));
 
-/// Keys and values of one record.
+/// The keys and values of one record.
 pub type Map = BTreeMap<String, String>;
 
-/// Name, keys and values of a metadata record.
+/// Parses a metadata record to its name, keys and values.
 pub fn parse(body: &[u8]) -> Result<(&str, Map), Malformed> {
-    let mut fields = Fields::new(body);
-    let named = (fields.text()?, fields.map()?);
-    fields.end()?;
-    Ok(named)
+    let mut fields = Cursor::new(body);
+    let record = (fields.text()?, fields.map()?);
+    fields.finish()?;
+    Ok(record)
 }
 
-/// The record at the start.
-pub fn of_header(header: &Header) -> Map {
-    let mut map = of_settings(header);
-    put(&mut map, "steps", header.steps);
-    put(&mut map, "every", header.every);
-    put(&mut map, "library", LIBRARY);
-    sealed(map)
+/// Returns the header record.
+pub fn header_map(header: &Header) -> Map {
+    let mut map = settings_map(header);
+    insert(&mut map, "steps", header.steps);
+    insert(&mut map, "every", header.every);
+    insert(&mut map, "library", LIBRARY);
+    with_checksum(map)
 }
 
-/// What of the record at the start decides about the course of the run.
-pub fn of_settings(header: &Header) -> Map {
-    let Header { versions, settings, .. } = header;
+/// Returns the part of the header record that determines the run.
+pub fn settings_map(header: &Header) -> Map {
+    let Header { versions, config, .. } = header;
     let mut map = Map::new();
-    put(&mut map, "format_version", versions.format);
-    put(&mut map, "semantics_version", versions.semantics);
-    put(&mut map, "solver", settings.solver.name());
-    put(&mut map, "rate", float(settings.rate));
-    put(&mut map, "events_per_step", settings.events_per_step);
-    if let Some(gravity) = settings.gravity {
-        put(&mut map, "gravity_x", float(gravity.x));
-        put(&mut map, "gravity_y", float(gravity.y));
+    insert(&mut map, "format_version", versions.format);
+    insert(&mut map, "semantics_version", versions.semantics);
+    insert(&mut map, "solver", config.solver.name());
+    insert(&mut map, "rate", format_float(config.rate));
+    insert(&mut map, "events_per_step", config.events_per_step);
+    if let Some(gravity) = config.gravity {
+        insert(&mut map, "gravity_x", format_float(gravity.x));
+        insert(&mut map, "gravity_y", format_float(gravity.y));
     }
-    put(&mut map, "restitution", float(settings.restitution.default_restitution()));
-    for RestitutionPair { materials, restitution } in settings.restitution.pairs() {
-        put(&mut map, &pair_key(&materials), float(restitution));
+    insert(&mut map, "restitution", format_float(config.restitution.default_restitution()));
+    for RestitutionPair { materials, restitution } in config.restitution.pairs() {
+        insert(&mut map, &pair_key(&materials), format_float(restitution));
     }
     if !header.gaps.is_empty() {
-        put(&mut map, "gaps", header.gaps.iter().map(Gap::to_string).collect::<Vec<_>>().join(" "));
+        insert(&mut map, "gaps", header.gaps.iter().map(Gap::to_string).collect::<Vec<_>>().join(" "));
     }
     map
 }
 
-/// The record at the end: how the run ended, and the header again in case its own record
-/// is damaged.
-pub fn of_end(header: &Header, end: &End) -> Map {
-    let mut map = of_header(header);
-    put(&mut map, "steps_taken", end.steps);
-    put(&mut map, "bodies", end.bodies);
-    put(&mut map, "events", end.events);
-    put(&mut map, "identity", end.identity);
-    if let Some(collisions) = end.collisions {
-        put(&mut map, "collisions", collisions);
+/// Returns the end record: how the run ended, and a copy of the header in case its own record is
+/// damaged.
+pub fn trailer_map(header: &Header, trailer: &Trailer) -> Map {
+    let mut map = header_map(header);
+    insert(&mut map, "steps_taken", trailer.steps);
+    insert(&mut map, "bodies", trailer.bodies);
+    insert(&mut map, "events", trailer.events);
+    insert(&mut map, "identity", trailer.identity);
+    if let Some(collisions) = trailer.collisions {
+        insert(&mut map, "collisions", collisions);
     }
-    if let Some(error) = &end.error {
-        put(&mut map, "error", error);
+    if let Some(error) = &trailer.error {
+        insert(&mut map, "error", error);
     }
-    if end.recovered {
-        put(&mut map, "recovered", "yes");
+    if trailer.recovered {
+        insert(&mut map, "recovered", "yes");
     }
-    if let Some(extremes) = &end.extremes {
-        put_extremes(&mut map, extremes);
+    if let Some(state_bounds) = &trailer.state_bounds {
+        put_state_bounds(&mut map, state_bounds);
     }
-    sealed(map)
+    with_checksum(map)
 }
 
-/// The header that either record tells, without the scene, which stands elsewhere.
+/// Parses the header from either record, without the scene, which is an attachment.
 ///
 /// # Errors
-/// If it is newer than this program or not as it was written.
-pub fn header(map: &Map) -> Result<Header, Refusal> {
-    unsealed(map)?;
-    let format = value(map, "format_version")?;
+/// Returns an error if the format is newer than this program or the record is damaged.
+pub fn parse_header(map: &Map) -> Result<Header, HeaderError> {
+    verify_checksum(map)?;
+    let format = parse_value(map, "format_version")?;
     if format > FORMAT_VERSION {
-        return Err(Refusal::Newer { format });
+        return Err(HeaderError::Newer { format });
     }
-    Ok(header_fields(map, format)?)
+    Ok(parse_header_fields(map, format)?)
 }
 
-/// Why a record does not tell a header.
+/// The reason why a header cannot be parsed.
 #[derive(Debug, PartialEq, Eq)]
-pub enum Refusal {
-    /// Its format is newer than this program.
+pub enum HeaderError {
+    /// The format is newer than this program.
     Newer {
-        /// The version.
+        /// The format version of the recording.
         format: u32,
     },
-    /// It is not as it was written; in words.
+    /// The record is damaged; holds a description.
     Damaged(String),
 }
 
-impl From<String> for Refusal {
-    fn from(what: String) -> Refusal {
-        Refusal::Damaged(what)
+impl From<String> for HeaderError {
+    fn from(reason: String) -> HeaderError {
+        HeaderError::Damaged(reason)
     }
 }
 
-/// The end that a record at the end tells.
+/// Parses the end record.
 ///
 /// # Errors
-/// In words, if it is not as it was written.
-pub fn end(map: &Map) -> Result<End, String> {
-    unsealed(map)?;
-    Ok(End {
-        steps: value(map, "steps_taken")?,
-        collisions: map.get("collisions").map(|_| value(map, "collisions")).transpose()?,
-        bodies: value(map, "bodies")?,
-        events: value(map, "events")?,
+/// Returns a description of the damage.
+pub fn parse_trailer(map: &Map) -> Result<Trailer, String> {
+    verify_checksum(map)?;
+    Ok(Trailer {
+        steps: parse_value(map, "steps_taken")?,
+        collisions: map.get("collisions").map(|_| parse_value(map, "collisions")).transpose()?,
+        bodies: parse_value(map, "bodies")?,
+        events: parse_value(map, "events")?,
         error: map.get("error").cloned(),
         recovered: map.contains_key("recovered"),
-        extremes: extremes(map)?,
-        identity: value(map, "identity")?,
+        state_bounds: parse_state_bounds(map)?,
+        identity: parse_value(map, "identity")?,
     })
 }
 
-/// Left out where a number is not finite: then whoever needs them looks at the states.
-fn put_extremes(map: &mut Map, Extremes { top_speed, reach }: &Extremes) {
+/// Adds the state bounds, unless a value is not finite. Readers then compute them from the states.
+fn put_state_bounds(map: &mut Map, StateBounds { top_speed, bounds }: &StateBounds) {
     if !top_speed.is_finite() {
         return;
     }
-    put(map, "top_speed", float(*top_speed));
-    if let Some(Reach { near, far }) = reach {
-        for (key, number) in REACH.into_iter().zip([near.x, near.y, far.x, far.y]) {
-            put(map, key, float(number));
+    insert(map, "top_speed", format_float(*top_speed));
+    if let Some(Bounds { near, far }) = bounds {
+        for (key, number) in BOUNDS_KEYS.into_iter().zip([near.x, near.y, far.x, far.y]) {
+            insert(map, key, format_float(number));
         }
     }
 }
 
-const REACH: [&str; 4] = ["reach_left", "reach_top", "reach_right", "reach_bottom"];
+const BOUNDS_KEYS: [&str; 4] = ["reach_left", "reach_top", "reach_right", "reach_bottom"];
 
-fn extremes(map: &Map) -> Result<Option<Extremes>, String> {
+fn parse_state_bounds(map: &Map) -> Result<Option<StateBounds>, String> {
     if !map.contains_key("top_speed") {
         return Ok(None);
     }
-    let top_speed = finite(map, "top_speed")?;
-    if !map.contains_key(REACH[0]) {
-        return Ok(Some(Extremes { top_speed, reach: None }));
+    let top_speed = parse_finite(map, "top_speed")?;
+    if !map.contains_key(BOUNDS_KEYS[0]) {
+        return Ok(Some(StateBounds { top_speed, bounds: None }));
     }
-    let [left, top, right, bottom] = REACH.map(|key| finite(map, key));
-    let reach = Reach { near: Vector::new(left?, top?), far: Vector::new(right?, bottom?) };
-    Ok(Some(Extremes { top_speed, reach: Some(reach) }))
+    let [left, top, right, bottom] = BOUNDS_KEYS.map(|key| parse_finite(map, key));
+    let bounds = Bounds { near: Vector::new(left?, top?), far: Vector::new(right?, bottom?) };
+    Ok(Some(StateBounds { top_speed, bounds: Some(bounds) }))
 }
 
-fn header_fields(map: &Map, format: u32) -> Result<Header, String> {
-    let solver: String = value(map, "solver")?;
+fn parse_header_fields(map: &Map, format: u32) -> Result<Header, String> {
+    let solver: String = parse_value(map, "solver")?;
     let gravity = match map.contains_key("gravity_x") {
-        true => Some(Vector::new(finite(map, "gravity_x")?, finite(map, "gravity_y")?)),
+        true => Some(Vector::new(parse_finite(map, "gravity_x")?, parse_finite(map, "gravity_y")?)),
         false => None,
     };
-    let rate = finite(map, "rate")?;
-    let every = value(map, "every")?;
+    let rate = parse_finite(map, "rate")?;
+    let every = parse_value(map, "every")?;
     if rate <= 0.0 || every == 0 {
-        return Err("the rate or the thinning is not positive".into());
+        return Err("the rate or the value of \"every\" is not positive".into());
     }
-    let settings = Settings {
-        solver: SolverKind::named(&solver).ok_or_else(|| format!("the solver {solver:?} is unknown"))?,
+    let config = EngineConfig {
+        solver: SolverKind::from_name(&solver).ok_or_else(|| format!("the solver {solver:?} is unknown"))?,
         rate,
         gravity,
-        restitution: restitution(map)?,
-        events_per_step: value(map, "events_per_step")?,
+        restitution: parse_restitution(map)?,
+        events_per_step: parse_value(map, "events_per_step")?,
     };
-    let versions = Versions { format, semantics: value(map, "semantics_version")? };
+    let versions = Versions { format, semantics: parse_value(map, "semantics_version")? };
     let scene = SceneText::default();
-    Ok(Header { versions, settings, steps: value(map, "steps")?, every, scene, gaps: gaps(map)? })
+    Ok(Header { versions, config, steps: parse_value(map, "steps")?, every, scene, gaps: parse_gaps(map)? })
 }
 
-fn gaps(map: &Map) -> Result<Vec<Gap>, String> {
+fn parse_gaps(map: &Map) -> Result<Vec<Gap>, String> {
     map.get("gaps").map_or("", String::as_str).split_whitespace().map(str::parse).collect()
 }
 
-fn restitution(map: &Map) -> Result<Restitution, String> {
+fn parse_restitution(map: &Map) -> Result<Restitution, String> {
     let mut pairs = Vec::new();
-    for key in map.keys().filter(|key| key.starts_with(PAIR)) {
-        let materials = serde_json::from_str(&key[PAIR.len()..]).map_err(|_| format!("the pair {key:?} is damaged"))?;
-        pairs.push(RestitutionPair { materials, restitution: finite(map, key)? });
+    for key in map.keys().filter(|key| key.starts_with(PAIR_PREFIX)) {
+        let materials =
+            serde_json::from_str(&key[PAIR_PREFIX.len()..]).map_err(|_| format!("the key {key:?} is damaged"))?;
+        pairs.push(RestitutionPair { materials, restitution: parse_finite(map, key)? });
     }
     let names: BTreeSet<&String> = pairs.iter().flat_map(|pair: &RestitutionPair| &pair.materials).collect();
     if names.len() > limits::MATERIALS {
-        return Err(format!("the restitution table names {} materials", names.len()));
+        return Err(format!(
+            "the restitution table has {} materials, but at most {} are allowed",
+            names.len(),
+            limits::MATERIALS,
+        ));
     }
-    let default = finite(map, "restitution")?;
+    let default = parse_finite(map, "restitution")?;
     let all = pairs.iter().map(|pair| pair.restitution).chain([default]);
     match all.into_iter().all(|e| (0.0..=1.0).contains(&e)) {
         true => Ok(Restitution::new(default, &pairs)),
-        false => Err("a restitution lies outside of 0 to 1".into()),
+        false => Err("a restitution coefficient is not between 0 and 1".into()),
     }
 }
 
-const PAIR: &str = "restitution ";
+const PAIR_PREFIX: &str = "restitution ";
 
 fn pair_key(materials: &[String; 2]) -> String {
-    format!("{PAIR}{}", serde_json::json!(materials))
+    format!("{PAIR_PREFIX}{}", serde_json::json!(materials))
 }
 
-fn put(map: &mut Map, key: &str, value: impl Display) {
+fn insert(map: &mut Map, key: &str, value: impl Display) {
     map.insert(key.into(), value.to_string());
 }
 
-fn value<T: FromStr>(map: &Map, key: &str) -> Result<T, String> {
-    let text = map.get(key).ok_or_else(|| format!("the metadata has no {key:?}"))?;
-    text.parse().map_err(|_| format!("the metadata has {key:?} = {text:?}"))
+fn parse_value<T: FromStr>(map: &Map, key: &str) -> Result<T, String> {
+    let text = map.get(key).ok_or_else(|| format!("the metadata has no key {key:?}"))?;
+    text.parse().map_err(|_| format!("the metadata has the invalid value {key:?} = {text:?}"))
 }
 
-fn float(number: f64) -> String {
+fn format_float(number: f64) -> String {
     format!("{number:?} 0x{:016x}", number.to_bits())
 }
 
-fn finite(map: &Map, key: &str) -> Result<f64, String> {
-    let text: String = value(map, key)?;
+fn parse_finite(map: &Map, key: &str) -> Result<f64, String> {
+    let text: String = parse_value(map, key)?;
     text.split_once(" 0x")
         .and_then(|(_, bits)| u64::from_str_radix(bits, 16).ok())
         .map(f64::from_bits)
         .filter(|number| number.is_finite())
-        .ok_or_else(|| format!("the metadata has {key:?} = {text:?}"))
+        .ok_or_else(|| format!("the metadata has the invalid value {key:?} = {text:?}"))
 }
 
 const CHECKSUM: &str = "checksum";
 
-fn sealed(mut map: Map) -> Map {
+fn with_checksum(mut map: Map) -> Map {
     let sum = checksum(&map);
-    put(&mut map, CHECKSUM, sum);
+    insert(&mut map, CHECKSUM, sum);
     map
 }
 
-fn unsealed(map: &Map) -> Result<(), String> {
+fn verify_checksum(map: &Map) -> Result<(), String> {
     match map.get(CHECKSUM) == Some(&checksum(map)) {
         true => Ok(()),
-        false => Err("the metadata does not fit its checksum".into()),
+        false => Err("the metadata does not match its checksum".into()),
     }
 }
 
-/// XXH3 over all keys and values but the checksum itself, each with its length.
+/// Returns the XXH3 of all keys and values except the checksum, each preceded by its length.
 fn checksum(map: &Map) -> String {
     let mut hash = Xxh3::new();
     for text in map.iter().filter(|(key, _)| *key != CHECKSUM).flat_map(|(key, value)| [key, value]) {
@@ -286,10 +291,10 @@ mod tests {
         prop::num::f64::NORMAL | prop::num::f64::SUBNORMAL | prop::num::f64::ZERO
     }
 
-    fn extremes() -> impl Strategy<Value = Option<Extremes>> {
+    fn state_bounds() -> impl Strategy<Value = Option<StateBounds>> {
         let corner = || (finite(), finite()).prop_map(|(x, y)| Vector::new(x, y));
-        let reach = prop::option::of((corner(), corner()).prop_map(|(near, far)| Reach { near, far }));
-        prop::option::of((finite(), reach).prop_map(|(top_speed, reach)| Extremes { top_speed, reach }))
+        let bounds = prop::option::of((corner(), corner()).prop_map(|(near, far)| Bounds { near, far }));
+        prop::option::of((finite(), bounds).prop_map(|(top_speed, bounds)| StateBounds { top_speed, bounds }))
     }
 
     fn gravity() -> impl Strategy<Value = Option<Vector>> {
@@ -298,38 +303,38 @@ mod tests {
 
     proptest! {
         #[test]
-        fn headers_and_ends_come_back(
+        fn parsing_inverts_writing_of_headers_and_trailers(
             rate in prop::num::f64::NORMAL.prop_map(f64::abs),
             gravity in gravity(),
             default in 0.0..=1.0,
             pairs in vec(pair(), 0..4),
             (events_per_step, steps, every) in any::<(u64, u64, u64)>(),
             (collisions, error, recovered) in any::<(Option<u64>, Option<String>, bool)>(),
-            extremes in extremes(),
+            state_bounds in state_bounds(),
         ) {
             let restitution = Restitution::new(default, &pairs);
-            let settings = Settings { solver: SolverKind::EventDriven, rate, gravity, restitution, events_per_step };
+            let config = EngineConfig { solver: SolverKind::EventDriven, rate, gravity, restitution, events_per_step };
             let gaps = vec![Gap { after: None, before: 7 }, Gap { after: Some(9), before: 12 }];
             let every = every.max(1);
             let (versions, scene) = (Versions::CURRENT, SceneText::default());
-            let wanted = Header { versions, settings, steps, every, scene, gaps };
-            let end = End { steps, collisions, bodies: 3, events: 4, error, recovered, extremes, identity: Identity(5) };
-            for map in [of_header(&wanted), of_end(&wanted, &end)] {
-                let found = header(&map).unwrap();
-                prop_assert_eq!(format!("{found:?}"), format!("{wanted:?}"), "-0.0 counts, so compare the text");
+            let expected = Header { versions, config, steps, every, scene, gaps };
+            let trailer = Trailer { steps, collisions, bodies: 3, events: 4, error, recovered, state_bounds, identity: Identity(5) };
+            for map in [header_map(&expected), trailer_map(&expected, &trailer)] {
+                let found = parse_header(&map).unwrap();
+                prop_assert_eq!(format!("{found:?}"), format!("{expected:?}"), "compares the text, which distinguishes -0.0 from 0.0");
             }
-            prop_assert_eq!(super::end(&of_end(&wanted, &end)).unwrap(), end);
+            prop_assert_eq!(super::parse_trailer(&trailer_map(&expected, &trailer)).unwrap(), trailer);
         }
     }
 
     #[test]
-    fn a_changed_value_does_not_fit_the_checksum() {
-        let mut map = sealed(Map::from([("a".into(), "1".into()), ("b".into(), "2".into())]));
-        assert_eq!(unsealed(&map), Ok(()));
+    fn a_changed_value_does_not_match_the_checksum() {
+        let mut map = with_checksum(Map::from([("a".into(), "1".into()), ("b".into(), "2".into())]));
+        assert_eq!(verify_checksum(&map), Ok(()));
         map.insert("a".into(), "12".into());
-        assert!(unsealed(&map).is_err());
+        assert!(verify_checksum(&map).is_err());
         map.insert("a".into(), "1".into());
         map.insert("b1".into(), String::new());
-        assert!(unsealed(&map).is_err());
+        assert!(verify_checksum(&map).is_err());
     }
 }

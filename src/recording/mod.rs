@@ -1,80 +1,80 @@
-//! What went in and what came out, as one MCAP file that any reader of MCAP understands.
+//! Recordings of runs: the inputs and states of a run in one MCAP file, readable by any MCAP reader.
 //!
-//! A recording holds the settings, the scene's text, every event that was applied, every
-//! state (or its digest) and about once a second a keyframe from which a run goes on to
-//! the bit. [`Writer`] streams it out, [`Recording`] reads it back strictly: what it hands
-//! over has passed every checksum and every limit, and what cannot is located, never
-//! guessed. [`Playback`] shows a recording step by step to those who draw or tabulate.
+//! A recording holds the engine settings, the scene's text, every applied event, every state (or
+//! its digest), and about once per simulated second a keyframe from which the run can be continued
+//! bit for bit. [`Writer`] streams a recording out. [`Recording`] reads it strictly: every item that
+//! it returns has passed all checksums and limits, and damage is reported with its location.
+//! [`Playback`] iterates over the full states, for drawing and export.
 //!
-//! | topic or record   | holds                                            | type                |
-//! |-------------------|--------------------------------------------------|---------------------|
-//! | `/events`         | every spawn and delete: what replay feeds in     | [`RecordedEvent`]   |
-//! | `/states`         | one message a step: digest, movable bodies       | [`RecordedState`]   |
-//! | `/bodies`         | about once a second: everything, to start from   | [`Keyframe`]        |
-//! | `/scene`          | boxes for viewers, only if asked for             | `foxglove.SceneUpdate` |
-//! | metadata `rebond` | settings and versions                            | [`Header`]          |
-//! | metadata `rebond_end` | how the run ended, its identity              | [`End`]             |
-//! | attachment        | the scene's TOML                                 | [`SceneText`]       |
+//! | topic or record       | contents                                           | type                   |
+//! |-----------------------|----------------------------------------------------|------------------------|
+//! | `/events`             | every spawn and delete: the inputs of a replay     | [`RecordedEvent`]      |
+//! | `/states`             | one message per step: digest, movable bodies       | [`RecordedState`]      |
+//! | `/bodies`             | keyframes, about one per simulated second          | [`Keyframe`]           |
+//! | `/scene`              | boxes for MCAP viewers (optional)                  | `foxglove.SceneUpdate` |
+//! | metadata `rebond`     | settings and versions                              | [`Header`]             |
+//! | metadata `rebond_end` | how the run ended, identity                        | [`Trailer`]            |
+//! | attachment            | the scene's TOML                                   | [`SceneText`]          |
 
-mod background;
 mod batch;
 mod body_table;
 mod cdr;
 mod chunk;
 mod clock;
 mod columns;
-mod container;
-mod course;
+mod cursor;
+mod decoder;
 mod digest;
-mod end;
 mod error;
 mod event;
-mod extremes;
-mod fields;
 mod file;
 mod gap;
-mod head;
 mod header;
+mod header_section;
 mod health;
 mod identity;
-mod inbox;
 mod index;
 mod keyframe;
 pub mod limits;
+mod mcap_writer;
 mod messages;
 mod metadata;
-mod outline;
 mod playback;
 mod reader;
+mod record_reader;
 mod recorder;
-mod records;
 mod recover;
 mod resync;
+mod scene_update;
+mod sequence_validator;
 mod state;
+mod state_bounds;
+mod summary;
 mod topic;
-mod view;
+mod trailer;
 mod writer;
+mod writer_thread;
 
-pub use batch::numbers;
-pub use body_table::{BodyTable, KnownBody};
+pub use batch::body_state;
+pub use body_table::{BodyInfo, BodyTable};
 pub use digest::StateDigest;
-pub use end::End;
 pub use error::Error;
 pub use event::{Change, RecordedEvent};
-pub use extremes::{Extremes, Reach};
 pub use file::{Overwrite, RecordingFile, Sync, create};
 pub use gap::Gap;
 pub use header::{FORMAT_VERSION, Header, SEMANTICS_VERSION, SceneText, Versions};
 pub use health::{Damage, Health};
 pub use identity::Identity;
 pub use keyframe::{Keyframe, KeyframeBody};
-pub use outline::Outline;
-pub use playback::{Frame, FrameBody, Playback};
+pub use playback::{Playback, SampledBody, SampledState};
 pub use reader::{Item, Recording, open};
 pub use recover::{Recovery, recover};
+pub use scene_update::ColorFn;
 pub use state::RecordedState;
-pub use view::Paint;
-pub use writer::{Finished, Outcome, Writer};
+pub use state_bounds::{Bounds, StateBounds};
+pub use summary::Summary;
+pub use trailer::Trailer;
+pub use writer::{Finished, RunEnd, Writer};
 
 #[cfg(test)]
 mod hostile_tests;

@@ -5,12 +5,12 @@ use std::{
 
 use crate::physics::Vector;
 
-use super::{BodyTable, End, Error, Header, Health, Item, KnownBody, RecordedState, Recording};
+use super::{BodyInfo, BodyTable, Error, Header, Health, Item, RecordedState, Recording, Trailer};
 
-/// A recording step by step: every state recorded in full, all bodies alive in it.
+/// Iterates over the states of a recording that are recorded in full, with all living bodies.
 ///
-/// Steps thinned away by [`Header::every`] are passed over, and so is what cannot be
-/// trusted: see [`Playback::health`].
+/// States thinned out by [`Header::every`] are skipped, and so are damaged ones; see
+/// [`Playback::health`].
 pub struct Playback<R> {
     recording: Recording<R>,
     from: u64,
@@ -18,92 +18,92 @@ pub struct Playback<R> {
 
 /// One state of a [`Playback`].
 #[derive(Clone, Debug, PartialEq)]
-pub struct Frame {
-    /// Number of the state.
+pub struct SampledState {
+    /// The step of the state.
     pub step: u64,
-    /// Seconds since the start of the run: step ÷ rate.
+    /// The simulated time, s: step ÷ rate.
     pub time: f64,
-    /// All bodies alive in creation order, walls included.
-    pub bodies: Vec<FrameBody>,
+    /// All living bodies in creation order, walls included.
+    pub bodies: Vec<SampledBody>,
 }
 
-/// A body in a [`Frame`].
+/// A body in a [`SampledState`].
 #[derive(Clone, Debug, PartialEq)]
-pub struct FrameBody {
-    /// What never changes about it.
-    pub known: Arc<KnownBody>,
-    /// Upper-left corner, m.
+pub struct SampledBody {
+    /// The constants and the initial state.
+    pub info: Arc<BodyInfo>,
+    /// The upper-left corner, m.
     pub position: Vector,
-    /// m/s.
+    /// The velocity, m/s.
     pub velocity: Vector,
 }
 
 impl<R: Read + Seek> Playback<R> {
-    /// Plays `recording` from where it stands.
+    /// Plays `recording` from its current position.
     pub fn new(recording: Recording<R>) -> Playback<R> {
         Playback { recording, from: 0 }
     }
 
-    /// Goes to `step`: the next frame is that of it or, if that is not recorded, the first
-    /// one after it. What comes before is not read, but for less than about a second.
+    /// Moves to `step`: the next state is that of `step` or, if it is not recorded, the first one after
+    /// it. Of the data before, at most about one simulated second is read.
     ///
     /// # Errors
-    /// If the system cannot read.
+    /// Returns an error if the file cannot be read.
     pub fn seek(&mut self, step: u64) -> Result<(), Error> {
         self.from = step;
         self.recording.seek(step)
     }
 
-    /// What the recording starts with.
+    /// The header of the recording.
     pub fn header(&self) -> &Header {
         &self.recording.header
     }
 
-    /// In which state the file is; final once the playback has ended.
+    /// Returns the condition of the file; final once the playback has ended.
     pub fn health(&self) -> Health {
         self.recording.health()
     }
 
-    /// How the run ended, once the playback has.
-    pub fn end(&self) -> Option<&End> {
-        self.recording.end()
+    /// The end record, once the playback has ended.
+    pub fn trailer(&self) -> Option<&Trailer> {
+        self.recording.trailer()
     }
 
-    /// The recording, to be read on.
+    /// Returns the recording, for further reading.
     pub fn into_recording(self) -> Recording<R> {
         self.recording
     }
 
-    fn frame(&self, state: &RecordedState) -> Option<Frame> {
-        let Header { every, settings, .. } = &self.recording.header;
+    fn sample(&self, state: &RecordedState) -> Option<SampledState> {
+        let Header { every, config, .. } = &self.recording.header;
         let table = self.recording.table().filter(|_| state.step.is_multiple_of(*every))?;
-        Some(Frame { step: state.step, time: state.step as f64 / settings.rate, bodies: bodies(table, state) })
+        Some(SampledState { step: state.step, time: state.step as f64 / config.rate, bodies: bodies(table, state) })
     }
 }
 
 impl<R: Read + Seek> Iterator for Playback<R> {
-    type Item = Result<Frame, Error>;
+    type Item = Result<SampledState, Error>;
 
     fn next(&mut self) -> Option<Self::Item> {
         loop {
             match self.recording.next()? {
                 Err(error) => return Some(Err(error)),
                 Ok(Item::State(state)) if state.step >= self.from => {
-                    if let Some(frame) = self.frame(&state) {
-                        return Some(Ok(frame));
+                    if let Some(sample) = self.sample(&state) {
+                        return Some(Ok(sample));
                     }
                 }
-                Ok(Item::State(_) | Item::Doubtful(_) | Item::Event(_) | Item::Keyframe(_)) => {}
-                Ok(Item::View { .. } | Item::Damaged(_) | Item::Gap(_) | Item::End(_)) => {}
+                Ok(Item::State(_) | Item::SuspectState(_) | Item::Event(_) | Item::Keyframe(_)) => {}
+                Ok(Item::SceneUpdate { .. } | Item::Damaged(_) | Item::Gap(_) | Item::Trailer(_)) => {}
             }
         }
     }
 }
 
-fn bodies(table: &BodyTable, state: &RecordedState) -> Vec<FrameBody> {
-    let body = |(known, moved): (&Arc<KnownBody>, Option<[f64; 4]>)| {
-        let [x, y, vx, vy] = moved.unwrap_or_else(|| known.first_numbers());
-        FrameBody { known: Arc::clone(known), position: Vector::new(x, y), velocity: Vector::new(vx, vy) }
+fn bodies(table: &BodyTable, state: &RecordedState) -> Vec<SampledBody> {
+    let body = |(info, recorded): (&Arc<BodyInfo>, Option<[f64; 4]>)| {
+        let [x, y, vx, vy] = recorded.unwrap_or_else(|| info.initial_state());
+        SampledBody { info: Arc::clone(info), position: Vector::new(x, y), velocity: Vector::new(vx, vy) }
     };
-    table.with_state(state).map(body).collect()
+    table.join_state(state).map(body).collect()
 }

@@ -7,255 +7,258 @@ use std::{
 use mcap::{MAGIC, McapError, records::op};
 
 use super::{
-    BodyTable, Damage, End, Error, Gap, Header, Health, Keyframe, RecordedEvent, RecordedState,
-    chunk::Chunks,
+    BodyTable, Damage, Error, Gap, Header, Health, Keyframe, RecordedEvent, RecordedState, Trailer,
+    chunk::ChunkReader,
     clock,
-    course::Course,
-    head::{self, Fault, Head},
-    inbox::{Inbox, Locus},
+    decoder::{Decoder, Location},
+    header_section::{self, Defect, HeaderSection},
     index::Index,
-    records::{Broken, Place, Records},
-    resync::{self, Remedy},
+    record_reader::{ReadFault, RecordHeader, RecordReader},
+    resync::{self, Resync},
+    sequence_validator::SequenceValidator,
     topic::Topic,
 };
 
-/// A recording being read from its start: an iterator of [`Item`]s in file order.
+/// Reads a recording: an iterator over its [`Item`]s in file order.
 ///
-/// Memory is that of one chunk. After the last item [`Recording::health`] is final.
+/// Needs memory for one chunk. [`Recording::health`] is final after the last item.
 pub struct Recording<R> {
-    /// What the recording starts with.
+    /// The header.
     pub header: Header,
-    pub(super) records: Records<R>,
-    chunks: Chunks,
-    /// The chunk being read or the last one.
-    chunk: Locus,
+    pub(super) records: RecordReader<R>,
+    chunks: ChunkReader,
+    /// The location of the current or last chunk.
+    chunk: Location,
     chunk_count: u64,
+    /// The offset of the data end record, once it was read.
     data_end: Option<u64>,
-    suspect: Option<Fault>,
-    inbox: Inbox,
-    /// Where the chunks are, once that was asked for.
+    crc_suspect: Option<Defect>,
+    decoder: Decoder,
+    /// The index of the chunks, once it was needed.
     pub(super) index: Option<Index>,
-    progress: Progress,
+    phase: Phase,
 }
 
-/// One thing in a recording.
+/// One item of a recording.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Item {
-    /// Something was done to the world.
+    /// An event.
     Event(RecordedEvent),
-    /// Everything about a step.
+    /// A keyframe.
     Keyframe(Keyframe),
-    /// The state of a step.
+    /// A state.
     State(RecordedState),
-    /// A state whose numbers do not fit its own digest: to be compared, not to be shown.
-    Doubtful(RecordedState),
-    /// What viewers draw of the state that comes next: it is passed on, not read.
-    View {
-        /// Simulated nanoseconds.
+    /// A state that does not match its own digest, or has values that are not finite. A replay must
+    /// compare it, but it must not be shown.
+    SuspectState(RecordedState),
+    /// The boxes of the next state, for viewers. The message is not decoded.
+    SceneUpdate {
+        /// The log time, in simulated nanoseconds.
         time: u64,
-        /// A `foxglove.SceneUpdate`.
+        /// An encoded `foxglove.SceneUpdate`.
         message: Vec<u8>,
     },
-    /// Something could not be read here; events may be missing until the next keyframe.
+    /// Unreadable data. Events may be missing until the next keyframe.
     Damaged(Damage),
-    /// Here a recovered recording has a gap; events are missing until the next keyframe.
+    /// A gap of a recovered recording. Events may be missing until the next keyframe.
     Gap(Gap),
-    /// How the run ended.
-    End(End),
+    /// The end record.
+    Trailer(Trailer),
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Progress {
+enum Phase {
     Reading,
     /// The file ends too early.
-    Cut,
-    /// There is nothing more to read.
-    Done,
+    Truncated,
+    /// The file was read to its end.
+    Finished,
 }
 
 /// Opens the recording at `path`.
 ///
 /// # Errors
-/// If it cannot be opened, is no recording, or is newer than this program.
+/// Returns an error if the file cannot be opened, is not a recording, or is newer than this program.
 pub fn open(path: &Path) -> Result<Recording<BufReader<File>>, Error> {
     let file = File::open(path).map_err(|source| Error::Open { path: path.into(), source })?;
     Recording::read(BufReader::new(file))
 }
 
 impl<R: Read + Seek> Recording<R> {
-    /// Reads the head of a recording.
+    /// Reads the header section of a recording.
     ///
     /// # Errors
-    /// If it is no recording or newer than this program.
-    pub fn read(read: R) -> Result<Recording<R>, Error> {
-        let mut records = Records::new(read);
-        let head = head::read(&mut records)?;
-        let inbox = Inbox::new(Course::new(&head.header, head.has_scene), head.header.versions.format);
+    /// Returns an error if `source` is not a recording or is newer than this program.
+    pub fn read(source: R) -> Result<Recording<R>, Error> {
+        let mut records = RecordReader::new(source);
+        let section = header_section::read(&mut records)?;
+        let validator = SequenceValidator::new(&section.header, section.has_scene);
+        let decoder = Decoder::new(validator, section.header.versions.format);
         let mut recording = Recording {
-            header: head.header.clone(),
+            header: section.header.clone(),
             records,
-            chunks: Chunks::new(),
-            chunk: Locus { chunk: None, offset: 0 },
+            chunks: ChunkReader::new(),
+            chunk: Location { chunk: None, offset: 0 },
             chunk_count: 0,
             data_end: None,
-            suspect: None,
-            inbox,
+            crc_suspect: None,
+            decoder,
             index: None,
-            progress: Progress::Reading,
+            phase: Phase::Reading,
         };
-        recording.behind(head)?;
+        recording.continue_after(section)?;
         Ok(recording)
     }
 
-    /// Goes to the last keyframe at or before `step`, which is then the next item; to the
-    /// start if there is none. Nothing before it is read, so [`Recording::health`] tells
-    /// of the rest only.
+    /// Moves to the last keyframe at or before `step`, which is then the next item, or to the start if
+    /// there is none. Skipped data is not read, so [`Recording::health`] covers only the rest.
     ///
     /// # Errors
-    /// If the system cannot read.
+    /// Returns an error if the file cannot be read.
     pub fn seek(&mut self, step: u64) -> Result<(), Error> {
         let index = self.take_index()?;
-        let time = clock::nanoseconds(step, self.header.settings.rate);
-        let after = index.chunks.partition_point(|chunk| chunk.first_time <= time);
-        let mut found = false;
-        for place in (0..after).rev().filter(|place| index.has(*place, Topic::Bodies)) {
-            found = self.seek_keyframe(&index, place, step)?;
-            if found {
+        let time = clock::nanoseconds(step, self.header.config.rate);
+        let count = index.chunks.partition_point(|chunk| chunk.first_time <= time);
+        let mut is_found = false;
+        for chunk in (0..count).rev().filter(|chunk| index.may_contain(*chunk, Topic::Bodies)) {
+            is_found = self.seek_keyframe(&index, chunk, step)?;
+            if is_found {
                 break;
             }
         }
         self.index = Some(index);
-        if found { Ok(()) } else { self.restart() }
+        if is_found { Ok(()) } else { self.restart() }
     }
 
-    /// Whether the chunk has a keyframe at or before `step`; if so, that is the next item.
-    fn seek_keyframe(&mut self, index: &Index, place: usize, step: u64) -> Result<bool, Error> {
-        self.go_to_chunk(index, place)?;
-        while let Some(item) = self.next_of_chunk() {
+    /// Searches a chunk for a keyframe at or before `step`, and returns true if there is one, which is
+    /// then the next item.
+    fn seek_keyframe(&mut self, index: &Index, chunk: usize, step: u64) -> Result<bool, Error> {
+        self.open_indexed_chunk(index, chunk)?;
+        while let Some(item) = self.next_in_chunk() {
             match item {
                 Item::Keyframe(keyframe) if keyframe.step <= step => {
-                    self.inbox.ready.push_front(Item::Keyframe(keyframe));
+                    self.decoder.ready.push_front(Item::Keyframe(keyframe));
                     return Ok(true);
                 }
                 Item::Keyframe(_) | Item::Damaged(_) => return Ok(false),
-                Item::Event(_) | Item::State(_) | Item::Doubtful(_) => {}
-                Item::View { .. } | Item::Gap(_) | Item::End(_) => {}
+                Item::Event(_) | Item::State(_) | Item::SuspectState(_) => {}
+                Item::SceneUpdate { .. } | Item::Gap(_) | Item::Trailer(_) => {}
             }
         }
         Ok(false)
     }
 
-    /// Opens the chunk, as if nothing stood before it.
-    pub(super) fn go_to_chunk(&mut self, index: &Index, place: usize) -> Result<(), Error> {
-        self.go_to(index.chunks[place].offset)?;
-        self.inbox.jump(&index.channels);
-        self.chunk_count = place as u64;
+    /// Opens a chunk of the index and forgets everything read before.
+    pub(super) fn open_indexed_chunk(&mut self, index: &Index, chunk: usize) -> Result<(), Error> {
+        self.seek_record(index.chunks[chunk].offset)?;
+        self.decoder.reset(&index.channels);
+        self.chunk_count = chunk as u64;
         self.next_record()
     }
 
-    /// The next thing in the open chunk; none where that ends or cannot be read on.
-    pub(super) fn next_of_chunk(&mut self) -> Option<Item> {
-        while self.inbox.ready.is_empty() {
-            let Ok(Some(record)) = self.chunks.next() else { return None };
-            self.inbox.chunk_record(self.chunk, &record);
+    /// Returns the next item of the open chunk, or `None` at its end or at damage.
+    pub(super) fn next_in_chunk(&mut self) -> Option<Item> {
+        while self.decoder.ready.is_empty() {
+            let Ok(Some(record)) = self.chunks.next_record() else { return None };
+            self.decoder.decode_chunk_record(self.chunk, &record);
         }
-        self.inbox.ready.pop_front()
+        self.decoder.ready.pop_front()
     }
 
-    /// Reads on at `offset`, where a record starts.
-    fn go_to(&mut self, offset: u64) -> Result<(), Error> {
+    /// Continues at `offset`, where a record starts.
+    fn seek_record(&mut self, offset: u64) -> Result<(), Error> {
         self.chunks.close();
         self.data_end = None;
-        self.suspect = None;
-        self.progress = Progress::Reading;
+        self.crc_suspect = None;
+        self.phase = Phase::Reading;
         self.records.seek(offset).map_err(Error::Read)
     }
 
-    /// Goes to the start.
+    /// Returns to the start.
     ///
     /// # Errors
-    /// If the system cannot read.
+    /// Returns an error if the file cannot be read.
     pub fn restart(&mut self) -> Result<(), Error> {
-        self.go_to(0)?;
+        self.seek_record(0)?;
         self.records.rewind().map_err(Error::Read)?;
-        let head = head::read(&mut self.records)?;
-        self.inbox.jump(&[]);
-        self.inbox.course = Course::new(&head.header, head.has_scene);
+        let section = header_section::read(&mut self.records)?;
+        self.decoder.reset(&[]);
+        self.decoder.validator = SequenceValidator::new(&section.header, section.has_scene);
         self.chunk_count = 0;
-        self.behind(head)
+        self.continue_after(section)
     }
 
-    /// Goes on behind the head.
-    fn behind(&mut self, head: Head) -> Result<(), Error> {
-        self.suspect = head.suspect;
-        for Fault { offset, what } in head.faults {
-            self.inbox.note(Locus { chunk: None, offset }, what);
+    /// Continues after the header section.
+    fn continue_after(&mut self, section: HeaderSection) -> Result<(), Error> {
+        self.crc_suspect = section.crc_suspect;
+        for Defect { offset, reason } in section.defects {
+            self.decoder.report_damage(Location { chunk: None, offset }, reason);
         }
-        head.pending.map_or(Ok(()), |place| self.record(place))
+        section.pending.map_or(Ok(()), |record| self.read_record(record))
     }
 
-    /// What reading has shown so far; final once the iterator has ended.
+    /// Returns the condition of the part read so far; final once the iterator has ended.
     pub fn health(&self) -> Health {
-        match (&self.inbox.damage, self.progress, &self.inbox.end) {
+        match (&self.decoder.damage, self.phase, &self.decoder.trailer) {
             (Some(damage), _, _) => Health::Corrupt(damage.clone()),
-            (None, Progress::Done, Some(_)) => Health::Whole,
-            (None, _, _) => Health::Truncated { after: self.inbox.course.last_step() },
+            (None, Phase::Finished, Some(_)) => Health::Complete,
+            (None, _, _) => Health::Truncated { after: self.decoder.validator.last_step() },
         }
     }
 
-    /// The bodies alive after the last item; unknown between damage and the next keyframe.
+    /// The living bodies after the last item; `None` (unknown) between damage and the next keyframe.
     pub fn table(&self) -> Option<&BodyTable> {
-        self.inbox.course.table()
+        self.decoder.validator.table()
     }
 
-    /// How the run ended, once that has been read.
-    pub fn end(&self) -> Option<&End> {
-        self.inbox.end.as_ref()
+    /// The end record, once it was read.
+    pub fn trailer(&self) -> Option<&Trailer> {
+        self.decoder.trailer.as_ref()
     }
 
-    /// The number of chunks met so far.
-    pub fn chunks(&self) -> u64 {
+    /// The number of chunks opened so far.
+    pub fn chunk_count(&self) -> u64 {
         self.chunk_count
     }
 
-    /// Goes on until something is ready or nothing more comes.
+    /// Reads until an item is ready or the file ends.
     fn advance(&mut self) -> Result<(), Error> {
-        while self.inbox.ready.is_empty() && self.progress == Progress::Reading {
-            match self.chunks.next() {
-                Ok(Some(record)) => self.inbox.chunk_record(self.chunk, &record),
+        while self.decoder.ready.is_empty() && self.phase == Phase::Reading {
+            match self.chunks.next_record() {
+                Ok(Some(record)) => self.decoder.decode_chunk_record(self.chunk, &record),
                 Ok(None) => self.next_record()?,
-                Err(what) => self.inbox.lose(self.chunk, what),
+                Err(reason) => self.decoder.mark_lost(self.chunk, reason),
             }
         }
         Ok(())
     }
 
     fn next_record(&mut self) -> Result<(), Error> {
-        match self.records.advance() {
-            Ok(Some(place)) if self.data_end.is_none() => self.record(place)?,
-            Ok(Some(_)) => {} // Nothing but copies and the index: its checksum is enough.
-            Ok(None) => self.progress = Progress::Done,
-            Err(broken) => self.mend(broken)?,
+        match self.records.next_record() {
+            Ok(Some(record)) if self.data_end.is_none() => self.read_record(record)?,
+            Ok(Some(_)) => {} // The summary section: copies and the index, verified by its checksum.
+            Ok(None) => self.phase = Phase::Finished,
+            Err(fault) => self.recover_from(fault)?,
         }
         Ok(())
     }
 
-    fn record(&mut self, Place { offset, opcode }: Place) -> Result<(), Error> {
+    fn read_record(&mut self, RecordHeader { offset, opcode }: RecordHeader) -> Result<(), Error> {
         let body = &self.records.body;
-        let outside = Locus { chunk: None, offset };
+        let location = Location { chunk: None, offset };
         match opcode {
             op::CHUNK => return self.open_chunk(offset),
             op::MESSAGE_INDEX => {
-                if let Err(what) = self.chunks.check_index(body) {
-                    self.inbox.note(Locus { offset, ..self.chunk }, what);
+                if let Err(reason) = self.chunks.check_message_index(body) {
+                    self.decoder.report_damage(Location { offset, ..self.chunk }, reason);
                     return self.resume_after(offset);
                 }
             }
-            op::METADATA => self.inbox.metadata(outside, body),
+            op::METADATA => self.decoder.decode_metadata(location, body),
             op::ATTACHMENT => {}
             op::DATA_END => self.data_end = Some(offset),
             other => {
-                self.inbox.lose(outside, format!("a record of kind {other:#04x} does not belong here"));
+                self.decoder.mark_lost(location, format!("a record with opcode {other:#04x} is not allowed here"));
                 return self.resume_after(offset);
             }
         }
@@ -264,11 +267,11 @@ impl<R: Read + Seek> Recording<R> {
 
     fn open_chunk(&mut self, offset: u64) -> Result<(), Error> {
         self.chunk_count += 1;
-        self.chunk = Locus { chunk: Some(self.chunk_count), offset };
+        self.chunk = Location { chunk: Some(self.chunk_count), offset };
         match self.chunks.open(&self.records.body) {
             Ok(()) => Ok(()),
-            Err(what) => {
-                self.inbox.lose(self.chunk, what);
+            Err(reason) => {
+                self.decoder.mark_lost(self.chunk, reason);
                 self.resume_after(offset)
             }
         }
@@ -279,41 +282,41 @@ impl<R: Read + Seek> Recording<R> {
         self.records.resume_after(offset).map_err(Error::Read)
     }
 
-    /// Goes on at the next record that is one, after one that is not.
-    fn mend(&mut self, broken: Broken) -> Result<(), Error> {
+    /// Continues at the next valid record after a fault.
+    fn recover_from(&mut self, fault: ReadFault) -> Result<(), Error> {
         self.chunks.close();
-        if let McapError::Io(error) = broken.why {
+        if let McapError::Io(error) = fault.error {
             return Err(Error::Read(error));
         }
-        let remedy = match self.data_end {
-            Some(_) => resync::hopeless(self.records.read(), &broken),
-            None => resync::remedy(self.records.read(), &broken),
+        let resync = match self.data_end {
+            Some(_) => resync::truncated_or_corrupt(self.records.source(), &fault),
+            None => resync::resync(self.records.source(), &fault),
         };
-        let Fault { offset, what } = self.blame(broken);
-        let locus = Locus { chunk: None, offset };
-        match remedy.map_err(Error::Read)? {
-            Remedy::GoOn(next) => {
-                self.inbox.lose(locus, what);
+        let Defect { offset, reason } = self.locate(fault);
+        let location = Location { chunk: None, offset };
+        match resync.map_err(Error::Read)? {
+            Resync::ContinueAt(next) => {
+                self.decoder.mark_lost(location, reason);
                 self.records.seek(next).map_err(Error::Read)?;
             }
-            Remedy::Cut => self.progress = Progress::Cut,
-            Remedy::None => {
-                self.inbox.note(locus, what);
-                self.progress = Progress::Done;
+            Resync::Truncated => self.phase = Phase::Truncated,
+            Resync::Corrupt => {
+                self.decoder.report_damage(location, reason);
+                self.phase = Phase::Finished;
             }
         }
         Ok(())
     }
 
-    /// Where the fault lies: what no checksum of its own guards is only known by section.
-    fn blame(&self, Broken { offset, why }: Broken) -> Fault {
+    /// Locates a fault. Data without a checksum of its own can only be located by section.
+    fn locate(&self, ReadFault { offset, error }: ReadFault) -> Defect {
         let section =
-            |what: &str, from: u64| Fault { offset: from, what: format!("{what}, up to byte {offset}: {why}") };
-        match (&why, self.data_end, &self.suspect) {
-            (McapError::BadDataCrc { .. }, _, Some(fault)) => fault.clone(),
-            (McapError::BadDataCrc { .. }, _, None) => section("somewhere between the chunks", MAGIC.len() as u64),
+            |name: &str, from: u64| Defect { offset: from, reason: format!("{name}, up to byte {offset}: {error}") };
+        match (&error, self.data_end, &self.crc_suspect) {
+            (McapError::BadDataCrc { .. }, _, Some(defect)) => defect.clone(),
+            (McapError::BadDataCrc { .. }, _, None) => section("somewhere outside the chunks", MAGIC.len() as u64),
             (_, Some(data_end), _) => section("somewhere in the index", data_end),
-            (_, None, _) => Fault { offset, what: why.to_string() },
+            (_, None, _) => Defect { offset, reason: error.to_string() },
         }
     }
 }
@@ -323,9 +326,9 @@ impl<R: Read + Seek> Iterator for Recording<R> {
 
     fn next(&mut self) -> Option<Self::Item> {
         match self.advance() {
-            Ok(()) => self.inbox.ready.pop_front().map(Ok),
+            Ok(()) => self.decoder.ready.pop_front().map(Ok),
             Err(error) => {
-                self.progress = Progress::Cut;
+                self.phase = Phase::Truncated;
                 Some(Err(error))
             }
         }

@@ -3,23 +3,24 @@ use std::io::Write;
 use crate::physics::BodyId;
 
 use super::{
-    BodyTable, Change, End, Error, Extremes, Header, Keyframe, Outcome, RecordedEvent, RecordedState, StateDigest,
+    BodyTable, Change, Error, Header, Keyframe, RecordedEvent, RecordedState, RunEnd, StateBounds, StateDigest,
+    Trailer,
     batch::{Batch, Entry, Row},
     cdr, clock,
-    container::Container,
     identity::IdentityChain,
     limits,
+    mcap_writer::McapWriter,
     messages::{BodiesMessage, EventMessage},
     metadata,
+    scene_update::{self, ColorFn},
     topic::Topic,
-    view::{self, Paint},
 };
 
-/// Makes batches into messages and writes them: the half of a writer that need not run on
-/// the stepping thread.
+/// Encodes batches as messages and writes them: the part of a writer that can run on a thread of its
+/// own.
 pub struct Recorder<W: Write> {
     header: Header,
-    container: Container<W>,
+    mcap: McapWriter<W>,
     identity: IdentityChain,
     table: BodyTable,
     steps: u64,
@@ -28,25 +29,25 @@ pub struct Recorder<W: Write> {
     unflushed_events: bool,
     state: RecordedState,
     digest: StateDigest,
-    /// Of the states so far, where the end tells them.
-    extremes: Option<Extremes>,
-    /// The colours for viewers, if boxes are recorded for them.
-    paint: Option<Paint>,
+    /// The bounds of all states so far, if the end record stores them.
+    state_bounds: Option<StateBounds>,
+    /// The colours of the scene updates, if these are enabled.
+    color: Option<ColorFn>,
     bytes: Vec<u8>,
 }
 
-/// The first format whose end tells the extremes.
-const EXTREMES_SINCE: u32 = 2;
+/// The first format version whose end record stores the state bounds.
+const FIRST_FORMAT_WITH_BOUNDS: u32 = 2;
 
 impl<W: Write> Recorder<W> {
-    /// Writes the head of a recording.
+    /// Creates a recorder and writes the header section to `output`.
     ///
     /// # Errors
-    /// If writing fails.
-    pub fn new(write: W, header: &Header) -> Result<Recorder<W>, Error> {
+    /// Returns an error if writing fails.
+    pub fn new(output: W, header: &Header) -> Result<Recorder<W>, Error> {
         Ok(Recorder {
             header: header.clone(),
-            container: Container::new(write, metadata::of_header(header), &header.scene)?,
+            mcap: McapWriter::new(output, metadata::header_map(header), &header.scene)?,
             identity: IdentityChain::new(header),
             table: BodyTable::default(),
             steps: 0,
@@ -55,57 +56,58 @@ impl<W: Write> Recorder<W> {
             unflushed_events: false,
             state: RecordedState::default(),
             digest: StateDigest::default(),
-            extremes: (header.gaps.is_empty() && header.versions.format >= EXTREMES_SINCE).then(Extremes::default),
-            paint: None,
+            state_bounds: (header.gaps.is_empty() && header.versions.format >= FIRST_FORMAT_WITH_BOUNDS)
+                .then(StateBounds::default),
+            color: None,
             bytes: Vec::new(),
         })
     }
 
-    /// Writes what is in a batch.
+    /// Writes the entries of a batch.
     ///
     /// # Errors
-    /// If writing fails, or the world has bodies whose spawn is not in the batches.
+    /// Returns an error if writing fails, or if the world has bodies whose spawn is not in the batches.
     pub fn write(&mut self, batch: &mut Batch) -> Result<(), Error> {
         let mut rows = batch.rows.as_slice();
         for entry in batch.entries.drain(..) {
             match entry {
-                Entry::Paint(paint) => self.paint = Some(paint),
-                Entry::Event(event) => self.event(&event)?,
-                Entry::Snapshot(snapshot) => self.keyframe(&Keyframe::new(snapshot, &self.table))?,
+                Entry::Colors(color) => self.color = Some(color),
+                Entry::Event(event) => self.write_event(&event)?,
+                Entry::Snapshot(snapshot) => self.write_keyframe(&Keyframe::new(snapshot, &self.table))?,
                 Entry::State { step, rows: count } => {
-                    let (own, rest) = rows.split_at(count);
+                    let (state_rows, rest) = rows.split_at(count);
                     rows = rest;
-                    self.rows(step, own)?;
+                    self.write_rows(step, state_rows)?;
                 }
             }
         }
         Ok(())
     }
 
-    /// Writes the end of the recording and its index.
+    /// Writes the end record and the summary.
     ///
     /// # Errors
-    /// If writing fails; the file is then readable up to its last flush.
-    pub fn finish(self, outcome: Outcome, recovered: bool) -> Result<(End, W), Error> {
-        let end = End {
+    /// Returns an error if writing fails; the file is then readable up to its last flush.
+    pub fn finish(self, run_end: RunEnd, recovered: bool) -> Result<(Trailer, W), Error> {
+        let trailer = Trailer {
             steps: self.steps,
-            collisions: outcome.collisions,
+            collisions: run_end.collisions,
             bodies: self.next_id.into(),
             events: self.events,
-            error: outcome.error,
+            error: run_end.error,
             recovered,
-            extremes: self.extremes,
+            state_bounds: self.state_bounds,
             identity: self.identity.identity(),
         };
-        let write = self.container.finish(metadata::of_end(&self.header, &end))?;
-        Ok((end, write))
+        let output = self.mcap.finish(metadata::trailer_map(&self.header, &trailer))?;
+        Ok((trailer, output))
     }
 
     /// Writes an event.
     ///
     /// # Errors
-    /// If writing fails.
-    pub fn event(&mut self, event: &RecordedEvent) -> Result<(), Error> {
+    /// Returns an error if writing fails.
+    pub fn write_event(&mut self, event: &RecordedEvent) -> Result<(), Error> {
         self.table.apply(&event.change);
         self.events += 1;
         self.unflushed_events = true;
@@ -114,100 +116,100 @@ impl<W: Write> Recorder<W> {
         }
         cdr::encode(&EventMessage::new(event), &mut self.bytes);
         self.identity.event(&self.bytes);
-        self.put(Topic::Events, event.step)
+        self.write_message(Topic::Events, event.step)
     }
 
-    /// Writes a keyframe. One too large for a record is left out: a seek then starts before
-    /// it.
+    /// Writes a keyframe. A keyframe that is too large for a record is left out; a seek then starts at
+    /// an earlier one.
     ///
     /// # Errors
-    /// If writing fails.
-    pub fn keyframe(&mut self, keyframe: &Keyframe) -> Result<(), Error> {
+    /// Returns an error if writing fails.
+    pub fn write_keyframe(&mut self, keyframe: &Keyframe) -> Result<(), Error> {
         self.next_id = keyframe.next_id;
         cdr::encode(&BodiesMessage::new(keyframe, self.header.versions.format), &mut self.bytes);
         match self.bytes.len() <= limits::KEYFRAME_BYTES {
-            true => self.put(Topic::Bodies, keyframe.step),
+            true => self.write_message(Topic::Bodies, keyframe.step),
             false => Ok(()),
         }
     }
 
-    /// Writes a state, and hands everything down at the end of a second and after events.
+    /// Writes a state, and flushes at the end of each simulated second and after events.
     ///
     /// # Errors
-    /// If writing fails.
-    pub fn state(&mut self, state: &RecordedState) -> Result<(), Error> {
+    /// Returns an error if writing fails.
+    pub fn write_state(&mut self, state: &RecordedState) -> Result<(), Error> {
         self.steps = state.step;
         self.identity.state(state.step, state.digest);
-        self.see(state);
+        self.update_bounds(state);
         state.encode(&mut self.bytes);
-        self.put(Topic::States, state.step)?;
-        if self.unflushed_events || clock::ends_second(state.step, self.header.settings.rate) {
+        self.write_message(Topic::States, state.step)?;
+        if self.unflushed_events || clock::ends_second(state.step, self.header.config.rate) {
             self.unflushed_events = false;
-            self.container.flush()?;
+            self.mcap.flush()?;
         }
         Ok(())
     }
 
-    /// Writes what viewers draw, encoded as `message`, at a time in simulated nanoseconds. One
-    /// too large for a record is left out.
+    /// Writes an encoded scene update at `time`, in simulated nanoseconds. A message that is too large
+    /// for a record is left out.
     ///
     /// # Errors
-    /// If writing fails.
-    pub fn view(&mut self, time: u64, message: &[u8]) -> Result<(), Error> {
+    /// Returns an error if writing fails.
+    pub fn write_scene_update(&mut self, time: u64, message: &[u8]) -> Result<(), Error> {
         match message.len() <= limits::MESSAGE_BYTES {
-            true => self.container.message(Topic::Scene, time, message),
+            true => self.mcap.write_message(Topic::Scene, time, message),
             false => Ok(()),
         }
     }
 
-    fn see(&mut self, state: &RecordedState) {
-        if let Some(extremes) = &mut self.extremes
+    fn update_bounds(&mut self, state: &RecordedState) {
+        if let Some(state_bounds) = &mut self.state_bounds
             && state.step.is_multiple_of(self.header.every)
         {
-            for (known, moved) in self.table.with_state(state) {
-                extremes.see(known, moved.unwrap_or_else(|| known.first_numbers()));
+            for (info, recorded) in self.table.join_state(state) {
+                state_bounds.include(info, recorded.unwrap_or_else(|| info.initial_state()));
             }
         }
     }
 
-    fn boxes(&mut self, step: u64, rows: &[Row]) -> Result<(), Error> {
-        let Some(paint) = self.paint.filter(|_| step.is_multiple_of(self.header.every)) else { return Ok(()) };
-        let time = clock::nanoseconds(step, self.header.settings.rate);
+    fn write_boxes(&mut self, step: u64, rows: &[Row]) -> Result<(), Error> {
+        let Some(color) = self.color.filter(|_| step.is_multiple_of(self.header.every)) else { return Ok(()) };
+        let time = clock::nanoseconds(step, self.header.config.rate);
         let mut message = std::mem::take(&mut self.bytes);
-        let bodies = self.table.bodies().iter().zip(rows).map(|(known, row)| (known, row.numbers));
-        view::encode(time, bodies, paint, &mut message);
-        let written = self.view(time, &message);
+        let bodies = self.table.bodies().iter().zip(rows).map(|(info, row)| (info, row.state));
+        scene_update::encode(time, bodies, color, &mut message);
+        let written = self.write_scene_update(time, &message);
         self.bytes = message;
         written
     }
 
-    fn rows(&mut self, step: u64, rows: &[Row]) -> Result<(), Error> {
+    fn write_rows(&mut self, step: u64, rows: &[Row]) -> Result<(), Error> {
         if rows.len() != self.table.bodies().len() {
-            return Err(Error::Unrecorded { step });
+            return Err(Error::UnrecordedEvent { step });
         }
-        self.boxes(step, rows)?;
+        self.write_boxes(step, rows)?;
         let mut state = std::mem::take(&mut self.state);
-        self.sample(step, rows, &mut state);
-        let written = self.state(&state);
+        self.fill_state(step, rows, &mut state);
+        let written = self.write_state(&state);
         self.state = state;
         written
     }
 
-    fn sample(&mut self, step: u64, rows: &[Row], state: &mut RecordedState) {
-        let full = step.is_multiple_of(self.header.every);
+    fn fill_state(&mut self, step: u64, rows: &[Row], state: &mut RecordedState) {
+        let is_full = step.is_multiple_of(self.header.every);
         state.clear();
         self.digest.clear();
-        for (row, known) in rows.iter().zip(self.table.bodies()) {
-            self.digest.body(row.id, row.numbers);
-            if full && !(row.infinite && known.stands_at(row.numbers)) {
-                state.push(row.id, row.numbers);
+        for (row, info) in rows.iter().zip(self.table.bodies()) {
+            self.digest.add(row.id, row.state);
+            if is_full && !(row.is_static && info.is_at_initial_state(row.state)) {
+                state.push(row.id, row.state);
             }
         }
         state.step = step;
         state.digest = self.digest.value();
     }
 
-    fn put(&mut self, topic: Topic, step: u64) -> Result<(), Error> {
-        self.container.message(topic, clock::nanoseconds(step, self.header.settings.rate), &self.bytes)
+    fn write_message(&mut self, topic: Topic, step: u64) -> Result<(), Error> {
+        self.mcap.write_message(topic, clock::nanoseconds(step, self.header.config.rate), &self.bytes)
     }
 }

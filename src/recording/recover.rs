@@ -3,173 +3,194 @@ use std::{
     io::{Read, Seek, Write},
 };
 
+use crate::counted::counted;
+
 use super::{
-    End, Error, Gap, Header, Health, Item, Keyframe, Outcome, RecordedEvent, RecordedState, Recording,
+    Error, Gap, Header, Health, Item, Keyframe, RecordedEvent, RecordedState, Recording, RunEnd, Trailer,
     recorder::Recorder,
 };
 
-/// What [`recover`] has saved and what not. It prints as a few lines for people.
+/// The result of [`recover`]. `Display` prints a few lines for people.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recovery {
-    /// How the recovered recording ends.
-    pub end: End,
-    /// States saved.
+    /// The end record of the recovered recording.
+    pub trailer: Trailer,
+    /// The number of recovered states.
     pub states: u64,
-    /// Where something is missing.
+    /// The gaps.
     pub gaps: Vec<Gap>,
-    /// In which state the recording was found.
+    /// The condition of the original recording.
     pub health: Health,
-    /// Steps per second, Hz.
+    /// The rate, Hz.
     pub rate: f64,
 }
 
-/// Writes all that can be read of a damaged or unfinished recording into a new one.
+/// Writes the readable part of a damaged or unfinished recording to a new recording.
 ///
-/// It invents nothing: where something is missing the new recording says so, and it
-/// replays the same for what is there. A recording that was whole comes out byte for byte.
-/// `recording` is read twice, from its start.
+/// The new recording declares its gaps, and the rest replays the same. A recording without damage is
+/// reproduced byte for byte. `recording` is read twice, from its start.
 ///
 /// # Errors
-/// If the system cannot read or write.
-pub fn recover<R: Read + Seek, W: Write>(recording: &mut Recording<R>, write: W) -> Result<(Recovery, W), Error> {
-    let survey = Survey::of(recording)?;
-    let header = Header { gaps: survey.gaps.clone(), ..recording.header.clone() };
-    let mut recorder = Recorder::new(write, &header)?;
+/// Returns an error if reading or writing fails.
+pub fn recover<R: Read + Seek, W: Write>(recording: &mut Recording<R>, output: W) -> Result<(Recovery, W), Error> {
+    let scan = SalvageScan::new(recording)?;
+    let header = Header { gaps: scan.gaps.clone(), ..recording.header.clone() };
+    let mut recorder = Recorder::new(output, &header)?;
     salvage(recording, |saved| match saved {
-        Saved::Event(event) => recorder.event(&event),
-        Saved::Keyframe(keyframe) => recorder.keyframe(&keyframe),
-        Saved::State(state) => recorder.state(&state),
-        Saved::View { time, message } => recorder.view(time, &message),
-        Saved::Gap(_) | Saved::End(_) => Ok(()),
+        Saved::Event(event) => recorder.write_event(&event),
+        Saved::Keyframe(keyframe) => recorder.write_keyframe(&keyframe),
+        Saved::State(state) => recorder.write_state(&state),
+        Saved::SceneUpdate { time, message } => recorder.write_scene_update(time, &message),
+        Saved::Gap(_) | Saved::Trailer(_) => Ok(()),
     })?;
-    let recovered = survey.health != Health::Whole || survey.was_recovered();
-    let (end, write) = recorder.finish(survey.outcome(), recovered)?;
-    let Survey { states, gaps, health, .. } = survey;
-    Ok((Recovery { end, states, gaps, health, rate: header.settings.rate }, write))
+    let is_recovered = scan.health != Health::Complete || scan.was_recovered();
+    let (trailer, output) = recorder.finish(scan.run_end(), is_recovered)?;
+    let SalvageScan { states, gaps, health, .. } = scan;
+    Ok((Recovery { trailer, states, gaps, health, rate: header.config.rate }, output))
 }
 
-/// What is worth saving of a recording, in order.
+/// A recoverable item.
 enum Saved {
     Event(RecordedEvent),
     Keyframe(Keyframe),
     State(RecordedState),
-    View {
+    SceneUpdate {
         time: u64,
         message: Vec<u8>,
     },
-    /// Something is missing before what comes next.
+    /// A gap before the next item.
     Gap(Gap),
-    End(End),
+    Trailer(Trailer),
 }
 
-/// Hands out what is worth saving.
+/// Calls `visit` with all recoverable items, in order.
 ///
-/// Events and keyframes that lead to no state because something is missing behind them are
-/// not: so there is one gap between two states at most, and no doubt where it lies.
+/// Events and keyframes not followed by a state are dropped, so there is at most one gap between two
+/// states.
 fn salvage<R: Read + Seek>(
     recording: &mut Recording<R>,
-    mut take: impl FnMut(Saved) -> Result<(), Error>,
+    mut visit: impl FnMut(Saved) -> Result<(), Error>,
 ) -> Result<(), Error> {
     recording.restart()?;
-    let (mut lost, mut after, mut since) = (false, None, Vec::new());
+    let (mut is_lost, mut after, mut pending) = (false, None, Vec::new());
     while let Some(item) = recording.next() {
         let (step, saved) = match item? {
             Item::Event(event) => (event.step, Saved::Event(event)),
             Item::Keyframe(keyframe) => (keyframe.step, Saved::Keyframe(keyframe)),
             Item::State(state) => (state.step, Saved::State(state)),
-            Item::View { time, message } => {
-                since.push(Saved::View { time, message });
+            Item::SceneUpdate { time, message } => {
+                pending.push(Saved::SceneUpdate { time, message });
                 continue;
             }
             Item::Damaged(_) if recording.table().is_some() => continue,
-            Item::Damaged(_) | Item::Doubtful(_) | Item::Gap(_) => {
-                since.clear();
-                lost = true;
+            Item::Damaged(_) | Item::SuspectState(_) | Item::Gap(_) => {
+                pending.clear();
+                is_lost = true;
                 continue;
             }
-            Item::End(end) => {
-                take(Saved::End(end))?;
+            Item::Trailer(trailer) => {
+                visit(Saved::Trailer(trailer))?;
                 continue;
             }
         };
-        if std::mem::take(&mut lost) {
-            since.push(Saved::Gap(Gap { after, before: step }));
+        if std::mem::take(&mut is_lost) {
+            pending.push(Saved::Gap(Gap { after, before: step }));
         }
         let is_state = matches!(saved, Saved::State(_));
-        since.push(saved);
+        pending.push(saved);
         if is_state {
             after = Some(step);
-            since.drain(..).try_for_each(&mut take)?;
+            pending.drain(..).try_for_each(&mut visit)?;
         }
     }
-    since.into_iter().try_for_each(take)
+    pending.into_iter().try_for_each(visit)
 }
 
-/// What a first look through the recording shows.
-struct Survey {
+/// The result of the first pass over the recording.
+struct SalvageScan {
     states: u64,
     last_step: Option<u64>,
     gaps: Vec<Gap>,
-    end: Option<End>,
+    trailer: Option<Trailer>,
     health: Health,
 }
 
-impl Survey {
-    fn of<R: Read + Seek>(recording: &mut Recording<R>) -> Result<Survey, Error> {
-        let mut survey = Survey { states: 0, last_step: None, gaps: Vec::new(), end: None, health: Health::Whole };
+impl SalvageScan {
+    fn new<R: Read + Seek>(recording: &mut Recording<R>) -> Result<SalvageScan, Error> {
+        let mut scan =
+            SalvageScan { states: 0, last_step: None, gaps: Vec::new(), trailer: None, health: Health::Complete };
         salvage(recording, |saved| {
-            survey.count(saved);
+            scan.add(saved);
             Ok(())
         })?;
-        survey.health = recording.health();
-        Ok(survey)
+        scan.health = recording.health();
+        Ok(scan)
     }
 
-    fn count(&mut self, saved: Saved) {
+    fn add(&mut self, saved: Saved) {
         match saved {
-            Saved::Event(_) | Saved::Keyframe(_) | Saved::View { .. } => {}
+            Saved::Event(_) | Saved::Keyframe(_) | Saved::SceneUpdate { .. } => {}
             Saved::State(state) => {
                 self.states += 1;
                 self.last_step = Some(state.step);
             }
             Saved::Gap(gap) => self.gaps.push(gap),
-            Saved::End(end) => self.end = Some(end),
+            Saved::Trailer(trailer) => self.trailer = Some(trailer),
         }
     }
 
-    /// What the run's own end said, if that is where the recording still ends.
-    fn outcome(&self) -> Outcome {
-        match &self.end {
-            Some(end) if Some(end.steps) == self.last_step => {
-                Outcome { collisions: end.collisions, error: end.error.clone() }
+    /// Returns the end of the original run, if its last step was recovered.
+    fn run_end(&self) -> RunEnd {
+        match &self.trailer {
+            Some(trailer) if Some(trailer.steps) == self.last_step => {
+                RunEnd { collisions: trailer.collisions, error: trailer.error.clone() }
             }
-            Some(_) | None => Outcome::default(),
+            Some(_) | None => RunEnd::default(),
         }
     }
 
     fn was_recovered(&self) -> bool {
-        self.end.as_ref().is_some_and(|end| end.recovered)
+        self.trailer.as_ref().is_some_and(|trailer| trailer.recovered)
     }
 }
 
 impl Display for Recovery {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        write!(f, "recovered {} states up to step {}", self.states, self.end.steps)?;
+        write!(f, "recovered {} up to step {}", counted(self.states, "state"), self.trailer.steps)?;
         for gap in &self.gaps {
-            let from = gap.first_missing();
+            let first = gap.first_missing();
             match gap.missing_states() {
-                0 => write!(f, "\nlost events at step {} at most", gap.before)?,
+                0 => write!(f, "\nlost no state, but possibly events at step {}", gap.before)?,
+                1 => write!(f, "\nlost step {first}: 1 state, {}", seconds(1.0 / self.rate))?,
                 states => {
-                    let seconds = states as f64 / self.rate;
-                    write!(f, "\nlost steps {from} to {}: {states} states, {seconds} s", gap.before - 1)?;
+                    let time = seconds(states as f64 / self.rate);
+                    write!(f, "\nlost steps {first} to {}: {states} states, {time}", gap.before - 1)?;
                 }
             }
         }
         match &self.health {
-            Health::Whole if self.gaps.is_empty() => write!(f, "\nnothing was lost"),
-            Health::Whole => Ok(()),
-            Health::Truncated { .. } => write!(f, "\nlost what came after: the end is missing"),
+            Health::Complete if self.gaps.is_empty() => write!(f, "\nnothing was lost"),
+            Health::Complete => Ok(()),
+            Health::Truncated { .. } => write!(f, "\nlost all later steps: the end of the recording is missing"),
             Health::Corrupt(damage) => write!(f, "\nfirst damage: {damage}"),
         }
+    }
+}
+
+/// Formats a time span (s) with three significant digits, or as an integer from 100 s.
+fn seconds(time: f64) -> String {
+    let decimals = (2.0 - time.abs().log10().floor()).clamp(0.0, 9.0) as usize;
+    let text = format!("{time:.decimals$}");
+    let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+    format!("{text} s")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn time_spans_have_three_significant_digits() {
+        assert_eq!([1.0 / 60.0, 2.0, 12.34, 1234.5].map(seconds), ["0.0167 s", "2 s", "12.3 s", "1234 s"]);
     }
 }

@@ -1,111 +1,111 @@
-//! Finding the next record after damage has made the lengths meaningless.
+//! Resynchronisation: finding the next record after damage, where record lengths cannot be trusted.
 
 use std::io::{self, Read, Seek, SeekFrom};
 
 use mcap::{MAGIC, McapError, records::op};
 
 use super::{
-    fields::{Fields, Malformed},
+    cursor::{Cursor, Malformed},
     limits, metadata,
-    records::Broken,
+    record_reader::ReadFault,
 };
 
-/// What can be done after a place where there should be a record and is none.
+/// The way to continue after a place without a valid record.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Remedy {
-    /// To go on at this offset, bytes from the start of the file.
-    GoOn(u64),
-    /// Nothing: the file was cut there.
-    Cut,
-    /// Nothing, though the file was not cut there.
-    None,
+pub enum Resync {
+    /// Continue at this offset, in bytes from the start of the file.
+    ContinueAt(u64),
+    /// Stop: the file was cut here.
+    Truncated,
+    /// Stop: the file is damaged here, but was not cut.
+    Corrupt,
 }
 
-/// Looks for the next record behind a broken one.
+/// Searches for the next record after a fault.
 ///
 /// # Errors
-/// If the system cannot read.
-pub fn remedy<R: Read + Seek>(read: &mut R, broken: &Broken) -> io::Result<Remedy> {
-    match next_record(read, broken.offset + 1)? {
-        Some(next) => Ok(Remedy::GoOn(next)),
-        None => hopeless(read, broken),
+/// Returns an error if the file cannot be read.
+pub fn resync<R: Read + Seek>(source: &mut R, fault: &ReadFault) -> io::Result<Resync> {
+    match find_record(source, fault.offset + 1)? {
+        Some(next) => Ok(Resync::ContinueAt(next)),
+        None => truncated_or_corrupt(source, fault),
     }
 }
 
-/// What to make of a broken record when nothing of interest can follow.
+/// Classifies a fault after which no record of interest can follow.
 ///
 /// # Errors
-/// If the system cannot read.
-pub fn hopeless<R: Read + Seek>(read: &mut R, broken: &Broken) -> io::Result<Remedy> {
-    let cut = matches!(broken.why, McapError::UnexpectedEof) && !ends_as_mcap(read)?;
-    Ok(if cut { Remedy::Cut } else { Remedy::None })
+/// Returns an error if the file cannot be read.
+pub fn truncated_or_corrupt<R: Read + Seek>(source: &mut R, fault: &ReadFault) -> io::Result<Resync> {
+    let is_cut = matches!(fault.error, McapError::UnexpectedEof) && !ends_with_magic(source)?;
+    Ok(if is_cut { Resync::Truncated } else { Resync::Corrupt })
 }
 
-/// Where the next chunk, scene or metadata of ours starts, at `from` or behind it.
+/// Returns the offset of the next chunk, scene attachment or metadata of rebond at or after `from`.
 ///
-/// What it finds only looks like a record: its checksum is still to be verified.
-///
-/// # Errors
-/// If the system cannot read.
-pub fn next_record<R: Read + Seek>(read: &mut R, from: u64) -> io::Result<Option<u64>> {
-    find(read, from, |bytes| looks_like_record(bytes).unwrap_or(false))
-}
-
-/// Where the next metadata of ours starts, at `from` or behind it.
+/// The bytes there only resemble a record: its checksum is not yet verified.
 ///
 /// # Errors
-/// If the system cannot read.
-pub fn next_metadata<R: Read + Seek>(read: &mut R, from: u64) -> io::Result<Option<u64>> {
-    find(read, from, |bytes| bytes[0] == op::METADATA && looks_like_record(bytes).unwrap_or(false))
+/// Returns an error if the file cannot be read.
+pub fn find_record<R: Read + Seek>(source: &mut R, from: u64) -> io::Result<Option<u64>> {
+    find(source, from, |bytes| resembles_record(bytes).unwrap_or(false))
 }
 
-fn find<R: Read + Seek>(read: &mut R, from: u64, looks_like: fn(&[u8]) -> bool) -> io::Result<Option<u64>> {
+/// Returns the offset of the next metadata of rebond at or after `from`.
+///
+/// # Errors
+/// Returns an error if the file cannot be read.
+pub fn find_metadata<R: Read + Seek>(source: &mut R, from: u64) -> io::Result<Option<u64>> {
+    find(source, from, |bytes| bytes[0] == op::METADATA && resembles_record(bytes).unwrap_or(false))
+}
+
+fn find<R: Read + Seek>(source: &mut R, from: u64, is_match: fn(&[u8]) -> bool) -> io::Result<Option<u64>> {
     const WINDOW: usize = 64 << 10;
-    let mut window = vec![0; WINDOW + LOOK];
+    let mut window = vec![0; WINDOW + LOOKAHEAD];
     let mut start = from;
     loop {
-        read.seek(SeekFrom::Start(start))?;
-        let length = read_up_to(read, &mut window)?;
-        match (0..length.min(WINDOW)).find(|place| looks_like(&window[*place..length])) {
-            Some(place) => return Ok(Some(start + place as u64)),
+        source.seek(SeekFrom::Start(start))?;
+        let length = read_up_to(source, &mut window)?;
+        match (0..length.min(WINDOW)).find(|offset| is_match(&window[*offset..length])) {
+            Some(offset) => return Ok(Some(start + offset as u64)),
             None if length <= WINDOW => return Ok(None),
             None => start += WINDOW as u64,
         }
     }
 }
 
-/// Whether the file ends with the bytes every finished MCAP file ends with.
-fn ends_as_mcap<R: Read + Seek>(read: &mut R) -> io::Result<bool> {
-    let length = read.seek(SeekFrom::End(0))?;
+/// Returns true if the file ends with the magic bytes of a finished MCAP file.
+fn ends_with_magic<R: Read + Seek>(source: &mut R) -> io::Result<bool> {
+    let length = source.seek(SeekFrom::End(0))?;
     const MAGIC_BYTES: u64 = MAGIC.len() as u64;
     if length < 2 * MAGIC_BYTES {
-        return Ok(false); // What is there may be the magic bytes of the start.
+        return Ok(false); // The last bytes may be the magic at the start of the file.
     }
-    read.seek(SeekFrom::Start(length - MAGIC_BYTES))?;
+    source.seek(SeekFrom::Start(length - MAGIC_BYTES))?;
     let mut last = [0; MAGIC.len()];
-    read.read_exact(&mut last)?;
+    source.read_exact(&mut last)?;
     Ok(last == *MAGIC)
 }
 
-/// Bytes that tell whether a record starts here.
-const LOOK: usize = 64;
+/// Bytes that are needed to recognise a record.
+const LOOKAHEAD: usize = 64;
 
-fn looks_like_record(bytes: &[u8]) -> Result<bool, Malformed> {
-    let mut fields = Fields::new(bytes);
+fn resembles_record(bytes: &[u8]) -> Result<bool, Malformed> {
+    let mut fields = Cursor::new(bytes);
     let opcode = fields.bytes(1)?;
-    if ![[op::CHUNK], [op::METADATA], [op::ATTACHMENT]].iter().any(|known| known == opcode) {
-        return Ok(false); // Most bytes end here.
+    if ![[op::CHUNK], [op::METADATA], [op::ATTACHMENT]].iter().any(|candidate| candidate == opcode) {
+        return Ok(false); // The most frequent case.
     }
     let length = fields.u64()?;
-    let fits = match opcode {
-        [op::CHUNK] => looks_like_chunk(fields, length)?,
-        [op::METADATA] => [metadata::START, metadata::END].contains(&fields.text()?),
-        _ => fields.bytes(16)? == [0; 16], // The times of an attachment of ours.
+    let matches = match opcode {
+        [op::CHUNK] => resembles_chunk(fields, length)?,
+        [op::METADATA] => [metadata::HEADER, metadata::TRAILER].contains(&fields.text()?),
+        _ => fields.bytes(16)? == [0; 16], // Both times of an attachment of rebond are zero.
     };
-    Ok(fits && length <= limits::RECORD_BYTES as u64)
+    Ok(matches && length <= limits::RECORD_BYTES as u64)
 }
 
-fn looks_like_chunk(mut fields: Fields<'_>, length: u64) -> Result<bool, Malformed> {
+fn resembles_chunk(mut fields: Cursor<'_>, length: u64) -> Result<bool, Malformed> {
     fields.bytes(8 + 8 + 8 + 4)?;
     let compression = fields.text()?;
     let compressed_size = fields.u64()?;
@@ -113,11 +113,11 @@ fn looks_like_chunk(mut fields: Fields<'_>, length: u64) -> Result<bool, Malform
     Ok(["", "zstd"].contains(&compression) && compressed_size.checked_add(header) == Some(length))
 }
 
-/// Fills `bytes` as far as the file reaches; how far that is.
-pub fn read_up_to<R: Read>(read: &mut R, bytes: &mut [u8]) -> io::Result<usize> {
+/// Fills `bytes` as far as the file allows, and returns the number of bytes read.
+pub fn read_up_to<R: Read>(source: &mut R, bytes: &mut [u8]) -> io::Result<usize> {
     let mut length = 0;
     while length < bytes.len() {
-        match read.read(&mut bytes[length..])? {
+        match source.read(&mut bytes[length..])? {
             0 => break,
             count => length += count,
         }

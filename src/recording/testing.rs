@@ -1,35 +1,35 @@
-//! Small recordings for tests, made by running the engine.
+//! Small recordings for tests, created by running the engine.
 
 use std::{io::Cursor, num::NonZero};
 
 use crate::physics::{
-    CollisionCount, DEFAULT_EVENTS_PER_STEP, Engine, Rect, Restitution, RestitutionPair, Settings, SolverKind, Spawn,
-    Vector,
+    CollisionCount, DEFAULT_EVENTS_PER_STEP, Engine, EngineConfig, Rect, Restitution, RestitutionPair, SolverKind,
+    Spawn, Vector,
 };
 
 use super::{
-    Change, Finished, Header, Item, Outcome, RecordedEvent, RecordedState, Recording, SceneText, Versions, Writer, cdr,
+    Change, Finished, Header, Item, RecordedEvent, RecordedState, Recording, RunEnd, SceneText, Versions, Writer, cdr,
     clock,
-    container::Container,
+    mcap_writer::McapWriter,
     messages::{BodiesMessage, EventMessage},
     metadata,
     topic::Topic,
 };
 
-/// A run to record: settings and events, by step.
+/// A run to record: header, and events in order of their steps.
 #[derive(Clone, Debug)]
 pub struct Run {
     pub header: Header,
     pub events: Vec<RecordedEvent>,
 }
 
-/// Two boxes between four walls, a third that comes and one that goes.
+/// Two boxes between four walls; a third is spawned at step 10, and the first is deleted at step 25.
 pub fn bounce(steps: u64) -> Run {
     let restitution =
         Restitution::new(0.9, &[RestitutionPair { materials: ["steel".into(), "wood".into()], restitution: 0.7 }]);
     let header = Header {
         versions: Versions::CURRENT,
-        settings: Settings {
+        config: EngineConfig {
             solver: SolverKind::Handout,
             rate: 20.0,
             gravity: Some(Vector::new(0.0, 9.81)),
@@ -63,16 +63,16 @@ pub fn bounce(steps: u64) -> Run {
     Run { header, events }
 }
 
-/// As little as can be recorded over several chunks: one box that falls and goes.
+/// A minimal recording of several chunks: one box falls and is deleted.
 pub fn drop_and_delete() -> Run {
     let Run { mut header, .. } = bounce(12);
-    header.settings.rate = 4.0;
+    header.config.rate = 4.0;
     let spawn = RecordedEvent { step: 0, change: Change::Spawn { id: 0, spawn: body("a"), color: None } };
     let delete = RecordedEvent { step: 10, change: Change::Delete { id: 0 } };
     Run { header, events: vec![spawn, delete] }
 }
 
-/// A box of 1 m and 1 kg at rest at (1, 1).
+/// A box of 1 m and 1 kg, at rest at (1, 1).
 pub fn body(name: &str) -> Spawn {
     Spawn {
         name: name.into(),
@@ -84,41 +84,41 @@ pub fn body(name: &str) -> Spawn {
     }
 }
 
-/// Runs and records: the bytes of the file.
+/// Records a run, and returns the bytes of the file.
 pub fn record(run: &Run) -> Vec<u8> {
-    record_on(NonZero::<usize>::MIN, run)
+    record_with_processors(NonZero::<usize>::MIN, run)
 }
 
-/// The same with that many processors.
-pub fn record_on(processors: NonZero<usize>, run: &Run) -> Vec<u8> {
-    let mut writer = Writer::on(processors, Vec::new(), &run.header).unwrap();
-    let mut engine = Engine::new(run.header.settings.clone());
+/// Records a run with a number of processors.
+pub fn record_with_processors(processors: NonZero<usize>, run: &Run) -> Vec<u8> {
+    let mut writer = Writer::with_processors(processors, Vec::new(), &run.header).unwrap();
+    let mut engine = Engine::new(run.header.config.clone());
     let mut collisions = CollisionCount::default();
-    let mut outcome = Outcome::default();
+    let mut run_end = RunEnd::default();
     loop {
-        let step = engine.present_step();
+        let step = engine.current_step();
         for event in run.events.iter().filter(|event| event.step == step) {
             engine.apply(&event.change.event());
-            writer.event(event).unwrap();
+            writer.write_event(event).unwrap();
         }
-        writer.state(&engine).unwrap();
-        if engine.present_step() == run.header.steps {
+        writer.write_state(&engine).unwrap();
+        if engine.current_step() == run.header.steps {
             break;
         }
         if let Err(error) = engine.step(&mut collisions) {
-            outcome.error = Some(error.to_string());
+            run_end.error = Some(error.to_string());
             break;
         }
     }
-    outcome.collisions = Some(collisions.0);
-    let Finished { write, .. } = writer.finish(outcome).unwrap();
-    write
+    run_end.collisions = Some(collisions.0);
+    let Finished { output, .. } = writer.finish(run_end).unwrap();
+    output
 }
 
-/// Records with altered states; checksums are right, only the run could not be so.
+/// Records a run with altered states and correct checksums.
 pub fn record_altered(run: &Run, mut alter: impl FnMut(&mut RecordedState)) -> Vec<u8> {
-    let Header { settings, scene, .. } = &run.header;
-    let mut container = Container::new(Vec::new(), metadata::of_header(&run.header), scene).unwrap();
+    let Header { config, scene, .. } = &run.header;
+    let mut mcap = McapWriter::new(Vec::new(), metadata::header_map(&run.header), scene).unwrap();
     let mut bytes = Vec::new();
     let original = record(run);
     for item in Recording::read(Cursor::new(original)).unwrap() {
@@ -136,12 +136,12 @@ pub fn record_altered(run: &Run, mut alter: impl FnMut(&mut RecordedState)) -> V
                 state.encode(&mut bytes);
                 (Topic::States, state.step)
             }
-            Item::End(end) => return container.finish(metadata::of_end(&run.header, &end)).unwrap(),
-            Item::View { .. } | Item::Doubtful(_) | Item::Gap(_) | Item::Damaged(_) => {
-                panic!("a fresh recording is whole")
+            Item::Trailer(trailer) => return mcap.finish(metadata::trailer_map(&run.header, &trailer)).unwrap(),
+            Item::SceneUpdate { .. } | Item::SuspectState(_) | Item::Gap(_) | Item::Damaged(_) => {
+                panic!("a new recording is complete")
             }
         };
-        container.message(topic, clock::nanoseconds(step, settings.rate), &bytes).unwrap();
+        mcap.write_message(topic, clock::nanoseconds(step, config.rate), &bytes).unwrap();
     }
-    panic!("a fresh recording has an end")
+    panic!("a new recording has an end record")
 }

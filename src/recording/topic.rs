@@ -1,30 +1,30 @@
-use super::view;
+use super::scene_update;
 
-/// What a message is about: each topic has a channel of its own.
+/// A topic of messages. Each topic has one channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Topic {
     /// Spawns and deletes.
     Events,
-    /// One message a step.
+    /// States, one message per step.
     States,
     /// Keyframes.
     Bodies,
-    /// Boxes for viewers, if asked for.
+    /// Scene updates for viewers (optional).
     Scene,
 }
 
 const SPAWN: &str = include_str!("schemas/Spawn.msg");
 
 impl Topic {
-    /// Every topic, in the order in which a recording declares them.
+    /// All topics, in the order of their channels in a recording.
     pub const ALL: [Topic; 4] = [Topic::Events, Topic::States, Topic::Bodies, Topic::Scene];
 
-    /// The topic of that name.
-    pub fn named(name: &str) -> Option<Topic> {
+    /// Returns the topic with this name.
+    pub fn from_name(name: &str) -> Option<Topic> {
         Topic::ALL.into_iter().find(|topic| topic.name() == name)
     }
 
-    /// Its name.
+    /// The name of the topic.
     pub const fn name(self) -> &'static str {
         match self {
             Topic::Events => "/events",
@@ -34,7 +34,7 @@ impl Topic {
         }
     }
 
-    /// The name of its schema.
+    /// The name of the schema.
     pub const fn schema_name(self) -> &'static str {
         match self {
             Topic::Events => "rebond_msgs/msg/Event",
@@ -44,17 +44,17 @@ impl Topic {
         }
     }
 
-    /// Its schema, followed by those it needs, as ros2msg wants them.
+    /// The schema, followed by its dependencies in the format of `ros2msg`.
     pub fn schema(self) -> Vec<u8> {
         match self {
             Topic::Events => with_spawn(include_str!("schemas/Event.msg")),
             Topic::States => include_bytes!("schemas/State.msg").into(),
             Topic::Bodies => with_spawn(include_str!("schemas/Bodies.msg")),
-            Topic::Scene => view::SCHEMA.into(),
+            Topic::Scene => scene_update::SCHEMA.into(),
         }
     }
 
-    /// The encoding of its schema, as MCAP calls it.
+    /// The MCAP name of the encoding of the schema.
     pub const fn schema_encoding(self) -> &'static str {
         match self {
             Topic::Events | Topic::States | Topic::Bodies => "ros2msg",
@@ -62,7 +62,7 @@ impl Topic {
         }
     }
 
-    /// The encoding of its messages, as MCAP calls it.
+    /// The MCAP name of the encoding of the messages.
     pub const fn message_encoding(self) -> &'static str {
         match self {
             Topic::Events | Topic::States | Topic::Bodies => "cdr",
@@ -70,8 +70,8 @@ impl Topic {
         }
     }
 
-    /// Whether every recording has it; any other is declared when its first message comes.
-    pub const fn is_always_there(self) -> bool {
+    /// Returns true if every recording has the channel. The others are added with their first message.
+    pub const fn is_mandatory(self) -> bool {
         match self {
             Topic::Events | Topic::States | Topic::Bodies => true,
             Topic::Scene => false,

@@ -1,128 +1,128 @@
-//! Pictures as an endless animated PNG: no colour is lost, and 60 frames a second are 60.
+//! Writes animated PNG files that repeat endlessly, with exact colours and frame times.
 
-use super::patch::Patch;
+use super::frame_delta::FrameDelta;
 use super::{Metadata, RenderError, png as still};
 use png::chunk::{ChunkType, IDAT, acTL, fcTL, fdAT};
 use png::{BitDepth, ColorType, Compression, Encoder, Filter, Writer};
 use std::io::Write;
 
-/// An animated PNG file being written, picture by picture.
-pub struct Animation<W: Write> {
+/// Writes an animated PNG file, frame by frame.
+pub struct ApngWriter<W: Write> {
     writer: Writer<W>,
-    /// Numbers fcTL and fdAT chunks together.
+    /// The next sequence number of fcTL and fdAT chunks, which share one sequence.
     sequence: u32,
-    /// Pictures still to come.
-    left: u64,
+    /// Frames not yet added.
+    remaining: u64,
 }
 
-/// One picture of an animation, compressed: what takes the time, and any thread can do.
-pub struct Compressed {
+/// An encoded frame. Encoding takes most of the time and can be done on any thread.
+pub struct EncodedFrame {
     at: [u32; 2],
     size: [u32; 2],
     /// A zlib stream.
     data: Vec<u8>,
 }
 
-/// How long a picture is shown: a number of parts of a second.
+/// The display time of a frame as a fraction of a second.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Delay {
-    /// How many.
-    pub parts: u16,
-    /// Of which so many make a second.
-    pub per_second: u16,
+    /// The numerator: a number of ticks.
+    pub ticks: u16,
+    /// The denominator.
+    pub ticks_per_second: u16,
 }
 
-impl<W: Write> Animation<W> {
-    /// Begins an animation of `count` pictures of that many pixels that starts over for ever.
+impl<W: Write> ApngWriter<W> {
+    /// Starts an endlessly repeating animation of `count` frames of `size` pixels.
     ///
     /// # Errors
-    /// When there are no pictures or more than fit into the format, or `output` refuses.
-    pub fn new(size: [u32; 2], count: u64, metadata: &Metadata, output: W) -> Result<Animation<W>, RenderError> {
+    /// If `count` is 0 or too large for the format, or writing to `output` fails.
+    pub fn new(size: [u32; 2], count: u64, metadata: &Metadata, output: W) -> Result<ApngWriter<W>, RenderError> {
         let frames = u32::try_from(count).map_err(|_| RenderError::PictureCount { expected: count, found: 0 })?;
         let mut encoder = still::encoder(size, ColorType::Rgba, metadata, output)?;
-        encoder.set_animated(frames, 0).map_err(still::refusal)?;
-        // The chunks of the pictures are written one by one, compressed elsewhere.
+        encoder.set_animated(frames, 0).map_err(still::write_error)?;
+        // The chunks are encoded elsewhere and written one by one.
         encoder.validate_sequence(false);
-        let writer = encoder.write_header().map_err(still::refusal)?;
-        Ok(Animation { writer, sequence: 0, left: count })
+        let writer = encoder.write_header().map_err(still::write_error)?;
+        Ok(ApngWriter { writer, sequence: 0, remaining: count })
     }
 
-    /// Shows the next picture.
+    /// Adds the next frame.
     ///
     /// # Errors
-    /// When the output refuses.
-    pub fn add(&mut self, picture: &Compressed, delay: Delay) -> Result<(), RenderError> {
+    /// If writing to the output fails.
+    pub fn add(&mut self, frame: &EncodedFrame, delay: Delay) -> Result<(), RenderError> {
         let is_first = self.sequence == 0;
-        let control = picture.control(self.next_number(), delay);
+        let control = frame.control(self.next_sequence_number(), delay);
         self.write(fcTL, &control)?;
-        self.left = self.left.saturating_sub(1);
+        self.remaining = self.remaining.saturating_sub(1);
         if is_first {
-            return self.write(IDAT, &picture.data);
+            return self.write(IDAT, &frame.data);
         }
-        let mut data = self.next_number().to_be_bytes().to_vec();
-        data.extend(&picture.data);
+        let mut data = self.next_sequence_number().to_be_bytes().to_vec();
+        data.extend(&frame.data);
         self.write(fdAT, &data)
     }
 
-    fn next_number(&mut self) -> u32 {
+    fn next_sequence_number(&mut self) -> u32 {
         self.sequence += 1;
         self.sequence - 1
     }
 
     fn write(&mut self, kind: ChunkType, data: &[u8]) -> Result<(), RenderError> {
-        self.writer.write_chunk(kind, data).map_err(still::refusal)
+        self.writer.write_chunk(kind, data).map_err(still::write_error)
     }
 
-    /// Ends the file.
+    /// Finishes the file. `count` is the number of frames given to [`ApngWriter::new`].
     ///
     /// # Errors
-    /// When fewer pictures came than were announced, or the output refuses.
+    /// If fewer than `count` frames were added, or writing to the output fails.
     pub fn finish(self, count: u64) -> Result<(), RenderError> {
-        if self.left != 0 {
-            return Err(RenderError::PictureCount { expected: count, found: count - self.left });
+        if self.remaining != 0 {
+            return Err(RenderError::PictureCount { expected: count, found: count - self.remaining });
         }
-        self.writer.finish().map_err(still::refusal)
+        self.writer.finish().map_err(still::write_error)
     }
 }
 
-impl Compressed {
-    /// Compresses what of a picture differs from the one before it.
+impl EncodedFrame {
+    /// Encodes the difference of a frame to the previous one.
     ///
     /// # Errors
-    /// None that a memory buffer can have.
-    pub fn new(patch: &Patch) -> Result<Compressed, RenderError> {
+    /// If the encoder fails, which it does not when it writes to memory.
+    pub fn new(delta: &FrameDelta) -> Result<EncodedFrame, RenderError> {
         let mut file = Vec::new();
-        let mut encoder = Encoder::new(&mut file, patch.size[0], patch.size[1]);
+        let mut encoder = Encoder::new(&mut file, delta.size[0], delta.size[1]);
         encoder.set_color(ColorType::Rgba);
         encoder.set_depth(BitDepth::Eight);
         encoder.set_compression(Compression::Fast);
         encoder.set_filter(Filter::Up);
-        let mut writer = encoder.write_header().map_err(still::refusal)?;
-        writer.write_image_data(patch.pixels.as_flattened()).map_err(still::refusal)?;
-        writer.finish().map_err(still::refusal)?;
-        Ok(Compressed { at: patch.at, size: patch.size, data: image_data(&file) })
+        let mut writer = encoder.write_header().map_err(still::write_error)?;
+        writer.write_image_data(delta.pixels.as_flattened()).map_err(still::write_error)?;
+        writer.finish().map_err(still::write_error)?;
+        Ok(EncodedFrame { at: delta.at, size: delta.size, data: image_data(&file) })
     }
 
-    /// The content of an fcTL chunk: the picture is laid over what is there, and stays.
+    /// The content of the fcTL chunk: the frame is blended over the previous ones and kept.
     fn control(&self, number: u32, delay: Delay) -> Vec<u8> {
         const KEEP: u8 = 0;
         const OVER: u8 = 1;
-        let places = [number, self.size[0], self.size[1], self.at[0], self.at[1]];
-        let delays = [delay.parts, delay.per_second];
-        let mut control: Vec<u8> = places.iter().flat_map(|place| place.to_be_bytes()).collect();
+        let rectangle = [number, self.size[0], self.size[1], self.at[0], self.at[1]];
+        let delays = [delay.ticks, delay.ticks_per_second];
+        let mut control: Vec<u8> = rectangle.iter().flat_map(|field| field.to_be_bytes()).collect();
         control.extend(delays.iter().flat_map(|delay| delay.to_be_bytes()));
         control.extend([KEEP, OVER]);
         control
     }
 }
 
-/// Whether a PNG file begins like an animation: with an acTL chunk before its first pixels.
+/// Returns true if a PNG file is animated: it has an acTL chunk before its first IDAT chunk.
 pub fn is_animated(file: &[u8]) -> bool {
     let find = |kind: ChunkType| file.windows(4).position(|bytes| bytes == kind.0);
     find(acTL).is_some_and(|control| find(IDAT).is_none_or(|data| control < data))
 }
 
-/// The IDAT chunks of a PNG file, joined.
+/// The joined content of the IDAT chunks of a PNG file.
 fn image_data(file: &[u8]) -> Vec<u8> {
     const SIGNATURE: usize = 8;
     let mut data = Vec::new();
@@ -132,7 +132,7 @@ fn image_data(file: &[u8]) -> Vec<u8> {
         if head[4..] == IDAT.0 {
             data.extend(&tail[..length]);
         }
-        // After the content stands a checksum of 4 bytes.
+        // A CRC of 4 bytes follows the content.
         rest = &tail[length + 4..];
     }
     data

@@ -1,47 +1,48 @@
-use super::{Color, Ink, Look, Shape};
+use super::{Color, Ink, Metrics, Shape};
 use crate::physics::Vector;
 
-/// An arrow from one point to another in px, and what sets it off from what is beneath.
+/// An arrow between two points of the page, drawn with a halo that separates it from the background.
 pub struct Arrow {
-    /// Where it begins, px.
+    /// Start of the shaft, px.
     pub from: Vector,
-    /// Where its tip is, px.
+    /// The tip, px.
     pub to: Vector,
-    /// Thickness of the shaft, px.
+    /// Width of the shaft, px.
     pub width: f64,
-    /// What it is drawn with.
+    /// Colour of shaft and head.
     pub color: Color,
 }
 
 impl Arrow {
-    /// Adds the arrow on a halo of the page's colour; nothing if it is too short to be seen.
-    pub fn draw(&self, look: &Look, shapes: &mut Vec<Shape>) {
-        let along = self.to.sub(self.from);
-        let length = along.norm();
-        // An arrow of no direction is none, and one of no finite length cannot be drawn.
+    /// Appends the arrow to `shapes`, on a halo in the background colour. Appends nothing if the arrow is shorter
+    /// than its shaft is wide.
+    pub fn draw(&self, metrics: &Metrics, shapes: &mut Vec<Shape>) {
+        let direction = self.to.sub(self.from);
+        let length = direction.norm();
+        // A zero vector has no direction, and an arrow of infinite length cannot be drawn.
         if length >= self.width && length.is_finite() {
-            let along = along.mult(1.0 / length);
-            shapes.extend(self.grown(along, length, look.line / 2.0, look.palette.background));
-            shapes.extend(self.grown(along, length, 0.0, self.color));
+            let direction = direction.mult(1.0 / length);
+            shapes.extend(self.shaft_and_head(direction, length, metrics.line_width / 2.0, metrics.palette.background));
+            shapes.extend(self.shaft_and_head(direction, length, 0.0, self.color));
         }
     }
 
-    /// Shaft and head, grown by `grow` px on all sides; the head shrinks with a short shaft.
-    fn grown(&self, along: Vector, length: f64, grow: f64, color: Color) -> [Shape; 2] {
-        let aside = Vector::new(-along.y, along.x);
-        let place = |forth: f64, side: f64| self.from.add(along.mult(forth)).add(aside.mult(side));
+    /// Shaft and head, expanded by `margin` px on all sides. A short arrow has a smaller head.
+    fn shaft_and_head(&self, direction: Vector, length: f64, margin: f64, color: Color) -> [Shape; 2] {
+        let normal = Vector::new(-direction.y, direction.x);
+        let point = |ahead: f64, side: f64| self.from.add(direction.mult(ahead)).add(normal.mult(side));
         let full = 5.0 * self.width;
         let head = if length < 2.0 * full { length / 2.0 } else { full };
-        let wing = HEAD_SLOPE * head + self.width / 4.0 + 1.5 * grow;
-        let (neck, tip) = (length - head - grow, length + 2.0 * grow);
+        let half_width = HEAD_SLOPE * head + self.width / 4.0 + 1.5 * margin;
+        let (neck, tip) = (length - head - margin, length + 2.0 * margin);
         let ink = Ink::from(color);
-        // The shaft reaches into the head, so that no gap is seen between them.
-        let shaft = vec![self.from, place(length - head / 2.0, 0.0)];
-        let corners = vec![place(neck, wing), place(tip, 0.0), place(neck, -wing)];
-        let width = self.width + 2.0 * grow;
+        // The shaft extends into the head, so that there is no gap between them.
+        let shaft = vec![self.from, point(length - head / 2.0, 0.0)];
+        let corners = vec![point(neck, half_width), point(tip, 0.0), point(neck, -half_width)];
+        let width = self.width + 2.0 * margin;
         [Shape::Polyline { points: shaft, width, ink }, Shape::Polygon { points: corners, ink }]
     }
 }
 
-/// Half the width of a head for its length.
+/// Half the width of an arrow head divided by its length.
 const HEAD_SLOPE: f64 = 0.38;

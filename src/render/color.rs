@@ -10,7 +10,7 @@ pub struct Color {
 }
 
 impl Color {
-    /// The colour of those components.
+    /// The colour with these components.
     pub const fn rgb(r: u8, g: u8, b: u8) -> Color {
         Color { r, g, b }
     }
@@ -20,7 +20,7 @@ impl Color {
         Color::rgb((value >> 16) as u8, (value >> 8) as u8, value as u8)
     }
 
-    /// The colour written as `#rrggbb`, letters of either case.
+    /// Parses `#rrggbb`, with digits of either case.
     pub fn parse(text: &str) -> Option<Color> {
         let digits = text.strip_prefix('#')?;
         if digits.len() != 6 || !digits.bytes().all(|byte| byte.is_ascii_hexdigit()) {
@@ -29,16 +29,16 @@ impl Color {
         u32::from_str_radix(digits, 16).ok().map(Color::hex)
     }
 
-    /// This colour with `part` hundredths of it replaced by `other`.
-    pub const fn mix(self, other: Color, part: u8) -> Color {
+    /// Mixes this colour with `percent` % of `other`, in sRGB.
+    pub const fn mix(self, other: Color, percent: u8) -> Color {
         Color {
-            r: mix_component(self.r, other.r, part),
-            g: mix_component(self.g, other.g, part),
-            b: mix_component(self.b, other.b, part),
+            r: mix_component(self.r, other.r, percent),
+            g: mix_component(self.g, other.g, percent),
+            b: mix_component(self.b, other.b, percent),
         }
     }
 
-    /// How bright it looks beside others, 0 to 255: the luma of ITU-R BT.601.
+    /// The luma of ITU-R BT.601, 0 to 255.
     pub const fn luma(self) -> u32 {
         (299 * self.r as u32 + 587 * self.g as u32 + 114 * self.b as u32) / 1000
     }
@@ -50,7 +50,7 @@ impl std::fmt::Display for Color {
     }
 }
 
-const fn mix_component(a: u8, b: u8, part: u8) -> u8 {
-    let part = part as u32;
-    ((a as u32 * (100 - part) + b as u32 * part + 50) / 100) as u8
+const fn mix_component(a: u8, b: u8, percent: u8) -> u8 {
+    let percent = percent as u32;
+    ((a as u32 * (100 - percent) + b as u32 * percent + 50) / 100) as u8
 }

@@ -1,8 +1,9 @@
-/// Colours and their places, in the order in which they came; found by a multiplicative hash
-/// of fixed seed.
+/// A set of colours with their indices in insertion order: a hash table with a fixed multiplicative hash,
+/// so that results are deterministic.
 pub struct ColorTable {
     pub colors: Vec<[u8; 4]>,
-    /// One more than the place of a colour; 0 is free. At least twice as many as colours.
+    /// Slots of the hash table: the index of a colour plus 1, or 0 if free. At least twice as many as
+    /// colours.
     slots: Vec<u32>,
 }
 
@@ -11,8 +12,8 @@ impl ColorTable {
         ColorTable { colors: Vec::with_capacity(256), slots: vec![0; 1024] }
     }
 
-    /// The place of a colour, which is new if need be.
-    pub fn place(&mut self, color: [u8; 4]) -> usize {
+    /// Returns the index of a colour, which is inserted if it is new.
+    pub fn index_of(&mut self, color: [u8; 4]) -> usize {
         let slot = self.slot(color);
         if self.slots[slot] != 0 {
             return self.slots[slot] as usize - 1;
@@ -25,7 +26,7 @@ impl ColorTable {
         self.colors.len() - 1
     }
 
-    /// Where a colour is, or is to be put.
+    /// The slot of a colour, or the free slot where it belongs.
     fn slot(&self, color: [u8; 4]) -> usize {
         let last = self.slots.len() - 1;
         let hash = u32::from_le_bytes(color).wrapping_mul(0x9e37_79b1);
@@ -38,9 +39,9 @@ impl ColorTable {
 
     fn grow(&mut self) {
         self.slots = vec![0; 2 * self.slots.len()];
-        for place in 0..self.colors.len() {
-            let slot = self.slot(self.colors[place]);
-            self.slots[slot] = place as u32 + 1;
+        for index in 0..self.colors.len() {
+            let slot = self.slot(self.colors[index]);
+            self.slots[slot] = index as u32 + 1;
         }
     }
 }

@@ -1,50 +1,50 @@
-//! Two pictures that should be the same, and how they are not.
+//! Exact comparison of two pictures.
 
 use super::{Color, Picture, canvas};
 
-/// How one picture differs from another of the same size.
+/// The difference of two pictures of the same size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Difference {
     /// The number of pixels that differ.
     pub count: u64,
-    /// Column and row of the first that does, from the top and then from the left.
+    /// Column and row of the first differing pixel in row order.
     pub first: [u32; 2],
-    /// First column and row, last column and row that hold all of them.
+    /// The bounding box of all differing pixels: first column and row, last column and row.
     pub bounds: [u32; 4],
 }
 
-/// Whether two pictures are the same to the last bit of every pixel.
+/// The result of an exact comparison of two pictures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Comparison {
-    /// They are.
+    /// All pixels are equal.
     Same,
-    /// Their sizes differ, px; nothing else was looked at.
+    /// The sizes differ; pixels were not compared.
     Size {
-        /// Width and height.
+        /// Expected width and height, px.
         expected: [u32; 2],
-        /// Width and height.
+        /// Actual width and height, px.
         actual: [u32; 2],
     },
     /// Some pixels differ.
     Pixels(Difference),
 }
 
-/// Compares decoded pixels, with no tolerance.
+/// Compares decoded pixels without tolerance.
 pub fn compare(expected: &Picture, actual: &Picture) -> Comparison {
     if expected.size != actual.size {
         return Comparison::Size { expected: expected.size, actual: actual.size };
     }
     let width = expected.size[0] as usize;
-    let both = expected.pixels.iter().zip(&actual.pixels).enumerate();
-    let mut differing = both.filter(|(_, (a, b))| a != b).map(|(at, _)| [at % width, at / width]);
+    let pairs = expected.pixels.iter().zip(&actual.pixels).enumerate();
+    let mut differing = pairs.filter(|(_, (a, b))| a != b).map(|(at, _)| [at % width, at / width]);
     let Some(first) = differing.next() else { return Comparison::Same };
     let first = first.map(|at| at as u32);
     let [x, y] = first;
-    let start = Difference { count: 1, first, bounds: [x, y, x, y] };
-    Comparison::Pixels(differing.fold(start, |difference, at| widened(difference, at.map(|at| at as u32))))
+    let initial = Difference { count: 1, first, bounds: [x, y, x, y] };
+    Comparison::Pixels(differing.fold(initial, |difference, at| extend(difference, at.map(|at| at as u32))))
 }
 
-fn widened(difference: Difference, [x, y]: [u32; 2]) -> Difference {
+fn extend(difference: Difference, [x, y]: [u32; 2]) -> Difference {
     let [left, top, right, bottom] = difference.bounds;
     let bounds = [left.min(x), top.min(y), right.max(x), bottom.max(y)];
     Difference { count: difference.count + 1, bounds, ..difference }
@@ -57,6 +57,9 @@ impl std::fmt::Display for Comparison {
             Comparison::Size { expected, actual } => {
                 write!(out, "{}×{} pixels, expected {}×{}", actual[0], actual[1], expected[0], expected[1])
             }
+            Comparison::Pixels(Difference { count: 1, first, .. }) => {
+                write!(out, "1 pixel differs, at ({}, {})", first[0], first[1])
+            }
             Comparison::Pixels(Difference { count, first, bounds }) => write!(
                 out,
                 "{count} pixels differ, the first at ({}, {}), all from ({}, {}) to ({}, {})",
@@ -66,10 +69,11 @@ impl std::fmt::Display for Comparison {
     }
 }
 
-/// Between two panels, px.
+/// The gap between two panels, px.
 const GAP: usize = 8;
 
-/// Expected, difference and actual side by side: what differs is red on a faint expected.
+/// A picture of the expected picture, the differences and the actual picture side by side. Differing
+/// pixels are red on a faded copy of the expected picture.
 pub fn side_by_side(expected: &Picture, actual: &Picture) -> Picture {
     let difference = difference(expected, actual);
     let panels = [expected, &difference, actual];
@@ -88,76 +92,78 @@ pub fn side_by_side(expected: &Picture, actual: &Picture) -> Picture {
 }
 
 fn difference(expected: &Picture, actual: &Picture) -> Picture {
-    let mut faint = expected.clone();
-    faint.pixels.iter_mut().for_each(|pixel| *pixel = faded(*pixel));
+    let mut marked = expected.clone();
+    marked.pixels.iter_mut().for_each(|pixel| *pixel = faded(*pixel));
     let width = expected.size[0].min(actual.size[0]) as usize;
-    let rows = faint.pixels.chunks_exact_mut(expected.size[0] as usize);
+    let rows = marked.pixels.chunks_exact_mut(expected.size[0] as usize);
     for ((row, expected), actual) in rows.zip(expected.rows()).zip(actual.rows()) {
         for column in (0..width).filter(|&column| expected[column] != actual[column]) {
             row[column] = canvas::pixel(Color::hex(0xe00000));
         }
     }
-    faint
+    marked
 }
 
-/// A pixel as grey and three quarters nearer to white.
+/// The pixel in grey, with its distance to white reduced to a quarter.
 fn faded([r, g, b, _]: [u8; 4]) -> [u8; 4] {
-    let grey = Color::rgb(r, g, b).luma() as u8;
-    let faint = 191 + grey / 4;
-    [faint, faint, faint, 255]
+    let gray = Color::rgb(r, g, b).luma() as u8;
+    let faded = 191 + gray / 4;
+    [faded, faded, faded, 255]
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn grey(size: [u32; 2]) -> Picture {
+    fn gray(size: [u32; 2]) -> Picture {
         Picture { size, pixels: vec![[128, 128, 128, 255]; (size[0] * size[1]) as usize] }
     }
 
     #[test]
     fn equal_pictures_are_the_same() {
-        assert_eq!(compare(&grey([4, 3]), &grey([4, 3])), Comparison::Same);
+        assert_eq!(compare(&gray([4, 3]), &gray([4, 3])), Comparison::Same);
     }
 
     #[test]
     fn one_bit_of_one_pixel_is_a_difference() {
-        let mut other = grey([4, 3]);
+        let mut other = gray([4, 3]);
         other.pixels[6][2] ^= 1;
         let expected = Difference { count: 1, first: [2, 1], bounds: [2, 1, 2, 1] };
-        assert_eq!(compare(&grey([4, 3]), &other), Comparison::Pixels(expected));
+        let comparison = compare(&gray([4, 3]), &other);
+        assert_eq!(comparison, Comparison::Pixels(expected));
+        assert_eq!(comparison.to_string(), "1 pixel differs, at (2, 1)");
     }
 
     #[test]
-    fn bounds_hold_all_that_differs() {
-        let mut other = grey([5, 4]);
+    fn the_bounds_contain_all_differing_pixels() {
+        let mut other = gray([5, 4]);
         for at in [3, 6, 17] {
             other.pixels[at][0] = 0;
         }
-        let comparison = compare(&grey([5, 4]), &other);
+        let comparison = compare(&gray([5, 4]), &other);
         let expected = Difference { count: 3, first: [3, 0], bounds: [1, 0, 3, 3] };
         assert_eq!(comparison, Comparison::Pixels(expected));
         assert_eq!(comparison.to_string(), "3 pixels differ, the first at (3, 0), all from (1, 0) to (3, 3)");
     }
 
     #[test]
-    fn pictures_of_other_sizes_are_not_compared_by_pixel() {
-        let comparison = compare(&grey([4, 3]), &grey([3, 4]));
+    fn pixels_of_pictures_of_different_sizes_are_not_compared() {
+        let comparison = compare(&gray([4, 3]), &gray([3, 4]));
         assert_eq!(comparison.to_string(), "3×4 pixels, expected 4×3");
     }
 
     #[test]
-    fn the_panels_stand_side_by_side_with_what_differs_in_red() {
-        let mut other = grey([4, 3]);
+    fn differing_pixels_are_red_in_the_middle_panel() {
+        let mut other = gray([4, 3]);
         other.pixels[5][1] = 0;
-        let panels = side_by_side(&grey([4, 3]), &other);
+        let panels = side_by_side(&gray([4, 3]), &other);
         assert_eq!(panels.size, [12 + 2 * GAP as u32, 3]);
         let red: Vec<usize> = (0..panels.pixels.len()).filter(|&at| panels.pixels[at] == [0xe0, 0, 0, 255]).collect();
         assert_eq!(red, [panels.size[0] as usize + 4 + GAP + 1]);
     }
 
     #[test]
-    fn panels_of_other_sizes_fit_too() {
-        assert_eq!(side_by_side(&grey([4, 3]), &grey([2, 5])).size, [10 + 2 * GAP as u32, 5]);
+    fn panels_may_have_different_sizes() {
+        assert_eq!(side_by_side(&gray([4, 3]), &gray([2, 5])).size, [10 + 2 * GAP as u32, 5]);
     }
 }

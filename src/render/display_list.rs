@@ -2,16 +2,16 @@ use super::{Color, text::Line};
 use crate::physics::{Rect, Vector};
 use std::fmt::{Display, Formatter, Result};
 
-/// A picture as shapes in page units, before any pixel: what every output format is made of.
+/// A picture as resolution-independent shapes; every output format is made from it.
 ///
 /// Coordinates are pixels from the upper-left corner of the page, x right, y down.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DisplayList {
     /// Width and height of the page, px.
     pub size: [u32; 2],
-    /// What the page is filled with.
+    /// Background colour of the page.
     pub background: Color,
-    /// Drawn first, and likely the same in the next frame.
+    /// Drawn first, usually the same in consecutive frames.
     pub backdrop: Vec<Shape>,
     /// Drawn in this order, later over earlier.
     pub shapes: Vec<Shape>,
@@ -22,56 +22,56 @@ pub struct DisplayList {
 pub enum Shape {
     /// A rectangle, drawn to the nearest quarter of a pixel.
     Rect {
-        /// px.
+        /// Position and size, px.
         rect: Rect,
-        /// What fills it.
+        /// Fill.
         ink: Ink,
     },
     /// A polygon.
     Polygon {
-        /// Its corners, px; the last one joins the first.
+        /// Vertices, px; the last is joined to the first.
         points: Vec<Vector>,
-        /// What fills it.
+        /// Fill.
         ink: Ink,
     },
-    /// A line through points, with round ends and corners.
+    /// A line through points, with round caps and joins.
     Polyline {
-        /// px.
+        /// Points, px.
         points: Vec<Vector>,
-        /// px.
+        /// Line width, px.
         width: f64,
-        /// What it is drawn with.
+        /// Stroke.
         ink: Ink,
     },
-    /// Shapes of which only what lies in a window is seen.
+    /// Shapes clipped to a rectangle.
     Clip {
-        /// px; its edges are rounded to whole pixels.
+        /// Clip rectangle, px; its edges are rounded to whole pixels.
         window: Rect,
-        /// Drawn in this order.
+        /// Shapes, drawn in this order.
         shapes: Vec<Shape>,
     },
     /// A line of text.
     Text {
-        /// Its glyphs.
+        /// Text and glyphs.
         line: Line,
-        /// Where its baseline begins, px.
+        /// Start of the baseline, px.
         at: Vector,
-        /// What it is drawn with.
+        /// Fill of the glyphs.
         ink: Ink,
     },
 }
 
-/// A colour and how much of it.
+/// A colour with opacity.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Ink {
-    /// Its colour.
+    /// Colour.
     pub color: Color,
-    /// 255 hides what is beneath, 0 leaves it.
+    /// Opacity: 0 is transparent, 255 opaque.
     pub opacity: u8,
 }
 
 impl Shape {
-    /// This shape, or those within it: everything that is really drawn.
+    /// The shape itself or, of a clip, the shapes inside it at any depth.
     pub fn leaves(&self) -> Box<dyn Iterator<Item = &Shape> + '_> {
         match self {
             Shape::Clip { shapes, .. } => Box::new(shapes.iter().flat_map(Shape::leaves)),
@@ -83,7 +83,7 @@ impl Shape {
 }
 
 impl DisplayList {
-    /// Everything that is really drawn, in order.
+    /// All shapes in drawing order, with clips replaced by the shapes inside them.
     pub fn leaves(&self) -> impl Iterator<Item = &Shape> {
         self.backdrop.iter().chain(&self.shapes).flat_map(Shape::leaves)
     }
@@ -96,7 +96,7 @@ impl From<Color> for Ink {
 }
 
 impl Display for DisplayList {
-    /// One shape a line, for people and for tests that hold a layout as text.
+    /// One line per shape, for debugging and for snapshot tests.
     fn fmt(&self, out: &mut Formatter) -> Result {
         writeln!(out, "page {}×{} {}", self.size[0], self.size[1], self.background)?;
         self.backdrop.iter().try_for_each(|shape| writeln!(out, "backdrop {shape}"))?;
@@ -108,23 +108,23 @@ impl Display for Shape {
     fn fmt(&self, out: &mut Formatter) -> Result {
         match self {
             Shape::Rect { rect, ink } => {
-                write!(out, "rect {} {}×{} {ink}", Place(rect.origin), Length(rect.width()), Length(rect.height()))
+                write!(out, "rect {} {}×{} {ink}", Position(rect.origin), Length(rect.width()), Length(rect.height()))
             }
             Shape::Polygon { points, ink } => {
                 write!(out, "polygon {ink}")?;
-                points.iter().try_for_each(|&point| write!(out, " {}", Place(point)))
+                points.iter().try_for_each(|&point| write!(out, " {}", Position(point)))
             }
             Shape::Polyline { points, width, ink } => {
                 write!(out, "line of {} {ink}", Length(*width))?;
-                points.iter().try_for_each(|&point| write!(out, " {}", Place(point)))
+                points.iter().try_for_each(|&point| write!(out, " {}", Position(point)))
             }
             Shape::Clip { window, shapes } => {
                 let size = [window.width(), window.height()].map(Length);
-                write!(out, "window {} {}×{}", Place(window.origin), size[0], size[1])?;
+                write!(out, "window {} {}×{}", Position(window.origin), size[0], size[1])?;
                 shapes.iter().try_for_each(|shape| write!(out, "\n  {shape}"))
             }
             Shape::Text { line, at, ink } => {
-                write!(out, "text {:?} {} size {} {ink}", line.text, Place(*at), Length(line.size))
+                write!(out, "text {:?} {} size {} {ink}", line.text, Position(*at), Length(line.size))
             }
         }
     }
@@ -139,7 +139,7 @@ impl Display for Ink {
     }
 }
 
-/// A length to the hundredth of a pixel, without needless zeros.
+/// A length rounded to hundredths of a pixel, without trailing zeros.
 struct Length(f64);
 
 impl Display for Length {
@@ -149,9 +149,9 @@ impl Display for Length {
     }
 }
 
-struct Place(Vector);
+struct Position(Vector);
 
-impl Display for Place {
+impl Display for Position {
     fn fmt(&self, out: &mut Formatter) -> Result {
         write!(out, "({},{})", Length(self.0.x), Length(self.0.y))
     }

@@ -1,39 +1,41 @@
-/// Why there is no picture.
+use crate::counted::counted;
+
+/// An error of drawing, encoding or decoding a picture.
 #[derive(Debug, thiserror::Error)]
 pub enum RenderError {
-    /// The picture asked for cannot be held.
-    #[error("a picture of {width}×{height} pixels cannot be drawn: each side must be 1 to {largest} pixels")]
+    /// The size of the picture is zero or too large.
+    #[error("a picture of {width}×{height} pixels cannot be drawn: each side must be 1 to {max_side} pixels")]
     PictureSize {
-        /// Pixels.
+        /// Width, px.
         width: u32,
-        /// Pixels.
+        /// Height, px.
         height: u32,
-        /// Pixels a side may have.
-        largest: u32,
+        /// Maximum width and height, px.
+        max_side: u32,
     },
-    /// There is no such world.
-    #[error("a world of {width} m × {height} m cannot be shown: both must be finite and positive")]
+    /// The visible part of the world is empty or not finite.
+    #[error("an area of {width} m × {height} m cannot be shown: width and height must be finite and positive")]
     WorldSize {
-        /// m.
+        /// Width, m.
         width: f64,
-        /// m.
+        /// Height, m.
         height: f64,
     },
-    /// An animation has not the number of pictures it begins by announcing.
-    #[error("an animation of {expected} pictures was to be written, but there are {found}")]
+    /// The number of frames of an animation differs from the number in its header.
+    #[error("the header of the animation announces {}, but it has {found}", counted(*.expected, "frame"))]
     PictureCount {
-        /// As announced.
+        /// Number in the header.
         expected: u64,
-        /// As they came.
+        /// Number of frames written.
         found: u64,
     },
-    /// The place written to refused.
+    /// Writing the output failed.
     #[error(transparent)]
     Write(#[from] std::io::Error),
-    /// The file read from refused.
+    /// Reading the input failed.
     #[error(transparent)]
     Read(std::io::Error),
-    /// A picture's file is damaged or of another kind.
-    #[error("no picture file that can be read: {0}")]
+    /// The picture file is damaged or has another format.
+    #[error("the picture file cannot be read: {0}")]
     Unreadable(String),
 }

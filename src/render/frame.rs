@@ -2,47 +2,47 @@ use super::Color;
 use crate::physics::{BodyId, Collision, Rect, Vector};
 use std::sync::Arc;
 
-/// One instant to be drawn.
+/// The state of the world at one instant, as drawn.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
-    /// The step whose state this is.
+    /// The step of the state.
     pub step: u64,
     /// Simulated time, s.
     pub time: f64,
-    /// The bodies alive, in creation order: later ones are drawn over earlier ones.
+    /// The living bodies in creation order; later ones are drawn over earlier ones.
     pub sprites: Vec<Sprite>,
-    /// The collisions of the step that led here, for the overlays that show them; may be empty.
+    /// The collisions of the step that led to this state, for the overlays that show them; may be empty.
     pub collisions: Vec<Collision>,
 }
 
-/// The handout's Sprite: a body and how it looks.
+/// A body as drawn in one frame (the handout's class `Sprite`).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sprite {
-    /// What of its looks never changes.
+    /// The constant part of its appearance.
     pub appearance: Arc<Appearance>,
-    /// Where it is, m.
+    /// Position and size, m.
     pub rect: Rect,
-    /// m/s.
+    /// Velocity, m/s.
     pub velocity: Vector,
-    /// Where its middle was before, m, oldest first; see [`super::Trails`]. Empty for no trail.
+    /// Earlier positions of its center, m, oldest first; see [`super::Trails`]. Empty for no trail.
     pub trail: Vec<Vector>,
 }
 
-/// The looks of one body, shared by all frames it is in.
+/// The constant attributes of a body, shared by all its frames.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Appearance {
-    /// Its number; colours go round the palette by it.
+    /// Its number, which also selects its colour in the palette.
     pub id: BodyId,
-    /// What is written on it.
+    /// Its name, shown as a label.
     pub name: String,
-    /// What it is made of; empty for nothing in particular.
+    /// Its material; empty for the default material.
     pub material: String,
-    /// The colour its scene asks for.
+    /// The colour that its scene assigns, if any.
     pub color: Option<Color>,
-    /// kg; infinity for what is never pushed.
+    /// Mass, kg; infinite for a static body.
     pub mass: f64,
-    /// The constant force on it and its weight together, N; null for an infinite mass.
+    /// Sum of its weight and the constant force on it, N; zero for a static body.
     pub force: Vector,
-    /// Whether it is one of the scene's four walls, drawn as the border of the picture.
+    /// True for the scene's four walls, which are drawn as the border of the picture.
     pub is_wall: bool,
 }

@@ -1,78 +1,79 @@
-//! Pictures as an endless GIF animation.
+//! Writes GIF animations that repeat endlessly.
 
-use super::indexed::Indexed;
-use super::patch::{Patch, UNCHANGED};
+use super::frame_delta::{FrameDelta, UNCHANGED};
+use super::quantize::IndexedImage;
 use super::{Metadata, RenderError, lzw};
 use gif::{AnyExtension, DisposalMethod, Encoder, EncodingError, Extension, Frame, Repeat};
 use std::borrow::Cow;
 use std::io::Write;
 
-/// A GIF file being written, picture by picture.
-pub struct Animation<W: Write> {
+/// Writes a GIF file, frame by frame.
+pub struct GifWriter<W: Write> {
     encoder: Encoder<W>,
 }
 
-/// One picture of an animation, compressed: what takes the time, and any thread can do.
-pub struct Compressed(Frame<'static>);
+/// An encoded frame. Encoding takes most of the time and can be done on any thread.
+pub struct EncodedFrame(Frame<'static>);
 
-/// The longest a GIF can show one image, 1/100 s.
-const LONGEST_DELAY: u64 = 65_535;
+/// The longest delay of one GIF image, 1/100 s.
+const MAX_DELAY: u64 = 65_535;
 
-impl<W: Write> Animation<W> {
-    /// Begins an animation of that many pixels that starts over for ever.
+impl<W: Write> GifWriter<W> {
+    /// Starts an endlessly repeating animation of `size` pixels.
     ///
     /// # Errors
-    /// When `output` refuses.
-    pub fn new(size: [u32; 2], metadata: &Metadata, output: W) -> Result<Animation<W>, RenderError> {
+    /// If writing to `output` fails.
+    pub fn new(size: [u32; 2], metadata: &Metadata, output: W) -> Result<GifWriter<W>, RenderError> {
         let [width, height] = size.map(|side| side as u16);
-        let mut encoder = Encoder::new(output, width, height, &[]).map_err(refusal)?;
-        encoder.set_repeat(Repeat::Infinite).map_err(refusal)?;
+        let mut encoder = Encoder::new(output, width, height, &[]).map_err(write_error)?;
+        encoder.set_repeat(Repeat::Infinite).map_err(write_error)?;
         if !metadata.entries.is_empty() {
             let comment = AnyExtension::from(Extension::Comment);
-            encoder.write_raw_extension(comment, &[metadata.to_string().as_bytes()]).map_err(refusal)?;
+            encoder.write_raw_extension(comment, &[metadata.to_string().as_bytes()]).map_err(write_error)?;
         }
-        Ok(Animation { encoder })
+        Ok(GifWriter { encoder })
     }
 
-    /// Shows the next picture for `delay` hundredths of a second.
+    /// Adds the next frame, shown for `delay` hundredths of a second. A delay that is too long for the
+    /// format is divided among copies of the frame.
     ///
     /// # Errors
-    /// When the output refuses.
-    pub fn add(&mut self, picture: Compressed, delay: u64) -> Result<(), RenderError> {
-        let mut frame = picture.0;
-        let mut left = delay;
+    /// If writing to the output fails.
+    pub fn add(&mut self, encoded: EncodedFrame, delay: u64) -> Result<(), RenderError> {
+        let mut frame = encoded.0;
+        let mut remaining = delay;
         loop {
-            frame.delay = if left < LONGEST_DELAY { left } else { LONGEST_DELAY } as u16;
-            left -= u64::from(frame.delay);
-            self.encoder.write_lzw_pre_encoded_frame(&frame).map_err(refusal)?;
-            if left == 0 {
+            frame.delay = if remaining < MAX_DELAY { remaining } else { MAX_DELAY } as u16;
+            remaining -= u64::from(frame.delay);
+            self.encoder.write_lzw_pre_encoded_frame(&frame).map_err(write_error)?;
+            if remaining == 0 {
                 return Ok(());
             }
         }
     }
 
-    /// Ends the file.
+    /// Finishes the file.
     ///
     /// # Errors
-    /// When the output refuses.
+    /// If writing to the output fails.
     pub fn finish(self) -> Result<(), RenderError> {
-        let mut output = self.encoder.into_inner().map_err(refusal)?;
+        let mut output = self.encoder.into_inner().map_err(write_error)?;
         Ok(output.flush()?)
     }
 }
 
-impl Compressed {
-    /// Compresses what of a picture differs from the one before it.
+impl EncodedFrame {
+    /// Encodes the difference of a frame to the previous one.
     ///
-    /// Exact when that has at most 256 colours, leaving a pixel as it was counted as one; else
-    /// each pixel takes the nearest of 256.
-    pub fn new(patch: &Patch) -> Compressed {
-        let [[left, top], [width, height]] = [patch.at, patch.size].map(|pair| pair.map(|length| length as u16));
-        let indexed = Indexed::exact(&patch.pixels).unwrap_or_else(|| Indexed::nearest(&patch.pixels));
+    /// The result is exact if the difference has at most 256 colours, counting "unchanged" as one;
+    /// otherwise the colours are quantized to 256.
+    pub fn new(delta: &FrameDelta) -> EncodedFrame {
+        let [[left, top], [width, height]] = [delta.at, delta.size].map(|pair| pair.map(|length| length as u16));
+        let indexed = IndexedImage::exact(&delta.pixels).unwrap_or_else(|| IndexedImage::quantized(&delta.pixels));
         let unchanged = indexed.palette.iter().position(|&color| color == UNCHANGED);
-        Compressed(Frame {
+        EncodedFrame(Frame {
             dispose: DisposalMethod::Keep,
-            transparent: unchanged.map(|place| place as u8),
+            transparent: unchanged.map(|index| index as u8),
             left,
             top,
             width,
@@ -84,7 +85,7 @@ impl Compressed {
     }
 }
 
-/// What a GIF file says of itself in its first comment, as [`Animation::new`] writes it.
+/// Reads the metadata from the first comment of a GIF file, where [`GifWriter::new`] writes it.
 pub fn metadata(file: &[u8]) -> Metadata {
     const EXTENSION: u8 = 0x21;
     const COMMENT: u8 = 0xfe;
@@ -102,7 +103,7 @@ pub fn metadata(file: &[u8]) -> Metadata {
     Metadata::default()
 }
 
-/// The content of a row of blocks, each with its length before it, and what follows the row.
+/// The joined content of a series of length-prefixed sub-blocks, and the bytes after the series.
 fn joined_blocks(mut rest: &[u8]) -> (Vec<u8>, &[u8]) {
     let mut content = Vec::new();
     while let [length, after @ ..] = rest {
@@ -116,7 +117,7 @@ fn joined_blocks(mut rest: &[u8]) -> (Vec<u8>, &[u8]) {
     (content, rest)
 }
 
-fn refusal(error: EncodingError) -> RenderError {
+fn write_error(error: EncodingError) -> RenderError {
     match error {
         EncodingError::Io(error) => RenderError::Write(error),
         other => RenderError::Write(std::io::Error::other(other)),

@@ -1,37 +1,38 @@
-/// Compresses places in a palette as GIF asks for: the smallest code size, then the codes.
+/// Compresses palette indices with the LZW variant of GIF. The first byte is the minimum code size.
 ///
-/// Plain LZW with the dictionary cleared when it is full, but made for drawings: long runs of
-/// one colour are passed over in the time of a single pixel, which a general encoder cannot.
+/// The dictionary is cleared when it is full. Long runs of one colour, frequent in drawings, take the
+/// time of a single lookup rather than one per pixel.
 pub fn compress(pixels: &[u8]) -> Vec<u8> {
     let largest = pixels.iter().copied().max().unwrap_or(0);
     let code_size = (u32::from(largest) + 1).max(4).next_power_of_two().trailing_zeros() as u8;
     let mut encoder = Encoder::new(code_size, pixels.len() / 16);
-    let mut left = pixels;
-    while let Some(&symbol) = left.first() {
-        let run = left.iter().position(|&other| other != symbol).unwrap_or(left.len());
+    let mut rest = pixels;
+    while let Some(&symbol) = rest.first() {
+        let run = rest.iter().position(|&other| other != symbol).unwrap_or(rest.len());
         encoder.add_run(symbol, run);
-        left = &left[run..];
+        rest = &rest[run..];
     }
     encoder.finish()
 }
 
-/// GIF's codes have at most 12 bits.
-const MOST_CODES: u16 = 4096;
+/// Codes of GIF have at most 12 bits.
+const MAX_CODES: u16 = 4096;
 
-/// Twice as many slots as codes, so that a search is short.
+/// Slots of the hash table: twice as many as codes, so that probing is short.
 const SLOTS: usize = 8192;
 
 struct Encoder {
     output: Output,
     code_size: u8,
-    /// Code of what was read and is not yet written.
+    /// The code of the input that is not yet written.
     pending: Option<u16>,
-    /// If that is a run of one symbol, its length.
+    /// The length of that input if it is a run of one symbol, else 0.
     pending_run: usize,
     next_code: u16,
-    /// Keys are a code and the symbol after it; 0 is free, so they are kept one too large.
+    /// The dictionary as a hash table from a prefix code and its next symbol to a code. Keys are stored
+    /// plus 1, because 0 marks a free slot.
     slots: Vec<(u32, u16)>,
-    /// For each symbol the codes of its runs of 1, 2, 3… that have one.
+    /// For each symbol the codes of its runs of length 1, 2, 3…, as far as they have one.
     runs: Vec<Vec<u16>>,
 }
 
@@ -52,7 +53,7 @@ impl Encoder {
         encoder
     }
 
-    /// Tells the reader to forget all codes but the symbols' own, and does the same.
+    /// Writes a clear code and resets the dictionary to the codes of single symbols.
     fn clear(&mut self) {
         let clear = 1 << self.code_size;
         self.output.write(clear);
@@ -65,18 +66,19 @@ impl Encoder {
         }
     }
 
+    /// Encodes a run of `length` times `symbol`.
     fn add_run(&mut self, symbol: u8, length: usize) {
-        let mut left = length;
-        while left > 0 {
-            let known = &self.runs[usize::from(symbol)];
-            if self.pending_is_run_of(symbol) && self.pending_run < known.len() {
-                let longer = known.len().min(self.pending_run + left);
-                left -= longer - self.pending_run;
-                self.pending = Some(known[longer - 1]);
+        let mut remaining = length;
+        while remaining > 0 {
+            let codes = &self.runs[usize::from(symbol)];
+            if self.pending_is_run_of(symbol) && self.pending_run < codes.len() {
+                let longer = codes.len().min(self.pending_run + remaining);
+                remaining -= longer - self.pending_run;
+                self.pending = Some(codes[longer - 1]);
                 self.pending_run = longer;
             } else {
                 self.add(symbol);
-                left -= 1;
+                remaining -= 1;
             }
         }
     }
@@ -86,6 +88,7 @@ impl Encoder {
         self.pending_run > 0 && self.pending == runs.get(self.pending_run - 1).copied()
     }
 
+    /// Encodes one symbol.
     fn add(&mut self, symbol: u8) {
         let Some(prefix) = self.pending else {
             return self.begin(symbol);
@@ -98,7 +101,7 @@ impl Encoder {
             return;
         }
         self.output.write(prefix);
-        self.learn(slot, key, symbol);
+        self.add_code(slot, key, symbol);
         self.begin(symbol);
     }
 
@@ -107,23 +110,23 @@ impl Encoder {
         self.pending_run = 1;
     }
 
-    /// Gives what was just written plus `symbol` a code of its own.
-    fn learn(&mut self, slot: usize, key: u32, symbol: u8) {
-        if self.next_code == MOST_CODES {
+    /// Adds a code for the input just written followed by `symbol`.
+    fn add_code(&mut self, slot: usize, key: u32, symbol: u8) {
+        if self.next_code == MAX_CODES {
             return self.clear();
         }
         self.slots[slot] = (key, self.next_code);
         if self.pending_is_run_of(symbol) {
             self.runs[usize::from(symbol)].push(self.next_code);
         }
-        // The reader learns each code one code later, so the width follows one code late.
+        // The decoder adds each code one code later, so the width grows one code later too.
         if self.next_code == 1 << self.output.width {
             self.output.width += 1;
         }
         self.next_code += 1;
     }
 
-    /// Where a key is, or may be put.
+    /// The slot of a key, or the free slot where it belongs.
     fn slot(&self, key: u32) -> usize {
         let mut slot = (key.wrapping_mul(0x9e37_79b1) >> 19) as usize;
         while self.slots[slot].0 != 0 && self.slots[slot].0 != key {
@@ -135,7 +138,7 @@ impl Encoder {
     fn finish(mut self) -> Vec<u8> {
         if let Some(code) = self.pending {
             self.output.write(code);
-            // The reader has learnt a last code by now.
+            // The decoder has added a last code by now.
             if self.next_code == 1 << self.output.width && self.output.width < 12 {
                 self.output.width += 1;
             }
@@ -145,7 +148,7 @@ impl Encoder {
     }
 }
 
-/// Codes of growing width, packed from the lowest bit of each byte.
+/// A bit stream of codes of increasing width, least significant bit first.
 struct Output {
     bytes: Vec<u8>,
     bits: u64,
@@ -177,7 +180,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// What the gif crate reads out of a file that holds these pixels in one row.
+    /// Decodes the compressed pixels, as one row of a GIF file, with the gif crate.
     fn read_back(pixels: &[u8]) -> Vec<u8> {
         let mut file = Vec::new();
         let mut encoder = gif::Encoder::new(&mut file, pixels.len() as u16, 1, &[0; 768]).unwrap();
@@ -197,19 +200,19 @@ mod tests {
 
     proptest! {
         #[test]
-        fn what_is_written_is_read(runs in prop::collection::vec((0..9_u8, 1..400_usize), 1..120)) {
+        fn runs_round_trip(runs in prop::collection::vec((0..9_u8, 1..400_usize), 1..120)) {
             let pixels: Vec<u8> = runs.iter().flat_map(|&(symbol, length)| vec![symbol; length]).collect();
             prop_assert_eq!(read_back(&pixels), pixels);
         }
 
         #[test]
-        fn noise_that_fills_the_dictionary_is_read(pixels in prop::collection::vec(any::<u8>(), 1..12_000)) {
+        fn noise_that_fills_the_dictionary_round_trips(pixels in prop::collection::vec(any::<u8>(), 1..12_000)) {
             prop_assert_eq!(read_back(&pixels), pixels);
         }
     }
 
     #[test]
-    fn runs_of_every_length_are_read() {
+    fn runs_of_every_length_round_trip() {
         for length in 1..3000 {
             let pixels = vec![1; length];
             assert_eq!(read_back(&pixels), pixels, "{length} pixels");

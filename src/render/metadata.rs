@@ -1,6 +1,7 @@
-/// What a picture says of where it comes from: keys and values, in the order they are written.
+/// The metadata of a picture file: keys and values in the order in which they are written.
 ///
-/// Never a path, a date, or how the work was split, so that a picture made again is the same.
+/// They contain no path, no date and nothing about threads or shards, so that a picture drawn again has
+/// the same bytes.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Metadata {
     /// Keys are 1 to 79 printable ASCII characters; values are any text.
@@ -8,7 +9,7 @@ pub struct Metadata {
 }
 
 impl Metadata {
-    /// Reads one `key: value` a line; other lines are passed over.
+    /// Parses text with one `key: value` per line; other lines are ignored.
     pub fn parse(text: &str) -> Metadata {
         let entry = |line: &str| line.split_once(": ").map(|(key, value)| (key.to_owned(), value.to_owned()));
         Metadata { entries: text.lines().filter_map(entry).collect() }
@@ -16,7 +17,7 @@ impl Metadata {
 }
 
 impl std::fmt::Display for Metadata {
-    /// One `key: value` a line, which is how a GIF comment holds it.
+    /// One `key: value` per line, the form of GIF comments and SVG metadata.
     fn fmt(&self, out: &mut std::fmt::Formatter) -> std::fmt::Result {
         self.entries.iter().try_for_each(|(key, value)| writeln!(out, "{key}: {value}"))
     }

@@ -1,67 +1,67 @@
-//! The view: states made into pictures. It reads plain values, never the engine, never a file.
+//! Rendering: draws states as pictures. It works on plain values; it neither uses the engine nor opens files.
 //!
-//! A [`Frame`] seen through a [`View`] becomes a [`DisplayList`] of shapes in page units
-//! ([`compose`]), which [`svg`] and [`pdf`] write as it is and a [`Painter`] draws to a [`Picture`]
-//! of pixels, which [`png`], [`apng`] and [`gif`] write. Each arrow is a pure function, so that pictures drawn on any number of
-//! threads, or in several parts, are the same to the bit.
+//! [`compose`] lays out a [`Frame`] for a [`View`] as a [`DisplayList`] of shapes in page units. [`svg`] and [`pdf`]
+//! write display lists directly; a [`Painter`] rasterises them to a [`Picture`], which [`png`], [`apng`] and [`gif`]
+//! encode. Every stage is a pure function, so pictures are bit-identical on any number of threads, and when an
+//! animation is drawn in several parts.
 
-mod aim;
+mod animation_decoder;
 pub mod apng;
 pub(crate) mod area;
 mod arrow;
 mod camera;
+mod camera_target;
 mod canvas;
-mod clip;
 mod color;
 mod color_table;
 pub mod compare;
+mod coverage_mask;
 mod display_list;
 mod error;
 mod frame;
+mod frame_delta;
 pub mod gif;
-mod in_order;
-mod indexed;
-pub(crate) mod labels;
+pub(crate) mod label_placer;
 pub(crate) mod layers;
-mod line_coverage;
-mod look;
 mod lzw;
 mod metadata;
-pub(crate) mod number;
+mod metrics;
+pub(crate) mod number_format;
+mod ordered_parallel_map;
 mod painter;
 pub(crate) mod palette;
-mod patch;
 pub mod pdf;
 mod picture;
 pub mod png;
-mod projector;
-mod sampling;
-mod stencil;
+mod quantize;
+mod schedule;
+mod step_grid;
+mod stroke;
 mod style;
 pub mod svg;
 pub mod text;
-mod timeline;
 mod trails;
 mod view;
+mod writers;
 
-pub use aim::Aim;
+pub use animation_decoder::{AnimationDecoder, DecodedFrame};
 pub use arrow::Arrow;
 pub use camera::Camera;
-pub use clip::{draw_each, write_apng, write_gif, write_png, write_png_sequence};
+pub use camera_target::CameraTarget;
 pub use color::Color;
 pub use display_list::{DisplayList, Ink, Shape};
 pub use error::RenderError;
 pub use frame::{Appearance, Frame, Sprite};
-pub(crate) use in_order::in_order;
 pub use layers::compose;
-pub use look::Look;
 pub use metadata::Metadata;
+pub use metrics::Metrics;
+pub(crate) use ordered_parallel_map::ordered_parallel_map;
 pub use painter::Painter;
 pub use palette::Palette;
 pub use picture::Picture;
-pub use projector::{Exposure, Projector};
-pub use sampling::{FASTEST_GIF, Sampling, Thinning};
+pub use schedule::{AnimationSchedule, MIN_HOLD, Moment, Timing};
+pub use step_grid::{MAX_GIF_FPS, StepGrid, Thinning};
 pub use style::Style;
-pub use timeline::{Moment, Pace, SHORTEST_HOLD, Timeline};
 pub use trails::Trails;
 pub use view::View;
+pub use writers::{draw_frames, write_apng, write_gif, write_png, write_png_sequence};

@@ -1,17 +1,17 @@
 use super::canvas::Canvas;
-use super::stencil::Stencil;
+use super::coverage_mask::CoverageMask;
 use super::text::{Glyph, Line};
 use super::{Color, DisplayList, Ink, Picture, Shape};
 use crate::physics::Vector;
 use std::collections::BTreeMap;
 
-/// Draws display lists, remembering what the next one is likely to need again.
+/// Rasterises display lists, with a cache of glyphs and of the last backdrop.
 ///
-/// What it remembers never shows: a fresh painter draws the same pixels.
+/// The caches do not affect the pixels: a new painter draws the same.
 #[derive(Default)]
 pub struct Painter {
     backdrop: Option<Backdrop>,
-    glyphs: BTreeMap<GlyphKey, Stencil>,
+    glyphs: BTreeMap<GlyphKey, CoverageMask>,
 }
 
 struct Backdrop {
@@ -21,19 +21,19 @@ struct Backdrop {
     pixels: Vec<[u8; 4]>,
 }
 
-/// A glyph, its size and where between pixels it stands, in quarters of a pixel.
+/// Glyph number, size, and subpixel position along x and y; all but the first in quarter pixels.
 type GlyphKey = (u16, u32, u8, u8);
 
-/// Glyphs remembered at most: a clip whose text never repeats must not fill the memory.
-const GLYPHS_KEPT: usize = 4096;
+/// Maximum number of cached glyphs, which bounds the memory for an animation whose text never repeats.
+const MAX_CACHED_GLYPHS: usize = 4096;
 
 impl Painter {
-    /// A painter that remembers nothing yet.
+    /// A painter with empty caches.
     pub fn new() -> Painter {
         Painter::default()
     }
 
-    /// The pixels of a display list.
+    /// Rasterises a display list.
     pub fn draw(&mut self, list: &DisplayList) -> Picture {
         let mut canvas = self.backdrop(list);
         for shape in &list.shapes {
@@ -44,11 +44,11 @@ impl Painter {
 
     fn backdrop(&mut self, list: &DisplayList) -> Canvas {
         let [width, height] = list.size.map(|side| side as usize);
-        if let Some(known) = &self.backdrop
-            && (known.size, known.background) == (list.size, list.background)
-            && known.shapes == list.backdrop
+        if let Some(cached) = &self.backdrop
+            && (cached.size, cached.background) == (list.size, list.background)
+            && cached.shapes == list.backdrop
         {
-            return Canvas::from_pixels([width, height], known.pixels.clone());
+            return Canvas::from_pixels([width, height], cached.pixels.clone());
         }
         let mut canvas = Canvas::new([width, height], list.background);
         for shape in &list.backdrop {
@@ -66,14 +66,14 @@ impl Painter {
     fn draw_shape(&mut self, canvas: &mut Canvas, shape: &Shape) {
         match shape {
             Shape::Rect { rect, ink } => canvas.fill_rect(rect, *ink),
-            Shape::Polygon { points, ink } => canvas.fill_stencil(Stencil::polygon(points, &canvas.clip), *ink),
+            Shape::Polygon { points, ink } => canvas.fill_mask(CoverageMask::polygon(points, &canvas.clip), *ink),
             Shape::Polyline { points, width, ink } => {
-                canvas.fill_stencil(Stencil::line(points, *width, &canvas.clip), *ink);
+                canvas.fill_mask(CoverageMask::line(points, *width, &canvas.clip), *ink);
             }
             Shape::Clip { window, shapes } => {
-                let outside = canvas.narrow(window);
+                let previous = canvas.intersect_clip(window);
                 shapes.iter().for_each(|shape| self.draw_shape(canvas, shape));
-                canvas.clip = outside;
+                canvas.clip = previous;
             }
             Shape::Text { line, at, ink } => self.draw_line(canvas, line, *at, *ink),
         }
@@ -88,11 +88,11 @@ impl Painter {
     fn draw_glyph(&mut self, canvas: &mut Canvas, glyph: &Glyph, at: Vector, ink: Ink) {
         let [x, y] = [at.x, at.y].map(|along| (along * 4.0).round() as i64);
         let key = (glyph.id, (glyph.size * 4.0).round() as u32, x.rem_euclid(4) as u8, y.rem_euclid(4) as u8);
-        if self.glyphs.len() >= GLYPHS_KEPT {
+        if self.glyphs.len() >= MAX_CACHED_GLYPHS {
             self.glyphs.clear();
         }
-        let stencil = self.glyphs.entry(key).or_insert_with(|| Stencil::glyph(glyph.id, key.1, [key.2, key.3]));
-        let (left, top) = (x.div_euclid(4) + stencil.left, y.div_euclid(4) + stencil.top);
-        canvas.fill_mask(&stencil.coverage, stencil.width, left, top, ink);
+        let mask = self.glyphs.entry(key).or_insert_with(|| CoverageMask::glyph(glyph.id, key.1, [key.2, key.3]));
+        let (left, top) = (x.div_euclid(4) + mask.left, y.div_euclid(4) + mask.top);
+        canvas.fill_coverage(&mask.coverage, mask.width, left, top, ink);
     }
 }

@@ -1,22 +1,22 @@
 use super::{Appearance, Color, Sprite, Style};
 use crate::scene::{ColorBy, Theme};
 
-/// The colours of a theme; bodies have their own.
+/// The colours of a theme, without those of bodies.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Palette {
-    /// The page.
+    /// Background of the page.
     pub background: Color,
-    /// Text, arrows.
+    /// Text and arrows.
     pub ink: Color,
-    /// Text that stands back.
+    /// Secondary text.
     pub muted: Color,
     /// Grid lines.
     pub grid: Color,
     /// Walls.
     pub wall: Color,
-    /// The hatching of walls, and their edge.
+    /// Hatching and edges of walls.
     pub wall_edge: Color,
-    /// What a body's border is mixed with.
+    /// Mixed into the fill colour of a body for its border.
     pub border: Color,
     /// Normals of collisions.
     pub normal: Color,
@@ -28,9 +28,9 @@ pub struct Palette {
     pub force: Color,
 }
 
-/// Okabe and Ito's colours, told apart by all common kinds of colour vision; their black is
-/// left to text. With four walls the first box is blue.
-pub const BODIES: [Color; 7] = [
+/// The palette of Okabe and Ito without its black, distinguishable with all common kinds of colour vision. A body's
+/// number selects its colour; after four walls, the first box is blue.
+pub const BODY_COLORS: [Color; 7] = [
     Color::hex(0x56b4e9),
     Color::hex(0xe69f00),
     Color::hex(0xcc79a7),
@@ -40,11 +40,11 @@ pub const BODIES: [Color; 7] = [
     Color::hex(0x009e73),
 ];
 
-/// What has no material has no colour either.
-const PLAIN: Color = Color::hex(0x999999);
+/// The colour of bodies without a material.
+const DEFAULT_COLOR: Color = Color::hex(0x999999);
 
-/// Viridis at 16 even places, dark to bright: brightness alone tells the order.
-pub const SPEEDS: [Color; 16] = [
+/// The Viridis colour map at 16 equally spaced points, dark to bright: brightness alone shows the order.
+pub const SPEED_COLORS: [Color; 16] = [
     Color::hex(0x440154),
     Color::hex(0x481a6c),
     Color::hex(0x472f7d),
@@ -92,7 +92,7 @@ const DARK: Palette = Palette {
 };
 
 impl Palette {
-    /// The colours of that theme.
+    /// The palette of a theme.
     pub const fn of(theme: Theme) -> Palette {
         match theme {
             Theme::Light => LIGHT,
@@ -100,43 +100,43 @@ impl Palette {
         }
     }
 
-    /// The colour that reads better on `fill`.
+    /// The text colour, dark or white, that contrasts more with `fill`.
     pub fn text_on(&self, fill: Color) -> Color {
         if fill.luma() > 128 { Color::hex(0x1f2328) } else { Color::hex(0xffffff) }
     }
 }
 
-/// The colour of a box.
+/// The fill colour of a body in `style`.
 pub fn body_color(sprite: &Sprite, style: &Style) -> Color {
     let appearance = &sprite.appearance;
     match style.color_by {
-        ColorBy::Body => box_color(appearance),
-        ColorBy::Material => material_color(&appearance.material, style),
-        // What is never pushed keeps its speed for life: a colour for that would tell nothing.
-        ColorBy::Speed if appearance.mass == f64::INFINITY => appearance.color.unwrap_or(PLAIN),
-        ColorBy::Speed => speed_color(sprite.velocity.norm(), style.top_speed),
+        ColorBy::Body => color_by_body(appearance),
+        ColorBy::Material => color_by_material(&appearance.material, style),
+        // The speed of a static body never changes, so it is not coloured by speed.
+        ColorBy::Speed if appearance.mass == f64::INFINITY => appearance.color.unwrap_or(DEFAULT_COLOR),
+        ColorBy::Speed => color_by_speed(sprite.velocity.norm(), style.top_speed),
     }
 }
 
-/// The colour of a box that tells it from others: its scene's, or one of its own.
-pub fn box_color(appearance: &Appearance) -> Color {
-    appearance.color.unwrap_or_else(|| cycled(u64::from(appearance.id)))
+/// The colour that identifies a body: the one its scene assigns, or else a palette colour by its number.
+pub fn color_by_body(appearance: &Appearance) -> Color {
+    appearance.color.unwrap_or_else(|| cycle_body_colors(u64::from(appearance.id)))
 }
 
-/// The colour of a material; materials go round the palette in the order the style lists them.
-pub fn material_color(material: &str, style: &Style) -> Color {
-    match style.materials.iter().position(|known| known == material) {
-        Some(place) => cycled(place as u64 + 4),
-        None => PLAIN,
+/// The colour of a material: a palette colour by its index in the style's list.
+pub fn color_by_material(material: &str, style: &Style) -> Color {
+    match style.materials.iter().position(|listed| listed == material) {
+        Some(index) => cycle_body_colors(index as u64 + 4),
+        None => DEFAULT_COLOR,
     }
 }
 
-fn cycled(number: u64) -> Color {
-    BODIES[(number % BODIES.len() as u64) as usize]
+fn cycle_body_colors(index: u64) -> Color {
+    BODY_COLORS[(index % BODY_COLORS.len() as u64) as usize]
 }
 
-/// The colour of a speed on a scale that ends at `top`, both m/s.
-pub fn speed_color(speed: f64, top: f64) -> Color {
-    let place = (speed / top * SPEEDS.len() as f64) as usize;
-    SPEEDS[if place < SPEEDS.len() { place } else { SPEEDS.len() - 1 }]
+/// The colour of a speed on a scale from 0 to `top`, both m/s.
+pub fn color_by_speed(speed: f64, top: f64) -> Color {
+    let index = (speed / top * SPEED_COLORS.len() as f64) as usize;
+    SPEED_COLORS[if index < SPEED_COLORS.len() { index } else { SPEED_COLORS.len() - 1 }]
 }

@@ -1,6 +1,6 @@
-//! Display lists as PDF files: for Beamer and print, sharp in any size.
+//! Writes display lists as PDF files, for Beamer and print.
 
-use super::text::{Font, Line, Segment, UNITS_PER_EM};
+use super::text::{Font, Line, PathSegment, UNITS_PER_EM};
 use super::{Color, DisplayList, Ink, Metadata, RenderError, Shape};
 use crate::physics::Vector;
 use pdf_writer::types::{LineCapStyle, LineJoinStyle};
@@ -17,10 +17,10 @@ const PAGE: Ref = Ref::new(3);
 const CONTENT: Ref = Ref::new(4);
 const INFO: Ref = Ref::new(5);
 
-/// Writes a display list as a PDF file of one page; text is outlines.
+/// Writes a display list as a PDF file of one page. Text is written as glyph outlines.
 ///
 /// # Errors
-/// When `output` refuses.
+/// If writing to `output` fails.
 pub fn encode(list: &DisplayList, metadata: &Metadata, mut output: impl Write) -> Result<(), RenderError> {
     let [width, height] = list.size.map(|side| side as f32 * POINTS_PER_PIXEL);
     let opacities = opacities(list);
@@ -32,12 +32,12 @@ pub fn encode(list: &DisplayList, metadata: &Metadata, mut output: impl Write) -
     let mut resources = page.resources();
     let mut states = resources.ext_g_states();
     for &opacity in &opacities {
-        let part = f32::from(opacity) / 255.0;
+        let alpha = f32::from(opacity) / 255.0;
         states
             .insert(Name(opacity_name(opacity).as_bytes()))
             .start::<pdf_writer::writers::ExtGraphicsState>()
-            .non_stroking_alpha(part)
-            .stroking_alpha(part);
+            .non_stroking_alpha(alpha)
+            .stroking_alpha(alpha);
     }
     states.finish();
     resources.finish();
@@ -53,14 +53,14 @@ pub fn encode(list: &DisplayList, metadata: &Metadata, mut output: impl Write) -
     Ok(())
 }
 
-/// A zlib stream, by an encoder named here: whatever deflate library other crates choose, the
-/// bytes are the same.
+/// Compresses to a zlib stream. The encoder is called directly, so the bytes do not depend on the deflate
+/// library that other crates select.
 fn compress(content: &[u8]) -> Vec<u8> {
     const LEVEL: u8 = 6;
     miniz_oxide::deflate::compress_to_vec_zlib(content, LEVEL)
 }
 
-/// What a PDF file that [`encode`] wrote says of itself.
+/// Reads the metadata of a PDF file written by [`encode`].
 pub fn metadata(file: &[u8]) -> Metadata {
     let begin = format!("{} 0 obj\n<<", INFO.get());
     let found = file.windows(begin.len()).rposition(|bytes| bytes == begin.as_bytes());
@@ -75,7 +75,7 @@ pub fn metadata(file: &[u8]) -> Metadata {
     Metadata { entries }
 }
 
-/// A name with `#20` for a blank and the like, and what follows it.
+/// Parses a name, with escapes such as `#20`, and returns it with the rest of the text.
 fn name(text: &[u8]) -> Option<(String, &[u8])> {
     let mut rest = text.trim_ascii_start().strip_prefix(b"/")?;
     let mut name = Vec::new();
@@ -95,18 +95,19 @@ fn name(text: &[u8]) -> Option<(String, &[u8])> {
     Some((String::from_utf8(name).ok()?, rest))
 }
 
-/// A string in parentheses or as hexadecimal digits, and what follows it.
+/// Parses a literal or hexadecimal string and returns it with the rest of the text.
 fn text(text: &[u8]) -> Option<(String, &[u8])> {
     let rest = text.trim_ascii_start();
     if let Some(digits) = rest.strip_prefix(b"<") {
         let end = digits.iter().position(|&byte| byte == b'>')?;
         return Some((unicode(&hexadecimal(&digits[..end])?)?, &digits[end + 1..]));
     }
-    let (bytes, rest) = in_parentheses(rest.strip_prefix(b"(")?)?;
+    let (bytes, rest) = literal_string(rest.strip_prefix(b"(")?)?;
     Some((unicode(&bytes)?, rest))
 }
 
-fn in_parentheses(mut rest: &[u8]) -> Option<(Vec<u8>, &[u8])> {
+/// Parses a literal string after its opening parenthesis.
+fn literal_string(mut rest: &[u8]) -> Option<(Vec<u8>, &[u8])> {
     let (mut bytes, mut depth) = (Vec::new(), 0_u32);
     loop {
         let [byte, after @ ..] = rest else { return None };
@@ -133,7 +134,7 @@ fn in_parentheses(mut rest: &[u8]) -> Option<(Vec<u8>, &[u8])> {
     }
 }
 
-/// Text is ASCII, or UTF-16 behind a byte order mark.
+/// Decodes a text string: UTF-16 after a byte order mark, else ASCII.
 fn unicode(bytes: &[u8]) -> Option<String> {
     match bytes.strip_prefix(b"\xfe\xff") {
         Some(pairs) => {
@@ -162,13 +163,13 @@ fn opacity_name(opacity: u8) -> String {
     format!("a{opacity}")
 }
 
-/// What is drawn, in pixels with y down: the first matrix turns the page over.
+/// The content stream. Its first matrix changes the coordinates to pixels with y pointing down.
 fn content(list: &DisplayList, height: f32) -> Vec<u8> {
     let mut content = Content::new();
     content.transform([POINTS_PER_PIXEL, 0.0, 0.0, -POINTS_PER_PIXEL, 0.0, height]);
     content.set_line_join(LineJoinStyle::RoundJoin).set_line_cap(LineCapStyle::RoundCap);
     let mut last = None;
-    fill_with(&mut content, Ink::from(list.background), &mut last);
+    set_ink(&mut content, Ink::from(list.background), &mut last);
     content.rect(0.0, 0.0, list.size[0] as f32, list.size[1] as f32).fill_nonzero();
     for shape in list.backdrop.iter().chain(&list.shapes) {
         draw_shape(&mut content, shape, &mut last);
@@ -179,25 +180,25 @@ fn content(list: &DisplayList, height: f32) -> Vec<u8> {
 fn draw_shape(content: &mut Content, shape: &Shape, last: &mut Option<Ink>) {
     match shape {
         Shape::Rect { rect, ink } => {
-            fill_with(content, *ink, last);
+            set_ink(content, *ink, last);
             let [x, y, width, height] =
-                [rect.origin.x, rect.origin.y, rect.width(), rect.height()].map(|along| along as f32);
+                [rect.origin.x, rect.origin.y, rect.width(), rect.height()].map(|length| length as f32);
             content.rect(x, y, width, height).fill_nonzero();
         }
         Shape::Polygon { points, ink } => {
-            fill_with(content, *ink, last);
+            set_ink(content, *ink, last);
             draw_points(content, points);
             content.close_path().fill_nonzero();
         }
         Shape::Polyline { points, width, ink } => {
-            fill_with(content, *ink, last);
+            set_ink(content, *ink, last);
             content.set_line_width(*width as f32);
             draw_points(content, points);
             content.stroke();
         }
         Shape::Clip { window, shapes } => draw_clip(content, window, shapes, last),
         Shape::Text { line, at, ink } => {
-            fill_with(content, *ink, last);
+            set_ink(content, *ink, last);
             draw_line(content, line, *at);
         }
     }
@@ -205,17 +206,17 @@ fn draw_shape(content: &mut Content, shape: &Shape, last: &mut Option<Ink>) {
 
 fn draw_clip(content: &mut Content, window: &crate::physics::Rect, shapes: &[Shape], last: &mut Option<Ink>) {
     let [x, y, width, height] =
-        [window.origin.x, window.origin.y, window.width(), window.height()].map(|along| along.round() as f32);
+        [window.origin.x, window.origin.y, window.width(), window.height()].map(|length| length.round() as f32);
     content.save_state();
     content.rect(x, y, width, height).clip_nonzero().end_path();
-    let before = *last;
+    let outer = *last;
     shapes.iter().for_each(|shape| draw_shape(content, shape, last));
     content.restore_state();
-    *last = before;
+    *last = outer;
 }
 
-/// Sets colour and opacity of what follows, unless they are set already.
-fn fill_with(content: &mut Content, ink: Ink, last: &mut Option<Ink>) {
+/// Sets the colour and opacity of the following shapes unless they are already set.
+fn set_ink(content: &mut Content, ink: Ink, last: &mut Option<Ink>) {
     if *last == Some(ink) {
         return;
     }
@@ -230,9 +231,9 @@ fn components(color: Color) -> [f32; 3] {
 }
 
 fn draw_points(content: &mut Content, points: &[Vector]) {
-    for (place, point) in points.iter().enumerate() {
+    for (index, point) in points.iter().enumerate() {
         let (x, y) = (point.x as f32, point.y as f32);
-        if place == 0 {
+        if index == 0 {
             content.move_to(x, y)
         } else {
             content.line_to(x, y)
@@ -240,43 +241,45 @@ fn draw_points(content: &mut Content, points: &[Vector]) {
     }
 }
 
-/// All glyphs of a line as one path.
+/// Draws all glyphs of a line as one path.
 fn draw_line(content: &mut Content, line: &Line, at: Vector) {
     for glyph in &line.glyphs {
         let (x, y) = ((at.x + glyph.x) as f32, (at.y + glyph.y) as f32);
         let scale = (glyph.size / UNITS_PER_EM) as f32;
-        draw_outline(content, &Font::embedded().outline(glyph.id), |[across, up]| [x + across * scale, y - up * scale]);
+        draw_outline(content, &Font::embedded().outline(glyph.id), |[glyph_x, glyph_y]| {
+            [x + glyph_x * scale, y - glyph_y * scale]
+        });
     }
     content.fill_nonzero();
 }
 
-fn draw_outline(content: &mut Content, outline: &[Segment], place: impl Fn([f32; 2]) -> [f32; 2]) {
+fn draw_outline(content: &mut Content, outline: &[PathSegment], transform: impl Fn([f32; 2]) -> [f32; 2]) {
     let mut from = [0.0; 2];
     for segment in outline {
         match *segment {
-            Segment::Move(to) => {
-                from = place(to);
+            PathSegment::Move(to) => {
+                from = transform(to);
                 content.move_to(from[0], from[1]);
             }
-            Segment::Line(to) => {
-                from = place(to);
+            PathSegment::Line(to) => {
+                from = transform(to);
                 content.line_to(from[0], from[1]);
             }
-            Segment::Quadratic(points) => {
-                let [control, to] = points.map(&place);
-                let [a, b] = [from, to].map(|end| third(end, control));
+            PathSegment::Quadratic(points) => {
+                let [control, to] = points.map(&transform);
+                let [a, b] = [from, to].map(|end| cubic_control(end, control));
                 content.cubic_to(a[0], a[1], b[0], b[1], to[0], to[1]);
                 from = to;
             }
-            Segment::Close => {
+            PathSegment::Close => {
                 content.close_path();
             }
         }
     }
 }
 
-/// PDF has no parabolas; a cubic is the same curve if its control points lie two thirds of the
-/// way from the ends to the parabola's.
-fn third(end: [f32; 2], control: [f32; 2]) -> [f32; 2] {
+/// A control point of the cubic Bézier curve that equals a quadratic one (PDF has only cubic curves). It lies
+/// two thirds of the way from an end to the quadratic control point.
+fn cubic_control(end: [f32; 2], control: [f32; 2]) -> [f32; 2] {
     [0, 1].map(|axis| (end[axis] + 2.0 * control[axis]) / 3.0)
 }

@@ -1,18 +1,18 @@
-//! Pictures as PNG files.
+//! Reads and writes PNG files.
 
-use super::indexed::Indexed;
+use super::quantize::IndexedImage;
 use super::{Metadata, Picture, RenderError};
 use png::{
     BitDepth, ColorType, Compression, Decoder, DecodingError, Encoder, EncodingError, Filter, Info, Transformations,
 };
 use std::io::{BufRead, Seek, Write};
 
-/// Writes a picture as a PNG file; indexed when it has at most 256 colours.
+/// Writes a picture as a PNG file, with a palette if it has at most 256 colours.
 ///
 /// # Errors
-/// When `output` refuses.
+/// If writing to `output` fails.
 pub fn encode(picture: &Picture, metadata: &Metadata, output: impl Write) -> Result<(), RenderError> {
-    match Indexed::exact(&picture.pixels) {
+    match IndexedImage::exact(&picture.pixels) {
         Some(indexed) => {
             let mut encoder = encoder(picture.size, ColorType::Indexed, metadata, output)?;
             encoder.set_palette(rgb(&indexed.palette));
@@ -22,7 +22,7 @@ pub fn encode(picture: &Picture, metadata: &Metadata, output: impl Write) -> Res
     }
 }
 
-/// A PNG file with its metadata, ready for its pixels.
+/// An encoder with size, colour type and metadata set.
 pub(super) fn encoder<'a, W: Write>(
     [width, height]: [u32; 2],
     color: ColorType,
@@ -32,47 +32,47 @@ pub(super) fn encoder<'a, W: Write>(
     let mut encoder = Encoder::new(output, width, height);
     encoder.set_color(color);
     encoder.set_depth(BitDepth::Eight);
-    // The one level whose bytes no other crate's choice of a deflate library can change; it
-    // looks for zeros, which most pixels are when those above them are taken away.
+    // The bytes of this level do not depend on the deflate library that other crates select. It is made
+    // for runs of zeros, which most pixels become under the Up filter.
     encoder.set_compression(Compression::Fast);
     encoder.set_filter(Filter::Up);
     for (key, value) in &metadata.entries {
-        encoder.add_itxt_chunk(key.clone(), value.clone()).map_err(refusal)?;
+        encoder.add_itxt_chunk(key.clone(), value.clone()).map_err(write_error)?;
     }
     Ok(encoder)
 }
 
-/// Pixels a picture may have at most to be read: a damaged file may claim any size.
-const MOST_PIXELS: usize = 1 << 26;
+/// The largest number of pixels accepted, because a damaged file may declare any size.
+const MAX_PIXELS: usize = 1 << 26;
 
-/// Reads a PNG file: its pixels, laid on white where they are not opaque, and its metadata.
+/// Reads the pixels of a PNG file, blended over white, and its metadata.
 ///
 /// # Errors
-/// When `input` cannot be read or is no sound PNG file.
+/// If `input` cannot be read or is not a valid PNG file.
 pub fn decode(input: impl BufRead + Seek) -> Result<(Picture, Metadata), RenderError> {
-    let mut decoder = Decoder::new_with_limits(input, png::Limits { bytes: 4 * MOST_PIXELS });
+    let mut decoder = Decoder::new_with_limits(input, png::Limits { bytes: 4 * MAX_PIXELS });
     decoder.set_transformations(Transformations::normalize_to_color8() | Transformations::ALPHA);
-    let mut reader = decoder.read_info().map_err(unreadable)?;
-    let size = reader.output_buffer_size().filter(|&size| size <= 4 * MOST_PIXELS);
-    let size = size.ok_or_else(|| RenderError::Unreadable(format!("it claims more than {MOST_PIXELS} pixels")))?;
+    let mut reader = decoder.read_info().map_err(read_error)?;
+    let size = reader.output_buffer_size().filter(|&size| size <= 4 * MAX_PIXELS);
+    let size = size.ok_or_else(|| RenderError::Unreadable(format!("it declares more than {MAX_PIXELS} pixels")))?;
     let mut bytes = vec![0; size];
-    let frame = reader.next_frame(&mut bytes).map_err(unreadable)?;
-    reader.finish().map_err(unreadable)?;
+    let frame = reader.next_frame(&mut bytes).map_err(read_error)?;
+    reader.finish().map_err(read_error)?;
     let pixels = opaque(&bytes[..frame.buffer_size()], frame.color_type.samples());
-    Ok((Picture { size: [frame.width, frame.height], pixels }, texts(reader.info())))
+    Ok((Picture { size: [frame.width, frame.height], pixels }, text_chunks(reader.info())))
 }
 
-/// What a PNG file says of itself, its pixels unread.
+/// Reads the metadata of a PNG file without its pixels.
 ///
 /// # Errors
-/// When `file` is no sound PNG file up to its pixels.
+/// If `file` is not a valid PNG file up to its pixels.
 pub fn metadata(file: &[u8]) -> Result<Metadata, RenderError> {
-    let decoder = Decoder::new_with_limits(std::io::Cursor::new(file), png::Limits { bytes: 4 * MOST_PIXELS });
-    let reader = decoder.read_info().map_err(unreadable)?;
-    Ok(texts(reader.info()))
+    let decoder = Decoder::new_with_limits(std::io::Cursor::new(file), png::Limits { bytes: 4 * MAX_PIXELS });
+    let reader = decoder.read_info().map_err(read_error)?;
+    Ok(text_chunks(reader.info()))
 }
 
-/// Pixels of grey and alpha, or of red, green, blue and alpha, on white.
+/// Blends pixels over white. `samples` is 2 for grey and alpha, 4 for red, green, blue and alpha.
 fn opaque(bytes: &[u8], samples: usize) -> Vec<[u8; 4]> {
     let on_white = |value: u8, alpha: u8| {
         let sum = u32::from(value) * u32::from(alpha) + 255 * (255 - u32::from(alpha));
@@ -86,12 +86,12 @@ fn opaque(bytes: &[u8], samples: usize) -> Vec<[u8; 4]> {
     bytes.chunks_exact(samples).map(pixel).collect()
 }
 
-fn texts(info: &Info) -> Metadata {
+fn text_chunks(info: &Info) -> Metadata {
     let entries = info.utf8_text.iter().filter_map(|chunk| Some((chunk.keyword.clone(), chunk.get_text().ok()?)));
     Metadata { entries: entries.collect() }
 }
 
-fn unreadable(error: DecodingError) -> RenderError {
+fn read_error(error: DecodingError) -> RenderError {
     match error {
         DecodingError::IoError(error) => RenderError::Read(error),
         other => RenderError::Unreadable(other.to_string()),
@@ -99,16 +99,16 @@ fn unreadable(error: DecodingError) -> RenderError {
 }
 
 fn finish(encoder: Encoder<impl Write>, pixels: &[u8]) -> Result<(), RenderError> {
-    let mut writer = encoder.write_header().map_err(refusal)?;
-    writer.write_image_data(pixels).map_err(refusal)?;
-    writer.finish().map_err(refusal)
+    let mut writer = encoder.write_header().map_err(write_error)?;
+    writer.write_image_data(pixels).map_err(write_error)?;
+    writer.finish().map_err(write_error)
 }
 
 fn rgb(pixels: &[[u8; 4]]) -> Vec<u8> {
     pixels.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect()
 }
 
-pub(super) fn refusal(error: EncodingError) -> RenderError {
+pub(super) fn write_error(error: EncodingError) -> RenderError {
     match error {
         EncodingError::IoError(error) => RenderError::Write(error),
         other => RenderError::Write(std::io::Error::other(other)),
@@ -132,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_written_is_read() {
+    fn a_written_picture_is_read_back() {
         for colors in [1, 2, 255, 256, 257, 1000] {
             let (picture, metadata) = decode(Cursor::new(encoded(&shades(colors)))).unwrap();
             assert_eq!(picture, shades(colors), "{colors} colours");
@@ -141,13 +141,13 @@ mod tests {
     }
 
     #[test]
-    fn up_to_256_colours_make_an_indexed_file() {
+    fn up_to_256_colors_are_written_with_a_palette() {
         let color_type = |colors| encoded(&shades(colors))[25];
         assert_eq!([color_type(256), color_type(257)], [ColorType::Indexed as u8, ColorType::Rgb as u8]);
     }
 
     #[test]
-    fn metadata_goes_with_the_picture() {
+    fn metadata_is_read_back() {
         let entries = [("rebond steps", "0 to 600"), ("Title", "v⃗ = −Δx/Δt")];
         let metadata = Metadata { entries: entries.map(|(key, value)| (key.to_owned(), value.to_owned())).to_vec() };
         let mut file = Vec::new();
@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_that_claims_a_giant_picture_is_an_error() {
+    fn a_file_that_declares_a_giant_picture_is_an_error() {
         let mut file = encoded(&shades(300));
         file[16..24].copy_from_slice(&[0, 1, 0, 0, 0, 1, 0, 0]);
         assert!(decode(Cursor::new(file)).is_err());

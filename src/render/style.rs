@@ -1,45 +1,45 @@
 use crate::scene::{ColorBy, Overlay, Theme};
 
-/// How pictures look; the same for every frame of a clip.
+/// The style of a picture, the same for every frame of an animation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Style {
     /// Light or dark.
     pub theme: Theme,
-    /// What is drawn beside the boxes; order and repetition mean nothing.
+    /// The overlays drawn in addition to the boxes; order and repetition have no effect.
     pub show: Vec<Overlay>,
-    /// What the colour of a box tells.
+    /// The quantity that the colour of a box shows.
     pub color_by: ColorBy,
     /// The speed, m/s, at the end of the colour scale and of the longest velocity arrow.
     ///
-    /// Taken from the whole run, not from the part that is drawn, so that parts drawn apart
-    /// fit together. Faster bodies are drawn as if they had this speed.
+    /// The maximum of the whole run rather than of the part that is drawn, so that parts drawn separately have the
+    /// same scale. Faster bodies are drawn as if they had this speed.
     pub top_speed: f64,
-    /// The force, N, of the longest force arrow; of the whole run, too.
+    /// The force, N, of the longest force arrow; also of the whole run.
     pub top_force: f64,
-    /// The impulse, N·s, of the longest impulse arrow; of the whole run, too.
+    /// The impulse, N·s, of the longest impulse arrow; also of the whole run.
     pub top_impulse: f64,
-    /// How many bodies the run ever has: of many, velocities and forces are drawn shorter.
-    pub crowd: u32,
-    /// What is written below the picture; nothing if empty.
+    /// Number of bodies of the whole run; velocity and force arrows are shorter if there are many.
+    pub body_count: u32,
+    /// Caption below the picture; none if empty.
     pub caption: String,
-    /// The materials of the run in the order of the legend; the palette is gone round by it.
+    /// The materials of the run in the order of the legend and of the palette colours.
     pub materials: Vec<String>,
 }
 
 impl Style {
-    /// Whether that overlay is asked for.
+    /// Returns true if `overlay` is shown.
     pub fn shows(&self, overlay: Overlay) -> bool {
         self.show.contains(&overlay)
     }
 
-    /// Whether a strip below the world is kept free for the clock, a scale bar or a legend.
+    /// Returns true if the picture has a strip below the world for the clock, a scale bar or a legend.
     pub fn has_footer(&self) -> bool {
         self.shows(Overlay::Clock) || self.shows(Overlay::Scale) || self.color_by != ColorBy::Body
     }
 }
 
 impl Default for Style {
-    /// Light, names and clock, coloured by body.
+    /// The light theme with names and clock, coloured by body.
     fn default() -> Style {
         Style {
             theme: Theme::Light,
@@ -48,7 +48,7 @@ impl Default for Style {
             top_speed: 10.0,
             top_force: 10.0,
             top_impulse: 10.0,
-            crowd: 0,
+            body_count: 0,
             caption: String::new(),
             materials: Vec::new(),
         }

@@ -1,16 +1,16 @@
-//! Display lists as SVG files: for slides and print, sharp in any size.
+//! Writes display lists as SVG files, for slides and print.
 
-use super::text::{Font, Line, Segment, UNITS_PER_EM};
+use super::text::{Font, Line, PathSegment, UNITS_PER_EM};
 use super::{DisplayList, Ink, Metadata, RenderError, Shape};
 use crate::physics::{Rect, Vector};
 use std::collections::BTreeSet;
 use std::fmt::{self, Display, Formatter};
 use std::io::Write;
 
-/// Writes a display list as an SVG file of its own: text is outlines, nothing is referred to.
+/// Writes a display list as a self-contained SVG file. Text is written as glyph outlines.
 ///
 /// # Errors
-/// When `output` refuses.
+/// If writing to `output` fails.
 pub fn encode(list: &DisplayList, metadata: &Metadata, mut output: impl Write) -> Result<(), RenderError> {
     let [width, height] = list.size;
     writeln!(
@@ -20,7 +20,7 @@ pub fn encode(list: &DisplayList, metadata: &Metadata, mut output: impl Write) -
     if !metadata.entries.is_empty() {
         writeln!(output, "<metadata>{}</metadata>", Escaped(&metadata.to_string()))?;
     }
-    glyphs(list, &mut output)?;
+    encode_glyphs(list, &mut output)?;
     writeln!(output, "<rect width=\"{width}\" height=\"{height}\" fill=\"{}\"/>", list.background)?;
     for shape in list.backdrop.iter().chain(&list.shapes) {
         encode_shape(shape, &mut output)?;
@@ -29,7 +29,7 @@ pub fn encode(list: &DisplayList, metadata: &Metadata, mut output: impl Write) -
     Ok(())
 }
 
-/// What an SVG file that [`encode`] wrote says of itself.
+/// Reads the metadata of an SVG file written by [`encode`].
 pub fn metadata(file: &[u8]) -> Metadata {
     let text = String::from_utf8_lossy(file);
     let begin = text.split_once("<metadata>").map_or("", |(_, rest)| rest);
@@ -38,8 +38,8 @@ pub fn metadata(file: &[u8]) -> Metadata {
     Metadata::parse(&plain)
 }
 
-/// Every glyph that is used, once, in font units and with y up.
-fn glyphs(list: &DisplayList, output: &mut impl Write) -> Result<(), RenderError> {
+/// Writes a definition of every used glyph, in font units with y pointing up.
+fn encode_glyphs(list: &DisplayList, output: &mut impl Write) -> Result<(), RenderError> {
     let lines = list.leaves().filter_map(|shape| match shape {
         Shape::Text { line, .. } => Some(line),
         Shape::Rect { .. } | Shape::Polygon { .. } | Shape::Polyline { .. } | Shape::Clip { .. } => None,
@@ -48,7 +48,7 @@ fn glyphs(list: &DisplayList, output: &mut impl Write) -> Result<(), RenderError
     writeln!(output, "<defs>")?;
     for id in used {
         write!(output, "<path id=\"g{id}\" d=\"")?;
-        Font::embedded().outline(id).iter().try_for_each(|segment| write!(output, "{}", Data(segment)))?;
+        Font::embedded().outline(id).iter().try_for_each(|segment| write!(output, "{}", PathData(segment)))?;
         writeln!(output, "\"/>")?;
     }
     writeln!(output, "</defs>")?;
@@ -60,10 +60,10 @@ fn encode_shape(shape: &Shape, output: &mut impl Write) -> Result<(), RenderErro
         Shape::Rect { rect, ink } => writeln!(
             output,
             "<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"{}/>",
-            Number(rect.origin.x),
-            Number(rect.origin.y),
-            Number(rect.width()),
-            Number(rect.height()),
+            Coordinate(rect.origin.x),
+            Coordinate(rect.origin.y),
+            Coordinate(rect.width()),
+            Coordinate(rect.height()),
             Fill(*ink)
         )?,
         Shape::Polygon { points, ink } => writeln!(output, "<polygon points=\"{}\"{}/>", Points(points), Fill(*ink))?,
@@ -71,7 +71,7 @@ fn encode_shape(shape: &Shape, output: &mut impl Write) -> Result<(), RenderErro
             output,
             "<polyline points=\"{}\" fill=\"none\" stroke-linecap=\"round\" stroke-linejoin=\"round\" stroke-width=\"{}\"{}/>",
             Points(points),
-            Number(*width),
+            Coordinate(*width),
             Stroke(*ink)
         )?,
         Shape::Clip { window, shapes } => encode_clip(window, shapes, output)?,
@@ -80,7 +80,7 @@ fn encode_shape(shape: &Shape, output: &mut impl Write) -> Result<(), RenderErro
     Ok(())
 }
 
-/// A picture in the picture: what leaves it is not seen.
+/// Writes a nested `svg` element, which clips its content.
 fn encode_clip(window: &Rect, shapes: &[Shape], output: &mut impl Write) -> Result<(), RenderError> {
     let [x, y, width, height] = [window.origin.x, window.origin.y, window.width(), window.height()].map(f64::round);
     writeln!(
@@ -92,7 +92,7 @@ fn encode_clip(window: &Rect, shapes: &[Shape], output: &mut impl Write) -> Resu
     Ok(())
 }
 
-/// A group of glyphs that says what it reads.
+/// Writes the glyphs of a line as a group that is labelled with its text.
 fn encode_line(line: &Line, at: Vector, ink: Ink, output: &mut impl Write) -> Result<(), RenderError> {
     writeln!(output, "<g role=\"img\" aria-label=\"{}\"{}>", Escaped(&line.text), Fill(ink))?;
     for glyph in &line.glyphs {
@@ -101,8 +101,8 @@ fn encode_line(line: &Line, at: Vector, ink: Ink, output: &mut impl Write) -> Re
             output,
             "<use href=\"#g{}\" transform=\"translate({} {}) scale({scale} {})\"/>",
             glyph.id,
-            Number(at.x + glyph.x),
-            Number(at.y + glyph.y),
+            Coordinate(at.x + glyph.x),
+            Coordinate(at.y + glyph.y),
             -scale
         )?;
     }
@@ -110,10 +110,10 @@ fn encode_line(line: &Line, at: Vector, ink: Ink, output: &mut impl Write) -> Re
     Ok(())
 }
 
-/// A coordinate to the hundredth of a pixel, without needless zeros.
-struct Number(f64);
+/// A coordinate rounded to 1/100 px, without trailing zeros.
+struct Coordinate(f64);
 
-impl Display for Number {
+impl Display for Coordinate {
     fn fmt(&self, out: &mut Formatter) -> fmt::Result {
         // Adding 0 turns −0 into 0.
         write!(out, "{}", (self.0 * 100.0).round() / 100.0 + 0.0)
@@ -124,9 +124,9 @@ struct Points<'a>(&'a [Vector]);
 
 impl Display for Points<'_> {
     fn fmt(&self, out: &mut Formatter) -> fmt::Result {
-        for (place, point) in self.0.iter().enumerate() {
-            let space = if place == 0 { "" } else { " " };
-            write!(out, "{space}{},{}", Number(point.x), Number(point.y))?;
+        for (index, point) in self.0.iter().enumerate() {
+            let space = if index == 0 { "" } else { " " };
+            write!(out, "{space}{},{}", Coordinate(point.x), Coordinate(point.y))?;
         }
         Ok(())
     }
@@ -156,20 +156,20 @@ impl Display for Stroke {
     }
 }
 
-struct Data<'a>(&'a Segment);
+struct PathData<'a>(&'a PathSegment);
 
-impl Display for Data<'_> {
+impl Display for PathData<'_> {
     fn fmt(&self, out: &mut Formatter) -> fmt::Result {
         match self.0 {
-            Segment::Move([x, y]) => write!(out, "M{x} {y}"),
-            Segment::Line([x, y]) => write!(out, "L{x} {y}"),
-            Segment::Quadratic([[cx, cy], [x, y]]) => write!(out, "Q{cx} {cy} {x} {y}"),
-            Segment::Close => write!(out, "Z"),
+            PathSegment::Move([x, y]) => write!(out, "M{x} {y}"),
+            PathSegment::Line([x, y]) => write!(out, "L{x} {y}"),
+            PathSegment::Quadratic([[cx, cy], [x, y]]) => write!(out, "Q{cx} {cy} {x} {y}"),
+            PathSegment::Close => write!(out, "Z"),
         }
     }
 }
 
-/// Text as XML wants it; characters that XML cannot hold are left out.
+/// Text escaped for XML. Characters that XML does not allow are omitted.
 struct Escaped<'a>(&'a str);
 
 impl Display for Escaped<'_> {
@@ -202,7 +202,7 @@ mod tests {
     }
 
     #[test]
-    fn a_rectangle_is_a_rectangle() {
+    fn a_rectangle_becomes_a_rect_element() {
         let ink = Ink { color: Color::hex(0x0072b2), opacity: 51 };
         let rect = Rect::new(Vector::new(-0.001, 2.25), 3.0, 1.0);
         let file = encoded(Shape::Rect { rect, ink }, &Metadata::default());

@@ -2,37 +2,37 @@ use super::Sprite;
 use crate::physics::{BodyId, Vector};
 use std::collections::{BTreeMap, VecDeque};
 
-/// Remembers where bodies were, so that a frame can show it.
+/// The recent positions of bodies, from which frames take their trails.
 ///
-/// It forgets what is older than its length: memory does not grow with the run, and a frame
-/// is the same wherever a clip begins, as long as that many states before it were seen.
+/// Positions older than the trail length are dropped. Memory therefore does not grow with the run, and a frame does not
+/// depend on where an animation begins if the states of one trail length before it have been added.
 #[derive(Clone, Debug)]
 pub struct Trails {
     steps: u64,
-    places: BTreeMap<BodyId, VecDeque<(u64, Vector)>>,
+    positions: BTreeMap<BodyId, VecDeque<(u64, Vector)>>,
 }
 
 impl Trails {
-    /// Trails of the last `steps` steps.
+    /// Creates trails that cover the last `steps` steps.
     pub fn new(steps: u64) -> Trails {
-        Trails { steps, places: BTreeMap::new() }
+        Trails { steps, positions: BTreeMap::new() }
     }
 
-    /// Gives each sprite the trail it has at `step`, and remembers where it is now.
+    /// Adds the positions of `sprites` at `step` and sets the trail of each sprite.
     ///
-    /// States are to be shown in order; bodies that are not among them are forgotten.
-    pub fn follow(&mut self, step: u64, sprites: &mut [Sprite]) {
-        let mut places = BTreeMap::new();
+    /// Steps must not decrease from call to call. Bodies missing from `sprites` lose their trail.
+    pub fn update(&mut self, step: u64, sprites: &mut [Sprite]) {
+        let mut positions = BTreeMap::new();
         for sprite in sprites {
             let id = sprite.appearance.id;
-            let mut trail = self.places.remove(&id).unwrap_or_default();
+            let mut trail = self.positions.remove(&id).unwrap_or_default();
             trail.push_back((step, sprite.rect.center()));
-            while trail.front().is_some_and(|&(seen, _)| seen + self.steps < step) {
+            while trail.front().is_some_and(|&(recorded, _)| recorded + self.steps < step) {
                 trail.pop_front();
             }
-            sprite.trail = trail.iter().map(|&(_, place)| place).collect();
-            places.insert(id, trail);
+            sprite.trail = trail.iter().map(|&(_, position)| position).collect();
+            positions.insert(id, trail);
         }
-        self.places = places;
+        self.positions = positions;
     }
 }

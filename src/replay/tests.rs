@@ -2,6 +2,7 @@ use std::io::Cursor;
 
 use super::*;
 use crate::{
+    counted::counted,
     physics::{Collision, CollisionCount, Rect, Vector},
     recording::testing::{Run, body, bounce, record, record_altered},
 };
@@ -19,13 +20,13 @@ fn flip(number: &mut f64) {
     *number = f64::from_bits(number.to_bits() ^ 1);
 }
 
-/// With the digest that the numbers of the state would have had in the run.
-fn seal(run: &Run, state: &mut RecordedState) {
+/// Sets the digest of a state to the one that its values have.
+fn update_digest(run: &Run, state: &mut RecordedState) {
     let mut digest = StateDigest::default();
     let mut table = BodyTable::default();
     run.events.iter().filter(|event| event.step <= state.step).for_each(|event| table.apply(&event.change));
-    for (known, moved) in table.with_state(state) {
-        digest.body(known.id, moved.unwrap_or_else(|| known.first_numbers()));
+    for (info, recorded) in table.join_state(state) {
+        digest.add(info.id, recorded.unwrap_or_else(|| info.initial_state()));
     }
     state.digest = digest.value();
 }
@@ -36,7 +37,7 @@ fn a_recording_replays_the_same() {
 }
 
 #[test]
-fn a_range_of_steps_is_compared_alone() {
+fn only_the_chosen_steps_are_compared() {
     let bytes = record(&bounce(50));
     assert_eq!(verdict_of(&bytes, 20..=30), "same: 10 steps, 7 bodies");
     let altered = record_altered(&bounce(50), |state| {
@@ -50,18 +51,18 @@ fn a_range_of_steps_is_compared_alone() {
 #[test]
 fn one_flipped_bit_of_one_number_is_reported_exactly() {
     let run = bounce(50);
-    for sealed in [false, true] {
-        let mut was = None;
+    for is_digest_updated in [false, true] {
+        let mut original = None;
         let bytes = record_altered(&run, |state| {
             if state.step == 17 {
-                was = Some(state.vy[1]);
+                original = Some(state.vy[1]);
                 flip(&mut state.vy[1]);
-                if sealed {
-                    seal(&run, state);
+                if is_digest_updated {
+                    update_digest(&run, state);
                 }
             }
         });
-        let replayed = was.unwrap();
+        let replayed = original.unwrap();
         let recorded = f64::from_bits(replayed.to_bits() ^ 1);
         assert_eq!(
             verdict(&bytes),
@@ -86,7 +87,7 @@ fn the_first_differing_body_and_field_are_named() {
 }
 
 #[test]
-fn a_state_thinned_away_diverges_by_its_digest() {
+fn a_thinned_out_state_is_compared_by_its_digest() {
     let mut run = bounce(50);
     run.header.every = 10;
     assert_eq!(verdict(&record(&run)), "same: 50 steps, 7 bodies");
@@ -108,7 +109,7 @@ fn a_state_thinned_away_diverges_by_its_digest() {
 }
 
 #[test]
-fn a_recorded_error_comes_again() {
+fn a_recorded_error_is_reproduced() {
     let mut run = bounce(50);
     let fast = body("fast");
     let spawn = crate::physics::Spawn {
@@ -125,7 +126,7 @@ fn a_recorded_error_comes_again() {
 }
 
 #[test]
-fn what_is_left_of_a_cut_recording_is_the_same() {
+fn the_rest_of_a_cut_recording_replays_the_same() {
     let bytes = record(&bounce(50));
     let cut = &bytes[..bytes.len() / 2];
     let found = verdict(cut);
@@ -133,10 +134,10 @@ fn what_is_left_of_a_cut_recording_is_the_same() {
 }
 
 #[test]
-fn every_range_starts_from_a_keyframe_and_is_the_same() {
+fn a_replay_from_any_step_starts_at_a_keyframe_and_is_the_same() {
     let bytes = record(&bounce(50));
     for from in 0..=50 {
-        assert_eq!(verdict_of(&bytes, from..=u64::MAX), format!("same: {} steps, 7 bodies", 50 - from));
+        assert_eq!(verdict_of(&bytes, from..=u64::MAX), format!("same: {}, 7 bodies", counted(50 - from, "step")));
     }
     let altered = record_altered(&bounce(50), |state| {
         if state.step == 31 {
@@ -147,10 +148,10 @@ fn every_range_starts_from_a_keyframe_and_is_the_same() {
 }
 
 #[test]
-fn replay_goes_on_behind_a_damaged_chunk() {
+fn replay_continues_after_a_damaged_chunk() {
     let mut bytes = record(&bounce(100));
-    let place = bytes.len() / 3;
-    bytes[place] ^= 1;
+    let offset = bytes.len() / 3;
+    bytes[offset] ^= 1;
     let found = verdict(&bytes);
     assert!(found.starts_with("corrupt chunk "), "{found}");
     let same: u64 = found.rsplit(' ').nth(2).unwrap().parse().unwrap();
@@ -158,17 +159,17 @@ fn replay_goes_on_behind_a_damaged_chunk() {
 }
 
 #[test]
-fn the_observer_sees_the_collisions_of_the_run() {
+fn the_observer_receives_the_collisions_of_the_run() {
     let run = bounce(50);
     let mut collisions: Vec<Collision> = Vec::new();
     let recording = Recording::read(Cursor::new(record(&run))).unwrap();
     replay(recording, 0..=u64::MAX, &mut collisions, &mut |_| {}).unwrap();
     let mut count = CollisionCount::default();
     collisions.iter().for_each(|collision| count.collision(collision));
-    let end = Recording::read(Cursor::new(record(&run))).unwrap().filter_map(|item| match item {
-        Ok(Item::End(end)) => Some(end.collisions),
+    let recorded = Recording::read(Cursor::new(record(&run))).unwrap().filter_map(|item| match item {
+        Ok(Item::Trailer(trailer)) => Some(trailer.collisions),
         _ => None,
     });
-    assert_eq!(end.collect::<Vec<_>>(), [Some(count.0)]);
+    assert_eq!(recorded.collect::<Vec<_>>(), [Some(count.0)]);
     assert!(count.0 > 0);
 }

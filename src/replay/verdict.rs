@@ -1,33 +1,34 @@
 use std::fmt::{self, Display, Formatter};
 
+use crate::counted::counted;
 use crate::recording::Damage;
 
-/// What a replay found.
+/// The result of a replay.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Verdict {
-    /// Every recorded state came out again.
+    /// All compared states are the same.
     Same {
-        /// Steps compared.
+        /// The number of steps that are the same.
         steps: u64,
-        /// Bodies that ever lived, walls included.
+        /// The number of bodies ever spawned, walls included.
         bodies: u64,
-        /// The error the recorded run ended in, which came out again too.
-        then_error: Option<String>,
+        /// The error that ended the recorded run, reproduced by the replay.
+        error: Option<String>,
     },
-    /// A state came out differently.
+    /// A state differs.
     Diverged(Box<Divergence>),
-    /// The recording ends before its run does; what is there came out again.
+    /// The recording ends before its run; all states up to there are the same.
     Truncated {
-        /// The last step recorded; none if there was none.
+        /// The step of the last recorded state, if any.
         after: Option<u64>,
-        /// Steps compared.
+        /// The number of steps that are the same.
         steps: u64,
     },
-    /// Part of the recording cannot be read; what can came out again.
+    /// Part of the recording is damaged; all readable states are the same.
     Corrupt {
         /// The first damage.
         damage: Damage,
-        /// Steps compared.
+        /// The number of steps that are the same.
         steps: u64,
     },
 }
@@ -37,58 +38,58 @@ pub enum Verdict {
 pub struct Divergence {
     /// The step whose state differs.
     pub step: u64,
-    /// How it differs.
+    /// The difference.
     pub difference: Difference,
-    /// The last event before it, in words: `spawn "b" at step 30`.
+    /// A description of the last event before the state, such as `spawn "b" at step 30`.
     pub last_event: Option<String>,
 }
 
-/// How a state differs from the recorded one.
+/// A difference between a recorded and a replayed state.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Difference {
-    /// In a number of a body: the first differing body in creation order, and of that the
-    /// first field in the order x, y, vx, vy.
-    Number {
-        /// Name of the body.
+    /// A value of a body differs. This is the first differing body in creation order, and its first
+    /// differing field in the order x, y, vx, vy.
+    Value {
+        /// The name of the body.
         body: String,
         /// `x`, `y`, `vx` or `vy`.
         field: &'static str,
-        /// m or m/s.
+        /// The recorded value, m or m/s.
         recorded: f64,
-        /// m or m/s.
+        /// The replayed value, m or m/s.
         replayed: f64,
     },
-    /// Only the digests can be compared and they differ.
+    /// The digests differ, and no other values can be compared.
     Digest {
-        /// Of the recorded state.
+        /// The digest of the recorded state.
         recorded: u64,
-        /// Of the replayed state.
+        /// The digest of the replayed state.
         replayed: u64,
     },
-    /// The runs do not go on alike: one has a body, a step or an error the other has not.
-    Course {
-        /// In words.
-        what: String,
+    /// The runs have different bodies, events, errors or solver states.
+    Mismatch {
+        /// A description of the difference.
+        description: String,
     },
 }
 
-/// The line a script reads: its words stay in the plural, so that one pattern finds them.
+/// Formats the verdict as one line, documented for scripts.
 impl Display for Verdict {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match self {
-            Verdict::Same { steps, bodies, then_error: None } => {
-                write!(f, "same: {steps} steps, {bodies} bodies")
+            Verdict::Same { steps, bodies, error: None } => {
+                write!(f, "same: {}, {}", counted(*steps, "step"), counted(*bodies, "body"))
             }
-            Verdict::Same { steps, then_error: Some(error), .. } => {
-                write!(f, "same: {steps} steps, then the recorded error: {error}")
+            Verdict::Same { steps, error: Some(error), .. } => {
+                write!(f, "same: {}, then the recorded error: {error}", counted(*steps, "step"))
             }
             Verdict::Diverged(divergence) => divergence.fmt(f),
             Verdict::Truncated { after: Some(step), steps } => {
-                write!(f, "truncated after step {step}: {steps} steps same")
+                write!(f, "truncated after step {step}: {} same", counted(*steps, "step"))
             }
             Verdict::Truncated { after: None, .. } => write!(f, "truncated before the first state"),
             Verdict::Corrupt { damage, steps } => {
-                write!(f, "corrupt {damage}; {steps} steps same")
+                write!(f, "corrupt {damage}; {} same", counted(*steps, "step"))
             }
         }
     }
@@ -107,25 +108,24 @@ impl Display for Divergence {
 impl Display for Difference {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match self {
-            Difference::Number { body, field, recorded, replayed } => {
-                let distance = ulps(*recorded, *replayed);
-                let unit = if distance == 1 { "ulp" } else { "ulps" };
-                write!(f, "body {body:?} {field} recorded {recorded:?} replayed {replayed:?} ({distance} {unit})")
+            Difference::Value { body, field, recorded, replayed } => {
+                let distance = counted(ulps(*recorded, *replayed), "ulp");
+                write!(f, "body {body:?} {field} recorded {recorded:?} replayed {replayed:?} ({distance})")
             }
             Difference::Digest { recorded, replayed } => {
                 write!(f, "the digest of all bodies recorded {recorded:016x} replayed {replayed:016x}")
             }
-            Difference::Course { what } => f.write_str(what),
+            Difference::Mismatch { description } => f.write_str(description),
         }
     }
 }
 
-/// How many representable numbers lie from `a` to `b`; −0 and 0 are neighbours.
+/// Returns the distance from `a` to `b` in units in the last place; −0 and 0 are neighbours.
 pub fn ulps(a: f64, b: f64) -> u64 {
     ordered(a).abs_diff(ordered(b))
 }
 
-/// Maps doubles to integers in the same order, neighbours to neighbours.
+/// Maps floats to integers, preserving order and mapping neighbours to neighbours.
 fn ordered(number: f64) -> u64 {
     const SIGN: u64 = 1 << 63;
     let bits = number.to_bits();
@@ -137,7 +137,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn ulps_count_representable_numbers() {
+    fn the_distance_in_ulps_counts_representable_values() {
         assert_eq!(ulps(1.25, 1.25), 0);
         assert_eq!(ulps(1.25, 1.2500000000000002), 1);
         assert_eq!(ulps(1.0, 2.0), 1 << 52);
@@ -147,13 +147,13 @@ mod tests {
     }
 
     #[test]
-    fn verdicts_read_as_documented() {
-        let same = Verdict::Same { steps: 600, bodies: 12, then_error: None };
+    fn verdicts_have_the_documented_format() {
+        let same = Verdict::Same { steps: 600, bodies: 12, error: None };
         assert_eq!(same.to_string(), "same: 600 steps, 12 bodies");
-        let error = Verdict::Same { steps: 200, bodies: 12, then_error: Some("step 200: crushed".into()) };
+        let error = Verdict::Same { steps: 200, bodies: 12, error: Some("step 200: crushed".into()) };
         assert_eq!(error.to_string(), "same: 200 steps, then the recorded error: step 200: crushed");
         let difference =
-            Difference::Number { body: "c".into(), field: "vx", recorded: 1.25, replayed: 1.2500000000000002 };
+            Difference::Value { body: "c".into(), field: "vx", recorded: 1.25, replayed: 1.2500000000000002 };
         let last_event = Some("spawn \"b\" at step 30".into());
         let diverged = Verdict::Diverged(Box::new(Divergence { step: 301, difference, last_event }));
         assert_eq!(
@@ -163,8 +163,8 @@ mod tests {
         );
         let truncated = Verdict::Truncated { after: Some(400), steps: 400 };
         assert_eq!(truncated.to_string(), "truncated after step 400: 400 steps same");
-        let damage = Damage { chunk: Some(3), offset: 9000, what: "it is broken".into(), after: Some(1) };
+        let damage = Damage { chunk: Some(3), offset: 9000, reason: "it is broken".into(), after: Some(1) };
         let corrupt = Verdict::Corrupt { damage, steps: 1 };
-        assert_eq!(corrupt.to_string(), "corrupt chunk 3 at byte 9000 after step 1: it is broken; 1 steps same");
+        assert_eq!(corrupt.to_string(), "corrupt chunk 3 at byte 9000 after step 1: it is broken; 1 step same");
     }
 }

@@ -1,66 +1,66 @@
-use super::truth::Number;
+use super::oracle::Fixed256;
 use crate::physics::{Observer, SolverKind, StepError, World};
 use crate::run::{Run, RunError};
 use crate::scene::{self, Input, Scene, SceneError};
 use std::fmt;
 
-/// A scene that is hard for somebody, and what it is to come to.
+/// A hard scene, the rates at which it is run, and the source of its correct result.
 #[derive(Debug)]
 pub struct Case {
     /// Cases of one family share a diagram.
     pub family: String,
-    /// What the table calls it.
+    /// The name in the table.
     pub name: String,
-    /// Its scene as TOML, at its lowest rate.
+    /// The scene as TOML, at the lowest rate.
     pub text: String,
-    /// That rate, Hz.
+    /// The lowest rate, Hz.
     pub rate: f64,
-    /// Steps at that rate.
+    /// Number of steps at the lowest rate.
     pub steps: u64,
-    /// Whole numbers of times that rate.
+    /// The rates of the runs, as integer multiples of the lowest rate.
     pub factors: Vec<u64>,
-    /// The first step at the lowest rate that is measured; what was before is only run.
+    /// The first measured step, at the lowest rate. Earlier steps are run but not measured.
     pub from: u64,
-    /// Where its bodies are to be.
-    pub truth: Truth,
-    /// How many collisions there are, where it is known beforehand.
+    /// The source of the correct positions.
+    pub oracle: Oracle,
+    /// The correct number of collisions, if it is known in advance.
     pub collisions: Option<u64>,
 }
 
-/// Positions, m, of the finite masses in creation order at a time, s.
-pub type Formula = Box<dyn Fn(&Number) -> Vec<Place>>;
+/// Returns the positions (m) of the finite masses, in creation order, at a time (s).
+pub type Formula = Box<dyn Fn(&Fixed256) -> Vec<Position>>;
 
-/// A position along both axes, m.
-pub type Place = [Number; 2];
+/// Position of an upper-left corner along both axes, m.
+pub type Position = [Fixed256; 2];
 
-/// How it is known where bodies should be.
-pub enum Truth {
-    /// A formula gives it.
+/// The source of the correct positions of a case.
+pub enum Oracle {
+    /// A formula.
     ClosedForm(Formula),
-    /// All of them stay where the first measured state has them.
+    /// All bodies stay where they are in the first measured state.
     Rest,
-    /// Arithmetic to 77 decimals.
-    Reference,
-    /// It is an error: there is no room for the bodies.
-    Crush,
-    /// It is not known, and why.
+    /// A simulation with 77 decimals.
+    Simulation,
+    /// The run must end in an error, because a body is crushed.
+    Error,
+    /// The positions are unknown, for the reason given.
     Unknown(String),
 }
 
-/// One run of a case: by which solver, and at how many times its lowest rate.
+/// One run of a case: the solver and the rate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Trial {
-    /// Which solver.
+pub struct RunSpec {
+    /// The solver.
     pub solver: SolverKind,
-    /// How many times the lowest rate.
+    /// The rate, as a multiple of the lowest rate of the case.
     pub factor: u64,
 }
 
-/// Solvers in the order of the report.
+/// The solvers in the order of the report.
 pub const SOLVERS: [SolverKind; 2] = [SolverKind::EventDriven, SolverKind::Handout];
 
 impl Case {
-    /// A scene of the user's own, at its rate and higher ones.
+    /// A case for a scene of the user, at its own rate and at 4 and 16 times that rate.
     pub fn of_scene(name: &str, scene: &Scene) -> Case {
         Case {
             family: "own scenes".into(),
@@ -70,120 +70,122 @@ impl Case {
             steps: scene.run.steps,
             factors: vec![1, 4, 16],
             from: 0,
-            truth: Truth::Reference,
+            oracle: Oracle::Simulation,
             collisions: None,
         }
     }
 
-    /// Its runs, in the order of the report.
-    pub fn trials(&self) -> Vec<Trial> {
-        let rates = |solver| self.factors.iter().map(move |&factor| Trial { solver, factor });
+    /// The runs of the case, in the order of the report.
+    pub fn run_specs(&self) -> Vec<RunSpec> {
+        let rates = |solver| self.factors.iter().map(move |&factor| RunSpec { solver, factor });
         SOLVERS.into_iter().flat_map(rates).collect()
     }
 
-    /// The scene of a run: the same simulated time in more steps.
+    /// Returns the scene of a run: the same simulated time, in more steps at a higher rate.
     ///
     /// # Errors
-    /// When the text is refused.
-    pub fn scene(&self, trial: Trial) -> Result<Scene, SceneError> {
+    /// Returns an error if the scene text is invalid.
+    pub fn scene(&self, spec: RunSpec) -> Result<Scene, SceneError> {
         let mut scene = scene::parse(&self.name, &self.text)?;
-        scene.run.solver = trial.solver;
-        scene.run.rate *= trial.factor as f64;
-        scene.run.steps *= trial.factor;
-        scene.inputs.iter_mut().for_each(|input| input.step *= trial.factor);
+        scene.run.solver = spec.solver;
+        scene.run.rate *= spec.factor as f64;
+        scene.run.steps *= spec.factor;
+        scene.inputs.iter_mut().for_each(|input| input.step *= spec.factor);
         Ok(scene)
     }
 
-    /// The steps at the lowest rate that are looked at: about a hundred, the first measured and
-    /// the last one among them.
-    pub fn looks(&self) -> impl Iterator<Item = u64> + use<> {
-        const LOOKS: u64 = 120;
+    /// The steps at which states are compared, at the lowest rate: about 120, including the first
+    /// measured step and the last one.
+    pub fn sample_steps(&self) -> impl Iterator<Item = u64> + use<> {
+        const SAMPLES: u64 = 120;
         let (from, steps) = (self.from, self.steps);
-        let stride = (steps - from).div_ceil(LOOKS).max(1);
+        let stride = (steps - from).div_ceil(SAMPLES).max(1);
         (from..steps).step_by(stride as usize).chain([steps])
     }
 }
 
-impl fmt::Debug for Truth {
+impl fmt::Debug for Oracle {
     fn fmt(&self, out: &mut fmt::Formatter) -> fmt::Result {
         out.write_str(match self {
-            Truth::ClosedForm(_) => "ClosedForm",
-            Truth::Rest => "Rest",
-            Truth::Reference => "Reference",
-            Truth::Crush => "Crush",
-            Truth::Unknown(_) => "Unknown",
+            Oracle::ClosedForm(_) => "ClosedForm",
+            Oracle::Rest => "Rest",
+            Oracle::Simulation => "Simulation",
+            Oracle::Error => "Error",
+            Oracle::Unknown(_) => "Unknown",
         })
     }
 }
 
-impl Trial {
-    /// How many pairs of boxes the handout's solver looks at in a run of the scene.
-    pub fn pairs(self, scene: &Scene) -> u64 {
+impl RunSpec {
+    /// The number of pair tests that the handout solver makes in this run of `scene`.
+    pub fn pair_tests(self, scene: &Scene) -> u64 {
         let bodies = scene.inputs.len() as u64;
         bodies * bodies * scene.run.steps
     }
 }
 
-/// A scene being run with as little beside the engine as can be: inputs are looked at only in
-/// the steps that have some.
+/// Runs a scene with little overhead beside the engine: inputs are only processed in steps that
+/// have some.
 #[derive(Clone)]
-pub struct Course {
+pub struct SceneRunner {
     run: Run,
-    busy: Vec<u64>,
+    /// Steps that still have inputs, the next one last.
+    input_steps: Vec<u64>,
 }
 
-impl Course {
-    /// A scene before anything has happened.
-    pub fn new(scene: &Scene) -> Course {
-        let mut busy: Vec<u64> = scene.inputs.iter().map(|Input { step, .. }| *step).collect();
-        busy.dedup();
-        busy.reverse();
-        Course { run: Run::new(scene), busy }
+impl SceneRunner {
+    /// Creates a runner at step 0, before the inputs of that step are applied.
+    pub fn new(scene: &Scene) -> SceneRunner {
+        let mut input_steps: Vec<u64> = scene.inputs.iter().map(|Input { step, .. }| *step).collect();
+        input_steps.dedup();
+        input_steps.reverse();
+        SceneRunner { run: Run::new(scene), input_steps }
     }
 
-    /// Lets happen what the scene has for the present step.
+    /// Applies the inputs that the scene has for the present step.
     ///
     /// # Errors
-    /// When a name is taken or not alive.
-    pub fn happen(&mut self) -> Result<(), RunError> {
-        if self.busy.last() == Some(&self.run.engine().present_step()) {
-            self.busy.pop();
-            self.run.happen(Vec::new(), |error| Err(error.into()))?;
+    /// Returns an error if a name is already in use or not alive.
+    pub fn apply_inputs(&mut self) -> Result<(), RunError> {
+        if self.input_steps.last() == Some(&self.run.engine().current_step()) {
+            self.input_steps.pop();
+            self.run.apply_inputs(Vec::new(), |error| Err(error.into()))?;
         }
         Ok(())
     }
 
-    /// Moves the world on to a later step and lets happen what the scene has for it.
+    /// Advances the world to `step`, applying the inputs on the way.
     ///
     /// # Errors
-    /// When a name is taken or not alive; within that, as for [`crate::physics::Engine::step`].
+    /// The outer error is that of an input whose name is already in use or not alive; the inner one
+    /// is that of [`crate::physics::Engine::step`].
     pub fn advance_to<O: Observer>(&mut self, step: u64, observer: &mut O) -> Result<Result<(), StepError>, RunError> {
-        while self.run.engine().present_step() < step {
+        while self.run.engine().current_step() < step {
             if let Err(error) = self.run.step(observer) {
                 return Ok(Err(error));
             }
-            self.happen()?;
+            self.apply_inputs()?;
         }
         Ok(Ok(()))
     }
 
-    /// How many steps have been taken.
-    pub fn present_step(&self) -> u64 {
-        self.run.engine().present_step()
+    /// The number of steps taken.
+    pub fn current_step(&self) -> u64 {
+        self.run.engine().current_step()
     }
 
-    /// The world as it is.
+    /// The present world.
     pub fn world(&self) -> &World {
         self.run.engine().world()
     }
 }
 
-/// The world of a scene at step 0, before anything moves.
+/// Returns the world of a scene at step 0, after the inputs of that step.
 ///
 /// # Errors
-/// When a name is taken or not alive.
-pub fn first_world(scene: &Scene) -> Result<World, RunError> {
-    let mut course = Course::new(scene);
-    course.happen()?;
-    Ok(course.world().clone())
+/// Returns an error if a name is already in use or not alive.
+pub fn initial_world(scene: &Scene) -> Result<World, RunError> {
+    let mut runner = SceneRunner::new(scene);
+    runner.apply_inputs()?;
+    Ok(runner.world().clone())
 }

@@ -1,5 +1,4 @@
-/// Seconds of processor time this thread has had; where the system does not say, seconds on
-/// the clock.
+/// Returns the processor time of this thread, s; on systems that do not report it, wall-clock time.
 pub fn processor_seconds() -> f64 {
     #[cfg(unix)]
     {
@@ -13,5 +12,5 @@ pub fn processor_seconds() -> f64 {
     }
 }
 
-/// What the figures of `processor_seconds` are.
-pub const CLOCK: &str = if cfg!(unix) { "processor time of one thread" } else { "time on the clock" };
+/// A description of what `processor_seconds` measures.
+pub const CLOCK: &str = if cfg!(unix) { "processor time of one thread" } else { "wall-clock time" };

@@ -1,55 +1,58 @@
-use super::case::{Case, Trial, Truth, first_world};
-use super::truth::{Number, Reference};
+use super::case::{Case, Oracle, RunSpec, initial_world};
+use super::oracle::{Fixed256, PreciseSimulator};
 use crate::physics::SolverKind;
 
-/// What a case is to come to, at every instant that is looked at.
+/// The correct result of a case at each compared step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Expectation {
-    /// For each look the positions of the finite masses in creation order, m.
-    pub places: Option<Vec<Vec<[Number; 2]>>>,
-    /// How many collisions there are up to the last look.
+    /// For each compared step the positions of the finite masses in creation order, m.
+    pub positions: Option<Vec<Vec<[Fixed256; 2]>>>,
+    /// Correct number of collisions up to the last compared step.
     pub collisions: Option<u64>,
-    /// How that is known, or why not.
+    /// Source of these values, or the reason why they are unknown.
     pub source: String,
 }
 
 impl Expectation {
-    /// What a case is to come to. Slow where there is no formula for it.
-    pub fn of(case: &Case) -> Expectation {
-        let known = |places: Option<_>, source: &str| Expectation {
-            places,
+    /// Computes the expectation of a case. Slow if there is no formula for it.
+    pub fn compute(case: &Case) -> Expectation {
+        let expectation = |positions: Option<_>, source: &str| Expectation {
+            positions,
             collisions: case.collisions,
             source: source.into(),
         };
-        match &case.truth {
-            Truth::ClosedForm(places) => known(Some(instants(case).map(|time| places(&time)).collect()), "closed form"),
-            Truth::Rest => known(None, "nothing moves"),
-            Truth::Crush => known(None, "an error"),
-            Truth::Unknown(why) => known(None, why),
-            Truth::Reference => by_reference(case).unwrap_or_else(|why| known(None, &why)),
+        match &case.oracle {
+            Oracle::ClosedForm(positions) => {
+                expectation(Some(instants(case).map(|time| positions(&time)).collect()), "closed form")
+            }
+            Oracle::Rest => expectation(None, "nothing moves"),
+            Oracle::Error => expectation(None, "must end in an error"),
+            Oracle::Unknown(reason) => expectation(None, reason),
+            Oracle::Simulation => simulate(case).unwrap_or_else(|reason| expectation(None, &reason)),
         }
     }
 }
 
-/// The instants looked at, s.
-fn instants(case: &Case) -> impl Iterator<Item = Number> {
-    let rate = Number::from(case.rate);
-    case.looks().map(move |step| &Number::from(step as f64) / &rate)
+/// The times of the compared steps, s.
+fn instants(case: &Case) -> impl Iterator<Item = Fixed256> {
+    let rate = Fixed256::from(case.rate);
+    case.sample_steps().map(move |step| &Fixed256::from(step as f64) / &rate)
 }
 
-fn by_reference(case: &Case) -> Result<Expectation, String> {
-    let trial = Trial { solver: SolverKind::EventDriven, factor: 1 };
-    let scene = case.scene(trial).map_err(|error| error.to_string())?;
+fn simulate(case: &Case) -> Result<Expectation, String> {
+    let spec = RunSpec { solver: SolverKind::EventDriven, factor: 1 };
+    let scene = case.scene(spec).map_err(|error| error.to_string())?;
     if scene.inputs.iter().any(|input| input.step > 0) {
-        return Err("bodies come or go, which 77 decimals do not follow".into());
+        return Err("the 77-decimal simulator supports no later spawns or deletes".into());
     }
-    let world = first_world(&scene).map_err(|error| error.to_string())?;
-    let mut reference = Reference::new(&world, case.steps as f64 / case.rate).map_err(|why| why.to_string())?;
-    let mut places = Vec::new();
+    let world = initial_world(&scene).map_err(|error| error.to_string())?;
+    let mut simulator =
+        PreciseSimulator::new(&world, case.steps as f64 / case.rate).map_err(|error| error.to_string())?;
+    let mut positions = Vec::new();
     for time in instants(case) {
-        reference.advance(&time).map_err(|why| why.to_string())?;
-        places.push(reference.places(&time));
+        simulator.advance(&time).map_err(|error| error.to_string())?;
+        positions.push(simulator.positions(&time));
     }
-    let collisions = Some(case.collisions.unwrap_or(reference.collisions));
-    Ok(Expectation { places: Some(places), collisions, source: "77 decimals".into() })
+    let collisions = Some(case.collisions.unwrap_or(simulator.collisions));
+    Ok(Expectation { positions: Some(positions), collisions, source: "simulation with 77 decimals".into() })
 }

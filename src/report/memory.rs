@@ -1,16 +1,16 @@
-//! Memory of the process, as Linux tells it; elsewhere it is not known.
+//! Memory of the process as reported by Linux; unknown on other systems.
 
 use std::fs;
 
-/// Bytes in use now. What was the most until now is forgotten, so that [`most`] counts from here.
-pub fn begin() -> Option<u64> {
-    // Fails where the system has no such file: then the most until now stays what it was.
+/// Resets the peak and returns the memory in use, bytes. [`peak`] then counts from here.
+pub fn reset_peak() -> Option<u64> {
+    // Where the system has no such file the peak is not reset.
     let _ = fs::write("/proc/self/clear_refs", "5");
     status("VmRSS:")
 }
 
-/// The most bytes in use since [`begin`].
-pub fn most() -> Option<u64> {
+/// Returns the peak memory since [`reset_peak`], bytes.
+pub fn peak() -> Option<u64> {
     status("VmHWM:")
 }
 
@@ -25,11 +25,11 @@ fn status(key: &str) -> Option<u64> {
 mod tests {
     #[test]
     #[cfg(target_os = "linux")]
-    fn what_is_taken_is_seen() {
-        let before = super::begin().unwrap();
-        // More by far than other tests give back meanwhile.
-        let taken = std::hint::black_box(vec![1_u8; 256 << 20]);
-        let most = super::most().unwrap();
-        assert!(most >= before + (128 << 20), "{most} bytes of {before} and {}", taken.len());
+    fn allocated_memory_raises_the_peak() {
+        let before = super::reset_peak().unwrap();
+        // Far more than other tests free at the same time.
+        let allocated = std::hint::black_box(vec![1_u8; 256 << 20]);
+        let peak = super::peak().unwrap();
+        assert!(peak >= before + (128 << 20), "peak {peak} bytes, before {before}, allocated {}", allocated.len());
     }
 }

@@ -1,8 +1,8 @@
-//! Speed against error: what each solver gets wrong on hard scenes, and what that costs.
+//! Error against cost: the errors of each solver on hard scenes, beside the time they cost.
 //!
-//! A [`Case`] is a scene at several rates and what it should come to, its [`Expectation`], which
-//! comes from [`truth`] and never from the code that is judged. [`Errors`] are of one run and are
-//! the same each time; [`Cost`] is measured. Together they are a [`Row`].
+//! A [`Case`] is a scene with the rates at which it is run. Its [`Expectation`], the correct result,
+//! comes from [`oracle`], which shares no code with the solvers. [`Errors`] of a run are
+//! deterministic; [`Cost`] is measured. Both together form a [`Row`] of the report.
 
 mod case;
 pub mod cases;
@@ -12,16 +12,16 @@ mod diagram;
 mod errors;
 mod expectation;
 mod memory;
-mod remark;
+mod notes;
+pub mod oracle;
 mod row;
 mod table;
-pub mod truth;
 
-pub use case::{Case, Formula, Place, SOLVERS, Trial, Truth};
+pub use case::{Case, Formula, Oracle, Position, RunSpec, SOLVERS};
 pub use clock::CLOCK;
 pub use cost::Cost;
 pub use diagram::{growth, work_precision};
 pub use errors::Errors;
 pub use expectation::Expectation;
-pub use row::{Row, left_out};
+pub use row::{Row, skip_reason};
 pub use table::{HEADING, csv, table};

@@ -1,6 +1,7 @@
 use super::Row;
+use crate::counted::counted;
 
-/// A column: what stands above it, and what of a row stands in it.
+/// A column: its title, and the text of its cell for a row.
 struct Column {
     title: &'static str,
     cell: fn(&Row) -> String,
@@ -14,30 +15,29 @@ const COLUMNS: [Column; 11] = [
     Column { title: "momentum", cell: |row| error(row.momentum_drift) },
     Column { title: "overlap, m", cell: |row| error(row.worst_overlap) },
     Column { title: "collisions", cell: |row| row.collisions.map_or("-".into(), |count| count.to_string()) },
-    Column { title: "ns/body-step", cell: |row| row.ns_per_body_step.map_or("-".into(), significant) },
-    Column { title: "least–most", cell: spread },
+    Column { title: "ns/body-step", cell: |row| row.ns_per_body_step.map_or("-".into(), format_significant) },
+    Column { title: "min–max", cell: spread },
     Column { title: "events/s", cell: |row| row.events_per_second.map_or("-".into(), |rate| format!("{rate:.1e}")) },
     Column { title: "memory, kB", cell: memory },
 ];
 
-/// The report as aligned text: a block for each scene, and below it what a solver cannot do.
+/// Formats the report as aligned text: a block for each scene, followed by the remarks.
 pub fn table(rows: &[Row]) -> String {
     let cells: Vec<Vec<String>> =
         rows.iter().map(|row| COLUMNS.iter().map(|column| (column.cell)(row)).collect()).collect();
-    let width = |place: usize| {
-        let longest = cells.iter().map(|cells: &Vec<String>| cells[place].chars().count()).max().unwrap_or(0);
-        longest.max(COLUMNS[place].title.chars().count())
+    let width = |column: usize| {
+        let longest = cells.iter().map(|cells: &Vec<String>| cells[column].chars().count()).max().unwrap_or(0);
+        longest.max(COLUMNS[column].title.chars().count())
     };
     let widths: Vec<usize> = (0..COLUMNS.len()).map(width).collect();
     let titles = line(COLUMNS.iter().map(|column| column.title), &widths);
     let mut text = String::new();
     for (block, cells) in blocks(rows, &cells) {
         let first = &block[0];
-        let collisions = first
-            .true_collisions
-            .map_or(String::new(), |count| format!(", {}", counted(count, ["collision", "collisions"])));
-        let bodies = counted(first.bodies, ["body", "bodies"]);
-        text += &format!("{}: {bodies}{collisions}; truth: {}\n{titles}", first.scene, first.truth);
+        let collisions =
+            first.true_collisions.map_or(String::new(), |count| format!(", {}", counted(count, "collision")));
+        let bodies = counted(first.bodies, "body");
+        text += &format!("{}: {bodies}{collisions}; reference: {}\n{titles}", first.scene, first.truth);
         cells.iter().for_each(|cells| text += &line(cells.iter().map(String::as_str), &widths));
         block.iter().for_each(|row| text += &remark(row));
         text += "\n";
@@ -45,11 +45,7 @@ pub fn table(rows: &[Row]) -> String {
     text
 }
 
-fn counted(count: u64, [one, many]: [&str; 2]) -> String {
-    format!("{count} {}", if count == 1 { one } else { many })
-}
-
-/// The rows of each scene, with their cells.
+/// Groups rows and their cells by scene.
 fn blocks<'a>(rows: &'a [Row], cells: &'a [Vec<String>]) -> impl Iterator<Item = (&'a [Row], &'a [Vec<String>])> {
     let same = |a: &Row, b: &Row| a.family == b.family && a.scene == b.scene;
     let mut start = 0;
@@ -59,9 +55,9 @@ fn blocks<'a>(rows: &'a [Row], cells: &'a [Vec<String>]) -> impl Iterator<Item =
     })
 }
 
-/// The first column to the left, numbers to the right.
+/// Formats a line: the first column left-aligned, numbers right-aligned.
 fn line<'a>(cells: impl Iterator<Item = &'a str>, widths: &[usize]) -> String {
-    let padded = cells.zip(widths).enumerate().map(|(place, (cell, width))| match place {
+    let padded = cells.zip(widths).enumerate().map(|(column, (cell, width))| match column {
         0 => format!("  {cell:width$}"),
         _ => format!("  {cell:>width$}"),
     });
@@ -69,8 +65,8 @@ fn line<'a>(cells: impl Iterator<Item = &'a str>, widths: &[usize]) -> String {
 }
 
 fn remark(row: &Row) -> String {
-    let words = |remark: &String| format!("  {}, {} Hz: {remark}\n", row.solver, row.rate);
-    row.remark.as_ref().map_or(String::new(), words)
+    let line = |remark: &String| format!("  {}, {} Hz: {remark}\n", row.solver, row.rate);
+    row.remark.as_ref().map_or(String::new(), line)
 }
 
 fn error(value: Option<f64>) -> String {
@@ -82,10 +78,11 @@ fn error(value: Option<f64>) -> String {
 }
 
 fn spread(row: &Row) -> String {
-    row.ns_spread.map_or("-".into(), |spread| spread.map(significant).join("–"))
+    row.ns_spread.map_or("-".into(), |spread| spread.map(format_significant).join("–"))
 }
 
-/// The system counts memory in pages, and a little is there before it is asked for.
+/// Formats memory in kB. The system counts pages, and some are allocated in advance, so small figures
+/// are not meaningful.
 fn memory(row: &Row) -> String {
     match row.peak_bytes.map(|bytes| bytes / 1024) {
         None => "-".into(),
@@ -94,8 +91,8 @@ fn memory(row: &Row) -> String {
     }
 }
 
-/// Three digits.
-fn significant(value: f64) -> String {
+/// Formats three significant digits.
+fn format_significant(value: f64) -> String {
     match value {
         value if value >= 100.0 => format!("{value:.0}"),
         value if value >= 10.0 => format!("{value:.1}"),
@@ -103,14 +100,14 @@ fn significant(value: f64) -> String {
     }
 }
 
-/// What stands above the columns of [`csv`].
+/// The header line of [`csv`].
 pub const HEADING: &str = "family,scene,solver,rate,bodies,steps,position_error,energy_drift,momentum_drift,worst_overlap,\
     collisions,true_collisions,truth,ns_per_body_step,ns_least,ns_most,events_per_second,peak_bytes,remark\n";
 
-/// The report as rows of comma-separated values without a heading, so that parts join; what is
-/// not known is empty.
+/// Formats the report as comma-separated values without a header line, so that parts can be joined.
+/// Unknown values are empty.
 pub fn csv(rows: &[Row]) -> String {
-    fn maybe<T: ToString>(value: Option<T>) -> String {
+    fn optional<T: ToString>(value: Option<T>) -> String {
         value.map_or(String::new(), |value| value.to_string())
     }
     let row = |row: &Row| {
@@ -121,18 +118,18 @@ pub fn csv(rows: &[Row]) -> String {
             row.rate.to_string(),
             row.bodies.to_string(),
             row.steps.to_string(),
-            maybe(row.position_error),
-            maybe(row.energy_drift),
-            maybe(row.momentum_drift),
-            maybe(row.worst_overlap),
-            maybe(row.collisions),
-            maybe(row.true_collisions),
+            optional(row.position_error),
+            optional(row.energy_drift),
+            optional(row.momentum_drift),
+            optional(row.worst_overlap),
+            optional(row.collisions),
+            optional(row.true_collisions),
             quoted(&row.truth),
-            maybe(row.ns_per_body_step),
-            maybe(row.ns_spread.map(|spread| spread[0])),
-            maybe(row.ns_spread.map(|spread| spread[1])),
-            maybe(row.events_per_second),
-            maybe(row.peak_bytes),
+            optional(row.ns_per_body_step),
+            optional(row.ns_spread.map(|spread| spread[0])),
+            optional(row.ns_spread.map(|spread| spread[1])),
+            optional(row.events_per_second),
+            optional(row.peak_bytes),
             quoted(row.remark.as_deref().unwrap_or("")),
         ];
         fields.join(",") + "\n"

@@ -1,25 +1,25 @@
 use super::RunError;
-use crate::scene::{Input, Place, live};
+use crate::scene::{Input, InputLocation, live};
 use std::io::BufRead;
 
-/// What is done with an event line that cannot be obeyed.
+/// The reaction to a line of live events that is invalid or impossible.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Manners {
-    /// It ends the run with an error that names the line.
-    Strict,
-    /// It is skipped and counted.
-    Lenient,
+pub enum OnBadEvent {
+    /// The run ends with an error that names the line.
+    Fail,
+    /// The line is skipped and counted.
+    Skip,
 }
 
-/// Events that come in while a run goes on: one JSON object a line.
+/// Events that arrive during a run: one JSON object per line.
 ///
-/// A line takes effect at the step it names; one without a step takes effect one step after
-/// the line before it (the first at step 1). So what happens depends on the lines alone, never
-/// on when they arrive: before a state is recorded, the run waits until a line for a later
-/// step, or the end of input, shows that no more is to come for this one.
+/// A line takes effect at the step that it names; without a step it takes effect one step after
+/// the line before it (the first line at step 1). The result depends on the lines alone, not on
+/// their time of arrival: before a state is recorded, the run waits for a line of a later step or
+/// for the end of the input.
 pub struct LiveEvents<R> {
     lines: R,
-    manners: Manners,
+    on_bad_event: OnBadEvent,
     last_step: u64,
     line: u64,
     skipped: u64,
@@ -29,34 +29,34 @@ pub struct LiveEvents<R> {
 }
 
 impl<R: BufRead> LiveEvents<R> {
-    /// The events of `lines` for a run whose last state is `last_step`.
-    pub fn new(lines: R, manners: Manners, last_step: u64) -> LiveEvents<R> {
-        LiveEvents { lines, manners, last_step, line: 0, skipped: 0, latest: 0, pending: None, ended: false }
+    /// Reads events from `lines` for a run whose last state is `last_step`.
+    pub fn new(lines: R, on_bad_event: OnBadEvent, last_step: u64) -> LiveEvents<R> {
+        LiveEvents { lines, on_bad_event, last_step, line: 0, skipped: 0, latest: 0, pending: None, ended: false }
     }
 
-    /// How many lines were skipped.
+    /// The number of skipped lines.
     pub fn skipped(&self) -> u64 {
         self.skipped
     }
 
-    /// What is done about an input that cannot be obeyed: it is skipped, or it ends the run.
+    /// Handles the error of a line: counts it as skipped or returns the error.
     ///
     /// # Errors
-    /// `error`, when manners are strict.
+    /// `error`, with [`OnBadEvent::Fail`].
     pub fn refuse(&mut self, error: RunError) -> Result<(), RunError> {
-        match self.manners {
-            Manners::Strict => Err(error),
-            Manners::Lenient => {
+        match self.on_bad_event {
+            OnBadEvent::Fail => Err(error),
+            OnBadEvent::Skip => {
                 self.skipped += 1;
                 Ok(())
             }
         }
     }
 
-    /// All inputs for the state `step`; waits for lines as long as there may be more.
+    /// Returns all inputs for the state `step`; waits for lines as long as there may be more of them.
     ///
     /// # Errors
-    /// When lines cannot be read, or one cannot be obeyed and manners are strict.
+    /// If lines cannot be read, or if a line is invalid with [`OnBadEvent::Fail`].
     pub fn due(&mut self, step: u64) -> Result<Vec<Input>, RunError> {
         let mut due = Vec::new();
         while let Some(input) = self.next_until(step)? {
@@ -65,7 +65,7 @@ impl<R: BufRead> LiveEvents<R> {
         Ok(due)
     }
 
-    /// The next input if it is for `step`; an input for a later step waits.
+    /// Returns the next input if it is for `step`; an input for a later step stays pending.
     fn next_until(&mut self, step: u64) -> Result<Option<Input>, RunError> {
         while self.pending.is_none() && !self.ended {
             match self.read_line(step) {
@@ -77,7 +77,7 @@ impl<R: BufRead> LiveEvents<R> {
         Ok(self.pending.take_if(|input| input.step <= step))
     }
 
-    fn read_line(&mut self, present: u64) -> Result<Option<Input>, RunError> {
+    fn read_line(&mut self, current: u64) -> Result<Option<Input>, RunError> {
         let mut text = Vec::new();
         let read = read_bounded_line(&mut self.lines, &mut text);
         self.ended = read.map_err(|source| RunError::Events { line: self.line, source })? == 0;
@@ -86,8 +86,8 @@ impl<R: BufRead> LiveEvents<R> {
         }
         self.line += 1;
         let line = self.line;
-        if text.len() > LONGEST_LINE {
-            return Err(RunError::TooLong { line, limit: LONGEST_LINE });
+        if text.len() > MAX_LINE_BYTES {
+            return Err(RunError::TooLong { line, limit: MAX_LINE_BYTES });
         }
         let text = str::from_utf8(&text).map_err(|_| RunError::NotText { line })?;
         // Some programs begin a file with a byte order mark.
@@ -97,15 +97,15 @@ impl<R: BufRead> LiveEvents<R> {
         }
         let event = live::parse_line(self.line, text.trim_end_matches(['\n', '\r']))?;
         let step = event.step.unwrap_or(self.latest + 1);
-        self.check(step, present)?;
+        self.check_step(step, current)?;
         self.latest = step;
-        Ok(Some(Input { step, action: event.action, place: Place::Line(self.line) }))
+        Ok(Some(Input { step, action: event.action, location: InputLocation::EventLine(self.line) }))
     }
 
-    fn check(&self, named: u64, present: u64) -> Result<(), RunError> {
+    fn check_step(&self, named: u64, current: u64) -> Result<(), RunError> {
         let (line, last) = (self.line, self.last_step);
-        if named < present {
-            return Err(RunError::Late { line, named, present });
+        if named < current {
+            return Err(RunError::Late { line, named, current });
         }
         if named > last {
             return Err(RunError::AfterLastStep { line, named, last });
@@ -114,10 +114,11 @@ impl<R: BufRead> LiveEvents<R> {
     }
 }
 
-/// Bytes of a line: an event takes a few hundred.
-const LONGEST_LINE: usize = 8 * 1024;
+/// The largest length of a line, bytes; an event takes a few hundred.
+const MAX_LINE_BYTES: usize = 8 * 1024;
 
-/// Reads a line, of which it keeps a little more than it may have; how many bytes were read.
+/// Reads a line to its end, appends at most one byte more than the limit to `text`, and returns the number of
+/// bytes read.
 fn read_bounded_line(lines: &mut impl BufRead, text: &mut Vec<u8>) -> std::io::Result<usize> {
     let mut read = 0;
     loop {
@@ -126,10 +127,10 @@ fn read_bounded_line(lines: &mut impl BufRead, text: &mut Vec<u8>) -> std::io::R
             Err(error) if error.kind() == std::io::ErrorKind::Interrupted => continue,
             Err(error) => return Err(error),
         };
-        let end = buffer.iter().position(|byte| *byte == b'\n').map(|place| place + 1);
-        let part = &buffer[..end.unwrap_or(buffer.len())];
-        text.extend(part.iter().take(LONGEST_LINE + 1 - text.len()));
-        let count = part.len();
+        let end = buffer.iter().position(|byte| *byte == b'\n').map(|index| index + 1);
+        let chunk = &buffer[..end.unwrap_or(buffer.len())];
+        text.extend(chunk.iter().take(MAX_LINE_BYTES + 1 - text.len()));
+        let count = chunk.len();
         lines.consume(count);
         read += count;
         if end.is_some() || count == 0 {
@@ -138,5 +139,5 @@ fn read_bounded_line(lines: &mut impl BufRead, text: &mut Vec<u8>) -> std::io::R
     }
 }
 
-/// For runs that take no events but the scene's.
+/// The argument of [`record`](super::record) for a run without live events.
 pub const NO_LIVE_EVENTS: Option<&mut LiveEvents<std::io::Empty>> = None;

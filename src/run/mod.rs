@@ -1,24 +1,26 @@
-//! A scene being run: its inputs become events, the engine steps, a recording is written.
+//! Running scenes: inputs become events of the engine, the engine steps, a recording is written.
 //!
-//! [`record`] does it all for a scene. [`Run`] is the same by hand, a step at a time, for
-//! who wants to look at the world in between.
+//! [`record`] runs and records a complete scene. A [`Run`] is advanced step by step and gives access to the
+//! world in between.
 
 mod error;
 mod live_events;
 mod names;
 mod record;
 
-use crate::physics::{Engine, Observer, Settings, StepError, Vector, World};
+use crate::physics::{Engine, EngineConfig, Observer, StepError, Vector, World};
 use crate::recording::{Change, RecordedEvent};
-use crate::scene::{Action, Blueprint, Fault, Input, Place, Scene, SceneError, SceneSource, SpawnRequest};
+use crate::scene::{
+    Action, Blueprint, DiagnosticKind, Input, InputLocation, Scene, SceneError, SceneSource, SpawnRequest,
+};
 use names::Names;
 use std::collections::VecDeque;
 
 pub use error::RunError;
-pub use live_events::{LiveEvents, Manners, NO_LIVE_EVENTS};
+pub use live_events::{LiveEvents, NO_LIVE_EVENTS, OnBadEvent};
 pub use record::{RecordOptions, Recorded, record};
 
-/// A scene being run: the engine, and the inputs that are still to come.
+/// A run of a scene: the engine and the inputs of later steps.
 #[derive(Clone)]
 pub struct Run {
     engine: Engine,
@@ -28,35 +30,35 @@ pub struct Run {
 }
 
 impl Run {
-    /// The run of `scene`, before anything has happened.
+    /// A run of `scene` at step 0, before its first inputs.
     pub fn new(scene: &Scene) -> Run {
         Run {
-            engine: Engine::new(settings(scene)),
+            engine: Engine::new(engine_config(scene)),
             scheduled: scene.inputs.iter().cloned().collect(),
             source: scene.source.clone(),
             names: Names::default(),
         }
     }
 
-    /// The engine, to look at.
+    /// The engine.
     pub fn engine(&self) -> &Engine {
         &self.engine
     }
 
-    /// Lets the inputs of the present step happen, the scene's and `live` ones: deletes, then
-    /// spawns, then clicks. What they came to is returned; a click may come to nothing.
+    /// Applies the inputs of the current step, those of the scene and `live` ones: deletes, then spawns,
+    /// then clicks. Returns the resulting events; a click may cause none.
     ///
-    /// That a name is not alive or is taken shows only now in a scene with clicks and in live
-    /// events. Of a live one `refused` decides whether the run goes on without it.
+    /// Names that are in use or not alive are found only here in a scene with clicks and in live events.
+    /// `on_refused` is called with the error of a live event and returns an error to end the run.
     ///
     /// # Errors
-    /// When an input of the scene is refused, or `refused` says so.
-    pub fn happen(
+    /// If an input of the scene is refused, or if `on_refused` returns an error.
+    pub fn apply_inputs(
         &mut self,
         live: Vec<Input>,
-        mut refused: impl FnMut(SceneError) -> Result<(), RunError>,
+        mut on_refused: impl FnMut(SceneError) -> Result<(), RunError>,
     ) -> Result<Vec<RecordedEvent>, RunError> {
-        let step = self.engine.present_step();
+        let step = self.engine.current_step();
         let mut inputs = Vec::new();
         while self.scheduled.front().is_some_and(|input| input.step <= step) {
             inputs.extend(self.scheduled.pop_front());
@@ -64,14 +66,14 @@ impl Run {
         inputs.extend(live);
         inputs.sort_by_key(|input| phase(&input.action));
         let mut events = Vec::new();
-        for Input { action, place, .. } in inputs {
+        for Input { action, location, .. } in inputs {
             match self.resolve(action) {
                 Ok(change) => events.extend(change.map(|change| self.apply(change))),
-                Err(fault) => {
-                    let error = SceneError::at(&self.source, &place, fault);
-                    match place {
-                        Place::Scene(_) => return Err(error.into()),
-                        Place::Line(_) => refused(error)?,
+                Err(kind) => {
+                    let error = SceneError::at(&self.source, &location, kind);
+                    match location {
+                        InputLocation::Scene(_) => return Err(error.into()),
+                        InputLocation::EventLine(_) => on_refused(error)?,
                     }
                 }
             }
@@ -79,39 +81,39 @@ impl Run {
         Ok(events)
     }
 
-    /// Moves the world on by one step.
+    /// Advances the world by one step.
     ///
     /// # Errors
-    /// When the engine cannot complete the step; the run is then over.
+    /// If the engine cannot complete the step; the run is then over.
     pub fn step<O: Observer>(&mut self, observer: &mut O) -> Result<(), StepError> {
         self.engine.step(observer)
     }
 
-    /// Runs up to the state `step` as it is recorded: what the scene has happen then has happened.
+    /// Advances to the state `step` as it would be recorded, with the inputs of that step applied.
     ///
     /// ```
-    /// # let draft = rebond::scene::draft::Draft::default();
-    /// # let scene = draft.scene("scene.toml")?;
+    /// # let builder = rebond::scene::builder::SceneBuilder::default();
+    /// # let scene = builder.build("scene.toml")?;
     /// let mut run = rebond::run::Run::new(&scene);
     /// let mut collisions = Vec::new();
     /// run.go_to(60, &mut collisions)?;
-    /// assert_eq!(run.engine().present_step(), 60);
+    /// assert_eq!(run.engine().current_step(), 60);
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     ///
     /// # Errors
-    /// When an input of the scene is refused, or the engine cannot complete a step.
+    /// If an input of the scene is refused, or if the engine cannot complete a step.
     pub fn go_to<O: Observer>(&mut self, step: u64, observer: &mut O) -> Result<(), RunError> {
-        self.happen(Vec::new(), |error| Err(error.into()))?;
-        while self.engine.present_step() < step {
+        self.apply_inputs(Vec::new(), |error| Err(error.into()))?;
+        while self.engine.current_step() < step {
             self.step(observer)?;
-            self.happen(Vec::new(), |error| Err(error.into()))?;
+            self.apply_inputs(Vec::new(), |error| Err(error.into()))?;
         }
         Ok(())
     }
 
-    /// What an input comes to in the world as it is now.
-    fn resolve(&mut self, action: Action) -> Result<Option<Change>, Fault> {
+    /// Converts an action to a change of the current world; a click may cause none.
+    fn resolve(&mut self, action: Action) -> Result<Option<Change>, DiagnosticKind> {
         match action {
             Action::Wall(request) => self.spawn_wall(request).map(Some),
             Action::Spawn(request) => self.spawn(request).map(Some),
@@ -120,38 +122,38 @@ impl Run {
         }
     }
 
-    fn spawn_wall(&mut self, request: SpawnRequest) -> Result<Change, Fault> {
+    fn spawn_wall(&mut self, request: SpawnRequest) -> Result<Change, DiagnosticKind> {
         let name = request.name.clone().unwrap_or_default();
         self.spawn_named(name, request)
     }
 
-    fn spawn(&mut self, request: SpawnRequest) -> Result<Change, Fault> {
+    fn spawn(&mut self, request: SpawnRequest) -> Result<Change, DiagnosticKind> {
         let number = self.names.count_spawn();
         let name = request.name.clone().unwrap_or_else(|| format!("#{number}"));
         self.spawn_named(name, request)
     }
 
-    fn spawn_named(&mut self, name: String, request: SpawnRequest) -> Result<Change, Fault> {
+    fn spawn_named(&mut self, name: String, request: SpawnRequest) -> Result<Change, DiagnosticKind> {
         let id = self.engine.next_id();
-        let step = self.engine.present_step();
-        if !self.names.take(&name, id) {
-            return Err(Fault::NameTaken { name, step });
+        let step = self.engine.current_step();
+        if !self.names.claim(&name, id) {
+            return Err(DiagnosticKind::NameTaken { name, step });
         }
         Ok(Change::Spawn { id, color: request.color.clone(), spawn: request.spawn(name) })
     }
 
-    fn delete(&mut self, name: &str) -> Result<Change, Fault> {
-        let step = self.engine.present_step();
-        match self.names.free(name) {
+    fn delete(&mut self, name: &str) -> Result<Change, DiagnosticKind> {
+        let step = self.engine.current_step();
+        match self.names.release(name) {
             Some(id) => Ok(Change::Delete { id }),
-            None => Err(Fault::NotAlive { name: name.into(), step, alive: self.names.first_alive() }),
+            None => Err(DiagnosticKind::NotAlive { name: name.into(), step, alive: self.names.first_alive() }),
         }
     }
 
-    /// The handout's mouse. What it hits it deletes, and then it spawns nothing: in the handout
-    /// the click that removed a box went on to the canvas below, which made a new one.
-    fn click(&mut self, at: Vector, spawn: Option<Blueprint>) -> Result<Option<Change>, Fault> {
-        if let Some(name) = topmost(self.engine.world(), at) {
+    /// The handout's mouse click. A click that deletes a body never also spawns one: in the handout, the
+    /// event that removed a box also reached the canvas below, which created a new box.
+    fn click(&mut self, at: Vector, spawn: Option<Blueprint>) -> Result<Option<Change>, DiagnosticKind> {
+        if let Some(name) = topmost_body(self.engine.world(), at) {
             return self.delete(&name).map(Some);
         }
         spawn.map(|blueprint| self.spawn(blueprint.centered_on(at))).transpose()
@@ -159,13 +161,13 @@ impl Run {
 
     fn apply(&mut self, change: Change) -> RecordedEvent {
         self.engine.apply(&change.event());
-        RecordedEvent { step: self.engine.present_step(), change }
+        RecordedEvent { step: self.engine.current_step(), change }
     }
 }
 
-/// What the engine is told of a scene.
-pub fn settings(scene: &Scene) -> Settings {
-    Settings {
+/// The engine configuration of a scene.
+pub fn engine_config(scene: &Scene) -> EngineConfig {
+    EngineConfig {
         solver: scene.run.solver,
         rate: scene.run.rate,
         gravity: scene.gravity,
@@ -174,7 +176,7 @@ pub fn settings(scene: &Scene) -> Settings {
     }
 }
 
-/// Deletes come first, so that their names are free for the spawns; clicks see both.
+/// The order of the inputs of one step: deletes first, so that their names are free for spawns; clicks last.
 fn phase(action: &Action) -> u8 {
     match action {
         Action::Delete { .. } => 0,
@@ -183,8 +185,8 @@ fn phase(action: &Action) -> u8 {
     }
 }
 
-/// The name of the body of finite mass created last that covers the point.
-fn topmost(world: &World, point: Vector) -> Option<String> {
+/// The name of the body of finite mass created last that contains the point.
+fn topmost_body(world: &World, point: Vector) -> Option<String> {
     let hit = world.bodies.iter().rev().find(|body| !body.is_infinite() && body.rect.has_point(point));
     hit.map(|body| body.name.clone())
 }

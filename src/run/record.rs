@@ -1,45 +1,44 @@
-use super::{LiveEvents, Run, RunError, settings};
+use super::{LiveEvents, Run, RunError, engine_config};
 use crate::physics::{CollisionCount, StepError};
-use crate::recording::{End, Header, Outcome, Paint, SceneText, Versions, Writer};
+use crate::recording::{ColorFn, Header, RunEnd, SceneText, Trailer, Versions, Writer};
 use crate::scene::{Scene, SceneError};
 use std::io::{BufRead, Write};
 
-/// How a scene is to be recorded.
+/// Options of a recording.
 #[derive(Clone, Copy, Debug)]
 pub struct RecordOptions {
-    /// The last step; the scene's own is in its [`RunOptions`](crate::scene::RunOptions).
+    /// The last step, which may differ from that of the scene's [`RunOptions`](crate::scene::RunOptions).
     pub steps: u64,
-    /// States of every `every`-th step are recorded in full, those between as digests; at least 1.
+    /// Every `every`-th state is recorded in full, the others as digests; at least 1.
     pub every: u64,
-    /// The colours in which viewers such as Foxglove are to show the boxes, if they are to.
-    pub viewer: Option<Paint>,
+    /// The colours of bodies in viewers such as Foxglove; `None` records nothing for viewers.
+    pub viewer: Option<ColorFn>,
 }
 
 impl RecordOptions {
-    /// All of a scene, every state in full, and nothing for viewers.
+    /// The complete run of the scene, every state in full, nothing for viewers.
     pub const fn whole(scene: &Scene) -> RecordOptions {
         RecordOptions { steps: scene.run.steps, every: 1, viewer: None }
     }
 }
 
-/// What came of recording a scene.
+/// The result of recording a scene.
 #[derive(Debug)]
 pub struct Recorded {
-    /// How the recording ended.
-    pub end: End,
-    /// The step the engine could not complete, if the run ended there.
+    /// The trailer of the recording.
+    pub end: Trailer,
+    /// The error of the step that the engine could not complete, if any.
     pub error: Option<StepError>,
 }
 
-/// Runs `scene` and writes it to `output`, and to nowhere else. Memory does not grow with the
-/// number of steps. `progress` hears the number of each state recorded.
+/// Runs `scene` and writes its recording to `output`. Memory does not grow with the number of steps.
+/// `progress` is called with the step of each recorded state.
 ///
-/// A step the engine cannot complete ends the run; the recording is then finished, tells the
-/// error, and is readable up to there.
+/// A step that the engine cannot complete ends the run. The recording is then finished and contains the
+/// error and all states before it.
 ///
 /// # Errors
-/// When an input is refused or the output cannot be written. What was flushed to the output
-/// before stays readable.
+/// If an input is refused or the output cannot be written. Chunks that were flushed before stay readable.
 pub fn record<W: Write + Send + 'static>(
     scene: &Scene,
     options: RecordOptions,
@@ -49,21 +48,21 @@ pub fn record<W: Write + Send + 'static>(
 ) -> Result<Recorded, RunError> {
     let mut run = Run::new(scene);
     let mut writer = Writer::new(output, &header(scene, options))?;
-    if let Some(paint) = options.viewer {
-        writer.show(paint);
+    if let Some(color) = options.viewer {
+        writer.enable_scene_updates(color);
     }
     let mut collisions = CollisionCount::default();
     let mut error = None;
     for step in 0..=options.steps {
         let due = live.as_mut().map(|live| live.due(step)).transpose()?;
-        let refused = |error: SceneError| match &mut live {
+        let on_refused = |error: SceneError| match &mut live {
             Some(live) => live.refuse(error.into()),
             None => Err(error.into()),
         };
-        for event in run.happen(due.unwrap_or_default(), refused)? {
-            writer.event(&event)?;
+        for event in run.apply_inputs(due.unwrap_or_default(), on_refused)? {
+            writer.write_event(&event)?;
         }
-        writer.state(run.engine())?;
+        writer.write_state(run.engine())?;
         progress(step);
         if step < options.steps {
             error = run.step(&mut collisions).err();
@@ -72,15 +71,15 @@ pub fn record<W: Write + Send + 'static>(
             break;
         }
     }
-    let outcome = Outcome { collisions: Some(collisions.0), error: error.as_ref().map(StepError::to_string) };
-    Ok(Recorded { end: writer.finish(outcome)?.end, error })
+    let run_end = RunEnd { collisions: Some(collisions.0), error: error.as_ref().map(StepError::to_string) };
+    Ok(Recorded { end: writer.finish(run_end)?.trailer, error })
 }
 
 fn header(scene: &Scene, options: RecordOptions) -> Header {
     let text = SceneText { file_name: scene.source.file_name().to_owned(), text: scene.source.text.clone() };
     Header {
         versions: Versions::CURRENT,
-        settings: settings(scene),
+        config: engine_config(scene),
         steps: options.steps,
         every: options.every,
         scene: text,

@@ -1,144 +1,198 @@
-use std::ops::Range;
-
 use super::{
     Blueprint, SpawnRequest,
-    refusal::Refusal,
+    diagnostics::Reported,
+    lifetimes::{Effect, NameField},
     tree::{Field, Key, Node, Table},
 };
 use crate::physics::Vector;
+use std::ops::Range;
 
-/// What can be done to the world.
+/// An action on the world.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Action {
-    /// One of the four walls comes into being; the numbering of bodies passes over it.
+    /// Spawns one of the four walls, which are not counted in the numbers `#K`.
     Wall(SpawnRequest),
-    /// A body comes into being: the next in the numbering, named or not.
+    /// Spawns a body: the next in the numbers `#K`, with or without a name.
     Spawn(SpawnRequest),
-    /// The body of that name goes; it has to be alive then.
+    /// Deletes the body of that name, which must be alive.
     Delete {
-        /// Its name, or `#K` for the K-th body spawned in the run.
+        /// The name, or `#K` for the K-th body spawned in the run.
         name: String,
     },
-    /// The handout's mouse: the body of finite mass created last that covers the point goes;
-    /// only if there is none, one is spawned.
+    /// The handout's mouse click: deletes the body of finite mass created last that contains the point;
+    /// if there is none, spawns a body.
     Click {
         /// The point, m.
         at: Vector,
-        /// What to spawn, centred on the point; nothing if absent.
+        /// The body to spawn, centred on the point; none if absent.
         spawn: Option<Blueprint>,
     },
 }
 
-/// An action as it stands in a text.
-pub struct Request {
-    /// The step it names and where.
-    pub step: Option<(u64, Range<usize>)>,
-    pub action: Action,
-    /// What to point at if it cannot be done: the name it gives or takes, else its table.
-    pub place: Range<usize>,
+/// An event as written in a text, as far as it could be read.
+pub struct Request<T> {
+    /// The step and its location, if given.
+    pub step: Result<Option<(u64, Range<usize>)>, Reported>,
+    /// The event.
+    pub event: Result<T, Reported>,
+    /// Its effect on the names alive, which is partly known even if the event could not be read.
+    pub effect: Effect,
+    /// The text to underline if the event is impossible: the name that it uses, else its table.
+    pub span: Range<usize>,
+}
+
+impl<T> Request<T> {
+    /// An event whose table could not be read at all.
+    pub fn unreadable(reported: Reported, effect: Effect, span: Range<usize>) -> Request<T> {
+        Request { step: Err(reported), event: Err(reported), effect, span }
+    }
 }
 
 pub const STEP: Key = Key { name: "step", accepts: "a whole number of steps, 0 or more" };
 const CORNER: Key =
-    Key { name: "at", accepts: "the upper-left corner: two finite numbers, m, to which size can be added" };
-const POINT: Key = Key { name: "at", accepts: "a point: two finite numbers, m, around which there is room for size" };
+    Key { name: "at", accepts: "the upper-left corner: two finite numbers, m, whose sums with size are finite" };
+const POINT: Key =
+    Key { name: "at", accepts: "a point: two finite numbers, m, around which a body of that size has finite corners" };
 const NAME: Key = Key {
     name: "name",
-    accepts: "1 to 256 bytes without control characters, not beginning with #, which is kept for bodies without a name",
+    accepts: "1 to 256 bytes without control characters; the first is not #, which is reserved for bodies without a name",
 };
-const NAME_OF_OTHER: Key = Key { name: "name", accepts: "the name of a body, or #K for the K-th spawned in the run" };
+const NAME_OF_BODY: Key =
+    Key { name: "name", accepts: "the name of a body, or #K for the K-th body spawned in the run" };
 const SIZE: Key = Key { name: "size", accepts: "two positive finite extents, m" };
-pub const MASS: Key = Key { name: "mass", accepts: "a positive number of kg, or inf for what is never pushed" };
+const MASS: Key = Key { name: "mass", accepts: "a positive number of kg, or inf for a body that nothing can push" };
 const VELOCITY: Key = Key { name: "velocity", accepts: "two finite numbers, m/s" };
 pub const FORCE: Key = Key { name: "force", accepts: "two finite numbers, N" };
 pub const MATERIAL: Key = Key { name: "material", accepts: "1 to 256 bytes without control characters and without /" };
-pub const COLOR: Key = Key { name: "color", accepts: "a colour written \"#rrggbb\" in hexadecimal digits" };
-const BLUEPRINT: Key = Key { name: "spawn", accepts: "the keys of a body without its place" };
+pub const COLOR: Key = Key { name: "color", accepts: "a colour \"#rrggbb\" in hexadecimal digits" };
+const BLUEPRINT: Key = Key { name: "spawn", accepts: "a table of the keys of a body, without at and step" };
 
 /// The keys of `[[spawn]]`.
-pub fn read_spawn(node: &Node) -> Result<Request, Refusal> {
-    let keys = [NAME, STEP, CORNER, SIZE, MASS, VELOCITY, FORCE, MATERIAL, COLOR];
-    let table = Table::open("spawn", node, &keys)?;
-    let corner = table.require(CORNER)?;
-    let request = read_blueprint(&table)?.placed_at(corner.read(Node::vector)?);
-    require_finite(&corner, &request)?;
-    Ok(Request { step: read_step(&table)?, action: Action::Spawn(request), place: name_or_table(&table) })
-}
-
+pub const SPAWN_KEYS: &[Key] = &[NAME, STEP, CORNER, SIZE, MASS, VELOCITY, FORCE, MATERIAL, COLOR];
 /// The keys of `[[delete]]`.
-pub fn read_delete(node: &Node) -> Result<Request, Refusal> {
-    let table = Table::open("delete", node, &[STEP, NAME_OF_OTHER])?;
-    let name = table.required(NAME_OF_OTHER, Node::text)?.into();
-    Ok(Request { step: read_step(&table)?, action: Action::Delete { name }, place: name_or_table(&table) })
-}
-
+pub const DELETE_KEYS: &[Key] = &[STEP, NAME_OF_BODY];
 /// The keys of `[[click]]`.
-pub fn read_click(node: &Node) -> Result<Request, Refusal> {
-    let table = Table::open("click", node, &[STEP, POINT, BLUEPRINT])?;
-    let point = table.require(POINT)?;
-    let at = point.read(Node::vector)?;
-    let mut place = table.span.clone();
-    let mut spawn = None;
-    if let Some(field) = table.get(BLUEPRINT) {
-        let inner = Table::open("click.spawn", field.node, &[NAME, SIZE, MASS, VELOCITY, FORCE, MATERIAL, COLOR])?;
-        let blueprint = read_blueprint(&inner)?;
-        require_finite(&point, &blueprint.clone().centered_on(at))?;
-        place = name_or_table(&inner);
-        spawn = Some(blueprint);
+pub const CLICK_KEYS: &[Key] = &[STEP, POINT, BLUEPRINT];
+/// The keys of the body that a `[[click]]` spawns.
+pub const BLUEPRINT_KEYS: &[Key] = &[NAME, SIZE, MASS, VELOCITY, FORCE, MATERIAL, COLOR];
+
+/// Reads `[[spawn]]`.
+pub fn read_spawn(table: &Table) -> Request<Action> {
+    let corner = table.require(CORNER).and_then(|field| Ok((field.read(Node::vector)?, field)));
+    let (blueprint, name, is_infinite) = read_blueprint(table);
+    let spawn = || {
+        let (corner, field) = corner?;
+        let request = blueprint?.placed_at(corner);
+        require_finite(&field, &request)?;
+        Ok(Action::Spawn(request))
+    };
+    Request {
+        step: read_step(table),
+        event: spawn(),
+        effect: Effect::Spawn { name, is_infinite },
+        span: name_or_table(table),
     }
-    Ok(Request { step: read_step(&table)?, action: Action::Click { at, spawn }, place })
 }
 
-/// The step a table names and where.
-pub fn read_step(table: &Table) -> Result<Option<(u64, Range<usize>)>, Refusal> {
-    table.get(STEP).map(|field| Ok((field.read(Node::count)?, field.node.span.clone()))).transpose()
+/// Reads `[[delete]]`.
+pub fn read_delete(table: &Table) -> Request<Action> {
+    let name = table.required(NAME_OF_BODY, Node::text).map(String::from);
+    Request {
+        step: read_step(table),
+        effect: Effect::Delete { name: name.clone().ok() },
+        event: name.map(|name| Action::Delete { name }),
+        span: name_or_table(table),
+    }
 }
 
-/// An infinite mass keeps its velocity for life, so −0 would be recorded as moving.
+/// Reads `[[click]]`.
+pub fn read_click(table: &Table) -> Request<Action> {
+    let step = read_step(table);
+    let point = table.require(POINT).and_then(|field| Ok((field.read(Node::vector)?, field)));
+    let spawn = table.get(BLUEPRINT).and_then(|field| {
+        field.map(|field| Table::open("click.spawn", field.node, BLUEPRINT_KEYS, table.reporter())).transpose()
+    });
+    let inner = match spawn {
+        Ok(Some(inner)) => inner,
+        Ok(None) => {
+            let event = point.map(|(at, _)| Action::Click { at, spawn: None });
+            return Request { step, event, effect: Effect::Click, span: table.span.clone() };
+        }
+        Err(reported) => {
+            let effect = Effect::SpawningClick { name: NameField::Unreadable };
+            return Request { step, event: Err(reported), effect, span: table.span.clone() };
+        }
+    };
+    let (blueprint, name, _) = read_blueprint(&inner);
+    let click = || {
+        let ((at, field), blueprint) = (point?, blueprint?);
+        require_finite(&field, &blueprint.clone().centered_on(at))?;
+        Ok(Action::Click { at, spawn: Some(blueprint) })
+    };
+    Request { step, event: click(), effect: Effect::SpawningClick { name }, span: name_or_table(&inner) }
+}
+
+/// Reads the step of an event and its location.
+pub fn read_step(table: &Table) -> Result<Option<(u64, Range<usize>)>, Reported> {
+    table.get(STEP)?.map(|field| Ok((field.read(Node::count)?, field.node.span.clone()))).transpose()
+}
+
+/// Replaces −0 by 0 in the constant velocity of an infinite mass, which would otherwise be recorded as moving.
 pub fn canonical_velocity(mass: f64, velocity: Vector) -> Vector {
-    // −0 + 0 is +0; any other number stays what it is.
+    // −0 + 0 is +0; any other number stays the same.
     if mass == f64::INFINITY { velocity.add(Vector::ZERO) } else { velocity }
 }
 
-/// A text fit to be one side of a pair in the restitution table.
+/// Reads a material, which can be one side of a pair in the restitution table.
 pub fn material(node: &Node) -> Result<&str, &Node> {
     let text = node.text()?;
     if text.contains('/') { Err(node) } else { Ok(text) }
 }
 
-/// A colour `#rrggbb`.
+/// Reads a colour `#rrggbb`.
 pub fn color(node: &Node) -> Result<&str, &Node> {
     let text = node.text()?;
     let digits = text.strip_prefix('#').ok_or(node)?;
     if digits.len() == 6 && digits.bytes().all(|digit| digit.is_ascii_hexdigit()) { Ok(text) } else { Err(node) }
 }
 
-fn read_blueprint(table: &Table) -> Result<Blueprint, Refusal> {
-    let mass = table.required(MASS, Node::mass)?;
-    let velocity = table.optional(VELOCITY, Node::vector)?.unwrap_or_default();
-    Ok(Blueprint {
-        name: table.optional(NAME, own_name)?.map(String::from),
-        size: table.required(SIZE, Node::size)?,
-        mass,
-        velocity: canonical_velocity(mass, velocity),
-        force: table.optional(FORCE, Node::vector)?.unwrap_or_default(),
-        material: table.optional(MATERIAL, material)?.unwrap_or_default().into(),
-        color: table.optional(COLOR, color)?.map(String::from),
-    })
+/// Reads a body without its position; its name and whether its mass is infinite are partly known even if
+/// the body could not be read.
+fn read_blueprint(table: &Table) -> (Result<Blueprint, Reported>, NameField, bool) {
+    let name = table.optional(NAME, own_name).map(|name| name.map(String::from));
+    let size = table.required(SIZE, Node::size);
+    let mass = table.required(MASS, Node::mass);
+    let velocity = table.optional(VELOCITY, Node::vector);
+    let force = table.optional(FORCE, Node::vector);
+    let material = table.optional(MATERIAL, material);
+    let color = table.optional(COLOR, color);
+    let name_field = NameField::from(&name);
+    let blueprint = || {
+        Ok(Blueprint {
+            name: name?,
+            size: size?,
+            mass: mass?,
+            velocity: canonical_velocity(mass?, velocity?.unwrap_or_default()),
+            force: force?.unwrap_or_default(),
+            material: material?.unwrap_or_default().into(),
+            color: color?.map(String::from),
+        })
+    };
+    (blueprint(), name_field, mass == Ok(f64::INFINITY))
 }
 
-/// A name a scene may give: `#1` and its like are given by the run.
+/// Reads a name that a scene may give; names such as `#1` are given by the run.
 fn own_name(node: &Node) -> Result<&str, &Node> {
     let name = node.text()?;
     if name.starts_with('#') { Err(node) } else { Ok(name) }
 }
 
-/// Refuses a place so far out that a corner of the body is not a number.
-fn require_finite(place: &Field, request: &SpawnRequest) -> Result<(), Refusal> {
+/// Refuses a position at which a corner of the body is not finite.
+fn require_finite(position: &Field, request: &SpawnRequest) -> Result<(), Reported> {
     let is_finite = request.rect.origin.is_finite() && request.rect.far_corner().is_finite();
-    if is_finite { Ok(()) } else { Err(place.refuse(place.node)) }
+    if is_finite { Ok(()) } else { Err(position.refuse(position.node)) }
 }
 
 fn name_or_table(table: &Table) -> Range<usize> {
-    table.get(NAME).map_or_else(|| table.span.clone(), |field| field.node.span.clone())
+    table.span_of(NAME).unwrap_or_else(|| table.span.clone())
 }

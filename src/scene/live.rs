@@ -1,45 +1,61 @@
-//! Events one a line: JSON objects with the keys of the scene format.
+//! Live events: one JSON object per line, with the keys of the scene format.
 
 use super::{
-    Action, Fault, SceneError,
-    action::{Request, read_click, read_delete, read_spawn},
-    refusal::Refusal,
+    Action, Diagnostic, DiagnosticKind, Diagnostics, Excerpt, SceneError,
+    action::{self, Request, read_click, read_delete, read_spawn},
+    diagnostics::{Reported, Reporter},
     tree::{Key, Table, Value, parse_json},
 };
 
-/// One event of a JSON Lines file or pipe.
+/// An event of a JSON Lines file or pipe.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LiveEvent {
-    /// The step it names; without one it takes effect at the next step.
+    /// The step that it names; without one it takes effect one step after the event before it.
     pub step: Option<u64>,
-    /// What it does.
+    /// The action.
     pub action: Action,
 }
 
-const SPAWN: Key = Key { name: "spawn", accepts: "the keys of a body" };
-const DELETE: Key = Key { name: "delete", accepts: "the name of a body" };
-const CLICK: Key = Key { name: "click", accepts: "a point" };
+const SPAWN: Key = Key { name: "spawn", accepts: "the keys of [[spawn]]" };
+const DELETE: Key = Key { name: "delete", accepts: "the keys of [[delete]]" };
+const CLICK: Key = Key { name: "click", accepts: "the keys of [[click]]" };
 
-/// The event on line `number` (from 1), whose text is `line`.
+/// The keys of an event line.
+pub(super) const KEYS: &[Key] = &[SPAWN, DELETE, CLICK];
+
+/// Parses the event on line `number` (from 1), whose text is `line`.
 ///
 /// # Errors
-/// [`SceneError::Event`] for the first thing in the line that is not as the format has it.
+/// [`SceneError::Event`] with all independent errors of the line.
 pub fn parse_line(number: u64, line: &str) -> Result<LiveEvent, SceneError> {
-    read(line).map_err(|refusal| SceneError::in_event(number, line, refusal))
+    let reporter = Reporter::default();
+    let event = read(line, &reporter);
+    reporter.finish(event, || excerpt(number, line)).map_err(|diagnostics| in_line(number, diagnostics))
 }
 
-fn read(line: &str) -> Result<LiveEvent, Refusal> {
-    let root = parse_json(line)?;
-    let Value::Table(_) = root.value else { return Err(Refusal::new(Fault::NotOneEvent, root.span)) };
-    let table = Table::open("", &root, &[SPAWN, DELETE, CLICK])?;
-    let request = match (table.get(SPAWN), table.get(DELETE), table.get(CLICK)) {
-        (Some(spawn), None, None) => read_spawn(spawn.node)?,
-        (None, Some(delete), None) => read_delete(delete.node)?,
-        (None, None, Some(click)) => read_click(click.node)?,
-        (None | Some(_), None | Some(_), None | Some(_)) => return Err(Refusal::new(Fault::NotOneEvent, root.span)),
+fn in_line(number: u64, diagnostics: Diagnostics) -> SceneError {
+    SceneError::Event { line: number, diagnostics: Box::new(diagnostics) }
+}
+
+/// The line without control characters, which could change the terminal that shows it.
+fn excerpt(number: u64, line: &str) -> Excerpt {
+    let text = line.replace(|letter: char| letter.is_ascii_control() && letter != '\t', "?");
+    Excerpt { name: "events".into(), line: number, text }
+}
+
+fn read(line: &str, reporter: &Reporter) -> Result<LiveEvent, Reported> {
+    let root = parse_json(line).map_err(|error| reporter.report(error))?;
+    let not_one_event = || Diagnostic::new(DiagnosticKind::NotOneEvent, root.span.clone());
+    let Value::Table(_) = root.value else { return Err(reporter.report(not_one_event())) };
+    let table = Table::open("", &root, KEYS, reporter)?;
+    let Request { step, event, .. } = match (table.get(SPAWN)?, table.get(DELETE)?, table.get(CLICK)?) {
+        (Some(spawn), None, None) => read_spawn(&Table::open("spawn", spawn.node, action::SPAWN_KEYS, reporter)?),
+        (None, Some(delete), None) => read_delete(&Table::open("delete", delete.node, action::DELETE_KEYS, reporter)?),
+        (None, None, Some(click)) => read_click(&Table::open("click", click.node, action::CLICK_KEYS, reporter)?),
+        (None, None, None) => return Err(table.first_unknown().unwrap_or_else(|| reporter.report(not_one_event()))),
+        (None | Some(_), None | Some(_), None | Some(_)) => return Err(reporter.report(not_one_event())),
     };
-    let Request { step, action, .. } = request;
-    Ok(LiveEvent { step: step.map(|(step, _)| step), action })
+    Ok(LiveEvent { step: step?.map(|(step, _)| step), action: event? })
 }
 
 #[cfg(test)]
@@ -54,12 +70,22 @@ mod tests {
             panic!("a spawn")
         };
         assert_eq!((step, request.name.as_deref(), request.mass), (Some(30), Some("b"), f64::INFINITY));
-        assert!(request.velocity.x.is_sign_positive(), "an infinite mass at rest has one zero only");
+        assert!(request.velocity.x.is_sign_positive(), "the velocity of an infinite mass has no −0");
         assert_eq!(request.rect.origin, Vector::new(2.0, 5.0));
     }
 
     #[test]
-    fn a_line_without_a_step_leaves_it_to_the_run() {
+    fn all_independent_errors_of_a_line_are_reported() {
+        let error =
+            parse_line(3, r#"{"spawn": {"at": [2.0, 5.0], "size": [1, 0], "mass": -1, "colour": "red"}}"#).unwrap_err();
+        let messages: Vec<String> = error.diagnostics().unwrap().listed().map(ToString::to_string).collect();
+        let expected = ["`spawn.size` cannot be 0", "`spawn.mass` cannot be -1", "unknown key `spawn.colour`"];
+        assert_eq!(messages, expected);
+        assert_eq!(error.to_string(), "line 3 of the events: `spawn.size` cannot be 0 (and 2 more errors)");
+    }
+
+    #[test]
+    fn the_step_of_a_line_may_be_absent() {
         let delete = LiveEvent { step: None, action: Action::Delete { name: "#3".into() } };
         assert_eq!(parse_line(1, r##"{"delete": {"name": "#3"}}"##).unwrap(), delete);
         let click = LiveEvent { step: None, action: Action::Click { at: Vector::new(4.0, 5.0), spawn: None } };

@@ -1,149 +1,246 @@
-//! What a run is asked to be: a TOML file made into plain, checked values.
+//! Reading scenes: a TOML file or text becomes a [`Scene`] of plain, checked values.
 //!
-//! [`load`] or [`parse`] gives a [`Scene`], as does a [`draft`] in code; [`live::parse_line`] reads one more [`Action`]
-//! from a line of JSON. Both refuse what they do not understand with one [`SceneError`]
-//! that points at the text and says what would be accepted.
+//! [`load`] reads a file, [`parse`] a text, and [`builder`] builds a scene in code; [`live::parse_line`] reads an
+//! [`Action`] from a line of JSON. All of them refuse invalid input with one [`SceneError`], which lists all
+//! independent errors with their location in the text and the values that would be accepted.
 
 mod action;
-pub mod draft;
-mod fault;
-mod figure_options;
-mod input;
+pub mod builder;
+mod diagnostic;
+mod diagnostics;
+#[cfg(test)]
+mod guide_tests;
+mod inputs;
 mod lifetimes;
 pub mod live;
+mod occupancy;
+mod overrides;
+mod picture_defaults;
 mod random;
-mod refusal;
 mod restitution;
-mod room;
 mod run_options;
 mod scatter;
 mod scene_error;
-mod setting;
 mod source;
 mod spawn_request;
-mod timeline;
 mod tree;
 mod walls;
 mod world_options;
 
+use crate::physics::{Restitution, Vector};
 use std::{fs::File, io::Read, path::Path};
 
-use crate::physics::{Restitution, Vector};
-
 pub use action::Action;
-pub use fault::Fault;
-pub use figure_options::{ColorBy, FigureOptions, Overlay, Theme};
-pub use input::Input;
+pub use diagnostic::{Diagnostic, DiagnosticKind};
+pub use diagnostics::Diagnostics;
+pub use inputs::Input;
+pub use overrides::Override;
+pub use picture_defaults::{ColorBy, Overlay, PictureDefaults, Theme};
 pub use run_options::RunOptions;
-pub use scene_error::{Excerpt, Flaw, SceneError};
-pub use setting::Setting;
-pub use source::{Place, SceneSource};
+pub use scene_error::{Excerpt, SceneError};
+pub use source::{InputLocation, SceneSource};
 pub use spawn_request::{Blueprint, SpawnRequest};
 pub use walls::Walls;
 
-use refusal::Refusal;
-use tree::{Key, Node, Table};
+use diagnostics::{Reported, Reporter};
+use tree::{Field, Key, Node, Table};
+use world_options::WorldOptions;
 
-/// A scene: all that a run starts from.
+/// A scene: the complete input of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
-    /// What the scene calls itself.
+    /// The title, if given.
     pub title: Option<String>,
-    /// The text it was made of.
+    /// The text that the scene was read from.
     pub source: SceneSource,
-    /// Width and height of what the camera shows, m; positive.
+    /// Width and height of the visible world, m; positive.
     pub size: [f64; 2],
-    /// m/s²; absent means that nothing is computed for it.
+    /// Gravity, m/s². If absent, no weight is computed at all.
     pub gravity: Option<Vector>,
-    /// The handout's four walls, if the scene asks for them; they are also the first of its inputs.
+    /// The four walls, if the scene has them; they are also the first inputs.
     pub walls: Option<Walls>,
-    /// How far, how finely and by which solver.
+    /// Duration, sampling and solver.
     pub run: RunOptions,
-    /// e for each pair of materials.
+    /// The coefficient of restitution of each pair of materials.
     pub restitution: Restitution,
-    /// What happens to the world, ordered by step, within a step deletes before spawns
-    /// before clicks, and otherwise as the file has it. Walls come first of all.
+    /// The inputs, ordered by step; within a step walls, deletes, spawns, clicks, each in the order of the file.
     pub inputs: Vec<Input>,
-    /// How pictures look.
-    pub figure: FigureOptions,
+    /// Defaults of the pictures.
+    pub figure: PictureDefaults,
 }
 
-/// The longest scene that is read, bytes: it is attached to the recording, whose records
-/// have this limit.
-pub const LONGEST_SCENE: u64 = 32 << 20;
+/// The largest size of a scene file, bytes: the scene is attached to its recording, whose records have this limit.
+pub const MAX_SCENE_BYTES: u64 = 32 << 20;
 
 const TITLE: Key = Key { name: "title", accepts: "1 to 256 bytes without control characters" };
-const WORLD: Key = Key { name: "world", accepts: "the table [world] with at least size" };
-const RUN: Key = Key { name: "run", accepts: "the table [run] with at least rate, steps or duration, and solver" };
-const RESTITUTION: Key = Key { name: "restitution", accepts: "the table [restitution] of pairs of materials" };
+const WORLD: Key = Key { name: "world", accepts: "the table [world]" };
+const RUN: Key = Key { name: "run", accepts: "the table [run] with steps or duration" };
+const RESTITUTION: Key = Key { name: "restitution", accepts: "the table [restitution]" };
 const FIGURE: Key = Key { name: "figure", accepts: "the table [figure]" };
 
-/// The scene in `text`; `path` is what errors call it.
+/// The keys of the document that do not hold events.
+const KEYS: &[Key] = &[TITLE, WORLD, RUN, RESTITUTION, FIGURE];
+
+/// Parses a scene; error messages call it `path`.
 ///
 /// # Errors
-/// [`SceneError::Scene`] for the first thing in the text that is not as the format has it.
+/// [`SceneError::Scene`] with all independent errors of the text.
 pub fn parse(path: &str, text: &str) -> Result<Scene, SceneError> {
     let source = SceneSource { path: path.into(), text: text.into() };
-    match read(&source) {
-        Ok(scene) => Ok(scene),
-        Err(refusal) => Err(SceneError::in_scene(&source, refusal)),
-    }
+    let reporter = Reporter::default();
+    let scene = read(&source, &reporter);
+    let excerpt = || Excerpt { name: source.path.clone(), line: 1, text: source.text.clone() };
+    reporter.finish(scene, excerpt).map_err(|diagnostics| SceneError::Scene(Box::new(diagnostics)))
 }
 
-/// The scene in the file at `path`.
+/// Reads the scene in the file at `path`.
 ///
 /// # Errors
-/// Those of [`parse`], and the file being unreadable, too long or not text.
+/// Those of [`parse`], and errors of a file that is unreadable, too long or not text.
 pub fn load(path: &Path) -> Result<Scene, SceneError> {
-    parse(&path.to_string_lossy(), &text_of(path)?)
+    parse(&path.to_string_lossy(), &read_text(path)?)
 }
 
-/// The scene in the file at `path` with some values set anew: for studies of a parameter.
+/// Reads the scene in the file at `path` with some values overridden, for parameter studies.
 ///
-/// Its source is the text so changed: a recording of it stands alone.
+/// The source of the scene is the text with the overrides applied, so that a recording is self-contained.
 ///
 /// # Errors
-/// Those of [`load`], and [`SceneError::Setting`] where the scene has no place for a value.
-pub fn load_with(path: &Path, settings: &[Setting]) -> Result<Scene, SceneError> {
-    let text = setting::set(path, &text_of(path)?, settings)?;
-    let settings: Vec<String> = settings.iter().map(|setting| format!(" --set {setting}")).collect();
-    let called = path.to_string_lossy();
-    let mut scene = parse(&(called.to_string() + &settings.concat()), &text)?;
-    scene.source.path = called.into();
+/// Those of [`load`], and [`SceneError::Override`] if the scene has no place for a value.
+pub fn load_with(path: &Path, overrides: &[Override]) -> Result<Scene, SceneError> {
+    let text = overrides::apply(path, &read_text(path)?, overrides)?;
+    let options: Vec<String> = overrides.iter().map(|value| format!(" --set {value}")).collect();
+    let name = path.to_string_lossy();
+    let mut scene = parse(&(name.to_string() + &options.concat()), &text)?;
+    scene.source.path = name.into();
     Ok(scene)
 }
 
-fn text_of(path: &Path) -> Result<String, SceneError> {
+fn read_text(path: &Path) -> Result<String, SceneError> {
     let mut bytes = Vec::new();
     File::open(path)
-        .and_then(|file| file.take(LONGEST_SCENE + 1).read_to_end(&mut bytes))
+        .and_then(|file| file.take(MAX_SCENE_BYTES + 1).read_to_end(&mut bytes))
         .map_err(|error| SceneError::Unreadable { path: path.into(), error })?;
-    if bytes.len() as u64 > LONGEST_SCENE {
-        return Err(SceneError::TooLong { path: path.into(), limit: LONGEST_SCENE });
+    if bytes.len() as u64 > MAX_SCENE_BYTES {
+        return Err(SceneError::TooLong { path: path.into(), limit: MAX_SCENE_BYTES });
     }
     String::from_utf8(bytes)
         .map_err(|error| SceneError::NotText { path: path.into(), byte: error.utf8_error().valid_up_to() })
 }
 
-fn read(source: &SceneSource) -> Result<Scene, Refusal> {
-    let root = tree::parse_toml(&source.text)?;
-    let keys = [&[TITLE, WORLD, RUN, RESTITUTION, FIGURE], timeline::KEYS.as_slice()].concat();
-    let root = Table::open("", &root, &keys)?;
-    let world = world_options::read(root.require(WORLD)?.node)?;
-    let run = run_options::read(root.require(RUN)?.node)?;
+fn read(source: &SceneSource, reporter: &Reporter) -> Result<Scene, Reported> {
+    let root = tree::parse_toml(&source.text).map_err(|error| reporter.report(error))?;
+    let root = Table::open("", &root, &[KEYS, inputs::KEYS].concat(), reporter)?;
+    let title = root.optional(TITLE, Node::text).map(|title| title.map(String::from));
+    let world = read_world(root.get(WORLD), reporter);
+    let (run, last) =
+        match root.require(RUN).and_then(|field| Table::open("run", field.node, run_options::KEYS, reporter)) {
+            Ok(table) => run_options::read(&table),
+            Err(reported) => (Err(reported), Err(reported)),
+        };
+    let restitution = root.get(RESTITUTION).and_then(|field| match field {
+        Some(field) => restitution::read(field.node, reporter),
+        None => Ok(Restitution::new(restitution::DEFAULT_RESTITUTION, &[])),
+    });
+    let figure = root.get(FIGURE).and_then(|field| match field {
+        Some(field) => picture_defaults::read(&Table::open("figure", field.node, picture_defaults::KEYS, reporter)?),
+        None => Ok(PictureDefaults::default()),
+    });
+    let inputs = inputs::read(&root, &world, last.ok(), reporter);
     Ok(Scene {
-        title: root.optional(TITLE, Node::text)?.map(String::from),
-        restitution: root
-            .get(RESTITUTION)
-            .map_or_else(|| Ok(Restitution::new(1.0, &[])), |field| restitution::read(field.node))?,
-        figure: root
-            .get(FIGURE)
-            .map_or_else(|| Ok(FigureOptions::default()), |field| figure_options::read(field.node))?,
-        inputs: timeline::read(&root, &world, run.steps)?,
-        size: world.size,
-        gravity: world.gravity,
-        walls: world.walls.map(|(walls, _)| walls),
-        run,
+        title: title?,
         source: source.clone(),
+        size: world.size?,
+        gravity: world.gravity?,
+        walls: world.walls?.map(|(walls, _)| walls),
+        run: run?,
+        restitution: restitution?,
+        inputs: inputs?,
+        figure: figure?,
     })
+}
+
+fn read_world(field: Result<Option<Field>, Reported>, reporter: &Reporter) -> WorldOptions {
+    match field.and_then(|field| {
+        field.map(|field| Table::open("world", field.node, world_options::KEYS, reporter)).transpose()
+    }) {
+        Ok(Some(table)) => world_options::read(&table),
+        Ok(None) => WorldOptions::default(),
+        Err(reported) => WorldOptions::unreadable(reported),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use run_options::{DEFAULT_RATE, DEFAULT_SOLVER};
+    use world_options::DEFAULT_SIZE;
+
+    fn messages(text: &str) -> Vec<String> {
+        let error = parse("scene.toml", text).expect_err("an error");
+        error.diagnostics().expect("errors of the text").listed().map(ToString::to_string).collect()
+    }
+
+    #[test]
+    fn the_number_of_steps_is_all_that_a_scene_needs() {
+        let scene = parse("scene.toml", "[run]\nsteps = 5\n").unwrap();
+        assert_eq!((scene.size, scene.run.rate, scene.run.solver), (DEFAULT_SIZE, DEFAULT_RATE, DEFAULT_SOLVER));
+        let explicit = "[world]\nsize = [16.0, 9.0]\n[run]\nsteps = 5\nrate = 60\nsolver = \"event-driven\"\n";
+        let explicit = parse("scene.toml", explicit).unwrap();
+        assert_eq!(Scene { source: scene.source.clone(), ..explicit }, scene);
+    }
+
+    #[test]
+    fn all_independent_errors_are_reported_in_the_order_of_the_file() {
+        let text = "[world]\nwals = true\n[run]\nsteps = 10\nsolver = \"box2d\"\n\
+                    [[delete]]\nname = \"nobody\"\n\
+                    [[spawn]]\nname = \"a\"\nat = [1.0, 2.0]\nsize = [1.0, 1.0]\nmass = 1.0\n\
+                    [[spawn]]\nat = [1.0, 2.0]\nsize = [1.0, 1.0]\nmass = -1.0\n\
+                    [[delete]]\nstep = 11\nname = \"a\"\n";
+        let expected = [
+            "unknown key `world.wals`",
+            "`run.solver` cannot be \"box2d\"",
+            "no body named \"nobody\" is alive at step 0",
+            "`spawn.mass` cannot be -1.0",
+            "step 11 is after the last step of the run, 10",
+        ];
+        assert_eq!(messages(text), expected);
+    }
+
+    #[test]
+    fn a_misspelled_key_is_not_also_reported_as_missing() {
+        let text = "[rum]\nsteps = 10\n[[spawn]]\nat = [1.0, 2.0]\nsiz = [1.0, 1.0]\n";
+        assert_eq!(messages(text), ["unknown key `rum`", "`spawn.mass` is missing", "unknown key `spawn.siz`"]);
+        let text = "[[spawn]]\nposition = [1.0, 2.0]\nsize = [1.0, 1.0]\nmass = 1.0\n[run]\nsteps = 10\n";
+        assert_eq!(messages(text), ["unknown key `spawn.position`"]);
+    }
+
+    #[test]
+    fn errors_that_follow_from_another_one_are_not_reported() {
+        let walls = "[world]\nwalls = 1\n[run]\nsteps = 10\n[[delete]]\nstep = 3\nname = \"wall-top\"\n";
+        assert_eq!(messages(walls), ["`world.walls` cannot be 1"]);
+        let steps = "[run]\nsteps = -1\n[[delete]]\nstep = 11\nname = \"a\"\n[[spawn]]\nname = \"a\"\nmass = \"x\"\n\
+                     at = [1.0, 2.0]\nsize = [1.0, 1.0]\n";
+        assert_eq!(messages(steps), ["`run.steps` cannot be -1", "`spawn.mass` cannot be \"x\""]);
+        let rate = "[run]\nrate = 0\nduration = 1.0\n[[scatter]]\ncount = 5\nregion = [0, 0, 9, 9]\n\
+                    size = [[2, 2], [1, 1]]\nmass = [1, 1]\n[[delete]]\nname = \"#5\"\nstep = 1\n";
+        assert_eq!(messages(rate), ["`run.rate` cannot be 0", "`scatter.size` cannot be [[2, 2], [1, 1]]"]);
+    }
+
+    #[test]
+    fn a_syntax_error_is_reported_alone() {
+        let messages = messages("[world]\nwals = true\n[run]\nsteps = 10 Hz\n");
+        assert!(matches!(&messages[..], [syntax] if syntax.starts_with("invalid TOML: ")), "{messages:?}");
+    }
+
+    #[test]
+    fn the_20_first_errors_are_listed_and_the_others_counted() {
+        let text = format!("[run]\nsteps = 10\n{}", "[[delete]]\nname = \"nobody\"\n".repeat(50));
+        let error = parse("scene.toml", &text).unwrap_err();
+        let diagnostics = error.diagnostics().unwrap();
+        assert_eq!((diagnostics.listed().count(), diagnostics.omitted()), (20, 30));
+        let report = format!("{:?}", miette::Report::new(error));
+        assert_eq!(report.matches("is alive at step 0").count(), 20);
+        assert!(report.contains("and 30 more errors"), "{report}");
+    }
 }

@@ -1,143 +1,94 @@
+use super::{Diagnostic, DiagnosticKind, Diagnostics, InputLocation, SceneSource};
+use miette::{MietteError, MietteSpanContents, SourceCode, SourceSpan, SpanContents};
 use std::{io, path::PathBuf};
 
-use miette::{Diagnostic, MietteError, MietteSpanContents, SourceCode, SourceSpan, SpanContents};
-
-use super::{Fault, Place, SceneSource, refusal::Refusal};
-
-/// Why a scene or a line of events is refused.
-#[derive(Debug, thiserror::Error, Diagnostic)]
+/// The error of a scene or of a line of live events that is refused.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum SceneError {
     /// The file cannot be read.
     #[error("cannot read the scene {}: {error}", path.display())]
     Unreadable {
-        /// As the user named it.
+        /// The path as given.
         path: PathBuf,
-        /// What the system says.
+        /// The error of the operating system.
         error: io::Error,
     },
     /// The file is larger than a recording can carry.
-    #[error("the scene {} is longer than {limit} bytes, the most a recording can carry", path.display())]
-    #[diagnostic(help("let [[scatter]] make the bodies instead of listing them"))]
+    #[error("the scene {} is longer than {limit} bytes, the most that a recording can carry", path.display())]
+    #[diagnostic(help("use [[scatter]] to create many bodies instead of listing them"))]
     TooLong {
-        /// As the user named it.
+        /// The path as given.
         path: PathBuf,
-        /// The most that is read, bytes.
+        /// The limit, bytes.
         limit: u64,
     },
-    /// The file is no text.
-    #[error("the scene {} is not UTF-8 text: byte {byte} cannot stand there", path.display())]
-    #[diagnostic(help("a scene is a TOML file; a recording ends in .mcap"))]
+    /// The file is not UTF-8 text.
+    #[error("the scene {} is not UTF-8 text: byte {byte} is invalid", path.display())]
+    #[diagnostic(help("a scene is a TOML file; the name of a recording ends in .mcap"))]
     NotText {
-        /// As the user named it.
+        /// The path as given.
         path: PathBuf,
-        /// How many bytes before it are fine.
+        /// The number of valid bytes before the invalid one.
         byte: usize,
     },
-    /// A value is to be set for which the scene has no place.
-    #[error("cannot set {setting} in the scene {}: {reason}", path.display())]
-    #[diagnostic(help("keys are those of the file, such as run.rate, spawn.NAME.mass or scatter.1.seed"))]
-    Setting {
-        /// As the user named it.
+    /// The scene has no place for an override.
+    #[error("cannot apply --set to the scene {}: {diagnostics}", path.display())]
+    #[diagnostic(forward(diagnostics))]
+    Override {
+        /// The path as given.
         path: PathBuf,
-        /// As it was typed.
-        setting: String,
-        /// Why not.
-        reason: String,
+        /// The errors; their text has one `--set` option per line.
+        diagnostics: Box<Diagnostics>,
     },
-    /// Something in a scene is not as the format has it.
+    /// The scene violates the format.
     #[error(transparent)]
     #[diagnostic(transparent)]
-    Scene(Box<Flaw>),
-    /// Something in a line of events is not as the format has it, or cannot be done when the run gets there.
-    #[error("line {line} of the events: {flaw}")]
-    #[diagnostic(forward(flaw))]
+    Scene(Box<Diagnostics>),
+    /// A line of events violates the format, or its event is impossible at its step.
+    #[error("line {line} of the events: {diagnostics}")]
+    #[diagnostic(forward(diagnostics))]
     Event {
-        /// Which line, from 1.
+        /// The number of the line, from 1.
         line: u64,
-        /// What is wrong with it.
-        flaw: Box<Flaw>,
+        /// The errors.
+        diagnostics: Box<Diagnostics>,
     },
 }
 
-/// A fault and the text it stands in.
-#[derive(Debug, thiserror::Error, Diagnostic)]
-#[error("{fault}")]
-pub struct Flaw {
-    /// What is wrong.
-    pub fault: Fault,
-    /// The text, while it is at hand.
-    #[source_code]
-    pub excerpt: Option<Excerpt>,
-    /// The offending part.
-    #[label(primary, "{label}")]
-    pub span: SourceSpan,
-    /// What stands beside the offending part.
-    pub label: &'static str,
-    /// What it clashes with, if it does.
-    #[label("first here")]
-    pub earlier: Option<SourceSpan>,
-    /// What would be accepted.
-    #[help]
-    pub help: String,
-}
-
-/// A text as errors show it: with its name, and lines counted as its file does.
+/// A text as error messages show it, with its name and its position in its file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Excerpt {
-    /// What it is called.
+    /// The name of the text.
     pub name: String,
-    /// Which line of the file its first is, from 1.
+    /// The number of its first line in its file, from 1.
     pub line: u64,
     /// The text.
     pub text: String,
 }
 
 impl SceneError {
-    /// The error of a fault that shows only when the run gets to what stands at `place`.
-    pub fn at(source: &SceneSource, place: &Place, fault: Fault) -> SceneError {
-        match place {
-            Place::Scene(span) => SceneError::in_scene(source, Refusal::new(fault, span.clone())),
-            Place::Line(line) => {
-                let flaw = Flaw::new(Refusal::new(fault, 0..0), None);
-                SceneError::Event { line: *line, flaw: Box::new(flaw) }
+    /// The error of an input that turned out to be impossible during the run.
+    pub fn at(source: &SceneSource, location: &InputLocation, kind: DiagnosticKind) -> SceneError {
+        match location {
+            InputLocation::Scene(span) => {
+                let excerpt = Excerpt { name: source.path.clone(), line: 1, text: source.text.clone() };
+                let diagnostic = Diagnostic::new(kind, span.clone());
+                SceneError::Scene(Box::new(Diagnostics::single(diagnostic, Some(excerpt))))
+            }
+            InputLocation::EventLine(line) => {
+                let diagnostics = Diagnostics::single(Diagnostic::new(kind, 0..0), None);
+                SceneError::Event { line: *line, diagnostics: Box::new(diagnostics) }
             }
         }
     }
 
-    /// What is wrong with what the scene or the line says, if that is the trouble.
-    pub fn fault(&self) -> Option<&Fault> {
+    /// The errors in the text, or `None` if the text could not be read.
+    pub fn diagnostics(&self) -> Option<&Diagnostics> {
         match self {
-            SceneError::Scene(flaw) | SceneError::Event { flaw, .. } => Some(&flaw.fault),
-            SceneError::Unreadable { .. }
-            | SceneError::TooLong { .. }
-            | SceneError::NotText { .. }
-            | SceneError::Setting { .. } => None,
-        }
-    }
-
-    pub(super) fn in_scene(source: &SceneSource, refusal: Refusal) -> SceneError {
-        let excerpt = Excerpt { name: source.path.clone(), line: 1, text: source.text.clone() };
-        SceneError::Scene(Box::new(Flaw::new(refusal, Some(excerpt))))
-    }
-
-    pub(super) fn in_event(line: u64, text: &str, refusal: Refusal) -> SceneError {
-        // What came through a pipe must not steer the terminal it is shown on.
-        let text = text.replace(|letter: char| letter.is_ascii_control() && letter != '\t', "?");
-        let excerpt = Excerpt { name: "events".into(), line, text };
-        SceneError::Event { line, flaw: Box::new(Flaw::new(refusal, Some(excerpt))) }
-    }
-}
-
-impl Flaw {
-    fn new(refusal: Refusal, excerpt: Option<Excerpt>) -> Flaw {
-        let Refusal { fault, span, earlier } = refusal;
-        Flaw {
-            span: span.into(),
-            label: fault.label(),
-            earlier: earlier.map(SourceSpan::from),
-            help: fault.help(),
-            fault: *fault,
-            excerpt,
+            SceneError::Scene(diagnostics)
+            | SceneError::Event { diagnostics, .. }
+            | SceneError::Override { diagnostics, .. } => Some(diagnostics),
+            SceneError::Unreadable { .. } | SceneError::TooLong { .. } | SceneError::NotText { .. } => None,
         }
     }
 }

@@ -1,28 +1,28 @@
 use std::ops::Range;
 
-/// The text of a scene and what it is called.
+/// The text of a scene and its name.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct SceneSource {
-    /// As the user named it: what errors show.
+    /// The path as given by the user; error messages show it.
     pub path: String,
-    /// All of it.
+    /// The complete text.
     pub text: String,
 }
 
 impl SceneSource {
-    /// The last part of the path: what a recording calls its attachment.
+    /// The last part of the path: the name of the attachment in a recording.
     pub fn file_name(&self) -> &str {
         self.path.rsplit(['/', '\\']).next().unwrap_or(&self.path)
     }
 }
 
-/// Where an input stands.
+/// The text that an input comes from.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Place {
-    /// In the scene: bytes of its text.
+pub enum InputLocation {
+    /// A range of bytes of the scene.
     Scene(Range<usize>),
-    /// In a file or pipe of JSON Lines: the line, from 1.
-    Line(u64),
+    /// A line of JSON Lines events, from 1.
+    EventLine(u64),
 }
 
 #[cfg(test)]
@@ -30,7 +30,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_file_name_holds_no_folder() {
+    fn a_file_name_contains_no_folder() {
         let named = |path: &str| SceneSource { path: path.into(), text: String::new() };
         assert_eq!(named("recordings/gas.toml").file_name(), "gas.toml");
         assert_eq!(named(r"C:\scenes\gas.toml").file_name(), "gas.toml");

@@ -1,26 +1,26 @@
 use crate::physics::{Rect, Spawn, Vector};
 
-/// A body to be, with its place; the run gives it a name if it has none.
+/// A body to spawn. The run names it `#K` if it has no name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpawnRequest {
-    /// Unique while alive; does not begin with `#`.
+    /// Unique among the bodies alive; does not begin with `#`.
     pub name: Option<String>,
-    /// First position and lifelong size, m; extents positive, corners finite.
+    /// Initial position and constant size, m; extents positive, corners finite.
     pub rect: Rect,
-    /// kg, positive; infinity for what is never pushed.
+    /// Mass, kg; positive, infinite for a body that nothing can push.
     pub mass: f64,
-    /// First velocity, m/s.
+    /// Initial velocity, m/s.
     pub velocity: Vector,
     /// Constant force, N.
     pub force: Vector,
-    /// Name of its material; empty for none.
+    /// Name of the material; empty for none.
     pub material: String,
-    /// Its colour in pictures, `#rrggbb`.
+    /// Colour in pictures, `#rrggbb`.
     pub color: Option<String>,
 }
 
 impl SpawnRequest {
-    /// The physics' spawn of this body under the name it got.
+    /// Converts the request to a spawn event of the physics under the given name.
     pub fn spawn(&self, name: String) -> Spawn {
         Spawn {
             name,
@@ -33,33 +33,33 @@ impl SpawnRequest {
     }
 }
 
-/// A body to be that has no place yet: what a click spawns.
+/// A body without a position, which a click spawns.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Blueprint {
-    /// Unique while alive; does not begin with `#`.
+    /// Unique among the bodies alive; does not begin with `#`.
     pub name: Option<String>,
     /// Width and height, m; positive.
     pub size: [f64; 2],
-    /// kg, positive; infinity for what is never pushed.
+    /// Mass, kg; positive, infinite for a body that nothing can push.
     pub mass: f64,
-    /// First velocity, m/s.
+    /// Initial velocity, m/s.
     pub velocity: Vector,
     /// Constant force, N.
     pub force: Vector,
-    /// Name of its material; empty for none.
+    /// Name of the material; empty for none.
     pub material: String,
-    /// Its colour in pictures, `#rrggbb`.
+    /// Colour in pictures, `#rrggbb`.
     pub color: Option<String>,
 }
 
 impl Blueprint {
-    /// The body with its upper-left corner at `corner`.
+    /// Places the upper-left corner at `corner`.
     pub fn placed_at(self, corner: Vector) -> SpawnRequest {
         let Blueprint { name, size: [width, height], mass, velocity, force, material, color } = self;
         SpawnRequest { name, rect: Rect::new(corner, width, height), mass, velocity, force, material, color }
     }
 
-    /// The body with its middle at `point`.
+    /// Places the centre at `point`.
     pub fn centered_on(self, point: Vector) -> SpawnRequest {
         let half = Vector::new(self.size[0], self.size[1]).mult(0.5);
         self.placed_at(point.sub(half))
@@ -71,7 +71,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_click_spawns_around_its_point() {
+    fn a_blueprint_is_centred_on_the_point_of_a_click() {
         let blueprint = Blueprint {
             name: None,
             size: [1.0, 2.0],

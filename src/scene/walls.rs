@@ -1,23 +1,27 @@
 use super::SpawnRequest;
 use crate::physics::{Rect, Vector};
 
-/// The four walls just outside the world: infinite masses 1 m thick.
+/// The four static walls just outside the world, each 1 m thick.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Walls {
-    /// What they are made of.
+    /// The material of the walls.
     pub material: Option<String>,
 }
 
+/// The names of the walls, in creation order.
+pub const WALL_NAMES: [&str; 4] = ["wall-top", "wall-bottom", "wall-left", "wall-right"];
+
 impl Walls {
-    /// The bodies they are around a world of that size, in creation order: top, bottom, left, right.
+    /// The wall bodies around a world of that size, m, in creation order.
     ///
-    /// The horizontal ones reach over the corners.
-    pub fn requests(&self, [width, height]: [f64; 2]) -> [SpawnRequest; 4] {
+    /// The horizontal walls cover the corners.
+    pub fn spawn_requests(&self, [width, height]: [f64; 2]) -> [SpawnRequest; 4] {
+        let [top, bottom, left, right] = WALL_NAMES;
         [
-            self.request("wall-top", Rect::new(Vector::new(-1.0, -1.0), width + 2.0, 1.0)),
-            self.request("wall-bottom", Rect::new(Vector::new(-1.0, height), width + 2.0, 1.0)),
-            self.request("wall-left", Rect::new(Vector::new(-1.0, 0.0), 1.0, height)),
-            self.request("wall-right", Rect::new(Vector::new(width, 0.0), 1.0, height)),
+            self.request(top, Rect::new(Vector::new(-1.0, -1.0), width + 2.0, 1.0)),
+            self.request(bottom, Rect::new(Vector::new(-1.0, height), width + 2.0, 1.0)),
+            self.request(left, Rect::new(Vector::new(-1.0, 0.0), 1.0, height)),
+            self.request(right, Rect::new(Vector::new(width, 0.0), 1.0, height)),
         ]
     }
 

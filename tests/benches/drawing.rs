@@ -1,12 +1,12 @@
-//! What a picture costs, in ms per 1280×720 frame on one thread, encoding and writing to a file
-//! included. `cargo bench --bench drawing`
+//! Measures the cost of drawing, in ms per 1280×720 frame on one thread, including encoding and writing to a
+//! file: `cargo bench --bench drawing`
 //!
-//! Each figure is the median of several runs, with the spread beside it. The same clip as other
-//! programs draw it: `tests/peers/pictures.py`.
+//! Prints the median and the range of several runs. `tests/peers/pictures.py` draws the same animation with
+//! other programs.
 
 use rebond::physics::{Rect, Vector};
 use rebond::render::{
-    self, Appearance, Frame, Metadata, Painter, Sampling, Sprite, Style, Thinning, Timeline, View, png,
+    self, AnimationSchedule, Appearance, Frame, Metadata, Painter, Sprite, StepGrid, Style, Thinning, View, png,
 };
 use rebond::scene::{ColorBy, Overlay};
 use std::{fs::File, io::BufWriter, num::NonZero, sync::Arc, time::Instant};
@@ -25,7 +25,7 @@ fn main() {
         ("1000 boxes, plain", 1000, &[][..], ColorBy::Body),
         ("1000 boxes, lecture", 1000, &LECTURE[..], ColorBy::Body),
     ] {
-        let style = Style { show: show.to_vec(), color_by, top_speed: 4.0, crowd: boxes, ..Style::default() };
+        let style = Style { show: show.to_vec(), color_by, top_speed: 4.0, body_count: boxes, ..Style::default() };
         let view = View::fit(WORLD, [1280, 720], style).expect("a view");
         let frames: Vec<Frame> = (0..FRAMES).map(|step| frame(boxes, step)).collect();
         let [stills, gif, apng] = [stills, gif, apng].map(|draw| measure(|| draw(&frames, &view)));
@@ -33,7 +33,7 @@ fn main() {
     }
 }
 
-/// Median and spread of `RUNS` measurements, after one that is not counted, ms per frame.
+/// Returns median and range of `RUNS` measurements after one warm-up, ms per frame.
 fn measure(mut run: impl FnMut()) -> String {
     let mut time = || {
         let start = Instant::now();
@@ -46,7 +46,7 @@ fn measure(mut run: impl FnMut()) -> String {
     format!("{:6.2} ({:.2}–{:.2})", figures[RUNS / 2], figures[0], figures[RUNS - 1])
 }
 
-fn file() -> BufWriter<File> {
+fn temporary_file() -> BufWriter<File> {
     BufWriter::new(tempfile::tempfile().expect("a temporary file"))
 }
 
@@ -54,36 +54,38 @@ fn stills(frames: &[Frame], view: &View) {
     let mut painter = Painter::new();
     for frame in frames {
         let picture = painter.draw(&render::compose(frame, view));
-        png::encode(&picture, &Metadata::default(), file()).expect("room for a picture");
+        png::encode(&picture, &Metadata::default(), temporary_file()).expect("space for a picture");
     }
 }
 
-fn timeline() -> Timeline {
-    Timeline::from(Sampling::new(0..=FRAMES - 1, 60.0, Thinning::All))
+fn schedule() -> AnimationSchedule {
+    AnimationSchedule::from(StepGrid::new(0..=FRAMES - 1, 60.0, Thinning::All))
 }
 
 fn gif(frames: &[Frame], view: &View) {
     let frames = frames.iter().cloned().map(Ok::<_, render::RenderError>);
     let one = NonZero::<usize>::MIN;
-    render::write_gif(frames, view, &timeline(), &Metadata::default(), one, file()).expect("room for a clip");
+    render::write_gif(frames, view, &schedule(), &Metadata::default(), one, temporary_file())
+        .expect("space for an animation");
 }
 
 fn apng(frames: &[Frame], view: &View) {
     let frames = frames.iter().cloned().map(Ok::<_, render::RenderError>);
     let one = NonZero::<usize>::MIN;
-    render::write_apng(frames, view, &timeline(), &Metadata::default(), one, file()).expect("room for a clip");
+    render::write_apng(frames, view, &schedule(), &Metadata::default(), one, temporary_file())
+        .expect("space for an animation");
 }
 
-/// Boxes on straight lines, which come back at the borders.
+/// Boxes in uniform motion, reflected at the borders.
 fn frame(boxes: u32, step: u64) -> Frame {
     let time = step as f64 / 60.0;
     let unit = (50.0 / f64::from(boxes)).sqrt();
     let sprites = (0..boxes).map(|number| {
-        let part = |k: u32| f64::from((number * k + 3) % 997) / 997.0;
-        let (width, height) = ((0.4 + part(31)) * unit, (0.4 + part(57)) * unit);
-        let velocity = Vector::new(6.0 * part(11) - 3.0, 6.0 * part(23) - 3.0);
-        let x = folded(part(41) * 15.0 + velocity.x * time, WORLD.x - width);
-        let y = folded(part(73) * 8.0 + velocity.y * time, WORLD.y - height);
+        let fraction = |k: u32| f64::from((number * k + 3) % 997) / 997.0;
+        let (width, height) = ((0.4 + fraction(31)) * unit, (0.4 + fraction(57)) * unit);
+        let velocity = Vector::new(6.0 * fraction(11) - 3.0, 6.0 * fraction(23) - 3.0);
+        let x = reflected(fraction(41) * 15.0 + velocity.x * time, WORLD.x - width);
+        let y = reflected(fraction(73) * 8.0 + velocity.y * time, WORLD.y - height);
         let appearance = Appearance {
             id: number,
             name: format!("#{number}"),
@@ -99,8 +101,8 @@ fn frame(boxes: u32, step: u64) -> Frame {
     Frame { step, time, sprites: sprites.collect(), collisions: Vec::new() }
 }
 
-/// A place on a line that goes to and fro between 0 and `range`.
-fn folded(place: f64, range: f64) -> f64 {
-    let place = place.rem_euclid(2.0 * range);
-    if place < range { place } else { 2.0 * range - place }
+/// The position of a point reflected at 0 and `range` whose unreflected position is `position`.
+fn reflected(position: f64, range: f64) -> f64 {
+    let phase = position.rem_euclid(2.0 * range);
+    if phase < range { phase } else { 2.0 * range - phase }
 }

@@ -1,26 +1,27 @@
-//! What the exact solver costs and how exact it is: `cargo bench --bench event_driven -- SCENE.toml…`
+//! Measures cost and accuracy of the exact solver: `cargo bench --bench event_driven -- SCENE.toml…`
 //!
-//! For each scene one line: nanoseconds per body-step, sampling every step and recording
-//! nothing; energy drift; worst overlap; collisions; nanoseconds per collision, all else
-//! included; bytes per body, where memory had to grow for the scene. An elastic gas of equal
-//! boxes is also run by the plain engine in `cell_list`, in turns with ours, so that the last
-//! column but one compares the two however busy the machine is. The last is what a step costs
-//! after all has come to rest. Without arguments, scenes made here; with `--full`, Galperin's
-//! billiard up to the tenth digit of π, which takes half an hour.
+//! Prints one line for each scene: nanoseconds per body-step, with a sample at each step but without recording;
+//! energy drift; deepest overlap; number of collisions; nanoseconds per collision, all costs included; bytes per
+//! body, if the scene increased the memory of the process; the ratio of the costs of `cell_list` and of rebond;
+//! nanoseconds per step after all bodies have come to rest. The ratio is measured for elastic gases of equal
+//! boxes; the two engines take turns, so that it does not depend on the load of the machine.
+//!
+//! Without scenes as arguments, built-in ones are measured; with `--full`, these include Galperin's billiard for up to
+//! ten digits of π, which takes half an hour.
 
 mod cell_list;
 
 use cell_list::CellList;
 use rebond::{
-    physics::{CollisionCount, Settings, World, invariants},
-    run::{Run, settings},
+    physics::{CollisionCount, EngineConfig, World, invariants},
+    run::{Run, engine_config},
     scene::{self, Scene},
 };
 use std::{path::Path, time::Instant};
 
 fn main() {
     println!(
-        "scene                        bodies    steps  ns/body-step  energy drift  overlap, m  collisions  ns/collision  bytes/body  plain/ours  ns/step at rest"
+        "scene                        bodies    steps  ns/body-step  energy drift  overlap, m  collisions  ns/collision  bytes/body  plain/rebond  ns/step at rest"
     );
     let (options, paths): (Vec<String>, Vec<String>) =
         std::env::args().skip(1).partition(|word| word.starts_with("--"));
@@ -37,25 +38,25 @@ fn main() {
     }
 }
 
-/// So many turns the two engines take.
+/// Number of turns that each of the two engines takes.
 const TURNS: u64 = 20;
 
 fn measure(name: &str, scene: &Scene) {
-    let Settings { gravity, .. } = settings(scene);
-    let empty = resident();
+    let EngineConfig { gravity, .. } = engine_config(scene);
+    let memory_before = resident_bytes();
     let mut run = Run::new(scene);
     let mut collisions = CollisionCount::default();
-    run.happen(Vec::new(), |error| Err(error.into())).expect("the scene's own events");
-    let total = |world: &World| {
+    run.apply_inputs(Vec::new(), |error| Err(error.into())).expect("the scene's own events");
+    let energies = |world: &World| {
         let potential = if gravity.is_some() { invariants::potential_energy(world) } else { 0.0 };
         (invariants::kinetic_energy(world), potential)
     };
-    let (kinetic, potential) = total(run.engine().world());
+    let (kinetic, potential) = energies(run.engine().world());
     let bodies = run.engine().world().bodies.iter().filter(|body| !body.is_infinite()).count();
     run.step(&mut collisions).expect("a first step");
-    let bytes = resident().saturating_sub(empty) / bodies;
-    let mut plain = Plain::of(scene, run.engine().world());
-    let [mut ours, mut theirs] = [0.0; 2];
+    let bytes = resident_bytes().saturating_sub(memory_before) / bodies;
+    let mut plain = PlainGas::new(scene, run.engine().world());
+    let [mut seconds, mut plain_seconds] = [0.0; 2];
     for turn in 0..TURNS {
         let start = Instant::now();
         for step in (scene.run.steps * turn / TURNS).max(1)..scene.run.steps * (turn + 1) / TURNS {
@@ -64,54 +65,55 @@ fn measure(name: &str, scene: &Scene) {
                 return;
             }
             if step + 1 < scene.run.steps {
-                run.happen(Vec::new(), |error| Err(error.into())).expect("the scene's own events");
+                run.apply_inputs(Vec::new(), |error| Err(error.into())).expect("the scene's own events");
             }
         }
-        ours += start.elapsed().as_secs_f64();
+        seconds += start.elapsed().as_secs_f64();
         if let Some(plain) = &mut plain {
             let start = Instant::now();
             plain.run(scene.run.steps * (turn + 1) / TURNS, scene.run.rate);
-            theirs += start.elapsed().as_secs_f64();
+            plain_seconds += start.elapsed().as_secs_f64();
         }
     }
-    let cost = ours * 1e9 / (bodies as u64 * scene.run.steps) as f64;
-    let after = total(run.engine().world());
+    let cost = seconds * 1e9 / (bodies as u64 * scene.run.steps) as f64;
+    let after = energies(run.engine().world());
     let scale = kinetic + potential.abs();
     let drift = (after.0 + after.1 - kinetic - potential) / if scale > 0.0 { scale } else { 1.0 };
     let overlap = if bodies <= 20_000 { invariants::worst_overlap(run.engine().world()) } else { f64::NAN };
-    let [bytes, ratio] = [(bytes > 0).then(|| bytes.to_string()), plain.map(|_| format!("{:.2}", theirs / ours))]
-        .map(|figure| figure.unwrap_or_else(|| "-".to_owned()));
+    let [bytes, ratio] =
+        [(bytes > 0).then(|| bytes.to_string()), plain.map(|_| format!("{:.2}", plain_seconds / seconds))]
+            .map(|figure| figure.unwrap_or_else(|| "-".to_owned()));
     let steps = scene.run.steps;
-    let each = ours * 1e9 / collisions.0 as f64;
-    let rest = at_rest(&mut run).map_or("-".to_owned(), |cost| format!("{cost:.1}"));
+    let per_collision = seconds * 1e9 / collisions.0 as f64;
+    let at_rest = cost_at_rest(&mut run).map_or("-".to_owned(), |cost| format!("{cost:.1}"));
     println!(
-        "{name:28} {bodies:6} {steps:8} {cost:13.2} {drift:13.1e} {overlap:11.1e} {:11} {each:13.0} {bytes:>11} {ratio:>11} {rest:>16}",
+        "{name:28} {bodies:6} {steps:8} {cost:13.2} {drift:13.1e} {overlap:11.1e} {:11} {per_collision:13.0} {bytes:>11} {ratio:>11} {at_rest:>16}",
         collisions.0
     );
 }
 
-/// What a further step costs, ns, if nothing moves any more.
-fn at_rest(run: &mut Run) -> Option<f64> {
+/// Returns the cost of a further step, ns, if all bodies are at rest.
+fn cost_at_rest(run: &mut Run) -> Option<f64> {
     const STEPS: u32 = 1_000_000;
-    let moves = |world: &World| world.bodies.iter().any(|body| body.velocity != rebond::physics::Vector::ZERO);
-    if moves(run.engine().world()) {
+    let is_moving = |world: &World| world.bodies.iter().any(|body| body.velocity != rebond::physics::Vector::ZERO);
+    if is_moving(run.engine().world()) {
         return None;
     }
     let start = Instant::now();
-    (0..STEPS).for_each(|_| run.step(&mut CollisionCount::default()).expect("nothing to happen"));
+    (0..STEPS).for_each(|_| run.step(&mut CollisionCount::default()).expect("a step without inputs succeeds"));
     Some(start.elapsed().as_secs_f64() * 1e9 / f64::from(STEPS))
 }
 
-/// The plain engine on the same gas, which samples each step as ours does.
-struct Plain {
+/// The same gas in the baseline engine, sampled at each step like the solver.
+struct PlainGas {
     gas: CellList,
     step: u64,
     sample: Vec<([f64; 2], [f64; 2])>,
 }
 
-impl Plain {
-    /// If the scene is an elastic gas of unit boxes between walls, as far as can be told.
-    fn of(scene: &Scene, world: &World) -> Option<Plain> {
+impl PlainGas {
+    /// Returns the gas if the scene is an elastic gas of unit boxes between walls.
+    fn new(scene: &Scene, world: &World) -> Option<PlainGas> {
         let moving = || world.bodies.iter().filter(|body| !body.is_infinite());
         let unit = moving().all(|body| body.rect.width() == 1.0 && body.rect.height() == 1.0 && body.mass == 1.0);
         let elastic = world.restitution.default_restitution() == 1.0 && world.gravity.is_none();
@@ -123,7 +125,7 @@ impl Plain {
             ([at.x, at.y], [velocity.x, velocity.y])
         };
         let sample: Vec<_> = moving().map(state).collect();
-        Some(Plain { gas: CellList::new(1.0, scene.size, &sample), step: 1, sample })
+        Some(PlainGas { gas: CellList::new(1.0, scene.size, &sample), step: 1, sample })
     }
 
     fn run(&mut self, until: u64, rate: f64) {
@@ -136,14 +138,14 @@ impl Plain {
     }
 }
 
-/// Bytes of memory the process has in use, where the system says so.
-fn resident() -> usize {
+/// Returns the resident memory of the process, bytes; 0 on systems without /proc.
+fn resident_bytes() -> usize {
     const PAGE: usize = 4096;
     let pages = std::fs::read_to_string("/proc/self/statm").ok();
     pages.and_then(|pages| pages.split(' ').nth(1)?.parse().ok()).unwrap_or(0) * PAGE
 }
 
-/// Unit boxes packed to a fifth between walls, e = 1.
+/// Unit boxes between walls that fill a fifth of the area, e = 1.
 fn gas(bodies: usize) -> Scene {
     let side = (bodies as f64 * 5.0).sqrt();
     let steps = if bodies > 20_000 { 200 } else { 1000 };
@@ -154,7 +156,7 @@ fn gas(bodies: usize) -> Scene {
     ))
 }
 
-/// Boxes of sides 0.6–1.4 that fall into a bin with up to 3 m/s sideways, e = 0.3.
+/// Boxes of sides 0.6–1.4 m that fall into a bin with horizontal speeds of up to 3 m/s, e = 0.3.
 fn heap(bodies: usize) -> Scene {
     let width = (bodies as f64 * 3.6).sqrt();
     let height = width * 0.8;
@@ -166,10 +168,10 @@ fn heap(bodies: usize) -> Scene {
     ))
 }
 
-/// As many boxes of each size between a millimetre and a kilometre, e = 1.
+/// 100 boxes of each order of magnitude of size from a millimetre to a kilometre, e = 1.
 fn mixed() -> Scene {
-    let scatter = |(place, size): (usize, f64)| {
-        let (x, side, speed) = (place as f64 * 4000.0, 20.0 * size, 2.0 * size);
+    let scatter = |(index, size): (usize, f64)| {
+        let (x, side, speed) = (index as f64 * 4000.0, 20.0 * size, 2.0 * size);
         format!(
             "[[scatter]]\ncount = 100\nseed = 1\nregion = [{x}, 0.0, {side}, {side}]\n\
              size = [[{0}, {0}], [{size}, {size}]]\nmass = [1.0, 1.0]\nvelocity = [[-{speed}, -{speed}], [{speed}, {speed}]]\n",
@@ -183,7 +185,7 @@ fn mixed() -> Scene {
     ))
 }
 
-/// Galperin's billiard of that many digits of π after the first, until long after the last collision.
+/// Galperin's billiard for a number of decimals of π, until long after the last collision.
 fn galperin(digits: usize) -> Scene {
     let mass = format!("1{}.0", "00".repeat(digits));
     parse(&format!(

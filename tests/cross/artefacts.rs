@@ -1,39 +1,39 @@
-//! A fixed set of what rebond makes: one line for each artefact, the same on every machine.
+//! The digests of a fixed set of artefacts that rebond makes, which are the same on every machine.
 //!
-//! Only the program that is asked for runs elsewhere; what it leaves behind is read here.
+//! Only the program itself may run in an emulator; its files are read by this process.
 
-#[path = "bench.rs"]
-mod bench;
 #[path = "content.rs"]
 mod content;
+#[path = "workspace.rs"]
+mod workspace;
 
-pub use bench::Program;
+pub use workspace::Program;
 
-use bench::Bench;
+use workspace::Workspace;
 
-/// Size (bytes), digest of what is decoded, digest of the file, name: a line for each.
+/// Returns one line per artefact: size (bytes), digest of the decoded content, digest of the file, name.
 pub fn digests(program: &Program) -> String {
-    let mut bench = Bench::new(program);
+    let mut workspace = Workspace::new(program);
     for (scene, steps) in SCENES {
-        bench.take(&format!("{scene}.toml"));
-        runs(&mut bench, scene, *steps);
+        workspace.copy_in(&format!("{scene}.toml"));
+        runs(&mut workspace, scene, *steps);
     }
-    live_events(&mut bench);
-    overflow(&mut bench);
+    live_events(&mut workspace);
+    overflow(&mut workspace);
     for scene in ["click-session", "pile"] {
-        damage(&mut bench, scene);
-        pictures(&mut bench, scene);
+        damage(&mut workspace, scene);
+        pictures(&mut workspace, scene);
     }
     for scene in ["figure-1", "cradle"] {
-        figures(&mut bench, scene);
+        figures(&mut workspace, scene);
     }
-    committed(&mut bench);
-    bench.lines
+    committed(&mut workspace);
+    workspace.lines
 }
 
-/// Both solvers, and how far each scene is run.
+/// Scenes of both solvers, and the number of steps of each.
 const SCENES: &[(&str, u64)] = &[
-    // The handout's.
+    // The handout solver.
     ("click-session", 480),
     ("constant-force", 240),
     ("falling-heap", 180),
@@ -43,7 +43,7 @@ const SCENES: &[(&str, u64)] = &[
     ("overlapping-boxes", 14),
     ("sinking-stack", 180),
     ("spawn-and-delete", 480),
-    // The exact one.
+    // The event-driven solver.
     ("bullet-exact", 120),
     ("cradle", 600),
     ("elastic-gas", 60),
@@ -54,30 +54,30 @@ const SCENES: &[(&str, u64)] = &[
     ("zeno-bounce", 1200),
 ];
 
-/// Records, replays all and a part that a keyframe is found for, tells and tabulates.
-fn runs(bench: &mut Bench, scene: &str, steps: u64) {
+/// Records, replays completely and from a keyframe, prints information and exports a table.
+fn runs(workspace: &mut Workspace, scene: &str, steps: u64) {
     let [from, to] = [steps / 2, steps / 2 + 10];
-    bench.done(&format!("record {scene}.toml -o {scene}.mcap --steps {steps}"));
-    bench.done(&format!("replay {scene}.mcap"));
-    bench.done(&format!("replay {scene}.mcap --from {from} --to {to}"));
-    bench.done(&format!("info {scene}.mcap --json"));
-    bench.done(&format!("export {scene}.mcap -o {scene}.csv --from {from} --to {to}"));
+    workspace.run(&format!("record {scene}.toml -o {scene}.mcap --steps {steps}"));
+    workspace.run(&format!("replay {scene}.mcap"));
+    workspace.run(&format!("replay {scene}.mcap --from {from} --to {to}"));
+    workspace.run(&format!("info {scene}.mcap --json"));
+    workspace.run(&format!("export {scene}.mcap -o {scene}.csv --from {from} --to {to}"));
 }
 
-/// What comes in while a run goes on, thinned.
-fn live_events(bench: &mut Bench) {
+/// Live events, with states recorded every 7 steps.
+fn live_events(workspace: &mut Workspace) {
     let events = r#"{"click": {"step": 30, "at": [8, 2], "spawn": {"size": [0.7, 0.3], "mass": 0.1}}}
 {"spawn": {"step": 31, "name": "late", "at": [1.1, 1.3], "size": [0.2, 0.2], "mass": 3, "velocity": [1e-3, -0.0]}}
 {"delete": {"step": 70, "name": "late"}}
 "#;
-    bench.put("events.jsonl", events.as_bytes());
-    bench.done("record figure-1.toml -o live.mcap --steps 90 --every 7 --events events.jsonl");
-    bench.done("replay live.mcap");
-    bench.done("export live.mcap -o live.jsonl");
+    workspace.write("events.jsonl", events.as_bytes());
+    workspace.run("record figure-1.toml -o live.mcap --steps 90 --every 7 --events events.jsonl");
+    workspace.run("replay live.mcap");
+    workspace.run("export live.mcap -o live.jsonl");
 }
 
-/// A run that leaves the finite numbers: where processors make different NaN.
-fn overflow(bench: &mut Bench) {
+/// Runs in which numbers overflow, because processors produce different NaNs.
+fn overflow(workspace: &mut Workspace) {
     for solver in ["handout", "event-driven"] {
         let scene = format!(
             r#"
@@ -102,59 +102,60 @@ mass = 1e300
 "#
         );
         let name = format!("overflow-{solver}");
-        bench.put(&format!("{name}.toml"), scene.as_bytes());
-        bench.ends(1, &format!("record {name}.toml -o {name}.mcap"));
-        bench.done(&format!("replay {name}.mcap"));
+        workspace.write(&format!("{name}.toml"), scene.as_bytes());
+        workspace.run_with_code(1, &format!("record {name}.toml -o {name}.mcap"));
+        workspace.run(&format!("replay {name}.mcap"));
     }
 }
 
-/// Recordings cut short and with a bit turned over: judged, searched and recovered.
-fn damage(bench: &mut Bench, scene: &str) {
-    let whole = bench.read(&format!("{scene}.mcap"));
-    let cut = whole[..whole.len() * 2 / 3].to_vec();
-    let mut flipped = whole;
+/// Recordings that are cut, or have a flipped bit: replayed, inspected and recovered.
+fn damage(workspace: &mut Workspace, scene: &str) {
+    let complete = workspace.read(&format!("{scene}.mcap"));
+    let cut = complete[..complete.len() * 2 / 3].to_vec();
+    let mut flipped = complete;
     let middle = flipped.len() / 2;
     flipped[middle] ^= 1;
     for (kind, bytes) in [("cut", cut), ("flipped", flipped)] {
         let name = format!("{scene}-{kind}");
-        bench.put(&format!("{name}.mcap"), &bytes);
-        bench.ends(4, &format!("replay {name}.mcap"));
-        bench.ends(4, &format!("info {name}.mcap"));
-        bench.done(&format!("recover {name}.mcap -o {name}-recovered.mcap"));
-        bench.done(&format!("replay {name}-recovered.mcap"));
+        workspace.write(&format!("{name}.mcap"), &bytes);
+        workspace.run_with_code(4, &format!("replay {name}.mcap"));
+        workspace.run_with_code(4, &format!("info {name}.mcap"));
+        workspace.run(&format!("recover {name}.mcap -o {name}-recovered.mcap"));
+        workspace.run(&format!("replay {name}-recovered.mcap"));
     }
 }
 
-/// Animations and pictures in every colouring, on one thread and on three.
-fn pictures(bench: &mut Bench, scene: &str) {
+/// Animations and pictures with every colouring, on one thread and on three.
+fn pictures(workspace: &mut Workspace, scene: &str) {
     let all = "--show velocity,normal,penetration,trail,name,grid,clock --size 400x225";
     for jobs in [1, 3] {
         let flags = format!("--from 60 --to 150 --every 3 --jobs {jobs} --size 400x225");
-        bench.done(&format!("render {scene}.mcap -o {scene}-{jobs}.gif {flags}"));
-        bench.done(&format!("render {scene}.mcap -o {scene}-{jobs}.apng {flags} --theme dark"));
-        bench.done(&format!("render {scene}.mcap -o {scene}-{jobs} --from 100 --to 104 --every 2 --jobs {jobs} {all}"));
+        workspace.run(&format!("render {scene}.mcap -o {scene}-{jobs}.gif {flags}"));
+        workspace.run(&format!("render {scene}.mcap -o {scene}-{jobs}.apng {flags} --theme dark"));
+        workspace
+            .run(&format!("render {scene}.mcap -o {scene}-{jobs} --from 100 --to 104 --every 2 --jobs {jobs} {all}"));
     }
-    for (theme, colours) in [("light", "body"), ("dark", "material"), ("light", "speed")] {
-        let name = format!("{scene}-{theme}-{colours}.png");
-        bench.done(&format!("render {scene}.mcap -o {name} --at 77 --theme {theme} --color-by {colours} {all}"));
+    for (theme, color_by) in [("light", "body"), ("dark", "material"), ("light", "speed")] {
+        let name = format!("{scene}-{theme}-{color_by}.png");
+        workspace.run(&format!("render {scene}.mcap -o {name} --at 77 --theme {theme} --color-by {color_by} {all}"));
     }
 }
 
-/// Every kind in every format.
-fn figures(bench: &mut Bench, scene: &str) {
+/// Every figure in every format.
+fn figures(workspace: &mut Workspace, scene: &str) {
     let kinds = ["collision", "minkowski", "strobe", "spacetime", "energy", "filmstrip"];
     for (kind, theme) in kinds.into_iter().zip(["light", "dark"].into_iter().cycle()) {
         for format in ["png", "svg", "pdf"] {
             let name = format!("{scene}-{kind}.{format}");
-            bench.done(&format!("figure {kind} {scene}.mcap -o {name} --size 640x360 --theme {theme}"));
+            workspace.run(&format!("figure {kind} {scene}.mcap -o {name} --size 640x360 --theme {theme}"));
         }
     }
 }
 
-/// The recordings that were made long ago.
-fn committed(bench: &mut Bench) {
-    for name in bench::committed_recordings() {
-        bench.take(&name);
-        bench.done(&format!("replay {name}"));
+/// The committed recordings.
+fn committed(workspace: &mut Workspace) {
+    for name in workspace::committed_recordings() {
+        workspace.copy_in(&name);
+        workspace.run(&format!("replay {name}"));
     }
 }

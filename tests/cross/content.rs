@@ -1,9 +1,9 @@
-//! What is in a file once it is decoded, as bytes; nothing of how it was packed.
+//! The decoded content of files as bytes, which does not depend on compression.
 
 use rebond::recording::{Playback, Recording};
 use std::{io::Cursor, path::Path};
 
-/// Pixels and their places and delays, states; text is what it is.
+/// Decodes a file: pixels with offsets and delays, or states. Other files are returned unchanged.
 pub fn decode(path: &Path, bytes: &[u8]) -> Vec<u8> {
     match path.extension().and_then(|extension| extension.to_str()) {
         Some("png" | "apng") => png(bytes),
@@ -36,14 +36,14 @@ fn gif(bytes: &[u8]) -> Vec<u8> {
     let mut decoder = options.read_info(bytes).expect("a GIF file");
     let mut content = Vec::new();
     while let Some(frame) = decoder.read_next_frame().expect("a frame") {
-        let place = [frame.left, frame.top, frame.width, frame.height, frame.delay];
-        content.extend(place.map(u16::to_le_bytes).as_flattened());
+        let layout = [frame.left, frame.top, frame.width, frame.height, frame.delay];
+        content.extend(layout.map(u16::to_le_bytes).as_flattened());
         content.extend(&*frame.buffer);
     }
     content
 }
 
-/// Every number of every state, and the identity, which is chained over all else.
+/// All values of all states, and the identity, which depends on all other content.
 fn states(bytes: &[u8]) -> Vec<u8> {
     let mut playback = Playback::new(Recording::read(Cursor::new(bytes)).expect("a recording"));
     let mut content = Vec::new();
@@ -52,10 +52,10 @@ fn states(bytes: &[u8]) -> Vec<u8> {
         content.extend(frame.step.to_le_bytes());
         for body in &frame.bodies {
             let numbers = [body.position.x, body.position.y, body.velocity.x, body.velocity.y];
-            content.extend(body.known.id.to_le_bytes());
+            content.extend(body.info.id.to_le_bytes());
             content.extend(numbers.map(f64::to_le_bytes).as_flattened());
         }
     }
-    content.extend(playback.end().map_or(0, |end| end.identity.0).to_le_bytes());
+    content.extend(playback.trailer().map_or(0, |end| end.identity.0).to_le_bytes());
     content
 }

@@ -1,4 +1,4 @@
-//! Prints what `snapshots/digests.txt` expects of every machine:
+//! Prints the digests that must equal `snapshots/digests.txt` on every machine:
 //!
 //! ```sh
 //! cargo run --release --example digests -- target/release/rebond
@@ -13,7 +13,7 @@ use std::process::ExitCode;
 fn main() -> ExitCode {
     let words: Vec<String> = std::env::args().skip(1).collect();
     let Some((file, arguments)) = words.split_first() else {
-        eprintln!("usage: digests PROGRAM [ARGUMENT…], what `rebond` is run as");
+        eprintln!("usage: digests PROGRAM [ARGUMENT…], the command that runs rebond");
         return ExitCode::from(2);
     };
     print!("{}", artefacts::digests(&Program { file: file.into(), arguments: arguments.to_vec() }));

@@ -1,4 +1,4 @@
-// Runs a WebAssembly program with the working folder as its whole file system:
+// Runs a WebAssembly program whose file system is the working folder:
 //   node --no-warnings wasi.mjs PROGRAM.wasm ARGUMENT…
 import { readFile } from 'node:fs/promises';
 import process from 'node:process';
@@ -15,11 +15,11 @@ const wasi = new WASI({
 
 const module = await WebAssembly.compile(await readFile(program));
 
-// What a C library without threads lacks: there are none to be had, as pthread_create says.
+// Functions that a C library without threads lacks. pthread_create reports that threads are not supported.
 const NOT_SUPPORTED = 58;
-const absent = (name) => () => (name === 'pthread_create' ? NOT_SUPPORTED : 0);
-const names = WebAssembly.Module.imports(module).filter((wanted) => wanted.module === 'env').map(({ name }) => name);
-const env = Object.fromEntries(names.map((name) => [name, absent(name)]));
+const stub = (name) => () => (name === 'pthread_create' ? NOT_SUPPORTED : 0);
+const names = WebAssembly.Module.imports(module).filter((entry) => entry.module === 'env').map(({ name }) => name);
+const env = Object.fromEntries(names.map((name) => [name, stub(name)]));
 
 const instance = await WebAssembly.instantiate(module, { ...wasi.getImportObject(), env });
 process.exitCode = wasi.start(instance);

@@ -1,8 +1,8 @@
-//! Five fixed runs whose instructions tests/instructions/run counts: `instructions NAME`
+//! Five fixed workloads whose instructions the script tests/instructions/run counts: `instructions NAME`
 
 use rebond::{
     physics::CollisionCount,
-    recording::{Header, Outcome, SceneText, Versions, Writer},
+    recording::{Header, RunEnd, SceneText, Versions, Writer},
     render::{self, Metadata, Painter, View, png},
     run, scene,
 };
@@ -10,16 +10,16 @@ use std::io;
 
 fn main() {
     match std::env::args().nth(1).as_deref() {
-        Some("gas") => _ = ran(&gas("event-driven", 1000, 120)),
-        Some("pile") => _ = ran(&pile(300, 240)),
-        Some("handout") => _ = ran(&gas("handout", 100, 600)),
+        Some("gas") => _ = run_scene(&gas("event-driven", 1000, 120)),
+        Some("pile") => _ = run_scene(&pile(300, 240)),
+        Some("handout") => _ = run_scene(&gas("handout", 100, 600)),
         Some("recording") => recording(&gas("event-driven", 300, 120)),
         Some("drawing") => drawing(&gas("event-driven", 50, 1)),
         Some(_) | None => panic!("expected gas, pile, handout, recording or drawing"),
     }
 }
 
-/// Unit boxes packed to a fifth between walls, e = 1.
+/// Unit boxes between walls that fill a fifth of the area, e = 1.
 fn gas(solver: &str, bodies: u32, steps: u32) -> scene::Scene {
     let side = (f64::from(bodies) * 5.0).sqrt();
     parse(&format!(
@@ -29,7 +29,7 @@ fn gas(solver: &str, bodies: u32, steps: u32) -> scene::Scene {
     ))
 }
 
-/// Boxes of all sizes that fall into a bin, e = 0.3.
+/// Boxes of sides 0.6–1.4 m that fall into a bin, e = 0.3.
 fn pile(bodies: u32, steps: u32) -> scene::Scene {
     let (width, height) = ((f64::from(bodies) * 3.6).sqrt(), (f64::from(bodies) * 2.3).sqrt());
     parse(&format!(
@@ -44,37 +44,37 @@ fn parse(text: &str) -> scene::Scene {
     scene::parse("fixed.toml", text).unwrap_or_else(|error| panic!("{error}"))
 }
 
-fn started(scene: &scene::Scene) -> run::Run {
+fn start(scene: &scene::Scene) -> run::Run {
     let mut run = run::Run::new(scene);
-    run.happen(Vec::new(), |error| Err(error.into())).expect("the scene's own events");
+    run.apply_inputs(Vec::new(), |error| Err(error.into())).expect("the scene's own events");
     run
 }
 
-/// The run of a scene to its end.
-fn ran(scene: &scene::Scene) -> run::Run {
-    let mut run = started(scene);
+/// Runs a scene to its end.
+fn run_scene(scene: &scene::Scene) -> run::Run {
+    let mut run = start(scene);
     let mut collisions = CollisionCount::default();
     (0..scene.run.steps).for_each(|_| run.step(&mut collisions).expect("finite numbers"));
     run
 }
 
-/// Every state of a gas, as a recording in memory.
+/// Records every state of a gas to memory.
 fn recording(scene: &scene::Scene) {
-    let mut run = started(scene);
+    let mut run = start(scene);
     let text = SceneText { file_name: "fixed.toml".into(), text: scene.source.text.clone() };
     let (versions, steps) = (Versions::CURRENT, scene.run.steps);
-    let header = Header { versions, settings: run::settings(scene), steps, every: 1, scene: text, gaps: Vec::new() };
+    let header = Header { versions, config: run::engine_config(scene), steps, every: 1, scene: text, gaps: Vec::new() };
     let mut writer = Writer::new(io::Cursor::new(Vec::new()), &header).expect("memory");
     for _ in 0..steps {
-        writer.state(run.engine()).expect("memory");
+        writer.write_state(run.engine()).expect("memory");
         run.step(&mut CollisionCount::default()).expect("finite numbers");
     }
-    writer.finish(Outcome::default()).expect("memory");
+    writer.finish(RunEnd::default()).expect("memory");
 }
 
-/// Three frames of fifty boxes as PNG.
+/// Draws three frames of a scene and encodes them as PNG.
 fn drawing(scene: &scene::Scene) {
-    let run = ran(scene);
+    let run = run_scene(scene);
     let [width, height] = scene.size;
     let view = View::fit(rebond::physics::Vector::new(width, height), [1280, 720], render::Style::default());
     let view = view.expect("a view");
@@ -94,6 +94,6 @@ fn drawing(scene: &scene::Scene) {
     let mut painter = Painter::new();
     for _ in 0..3 {
         let picture = painter.draw(&render::compose(&frame, &view));
-        png::encode(&picture, &Metadata::default(), io::sink()).expect("nothing to fail");
+        png::encode(&picture, &Metadata::default(), io::sink()).expect("a sink accepts all bytes");
     }
 }

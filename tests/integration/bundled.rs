@@ -1,4 +1,4 @@
-//! The scenes and recordings that come with rebond.
+//! The scenes, recordings and pictures in the repository.
 
 use crate::rebond::bundled_scenes;
 use rebond::scene;
@@ -6,35 +6,34 @@ use std::fs;
 use std::path::Path;
 
 #[test]
-fn every_bundled_scene_is_read() {
+fn every_bundled_scene_is_valid_and_has_a_title() {
     let scenes = bundled_scenes();
     assert!(scenes.len() >= 12, "{} scenes", scenes.len());
     for path in scenes {
         let scene = scene::load(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-        assert!(scene.title.is_some(), "{}: a lecturer wants a title", path.display());
+        assert!(scene.title.is_some(), "{}: no title", path.display());
     }
 }
 
-/// The recordings and pictures were made once and committed: a change of an engine by one bit, or of
-/// a drawing by one pixel, shows here.
+/// Fails if a state changes by one bit or a drawing by one pixel.
 #[test]
-fn committed_recordings_and_pictures_are_what_their_scenes_give() {
+fn committed_recordings_and_pictures_are_unchanged() {
     let mut command = assert_cmd::Command::new(env!("CARGO_BIN_EXE_rebond"));
     command.current_dir(env!("CARGO_MANIFEST_DIR"));
     let output = command.args(["check", "recordings", "snapshots", "--report", "failures/check"]).output().unwrap();
-    let told = String::from_utf8_lossy(&output.stdout);
-    assert!(output.status.success(), "{told}{}", String::from_utf8_lossy(&output.stderr));
-    let held = |name: &str| told.lines().any(|line| line.starts_with(name) && line.contains(": same"));
+    let output_text = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success(), "{output_text}{}", String::from_utf8_lossy(&output.stderr));
+    let is_same = |name: &str| output_text.lines().any(|line| line.starts_with(name) && line.contains(": same"));
     for path in bundled_scenes().iter().filter(|path| path.with_extension("mcap").exists()) {
         let name = path.with_extension("mcap").file_name().unwrap().to_string_lossy().into_owned();
-        assert!(held(&format!("recordings/{name}: ")), "{name} in {told}");
+        assert!(is_same(&format!("recordings/{name}: ")), "{name} in {output_text}");
     }
-    assert!(held("snapshots/gallery/click-session.gif: "), "{told}");
+    assert!(is_same("snapshots/gallery/click-session.gif: "), "{output_text}");
 }
 
-/// The README shows what its commands give, all of it, and a page of it loads in no time.
+/// Every picture of the gallery is small, drawn by a listed command and shown in the README.
 #[test]
-fn the_gallery_is_drawn_by_commands_and_shown_by_the_readme() {
+fn every_gallery_picture_is_listed_and_shown_in_the_readme() {
     let package = Path::new(env!("CARGO_MANIFEST_DIR"));
     let [readme, commands] =
         ["README.md", "recordings/gallery.check"].map(|name| fs::read_to_string(package.join(name)).unwrap());

@@ -1,6 +1,5 @@
-//! The handout's mouse. It asks what happens when the line that tests the click's target is
-//! taken out: the box that was clicked goes, and the same click makes a new one. Here it
-//! never does.
+//! The handout's mouse. The handout asks what happens without the line that tests the target of a click: the
+//! clicked box is deleted, and the same click creates a new one. In rebond a click never does both.
 
 use crate::rebond::Workplace;
 
@@ -40,19 +39,19 @@ fn a_click_on_a_body_deletes_it_and_never_also_spawns() {
 }
 
 #[test]
-fn a_click_beside_all_bodies_spawns_around_the_point() {
+fn a_click_on_no_body_spawns_one_around_the_point() {
     let click = "[[click]]\nstep = 5\nat = [10.0, 4.5]\nspawn = { size = [0.5, 0.5], mass = 1.0 }\n";
     assert_eq!(names_after(click), ["below", "above", "#3"]);
 }
 
 #[test]
-fn a_click_passes_over_infinite_masses() {
+fn a_click_ignores_infinite_masses() {
     let click = "[[click]]\nstep = 5\nat = [6.5, 6.5]\nspawn = { name = \"new\", size = [0.5, 0.5], mass = 1.0 }\n";
     assert_eq!(names_after(click), ["below", "above", "new"]);
 }
 
 #[test]
-fn a_click_takes_the_body_created_last_and_the_next_click_the_one_below() {
+fn a_click_deletes_the_body_created_last_and_the_next_click_the_one_below() {
     let spawn = "spawn = { size = [2.0, 2.0], mass = 1.0 }";
     let clicks = format!(
         "[[click]]\nstep = 0\nat = [12.0, 4.0]\n{spawn}\n[[click]]\nstep = 0\nat = [13.5, 4.0]\n{spawn}\n\
@@ -63,6 +62,6 @@ fn a_click_takes_the_body_created_last_and_the_next_click_the_one_below() {
 }
 
 #[test]
-fn a_click_that_hits_nothing_and_spawns_nothing_is_no_event() {
+fn a_click_that_deletes_nothing_and_spawns_nothing_is_no_event() {
     assert_eq!(names_after("[[click]]\nstep = 5\nat = [1.0, 1.0]\n"), ["below", "above"]);
 }

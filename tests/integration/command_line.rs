@@ -1,9 +1,9 @@
-//! The commands as the README shows them, on a small scene.
+//! The commands of the README, on a small scene.
 
 use crate::rebond::Workplace;
 use crate::snapshot::assert_text;
 
-/// A scene with all that a recording can hold: walls, gravity, materials, a spawn and a delete.
+/// A scene with everything that a recording can contain: walls, gravity, materials, a spawn and a delete.
 pub const SCENE: &str = r##"title = "A small run"
 [world]
 size = [8.0, 4.5]
@@ -49,16 +49,16 @@ fn recorded() -> Workplace {
 }
 
 #[test]
-fn record_says_what_it_recorded() {
+fn record_prints_a_summary() {
     let workplace = Workplace::with_scene(SCENE);
     let outcome = workplace.done("record scene.toml -o run.mcap");
     assert_text("record", &outcome.output);
-    assert_eq!(outcome.errors, "", "silence in a pipe");
+    assert_eq!(outcome.errors, "", "no progress bar in a pipe");
     assert_eq!(workplace.names(), ["run.mcap", "scene.toml"]);
 }
 
 #[test]
-fn the_same_scene_gives_the_same_bytes() {
+fn two_recordings_of_a_scene_have_the_same_bytes() {
     let workplace = recorded();
     workplace.done("record scene.toml -o again.mcap");
     assert!(workplace.read("run.mcap") == workplace.read("again.mcap"));
@@ -66,7 +66,7 @@ fn the_same_scene_gives_the_same_bytes() {
 }
 
 #[test]
-fn standard_output_takes_the_recording_byte_for_byte() {
+fn a_recording_on_standard_output_has_the_same_bytes() {
     let workplace = recorded();
     let output = std::process::Command::new(env!("CARGO_BIN_EXE_rebond"))
         .args(["record", "scene.toml", "-o", "-"])
@@ -77,7 +77,7 @@ fn standard_output_takes_the_recording_byte_for_byte() {
 }
 
 #[test]
-fn replay_ends_with_the_verdict() {
+fn replay_prints_the_verdict_last() {
     let outcome = recorded().done("replay run.mcap");
     assert_eq!(outcome.output.lines().last(), Some("same: 90 steps, 7 bodies"));
     assert_eq!(outcome.errors, "");
@@ -97,7 +97,7 @@ fn a_thinned_recording_replays_the_same() {
 }
 
 #[test]
-fn export_writes_a_row_for_each_body_and_step() {
+fn export_writes_one_row_per_body_and_step() {
     let workplace = recorded();
     let outcome = workplace.done("export run.mcap --from 29 --to 31");
     assert_text("export", &outcome.output);
@@ -108,7 +108,7 @@ fn export_writes_a_row_for_each_body_and_step() {
 }
 
 #[test]
-fn info_tells_one_thing_a_line() {
+fn info_prints_one_value_per_line() {
     let workplace = recorded();
     assert_text("info", &workplace.done("info run.mcap").output);
     let json = workplace.done("info run.mcap --json").output;
@@ -118,7 +118,7 @@ fn info_tells_one_thing_a_line() {
 }
 
 #[test]
-fn render_makes_a_gif_of_the_true_duration() {
+fn a_rendered_gif_has_the_duration_of_the_run() {
     let workplace = Workplace::with_scene(SCENE);
     let outcome = workplace.done("render scene.toml -o run.gif");
     assert!(outcome.errors.contains("same: 90 steps, 7 bodies"), "{outcome:?}");
@@ -131,11 +131,11 @@ fn render_makes_a_gif_of_the_true_duration() {
         hundredths += u32::from(frame.delay);
         frames += 1;
     }
-    assert_eq!((frames, hundredths), (46, 153), "steps 0, 2, … 90, each as long as two steps");
+    assert_eq!((frames, hundredths), (46, 153), "steps 0, 2, … 90, each shown for two steps");
 }
 
 #[test]
-fn an_animation_of_a_thinned_recording_shows_what_was_recorded() {
+fn an_animation_of_a_thinned_recording_shows_every_recorded_state() {
     let workplace = Workplace::with_scene(SCENE);
     workplace.done("record scene.toml -o thin.mcap --every 10");
     for name in ["thin.gif", "thin.apng"] {
@@ -160,7 +160,7 @@ fn a_recording_and_its_scene_give_the_same_pictures() {
 }
 
 #[test]
-fn parts_of_a_sequence_join_byte_for_byte() {
+fn parts_of_a_sequence_have_the_same_bytes_as_the_whole() {
     let workplace = recorded();
     workplace.done("render run.mcap -o whole --every 10 --show trail,normal,penetration,grid,clock");
     workplace.done("render run.mcap -o parts --every 10 --to 44 --show trail,normal,penetration,grid,clock");
@@ -173,7 +173,7 @@ fn parts_of_a_sequence_join_byte_for_byte() {
 }
 
 #[test]
-fn completions_know_the_commands() {
+fn completions_contain_the_commands() {
     for shell in ["bash", "zsh", "fish"] {
         let script = Workplace::new().done(&format!("completions {shell}")).output;
         assert!(script.contains("replay") && script.contains("theme"), "{shell}");
@@ -181,18 +181,18 @@ fn completions_know_the_commands() {
 }
 
 #[test]
-fn the_manual_has_a_page_for_each_command() {
+fn there_is_a_manual_page_for_each_command() {
     let workplace = Workplace::new();
     workplace.done("man man1");
     let page = String::from_utf8(workplace.read("man1/rebond-render.1")).unwrap();
     assert!(page.contains(".TH rebond-render 1") && page.contains(".nf\nOUT.gif and"), "{page}");
     assert!(workplace.path("man1/rebond.1").exists() && workplace.path("man1/rebond-check.1").exists());
-    assert_eq!(workplace.rebond("man man1").code, 1, "pages that are there stay");
+    assert_eq!(workplace.rebond("man man1").code, 1, "existing pages are not overwritten");
     workplace.done("man man1 --force");
 }
 
 #[test]
-fn quiet_says_nothing_but_results_and_errors() {
+fn quiet_prints_only_results_and_errors() {
     let workplace = Workplace::with_scene(SCENE);
     for line in
         ["--quiet record scene.toml -o run.mcap", "render -q run.mcap -o run.gif", "-q render scene.toml -o a.gif"]
@@ -205,7 +205,7 @@ fn quiet_says_nothing_but_results_and_errors() {
 }
 
 #[test]
-fn scripts_are_told_in_json() {
+fn json_output_can_be_parsed() {
     let workplace = Workplace::with_scene(SCENE);
     let json = |line: &str| -> serde_json::Value { serde_json::from_str(&workplace.rebond(line).output).unwrap() };
     let recorded = json("record scene.toml -o run.mcap --json");
@@ -217,9 +217,9 @@ fn scripts_are_told_in_json() {
     assert_eq!(json("replay cut.mcap --json")["verdict"], "truncated");
 }
 
-/// Colours are for terminals; a pipe gets none, whatever NO_COLOR says.
+/// Colours are used only on terminals, even if NO_COLOR is not set.
 #[test]
-fn there_are_no_colours_in_a_pipe() {
+fn output_to_a_pipe_has_no_colours() {
     let workplace = Workplace::with_scene(&SCENE.replace("rate = 60", "rate = 0"));
     for line in ["record scene.toml -o a.mcap", "--help", "render --helb", "check ."] {
         let output = std::process::Command::new(env!("CARGO_BIN_EXE_rebond"))
@@ -233,7 +233,7 @@ fn there_are_no_colours_in_a_pipe() {
 }
 
 #[test]
-fn help_has_examples_and_fits_a_screen() {
+fn help_has_examples_and_fits_on_a_screen() {
     let workplace = Workplace::new();
     let mut all = workplace.done_in("80", "--help").output;
     for command in
@@ -248,10 +248,13 @@ fn help_has_examples_and_fits_a_screen() {
 }
 
 #[test]
-fn recover_saves_what_can_be_read_and_it_replays_the_same() {
+fn recover_keeps_the_readable_part_which_replays_the_same() {
     let workplace = recorded();
     workplace.done("recover run.mcap -o whole.mcap");
-    assert!(workplace.read("run.mcap") == workplace.read("whole.mcap"), "a whole recording comes out as it was");
+    assert!(
+        workplace.read("run.mcap") == workplace.read("whole.mcap"),
+        "recovering a complete recording changes nothing"
+    );
     let bytes = workplace.read("run.mcap");
     std::fs::write(workplace.path("cut.mcap"), &bytes[..bytes.len() * 2 / 3]).unwrap();
     let recovered = workplace.done("recover cut.mcap -o fixed.mcap").output;
@@ -261,7 +264,7 @@ fn recover_saves_what_can_be_read_and_it_replays_the_same() {
 }
 
 #[test]
-fn a_range_is_the_same_wherever_a_reader_starts() {
+fn an_exported_range_equals_that_part_of_the_whole_table() {
     let workplace = recorded();
     let whole = workplace.done("export run.mcap").output;
     for from in [0, 1, 45, 59, 60, 61, 90] {

@@ -1,11 +1,11 @@
-//! What goes wrong says so in one sentence, with the exit code of its kind, and loses nothing.
+//! Errors have a message of one sentence and the documented exit code, and change no file.
 
 use crate::command_line::SCENE;
 use crate::rebond::Workplace;
 use crate::snapshot::assert_text;
 
 #[test]
-fn bad_input_is_told_in_one_sentence() {
+fn an_error_is_one_sentence_on_standard_error() {
     let workplace = Workplace::with_scene(SCENE);
     workplace.done("record scene.toml -o run.mcap");
     workplace.write("broken.toml", &SCENE.replace("mass = 2.0", "mass = -2.0"));
@@ -29,20 +29,20 @@ fn bad_input_is_told_in_one_sentence() {
         "render run.mcap -o scene.toml/frames",
         "render run.mcap -o out.gif --size 99999x10",
     ];
-    let mut told = String::new();
+    let mut messages = String::new();
     for line in lines {
         let before = workplace.names();
         let outcome = workplace.rebond(line);
         assert_eq!(outcome.code, 1, "{line}: {outcome:?}");
         assert_eq!(outcome.output, "", "{line}: errors go to standard error");
-        assert_eq!(workplace.names(), before, "{line}: nothing appears, nothing goes");
-        told += &format!("$ rebond {line}\n{}\n", outcome.errors);
+        assert_eq!(workplace.names(), before, "{line}: no file is created or removed");
+        messages += &format!("$ rebond {line}\n{}\n", outcome.errors);
     }
-    assert_text("errors-of-commands", &told);
+    assert_text("errors-of-commands", &messages);
 }
 
 #[test]
-fn wrong_usage_ends_with_2() {
+fn wrong_usage_exits_with_2() {
     let workplace = Workplace::with_scene(SCENE);
     let lines = [
         "",
@@ -87,7 +87,7 @@ fn nothing_is_overwritten_without_force() {
     assert!(first != workplace.read("frames/000045.png"));
 }
 
-/// Numbers that overflow are the one way a step of the handout's solver can fail.
+/// A step of the handout solver fails only by overflow.
 #[test]
 fn an_error_inside_a_step_names_step_and_body_and_leaves_a_recording() {
     let scene = "[world]\nsize = [16.0, 9.0]\n[run]\nrate = 1\nsteps = 50\nsolver = \"handout\"\n\
@@ -103,7 +103,7 @@ fn an_error_inside_a_step_names_step_and_body_and_leaves_a_recording() {
 }
 
 #[test]
-fn a_truncated_recording_says_how_far_it_is_the_same() {
+fn the_verdict_of_a_truncated_recording_counts_the_steps_that_are_the_same() {
     let workplace = Workplace::with_scene(SCENE);
     workplace.done("record scene.toml -o run.mcap");
     let bytes = workplace.read("run.mcap");
@@ -115,14 +115,14 @@ fn a_truncated_recording_says_how_far_it_is_the_same() {
     assert!(verdict.ends_with(" steps same"), "{verdict}");
 }
 
-/// Whatever writes, the error says where it wrote and what to do.
+/// Every command names the output that it could not write, and suggests what to do.
 #[cfg(target_os = "linux")]
 #[test]
-fn a_full_disk_is_told_with_its_place() {
+fn a_full_disk_is_reported_with_the_output_path() {
     let workplace = Workplace::with_scene(SCENE);
     workplace.done("record scene.toml -o run.mcap");
     for line in ["export run.mcap", "info run.mcap", "render run.mcap -o -", "figure strobe run.mcap -o -"] {
-        let full = std::fs::OpenOptions::new().write(true).open("/dev/full").expect("Linux has a full disk");
+        let full = std::fs::OpenOptions::new().write(true).open("/dev/full").expect("/dev/full exists on Linux");
         let output = std::process::Command::new(env!("CARGO_BIN_EXE_rebond"))
             .args(line.split_whitespace())
             .current_dir(workplace.path("."))

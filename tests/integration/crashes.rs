@@ -1,4 +1,4 @@
-//! What is left of a recording when its writer dies or its output fails.
+//! Recordings whose writer is killed or whose output fails.
 
 use crate::rebond::Workplace;
 use rebond::recording::{self, Health};
@@ -8,7 +8,7 @@ use std::{
     time::{Duration, SystemTime},
 };
 
-/// So long that nobody waits for its end.
+/// A scene with far too many steps to finish during a test.
 const ENDLESS: &str = r#"
 [world]
 size = [16.0, 9.0]
@@ -36,9 +36,9 @@ fn start(workplace: &Workplace, output: &str, stdout: Stdio) -> Child {
         .expect("the program starts")
 }
 
-/// Moments to kill at: REBOND_SEED brings those of a failed test back.
-fn moments() -> impl Iterator<Item = Duration> {
-    #[expect(clippy::disallowed_methods, reason = "only when to kill depends on the clock")]
+/// Random times at which to kill the process. Setting REBOND_SEED repeats those of a failed test.
+fn kill_times() -> impl Iterator<Item = Duration> {
+    #[expect(clippy::disallowed_methods, reason = "only the kill times depend on the clock")]
     let random = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap().as_nanos() as u64;
     let mut state = std::env::var("REBOND_SEED").map_or(random, |seed| seed.parse().expect("a number")) | 1;
     println!("REBOND_SEED={state}");
@@ -51,14 +51,14 @@ fn moments() -> impl Iterator<Item = Duration> {
     })
 }
 
-/// Kills a recording in progress after that time: the step after which it is cut, if any.
-fn killed_after(time: Duration) -> Option<u64> {
+/// Kills a recording in progress after `time`, and returns the step of the last state, if any.
+fn last_step_when_killed_after(time: Duration) -> Option<u64> {
     let workplace = Workplace::with_scene(ENDLESS);
     let mut writer = start(&workplace, "run.mcap", Stdio::null());
     thread::sleep(time);
     writer.kill().unwrap();
     writer.wait().unwrap();
-    // There may be no file yet, or nothing in it.
+    // The file may not exist yet, or may be empty.
     let mut recording = recording::open(&workplace.path("run.mcap")).ok()?;
     recording.by_ref().for_each(|item| drop(item.unwrap()));
     let Health::Truncated { after } = recording.health() else { panic!("{:?}", recording.health()) };
@@ -66,22 +66,27 @@ fn killed_after(time: Duration) -> Option<u64> {
     assert_eq!(replayed.code, 4, "{replayed:?}");
     let recovered = workplace.done("recover run.mcap -o fixed.mcap");
     let step = after?;
-    assert_eq!(replayed.output, format!("truncated after step {step}: {step} steps same\n"));
-    assert!(recovered.output.contains(&format!("{} states up to step {step}", step + 1)), "{recovered:?}");
-    assert_eq!(workplace.done("replay fixed.mcap").output, format!("same: {step} steps, 20 bodies\n"));
+    let (steps, states) = (plural(step, "step"), plural(step + 1, "state"));
+    assert_eq!(replayed.output, format!("truncated after step {step}: {steps} same\n"));
+    assert!(recovered.output.contains(&format!("{states} up to step {step}")), "{recovered:?}");
+    assert_eq!(workplace.done("replay fixed.mcap").output, format!("same: {steps}, 20 bodies\n"));
     Some(step)
 }
 
+fn plural(count: u64, noun: &str) -> String {
+    if count == 1 { format!("1 {noun}") } else { format!("{count} {noun}s") }
+}
+
 #[test]
-fn a_recording_killed_at_any_moment_keeps_what_was_flushed() {
+fn a_recording_killed_at_any_time_keeps_all_flushed_data() {
     let mut last_steps = Vec::new();
-    for time in moments().take(10).chain([Duration::from_millis(700)]) {
-        let after = killed_after(time);
-        println!("killed after {time:?}: cut after step {after:?}");
+    for time in kill_times().take(10).chain([Duration::from_millis(700)]) {
+        let after = last_step_when_killed_after(time);
+        println!("killed after {time:?}: last step {after:?}");
         last_steps.extend(after);
     }
     for step in &last_steps {
-        assert!(*step == 0 || (step + 1).is_multiple_of(60), "{step} is not the last of a second");
+        assert!(*step == 0 || (step + 1).is_multiple_of(60), "step {step} is not the last one of a second");
     }
     assert!(last_steps.last().is_some_and(|step| *step >= 59), "nothing was flushed: {last_steps:?}");
 }
@@ -96,7 +101,7 @@ fn a_full_disk_is_an_error() {
     assert!(recorded.errors.contains("No space left on device"), "{recorded:?}");
 }
 
-/// `/dev/null` takes everything but cannot be synced, which only `--sync` tries.
+/// `/dev/null` accepts all data but cannot be synced, so only `--sync` fails.
 #[cfg(target_os = "linux")]
 #[test]
 fn sync_waits_for_the_disk() {
@@ -118,7 +123,7 @@ fn a_closed_pipe_is_an_error() {
 }
 
 #[test]
-fn a_folder_that_is_not_there_is_an_error() {
+fn a_missing_folder_is_an_error() {
     let workplace = Workplace::with_scene(ENDLESS);
     let recorded = workplace.rebond("record scene.toml -o missing/run.mcap");
     assert_eq!(recorded.code, 1, "{recorded:?}");
@@ -127,7 +132,7 @@ fn a_folder_that_is_not_there_is_an_error() {
 }
 
 #[test]
-fn a_recording_cut_before_its_settings_is_damaged() {
+fn a_recording_cut_before_its_settings_has_the_exit_code_of_damage() {
     let workplace = Workplace::with_scene(ENDLESS);
     workplace.done("record scene.toml -o run.mcap --steps 10");
     for length in [0, 5, 8, 100] {
@@ -136,6 +141,6 @@ fn a_recording_cut_before_its_settings_is_damaged() {
         assert_eq!(replayed.code, 4, "{replayed:?}");
         assert!(replayed.errors.contains("cut.mcap: truncated before its settings"), "{replayed:?}");
     }
-    workplace.write("cut.mcap", "no recording");
+    workplace.write("cut.mcap", "not a recording");
     assert_eq!(workplace.rebond("replay cut.mcap").code, 1);
 }

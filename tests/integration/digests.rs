@@ -1,4 +1,4 @@
-//! Every artefact has the bits it has on every other machine.
+//! All artefacts have the same bits on all machines.
 
 #[path = "../cross/artefacts.rs"]
 mod artefacts;
@@ -16,10 +16,10 @@ fn every_artefact_has_the_expected_digests() {
         return;
     }
     let expected = fs::read_to_string(&expected).unwrap();
-    let known: Vec<&str> = expected.lines().collect();
-    let strange: Vec<&str> = found.lines().filter(|line| !known.contains(line)).collect();
-    assert!(strange.is_empty(), "not in snapshots/digests.txt:\n{}\n{ADVICE}", strange.join("\n"));
+    let expected_lines: Vec<&str> = expected.lines().collect();
+    let unexpected: Vec<&str> = found.lines().filter(|line| !expected_lines.contains(line)).collect();
+    assert!(unexpected.is_empty(), "not in snapshots/digests.txt:\n{}\n{ADVICE}", unexpected.join("\n"));
     assert_eq!(found, expected, "{ADVICE}");
 }
 
-const ADVICE: &str = "if they are meant to be others now, accept them by REBOND_ACCEPT=1 cargo test";
+const ADVICE: &str = "to accept intended changes, run REBOND_ACCEPT=1 cargo test";

@@ -1,5 +1,5 @@
-//! Numbers of 32 digits, each the unevaluated sum of two doubles (Dekker, "A floating-point
-//! technique for extending the available precision", 1971).
+//! Double-double arithmetic, independent of the solver's: numbers of 32 digits as unevaluated sums of two
+//! doubles (Dekker, "A floating-point technique for extending the available precision", 1971).
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -9,14 +9,14 @@ pub struct DoubleDouble {
     low: f64,
 }
 
-/// The sum of two doubles and what rounding it lost (Knuth).
+/// The sum of two doubles and its rounding error (Knuth).
 fn two_sum(a: f64, b: f64) -> DoubleDouble {
     let high = a + b;
-    let part = high - a;
-    DoubleDouble { high, low: (a - (high - part)) + (b - part) }
+    let rounded_b = high - a;
+    DoubleDouble { high, low: (a - (high - rounded_b)) + (b - rounded_b) }
 }
 
-/// The product of two doubles and what rounding it lost (Dekker, with Veltkamp's splitting).
+/// The product of two doubles and its rounding error (Dekker, with Veltkamp's splitting).
 fn two_product(a: f64, b: f64) -> DoubleDouble {
     let split = |x: f64| {
         let c = 134_217_729.0 * x;
@@ -83,7 +83,7 @@ impl Div for DoubleDouble {
 }
 
 #[test]
-fn a_third_three_times_is_one_to_thirty_digits() {
+fn a_third_times_three_is_one_to_thirty_digits() {
     let third = DoubleDouble::from(1.0) / 3.0.into();
     let rest = third * 3.0.into() - 1.0.into();
     assert!(rest.to_f64().abs() < 1e-31 && third.low != 0.0);

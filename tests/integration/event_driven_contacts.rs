@@ -1,18 +1,18 @@
-//! The exact solver's resting contacts.
+//! Resting contacts in the exact solver.
 
-use crate::laboratory::*;
+use crate::world_builder::*;
 use rebond::physics::{Event, Vector, invariants};
 
 const EARTH: Option<[f64; 2]> = Some([0.0, 9.81]);
 
-/// A floor and a stack of unit boxes on it, the first lowest.
-fn stack(masses: impl Iterator<Item = f64>) -> Vec<Sketch> {
-    let mut bodies = vec![sketch([0.0, 0.0], [4.0, 1.0], INFINITE)];
-    bodies.extend(masses.enumerate().map(|(n, mass)| sketch([1.0, -1.0 - n as f64], [1.0, 1.0], mass)));
+/// A floor and a stack of unit boxes on it, the lowest first.
+fn stack(masses: impl Iterator<Item = f64>) -> Vec<BodySpec> {
+    let mut bodies = vec![spec([0.0, 0.0], [4.0, 1.0], INFINITE)];
+    bodies.extend(masses.enumerate().map(|(n, mass)| spec([1.0, -1.0 - n as f64], [1.0, 1.0], mass)));
     bodies
 }
 
-fn stays_for(steps: u64, conditions: Conditions, bodies: &[Sketch]) {
+fn assert_at_rest(steps: u64, conditions: Conditions, bodies: &[BodySpec]) {
     let mut engine = world(conditions, bodies);
     let before = all_bits(&engine);
     assert_eq!(count(&mut engine, steps), 0);
@@ -23,25 +23,25 @@ fn stays_for(steps: u64, conditions: Conditions, bodies: &[Sketch]) {
 fn stacks_of_any_height_and_mass_ratio_do_not_move_in_a_million_steps() {
     let conditions = |restitution| Conditions { gravity: EARTH, restitution, ..Conditions::default() };
     for restitution in [0.0, 0.5, 1.0] {
-        let stays = |bodies: &[Sketch]| stays_for(1_000_000, conditions(restitution), bodies);
-        stays(&stack([1.0].into_iter()));
-        stays(&stack((0..50).map(|_| 1.0)));
-        stays(&stack((0..50).map(|n| if n % 2 == 0 { 1.0 } else { 1e12 })));
-        stays(&stack((0..1000).map(|n| 1.0 + f64::from(n))));
-        stays(&stack((0..1000).map(|n| if n % 2 == 0 { 1.0 } else { 1e12 })));
+        let check = |bodies: &[BodySpec]| assert_at_rest(1_000_000, conditions(restitution), bodies);
+        check(&stack([1.0].into_iter()));
+        check(&stack((0..50).map(|_| 1.0)));
+        check(&stack((0..50).map(|n| if n % 2 == 0 { 1.0 } else { 1e12 })));
+        check(&stack((0..1000).map(|n| 1.0 + f64::from(n))));
+        check(&stack((0..1000).map(|n| if n % 2 == 0 { 1.0 } else { 1e12 })));
     }
 }
 
-/// Decimal coordinates leave gaps and overlaps of an ulp: they count as contact and stay.
+/// Decimal coordinates cause gaps and overlaps of an ulp, which count as contact and remain.
 #[test]
-fn a_stack_written_in_decimals_stays_where_it_was_put() {
-    let mut bodies = vec![sketch([0.0, 0.0], [4.0, 1.0], INFINITE)];
-    bodies.extend((1..=300).map(|n| sketch([1.0, -0.1 * f64::from(n)], [1.0, 0.1], 1.0)));
+fn a_stack_with_decimal_coordinates_does_not_move() {
+    let mut bodies = vec![spec([0.0, 0.0], [4.0, 1.0], INFINITE)];
+    bodies.extend((1..=300).map(|n| spec([1.0, -0.1 * f64::from(n)], [1.0, 0.1], 1.0)));
     for restitution in [0.0, 0.3, 1.0] {
-        stays_for(100, Conditions { gravity: EARTH, restitution, ..Conditions::default() }, &bodies);
+        assert_at_rest(100, Conditions { gravity: EARTH, restitution, ..Conditions::default() }, &bodies);
         let mut upside_down = bodies.clone();
         upside_down[1..].reverse();
-        stays_for(100, Conditions { gravity: EARTH, restitution, ..Conditions::default() }, &upside_down);
+        assert_at_rest(100, Conditions { gravity: EARTH, restitution, ..Conditions::default() }, &upside_down);
     }
 }
 
@@ -55,16 +55,17 @@ fn a_stack_rests_on_a_moving_platform_and_on_a_wall_when_gravity_is_sideways() {
         assert_eq!(body.velocity, Vector::new(0.0, -0.75));
         assert_close(body.rect.origin.y, -(n as f64) - 7.5, 1e-14);
     }
-    let sideways = [
-        sketch([-1.0, 0.0], [1.0, 9.0], INFINITE),
-        sketch([0.0, 1.0], [1.0, 1.0], 1.0),
-        sketch([1.0, 1.5], [1.0, 1.0], 1e9),
-    ];
-    stays_for(600, Conditions { gravity: Some([-3.0, 0.0]), restitution: 0.5, ..Conditions::default() }, &sideways);
+    let sideways =
+        [spec([-1.0, 0.0], [1.0, 9.0], INFINITE), spec([0.0, 1.0], [1.0, 1.0], 1.0), spec([1.0, 1.5], [1.0, 1.0], 1e9)];
+    assert_at_rest(
+        600,
+        Conditions { gravity: Some([-3.0, 0.0]), restitution: 0.5, ..Conditions::default() },
+        &sideways,
+    );
 }
 
 #[test]
-fn a_stack_wakes_the_instant_its_foot_is_deleted() {
+fn a_stack_falls_from_the_instant_at_which_its_lowest_box_is_deleted() {
     let mut engine = world(
         Conditions { gravity: Some([0.0, 10.0]), restitution: 0.0, ..Conditions::default() },
         &stack((0..50).map(|n| 1.0 + f64::from(n % 7))),
@@ -86,25 +87,25 @@ fn a_stack_wakes_the_instant_its_foot_is_deleted() {
 }
 
 #[test]
-fn a_box_slides_past_an_edge_and_falls_from_there() {
-    let table = sketch([0.0, 0.0], [2.0, 1.0], INFINITE);
-    let rider = sketch([1.0, -1.0], [0.5, 1.0], 1.0).moving(1.0, 0.0);
+fn a_box_that_slides_past_an_edge_falls_from_there() {
+    let table = spec([0.0, 0.0], [2.0, 1.0], INFINITE);
+    let slider = spec([1.0, -1.0], [0.5, 1.0], 1.0).with_velocity(1.0, 0.0);
     let conditions = Conditions { gravity: Some([0.0, 10.0]), restitution: 0.5, ..Conditions::default() };
-    let mut engine = world(conditions, &[table, rider]);
+    let mut engine = world(conditions, &[table, slider]);
     run(&mut engine, 60);
-    assert_eq!(body(&engine, 1).rect.origin.y, -1.0, "it leaves the edge at 1 s exactly");
+    assert_eq!(body(&engine, 1).rect.origin.y, -1.0, "it passes the edge at exactly 1 s");
     run(&mut engine, 30);
     assert_close(body(&engine, 1).rect.origin.y, -1.0 + 5.0 * 0.25, 1e-14);
     assert_close(body(&engine, 1).rect.origin.x, 2.5, 1e-14);
 }
 
 #[test]
-fn forces_press_boxes_against_a_wall_and_through_each_other_never() {
+fn forces_press_boxes_against_a_wall_without_overlap() {
     let bodies = [
-        sketch([-1.0, 0.0], [1.0, 4.0], INFINITE),
-        sketch([0.0, 1.0], [1.0, 1.0], 1.0),
-        sketch([1.0, 1.2], [1.0, 1.0], 5.0).pushed(-3.0, 0.0),
-        sketch([2.0, 0.9], [1.0, 1.0], 2.0).pushed(1.0, 0.0),
+        spec([-1.0, 0.0], [1.0, 4.0], INFINITE),
+        spec([0.0, 1.0], [1.0, 1.0], 1.0),
+        spec([1.0, 1.2], [1.0, 1.0], 5.0).with_force(-3.0, 0.0),
+        spec([2.0, 0.9], [1.0, 1.0], 2.0).with_force(1.0, 0.0),
     ];
     let conditions = Conditions { restitution: 0.0, rate: 64.0, ..Conditions::default() };
     let mut engine = world(conditions, &bodies);
@@ -115,11 +116,11 @@ fn forces_press_boxes_against_a_wall_and_through_each_other_never() {
 }
 
 #[test]
-fn a_pushed_train_moves_as_one() {
+fn a_row_with_a_force_on_its_last_box_moves_as_one() {
     let bodies = [
-        sketch([0.0, 0.0], [1.0, 1.0], 1.0).pushed(12.0, 0.0),
-        sketch([1.0, 0.0], [1.0, 1.0], 2.0),
-        sketch([2.0, 0.0], [1.0, 1.0], 3.0),
+        spec([0.0, 0.0], [1.0, 1.0], 1.0).with_force(12.0, 0.0),
+        spec([1.0, 0.0], [1.0, 1.0], 2.0),
+        spec([2.0, 0.0], [1.0, 1.0], 3.0),
     ];
     for restitution in [0.0, 0.7, 1.0] {
         let mut engine = world(Conditions { restitution, rate: 64.0, ..Conditions::default() }, &bodies);
@@ -131,12 +132,12 @@ fn a_pushed_train_moves_as_one() {
     }
 }
 
-/// Height h, restitution e: at rest after √(2h/g)·(1 + e)/(1 − e).
+/// A ball dropped from the height h is at rest after √(2h/g)·(1 + e)/(1 − e).
 #[test]
-fn a_bouncing_ball_comes_to_rest_when_the_series_says() {
+fn a_bouncing_ball_comes_to_rest_at_the_limit_of_its_series_of_impacts() {
     for e in [0.3_f64, 0.5, 0.8, 0.95] {
-        let floor = sketch([0.0, 0.0], [4.0, 1.0], INFINITE);
-        let ball = sketch([1.0, -2.25], [1.0, 1.0], 1.0);
+        let floor = spec([0.0, 0.0], [4.0, 1.0], INFINITE);
+        let ball = spec([1.0, -2.25], [1.0, 1.0], 1.0);
         let conditions =
             Conditions { gravity: Some([0.0, 10.0]), restitution: e, rate: 1000.0, ..Conditions::default() };
         let mut engine = world(conditions, &[floor, ball]);
@@ -145,7 +146,7 @@ fn a_bouncing_ball_comes_to_rest_when_the_series_says() {
         let collisions = run(&mut engine, steps + 2);
         let last = collisions.last().unwrap();
         let end = last.step as f64 / 1000.0 + last.time;
-        assert!(end <= total + 1e-12 && end >= total - 1e-5, "e = {e}: at rest at {end}, the series says {total}");
+        assert!(end <= total + 1e-12 && end >= total - 1e-5, "e = {e}: at rest after {end} s, expected {total} s");
         assert!(collisions.len() < 400);
         assert_eq!(body(&engine, 1).velocity, Vector::ZERO);
         assert_eq!(body(&engine, 1).rect.origin.y, -1.0);
@@ -153,9 +154,9 @@ fn a_bouncing_ball_comes_to_rest_when_the_series_says() {
 }
 
 #[test]
-fn a_row_of_clay_is_hit_once_and_moves_as_one() {
-    let mut bodies: Vec<_> = (0..1000).map(|n| sketch([f64::from(n), 0.0], [1.0, 1.0], 1.0)).collect();
-    bodies.push(sketch([-2.0, 0.0], [1.0, 1.0], 24.0).moving(1.0, 0.0));
+fn a_row_with_e_0_moves_as_one_after_an_impact() {
+    let mut bodies: Vec<_> = (0..1000).map(|n| spec([f64::from(n), 0.0], [1.0, 1.0], 1.0)).collect();
+    bodies.push(spec([-2.0, 0.0], [1.0, 1.0], 24.0).with_velocity(1.0, 0.0));
     let mut engine = world(Conditions { restitution: 0.0, ..Conditions::default() }, &bodies);
     count(&mut engine, 61);
     for body in &engine.world().bodies {
@@ -165,11 +166,11 @@ fn a_row_of_clay_is_hit_once_and_moves_as_one() {
 }
 
 #[test]
-fn overlapping_spawns_are_put_apart_and_gain_no_energy() {
+fn overlapping_spawns_are_separated_and_gain_no_energy() {
     let mut bodies = walls(10.0, 10.0);
     bodies.extend((0..60).map(|n| {
         let n = f64::from(n);
-        sketch([4.0 + 0.02 * n, 5.0 - 0.013 * n], [0.5 + 0.01 * n, 0.6], 1.0).moving(0.1 * n - 3.0, 1.0)
+        spec([4.0 + 0.02 * n, 5.0 - 0.013 * n], [0.5 + 0.01 * n, 0.6], 1.0).with_velocity(0.1 * n - 3.0, 1.0)
     }));
     bodies.push(bodies[20].clone());
     let mut engine = world(Conditions::default(), &bodies);
@@ -182,23 +183,23 @@ fn overlapping_spawns_are_put_apart_and_gain_no_energy() {
 }
 
 #[test]
-fn an_infinite_mass_spawned_into_a_pile_makes_room() {
+fn an_infinite_mass_spawned_in_a_pile_displaces_the_boxes() {
     let mut bodies = walls(6.0, 6.0);
-    bodies.extend((0..16).map(|n| sketch([f64::from(n % 4) * 1.2, 2.0 + f64::from(n / 4)], [1.0, 1.0], 1.0)));
+    bodies.extend((0..16).map(|n| spec([f64::from(n % 4) * 1.2, 2.0 + f64::from(n / 4)], [1.0, 1.0], 1.0)));
     let mut engine = world(Conditions { gravity: EARTH, restitution: 0.2, ..Conditions::default() }, &bodies);
     run(&mut engine, 60);
-    spawn(&mut engine, &sketch([1.5, 3.5], [1.5, 1.5], INFINITE));
+    spawn(&mut engine, &spec([1.5, 3.5], [1.5, 1.5], INFINITE));
     for _ in 0..120 {
         run(&mut engine, 1);
         assert!(invariants::worst_overlap(engine.world()) <= 1e-13);
     }
 }
 
-/// A resting body takes a blow like what it rests on, and gives its load no part of it.
+/// A supported body responds to an impact like its support, and transmits nothing to the bodies below.
 #[test]
-fn a_blow_from_above_leaves_a_stack_alone() {
+fn an_impact_from_above_does_not_move_a_stack() {
     let mut bodies = stack([1.0, 1e-6, 1e6].into_iter());
-    bodies.push(sketch([1.2, -9.0], [1.0, 1.0], 1e3).moving(0.0, 20.0));
+    bodies.push(spec([1.2, -9.0], [1.0, 1.0], 1e3).with_velocity(0.0, 20.0));
     let mut engine = world(Conditions { gravity: EARTH, restitution: 0.5, ..Conditions::default() }, &bodies);
     let before: Vec<_> = (1..=3).map(|id| bits(body(&engine, id))).collect();
     let collisions = run(&mut engine, 600);
@@ -208,19 +209,19 @@ fn a_blow_from_above_leaves_a_stack_alone() {
 }
 
 #[test]
-fn a_light_box_caught_between_a_wall_and_a_heavy_one_stops_both() {
+fn a_light_box_between_a_wall_and_a_heavy_box_comes_to_rest_with_it() {
     for mirrored in [1.0, -1.0] {
         let at = |x: f64, width: f64| if mirrored > 0.0 { x } else { -x - width };
         let bodies = [
-            sketch([at(-1.0, 1.0), 0.0], [1.0, 4.0], INFINITE),
-            sketch([at(0.0, 1.5), 1.0], [1.5, 1.0], 0.2).moving(-1.2 * mirrored, 0.0),
-            sketch([at(4.2, 0.3), 1.0], [0.3, 0.3], 4.4).moving(-3.9 * mirrored, 0.0),
+            spec([at(-1.0, 1.0), 0.0], [1.0, 4.0], INFINITE),
+            spec([at(0.0, 1.5), 1.0], [1.5, 1.0], 0.2).with_velocity(-1.2 * mirrored, 0.0),
+            spec([at(4.2, 0.3), 1.0], [0.3, 0.3], 4.4).with_velocity(-3.9 * mirrored, 0.0),
         ];
         let mut engine = world(Conditions { restitution: 0.3, ..Conditions::default() }, &bodies);
         let collisions = count(&mut engine, 120);
         assert!(collisions < 1000, "{collisions} collisions");
-        for place in [1, 2] {
-            assert_eq!(body(&engine, place).velocity, Vector::ZERO, "endlessly many blows stop all that take part");
+        for id in [1, 2] {
+            assert_eq!(body(&engine, id).velocity, Vector::ZERO, "body {id} moves after the inelastic collapse");
         }
     }
 }

@@ -1,29 +1,29 @@
-//! The exact solver's impacts, each against a closed form.
+//! Impacts in the exact solver, compared with closed forms.
 
-use crate::laboratory::*;
+use crate::world_builder::*;
 use rebond::physics::{StepError, Vector, invariants};
 
-/// Unfolds the motion of a point between two elastic walls.
-fn reflected(distance: f64, room: f64) -> f64 {
-    let within = distance % (2.0 * room);
-    if within <= room { within } else { 2.0 * room - within }
+/// The position of a point between elastic walls at 0 and `width` that has moved `distance` from 0.
+fn reflected(distance: f64, width: f64) -> f64 {
+    let phase = distance % (2.0 * width);
+    if phase <= width { phase } else { 2.0 * width - phase }
 }
 
 #[test]
-fn a_box_bounces_between_walls_for_ever() {
+fn a_box_between_elastic_walls_loses_no_energy() {
     let mut bodies = walls(9.0, 9.0);
-    bodies.push(sketch([1.0, 2.0], [1.0, 1.0], 1.0).moving(5.0, -3.0));
+    bodies.push(spec([1.0, 2.0], [1.0, 1.0], 1.0).with_velocity(5.0, -3.0));
     let mut engine = world(Conditions::default(), &bodies);
     let steps = 60_000;
     count(&mut engine, steps);
-    let bounced = body(&engine, 4);
+    let bouncing = body(&engine, 4);
     let seconds = steps as f64 / 60.0;
-    assert_close(bounced.rect.origin.x, reflected(1.0 + 5.0 * seconds, 8.0), 1e-10);
-    assert_close(bounced.rect.origin.y, reflected(16.0 + 2.0 - 3.0 * seconds % 16.0, 8.0), 1e-10);
-    assert_eq!(invariants::kinetic_energy(engine.world()), 17.0, "not a bit of energy is lost");
+    assert_close(bouncing.rect.origin.x, reflected(1.0 + 5.0 * seconds, 8.0), 1e-10);
+    assert_close(bouncing.rect.origin.y, reflected(16.0 + 2.0 - 3.0 * seconds % 16.0, 8.0), 1e-10);
+    assert_eq!(invariants::kinetic_energy(engine.world()), 17.0, "the kinetic energy has changed");
 }
 
-/// Issue 3: drift ≤ 1e-12 and position ≤ 1e-9 m after 10⁶ steps. `cargo test --release -- --ignored`
+/// Energy drift ≤ 1e-12 and position error ≤ 1e-9 m after 10⁶ steps. `cargo test --release -- --ignored`
 #[test]
 #[ignore = "a million steps"]
 fn an_elastic_ball_bounces_under_gravity_for_a_million_steps() {
@@ -37,14 +37,14 @@ fn an_elastic_ball_bounces_under_gravity() {
 
 fn bouncing_ball(steps: u64, tolerance: f64) {
     let conditions = Conditions { gravity: Some([0.0, 10.0]), ..Conditions::default() };
-    let floor = sketch([0.0, 5.0], [10.0, 1.0], INFINITE);
-    let mut engine = world(conditions, &[floor, sketch([4.0, -1.0], [1.0, 1.0], 1.0)]);
+    let floor = spec([0.0, 5.0], [10.0, 1.0], INFINITE);
+    let mut engine = world(conditions, &[floor, spec([4.0, -1.0], [1.0, 1.0], 1.0)]);
     let energy = |engine: &rebond::physics::Engine| {
         invariants::kinetic_energy(engine.world()) + invariants::potential_energy(engine.world())
     };
     let before = energy(&engine);
     run(&mut engine, steps);
-    // Falls 5 m in 1 s, so it is back every 2 s.
+    // The ball falls 5 m in 1 s, so the period is 2 s.
     let phase = (steps % 120) as f64 / 60.0 - 1.0;
     let height = 5.0 - 5.0 * (1.0 - phase.abs()) * (1.0 - phase.abs());
     assert_close(4.0 - body(&engine, 1).rect.origin.y, height, tolerance);
@@ -65,23 +65,24 @@ fn galperins_billiard_counts_seven_digits_of_pi() {
     assert_eq!((galperin(5), galperin(6)), (314_159, 3_141_592));
 }
 
-/// Mass ratio 100^digits: that many digits of π after the first (Galperin, "Playing pool with π", 2003).
+/// The number of collisions for a mass ratio of 100^digits: π with this number of decimals, without the
+/// point (Galperin, "Playing pool with π", 2003).
 fn galperin(digits: u32) -> u64 {
     let mass = (0..digits).fold(1.0, |mass, _| mass * 100.0);
     let bodies = [
-        sketch([0.0, 0.0], [1.0, 9.0], INFINITE),
-        sketch([4.0, 8.0], [1.0, 1.0], 1.0),
-        sketch([8.0, 7.0], [2.0, 2.0], mass).moving(-1.0, 0.0),
+        spec([0.0, 0.0], [1.0, 9.0], INFINITE),
+        spec([4.0, 8.0], [1.0, 1.0], 1.0),
+        spec([8.0, 7.0], [2.0, 2.0], mass).with_velocity(-1.0, 0.0),
     ];
     let conditions = Conditions { rate: 0.01, events_per_step: u64::MAX, ..Conditions::default() };
     count(&mut world(conditions, &bodies), 1000)
 }
 
 #[test]
-fn a_shot_does_not_pass_a_thin_plate() {
+fn a_bullet_does_not_pass_through_a_thin_plate() {
     for rate in [1.0, 60.0, 1000.0] {
-        let plate = sketch([5.0, 0.0], [0.001, 2.0], INFINITE);
-        let bullet = sketch([0.0, 0.99], [0.01, 0.01], 0.01).moving(7000.0, 0.0);
+        let plate = spec([5.0, 0.0], [0.001, 2.0], INFINITE);
+        let bullet = spec([0.0, 0.99], [0.01, 0.01], 0.01).with_velocity(7000.0, 0.0);
         let mut engine = world(Conditions { rate, ..Conditions::default() }, &[plate, bullet]);
         let collisions = run(&mut engine, 1);
         assert_eq!(collisions.len(), usize::from(rate < 1000.0 * 7.0 / 4.99));
@@ -92,9 +93,9 @@ fn a_shot_does_not_pass_a_thin_plate() {
 }
 
 #[test]
-fn a_free_plate_takes_its_part_of_the_shot() {
-    let plate = sketch([5.0, 0.0], [0.001, 2.0], 3.0);
-    let bullet = sketch([0.0, 0.99], [0.01, 0.01], 1.0).moving(8000.0, 0.0);
+fn a_bullet_and_a_free_plate_exchange_momentum_by_the_impact_law() {
+    let plate = spec([5.0, 0.0], [0.001, 2.0], 3.0);
+    let bullet = spec([0.0, 0.99], [0.01, 0.01], 1.0).with_velocity(8000.0, 0.0);
     let mut engine = world(Conditions { restitution: 0.5, ..Conditions::default() }, &[plate, bullet]);
     let collision = run(&mut engine, 1).remove(0);
     assert_eq!((body(&engine, 0).velocity.x, body(&engine, 1).velocity.x), (3000.0, -1000.0));
@@ -106,7 +107,7 @@ fn a_free_plate_takes_its_part_of_the_shot() {
 
 fn cradle(gap: f64) -> Vec<f64> {
     let mut bodies: Vec<_> =
-        (0..5).map(|ball| sketch([4.0 + f64::from(ball) * (1.0 + gap), 0.0], [1.0, 1.0], 2.0)).collect();
+        (0..5).map(|ball| spec([4.0 + f64::from(ball) * (1.0 + gap), 0.0], [1.0, 1.0], 2.0)).collect();
     bodies[0].at[0] -= 1.0;
     bodies[0].velocity[0] = 1.7;
     let mut engine = world(Conditions::default(), &bodies);
@@ -115,50 +116,50 @@ fn cradle(gap: f64) -> Vec<f64> {
 }
 
 #[test]
-fn a_cradle_hands_its_blow_on_touching_or_apart() {
+fn a_cradle_passes_an_impact_on_whether_its_balls_touch_or_not() {
     for gap in [0.0, 1e-3, 0.1] {
         assert_eq!(cradle(gap), [0.0, 0.0, 0.0, 0.0, 1.7]);
     }
 }
 
 #[test]
-fn two_balls_of_a_cradle_lift_two() {
-    let at = |x: f64| sketch([x, 0.0], [1.0, 1.0], 1.0);
-    let bodies = [at(1.0).moving(1.0, 0.0), at(2.0).moving(1.0, 0.0), at(4.0), at(5.0), at(6.0)];
+fn two_moving_balls_of_a_cradle_set_two_in_motion() {
+    let at = |x: f64| spec([x, 0.0], [1.0, 1.0], 1.0);
+    let bodies = [at(1.0).with_velocity(1.0, 0.0), at(2.0).with_velocity(1.0, 0.0), at(4.0), at(5.0), at(6.0)];
     let mut engine = world(Conditions::default(), &bodies);
     count(&mut engine, 90);
     let velocities: Vec<f64> = engine.world().bodies.iter().map(|body| body.velocity.x).collect();
     assert_eq!(velocities, [0.0, 0.0, 0.0, 1.0, 1.0]);
 }
 
-/// An exact corner hit is a hit on both faces: the same seen in any mirror.
+/// A collision of exact corners is a collision along both axes, so it is invariant under reflection.
 #[test]
-fn corners_that_meet_exactly_turn_both_velocities() {
+fn a_collision_of_exact_corners_reverses_both_velocity_components() {
     for (sx, sy) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)] {
-        let standing = sketch([-0.5, -0.5], [1.0, 1.0], INFINITE);
-        let coming = sketch([-3.0 * sx - 0.5, -3.0 * sy - 0.5], [1.0, 1.0], 1.0).moving(2.0 * sx, 2.0 * sy);
-        let mut engine = world(Conditions::default(), &[standing, coming]);
+        let fixed = spec([-0.5, -0.5], [1.0, 1.0], INFINITE);
+        let incoming = spec([-3.0 * sx - 0.5, -3.0 * sy - 0.5], [1.0, 1.0], 1.0).with_velocity(2.0 * sx, 2.0 * sy);
+        let mut engine = world(Conditions::default(), &[fixed, incoming]);
         assert_eq!(run(&mut engine, 120).len(), 2);
         assert_eq!(body(&engine, 1).velocity, Vector::new(-2.0 * sx, -2.0 * sy));
     }
 }
 
 #[test]
-fn boxes_that_slide_along_each_others_line_do_not_meet() {
-    let standing = sketch([0.0, 1.0], [4.0, 1.0], INFINITE);
-    let passing = sketch([-3.0, 0.0], [1.0, 1.0], 1.0).moving(1.5, 0.0);
-    let mut engine = world(Conditions::default(), &[standing, passing]);
+fn boxes_whose_edges_slide_along_one_line_do_not_collide() {
+    let fixed = spec([0.0, 1.0], [4.0, 1.0], INFINITE);
+    let passing = spec([-3.0, 0.0], [1.0, 1.0], 1.0).with_velocity(1.5, 0.0);
+    let mut engine = world(Conditions::default(), &[fixed, passing]);
     assert_eq!(run(&mut engine, 600), []);
 }
 
 #[test]
 fn a_box_slides_over_the_seams_of_a_tiled_floor() {
     let conditions = Conditions { gravity: Some([0.0, 9.81]), restitution: 0.5, ..Conditions::default() };
-    let mut bodies: Vec<_> = (0..40).map(|tile| sketch([f64::from(tile) * 0.3, 5.0], [0.3, 0.3], INFINITE)).collect();
-    bodies.push(sketch([0.1, 4.1], [0.5, 0.9], 1.0).moving(1.3, 0.0));
+    let mut bodies: Vec<_> = (0..40).map(|tile| spec([f64::from(tile) * 0.3, 5.0], [0.3, 0.3], INFINITE)).collect();
+    bodies.push(spec([0.1, 4.1], [0.5, 0.9], 1.0).with_velocity(1.3, 0.0));
     let mut engine = world(conditions, &bodies);
     for step in 1..=480_u32 {
-        assert_eq!(run(&mut engine, 1), [], "a seam was felt at step {step}");
+        assert_eq!(run(&mut engine, 1), [], "a collision at a seam in step {step}");
         let slider = body(&engine, 40);
         assert_eq!((slider.rect.origin.y, slider.velocity), (4.1, Vector::new(1.3, 0.0)));
         assert_close(slider.rect.origin.x, 0.1 + 1.3 * f64::from(step) / 60.0, 1e-14);
@@ -166,13 +167,13 @@ fn a_box_slides_over_the_seams_of_a_tiled_floor() {
 }
 
 #[test]
-fn far_from_the_origin_and_in_mixed_sizes_nothing_overlaps() {
+fn boxes_of_mixed_sizes_far_from_the_origin_do_not_overlap() {
     let far = 1e6;
     let bodies = [
-        sketch([far - 1000.0, 5.0], [2000.0, 1000.0], INFINITE),
-        sketch([far, 0.0], [1.0, 1.0], 1.0).moving(0.0, 3.0),
-        sketch([far + 0.5, 4.0], [1e-3, 1e-3], 1e-6),
-        sketch([far - 400.0, -950.0], [800.0, 900.0], 1e9),
+        spec([far - 1000.0, 5.0], [2000.0, 1000.0], INFINITE),
+        spec([far, 0.0], [1.0, 1.0], 1.0).with_velocity(0.0, 3.0),
+        spec([far + 0.5, 4.0], [1e-3, 1e-3], 1e-6),
+        spec([far - 400.0, -950.0], [800.0, 900.0], 1e9),
     ];
     let conditions = Conditions { gravity: Some([0.0, 9.81]), restitution: 0.5, ..Conditions::default() };
     let mut engine = world(conditions, &bodies);
@@ -180,26 +181,26 @@ fn far_from_the_origin_and_in_mixed_sizes_nothing_overlaps() {
         run(&mut engine, 1);
         assert!(invariants::worst_overlap(engine.world()) <= 1e-12);
     }
-    assert!(engine.world().bodies.iter().all(|body| body.velocity == Vector::ZERO), "all came to rest");
+    assert!(engine.world().bodies.iter().all(|body| body.velocity == Vector::ZERO), "a body still moves");
 }
 
 #[test]
-fn a_day_is_as_exact_as_a_second() {
+fn positions_after_a_day_are_as_exact_as_after_a_second() {
     let mut bodies = walls(8.0, 8.0);
-    bodies.push(sketch([1.0, 2.0], [0.5, 0.5], 1.0).moving(0.75, 0.0));
+    bodies.push(spec([1.0, 2.0], [0.5, 0.5], 1.0).with_velocity(0.75, 0.0));
     let mut engine = world(Conditions { rate: 0.1, ..Conditions::default() }, &bodies);
     run(&mut engine, 8640);
     assert_close(body(&engine, 4).rect.origin.x, reflected(1.0 + 0.75 * 86400.0, 7.5), 1e-10);
 }
 
 #[test]
-fn a_piston_heats_and_the_rate_does_not_matter() {
+fn a_gas_in_front_of_a_piston_does_not_depend_on_the_rate() {
     let at_rate = |rate: f64| {
         let mut bodies = walls(8.0, 4.0);
-        bodies.push(sketch([0.0, 0.0], [0.5, 4.0], INFINITE).moving(0.25, 0.0));
+        bodies.push(spec([0.0, 0.0], [0.5, 4.0], INFINITE).with_velocity(0.25, 0.0));
         bodies.extend((0..6).map(|n| {
             let n = f64::from(n);
-            sketch([2.0 + 0.9 * n, 0.3 + 0.5 * n], [0.5, 0.5], 1.0 + n).moving(1.0 - 0.3 * n, 0.7)
+            spec([2.0 + 0.9 * n, 0.3 + 0.5 * n], [0.5, 0.5], 1.0 + n).with_velocity(1.0 - 0.3 * n, 0.7)
         }));
         let mut engine = world(Conditions { rate, ..Conditions::default() }, &bodies);
         let collisions = count(&mut engine, (8.0 * rate) as u64);
@@ -217,39 +218,41 @@ fn a_piston_heats_and_the_rate_does_not_matter() {
 }
 
 #[test]
-fn a_squeeze_between_infinite_masses_is_an_error_that_names_them() {
+fn a_body_crushed_between_infinite_masses_is_an_error_that_names_all_three() {
     for restitution in [0.0, 0.5] {
         let bodies = [
-            sketch([0.0, 0.0], [1.0, 4.0], INFINITE).moving(1.0, 0.0),
-            sketch([6.0, 0.0], [1.0, 4.0], INFINITE),
-            sketch([3.0, 1.0], [1.0, 1.0], 1.0),
+            spec([0.0, 0.0], [1.0, 4.0], INFINITE).with_velocity(1.0, 0.0),
+            spec([6.0, 0.0], [1.0, 4.0], INFINITE),
+            spec([3.0, 1.0], [1.0, 1.0], 1.0),
         ];
         let mut engine = world(Conditions { restitution, ..Conditions::default() }, &bodies);
-        let error = (0..600).find_map(|_| engine.step(&mut Vec::new()).err()).expect("a crush");
+        let error = (0..600).find_map(|_| engine.step(&mut Vec::new()).err()).expect("an error");
         let between = ["0".to_owned(), "1".to_owned()];
         assert_eq!(error, StepError::Crushed { step: 239, body: "2".to_owned(), between });
     }
 }
 
 #[test]
-fn what_bounces_without_loss_is_crushed_too() {
+fn a_body_with_e_1_is_crushed_too() {
     let bodies = [
-        sketch([0.0, 0.0], [1.0, 4.0], INFINITE).moving(1.0, 0.0),
-        sketch([6.0, 0.0], [1.0, 4.0], INFINITE),
-        sketch([3.0, 1.0], [1.0, 1.0], 1.0),
+        spec([0.0, 0.0], [1.0, 4.0], INFINITE).with_velocity(1.0, 0.0),
+        spec([6.0, 0.0], [1.0, 4.0], INFINITE),
+        spec([3.0, 1.0], [1.0, 1.0], 1.0),
     ];
     let mut engine = world(Conditions { events_per_step: 10_000, ..Conditions::default() }, &bodies);
-    let error = (0..600).find_map(|_| engine.step(&mut Vec::new()).err()).expect("a crush");
+    let error = (0..600).find_map(|_| engine.step(&mut Vec::new()).err()).expect("an error");
     let between = ["0".to_owned(), "1".to_owned()];
     assert_eq!(error, StepError::Crushed { step: 239, body: "2".to_owned(), between });
 }
 
 #[test]
-fn a_collision_at_the_instant_of_a_sample_shows_in_it() {
+fn a_collision_at_the_instant_of_a_sample_precedes_the_sample() {
     for (speed, gap, rate) in [(5.0, 1.5, 60.0), (1.0, 0.1, 10.0), (3.0, 0.9, 10.0), (0.7, 2.1, 60.0), (1.1, 3.3, 60.0)]
     {
-        let bodies =
-            [sketch([16.0, 0.0], [1.0, 1.0], INFINITE), sketch([15.0 - gap, 0.0], [1.0, 1.0], 1.0).moving(speed, 0.0)];
+        let bodies = [
+            spec([16.0, 0.0], [1.0, 1.0], INFINITE),
+            spec([15.0 - gap, 0.0], [1.0, 1.0], 1.0).with_velocity(speed, 0.0),
+        ];
         let mut engine = world(Conditions { rate, ..Conditions::default() }, &bodies);
         run(&mut engine, (gap / speed * rate).round() as u64);
         assert_eq!(body(&engine, 1).velocity, Vector::new(-speed, 0.0), "{gap} m at {speed} m/s");
@@ -257,14 +260,14 @@ fn a_collision_at_the_instant_of_a_sample_shows_in_it() {
 }
 
 #[test]
-fn too_many_events_name_the_bodies() {
+fn an_error_of_too_many_events_names_the_bodies() {
     let bodies = [
-        sketch([0.0, 0.0], [1.0, 1.0], INFINITE),
-        sketch([1.0, 0.0], [1.0, 1.0], 1.0).moving(1.0, 0.0),
-        sketch([2.0, 0.0], [1.0, 1.0], INFINITE),
+        spec([0.0, 0.0], [1.0, 1.0], INFINITE),
+        spec([1.0, 0.0], [1.0, 1.0], 1.0).with_velocity(1.0, 0.0),
+        spec([2.0, 0.0], [1.0, 1.0], INFINITE),
     ];
     let mut engine = world(Conditions { events_per_step: 1000, ..Conditions::default() }, &bodies);
-    let error = engine.step(&mut Vec::new()).expect_err("an endless bounce without room");
+    let error = engine.step(&mut Vec::new()).expect_err("a step with infinitely many events");
     assert!(matches!(&error, StepError::TooManyEvents { limit: 1000, .. }), "{error}");
     assert!(error.to_string().contains("\"1\""));
 }

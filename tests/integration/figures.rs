@@ -1,47 +1,49 @@
-//! Lecture figures of two small runs, in both themes.
+//! Figures of small runs, in both themes.
 
-use crate::reference::assert_reference;
-use rebond::figure::{self, Axis, EnergyRun, EnergySample, FigureOptions, Meeting, Run};
-use rebond::physics::{Collision, Engine, Event, Rect, Restitution, Settings, SolverKind, Spawn, Vector, invariants};
-use rebond::render::{Aim, Appearance, DisplayList, Frame, Metadata, Painter, Shape, Sprite, Style, svg};
+use crate::reference_image::assert_reference_image;
+use rebond::figure::{self, Axis, CollisionSubject, EnergyRun, EnergySample, FigureOptions, FigureRun};
+use rebond::physics::{
+    Collision, Engine, EngineConfig, Event, Rect, Restitution, SolverKind, Spawn, Vector, invariants,
+};
+use rebond::render::{Appearance, CameraTarget, DisplayList, Frame, Metadata, Painter, Shape, Sprite, Style, svg};
 use rebond::scene::{Overlay, Theme};
 use std::sync::Arc;
 
 const WORLD: Vector = Vector::new(8.0, 4.5);
 
-/// A run of a solver, kept whole.
-struct Kept {
+/// All states and collisions of a run.
+struct RunStates {
     bodies: Vec<Arc<Appearance>>,
     frames: Vec<Frame>,
     energy: Vec<EnergySample>,
     collisions: Vec<Collision>,
 }
 
-/// Name, x, y, width, height, velocity; masses are 1 kg, those of walls infinite.
-type Given = (&'static str, [f64; 4], [f64; 2]);
+/// Name, [x, y, width, height] and velocity. The mass is 1 kg, infinite for names that begin with `wall-`.
+type BodySpec = (&'static str, [f64; 4], [f64; 2]);
 
-fn run(given: &[Given], gravity: Option<Vector>, rate: f64, steps: u64) -> Kept {
-    run_by(SolverKind::Handout, given, gravity, rate, steps)
+fn run(bodies: &[BodySpec], gravity: Option<Vector>, rate: f64, steps: u64) -> RunStates {
+    run_with(SolverKind::Handout, bodies, gravity, rate, steps)
 }
 
-fn run_by(solver: SolverKind, given: &[Given], gravity: Option<Vector>, rate: f64, steps: u64) -> Kept {
+fn run_with(solver: SolverKind, bodies: &[BodySpec], gravity: Option<Vector>, rate: f64, steps: u64) -> RunStates {
     let restitution = Restitution::new(0.8, &[]);
-    let settings = Settings { solver, rate, gravity, restitution, events_per_step: 1000 };
-    let mut engine = Engine::new(settings);
-    let mut run = Kept { bodies: Vec::new(), frames: Vec::new(), energy: Vec::new(), collisions: Vec::new() };
-    for given in given {
-        engine.apply(&Event::Spawn(spawn(given)));
+    let config = EngineConfig { solver, rate, gravity, restitution, events_per_step: 1000 };
+    let mut engine = Engine::new(config);
+    let mut run = RunStates { bodies: Vec::new(), frames: Vec::new(), energy: Vec::new(), collisions: Vec::new() };
+    for spec in bodies {
+        engine.apply(&Event::Spawn(spawn(spec)));
         let id = run.bodies.len() as u32;
-        run.bodies.push(Arc::new(appearance(id, given)));
+        run.bodies.push(Arc::new(appearance(id, spec)));
     }
     for _ in 0..=steps {
-        run.keep(&engine, rate);
+        run.add_state(&engine, rate);
         engine.step(&mut run.collisions).unwrap();
     }
     run
 }
 
-fn spawn((name, [x, y, width, height], [vx, vy]): &Given) -> Spawn {
+fn spawn((name, [x, y, width, height], [vx, vy]): &BodySpec) -> Spawn {
     Spawn {
         name: (*name).into(),
         rect: Rect::new(Vector::new(*x, *y), *width, *height),
@@ -52,7 +54,7 @@ fn spawn((name, [x, y, width, height], [vx, vy]): &Given) -> Spawn {
     }
 }
 
-fn appearance(id: u32, (name, _, _): &Given) -> Appearance {
+fn appearance(id: u32, (name, _, _): &BodySpec) -> Appearance {
     let is_wall = name.starts_with("wall-");
     let (material, force) = (String::new(), Vector::ZERO);
     Appearance { id, name: (*name).into(), material, color: None, mass: mass(name), force, is_wall }
@@ -62,9 +64,9 @@ fn mass(name: &str) -> f64 {
     if name.starts_with("wall-") { f64::INFINITY } else { 1.0 }
 }
 
-impl Kept {
-    fn keep(&mut self, engine: &Engine, rate: f64) {
-        let (step, world) = (engine.present_step(), engine.world());
+impl RunStates {
+    fn add_state(&mut self, engine: &Engine, rate: f64) {
+        let (step, world) = (engine.current_step(), engine.world());
         let time = step as f64 / rate;
         let sprite = |body: &rebond::physics::Body| Sprite {
             appearance: self.bodies[body.id as usize].clone(),
@@ -78,32 +80,32 @@ impl Kept {
         self.energy.push(EnergySample { time, kinetic, potential, momentum: invariants::momentum(world) });
     }
 
-    /// Every so many of its instants.
-    fn every(&self, steps: usize) -> Run {
-        Run { title: String::new(), world: WORLD, frames: self.frames.iter().step_by(steps).cloned().collect() }
+    /// Every `steps`-th frame.
+    fn every_nth(&self, steps: usize) -> FigureRun {
+        FigureRun { title: String::new(), world: WORLD, frames: self.frames.iter().step_by(steps).cloned().collect() }
     }
 
     fn energies(&self) -> EnergyRun {
         EnergyRun { title: String::new(), samples: self.energy.clone() }
     }
 
-    /// The first collision that gave an impulse, and the two it is of.
-    fn first_collision(&self) -> Meeting {
+    /// The first collision with an impulse, and its bodies.
+    fn first_collision(&self) -> CollisionSubject {
         let collision = self.collisions.iter().find(|collision| collision.impulse != 0.0).unwrap();
         let bodies = collision.bodies.map(|id| self.bodies[id as usize].clone());
-        Meeting { title: String::new(), collision: collision.clone(), bodies }
+        CollisionSubject { title: String::new(), collision: collision.clone(), bodies }
     }
 }
 
-/// Two boxes that fly at each other.
-fn pair() -> Kept {
-    let given: [Given; 2] = [("c", [1.0, 1.2, 2.0, 1.2], [2.5, 0.5]), ("b", [4.3, 1.9, 1.6, 1.6], [-1.2, -0.4])];
-    run(&given, None, 6.0, 12)
+/// Two boxes that approach each other.
+fn pair() -> RunStates {
+    let bodies: [BodySpec; 2] = [("c", [1.0, 1.2, 2.0, 1.2], [2.5, 0.5]), ("b", [4.3, 1.9, 1.6, 1.6], [-1.2, -0.4])];
+    run(&bodies, None, 6.0, 12)
 }
 
-/// Three boxes that fall on a floor and meet.
-fn fall() -> Kept {
-    let given: [Given; 6] = [
+/// Three boxes that fall on a floor and collide.
+fn fall() -> RunStates {
+    let bodies: [BodySpec; 6] = [
         ("wall-bottom", [-1.0, 4.5, 10.0, 1.0], [0.0, 0.0]),
         ("wall-left", [-1.0, 0.0, 1.0, 4.5], [0.0, 0.0]),
         ("wall-right", [8.0, 0.0, 1.0, 4.5], [0.0, 0.0]),
@@ -111,7 +113,7 @@ fn fall() -> Kept {
         ("middle", [3.5, 1.5, 1.0, 0.6], [0.0, 0.0]),
         ("right", [6.0, 1.0, 0.6, 0.8], [-1.5, 0.0]),
     ];
-    run(&given, Some(Vector::new(0.0, 9.81)), 60.0, 120)
+    run(&bodies, Some(Vector::new(0.0, 9.81)), 60.0, 120)
 }
 
 fn options(theme: Theme, caption: &str) -> FigureOptions {
@@ -122,42 +124,44 @@ fn options(theme: Theme, caption: &str) -> FigureOptions {
         caption: caption.to_owned(),
         ..Style::default()
     };
-    FigureOptions { size: [800, 450], aim: Aim::World, style }
+    FigureOptions { size: [800, 450], camera_target: CameraTarget::World, style }
 }
 
-/// Every kind, in a theme.
+/// Every kind of figure in a theme.
 fn figures(theme: Theme) -> Vec<(&'static str, DisplayList)> {
     let (pair, fall) = (pair(), fall());
     let plain = options(theme, "");
     let captioned = options(theme, "Three boxes let fall, e = 0.8");
-    let (met, hit) = ([pair.first_collision()], [fall.first_collision()]);
+    let (pair_subjects, fall_subjects) = ([pair.first_collision()], [fall.first_collision()]);
     vec![
-        ("collision", figure::collision(&met, &plain)),
-        ("collision-close", figure::collision(&hit, &captioned)),
-        ("minkowski", figure::minkowski(&met, &plain)),
-        ("minkowski-close", figure::minkowski(&hit, &captioned)),
-        ("strobe", figure::strobe(&[fall.every(6)], &captioned)),
-        ("filmstrip", figure::filmstrip(&[fall.every(20)], &captioned)),
-        ("spacetime-x", figure::spacetime(&[fall.every(1)], Axis::X, &plain)),
-        ("spacetime-y", figure::spacetime(&[fall.every(1)], Axis::Y, &captioned)),
+        ("collision", figure::collision(&pair_subjects, &plain)),
+        ("collision-close", figure::collision(&fall_subjects, &captioned)),
+        ("minkowski", figure::minkowski(&pair_subjects, &plain)),
+        ("minkowski-close", figure::minkowski(&fall_subjects, &captioned)),
+        ("strobe", figure::strobe(&[fall.every_nth(6)], &captioned)),
+        ("filmstrip", figure::filmstrip(&[fall.every_nth(20)], &captioned)),
+        ("spacetime-x", figure::spacetime(&[fall.every_nth(1)], Axis::X, &plain)),
+        ("spacetime-y", figure::spacetime(&[fall.every_nth(1)], Axis::Y, &captioned)),
         ("energy", figure::energy(&[fall.energies()], &captioned)),
     ]
 }
 
-/// Every kind of two solvers side by side, in a theme: the same shot at a plate as thin as a step
-/// is long.
+/// Every kind of figure of two solvers side by side in a theme: the same projectile hits a plate thinner than the
+/// distance it moves in one step.
 fn side_by_side(theme: Theme) -> Vec<(&'static str, DisplayList)> {
-    let shot: [Given; 2] = [("c", [0.5, 1.8, 0.6, 0.6], [12.0, 0.0]), ("wall-plate", [5.0, 0.5, 0.3, 3.5], [0.0, 0.0])];
+    let bodies: [BodySpec; 2] =
+        [("c", [0.5, 1.8, 0.6, 0.6], [12.0, 0.0]), ("wall-plate", [5.0, 0.5, 0.3, 3.5], [0.0, 0.0])];
     let solvers = [("handout", SolverKind::Handout), ("event-driven", SolverKind::EventDriven)];
-    let both = solvers.map(|(title, solver)| (title.to_owned(), run_by(solver, &shot, None, 20.0, 12)));
-    let runs = both.each_ref().map(|(title, run)| Run { title: title.clone(), ..run.every(1) });
-    let strips = both.each_ref().map(|(title, run)| Run { title: title.clone(), ..run.every(4) });
+    let both = solvers.map(|(title, solver)| (title.to_owned(), run_with(solver, &bodies, None, 20.0, 12)));
+    let runs = both.each_ref().map(|(title, run)| FigureRun { title: title.clone(), ..run.every_nth(1) });
+    let strips = both.each_ref().map(|(title, run)| FigureRun { title: title.clone(), ..run.every_nth(4) });
     let energies = both.each_ref().map(|(title, run)| EnergyRun { title: title.clone(), ..run.energies() });
-    let met = both.each_ref().map(|(title, run)| Meeting { title: title.clone(), ..run.first_collision() });
+    let subjects =
+        both.each_ref().map(|(title, run)| CollisionSubject { title: title.clone(), ..run.first_collision() });
     let options = options(theme, "One shot, two solvers");
     vec![
-        ("collision", figure::collision(&met, &options)),
-        ("minkowski", figure::minkowski(&met, &options)),
+        ("collision", figure::collision(&subjects, &options)),
+        ("minkowski", figure::minkowski(&subjects, &options)),
         ("strobe", figure::strobe(&runs, &options)),
         ("filmstrip", figure::filmstrip(&strips, &options)),
         ("spacetime", figure::spacetime(&runs, Axis::X, &options)),
@@ -166,54 +170,54 @@ fn side_by_side(theme: Theme) -> Vec<(&'static str, DisplayList)> {
 }
 
 #[test]
-fn several_runs_side_by_side_in_both_themes() {
+fn figures_of_two_runs_match_their_references_in_both_themes() {
     for theme in Theme::ALL {
         for (kind, list) in side_by_side(*theme) {
-            assert_reference(&format!("figure-two-{kind}-{}", theme.name()), &Painter::new().draw(&list));
+            assert_reference_image(&format!("figure-two-{kind}-{}", theme.name()), &Painter::new().draw(&list));
         }
     }
 }
 
-/// A window on a part of the world, and one that goes with a body.
+/// A camera that shows a window of the world, and one that follows a body.
 #[test]
-fn figures_of_what_a_camera_is_aimed_at() {
+fn filmstrips_show_the_camera_target() {
     let fall = fall();
     let window = Rect::new(Vector::new(2.0, 0.5), 4.0, 2.25);
-    let aims = [
-        ("window", Aim::Window(window)),
-        ("follow", Aim::Follow { name: "middle".into(), size: Vector::new(4.0, 2.25) }),
+    let targets = [
+        ("window", CameraTarget::Window(window)),
+        ("follow", CameraTarget::Follow { name: "middle".into(), size: Vector::new(4.0, 2.25) }),
     ];
-    for (name, aim) in aims {
-        let options = FigureOptions { aim, ..options(Theme::Light, "") };
-        let strip = figure::filmstrip(&[fall.every(20)], &options);
-        assert_reference(&format!("figure-filmstrip-{name}"), &Painter::new().draw(&strip));
+    for (name, camera_target) in targets {
+        let options = FigureOptions { camera_target, ..options(Theme::Light, "") };
+        let strip = figure::filmstrip(&[fall.every_nth(20)], &options);
+        assert_reference_image(&format!("figure-filmstrip-{name}"), &Painter::new().draw(&strip));
     }
 }
 
-/// No label lies on another one or leaves the page.
+/// Labels neither overlap each other nor extend beyond the page.
 #[test]
-fn labels_keep_off_each_other_and_the_border() {
+fn labels_neither_overlap_nor_leave_the_page() {
     let all = [figures(Theme::Light), side_by_side(Theme::Light)].concat();
     for (kind, list) in all {
-        let places: Vec<(String, Rect)> = list.leaves().filter_map(text_place).collect();
+        let labels: Vec<(String, Rect)> = list.leaves().filter_map(text_bounds).collect();
         let [width, height] = list.size.map(f64::from);
-        for (at, (text, place)) in places.iter().enumerate() {
-            let far = place.far_corner();
-            let is_within = place.origin.x >= 0.0 && place.origin.y >= 0.0 && far.x <= width && far.y <= height;
-            assert!(is_within, "{kind}: {text:?} leaves the page: {place:?}");
-            for (other, other_place) in places[..at].iter().filter(|(other, _)| other != text) {
-                let apart = |from: f64, to: f64, low: f64, high: f64| to <= low || high <= from;
-                let other_far = other_place.far_corner();
-                let is_apart = apart(place.origin.x, far.x, other_place.origin.x, other_far.x)
-                    || apart(place.origin.y, far.y, other_place.origin.y, other_far.y);
-                assert!(is_apart, "{kind}: {text:?} lies on {other:?}");
+        for (at, (text, bounds)) in labels.iter().enumerate() {
+            let far = bounds.far_corner();
+            let is_within = bounds.origin.x >= 0.0 && bounds.origin.y >= 0.0 && far.x <= width && far.y <= height;
+            assert!(is_within, "{kind}: {text:?} extends beyond the page: {bounds:?}");
+            for (other, other_bounds) in labels[..at].iter().filter(|(other, _)| other != text) {
+                let disjoint = |from: f64, to: f64, low: f64, high: f64| to <= low || high <= from;
+                let other_far = other_bounds.far_corner();
+                let are_disjoint = disjoint(bounds.origin.x, far.x, other_bounds.origin.x, other_far.x)
+                    || disjoint(bounds.origin.y, far.y, other_bounds.origin.y, other_far.y);
+                assert!(are_disjoint, "{kind}: {text:?} overlaps {other:?}");
             }
         }
     }
 }
 
-/// What a line of text covers, a little less than its capitals.
-fn text_place(shape: &Shape) -> Option<(String, Rect)> {
+/// The text of a line and its bounds, slightly smaller than its capitals.
+fn text_bounds(shape: &Shape) -> Option<(String, Rect)> {
     match shape {
         Shape::Text { line, at, .. } => {
             let height = 0.8 * line.height();
@@ -224,24 +228,24 @@ fn text_place(shape: &Shape) -> Option<(String, Rect)> {
 }
 
 #[test]
-fn each_kind_in_both_themes() {
+fn each_kind_of_figure_matches_its_reference_in_both_themes() {
     for theme in Theme::ALL {
         for (kind, list) in figures(*theme) {
-            assert_reference(&format!("figure-{kind}-{}", theme.name()), &Painter::new().draw(&list));
+            assert_reference_image(&format!("figure-{kind}-{}", theme.name()), &Painter::new().draw(&list));
         }
     }
 }
 
 #[test]
-fn a_figure_as_svg_is_held_as_text() {
-    let (meeting, mut file) = ([pair().first_collision()], Vec::new());
-    let metadata = Metadata { entries: vec![("rebond steps".into(), meeting[0].collision.step.to_string())] };
-    svg::encode(&figure::minkowski(&meeting, &options(Theme::Light, "")), &metadata, &mut file).unwrap();
+fn an_svg_figure_matches_its_snapshot() {
+    let (subjects, mut file) = ([pair().first_collision()], Vec::new());
+    let metadata = Metadata { entries: vec![("rebond steps".into(), subjects[0].collision.step.to_string())] };
+    svg::encode(&figure::minkowski(&subjects, &options(Theme::Light, "")), &metadata, &mut file).unwrap();
     crate::snapshot::assert_text("figure-minkowski.svg", &String::from_utf8(file).unwrap());
 }
 
 #[test]
-fn figures_of_nothing_are_empty_pages() {
+fn figures_without_data_have_only_a_caption() {
     let options = options(Theme::Light, "nothing");
     for list in [
         figure::collision(&[], &options),
@@ -255,27 +259,27 @@ fn figures_of_nothing_are_empty_pages() {
     }
 }
 
-/// Whatever a solver makes of its bodies, the figure is of what can be shown.
+/// Extreme and non-finite coordinates must not crash the drawing of a figure.
 #[test]
-fn figures_of_what_is_beyond_all_measure_are_drawn_without_harm() {
+fn extreme_coordinates_do_not_crash_a_figure() {
     let run = fall();
-    let met = run.first_collision();
-    let places = [1e300, f64::INFINITY, f64::NAN, 1e-300, -0.0];
-    for place in places {
-        let vector = Vector::new(place, -place);
-        let mut strange = met.clone();
-        let collision = &mut strange.collision;
-        (collision.penetration, collision.before[0], collision.impulse) = (vector, vector, place);
+    let subject = run.first_collision();
+    let coordinates = [1e300, f64::INFINITY, f64::NAN, 1e-300, -0.0];
+    for coordinate in coordinates {
+        let vector = Vector::new(coordinate, -coordinate);
+        let mut extreme = subject.clone();
+        let collision = &mut extreme.collision;
+        (collision.penetration, collision.before[0], collision.impulse) = (vector, vector, coordinate);
         collision.rects[0].origin = vector;
         let mut frame = run.frames[0].clone();
         frame.sprites[3].rect.origin = vector;
-        let sample = EnergySample { time: place, kinetic: place, potential: -place, momentum: vector };
-        let runs = [Run { title: String::new(), world: WORLD, frames: vec![frame.clone(), frame] }];
+        let sample = EnergySample { time: coordinate, kinetic: coordinate, potential: -coordinate, momentum: vector };
+        let runs = [FigureRun { title: String::new(), world: WORLD, frames: vec![frame.clone(), frame] }];
         let samples = [EnergyRun { title: String::new(), samples: vec![sample, sample] }];
-        let (meetings, options) = ([strange], options(Theme::Dark, ""));
+        let (subjects, options) = ([extreme], options(Theme::Dark, ""));
         for list in [
-            figure::collision(&meetings, &options),
-            figure::minkowski(&meetings, &options),
+            figure::collision(&subjects, &options),
+            figure::minkowski(&subjects, &options),
             figure::strobe(&runs, &options),
             figure::filmstrip(&runs, &options),
             figure::spacetime(&runs, Axis::Y, &options),

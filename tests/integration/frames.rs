@@ -1,4 +1,4 @@
-//! Frames made by hand, for pictures that no solver has a say in.
+//! Hand-made frames, for pictures that do not depend on a solver.
 
 use rebond::physics::{Collision, Rect, Vector};
 use rebond::render::{Appearance, Frame, Sprite, Style, View};
@@ -8,19 +8,19 @@ use std::sync::Arc;
 /// The world of [`collision`] and [`moving`], m.
 pub const WORLD: Vector = Vector::new(16.0, 9.0);
 
-/// A small picture of that world.
+/// A view of that world for a small picture.
 pub fn view(theme: Theme, show: &[Overlay], color_by: ColorBy) -> View {
     let materials = ["ice", "steel", "wood"].map(str::to_owned).to_vec();
     let style = Style { show: show.to_vec(), color_by, top_speed: 7.5, materials, ..plain(theme) };
     View::fit(WORLD, [640, 360], style).unwrap()
 }
 
-/// A style with scales that suit the bodies of [`collision`].
+/// A style with arrow scales that suit the bodies of [`collision`].
 pub fn plain(theme: Theme) -> Style {
     Style { theme, show: Vec::new(), top_force: 20.0, top_impulse: 5.0, ..Style::default() }
 }
 
-/// Two boxes that meet, some others, and four walls.
+/// Two colliding boxes, some others, and four walls.
 pub fn collision() -> Frame {
     let mut sprites = walls();
     sprites.push(sprite(4, "c", "steel", [4.5, 3.0, 2.0, 1.5], [3.0, 0.5]));
@@ -36,11 +36,11 @@ pub fn collision() -> Frame {
     for sprite in &mut sprites[4..] {
         sprite.trail = trail(sprite);
     }
-    let collisions = vec![meeting([&sprites[4], &sprites[5]])];
+    let collisions = vec![collision_between([&sprites[4], &sprites[5]])];
     Frame { step: 75, time: 1.25, sprites, collisions }
 }
 
-/// Boxes on straight lines between the walls, 60 steps a second.
+/// Boxes that move on straight lines and bounce between the walls, at 60 steps per second.
 pub fn moving(count: u32, step: u64) -> Frame {
     let mut sprites = walls();
     let time = step as f64 / 60.0;
@@ -48,17 +48,17 @@ pub fn moving(count: u32, step: u64) -> Frame {
         let part = |k: u32| f64::from((number * k + 3) % 97) / 97.0;
         let (width, height) = (0.4 + part(31), 0.4 + part(57));
         let velocity = [6.0 * part(11) - 3.0, 6.0 * part(23) - 3.0];
-        let x = folded(part(41) * 15.0 + velocity[0] * time, WORLD.x - width);
-        let y = folded(part(73) * 8.0 + velocity[1] * time, WORLD.y - height);
+        let x = reflected(part(41) * 15.0 + velocity[0] * time, WORLD.x - width);
+        let y = reflected(part(73) * 8.0 + velocity[1] * time, WORLD.y - height);
         sprites.push(sprite(number + 4, &format!("#{number}"), "steel", [x, y, width, height], velocity));
     }
     Frame { step, time, sprites, collisions: Vec::new() }
 }
 
-/// A place on a line that goes to and fro between 0 and `range`.
-fn folded(place: f64, range: f64) -> f64 {
-    let place = place.rem_euclid(2.0 * range);
-    if place < range { place } else { 2.0 * range - place }
+/// Reflects a coordinate into 0 to `range`, as in uniform motion between two walls.
+fn reflected(position: f64, range: f64) -> f64 {
+    let position = position.rem_euclid(2.0 * range);
+    if position < range { position } else { 2.0 * range - position }
 }
 
 fn walls() -> Vec<Sprite> {
@@ -96,14 +96,14 @@ fn appearance(id: u32, name: &str, material: &str) -> Appearance {
     Appearance { id, name: name.into(), material: material.into(), color: None, mass: 1.0, force, is_wall: false }
 }
 
-/// Where a body in free fall with this velocity was in the last half second.
+/// The positions in the last half second of a body in free fall with this velocity.
 fn trail(sprite: &Sprite) -> Vec<Vector> {
     let fallen = |ago: f64| Vector::new(0.0, 4.9 * ago * ago);
-    let place = |ago: f64| sprite.rect.center().sub(sprite.velocity.mult(ago)).add(fallen(ago));
-    (0..=30).rev().map(|step| place(f64::from(step) / 60.0)).collect()
+    let position = |ago: f64| sprite.rect.center().sub(sprite.velocity.mult(ago)).add(fallen(ago));
+    (0..=30).rev().map(|step| position(f64::from(step) / 60.0)).collect()
 }
 
-fn meeting([c, b]: [&Sprite; 2]) -> Collision {
+fn collision_between([c, b]: [&Sprite; 2]) -> Collision {
     Collision {
         step: 74,
         time: 0.0,

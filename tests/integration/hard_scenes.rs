@@ -1,4 +1,4 @@
-//! Scenes on which the exact solver once went wrong: each says how in its first lines.
+//! Regression tests: scenes on which the exact solver once failed. The first lines of each describe how.
 
 use rebond::{
     physics::{Collision, Engine, Observer, invariants},
@@ -7,9 +7,10 @@ use rebond::{
 };
 use std::{fs, path::Path};
 
-/// No more than so many collisions are needed in any of these scenes.
-const FEW: u64 = 2_000;
+/// Upper bound of the number of collisions in each of these scenes.
+const MAX_COLLISIONS: u64 = 2_000;
 
+/// Counts all collisions, including those without an impulse.
 struct Count(u64);
 
 impl Observer for Count {
@@ -21,17 +22,17 @@ impl Observer for Count {
 fn start(path: &Path) -> (Run, u64) {
     let scene = scene::load(path).expect("a scene");
     let mut run = Run::new(&scene);
-    run.happen(Vec::new(), |error| Err(error.into())).expect("the scene's own events");
+    run.apply_inputs(Vec::new(), |error| Err(error.into())).expect("the scene's own events");
     (run, scene.run.steps)
 }
 
 fn x(engine: &Engine, name: &str) -> f64 {
-    engine.world().bodies.iter().find(|body| body.name == name).expect("a body of that name").rect.origin.x
+    engine.world().bodies.iter().find(|body| body.name == name).expect("a body with this name").rect.origin.x
 }
 
 #[test]
-fn contacts_that_shrink_to_nothing_end_soon_and_without_overlap() {
-    let mut faults = Vec::new();
+fn hard_scenes_run_without_error_overlap_or_too_many_collisions() {
+    let mut failures = Vec::new();
     for entry in fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/hard")).expect("the hard scenes") {
         let path = entry.unwrap().path();
         let (mut run, steps) = start(&path);
@@ -43,26 +44,26 @@ fn contacts_that_shrink_to_nothing_end_soon_and_without_overlap() {
             overlap = if now > overlap { now } else { overlap };
             Ok::<(), rebond::physics::StepError>(())
         });
-        if ended.is_err() || overlap > 1e-14 || collisions.0 > FEW {
-            faults.push(format!("{}: {ended:?}, overlap {overlap} m, {} collisions", path.display(), collisions.0));
+        if ended.is_err() || overlap > 1e-14 || collisions.0 > MAX_COLLISIONS {
+            failures.push(format!("{}: {ended:?}, overlap {overlap} m, {} collisions", path.display(), collisions.0));
         }
     }
-    assert!(faults.is_empty(), "{}", faults.join("\n"));
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
 #[test]
-fn pressed_corners_push_and_part_together() {
+fn a_body_pressed_against_a_corner_pushes_the_other_body() {
     let (mut run, _) = start(&Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/hard/corner-pressed.toml"));
     for _ in 0..60 {
         run.step(&mut Count(0)).unwrap();
     }
     let [a, b] = ["a", "b"].map(|name| x(run.engine(), name));
-    assert!((a - 0.25).abs() < 1e-15, "half of 1 N on 2 kg in all, for a second: {a}");
+    assert!((a - 0.25).abs() < 1e-15, "1 N on a total of 2 kg for 1 s: x = {a}, expected 0.25");
     assert!((b - a - 1.0).abs() < 1e-15);
 }
 
 #[test]
-fn a_floor_of_tiles_is_as_smooth_as_a_plank() {
+fn a_box_slides_on_tiles_as_on_a_single_plank() {
     let (mut run, steps) = start(&Path::new(env!("CARGO_MANIFEST_DIR")).join("recordings/tile-seams.toml"));
     for step in 0..steps {
         run.step(&mut Count(0)).unwrap();

@@ -1,4 +1,4 @@
-//! Events on standard input or from a JSON Lines file, beside the scene's own.
+//! Live events from standard input or a JSON Lines file, in addition to those of the scene.
 
 use crate::rebond::Workplace;
 use crate::snapshot::assert_text;
@@ -17,23 +17,23 @@ size = [1.0, 1.0]
 mass = 1.0
 "#;
 
-/// The step of the first and the last row of each body but `a`: `name first last`.
-fn lives(workplace: &Workplace, recording: &str) -> Vec<String> {
+/// The first and the last step of each body except `a`: `name first last`.
+fn lifetimes(workplace: &Workplace, recording: &str) -> Vec<String> {
     let table = workplace.done(&format!("export {recording}")).output;
-    let mut lives: Vec<(String, String, String)> = Vec::new();
+    let mut lifetimes: Vec<(String, String, String)> = Vec::new();
     for row in table.lines().skip(1) {
         let fields: Vec<&str> = row.split(',').collect();
-        match lives.iter_mut().find(|life| life.0 == fields[2]) {
-            Some(life) => life.2 = fields[0].into(),
-            None => lives.push((fields[2].into(), fields[0].into(), fields[0].into())),
+        match lifetimes.iter_mut().find(|lifetime| lifetime.0 == fields[2]) {
+            Some(lifetime) => lifetime.2 = fields[0].into(),
+            None => lifetimes.push((fields[2].into(), fields[0].into(), fields[0].into())),
         }
     }
-    lives.retain(|life| life.0 != "a");
-    lives.into_iter().map(|(name, first, last)| format!("{name} {first} {last}")).collect()
+    lifetimes.retain(|lifetime| lifetime.0 != "a");
+    lifetimes.into_iter().map(|(name, first, last)| format!("{name} {first} {last}")).collect()
 }
 
 #[test]
-fn events_take_effect_at_the_step_they_name() {
+fn events_take_effect_at_the_step_that_they_name() {
     let workplace = Workplace::with_scene(SCENE);
     let lines = r#"{"spawn": {"step": 3, "name": "b", "at": [2.0, 5.0], "size": [1.0, 1.0], "mass": 2.0}}
 {"spawn": {"step": 3, "at": [8.0, 5.0], "size": [1.0, 1.0], "mass": "inf"}}
@@ -44,7 +44,7 @@ fn events_take_effect_at_the_step_they_name() {
 "#;
     workplace.write("events.jsonl", lines);
     workplace.done("record scene.toml -o file.mcap --events events.jsonl");
-    assert_eq!(lives(&workplace, "file.mcap"), ["b 3 8", "#3 3 20", "#4 12 14"]);
+    assert_eq!(lifetimes(&workplace, "file.mcap"), ["b 3 8", "#3 3 20", "#4 12 14"]);
     assert_eq!(workplace.done("replay file.mcap").output.lines().last(), Some("same: 20 steps, 4 bodies"));
     let piped = workplace.rebond_with_input("record scene.toml -o pipe.mcap --events -", lines);
     assert_eq!(piped.code, 0, "{piped:?}");
@@ -52,18 +52,18 @@ fn events_take_effect_at_the_step_they_name() {
 }
 
 #[test]
-fn without_a_step_they_take_effect_at_the_next() {
+fn events_without_a_step_take_effect_one_step_after_the_line_before() {
     let workplace = Workplace::with_scene(SCENE);
     let spawn =
         |name: &str| format!(r#"{{"spawn": {{"name": "{name}", "at": [9.0, 5.0], "size": [1.0, 1.0], "mass": 2.0}}}}"#);
     let lines = [spawn("b"), r#"{"delete": {"step": 4, "name": "b"}}"#.into(), spawn("c")].join("\n");
     let outcome = workplace.rebond_with_input("record scene.toml -o run.mcap --events -", &lines);
     assert_eq!(outcome.code, 0, "{outcome:?}");
-    assert_eq!(lives(&workplace, "run.mcap"), ["b 1 3", "c 5 20"]);
+    assert_eq!(lifetimes(&workplace, "run.mcap"), ["b 1 3", "c 5 20"]);
 }
 
 #[test]
-fn lines_that_cannot_be_obeyed_are_errors_with_their_number_or_are_counted() {
+fn invalid_lines_are_errors_that_name_the_line_or_are_skipped_and_counted() {
     let good = r#"{"spawn": {"step": 5, "name": "b", "at": [2.0, 5.0], "size": [1.0, 1.0], "mass": 2.0}}"#;
     let bad_lines = [
         ("malformed", r#"{"spawn": {"step": 6, "#),
@@ -76,24 +76,24 @@ fn lines_that_cannot_be_obeyed_are_errors_with_their_number_or_are_counted() {
         ("not alive", r#"{"delete": {"step": 6, "name": "nobody"}}"#),
         ("name taken", r#"{"spawn": {"step": 6, "name": "a", "at": [9.0, 5.0], "size": [1.0, 1.0], "mass": 2.0}}"#),
     ];
-    let mut told = String::new();
-    for (what, bad) in bad_lines {
+    let mut errors = String::new();
+    for (title, bad) in bad_lines {
         let workplace = Workplace::with_scene(SCENE);
         let lines = format!("{good}\n{bad}\n");
         let outcome = workplace.rebond_with_input("record scene.toml -o run.mcap --events -", &lines);
-        assert_eq!(outcome.code, 1, "{what}: {outcome:?}");
-        assert!(outcome.errors.contains("line 2"), "{what}: {outcome:?}");
-        told += &format!("{what}\n{}\n", outcome.errors);
+        assert_eq!(outcome.code, 1, "{title}: {outcome:?}");
+        assert!(outcome.errors.contains("line 2"), "{title}: {outcome:?}");
+        errors += &format!("{title}\n{}\n", outcome.errors);
         let lenient = workplace.rebond_with_input("record scene.toml -o lenient.mcap --events - --lenient", &lines);
-        assert_eq!(lenient.code, 0, "{what}: {lenient:?}");
-        assert!(lenient.errors.contains("1 event line"), "{what}: {lenient:?}");
-        assert_eq!(lives(&workplace, "lenient.mcap"), ["b 5 20"], "{what}");
+        assert_eq!(lenient.code, 0, "{title}: {lenient:?}");
+        assert!(lenient.errors.contains("1 event line"), "{title}: {lenient:?}");
+        assert_eq!(lifetimes(&workplace, "lenient.mcap"), ["b 5 20"], "{title}");
     }
-    assert_text("errors-of-live-events", &told);
+    assert_text("errors-of-live-events", &errors);
 }
 
-/// What comes out of broken programs, wrong files and hostile pipes.
-fn abuse() -> Vec<(&'static str, Vec<u8>)> {
+/// Lines as from broken programs, wrong files and hostile pipes.
+fn hostile_lines() -> Vec<(&'static str, Vec<u8>)> {
     let of = |text: &str| text.as_bytes().to_vec();
     let named = |name: String| format!(r#"{{"spawn": {{"name": "{name}", "at": [9, 5], "size": [1, 1], "mass": 2}}}}"#);
     let at = |x: &str| format!(r#"{{"spawn": {{"at": [{x}, 5], "size": [1, 1], "mass": 2}}}}"#);
@@ -110,55 +110,55 @@ fn abuse() -> Vec<(&'static str, Vec<u8>)> {
         ("UTF-16", "{}".encode_utf16().chain([0xd800]).flat_map(u16::to_le_bytes).collect()),
         ("a key twice", of(r#"{"delete": {"name": "a", "name": "a"}}"#)),
         ("two events", of(r#"{"delete": {"name": "a"}} {"delete": {"name": "a"}}"#)),
-        ("beyond the numbers", of(&at("1e400"))),
-        ("no number", of(&at("NaN"))),
-        ("half a step", of(r#"{"delete": {"step": 6.5, "name": "a"}}"#)),
-        ("a step beyond the numbers", of(r#"{"delete": {"step": 99999999999999999999, "name": "a"}}"#)),
-        ("lists in lists", vec![b'['; 5000]),
-        ("a colour for the terminal", of("\u{1b}[31mred")),
+        ("a number beyond f64", of(&at("1e400"))),
+        ("not a number", of(&at("NaN"))),
+        ("a fractional step", of(r#"{"delete": {"step": 6.5, "name": "a"}}"#)),
+        ("a step beyond u64", of(r#"{"delete": {"step": 99999999999999999999, "name": "a"}}"#)),
+        ("nested lists", vec![b'['; 5000]),
+        ("a terminal escape sequence", of("\u{1b}[31mred")),
     ]
 }
 
 #[test]
-fn abuse_is_refused_in_a_few_words_and_skipped_if_asked_for() {
+fn hostile_lines_are_refused_with_a_short_message_or_skipped() {
     let good = br#"{"spawn": {"step": 5, "name": "b", "at": [2.0, 5.0], "size": [1.0, 1.0], "mass": 2.0}}"#;
     let after = br#"{"delete": {"step": 11, "name": "b"}}"#;
-    let mut told = String::new();
-    for (what, bad) in abuse() {
+    let mut errors = String::new();
+    for (title, bad) in hostile_lines() {
         let workplace = Workplace::with_scene(SCENE);
         let lines = [good.as_slice(), &bad, after].join(&b'\n');
         let outcome = workplace.rebond_with_input("record scene.toml -o run.mcap --events -", &lines);
-        assert_eq!(outcome.code, 1, "{what}: {outcome:?}");
-        assert!(outcome.errors.contains("line 2"), "{what}: {outcome:?}");
-        assert!(!outcome.errors.contains(['\0', '\u{1b}']), "{what}: {outcome:?}");
+        assert_eq!(outcome.code, 1, "{title}: {outcome:?}");
+        assert!(outcome.errors.contains("line 2"), "{title}: {outcome:?}");
+        assert!(!outcome.errors.contains(['\0', '\u{1b}']), "{title}: {outcome:?}");
         let first = outcome.errors.lines().next().unwrap_or_default();
-        told += &format!("{what}: {first}\n");
+        errors += &format!("{title}: {first}\n");
         let lenient = workplace.rebond_with_input("record scene.toml -o lenient.mcap --events - --lenient", &lines);
-        assert_eq!(lenient.code, 0, "{what}: {lenient:?}");
-        assert_eq!(lenient.errors, "1 event line(s) skipped\n", "{what}");
-        assert_eq!(lives(&workplace, "lenient.mcap"), ["b 5 10"], "{what}");
-        assert_eq!(workplace.done("replay lenient.mcap").output, "same: 20 steps, 2 bodies\n", "{what}");
+        assert_eq!(lenient.code, 0, "{title}: {lenient:?}");
+        assert_eq!(lenient.errors, "skipped 1 event line\n", "{title}");
+        assert_eq!(lifetimes(&workplace, "lenient.mcap"), ["b 5 10"], "{title}");
+        assert_eq!(workplace.done("replay lenient.mcap").output, "same: 20 steps, 2 bodies\n", "{title}");
     }
-    assert_text("errors-of-abused-events", &told);
+    assert_text("errors-of-abused-events", &errors);
 }
 
 #[test]
-fn lines_end_as_they_do_elsewhere() {
+fn all_common_line_ends_and_a_byte_order_mark_are_accepted() {
     let lines = [
         r#"{"spawn": {"step": 5, "name": "b", "at": [2.0, 5.0], "size": [1.0, 1.0], "mass": 2.0}}"#,
         r#"{"delete": {"step": 11, "name": "b"}}"#,
     ];
-    let [unix, dos, marked, unended, nothing] = [
+    let [unix, dos, with_bom, unterminated, empty] = [
         lines.join("\n") + "\n",
         lines.join("\r\n") + "\r\n",
         format!("\u{feff}{}\n", lines.join("\n")),
         lines.join("\n\n \t\n"),
         String::new(),
     ];
-    for (input, expected) in [(unix, 1), (dos, 1), (marked, 1), (unended, 1), (nothing, 0)] {
+    for (input, expected) in [(unix, 1), (dos, 1), (with_bom, 1), (unterminated, 1), (empty, 0)] {
         let workplace = Workplace::with_scene(SCENE);
         let outcome = workplace.rebond_with_input("record scene.toml -o run.mcap --events -", &input);
         assert_eq!(outcome.code, 0, "{input:?}: {outcome:?}");
-        assert_eq!(lives(&workplace, "run.mcap").len(), expected, "{input:?}");
+        assert_eq!(lifetimes(&workplace, "run.mcap").len(), expected, "{input:?}");
     }
 }

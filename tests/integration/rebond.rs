@@ -1,4 +1,4 @@
-//! The program as users run it, in a folder of its own.
+//! Runs the program in a temporary folder, as users do.
 
 use assert_cmd::Command;
 use std::{
@@ -7,36 +7,36 @@ use std::{
 };
 use tempfile::TempDir;
 
-/// A folder to run the program in; gone with it.
+/// A temporary folder for running the program, removed on drop.
 pub struct Workplace {
     folder: TempDir,
 }
 
-/// What a command left behind.
+/// The result of a command.
 #[derive(Debug)]
 pub struct Outcome {
-    /// Exit code.
+    /// The exit code.
     pub code: i32,
-    /// Standard output.
+    /// The standard output.
     pub output: String,
-    /// Standard error.
+    /// The standard error.
     pub errors: String,
 }
 
 impl Workplace {
-    /// An empty folder.
+    /// Creates an empty folder.
     pub fn new() -> Workplace {
         Workplace { folder: TempDir::new().expect("a temporary folder") }
     }
 
-    /// A folder with one scene in it, `scene.toml`.
+    /// Creates a folder with a scene, `scene.toml`.
     pub fn with_scene(text: &str) -> Workplace {
         let workplace = Workplace::new();
         workplace.write("scene.toml", text);
         workplace
     }
 
-    /// The path of a file in the folder.
+    /// Returns the path of a file in the folder.
     pub fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
     }
@@ -51,7 +51,7 @@ impl Workplace {
         fs::read(self.path(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
     }
 
-    /// The names in the folder, sorted.
+    /// Returns the names in the folder, sorted.
     pub fn names(&self) -> Vec<String> {
         let entries = fs::read_dir(self.folder.path()).expect("the folder");
         let mut names: Vec<String> =
@@ -60,17 +60,17 @@ impl Workplace {
         names
     }
 
-    /// Runs `rebond` with the words of `line`.
+    /// Runs `rebond` with the space-separated arguments of `line`.
     pub fn rebond(&self, line: &str) -> Outcome {
         self.rebond_with_input(line, "")
     }
 
-    /// Runs `rebond` with something on standard input.
+    /// Runs `rebond` with `input` on standard input.
     pub fn rebond_with_input(&self, line: &str, input: &(impl AsRef<[u8]> + ?Sized)) -> Outcome {
         self.run(self.command(line).write_stdin(input.as_ref()))
     }
 
-    /// Runs `rebond` where programs are found in one folder only.
+    /// Runs `rebond` with `PATH` set to one folder.
     pub fn rebond_on_path(&self, line: &str, path: &Path) -> Outcome {
         self.run(self.command(line).env("PATH", path))
     }
@@ -94,14 +94,14 @@ impl Workplace {
         }
     }
 
-    /// Runs `rebond` on a terminal of so many columns and expects it to be done.
+    /// Runs `rebond` with a terminal width, and asserts that it succeeds.
     pub fn done_in(&self, columns: &str, line: &str) -> Outcome {
         let outcome = self.run(self.command(line).env("COLUMNS", columns));
         assert_eq!(outcome.code, 0, "rebond {line}: {outcome:?}");
         outcome
     }
 
-    /// Runs `rebond` and expects it to be done without an error.
+    /// Runs `rebond` and asserts that it succeeds.
     pub fn done(&self, line: &str) -> Outcome {
         let outcome = self.rebond(line);
         assert_eq!(outcome.code, 0, "rebond {line}: {outcome:?}");
@@ -109,7 +109,7 @@ impl Workplace {
     }
 }
 
-/// The bundled scenes, sorted by name.
+/// Returns the paths of the bundled scenes, sorted.
 pub fn bundled_scenes() -> Vec<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("recordings");
     let entries = fs::read_dir(folder).expect("the folder of scenes");

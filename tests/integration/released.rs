@@ -1,5 +1,5 @@
-//! Recordings of every released version and format, kept under tests/recordings: a newer program replays
-//! them or says exactly why not, and shows their states in any case.
+//! Recordings of every released version and format, kept under tests/recordings. A newer program replays
+//! them or reports why it cannot, and can read their states in any case.
 
 use crate::rebond::Workplace;
 use rebond::recording::{self, Playback, SEMANTICS_VERSION};
@@ -18,13 +18,13 @@ fn released() -> Vec<PathBuf> {
 }
 
 #[test]
-fn there_is_a_recording_of_this_version() {
+fn this_version_has_a_released_recording() {
     let version = env!("CARGO_PKG_VERSION");
     assert!(released().iter().any(|path| path.parent().is_some_and(|folder| folder.ends_with(version))));
 }
 
 #[test]
-fn released_recordings_replay_or_tell_why_not() {
+fn released_recordings_replay_or_report_why_not() {
     let workplace = Workplace::new();
     for path in released() {
         let semantics = recording::open(&path).unwrap().header.versions.semantics;
@@ -33,20 +33,20 @@ fn released_recordings_replay_or_tell_why_not() {
             assert!(replayed.output.starts_with("same: "), "{}: {replayed:?}", path.display());
             assert_eq!(replayed.code, 0);
         } else {
-            let why = format!("made with engine semantics {semantics}, this rebond has {SEMANTICS_VERSION}");
-            assert!(replayed.errors.contains(&why), "{}: {replayed:?}", path.display());
+            let reason = format!("made with engine semantics {semantics}, but this rebond has {SEMANTICS_VERSION}");
+            assert!(replayed.errors.contains(&reason), "{}: {replayed:?}", path.display());
             assert_eq!(replayed.code, 1);
         }
     }
 }
 
 #[test]
-fn released_recordings_show_all_their_states() {
+fn all_states_of_released_recordings_are_readable() {
     for path in released() {
         let mut playback = Playback::new(recording::open(&path).unwrap());
         let every = playback.header().every;
-        let steps: Vec<u64> = playback.by_ref().map(|frame| frame.unwrap().step).collect();
-        let last = playback.end().expect("a whole recording").steps;
+        let steps: Vec<u64> = playback.by_ref().map(|state| state.unwrap().step).collect();
+        let last = playback.trailer().expect("a complete recording").steps;
         assert!(steps.iter().copied().eq((0..=last).step_by(every as usize)), "{}", path.display());
     }
 }

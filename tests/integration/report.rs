@@ -1,62 +1,62 @@
-//! Speed against error: the errors are deterministic and held here, the costs never.
+//! Error against cost: the errors are deterministic and compared with snapshots; costs are not tested.
 
-use crate::{rebond::Workplace, reference::assert_reference, snapshot::assert_text};
+use crate::{rebond::Workplace, reference_image::assert_reference_image, snapshot::assert_text};
 use rebond::render::png;
 use rebond::report::{self, Case, Expectation, Row, cases};
 use std::io::Cursor;
 
-/// The rows of a case at its two lowest rates, without their costs.
+/// The rows of a case at its two lowest rates, without costs.
 fn rows(case: &Case) -> Vec<Row> {
-    let expectation = Expectation::of(case);
+    let expectation = Expectation::compute(case);
     let lowest = |factor: &u64| case.factors.iter().take(2).any(|low| low == factor);
-    let trials = case.trials().into_iter().filter(|trial| lowest(&trial.factor));
-    trials.map(|trial| Row::of(case, trial, &expectation, false).unwrap()).collect()
+    let run_specs = case.run_specs().into_iter().filter(|spec| lowest(&spec.factor));
+    run_specs.map(|spec| Row::measure_errors(case, spec, &expectation, false).unwrap()).collect()
 }
 
 #[test]
-fn errors_of_the_hard_scenes_are_these() {
-    let quick = |case: &Case| match case.family.as_str() {
+fn errors_of_the_hard_scenes_are_unchanged() {
+    let is_quick = |case: &Case| match case.family.as_str() {
         "galperin" => case.collisions < Some(1000),
         "stack" => case.text.len() < 2000,
         "zeno" | "shot" | "cradle" | "corner" | "squeeze" | "tiles" | "support" | "overlap" => true,
         _ => false,
     };
-    let all: Vec<Row> = cases::all(false).iter().filter(|case| quick(case)).flat_map(rows).collect();
+    let all: Vec<Row> = cases::all(false).iter().filter(|case| is_quick(case)).flat_map(rows).collect();
     assert_text("report-errors", &report::table(&all));
 }
 
 #[test]
-fn every_hard_scene_is_a_scene() {
+fn every_hard_scene_parses() {
     for case in cases::all(true).iter().chain(&cases::growth()) {
-        let crowd = case.text.contains("000\nseed");
-        let trial = case.trials()[0];
-        assert!(crowd || case.scene(trial).is_ok(), "{}: {:?}", case.name, case.scene(trial).err());
+        let has_many_bodies = case.text.contains("000\nseed");
+        let spec = case.run_specs()[0];
+        assert!(has_many_bodies || case.scene(spec).is_ok(), "{}: {:?}", case.name, case.scene(spec).err());
         assert!(case.from < case.steps);
     }
 }
 
-/// Two boxes that meet once in half a second.
+/// Two boxes that collide once in half a second.
 const SCENE: &str = "[world]\nsize = [9.0, 9.0]\n[run]\nrate = 60\nsteps = 30\nsolver = \"handout\"\n\
     [[spawn]]\nat = [1.0, 1.0]\nsize = [1.0, 1.0]\nmass = 1.0\nvelocity = [4.0, 0.0]\n\
     [[spawn]]\nat = [3.0, 1.0]\nsize = [1.0, 1.0]\nmass = 1.0\n";
 
 #[test]
-fn a_scene_of_ones_own_is_judged_by_77_decimals() {
+fn a_user_scene_is_compared_with_a_simulation_of_77_decimals() {
     let workplace = Workplace::with_scene(SCENE);
     let output = workplace.done("report scene.toml --json").output;
     let rows: Vec<Row> = serde_json::from_str(&output).unwrap();
-    let seen: Vec<(&str, f64)> = rows.iter().map(|row| (row.solver.as_str(), row.rate)).collect();
+    let found: Vec<(&str, f64)> = rows.iter().map(|row| (row.solver.as_str(), row.rate)).collect();
     let rates = [60.0, 240.0, 960.0];
     let expected = ["event-driven", "handout"].into_iter().flat_map(|solver| rates.map(|rate| (solver, rate)));
-    assert_eq!(seen, expected.collect::<Vec<_>>());
-    assert!(rows.iter().all(|row| row.truth == "77 decimals" && row.true_collisions == Some(1)));
+    assert_eq!(found, expected.collect::<Vec<_>>());
+    assert!(rows.iter().all(|row| row.truth == "simulation with 77 decimals" && row.true_collisions == Some(1)));
     assert!(rows[0].position_error < Some(1e-15), "{rows:?}");
     assert!(rows[3].position_error > Some(1e-3), "{rows:?}");
     assert!(rows.iter().all(|row| row.ns_per_body_step > Some(0.0) && row.was_run()));
 }
 
 #[test]
-fn parts_join() {
+fn shards_join_to_the_whole_report() {
     let workplace = Workplace::with_scene(SCENE);
     workplace.write("again.toml", SCENE);
     let part = |shard: &str| workplace.done(&format!("report scene.toml again.toml --csv {shard}")).output;
@@ -71,24 +71,24 @@ fn parts_join() {
 }
 
 #[test]
-fn what_was_measured_is_shown_again() {
+fn a_stored_report_is_read_back() {
     let workplace = Workplace::with_scene(SCENE);
     let json = workplace.done("report scene.toml --json").output;
     workplace.write("1.json", &json);
     assert_eq!(workplace.done("report --read 1.json --json").output, json);
     let table = workplace.done("report --read 1.json --read 1.json").output;
-    assert!(table.contains("scene.toml: 2 bodies, 1 collision; truth: 77 decimals"), "{table}");
+    assert!(table.contains("scene.toml: 2 bodies, 1 collision; reference: simulation with 77 decimals"), "{table}");
     workplace.write("2.json", "{}");
     let refused = workplace.rebond("report --read 2.json");
     assert!(
-        refused.code == 1 && refused.errors.contains("2.json is not what rebond report --json writes"),
+        refused.code == 1 && refused.errors.contains("2.json is not a report written by rebond report --json"),
         "{refused:?}"
     );
     let refused = workplace.rebond("report --only stacks");
-    assert!(refused.code == 1 && refused.errors.contains("there is no family \"stacks\""), "{refused:?}");
+    assert!(refused.code == 1 && refused.errors.contains("unknown family of scenes \"stacks\""), "{refused:?}");
 }
 
-/// Rows with invented costs, so that the diagram of their errors can be held.
+/// A row with invented costs, so that its diagram is deterministic.
 fn row(family: &str, scene: &str, solver: &str, [rate, error, cost]: [f64; 3]) -> Row {
     Row {
         family: family.into(),
@@ -104,26 +104,26 @@ fn row(family: &str, scene: &str, solver: &str, [rate, error, cost]: [f64; 3]) -
 }
 
 #[test]
-fn a_diagram_shows_what_accuracy_costs() {
+fn a_diagram_shows_error_against_cost() {
     let exact = [[30.0, 2e-15, 90.0], [60.0, 3e-15, 60.0], [240.0, 2e-15, 40.0], [960.0, 2e-15, 35.0]];
-    let printed = [[30.0, 0.4, 25.0], [60.0, 0.2, 24.0], [240.0, 0.05, 24.0], [960.0, 0.012, 23.0]];
+    let handout = [[30.0, 0.4, 25.0], [60.0, 0.2, 24.0], [240.0, 0.05, 24.0], [960.0, 0.012, 23.0]];
     let mut rows: Vec<Row> = exact.map(|numbers| row("bounce", "a minute", "event-driven", numbers)).into();
-    rows.extend(printed.map(|numbers| row("bounce", "a minute", "handout", numbers)));
+    rows.extend(handout.map(|numbers| row("bounce", "a minute", "handout", numbers)));
     for (scene, factor) in [("stack of 10", 1.0), ("stack of 1000", 9.0)] {
         rows.extend(exact.map(|[rate, _, cost]| row("stack", scene, "event-driven", [rate, 0.0, cost / factor])));
         rows.extend(
-            printed.map(|[rate, error, cost]| row("stack", scene, "handout", [rate, factor * error, factor * cost])),
+            handout.map(|[rate, error, cost]| row("stack", scene, "handout", [rate, factor * error, factor * cost])),
         );
     }
     let workplace = Workplace::new();
     workplace.write("rows.json", &serde_json::to_string(&rows).unwrap());
     workplace.done("report --read rows.json --plot plot.png --caption Invented");
     let (picture, _) = png::decode(Cursor::new(workplace.read("plot.png"))).unwrap();
-    assert_reference("report-work-precision", &picture);
+    assert_reference_image("report-work-precision", &picture);
     workplace.done("report --read rows.json --plot plot.svg --theme dark");
     assert!(String::from_utf8(workplace.read("plot.svg")).unwrap().starts_with("<svg"));
     let refused = workplace.rebond("report --read rows.json --plot plot.gif");
-    assert!(refused.code == 1 && refused.errors.contains("a diagram is F.png, F.svg or F.pdf"), "{refused:?}");
+    assert!(refused.code == 1 && refused.errors.contains("expected F.png, F.svg or F.pdf"), "{refused:?}");
     let refused = workplace.rebond("report --read rows.json --plot plot.png");
-    assert!(refused.code == 1 && refused.errors.contains("exists already"), "{refused:?}");
+    assert!(refused.code == 1 && refused.errors.contains("already exists"), "{refused:?}");
 }

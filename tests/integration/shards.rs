@@ -1,4 +1,4 @@
-//! Work shared out: parts made apart join into the very bytes of the whole. And studies of a parameter.
+//! Shards join into exactly the bytes of the whole, and `--set` overrides values of a scene.
 
 use crate::rebond::Workplace;
 use std::{fs, path::Path};
@@ -7,7 +7,7 @@ fn scene(name: &str) -> String {
     format!("{}/recordings/{name}.toml", env!("CARGO_MANIFEST_DIR"))
 }
 
-/// The files of a folder by name.
+/// The names and contents of the files of a folder, sorted by name.
 fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
     let mut files: Vec<_> = fs::read_dir(folder)
         .unwrap()
@@ -19,7 +19,7 @@ fn files(folder: &Path) -> Vec<(String, Vec<u8>)> {
 }
 
 #[test]
-fn shards_of_a_folder_of_pictures_are_the_whole() {
+fn shards_of_a_picture_sequence_join_into_the_whole() {
     let workplace = Workplace::new();
     workplace.done(&format!("record {} -o run.mcap --steps 20", scene("figure-1")));
     for options in ["--size 160x90", "--size 160x90 --every 3 --from 2", "--size 160x90 --from 7 --to 15"] {
@@ -37,7 +37,7 @@ fn shards_of_a_folder_of_pictures_are_the_whole() {
 }
 
 #[test]
-fn shards_of_a_table_are_the_whole() {
+fn shards_of_a_table_join_into_the_whole() {
     let workplace = Workplace::new();
     workplace.done(&format!("record {} -o run.mcap --steps 20", scene("figure-1")));
     for (kind, options) in [("csv", ""), ("jsonl", ""), ("csv", "--from 3 --to 11"), ("csv", "--from 19")] {
@@ -53,16 +53,16 @@ fn shards_of_a_table_are_the_whole() {
 }
 
 #[test]
-fn one_file_has_no_shards() {
+fn a_single_file_cannot_be_sharded() {
     let workplace = Workplace::new();
-    let refused = workplace.rebond(&format!("render {} -o run.gif --shard 1/2", scene("figure-1")));
-    assert_eq!(refused.code, 1);
-    assert!(refused.errors.contains("a single file has no parts"), "{refused:?}");
+    let outcome = workplace.rebond(&format!("render {} -o run.gif --shard 1/2", scene("figure-1")));
+    assert_eq!(outcome.code, 1);
+    assert!(outcome.errors.contains("a single file has no parts"), "{outcome:?}");
     assert_eq!(workplace.rebond("export run.mcap --shard 3/2").code, 2);
 }
 
 #[test]
-fn a_value_set_anew_is_that_of_the_recorded_scene() {
+fn a_recording_contains_the_scene_with_its_overrides() {
     let workplace = Workplace::with_scene(&fs::read_to_string(scene("masses")).unwrap());
     let scene_file = workplace.names().into_iter().find(|name| name.ends_with(".toml")).unwrap();
     workplace.done(&format!("record {scene_file} -o as-it-is.mcap"));
@@ -76,19 +76,19 @@ fn a_value_set_anew_is_that_of_the_recorded_scene() {
 }
 
 #[test]
-fn what_cannot_be_set_is_refused_by_name() {
+fn an_invalid_override_is_rejected_by_name() {
     let workplace = Workplace::new();
     let masses = scene("masses");
-    for (setting, expected) in [
-        ("spawn.nobody.mass=2", "cannot set spawn.nobody.mass=2 in the scene"),
+    for (assignment, expected) in [
+        ("spawn.nobody.mass=2", "--set spawn.nobody.mass=2"),
         ("restitution.default=1.5", "--set restitution.default=1.5"),
         ("worlds.size=3", "--set worlds.size=3"),
         ("run.rate=fast", "--set run.rate=fast"),
     ] {
-        let refused = workplace.rebond(&format!("record {masses} -o out.mcap --set {setting}"));
-        assert_eq!(refused.code, 1, "{refused:?}");
-        let errors = refused.errors.split_whitespace().collect::<Vec<_>>().join(" ");
-        assert!(errors.contains(expected), "{setting}: {errors}");
+        let outcome = workplace.rebond(&format!("record {masses} -o out.mcap --set {assignment}"));
+        assert_eq!(outcome.code, 1, "{outcome:?}");
+        let errors = outcome.errors.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(errors.contains(expected), "{assignment}: {errors}");
         assert!(!workplace.path("out.mcap").exists());
     }
     assert_eq!(workplace.rebond(&format!("record {masses} -o out.mcap --set mass")).code, 2);

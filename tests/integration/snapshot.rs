@@ -1,8 +1,8 @@
-//! Where snapshots of text live: snapshots/ at the top, under the names tests give them.
+//! Text snapshots, stored in the top-level folder `snapshots` under the names that tests pass.
 
-/// Compares `text` with the committed snapshot of that name, exactly.
+/// Asserts that `text` equals the committed snapshot `name`.
 ///
-/// `INSTA_UPDATE=always cargo test` accepts what changed.
+/// `INSTA_UPDATE=always cargo test` accepts changes.
 pub fn assert_text(name: &str, text: &str) {
     let mut settings = insta::Settings::clone_current();
     settings.set_snapshot_path(concat!(env!("CARGO_MANIFEST_DIR"), "/snapshots"));

@@ -1,9 +1,9 @@
-//! Single frames: every overlay, both themes, every colouring.
+//! Single frames with every overlay and colouring, in both themes.
 
 use crate::frames::{collision, moving, view};
-use crate::reference::assert_reference;
+use crate::reference_image::assert_reference_image;
 use rebond::physics::{Rect, Vector};
-use rebond::render::{Aim, Frame, Painter, Picture, Style, View, compose};
+use rebond::render::{CameraTarget, Frame, Painter, Picture, Style, View, compose};
 use rebond::scene::{ColorBy, Overlay, Theme};
 
 fn picture(frame: &Frame, view: &View) -> Picture {
@@ -11,65 +11,71 @@ fn picture(frame: &Frame, view: &View) -> Picture {
 }
 
 #[test]
-fn each_overlay_in_both_themes() {
+fn each_overlay_matches_its_reference_in_both_themes() {
     for theme in Theme::ALL {
         for overlay in Overlay::ALL {
             let view = view(*theme, &[*overlay], ColorBy::Body);
-            assert_reference(&format!("frame-{}-{}", overlay.name(), theme.name()), &picture(&collision(), &view));
+            assert_reference_image(
+                &format!("frame-{}-{}", overlay.name(), theme.name()),
+                &picture(&collision(), &view),
+            );
         }
     }
 }
 
 #[test]
-fn each_colouring_in_both_themes_with_all_overlays() {
+fn each_colouring_matches_its_reference_in_both_themes() {
     for theme in Theme::ALL {
         for color_by in ColorBy::ALL {
             let view = view(*theme, Overlay::ALL, *color_by);
-            assert_reference(&format!("frame-by-{}-{}", color_by.name(), theme.name()), &picture(&collision(), &view));
+            assert_reference_image(
+                &format!("frame-by-{}-{}", color_by.name(), theme.name()),
+                &picture(&collision(), &view),
+            );
         }
     }
 }
 
-/// A part of the world larger than it is, and a body kept in the middle.
+/// A window of the world, a followed body, and a followed body that does not exist.
 #[test]
-fn a_camera_that_is_aimed_at_something() {
+fn frames_show_the_camera_target() {
     let show = [Overlay::Name, Overlay::Grid, Overlay::Axes, Overlay::Scale, Overlay::Clock];
     let style = Style { caption: "Aimed at a part of it".into(), ..view(Theme::Light, &show, ColorBy::Body).style };
-    let window = Aim::Window(Rect::new(Vector::new(3.0, 2.0), 6.0, 4.0));
-    let follow = Aim::Follow { name: "hull".into(), size: Vector::new(8.0, 4.5) };
-    let lost = Aim::Follow { name: "nobody".into(), size: Vector::new(8.0, 4.5) };
-    for (name, aim) in [("window", window), ("follow", follow), ("follow-lost", lost)] {
-        let view = View::new(crate::frames::WORLD, [640, 360], &aim, style.clone()).unwrap();
-        assert_reference(&format!("frame-aim-{name}"), &picture(&collision(), &view));
+    let window = CameraTarget::Window(Rect::new(Vector::new(3.0, 2.0), 6.0, 4.0));
+    let follow = CameraTarget::Follow { name: "hull".into(), size: Vector::new(8.0, 4.5) };
+    let missing = CameraTarget::Follow { name: "missing".into(), size: Vector::new(8.0, 4.5) };
+    for (name, target) in [("window", window), ("follow", follow), ("follow-lost", missing)] {
+        let view = View::new(crate::frames::WORLD, [640, 360], &target, style.clone()).unwrap();
+        assert_reference_image(&format!("frame-aim-{name}"), &picture(&collision(), &view));
     }
 }
 
-/// What is followed stands still on the page, and what stands still moves by whole pixels.
+/// A followed body stays at the same position on the page, and resting bodies move by whole pixels.
 #[test]
 fn a_followed_body_stays_in_the_middle() {
-    let aim = Aim::Follow { name: "#3".into(), size: Vector::new(8.0, 4.5) };
+    let target = CameraTarget::Follow { name: "#3".into(), size: Vector::new(8.0, 4.5) };
     let style = view(Theme::Light, &[], ColorBy::Body).style;
-    let view = View::new(crate::frames::WORLD, [640, 360], &aim, style).unwrap();
+    let view = View::new(crate::frames::WORLD, [640, 360], &target, style).unwrap();
     for step in 0..60 {
         let frame = moving(5, step);
-        let camera = view.camera_at(&frame);
+        let camera = view.camera_for(&frame);
         let body = frame.sprites.iter().find(|sprite| sprite.appearance.name == "#3").unwrap();
-        let off = camera.rect(&body.rect).center().sub(camera.window.center());
-        assert!(off.x.abs() <= 0.75 && off.y.abs() <= 0.75, "step {step}: {off:?}");
+        let offset = camera.rect(&body.rect).center().sub(camera.viewport.center());
+        assert!(offset.x.abs() <= 0.75 && offset.y.abs() <= 0.75, "step {step}: {offset:?}");
         let moved = camera.origin.sub(view.camera.origin).mult(camera.scale);
         assert!((moved.x - moved.x.round()).abs() < 1e-6 && (moved.y - moved.y.round()).abs() < 1e-6, "step {step}");
     }
 }
 
 #[test]
-fn a_lecture_frame_in_full_size() {
+fn a_frame_of_full_size_matches_its_reference() {
     let style = view(Theme::Light, &[Overlay::Name, Overlay::Clock, Overlay::Grid], ColorBy::Body).style;
     let view = View::fit(crate::frames::WORLD, [1280, 720], style).unwrap();
-    assert_reference("frame-full-size", &picture(&moving(30, 90), &view));
+    assert_reference_image("frame-full-size", &picture(&moving(30, 90), &view));
 }
 
 #[test]
-fn a_layout_is_held_as_text() {
+fn a_layout_matches_its_snapshot() {
     let view = view(Theme::Light, &[Overlay::Name, Overlay::Clock, Overlay::Velocity], ColorBy::Speed);
     let mut list = compose(&collision(), &view);
     list.backdrop.clear();
@@ -77,7 +83,7 @@ fn a_layout_is_held_as_text() {
 }
 
 #[test]
-fn a_painter_that_has_drawn_other_frames_draws_the_same() {
+fn a_reused_painter_draws_the_same_pixels_as_a_new_one() {
     let light = view(Theme::Light, Overlay::ALL, ColorBy::Body);
     let dark = view(Theme::Dark, &[Overlay::Clock], ColorBy::Speed);
     let mut painter = Painter::new();
@@ -87,16 +93,16 @@ fn a_painter_that_has_drawn_other_frames_draws_the_same() {
     }
 }
 
-/// Whatever a solver makes of its bodies, the picture is of what can be seen.
+/// Extreme and non-finite coordinates must not crash the drawing of a frame.
 #[test]
-fn bodies_beyond_all_measure_are_drawn_without_harm() {
+fn extreme_coordinates_do_not_crash_a_frame() {
     let view = view(Theme::Light, Overlay::ALL, ColorBy::Speed);
     let mut frame = collision();
-    let places = [1e300, -1e300, f64::INFINITY, f64::NEG_INFINITY, f64::NAN, 1e-300];
-    for (sprite, far) in frame.sprites[4..].iter_mut().zip(places) {
-        sprite.rect = Rect::new(Vector::new(far, far), 1e200, 1e-200);
-        sprite.velocity = Vector::new(far, -far);
-        sprite.trail = vec![Vector::ZERO, Vector::new(far, far)];
+    let coordinates = [1e300, -1e300, f64::INFINITY, f64::NEG_INFINITY, f64::NAN, 1e-300];
+    for (sprite, coordinate) in frame.sprites[4..].iter_mut().zip(coordinates) {
+        sprite.rect = Rect::new(Vector::new(coordinate, coordinate), 1e200, 1e-200);
+        sprite.velocity = Vector::new(coordinate, -coordinate);
+        sprite.trail = vec![Vector::ZERO, Vector::new(coordinate, coordinate)];
     }
     frame.collisions[0].rects = [frame.sprites[4].rect, frame.sprites[6].rect];
     frame.collisions[0].normal = Vector::new(f64::NAN, 0.0);
@@ -104,7 +110,7 @@ fn bodies_beyond_all_measure_are_drawn_without_harm() {
 }
 
 #[test]
-fn pictures_of_any_shape_are_drawn() {
+fn pictures_of_any_aspect_ratio_are_drawn() {
     let style = view(Theme::Light, Overlay::ALL, ColorBy::Speed).style;
     for size in [[1, 1], [17, 1], [1, 300], [40, 30], [300, 900]] {
         let view = View::fit(crate::frames::WORLD, size, style.clone()).unwrap();
@@ -113,14 +119,14 @@ fn pictures_of_any_shape_are_drawn() {
 }
 
 #[test]
-fn a_camera_refuses_what_no_picture_can_show() {
-    let refusal = |world, size| View::fit(world, size, Style::default()).unwrap_err().to_string();
+fn a_camera_rejects_invalid_sizes() {
+    let error = |world, size| View::fit(world, size, Style::default()).unwrap_err().to_string();
     assert_eq!(
-        refusal(Vector::new(16.0, 9.0), [0, 720]),
+        error(Vector::new(16.0, 9.0), [0, 720]),
         "a picture of 0×720 pixels cannot be drawn: each side must be 1 to 16384 pixels"
     );
     assert_eq!(
-        refusal(Vector::new(16.0, f64::INFINITY), [1280, 720]),
-        "a world of 16 m × inf m cannot be shown: both must be finite and positive"
+        error(Vector::new(16.0, f64::INFINITY), [1280, 720]),
+        "an area of 16 m × inf m cannot be shown: width and height must be finite and positive"
     );
 }

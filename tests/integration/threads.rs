@@ -1,10 +1,10 @@
-//! The widest scenes, drawn and compressed on several numbers of threads.
+//! Drawing and compression of a scene with many bodies on various numbers of threads.
 
 use crate::rebond::Workplace;
 
-/// More boxes than colours, so that GIF has to choose; names and trails, so that frames differ
-/// in how long they take.
-const WIDE: &str = r#"
+/// More boxes than GIF has colours, so that the palette must be quantized, and trails, so that the drawing time
+/// varies between frames.
+const SCENE: &str = r#"
 [world]
 size = [64.0, 36.0]
 [run]
@@ -24,16 +24,16 @@ show = ["velocity", "trail", "clock"]
 color_by = "speed"
 "#;
 
-/// A folder with a recording of [`WIDE`].
-fn recorded() -> Workplace {
-    let workplace = Workplace::with_scene(WIDE);
+/// A folder with a recording of [`SCENE`].
+fn workplace() -> Workplace {
+    let workplace = Workplace::with_scene(SCENE);
     workplace.done("record scene.toml -o wide.mcap");
     workplace
 }
 
 #[test]
-fn animations_of_a_wide_scene_are_the_same_on_any_number_of_threads() {
-    let workplace = recorded();
+fn animations_do_not_depend_on_the_number_of_threads() {
+    let workplace = workplace();
     for kind in ["gif", "apng"] {
         let drawn = [1, 2, 8].map(|jobs| {
             workplace.done(&format!("render wide.mcap -o {jobs}.{kind} --every 2 --jobs {jobs}"));
@@ -44,8 +44,8 @@ fn animations_of_a_wide_scene_are_the_same_on_any_number_of_threads() {
 }
 
 #[test]
-fn pictures_of_a_wide_scene_are_the_same_on_any_number_of_threads_and_in_parts() {
-    let workplace = recorded();
+fn pictures_do_not_depend_on_the_number_of_threads_or_on_the_range_of_steps() {
+    let workplace = workplace();
     workplace.done("render wide.mcap -o whole --from 13 --to 20 --jobs 1");
     workplace.done("render wide.mcap -o threads --from 13 --to 20 --jobs 8");
     workplace.done("render wide.mcap -o parts --from 13 --to 16 --jobs 3");
@@ -53,6 +53,6 @@ fn pictures_of_a_wide_scene_are_the_same_on_any_number_of_threads_and_in_parts()
     for step in 13..=20 {
         let [whole, threads, parts] =
             ["whole", "threads", "parts"].map(|folder| workplace.read(&format!("{folder}/{step:06}.png")));
-        assert!(whole == threads && whole == parts, "step {step} depends on who draws it");
+        assert!(whole == threads && whole == parts, "step {step} depends on threads or range");
     }
 }

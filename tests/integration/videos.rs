@@ -1,4 +1,4 @@
-//! MP4 and WebM by way of an ffmpeg that only counts: a script on the PATH.
+//! Videos: MP4 and WebM through ffmpeg, for which a script on the PATH stands in.
 #![cfg(unix)]
 
 use crate::rebond::{Outcome, Workplace};
@@ -20,8 +20,8 @@ velocity = [2.0, 0.0]
 size = [64, 36]
 "#;
 
-/// Writes how it was called and how many bytes it was sent to where the video goes.
-const COUNTING: &str = "#!/bin/sh
+/// Writes its arguments and the number of bytes on its standard input to the output file.
+const COUNTING_FFMPEG: &str = "#!/bin/sh
 if [ \"$1\" = -version ]; then exit 0; fi
 for last; do :; done
 printf '%s\\n' \"$*\" | sed \"s#$last#OUT#\" > \"$last\"
@@ -48,8 +48,8 @@ fn render(workplace: &Workplace, line: &str) -> Outcome {
 }
 
 #[test]
-fn frames_are_piped_as_they_are() {
-    let workplace = workplace(Some(COUNTING));
+fn frames_are_piped_to_ffmpeg_as_raw_pixels() {
+    let workplace = workplace(Some(COUNTING_FFMPEG));
     let outcome = render(&workplace, "render scene.toml -o clip.mp4");
     assert_eq!(outcome.code, 0, "{outcome:?}");
     assert_eq!(outcome.output, "clip.mp4: every step, 30 frames/s\n");
@@ -64,42 +64,42 @@ fn frames_are_piped_as_they_are() {
 }
 
 #[test]
-fn stops_are_frames_sent_again() {
+fn freeze_frames_are_sent_repeatedly() {
     let falling = SCENE
         .replace("size = [8.0, 4.5]", "size = [8.0, 4.5]\nwalls = true")
         .replace("at = [1.0, 2.0]", "at = [7.3, 2.0]");
-    let workplace = workplace(Some(COUNTING));
+    let workplace = workplace(Some(COUNTING_FFMPEG));
     workplace.write("scene.toml", &falling);
     let outcome = render(&workplace, "render scene.toml -o clip.mp4 --hold 0.5 at collisions");
-    assert!(outcome.output.contains("1 stop of 0.5 s"), "{outcome:?}");
+    assert!(outcome.output.contains("1 freeze frame of 0.5 s"), "{outcome:?}");
     let written = String::from_utf8(workplace.read("clip.mp4")).unwrap();
     let bytes: u64 = written.trim_end().lines().last().unwrap().trim().parse().unwrap();
-    assert_eq!(bytes, (10 + 15) * 64 * 36 * 4, "half a second is 15 frames more");
+    assert_eq!(bytes, (10 + 15) * 64 * 36 * 4, "half a second is 15 additional frames");
 }
 
 #[test]
-fn without_ffmpeg_it_says_what_to_do_and_leaves_nothing() {
+fn without_ffmpeg_the_error_gives_advice_and_no_file_is_left() {
     let workplace = workplace(None);
     let outcome = render(&workplace, "render scene.toml -o clip.mp4");
     assert_eq!(outcome.code, 1);
-    assert!(outcome.errors.contains("cannot make clip.mp4: ffmpeg cannot be run"), "{outcome:?}");
+    assert!(outcome.errors.contains("cannot write clip.mp4: ffmpeg cannot be run"), "{outcome:?}");
     assert!(outcome.errors.contains("https://ffmpeg.org") && outcome.errors.contains(".apng"), "{outcome:?}");
     assert_eq!(workplace.names(), ["bin", "scene.toml"]);
 }
 
 #[test]
-fn an_ffmpeg_that_fails_is_quoted_and_leaves_no_half_file() {
+fn an_error_of_ffmpeg_is_quoted_and_no_partial_file_is_left() {
     let failing = "#!/bin/sh\nif [ \"$1\" = -version ]; then exit 0; fi\nfor last; do :; done\necho half > \"$last\"\necho 'Unknown encoder' >&2\nexit 1\n";
     let workplace = workplace(Some(failing));
     let outcome = render(&workplace, "render scene.toml -o clip.mp4");
     assert_eq!(outcome.code, 1);
-    assert!(outcome.errors.contains("cannot make clip.mp4: ffmpeg says: Unknown encoder"), "{outcome:?}");
+    assert!(outcome.errors.contains("cannot write clip.mp4: ffmpeg failed: Unknown encoder"), "{outcome:?}");
     assert_eq!(workplace.names(), ["bin", "scene.toml"]);
 }
 
 #[test]
-fn a_video_that_is_there_stays() {
-    let workplace = workplace(Some(COUNTING));
+fn an_existing_video_is_not_overwritten() {
+    let workplace = workplace(Some(COUNTING_FFMPEG));
     workplace.write("clip.mp4", "old");
     let outcome = render(&workplace, "render scene.toml -o clip.mp4");
     assert_eq!((outcome.code, workplace.read("clip.mp4")), (1, b"old".to_vec()));

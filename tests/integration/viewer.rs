@@ -1,6 +1,6 @@
-//! `record --viewer`: a recording that Foxglove and Lichtblick show, and that is one still.
+//! `record --viewer`: recordings with scene updates for Foxglove and Lichtblick.
 //!
-//! What is in it is compared with states and pictures by `tests/readers`, in Python.
+//! `tests/readers` compares the scene updates with states and pictures, in Python.
 
 use crate::rebond::Workplace;
 
@@ -13,7 +13,7 @@ fn recorded() -> Workplace {
 }
 
 #[test]
-fn boxes_for_viewers_change_nothing_else() {
+fn scene_updates_change_nothing_else() {
     let workplace = recorded();
     let plain = workplace.done("record scene.toml -o plain.mcap").output.replace("plain", "run");
     assert_eq!(workplace.done("record scene.toml -o run.mcap --viewer --force").output, plain);
@@ -25,15 +25,15 @@ fn boxes_for_viewers_change_nothing_else() {
 }
 
 #[test]
-fn recovering_keeps_boxes_for_viewers() {
+fn recovery_keeps_scene_updates() {
     let workplace = recorded();
     workplace.done("recover run.mcap -o same.mcap");
-    assert!(workplace.read("same.mcap") == workplace.read("run.mcap"), "a whole recording recovers to itself");
-    let whole = workplace.read("run.mcap");
-    std::fs::write(workplace.path("cut.mcap"), &whole[..whole.len() / 2]).unwrap();
+    assert!(workplace.read("same.mcap") == workplace.read("run.mcap"), "a complete recording recovers to itself");
+    let complete = workplace.read("run.mcap");
+    std::fs::write(workplace.path("cut.mcap"), &complete[..complete.len() / 2]).unwrap();
     assert_eq!(workplace.rebond("replay cut.mcap").code, 4);
     workplace.done("recover cut.mcap -o fixed.mcap");
     assert!(workplace.done("replay fixed.mcap").output.starts_with("same: "));
     let fixed = workplace.read("fixed.mcap");
-    assert!(fixed.windows(6).any(|window| window == b"/scene"), "the index names the topic");
+    assert!(fixed.windows(6).any(|window| window == b"/scene"), "the index contains the topic");
 }

@@ -1,8 +1,9 @@
-"""Runs a job in pymunk, as src/drive.rs does; it says what each part is for.
+"""Runs a job in pymunk, in the same way as src/drive.rs, where the parts are documented.
 
-Moment infinite, friction 0, damping 1 (none), elasticity √e on each shape, since pymunk multiplies
-them. It has no restitution threshold, no speed cap and no continuous collision. Its collision_slop
-of 0.1 is meant for pixels: at 100 to the metre it is 0.001 m. All else as it comes: 10 iterations.
+Moment infinite, friction 0, damping 1 (none), elasticity √e on each shape, because pymunk multiplies
+them. It has no restitution threshold, no speed limit and no continuous collision detection. Its
+collision_slop of 0.1 is meant for pixels; at 100 pixels per metre it is 0.001 m. Everything else is the
+default: 10 iterations.
 """
 
 import json
@@ -39,12 +40,12 @@ class World:
     def step(self):
         self.space.step(self.seconds)
 
-    def state(self, place):
-        box, body = self.boxes[place], self.bodies[place]
+    def state(self, index):
+        box, body = self.boxes[index], self.bodies[index]
         return (body.position.x - box["width"] / 2, body.position.y - box["height"] / 2, *body.velocity)
 
 
-def look(job, answer):
+def run_sampled(job, answer):
     world = World(job)
     samples = array("d")
     start = time.process_time()
@@ -52,8 +53,8 @@ def look(job, answer):
         world.step()
         answer["steps"] = step
         if step % job["sample_every"] == 0:
-            for place in range(len(job["bodies"])):
-                samples.extend(world.state(place))
+            for index in range(len(job["bodies"])):
+                samples.extend(world.state(index))
             if time.process_time() - start > job["limit"]:
                 break
     if sys.byteorder == "big":
@@ -62,18 +63,18 @@ def look(job, answer):
         samples.tofile(file)
 
 
-def timed(job, whole, batch):
+def time_phases(job, steps, batch):
     seconds = [0.0] * len(job["phases"])
     for _ in range(batch):
         step = World(job).step
-        steps = whole
-        for place, phase in enumerate(job["phases"]):
-            part = min(steps, phase)
-            steps -= part
+        remaining = steps
+        for index, phase in enumerate(job["phases"]):
+            count = min(remaining, phase)
+            remaining -= count
             start = time.process_time()
-            for _ in range(part):
+            for _ in range(count):
                 step()
-            seconds[place] += (time.process_time() - start) / batch
+            seconds[index] += (time.process_time() - start) / batch
     return seconds
 
 
@@ -81,10 +82,10 @@ def main():
     job = json.load(sys.stdin)
     version = f"{pymunk.version} (Chipmunk {pymunk.chipmunk_version.split('-')[0]})"
     answer = {"version": version, "refused": None, "steps": 0, "seconds": [], "collisions": None}
-    look(job, answer)
+    run_sampled(job, answer)
     total, batch = 0.0, 1
     while True:
-        seconds = timed(job, answer["steps"], batch)
+        seconds = time_phases(job, answer["steps"], batch)
         spent = sum(seconds)
         if batch == 1 and spent < 0.01:
             batch = min(max(math.ceil(0.02 / spent), 2), 200)

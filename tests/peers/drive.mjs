@@ -1,4 +1,4 @@
-// Runs a job in an engine that JavaScript can call, as src/drive.rs does; it says what each part is for.
+// Runs a job in a JavaScript engine, in the same way as src/drive.rs, where the parts are documented.
 import { readFileSync, writeFileSync } from "node:fs";
 
 const cpuSeconds = () => {
@@ -6,16 +6,16 @@ const cpuSeconds = () => {
   return (user + system) * 1e-6;
 };
 
-// `build` makes a world with step() and state(body); `version` is the engine's.
+// `build` creates a world with step() and state(body); `version` is that of the engine.
 export function drive(version, build) {
   const job = JSON.parse(readFileSync(0, "utf8"));
   const answer = { version, refused: null, steps: 0, seconds: [], collisions: null };
-  look(job, build, answer);
+  runSampled(job, build, answer);
   let total = 0;
   let batch = 1;
   for (;;) {
-    const seconds = time(job, build, answer.steps, batch);
-    const pass = seconds.reduce((sum, part) => sum + part);
+    const seconds = timePhases(job, build, answer.steps, batch);
+    const pass = seconds.reduce((sum, phase) => sum + phase);
     if (batch === 1 && pass < 0.01) {
       batch = Math.min(Math.max(Math.ceil(0.02 / pass), 2), 200);
       continue;
@@ -27,9 +27,9 @@ export function drive(version, build) {
   process.stdout.write(JSON.stringify(answer) + "\n");
 }
 
-function look(job, build, answer) {
+function runSampled(job, build, answer) {
   const world = build(job);
-  const steps = job.phases.reduce((sum, part) => sum + part);
+  const steps = job.phases.reduce((sum, phase) => sum + phase);
   const samples = [];
   const start = cpuSeconds();
   for (let step = 1; step <= steps; step++) {
@@ -40,21 +40,21 @@ function look(job, build, answer) {
     if (cpuSeconds() - start > job.limit) break;
   }
   const bytes = new DataView(new ArrayBuffer(8 * samples.length));
-  samples.forEach((number, place) => bytes.setFloat64(8 * place, number, true));
+  samples.forEach((number, index) => bytes.setFloat64(8 * index, number, true));
   writeFileSync(job.samples, bytes);
 }
 
-function time(job, build, whole, batch) {
+function timePhases(job, build, steps, batch) {
   const seconds = job.phases.map(() => 0);
-  for (let turn = 0; turn < batch; turn++) {
+  for (let repetition = 0; repetition < batch; repetition++) {
     const world = build(job);
-    let steps = whole;
-    job.phases.forEach((phase, place) => {
-      const part = Math.min(steps, phase);
-      steps -= part;
+    let remaining = steps;
+    job.phases.forEach((phase, index) => {
+      const count = Math.min(remaining, phase);
+      remaining -= count;
       const start = cpuSeconds();
-      for (let step = 0; step < part; step++) world.step();
-      seconds[place] += (cpuSeconds() - start) / batch;
+      for (let step = 0; step < count; step++) world.step();
+      seconds[index] += (cpuSeconds() - start) / batch;
     });
   }
   return seconds;

@@ -1,7 +1,7 @@
-// matter-js, at its own scale of 100 units to the metre. Inertia infinite, friction and air friction 0,
-// restitution e on both bodies (the larger counts), _restingThresh 0 where e > 0 (at e = 0 it decides
-// only how resting contacts are solved, and 0 makes stacks worse). It has no continuous collision and
-// no speed cap. All else as it comes: 6 position and 4 velocity iterations, a slop of 0.05 units.
+// matter-js, at its usual scale of 100 units per metre. Inertia infinite, friction and air friction 0,
+// restitution e on both bodies (the larger counts), _restingThresh 0 if e > 0 (at e = 0 it only affects how
+// resting contacts are solved, and 0 makes stacks worse). It has no continuous collision detection and no
+// speed limit. Everything else is the default: 6 position and 4 velocity iterations, a slop of 0.05 units.
 import { readFileSync } from "node:fs";
 import Matter from "matter-js";
 import { drive } from "./drive.mjs";
@@ -28,7 +28,7 @@ drive(version, (job) => {
     if (mass !== null) {
       Body.setMass(body, mass);
       Body.setInertia(body, Infinity);
-      // Velocities are per sixtieth of a second, whatever the rate.
+      // Velocities are per 1/60 s at every rate.
       Body.setVelocity(body, { x: (vx * UNITS) / 60, y: (vy * UNITS) / 60 });
     }
     Composite.add(engine.world, body);

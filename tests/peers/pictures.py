@@ -1,11 +1,11 @@
-"""Times rebond beside matplotlib and Pillow on the same clip in one run: 50 boxes, 150 frames, 1280x720.
+"""Compares the drawing speed of rebond, matplotlib and Pillow: 50 boxes, 150 frames, 1280x720.
 
     python3 -m venv /tmp/peers && /tmp/peers/bin/pip install -r tests/peers/pictures-requirements.txt
     cargo build --release
     /tmp/peers/bin/python tests/peers/pictures.py target/release/rebond
 
-CPU time of one thread per frame (user and system, start-up included), and how many times rebond's.
-Matplotlib is used as its documentation advises for speed: one figure, whose artists are moved.
+Prints the CPU time of one thread per frame (user and system, including start-up) and its ratio to that of
+rebond. Matplotlib is used as its documentation recommends for speed: one figure whose artists are moved.
 """
 
 import csv
@@ -52,8 +52,8 @@ def cpu_seconds(who):
     return usage.ru_utime + usage.ru_stime
 
 
-def timed(work, runs=1):
-    """CPU seconds per frame of the best of some runs; what children use counts, too."""
+def measure(work, runs=1):
+    """CPU seconds per frame of the fastest run, including child processes."""
     best = float("inf")
     for _ in range(runs):
         before = cpu_seconds(resource.RUSAGE_SELF) + cpu_seconds(resource.RUSAGE_CHILDREN)
@@ -64,7 +64,7 @@ def timed(work, runs=1):
 
 
 def read_frames(table):
-    """Names with their x and y, for each step."""
+    """For each step, the position of each body by name."""
     frames = [{} for _ in range(FRAMES)]
     with open(table, newline="") as rows:
         for row in csv.DictReader(rows):
@@ -72,7 +72,7 @@ def read_frames(table):
     return frames
 
 
-def rebond_draws(program, folder, show):
+def rebond_tasks(program, folder, show):
     def png():
         run(program, "render", folder / "run.mcap", "-o", folder / "frames", "--show", show, "--force", "--jobs", "1")
 
@@ -86,19 +86,19 @@ def run(program, *arguments):
     subprocess.run([program, *map(str, arguments)], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
 
-def matplotlib_draws(frames, sizes, folder, lecture):
+def matplotlib_tasks(frames, sizes, folder, annotated):
     figure = pyplot.figure(figsize=(WIDTH / 100, HEIGHT / 100), dpi=100)
     axes = figure.add_axes([0, 0, 1, 1])
     axes.set_xlim(0, 16)
     axes.set_ylim(9, 0)
-    if lecture:
+    if annotated:
         axes.grid(True)
     else:
         axes.set_axis_off()
     boxes, names, arrows = {}, {}, {}
     for number, (name, (width, height)) in enumerate(sizes.items()):
         boxes[name] = axes.add_patch(Rectangle((0, 0), width, height, facecolor=COLORS[number % 7], edgecolor="black"))
-        if lecture:
+        if annotated:
             names[name] = axes.text(0, 0, name, ha="center", va="center")
             arrows[name] = axes.annotate("", (0, 0), (0, 0), arrowprops={"arrowstyle": "->"})
     clock = axes.text(0.3, 8.7, "")
@@ -106,12 +106,12 @@ def matplotlib_draws(frames, sizes, folder, lecture):
     def show(step):
         for name, (x, y) in frames[step].items():
             boxes[name].set_xy((x, y))
-            if lecture:
+            if annotated:
                 middle = (x + sizes[name][0] / 2, y + sizes[name][1] / 2)
                 names[name].set_position(middle)
                 arrows[name].set_position(middle)
                 arrows[name].xy = (middle[0] + 0.5, middle[1] + 0.3)
-        if lecture:
+        if annotated:
             clock.set_text(f"t = {step / RATE:.2f} s")
         return list(boxes.values())
 
@@ -127,7 +127,7 @@ def matplotlib_draws(frames, sizes, folder, lecture):
     return png, gif
 
 
-def pillow_draws(frames, sizes, folder):
+def pillow_tasks(frames, sizes, folder):
     def picture(step):
         image = Image.new("RGB", (WIDTH, HEIGHT), "white")
         draw = ImageDraw.Draw(image)
@@ -159,17 +159,17 @@ def main():
         frames = read_frames(folder / "run.csv")
         sizes = {name: (0.4 + 0.6 * (number % 7) / 6,) * 2 for number, name in enumerate(frames[0])}
         clips = [
-            ("plain", "none", matplotlib_draws(frames, sizes, folder, False), pillow_draws(frames, sizes, folder)),
-            ("lecture", "velocity,name,grid,clock", matplotlib_draws(frames, sizes, folder, True), None),
+            ("plain", "none", matplotlib_tasks(frames, sizes, folder, False), pillow_tasks(frames, sizes, folder)),
+            ("annotated", "velocity,name,grid,clock", matplotlib_tasks(frames, sizes, folder, True), None),
         ]
         print(f"{'clip':10}{'':6}{'rebond ms':>10}{'matplotlib ms':>15}{'ratio':>7}{'Pillow ms':>11}{'ratio':>7}{'bytes':>12}")
-        for clip, show, peer, pillow in clips:
-            ours = rebond_draws(program, folder, show)
-            for kind, mine, theirs, simple in zip(("PNG", "GIF"), ours, peer, pillow or (None, None)):
-                line(folder, clip, kind, timed(mine, 3) * 1e3, timed(theirs) * 1e3, simple and timed(simple) * 1e3)
+        for clip, show, matplotlib_clip, pillow in clips:
+            tasks = rebond_tasks(program, folder, show)
+            for kind, ours, peer, simple in zip(("PNG", "GIF"), tasks, matplotlib_clip, pillow or (None, None)):
+                print_line(folder, clip, kind, measure(ours, 3) * 1e3, measure(peer) * 1e3, simple and measure(simple) * 1e3)
 
 
-def line(folder, clip, kind, ours, theirs, simple):
+def print_line(folder, clip, kind, ours, theirs, simple):
     pillow = f"{simple:11.2f}{simple / ours:7.1f}" if simple else " " * 18
     files = [folder / "run.gif"] if kind == "GIF" else list((folder / "frames").glob("*.png"))
     size = sum(file.stat().st_size for file in files)

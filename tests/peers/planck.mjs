@@ -1,8 +1,8 @@
-// planck, the JavaScript Box2D v2. Rotation fixed, which takes the inertia away, too; friction and
-// damping 0, restitution e on both fixtures (the larger counts), maxTranslation lifted, velocityThreshold 0
-// but where 0 < e < 1: there its 1 m/s lets piles come to rest, which they do not without. Every
-// polygon wears a skin of twice linearSlop, 1 cm: it is counted into the size of the boxes, except
-// of those thinner than it. All else as it comes: 8 velocity and 3 position iterations.
+// planck, a port of Box2D v2 to JavaScript. Rotation fixed, which also removes the inertia; friction and
+// damping 0, restitution e on both fixtures (the larger counts), no maxTranslation, velocityThreshold 0
+// except if 0 < e < 1, where piles come to rest only with its default of 1 m/s. Every polygon has a skin
+// of twice linearSlop, 1 cm, which is subtracted from the size of the boxes unless they are thinner.
+// Everything else is the default: 8 velocity and 3 position iterations.
 import { readFileSync } from "node:fs";
 import { Box, Settings, World } from "planck";
 import { drive } from "./drive.mjs";
@@ -10,7 +10,7 @@ import { drive } from "./drive.mjs";
 Settings.maxTranslation = 1e9;
 const { version } = JSON.parse(readFileSync(new URL("node_modules/planck/package.json", import.meta.url)));
 
-const inside = (half) => (half > 2 * Settings.polygonRadius ? half - Settings.polygonRadius : half);
+const withoutSkin = (half) => (half > 2 * Settings.polygonRadius ? half - Settings.polygonRadius : half);
 
 drive(version, (job) => {
   Settings.velocityThreshold = job.restitution > 0 && job.restitution < 1 ? 1 : 0;
@@ -27,7 +27,7 @@ drive(version, (job) => {
       bullet,
       allowSleep: job.sleep,
     });
-    const shape = new Box(inside(width / 2), inside(height / 2));
+    const shape = new Box(withoutSkin(width / 2), withoutSkin(height / 2));
     body.createFixture({ shape, density: 1, friction: 0, restitution: job.restitution });
     if (mass !== null) body.setMassData({ mass, center: { x: 0, y: 0 }, I: 0 });
     return body;

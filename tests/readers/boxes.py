@@ -1,8 +1,9 @@
-"""Reads what `--viewer` adds to a recording as Foxglove does, and compares it with the states.
+"""Reads the scene updates that `--viewer` adds to a recording, as Foxglove does, and compares them with
+the states.
 
     python boxes.py RECORDING.mcap TABLE.csv PICTURE.png STEP
 
-TABLE.csv is what `rebond export` wrote, PICTURE.png what `rebond render --at STEP` drew.
+TABLE.csv is the output of `rebond export`, PICTURE.png that of `rebond render --at STEP`.
 """
 
 import csv
@@ -17,8 +18,8 @@ from mcap_ros2.decoder import DecoderFactory as Ros2Factory
 ALL = 1
 
 
-def decoded(path):
-    """Sizes of all bodies by name, and the message of each step."""
+def read_updates(path):
+    """Returns the sizes of all bodies by name, and the scene update of each step."""
     sizes, updates = {}, {}
     with open(path, "rb") as file:
         reader = make_reader(file, decoder_factories=[ProtobufFactory(), Ros2Factory()])
@@ -27,7 +28,7 @@ def decoded(path):
                 sizes |= {spawn.name: (spawn.width, spawn.height) for spawn in content.spawn}
             elif channel.topic == "/states":
                 step = content.step
-                assert times == (message.log_time, message.publish_time), f"step {step} has no boxes"
+                assert times == (message.log_time, message.publish_time), f"step {step} has no scene update"
                 updates[step] = update
             else:
                 assert (schema.name, schema.encoding) == ("foxglove.SceneUpdate", "protobuf")
@@ -36,8 +37,8 @@ def decoded(path):
     return sizes, updates
 
 
-def exported(path):
-    """Names and corners of the bodies alive at each step."""
+def read_table(path):
+    """Returns the names and corners of the living bodies at each step."""
     alive = defaultdict(list)
     with open(path, newline="") as file:
         for row in csv.DictReader(file):
@@ -46,42 +47,42 @@ def exported(path):
 
 
 def check(update, bodies, sizes):
-    """A viewer forgets all it showed and shows these bodies and no others."""
+    """Checks that an update deletes all earlier entities and adds exactly these bodies."""
     assert [deletion.type for deletion in update.deletions] == [ALL]
     (entity,) = update.entities
     assert len(entity.cubes) == len(bodies)
     for cube, (name, x, y) in zip(entity.cubes, bodies):
         width, height = sizes[name]
-        middle = cube.pose.position
-        assert (middle.x, middle.y) == (x + width / 2, -(y + height / 2)), name
+        center = cube.pose.position
+        assert (center.x, center.y) == (x + width / 2, -(y + height / 2)), name
         assert (cube.size.x, cube.size.y) == (width, height), name
-        assert cube.size.z > 0 and middle.z == cube.size.z / 2
+        assert cube.size.z > 0 and center.z == cube.size.z / 2
         assert cube.pose.orientation.w == 1 and cube.color.a == 1
 
 
 def rgb(cube):
-    return tuple(round(part * 255) for part in (cube.color.r, cube.color.g, cube.color.b))
+    return tuple(round(channel * 255) for channel in (cube.color.r, cube.color.g, cube.color.b))
 
 
-def colors(path):
-    """The colours of a picture."""
+def read_colors(path):
+    """Returns the colours of a picture."""
     _, _, rows, info = png.Reader(path).asRGB8()
-    return {tuple(row[at : at + 3]) for row in rows for at in range(0, len(row), 3)}
+    return {tuple(row[i : i + 3]) for row in rows for i in range(0, len(row), 3)}
 
 
 def main(recording, table, picture, step):
-    sizes, updates = decoded(recording)
-    alive = exported(table)
+    sizes, updates = read_updates(recording)
+    alive = read_table(table)
     assert updates.keys() == alive.keys()
-    for each, update in updates.items():
-        check(update, alive[each], sizes)
-    shown = colors(picture)
-    ever = {rgb(cube) for update in updates.values() for cube in update.entities[0].cubes}
-    now = {rgb(cube) for cube in updates[int(step)].entities[0].cubes}
-    assert len(now) > 3 and ever - now, "a box goes before that step"
-    assert now <= shown, f"not in the picture: {now - shown}"
-    assert not (ever - now) & shown, "the picture shows what has gone"
-    print(f"{recording}: {len(updates)} steps of boxes agree with states and picture")
+    for at, update in updates.items():
+        check(update, alive[at], sizes)
+    drawn = read_colors(picture)
+    all_colors = {rgb(cube) for update in updates.values() for cube in update.entities[0].cubes}
+    current = {rgb(cube) for cube in updates[int(step)].entities[0].cubes}
+    assert len(current) > 3 and all_colors - current, "no box was deleted before the step"
+    assert current <= drawn, f"not in the picture: {current - drawn}"
+    assert not (all_colors - current) & drawn, "the picture shows a deleted box"
+    print(f"{recording}: the scene updates of {len(updates)} steps agree with the states and the picture")
 
 
 if __name__ == "__main__":

@@ -1,9 +1,9 @@
-// Reads recordings with the packages @mcap/core and @foxglove/rosmsg2-serialization and nothing
-// of rebond's.
+// Reads recordings with the packages @mcap/core and @foxglove/rosmsg2-serialization, without any
+// code of rebond.
 //
 //     node states.mjs RECORDING.mcap TABLE.jsonl
 //
-// compares every number of the recording with TABLE.jsonl as `rebond export` wrote it, to the bit.
+// compares every value of the recording bit for bit with TABLE.jsonl, the output of `rebond export`.
 
 import assert from "node:assert/strict";
 import { open, readFile } from "node:fs/promises";
@@ -25,7 +25,7 @@ class File {
   }
 }
 
-/** Topic and decoded message of all events and states, in order. */
+/** Yields topic and decoded message of all events and states, in order. */
 async function* messages(reader) {
   const decoders = new Map();
   for await (const { channelId, data } of reader.readMessages({ topics: ["/events", "/states"] })) {
@@ -38,7 +38,7 @@ async function* messages(reader) {
   }
 }
 
-/** One object for each body alive at each state recorded in full. */
+/** Yields one object for each living body in each full state. */
 async function* rows(path) {
   const readable = new File(await open(path));
   const decompressHandlers = { zstd: (bytes, size) => decompress(bytes, new Uint8Array(Number(size))) };
@@ -50,11 +50,11 @@ async function* rows(path) {
       message.spawn.forEach((spawn) => alive.set(spawn.id, spawn));
       message.delete.forEach((id) => assert(alive.delete(id)));
     } else if (message.step % every === 0n) {
-      const place = new Map(Array.from(message.id, (id, index) => [id, index]));
+      const indices = new Map(Array.from(message.id, (id, index) => [id, index]));
       for (const [id, spawn] of alive) {
-        const index = place.get(id);
-        const number = (field) => (index === undefined ? spawn[field] : message[field][index]);
-        const [x, y, vx, vy] = ["x", "y", "vx", "vy"].map(number);
+        const index = indices.get(id);
+        const value = (field) => (index === undefined ? spawn[field] : message[field][index]);
+        const [x, y, vx, vy] = ["x", "y", "vx", "vy"].map(value);
         yield { step: Number(message.step), time: Number(message.step) / rate, name: spawn.name, x, y, vx, vy };
       }
     }
@@ -71,13 +71,13 @@ async function settings(reader) {
 }
 
 const [recording, table] = process.argv.slice(2);
-const theirs = (await readFile(table, "utf8")).trimEnd().split("\n").map((line) => JSON.parse(line));
+const exported = (await readFile(table, "utf8")).trimEnd().split("\n").map((line) => JSON.parse(line));
 let count = 0;
 for await (const row of rows(recording)) {
-  // Object.is, which this compares with, tells -0 from 0.
-  assert.deepStrictEqual(row, theirs[count], `row ${count}`);
+  // deepStrictEqual compares with Object.is, which distinguishes -0 from 0.
+  assert.deepStrictEqual(row, exported[count], `row ${count}`);
   count += 1;
 }
 assert(count > 0);
-assert.equal(count, theirs.length);
+assert.equal(count, exported.length);
 console.log(`${recording}: ${count} rows agree`);

@@ -1,8 +1,8 @@
-"""Reads recordings with the packages mcap and mcap-ros2-support and nothing of rebond's.
+"""Reads recordings with the packages mcap and mcap-ros2-support, without any code of rebond.
 
     python states.py RECORDING.mcap TABLE.csv
 
-compares every number of the recording with TABLE.csv as `rebond export` wrote it, to the bit.
+compares every value of the recording bit for bit with TABLE.csv, the output of `rebond export`.
 """
 
 import csv
@@ -14,7 +14,7 @@ from mcap_ros2.decoder import DecoderFactory
 
 
 def rows(path):
-    """Step, time, name, x, y, vx, vy of each body alive at each state recorded in full."""
+    """Yields step, time, name, x, y, vx, vy of each living body in each full state."""
     with open(path, "rb") as file:
         reader = make_reader(file, decoder_factories=[DecoderFactory()])
         settings = next(record.metadata for record in reader.iter_metadata() if record.name == "rebond")
@@ -35,24 +35,24 @@ def rows(path):
 
 
 def bits(number):
-    """What distinguishes two numbers that `==` does not, such as 0.0 and -0.0."""
+    """Returns the bits of a number, which distinguish 0.0 and -0.0."""
     return struct.pack("<d", float(number)).hex()
 
 
-def exact(row):
+def to_bits(row):
     step, time, name, *numbers = row
     return int(step), bits(time), name, [bits(number) for number in numbers]
 
 
 def main(recording, table):
     with open(table, newline="") as file:
-        heading, *theirs = csv.reader(file)
+        heading, *exported = csv.reader(file)
     assert heading == "step,time,name,x,y,vx,vy".split(",")
-    ours = list(rows(recording))
-    assert ours and len(ours) == len(theirs), f"{len(ours)} rows are recorded, {len(theirs)} exported"
-    for row, exported in zip(ours, theirs):
-        assert exact(row) == exact(exported), f"recorded {row}, exported {exported}"
-    print(f"{recording}: {len(ours)} rows agree")
+    recorded = list(rows(recording))
+    assert recorded and len(recorded) == len(exported), f"{len(recorded)} rows are recorded, {len(exported)} exported"
+    for row, exported_row in zip(recorded, exported):
+        assert to_bits(row) == to_bits(exported_row), f"recorded {row}, exported {exported_row}"
+    print(f"{recording}: {len(recorded)} rows agree")
 
 
 if __name__ == "__main__":

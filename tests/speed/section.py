@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes the measured part of the README's section "Speed against error" from snapshots/report.
+"""Writes the tables of both solvers into the guide's chapter on accuracy and speed.
 
     python3 tests/speed/section.py snapshots/report "$(rustc --version)"
 """
@@ -11,15 +11,16 @@ import re
 import sys
 from pathlib import Path
 
+CHAPTER = Path("src/guide/accuracy-and-speed.md")
 BEGIN, END = "<!-- speed against error -->", "<!-- end of speed against error -->"
 
 
-def rows(folder, name):
+def read_rows(folder, name):
     return json.loads((Path(folder) / f"{name}.json").read_text())
 
 
-def power(value):
-    """1.2e-15 as people write it, and plain numbers plain."""
+def format_number(value):
+    """Two significant digits; very small and very large values with a power of ten."""
     if value == 0:
         return "0"
     if 0.01 <= value < 1000:
@@ -28,83 +29,89 @@ def power(value):
     return f"{digits}·10<sup>{int(exponent)}</sup>"
 
 
-def error(row):
+def format_error(row):
     if row["collisions"] is None:
-        return "left out"
+        return "not run"
     if row["position_error"] is not None:
-        return power(row["position_error"]) + " m"
+        return format_number(row["position_error"]) + " m"
     if row["worst_overlap"]:
-        return "overlap " + power(row["worst_overlap"]) + " m"
+        return "overlap " + format_number(row["worst_overlap"]) + " m"
     if row["energy_drift"] is not None:
-        return "energy " + power(row["energy_drift"])
-    return "ends" if (row["remark"] or "").startswith("ends") else "0"
+        return "energy " + format_number(row["energy_drift"])
+    return "ends in an error" if (row["remark"] or "").startswith("ends") else "0"
 
 
-def counted(row):
+def format_collisions(row):
     if row["collisions"] is None:
         return ""
-    true = row["true_collisions"]
-    return f"{row['collisions']:,}" + (f" of {true:,}" if true not in (None, row["collisions"]) else "")
+    correct = row["true_collisions"]
+    return f"{row['collisions']:,}" + (f" of {correct:,}" if correct not in (None, row["collisions"]) else "")
 
 
-def cost(row):
+def format_cost(row):
     value = row["ns_per_body_step"]
     return "" if value is None else f"{value:.3g}" if value < 1000 else f"{value:,.0f}"
 
 
-def cells(found):
-    """Error, collisions and cost of a run."""
-    return [error(found), counted(found), cost(found)]
+def cells(row):
+    return [format_error(row), format_collisions(row), format_cost(row)]
 
 
-def table(measured):
+def error_table(rows):
+    """One line per scene at about 60 Hz, and a second one at the highest rate."""
     scenes = {}
-    for row in measured:
+    for row in rows:
         scenes.setdefault(row["scene"], {}).setdefault(row["solver"], []).append(row)
     lines = ["| scene | rate, Hz | event-driven: error | collisions | ns | handout: error | collisions | ns |",
              "|---|--:|--:|--:|--:|--:|--:|--:|"]
     for scene, solvers in scenes.items():
-        exact, printed = solvers["event-driven"], solvers["handout"]
-        usual = min(range(len(exact)), key=lambda place: abs(exact[place]["rate"] - 60))
-        for place in sorted({usual, len(exact) - 1}):
-            name = scene if place == usual else ""
-            figures = cells(exact[place]) + cells(printed[place])
-            lines.append(f"| {name} | {exact[place]['rate']:g} | " + " | ".join(figures) + " |")
+        event_driven, handout = solvers["event-driven"], solvers["handout"]
+        usual = min(range(len(event_driven)), key=lambda index: abs(event_driven[index]["rate"] - 60))
+        for index in sorted({usual, len(event_driven) - 1}):
+            name = scene if index == usual else ""
+            values = cells(event_driven[index]) + cells(handout[index])
+            lines.append(f"| {name} | {event_driven[index]['rate']:g} | " + " | ".join(values) + " |")
     return lines
 
 
-def growth(measured):
-    lines = ["| bodies | event-driven: ns for each body and step | bytes for each body | collisions in a second | handout: ns |",
+def growth_table(rows):
+    lines = ["| bodies | event-driven: ns per body and step | bytes per body | collisions per second | handout: ns |",
              "|--:|--:|--:|--:|--:|"]
-    gases = [row for row in measured if row["family"] == "bodies"]
-    printed = {row["bodies"]: row for row in gases if row["solver"] == "handout"}
+    gases = [row for row in rows if row["family"] == "bodies"]
+    handout = {row["bodies"]: row for row in gases if row["solver"] == "handout"}
     for row in gases:
         if row["solver"] == "event-driven":
             memory = f"{row['peak_bytes'] / row['bodies']:,.0f}" if (row["peak_bytes"] or 0) > 100_000 else ""
-            lines.append(f"| {row['bodies']:,} | {cost(row)} | {memory} | {row['events_per_second']:,.0f} "
-                         f"| {cost(printed[row['bodies']])} |")
+            lines.append(f"| {row['bodies']:,} | {format_cost(row)} | {memory} | {row['events_per_second']:,.0f} "
+                         f"| {format_cost(handout[row['bodies']])} |")
     return lines
 
 
 def machine():
-    """The processor, as Linux tells it."""
+    """The processor according to Linux."""
     text = Path("/proc/cpuinfo").read_text() if os.path.exists("/proc/cpuinfo") else ""
     model = re.search(r"model name\s*: (.*)", text)
-    return f"{model[1] if model else 'a processor of unknown name'}, {os.cpu_count()} of its cores"
+    return f"{os.cpu_count()} cores of an {model[1] if model else 'unknown processor'}"
+
+
+def replace_section(text, lines):
+    head, rest = text.split(BEGIN)
+    tail = rest.split(END)[1]
+    return head + BEGIN + "\n" + "\n".join(lines) + "\n" + END + tail
 
 
 def main(folder, compiler):
     lines = [
-        f"Measured on {datetime.date.today()} on {machine()}, {compiler}, release build, by `tests/speed/run`:", "",
-        *table(rows(folder, "errors")), "",
-        "![Error against cost, family by family](snapshots/report/errors.svg)", "",
-        *growth(rows(folder, "growth")), "",
-        "![How costs grow](snapshots/report/growth.svg)",
+        f"Measured on {datetime.date.today()} on {machine()}, {compiler}, release build, by `tests/speed/run`. "
+        "`ns` is the processor time per body and step:", "",
+        *error_table(read_rows(folder, "errors")), "",
+        "The diagram `snapshots/report/errors.svg` shows error against cost for each family of scenes.", "",
+        "Growth of the cost of a gas with the number of bodies, which `snapshots/report/growth.svg` shows with the growth "
+        "with the number of steps:", "",
+        *growth_table(read_rows(folder, "growth")),
     ]
-    readme = Path("README.md")
-    head, rest = readme.read_text().split(BEGIN)
-    tail = rest.split(END)[1]
-    readme.write_text(head + BEGIN + "\n" + "\n".join(lines) + "\n" + END + tail)
+    CHAPTER.write_text(replace_section(CHAPTER.read_text(), lines))
 
 
-main(*sys.argv[1:])
+if __name__ == "__main__":
+    main(*sys.argv[1:])

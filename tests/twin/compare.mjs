@@ -1,5 +1,5 @@
-// Random scenes through `rebond record` and `rebond export` and through the JavaScript twin,
-// every number of every step compared to the bit.
+// Runs random scenes with `rebond record` and `rebond export` and with the JavaScript twin, and compares every
+// number of every step bit for bit.
 //
 //   node tests/twin/compare.mjs [path of rebond] [number of scenes]
 
@@ -13,7 +13,7 @@ const rebond = process.argv[2] ?? "target/release/rebond";
 const scenes = Number(process.argv[3] ?? 60);
 const folder = mkdtempSync(join(tmpdir(), "rebond-twin-"));
 
-/** A small generator with a fixed seed, so that a failure can be seen again. */
+/** A linear congruential generator with a fixed seed, so that failures are reproducible. */
 function generator(seed) {
   let state = seed >>> 0;
   return () => {
@@ -30,7 +30,7 @@ const kinds = {
   touching: (random) => ({ count: 14, gravity: random() < 0.5 ? [0, 9.81] : null, e: 0.5, speed: 1, grid: true }),
 };
 
-/** A scene as plain values: what both sides are given. */
+/** A random scene as plain values, the input of both programs. */
 function scene(kind, random) {
   const { count, gravity, e, speed, grid } = kinds[kind](random);
   const between = (low, high) => low + (high - low) * random();
@@ -73,15 +73,15 @@ function toml({ size, walls, gravity, e, rate, steps, spawns, deletes }) {
   return lines.join("\n") + "\n";
 }
 
-/** The rows that `rebond export` should give, computed by the twin. */
-function* twin({ size, walls: walled, gravity, e, rate, steps, spawns, deletes }) {
+/** The expected rows of `rebond export`, computed by the twin. */
+function* twin({ size, walls: hasWalls, gravity, e, rate, steps, spawns, deletes }) {
   const pairs = { "steel/steel": 0.95, "wood/wood": 0.5, "steel/wood": 0.7 };
   const restitution = (a, b) => pairs[[a, b].sort().join("/")] ?? e;
   const engine = new Engine({ gravity, restitution });
-  if (walled) engine.bodies.push(...walls(size, "steel"));
+  if (hasWalls) engine.bodies.push(...walls(size, "steel"));
   for (let step = 0; step <= steps; step++) {
-    for (const gone of deletes.filter((event) => event.step === step)) {
-      engine.bodies.splice(engine.bodies.findIndex((body) => body.name === gone.name), 1);
+    for (const deleted of deletes.filter((event) => event.step === step)) {
+      engine.bodies.splice(engine.bodies.findIndex((body) => body.name === deleted.name), 1);
     }
     for (const spawn of spawns.filter((event) => event.step === step)) engine.bodies.push(new Body(spawn));
     for (const { name, origin, velocity } of engine.bodies) {
@@ -99,29 +99,28 @@ function* exported(recording) {
   }
 }
 
-let passed = 0, failed = 0, rows = 0;
+let passed = 0, failed = 0, compared = 0;
 for (let number = 0; number < scenes; number++) {
   const kind = Object.keys(kinds)[number % Object.keys(kinds).length];
   const values = scene(kind, generator(number + 1));
   const [file, recording] = [join(folder, `${number}.toml`), join(folder, `${number}.mcap`)];
   writeFileSync(file, toml(values));
   execFileSync(rebond, ["record", file, "-o", recording]);
-  const ours = exported(recording);
+  const rows = exported(recording);
   let difference = null;
-  for (const theirs of twin(values)) {
-    rows++;
-    const row = ours.next().value ?? [];
-    const place = theirs.findIndex((value, column) => !Object.is(value, row[column]));
-    if (place >= 0) {
-      difference = `twin ${theirs} rebond ${row}`;
+  for (const expected of twin(values)) {
+    compared++;
+    const row = rows.next().value ?? [];
+    if (expected.some((value, column) => !Object.is(value, row[column]))) {
+      difference = `twin ${expected}, rebond ${row}`;
       break;
     }
   }
-  if (!difference && !ours.next().done) difference = "rebond goes on after the twin has ended";
+  if (!difference && !rows.next().done) difference = "rebond exports more rows than the twin";
   if (difference) console.log(`scene ${number} (${kind}) differs: ${difference}\n${readFileSync(file, "utf8")}`);
   difference ? failed++ : passed++;
 }
 rmSync(folder, { recursive: true });
-console.log(`${rows} rows compared to the bit`);
+console.log(`${compared} rows compared bit for bit`);
 console.log(`${passed} passed, ${failed} failed`);
 process.exitCode = failed > 0 ? 1 : 0;

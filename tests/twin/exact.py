@@ -1,12 +1,11 @@
 #!/usr/bin/env python3
-"""Random scenes through the event-driven solver and through 60-digit arithmetic.
+"""Runs random scenes with the event-driven solver and with a reference simulation in 60-digit arithmetic.
 
     python3 tests/twin/exact.py [path of rebond] [number of scenes]
 
-The reference shares nothing with the solver: every pair of bodies is looked at, every meeting
-is a root of a quadratic in 60-digit decimals, and nothing is remembered but the bodies. Scenes
-without resting contact must agree to 1e-10 m or 4 ulps, whichever is larger, and in the number
-of collisions exactly.
+The reference shares no code with the solver: it tests every pair of bodies, computes each time of impact as a
+root of a quadratic in 60-digit decimals, and has no state except the bodies. In scenes without resting contacts,
+positions must agree to 1e-10 m or 4 ulps, whichever is larger, and the number of collisions exactly.
 """
 
 import csv
@@ -17,7 +16,7 @@ import random
 import subprocess
 import sys
 import tempfile
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from decimal import Decimal, getcontext
 from pathlib import Path
 
@@ -36,9 +35,6 @@ class Body:
     velocity: list
     acceleration: list
     since: Decimal = ZERO
-    number: int = 0
-    partner: int = -1
-    meets: tuple = field(default=None)
 
     def state(self, time, axis):
         t = time - self.since
@@ -63,8 +59,8 @@ def roots(a, b, c):
     return [q / a] + ([c / q] if q != 0 else [])
 
 
-def meeting(a, b, now):
-    """When the pair next touches on a face while approaching, and on which axis."""
+def next_impact(a, b, now):
+    """The time and axis of the next impact of faces of the pair, or None."""
     relative = []
     for axis in (0, 1):
         (xa, va), (xb, vb) = a.state(now, axis), b.state(now, axis)
@@ -77,9 +73,9 @@ def meeting(a, b, now):
         for face in (-b.size[axis], a.size[axis]):
             for t in roots(h, v, x - face):
                 closing = v + 2 * h * t
-                toward = closing < 0 if face > 0 else closing > 0
-                beside = y + w * t + k * t * t
-                if t > Decimal("-1e-45") and toward and -b.size[other] < beside < a.size[other]:
+                approaching = closing < 0 if face > 0 else closing > 0
+                offset = y + w * t + k * t * t
+                if t > Decimal("-1e-45") and approaching and -b.size[other] < offset < a.size[other]:
                     if best is None or t < best[0]:
                         best = (t, axis)
     return best and (now + max(best[0], ZERO), best[1])
@@ -101,7 +97,7 @@ def simulate(scene, times):
         for j in range(len(bodies)):
             if i != j and not (bodies[i].mass == INFINITE and bodies[j].mass == INFINITE):
                 pair = (min(i, j), max(i, j))
-                pairs[pair] = meeting(bodies[pair[0]], bodies[pair[1]], now)
+                pairs[pair] = next_impact(bodies[pair[0]], bodies[pair[1]], now)
 
     for i in range(len(bodies)):
         predict(i, ZERO)
@@ -123,7 +119,7 @@ def simulate(scene, times):
 
 
 def make(seed):
-    """A scene as TOML and as the reference sees it."""
+    """A random scene as TOML and as input of the reference."""
     draw = random.Random(seed)
     kind = ["gas", "masses", "gravity", "forces", "damped", "movers"][seed % 6]
     side, count = 12.0, 14
@@ -142,7 +138,7 @@ def make(seed):
             mass, velocity = math.inf, [0.125, -0.25]
         force = [draw.uniform(-4, 4), draw.uniform(-4, 4)] if kind == "forces" else [0.0, 0.0]
         spawns.append(dict(name=f"b{len(spawns)}", at=at, size=size, mass=mass, velocity=velocity, force=force))
-    # Bounces under gravity amplify any rounding tenfold in about 4 s: after a minute 1e-32 is 1e-16.
+    # Bounces under gravity amplify rounding errors tenfold in about 4 s: 1e-32 becomes 1e-16 in a minute.
     rate, steps = 60, {"movers": 300}.get(kind, 3600)
     lines = ["[world]", f"size = [{side}, {side}]", "walls = true"]
     lines += [f"gravity = {gravity}"] if gravity else []
@@ -174,21 +170,21 @@ def check(seed, folder):
     sampled = list(range(0, steps + 1, 30))
     states, collisions = simulate(scene, [Decimal(step) / rate for step in sampled])
     expected = {(step, body.name): state for step, row in zip(sampled, states) for body, state in zip(scene["bodies"], row)}
-    worst, fault = 0.0, None
+    worst, failure = 0.0, None
     for row in csv.DictReader(io.StringIO(run("export", recording))):
-        truth = expected.get((int(row["step"]), row["name"]))
-        for axis in (0, 1) if truth else ():
+        position = expected.get((int(row["step"]), row["name"]))
+        for axis in (0, 1) if position else ():
             found = float(row["xy"[axis]])
-            error = abs(float(Decimal(found) - truth[axis]))
+            error = abs(float(Decimal(found) - position[axis]))
             worst = max(worst, error)
-            if error > max(1e-10, 4 * math.ulp(found)) and not fault:
-                fault = f"{row['name']} is {error:.1e} m off at step {row['step']}"
+            if error > max(1e-10, 4 * math.ulp(found)) and not failure:
+                failure = f"{row['name']} has an error of {error:.1e} m at step {row['step']}"
     counted = json.loads(run("info", recording, "--json"))["collisions"]
     if counted != collisions:
-        fault = f"{fault or ''} {counted} collisions instead of {collisions}"
-    print(f"scene {seed} ({kind}): {collisions} collisions, worst error {worst:.1e} m{', WRONG: ' + fault if fault else ''}",
+        failure = f"{failure or ''} {counted} collisions instead of {collisions}"
+    print(f"scene {seed} ({kind}): {collisions} collisions, worst error {worst:.1e} m{', FAILED: ' + failure if failure else ''}",
           flush=True)
-    return fault is None
+    return failure is None
 
 
 with tempfile.TemporaryDirectory(prefix="rebond-exact-") as name:

@@ -1,5 +1,5 @@
-// The handout in JavaScript, as its students write it: the twin that the `handout` solver is
-// held against, bit for bit. The repairs R1 to R4 are the four the solver documents.
+// The handout's algorithm in JavaScript, the language of its course: the twin with which the `handout` solver is
+// compared bit for bit. R1 to R4 are the four corrections that the solver documents.
 
 export class Vector {
   constructor(x, y) { this.x = x; this.y = y; Object.freeze(this); }
@@ -51,8 +51,8 @@ export class Body extends Rect {
       [new Vector(0, s.origin.y + s.height), new Vector(0, 1)],
     ];
     let [n, normal] = faces[0]; // R1: the face's own normal
-    for (const [way, unit] of faces.slice(1)) {
-      if (way.norm() < n.norm()) [n, normal] = [way, unit];
+    for (const [candidate, unit] of faces.slice(1)) {
+      if (candidate.norm() < n.norm()) [n, normal] = [candidate, unit];
     }
     const speedC = c.velocity.norm(), speedB = b.velocity.norm();
     let nC = speedC / (speedC + speedB), nB = speedB / (speedC + speedB);

@@ -1,51 +1,51 @@
-//! A manifest is a list of commands: each line is one that draws a picture, as it would be typed in
-//! the manifest's folder.
+//! Manifests: lists of commands that draw pictures, one per line, with paths relative to the folder of the manifest.
 
-use crate::check::{CheckError, Drawing, Reference, plain};
+use crate::check::{CheckError, Recipe, ReferenceImage, normalize};
 use crate::cli::arguments::{Arguments, Command};
 use crate::cli::picture_arguments::{FigureCommandOptions, RenderOptions};
 use crate::cli::{figure, output, render};
-use crate::illustration::Wish;
+use crate::picture::{Format, PictureOptions};
 use clap::Parser;
 use std::path::{Path, PathBuf};
 
-/// What is read of a line: the file it draws, of what, and how.
+/// A parsed line.
 struct Line {
     output: PathBuf,
     sources: Vec<PathBuf>,
-    wish: Wish,
-    format: crate::illustration::Format,
+    options: PictureOptions,
+    format: Format,
 }
 
-/// The pictures that the manifest at `path` lists.
-pub fn read(path: &Path) -> Result<Vec<Reference>, CheckError> {
+/// Reads the pictures that the manifest at `path` lists.
+pub fn read(path: &Path) -> Result<Vec<ReferenceImage>, CheckError> {
     let text = std::fs::read_to_string(path).map_err(|source| CheckError::Unreadable { path: path.into(), source })?;
     let folder = path.parent().unwrap_or(Path::new(""));
     let reference = |(number, line): (usize, String)| match parse(&line) {
         Ok(None) => None,
         Ok(Some(line)) => {
-            let sources = line.sources.iter().map(|source| plain(&folder.join(source))).collect();
-            let drawing = Drawing::Wished { wish: Box::new(line.wish), sources, format: line.format };
-            Some(Reference { file: plain(&folder.join(line.output)), drawing })
+            let sources = line.sources.iter().map(|source| normalize(&folder.join(source))).collect();
+            let recipe = Recipe::Listed { options: Box::new(line.options), sources, format: line.format };
+            Some(ReferenceImage { file: normalize(&folder.join(line.output)), recipe })
         }
-        Err(why) => {
-            Some(Reference { file: path.into(), drawing: Drawing::Refused { why: format!("line {number}: {why}") } })
+        Err(reason) => {
+            let recipe = Recipe::Invalid { reason: format!("line {number}: {reason}") };
+            Some(ReferenceImage { file: path.into(), recipe })
         }
     };
     Ok(lines(&text).into_iter().filter_map(reference).collect())
 }
 
-/// The lines with their numbers from 1; one that ends in a backslash goes on in the next.
+/// The lines with their numbers, from 1. A line that ends in a backslash continues on the next one.
 fn lines(text: &str) -> Vec<(usize, String)> {
     let mut lines: Vec<(usize, String)> = Vec::new();
-    let mut goes_on = false;
-    for (place, line) in text.lines().enumerate() {
-        let begin = line.strip_suffix('\\');
+    let mut is_continued = false;
+    for (index, line) in text.lines().enumerate() {
+        let continued = line.strip_suffix('\\');
         match lines.last_mut() {
-            Some((_, before)) if goes_on => before.push_str(begin.unwrap_or(line)),
-            Some(_) | None => lines.push((place + 1, begin.unwrap_or(line).to_owned())),
+            Some((_, previous)) if is_continued => previous.push_str(continued.unwrap_or(line)),
+            Some(_) | None => lines.push((index + 1, continued.unwrap_or(line).to_owned())),
         }
-        goes_on = begin.is_some();
+        is_continued = continued.is_some();
     }
     lines
 }
@@ -59,32 +59,32 @@ fn parse(line: &str) -> Result<Option<Line>, String> {
     }
     let arguments = Arguments::try_parse_from(words).map_err(|error| first_paragraph(&error.to_string()))?;
     match &arguments.command {
-        Command::Render(options) => rendered(options).map(Some),
-        Command::Figure(options) => drawn(options).map(Some),
+        Command::Render(options) => render_line(options).map(Some),
+        Command::Figure(options) => figure_line(options).map(Some),
         _ => Err("only rebond render and rebond figure draw pictures".into()),
     }
 }
 
-fn rendered(options: &RenderOptions) -> Result<Line, String> {
-    let (wish, format) = render::picture_wish(options)
-        .map_err(|error| error.to_string())?
-        .ok_or("a reference is one picture or animation: OUT.gif, OUT.apng, or --at STEP and OUT.png, .svg or .pdf")?;
-    line(&options.output.output, vec![options.source.clone()], wish, format)
+fn render_line(options: &RenderOptions) -> Result<Line, String> {
+    let (picture_options, format) = render::single_file_options(options).map_err(|error| error.to_string())?.ok_or(
+        "expected a single picture or animation: OUT.gif, OUT.apng, or with --at STEP OUT.png, OUT.svg or OUT.pdf",
+    )?;
+    line(&options.output.output, vec![options.source.clone()], picture_options, format)
 }
 
-fn drawn(options: &FigureCommandOptions) -> Result<Line, String> {
+fn figure_line(options: &FigureCommandOptions) -> Result<Line, String> {
     let format = figure::format(&options.output.output).map_err(|error| error.to_string())?;
-    line(&options.output.output, options.sources.clone(), figure::wish(options), format)
+    line(&options.output.output, options.sources.clone(), figure::picture_options(options), format)
 }
 
-fn line(output: &Path, sources: Vec<PathBuf>, wish: Wish, format: crate::illustration::Format) -> Result<Line, String> {
+fn line(output: &Path, sources: Vec<PathBuf>, options: PictureOptions, format: Format) -> Result<Line, String> {
     if output::is_standard_output(output) {
-        return Err("a reference is a file: give it a name with -o".into());
+        return Err("expected a file name after -o, not standard output".into());
     }
-    Ok(Line { output: output.into(), sources, wish, format })
+    Ok(Line { output: output.into(), sources, options, format })
 }
 
-/// What the argument parser says first; the rest is how to ask for help.
+/// The first paragraph of an error of the argument parser. The rest explains how to get help.
 fn first_paragraph(text: &str) -> String {
     let paragraph = text.split("\n\n").next().unwrap_or(text);
     let lines: Vec<&str> = paragraph.lines().map(str::trim).collect();
@@ -96,33 +96,33 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lines_are_commands_and_comments() {
-        let text = "# all of it\n\nrebond figure strobe \\\n  'a b.mcap' -o out/strobe.svg --theme dark # why\n";
+    fn a_manifest_has_commands_comments_and_continued_lines() {
+        let text = "# all figures\n\nrebond figure strobe \\\n  'a b.mcap' -o out/strobe.svg --theme dark # comment\n";
         let found: Vec<_> = lines(text).into_iter().map(|(number, line)| (number, parse(&line).unwrap())).collect();
         let [(1, None), (2, None), (3, Some(line))] = &found[..] else { panic!("{} lines", found.len()) };
         assert_eq!(
             (line.output.as_path(), line.sources.as_slice()),
             (Path::new("out/strobe.svg"), &["a b.mcap".into()][..])
         );
-        assert_eq!(line.wish.theme, Some(crate::scene::Theme::Dark));
+        assert_eq!(line.options.theme, Some(crate::scene::Theme::Dark));
     }
 
     #[test]
-    fn what_draws_no_reference_is_refused_in_one_line() {
-        for (line, reason) in [
+    fn a_line_that_draws_no_single_picture_is_an_error_of_one_line() {
+        for (line, expected) in [
             ("rebond figure strobe a.mcap -o 'b.svg", "not closed"),
             ("convert a.png b.png", "begins with rebond"),
             ("rebond replay a.mcap", "only rebond render"),
-            ("rebond render a.mcap -o frames/", "one picture or animation"),
-            ("rebond render a.mcap -o a.mp4", "one picture or animation"),
+            ("rebond render a.mcap -o frames/", "single picture or animation"),
+            ("rebond render a.mcap -o a.mp4", "single picture or animation"),
             ("rebond render a.mcap -o a.png", "--at STEP"),
-            ("rebond figure strobe a.mcap -o -", "is a file"),
-            ("rebond figure strobe a.mcap -o a.gif", "a figure is"),
+            ("rebond figure strobe a.mcap -o -", "not standard output"),
+            ("rebond figure strobe a.mcap -o a.gif", "expected F.png"),
             ("rebond figure strobe a.mcap -o a.svg --themes dark", "unexpected argument '--themes'"),
             ("rebond figure strobe", "required"),
         ] {
-            let why = parse(line).err().unwrap_or_else(|| panic!("{line}: no error"));
-            assert!(why.contains(reason) && !why.contains('\n'), "{line}: {why}");
+            let reason = parse(line).err().unwrap_or_else(|| panic!("{line}: no error"));
+            assert!(reason.contains(expected) && !reason.contains('\n'), "{line}: {reason}");
         }
     }
 }

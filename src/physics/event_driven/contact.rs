@@ -1,61 +1,64 @@
-//! Which boxes rest on each other: a contact is a flag, never a tested gap.
+//! The contact graph: a contact is stored, never derived from a gap.
 //!
-//! Along its axis the two have the same velocity, and stay together until an acceleration
-//! or a blow parts them, or one slides past the other's edge. Two that press corner on corner
-//! are in contact along both axes, and part along both at once.
+//! Along the axis of a contact both bodies have the same velocity. They stay together until an
+//! acceleration or an impact separates them, or until one slides past the edge of the other. Bodies
+//! that press on each other corner to corner are in contact along both axes, and both contacts end
+//! at the same instant.
 
-use super::mover::{Mover, Slot};
+use super::body_state::{BodyState, Slot};
+use crate::physics::{Axis, Side};
 
-/// One side of a contact.
+/// A contact as stored with one of its two bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Contact {
-    /// The body touched.
+    /// The other body.
     pub other: Slot,
-    /// The axis along which they touch.
-    pub axis: usize,
-    /// Whether the other lies towards greater coordinates.
-    pub ahead: bool,
+    /// The axis of the contact normal.
+    pub axis: Axis,
+    /// The side on which the other lies.
+    pub side: Side,
 }
 
-/// All contacts, kept in creation order of the other with each body of finite mass that has a part in them.
+/// All contacts, stored with each of their bodies that has a finite mass, in creation order of the other body.
 #[derive(Clone, Debug, Default)]
-pub struct Contacts {
+pub struct ContactGraph {
+    /// By slot.
     of: Vec<Vec<Contact>>,
-    /// How many are listed: where there are none nobody looks for them.
+    /// The total number of entries; at 0, lookups read no memory.
     count: usize,
 }
 
-impl Contacts {
-    /// Makes room for one more body.
+impl ContactGraph {
+    /// Adds a body without contacts.
     pub fn add_body(&mut self) {
         self.of.push(Vec::new());
     }
 
-    /// The contacts of a body; none are listed with an infinite mass.
+    /// The contacts of a body of finite mass; empty for an infinite mass.
     pub fn of(&self, slot: Slot) -> &[Contact] {
         if self.count == 0 { &[] } else { &self.of[slot as usize] }
     }
 
-    /// The axis along which two bodies are in contact, if they are; ask for a finite mass.
-    pub fn between(&self, slot: Slot, other: Slot) -> Option<usize> {
+    /// The axis along which two bodies are in contact, if any; the mass of `slot` must be finite.
+    pub fn axis_between(&self, slot: Slot, other: Slot) -> Option<Axis> {
         self.of(slot).iter().find(|contact| contact.other == other).map(|contact| contact.axis)
     }
 
-    /// Enters a contact: the second body lies ahead of the first.
-    pub fn join(&mut self, movers: &[Mover], [first, second]: [Slot; 2], axis: usize) {
-        for (slot, other, ahead) in [(first, second, true), (second, first, false)] {
-            if !movers[slot as usize].infinite {
+    /// Adds a contact; the second body lies on the high side of the first.
+    pub fn add(&mut self, states: &[BodyState], [first, second]: [Slot; 2], axis: Axis) {
+        for (slot, other, side) in [(first, second, Side::High), (second, first, Side::Low)] {
+            if !states[slot as usize].infinite {
                 let contacts = &mut self.of[slot as usize];
-                let contact = Contact { other, axis, ahead };
-                let place = contacts.partition_point(|known| *known < contact);
-                contacts.insert(place, contact);
+                let contact = Contact { other, axis, side };
+                let index = contacts.partition_point(|present| *present < contact);
+                contacts.insert(index, contact);
                 self.count += 1;
             }
         }
     }
 
-    /// Strikes out the contact of two bodies.
-    pub fn part(&mut self, slot: Slot, other: Slot) {
+    /// Removes the contact of two bodies, along all axes.
+    pub fn remove(&mut self, slot: Slot, other: Slot) {
         for [own, others] in [[slot, other], [other, slot]] {
             let contacts = &mut self.of[own as usize];
             self.count -= contacts.len();
@@ -64,24 +67,24 @@ impl Contacts {
         }
     }
 
-    /// Whether contacts lead on from a body, in a direction along an axis, to an infinite mass.
-    pub fn holds(&self, movers: &[Mover], slot: Slot, axis: usize, ahead: bool) -> bool {
+    /// True if contacts on one side of a body lead to an infinite mass.
+    pub fn is_supported(&self, states: &[BodyState], slot: Slot, axis: Axis, side: Side) -> bool {
         self.of(slot).iter().any(|contact| {
-            contact.axis == axis && contact.ahead == ahead && movers[contact.other as usize].is_immovable(axis, ahead)
+            contact.axis == axis && contact.side == side && states[contact.other as usize].is_immovable(axis, side)
         })
     }
 
-    /// The bodies of finite mass joined to these, directly or through others, by contacts
-    /// along the axis, in creation order.
-    pub fn group(&self, movers: &[Mover], slots: &[Slot], axis: usize) -> Vec<Slot> {
-        let mut seen = std::collections::BTreeSet::new();
-        let mut open: Vec<Slot> = slots.iter().copied().filter(|slot| !movers[*slot as usize].infinite).collect();
-        while let Some(slot) = open.pop() {
-            if seen.insert(slot) {
+    /// The bodies of finite mass connected to `slots`, directly or through others, by contacts along
+    /// the axis; in creation order.
+    pub fn connected_bodies(&self, states: &[BodyState], slots: &[Slot], axis: Axis) -> Vec<Slot> {
+        let mut connected = std::collections::BTreeSet::new();
+        let mut stack: Vec<Slot> = slots.iter().copied().filter(|slot| !states[*slot as usize].infinite).collect();
+        while let Some(slot) = stack.pop() {
+            if connected.insert(slot) {
                 let others = self.of(slot).iter().filter(|contact| contact.axis == axis).map(|contact| contact.other);
-                open.extend(others.filter(|other| !movers[*other as usize].infinite));
+                stack.extend(others.filter(|other| !states[*other as usize].infinite));
             }
         }
-        seen.into_iter().collect()
+        connected.into_iter().collect()
     }
 }

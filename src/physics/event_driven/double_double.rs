@@ -1,19 +1,21 @@
+//! Double-double arithmetic: numbers of 32 digits as unevaluated sums of two doubles.
+
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// What a [`DoubleDouble`] is made of: a double, or several computed side by side.
-pub trait Double:
+/// The components of a [`DoubleDouble`]: a double, or a vector of doubles for parallel arithmetic.
+pub trait Lanes:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Div<Output = Self> + Neg<Output = Self>
 {
-    /// A double, in each place.
-    fn all(number: f64) -> Self;
+    /// The same double in all lanes.
+    fn splat(number: f64) -> Self;
 
-    /// 0 in place of what is not finite.
+    /// Replaces each lane that is not finite by 0.
     fn finite_or_zero(self) -> Self;
 }
 
-impl Double for f64 {
+impl Lanes for f64 {
     #[inline]
-    fn all(number: f64) -> f64 {
+    fn splat(number: f64) -> f64 {
         number
     }
 
@@ -23,16 +25,16 @@ impl Double for f64 {
     }
 }
 
-/// A number of 32 digits: the sum of two doubles, the second at most half a unit in the last
-/// place of the first.
+/// A number of 32 digits: the sum of two doubles, the second at most half a unit in the last place of
+/// the first.
 ///
-/// Not promised: more than 30 digits after a few operations, or anything where a product of
-/// doubles overflows (beyond 1e150 in general).
+/// Not guaranteed: more than 30 digits after a few operations, and any result if a product of doubles
+/// overflows (possible from magnitudes of about 1e150 on).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DoubleDouble<T = f64> {
     /// The number, rounded to a double.
     pub high: T,
-    /// What rounding it lost.
+    /// The rounding error of `high`.
     pub low: T,
 }
 
@@ -41,69 +43,69 @@ impl DoubleDouble {
     pub const ZERO: DoubleDouble = DoubleDouble { high: 0.0, low: 0.0 };
 }
 
-impl<T: Double> DoubleDouble<T> {
-    /// The sum of two doubles, exactly (Knuth, TAOCP 2, 4.2.2, theorem B).
+impl<T: Lanes> DoubleDouble<T> {
+    /// The exact sum of two doubles (Knuth, TAOCP 2, 4.2.2, theorem B).
     #[inline]
-    pub fn sum(a: T, b: T) -> DoubleDouble<T> {
+    pub fn two_sum(a: T, b: T) -> DoubleDouble<T> {
         let high = a + b;
-        let part = high - a;
-        DoubleDouble { high, low: (a - (high - part)) + (b - part) }
+        let rounded_b = high - a;
+        DoubleDouble { high, low: (a - (high - rounded_b)) + (b - rounded_b) }
     }
 
-    /// The sum of two doubles of which the first is the greater or 0, exactly (Dekker, 1971).
+    /// The exact sum of two doubles, the first of greater or equal magnitude or 0 (Dekker, 1971).
     #[inline]
-    fn quick_sum(a: T, b: T) -> DoubleDouble<T> {
+    fn quick_two_sum(a: T, b: T) -> DoubleDouble<T> {
         let high = a + b;
         DoubleDouble { high, low: b - (high - a) }
     }
 
-    /// The product of two doubles, exactly (Dekker, "A floating-point technique for extending
-    /// the available precision", 1971): a fused multiply-add would be shorter, but is slow
-    /// where the processor has none.
+    /// The exact product of two doubles (Dekker, "A floating-point technique for extending the
+    /// available precision", 1971). A fused multiply-add would be shorter, but is slow on processors
+    /// without one.
     #[inline]
-    pub fn product(a: T, b: T) -> DoubleDouble<T> {
+    pub fn two_product(a: T, b: T) -> DoubleDouble<T> {
         let high = a * b;
-        let [a_high, a_low] = halves(a);
-        let [b_high, b_low] = halves(b);
+        let [a_high, a_low] = split(a);
+        let [b_high, b_low] = split(b);
         let low = ((a_high * b_high - high) + a_high * b_low + a_low * b_high) + a_low * b_low;
         DoubleDouble { high, low: low.finite_or_zero() }
     }
 
-    /// Half of it, exactly.
+    /// Exactly half the number.
     #[inline]
     pub fn half(self) -> DoubleDouble<T> {
-        DoubleDouble { high: T::all(0.5) * self.high, low: T::all(0.5) * self.low }
+        DoubleDouble { high: T::splat(0.5) * self.high, low: T::splat(0.5) * self.low }
     }
 }
 
-/// The upper and the lower 26 bits of a double (Veltkamp, 1968).
+/// Splits a double into its upper and lower 26 bits (Veltkamp, 1968).
 #[inline]
-fn halves<T: Double>(number: T) -> [T; 2] {
-    let shifted = T::all(134_217_729.0) * number;
+fn split<T: Lanes>(number: T) -> [T; 2] {
+    let shifted = T::splat(134_217_729.0) * number;
     let high = shifted - (shifted - number);
     [high, number - high]
 }
 
-impl<T: Double> From<T> for DoubleDouble<T> {
+impl<T: Lanes> From<T> for DoubleDouble<T> {
     #[inline]
     fn from(high: T) -> DoubleDouble<T> {
-        DoubleDouble { high, low: T::all(0.0) }
+        DoubleDouble { high, low: T::splat(0.0) }
     }
 }
 
-impl<T: Double> Add for DoubleDouble<T> {
+impl<T: Lanes> Add for DoubleDouble<T> {
     type Output = DoubleDouble<T>;
 
     #[inline]
     fn add(self, other: DoubleDouble<T>) -> DoubleDouble<T> {
-        let sum = DoubleDouble::sum(self.high, other.high);
-        let rest = DoubleDouble::sum(self.low, other.low);
-        let sum = DoubleDouble::quick_sum(sum.high, sum.low + rest.high);
-        DoubleDouble::quick_sum(sum.high, sum.low + rest.low)
+        let sum = DoubleDouble::two_sum(self.high, other.high);
+        let rest = DoubleDouble::two_sum(self.low, other.low);
+        let sum = DoubleDouble::quick_two_sum(sum.high, sum.low + rest.high);
+        DoubleDouble::quick_two_sum(sum.high, sum.low + rest.low)
     }
 }
 
-impl<T: Double> Neg for DoubleDouble<T> {
+impl<T: Lanes> Neg for DoubleDouble<T> {
     type Output = DoubleDouble<T>;
 
     #[inline]
@@ -112,7 +114,7 @@ impl<T: Double> Neg for DoubleDouble<T> {
     }
 }
 
-impl<T: Double> Sub for DoubleDouble<T> {
+impl<T: Lanes> Sub for DoubleDouble<T> {
     type Output = DoubleDouble<T>;
 
     #[inline]
@@ -121,21 +123,21 @@ impl<T: Double> Sub for DoubleDouble<T> {
     }
 }
 
-impl<T: Double> Mul for DoubleDouble<T> {
+impl<T: Lanes> Mul for DoubleDouble<T> {
     type Output = DoubleDouble<T>;
 
     #[inline]
     fn mul(self, other: DoubleDouble<T>) -> DoubleDouble<T> {
-        let product = DoubleDouble::product(self.high, other.high);
+        let product = DoubleDouble::two_product(self.high, other.high);
         let cross = self.high * other.low + self.low * other.high;
-        DoubleDouble::quick_sum(product.high, product.low + cross)
+        DoubleDouble::quick_two_sum(product.high, product.low + cross)
     }
 }
 
-impl<T: Double> Div for DoubleDouble<T> {
+impl<T: Lanes> Div for DoubleDouble<T> {
     type Output = DoubleDouble<T>;
 
-    /// Long division, a double at a time.
+    /// Long division with three double quotients.
     #[inline]
     fn div(self, other: DoubleDouble<T>) -> DoubleDouble<T> {
         let first = self.high / other.high;
@@ -143,7 +145,7 @@ impl<T: Double> Div for DoubleDouble<T> {
         let second = rest.high / other.high;
         let rest = rest - other * second.into();
         let third = rest.high / other.high;
-        DoubleDouble::quick_sum(first, second) + third.into()
+        DoubleDouble::quick_two_sum(first, second) + third.into()
     }
 }
 
@@ -156,15 +158,15 @@ mod tests {
     }
 
     #[test]
-    fn sums_and_products_of_doubles_lose_nothing() {
-        assert_eq!(DoubleDouble::sum(1e16, 0.75), DoubleDouble { high: 1e16, low: 0.75 });
+    fn sums_and_products_of_doubles_are_exact() {
+        assert_eq!(DoubleDouble::two_sum(1e16, 0.75), DoubleDouble { high: 1e16, low: 0.75 });
         let odd = 1.0 + f64::EPSILON;
-        let square = DoubleDouble::product(odd, odd);
+        let square = DoubleDouble::two_product(odd, odd);
         assert_eq!(square, DoubleDouble { high: 1.0 + 2.0 * f64::EPSILON, low: f64::EPSILON * f64::EPSILON });
     }
 
     #[test]
-    fn a_third_times_three_is_one_to_thirty_digits() {
+    fn a_quotient_times_its_divisor_is_the_dividend_to_thirty_digits() {
         let third = number(1.0) / number(3.0);
         assert_eq!(third.high, 1.0 / 3.0);
         let rest = third * number(3.0) - number(1.0);
@@ -174,7 +176,7 @@ mod tests {
     }
 
     #[test]
-    fn a_mirrored_number_stays_the_mirror_image() {
+    fn operations_commute_with_negation() {
         let [a, b] = [number(0.1) / number(7.0), number(-3.3) / number(1.7)];
         assert_eq!(-a + -b, -(a + b));
         assert_eq!(-a * b, -(a * b));
@@ -182,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn what_overflows_stays_a_plain_double() {
-        assert_eq!(DoubleDouble::product(1e300, 2.0), DoubleDouble::from(2e300));
+    fn a_product_whose_error_overflows_has_no_low_part() {
+        assert_eq!(DoubleDouble::two_product(1e300, 2.0), DoubleDouble::from(2e300));
     }
 }

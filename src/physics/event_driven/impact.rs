@@ -1,25 +1,25 @@
-//! What a blow does to velocities: the formulas, and nothing of the world.
+//! The impact law and the criteria of inelastic collapse, as formulas.
 
 use super::double_double::DoubleDouble;
-use super::side_by_side::SideBySide;
+use super::f64x2::F64x2;
 
-/// Velocities along the normal, in order along the axis, and what the impact law needs of the two.
+/// Two clusters that collide along an axis; the one on the low side first.
 #[derive(Clone, Copy, Debug)]
-pub struct Blow {
-    /// m/s; the first is faster.
+pub struct Impact {
+    /// Velocities along the axis, m/s; the first is the greater one.
     pub velocity: [DoubleDouble; 2],
-    /// kg; infinite for what cannot give way.
+    /// Masses, kg; infinite for a cluster that cannot move.
     pub mass: [f64; 2],
     /// Coefficient of restitution; 0 for a plastic impact.
     pub restitution: f64,
 }
 
-impl Blow {
-    /// The velocities after the impact, m/s: momentum kept, relative velocity times −e.
+impl Impact {
+    /// The velocities after the impact, m/s: momentum is conserved, the relative velocity is multiplied by −e.
     ///
     /// v₁′ = v₁ − (1+e)·m₂/(m₁+m₂)·(v₁−v₂) and v₂′ = v₂ + (1+e)·m₁/(m₁+m₂)·(v₁−v₂)
-    /// (Newton's law of impact). Two equal masses at e = 1 exchange their velocities without
-    /// any rounding, and after e = 0 both are the same number.
+    /// (Newton's impact law). Two equal masses with e = 1 exchange their velocities without
+    /// rounding, and with e = 0 both velocities are the same number.
     pub fn velocities_after(&self) -> [DoubleDouble; 2] {
         let [first, second] = self.velocity;
         let e = DoubleDouble::from(self.restitution);
@@ -37,53 +37,59 @@ impl Blow {
             let common = first - share_first * (first - second);
             return [common; 2];
         }
-        let approach = DoubleDouble::sum(1.0, self.restitution) * (first - second);
+        let approach = DoubleDouble::two_sum(1.0, self.restitution) * (first - second);
         let after = [first - share_first * approach, second + share_second * approach];
         if (after[0] - after[1]).high > 0.0 { [after[0]; 2] } else { after }
     }
 
-    /// The impulse the first gives the second, N·s.
+    /// The impulse from the first on the second, N·s.
     pub fn impulse(&self) -> f64 {
         let approach = (1.0 + self.restitution) * (self.velocity[0] - self.velocity[1]).high;
         approach / (1.0 / self.mass[0] + 1.0 / self.mass[1])
     }
 
-    /// Which part of the approach each of the two makes up for: the other's part of the mass.
+    /// The share of each of the two in the change of relative velocity: the mass fraction of the other.
     fn shares(&self) -> [DoubleDouble; 2] {
         if self.mass[0] == self.mass[1] {
             return [DoubleDouble::from(0.5); 2];
         }
-        let sum = DoubleDouble::sum(self.mass[0], self.mass[1]);
-        let others = DoubleDouble::from(SideBySide([self.mass[1], self.mass[0]]));
-        (others / DoubleDouble::of([sum; 2])).apart()
+        let sum = DoubleDouble::two_sum(self.mass[0], self.mass[1]);
+        let others = DoubleDouble::from(F64x2([self.mass[1], self.mass[0]]));
+        (others / DoubleDouble::pack([sum; 2])).unpack()
     }
 }
 
-/// Ways and heights of this many units in the last place of the coordinates are rounding.
-const C: f64 = 128.0 * f64::EPSILON;
+/// Displacements below this fraction of the coordinates are rounding.
+const NEGLIGIBLE: f64 = 128.0 * f64::EPSILON;
 
-/// An impact slower than this is plastic where e < 1, m/s.
+/// The speed below which an impact with e < 1 is plastic, m/s.
 ///
-/// Bouncing up at this speed a body would rise by no more than C units in the last place of
-/// its coordinates, v = √(2·a·C·ulp), and the bounces after that would be rounding, not
-/// motion. So ends a Zeno sequence of bounces; what is cut off takes less than
-/// 2·v/(a·(1 − e)). Where nothing accelerates, the limit is a motion by C units in the last
-/// place of the coordinates in a second, or of the velocities, if that is more.
-pub fn capture_speed(acceleration: f64, coordinates: f64, velocities: f64) -> f64 {
-    let limits = [(2.0 * acceleration * coordinates * C).sqrt(), coordinates * C, velocities * C];
+/// A body that rebounds at this speed would rise by at most h = [`NEGLIGIBLE`] × `coordinate_scale`,
+/// v = √(2·a·h), so all further bounces would be rounding, not motion. This ends an infinite
+/// sequence of bounces; the part cut off lasts less than 2·v/(a·(1 − e)). Without acceleration,
+/// the limit is h per second, or [`NEGLIGIBLE`] × `speed_sum` if that is greater.
+///
+/// `acceleration` is the greater of the two free accelerations, m/s²; `coordinate_scale` the sum of
+/// the coordinates and sizes of the two, m; `speed_sum` the sum of their speeds, m/s.
+pub fn collapse_speed(acceleration: f64, coordinate_scale: f64, speed_sum: f64) -> f64 {
+    let limits = [
+        (2.0 * acceleration * coordinate_scale * NEGLIGIBLE).sqrt(),
+        coordinate_scale * NEGLIGIBLE,
+        speed_sum * NEGLIGIBLE,
+    ];
     limits.into_iter().fold(0.0, |greatest, limit| if limit > greatest { limit } else { greatest })
 }
 
-/// After this many impacts in a row without a way between them, e < 1 becomes 0.
+/// After more consecutive impacts than this without displacement between them, e < 1 is replaced by 0.
 ///
 /// A light box under a heavy falling one bounces faster and faster in a gap that shrinks to
-/// nothing in finite time, and only after infinitely many impacts, all below any
-/// resolution, are both at rest. That limit is the plastic impact of all of them.
-pub const LONGEST_HURRY: u8 = 100;
+/// zero in finite time (inelastic collapse). Both come to rest only after infinitely many impacts, too small to
+/// resolve; their limit is one plastic impact.
+pub const COLLAPSE_LIMIT: u8 = 100;
 
-/// Whether a way, m, is nothing among coordinates of that size, m.
-pub fn is_no_way(way: f64, coordinates: f64) -> bool {
-    way <= coordinates * C
+/// True if a displacement (m) is within the rounding of coordinates that add up to `coordinate_scale` (m).
+pub fn is_negligible(displacement: f64, coordinate_scale: f64) -> bool {
+    displacement <= coordinate_scale * NEGLIGIBLE
 }
 
 #[cfg(test)]
@@ -92,7 +98,7 @@ mod tests {
 
     fn after(velocity: [f64; 2], mass: [f64; 2], restitution: f64) -> [f64; 2] {
         let velocity = velocity.map(DoubleDouble::from);
-        Blow { velocity, mass, restitution }.velocities_after().map(|velocity| velocity.high)
+        Impact { velocity, mass, restitution }.velocities_after().map(|velocity| velocity.high)
     }
 
     #[test]
@@ -107,12 +113,12 @@ mod tests {
     }
 
     #[test]
-    fn plastic_partners_leave_with_the_same_number() {
+    fn after_a_plastic_impact_both_velocities_are_the_same_number() {
         assert_eq!(after([1.0, -1.0], [3.0, 1.0], 0.0), [0.5, 0.5]);
     }
 
     #[test]
-    fn momentum_is_kept_and_the_approach_reversed() {
+    fn momentum_is_conserved_and_the_relative_velocity_reversed() {
         let after = after([4.0, -2.0], [1.0, 3.0], 0.5);
         assert_eq!(after, [-2.75, 0.25]);
         assert_eq!(after[0] + 3.0 * after[1], 4.0 - 6.0);

@@ -1,98 +1,98 @@
 use super::double_double::DoubleDouble;
 
-/// A moment of simulated time: a step and the seconds since that step began.
+/// An instant of simulated time: a step and the seconds since its start.
 ///
-/// A day of simulated time in seconds would leave 10⁻¹¹ s of resolution; split like this
-/// an instant is as sharp on the last day as in the first step.
+/// As a single number of seconds, time would have a resolution of 10⁻¹¹ s after a day. Split like this
+/// its resolution does not decrease.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Instant {
-    /// The step, a whole number; as a float because it is only ever subtracted.
+    /// The step, an integer; stored as a float because it is only subtracted.
     pub step: f64,
-    /// Seconds since the step began, at most one period.
+    /// Seconds since the start of the step, at most one period.
     pub offset: f64,
 }
 
 impl Instant {
-    /// After everything that ever happens.
+    /// An instant after all others.
     pub const NEVER: Instant = Instant { step: f64::INFINITY, offset: 0.0 };
 
-    /// The beginning of a step.
+    /// The start of a step.
     pub const fn start_of(step: u64) -> Instant {
         Instant { step: step as f64, offset: 0.0 }
     }
 
-    /// Whether this instant comes before `other`.
+    /// Returns true if this instant precedes `other`.
     pub fn is_before(self, other: Instant) -> bool {
         (self.step < other.step) | ((self.step == other.step) & (self.offset < other.offset))
     }
 
-    /// The later of the two.
-    pub fn or_later(self, other: Instant) -> Instant {
+    /// Returns the later of two instants.
+    pub fn max(self, other: Instant) -> Instant {
         if self.is_before(other) { other } else { self }
     }
 }
 
-/// What rounding can do to an instant is less than this, s, unless what happens then hardly
-/// happens at all, like faces that meet at almost no speed.
-pub const LONGEST_ROUNDING: f64 = 1e-7;
+/// Upper bound of the rounding error of a predicted time, s, except for marginal events such as impacts
+/// at almost zero speed.
+pub const MAX_TIME_ROUNDING: f64 = 1e-7;
 
-/// Steps beyond this are not whole numbers any more: an event out there never happens.
-const LAST_STEP: f64 = (1u64 << 53) as f64;
+/// The first step from which on doubles do not represent every integer. Later events are not predicted.
+const MAX_STEP: f64 = (1u64 << 53) as f64;
 
-/// The greatest whole number below a positive one; infinity for what is too large to tell.
-fn whole_below(number: f64) -> f64 {
-    if number >= LAST_STEP || number.is_nan() {
+/// The largest integer below a positive number; infinity from [`MAX_STEP`] on.
+fn largest_integer_below(number: f64) -> f64 {
+    if number >= MAX_STEP || number.is_nan() {
         return f64::INFINITY;
     }
     let whole = number as i64 as f64;
     if whole == number { whole - 1.0 } else { whole }
 }
 
-/// Counts seconds between instants.
+/// The rate of the steps; converts between instants and seconds.
 #[derive(Clone, Copy, Debug)]
 pub struct Clock {
     /// Steps per second, Hz.
     pub rate: f64,
     /// Seconds per step.
     pub period: f64,
-    /// The same to 32 digits.
-    pub exact_period: DoubleDouble,
+    /// Seconds per step, in double-double precision.
+    pub period_dd: DoubleDouble,
 }
 
 impl Clock {
-    /// The clock of that many steps per second.
+    /// Creates a clock of `rate` steps per second.
     pub fn new(rate: f64) -> Clock {
-        Clock { rate, period: 1.0 / rate, exact_period: DoubleDouble::from(1.0) / rate.into() }
+        Clock { rate, period: 1.0 / rate, period_dd: DoubleDouble::from(1.0) / rate.into() }
     }
 
-    /// Seconds from one instant to another.
+    /// The seconds from one instant to another.
     #[inline]
-    pub fn seconds(&self, from: Instant, to: Instant) -> f64 {
+    pub fn seconds_between(&self, from: Instant, to: Instant) -> f64 {
         (to.step - from.step) / self.rate + (to.offset - from.offset)
     }
 
-    /// The same, but for rounding: good enough where nothing is decided by it.
+    /// Like [`Clock::seconds_between`], faster but less exact: only for bounds, never for results.
     #[inline]
-    pub fn about(&self, from: Instant, to: Instant) -> f64 {
+    pub fn approx_seconds(&self, from: Instant, to: Instant) -> f64 {
         (to.step - from.step) * self.period + (to.offset - from.offset)
     }
 
-    /// The very end of a step, a whole number.
+    /// The last instant of a step, an integer.
     pub fn end_of(&self, step: f64) -> Instant {
         Instant { step, offset: self.period }
     }
 
-    /// The instant so many seconds (not negative) after another.
+    /// The instant a number of seconds, not negative, after another; [`Instant::NEVER`] if that is too
+    /// late to be represented.
     ///
-    /// The very end of a step belongs to that step, so that what happens at the instant of
-    /// a sample has happened when the sample is taken.
+    /// The end of a step belongs to that step, so that events at the instant of a sample precede it.
     pub fn after(&self, from: Instant, seconds: f64) -> Instant {
         let offset = from.offset + seconds;
         if offset <= self.period {
             return Instant { step: from.step, offset };
         }
-        let steps = whole_below(offset * self.rate);
-        if from.step + steps < LAST_STEP {
+        let steps = largest_integer_below(offset * self.rate);
+        if from.step + steps < MAX_STEP {
             let rest = offset - steps / self.rate;
             let offset = if rest < 0.0 {
                 0.0
@@ -122,18 +122,20 @@ mod tests {
     }
 
     #[test]
-    fn seconds_undo_after_to_rounding() {
+    fn seconds_between_inverts_after_up_to_rounding() {
         let clock = Clock::new(60.0);
         let start = Instant { step: 5_184_000.0, offset: 0.003 };
         for seconds in [1e-9, 0.01, 0.7, 12.5, 3600.0] {
-            let there = clock.after(start, seconds);
-            assert!((clock.seconds(start, there) - seconds).abs() <= 2.0 * f64::EPSILON * (seconds + clock.period));
-            assert!(there.offset >= 0.0 && there.offset <= clock.period);
+            let end = clock.after(start, seconds);
+            assert!(
+                (clock.seconds_between(start, end) - seconds).abs() <= 2.0 * f64::EPSILON * (seconds + clock.period)
+            );
+            assert!(end.offset >= 0.0 && end.offset <= clock.period);
         }
     }
 
     #[test]
-    fn what_is_too_far_away_never_happens() {
+    fn an_instant_too_late_to_be_represented_is_never() {
         let clock = Clock::new(60.0);
         assert_eq!(clock.after(Instant::start_of(1), 1e300), Instant::NEVER);
         assert_eq!(clock.after(Instant::start_of(1), f64::INFINITY), Instant::NEVER);

@@ -1,258 +1,291 @@
-//! The exact solver: from event to event. See [`EventDriven`].
+//! The exact solver: event-driven molecular dynamics of boxes. See [`EventDriven`].
 //!
-//! Boxes neither turn nor rub, so between events each moves on a parabola along each axis
-//! (`motion`, `motions`), each pair meets at a root known in closed form (`meeting`), and there is no
-//! time step to trade against error: a step only says when the state is sampled.
+//! Boxes neither rotate nor rub, so between events each body follows a parabola along each axis
+//! (`axis_trajectory`, `trajectory`), and the time of impact of a pair is a root in closed form
+//! (`pair_event`). No time step is traded against accuracy: a step only determines when the state is
+//! sampled.
 //!
-//! One step: newcomers are admitted (`admission`) and put apart (`separation`); what is due
-//! happens in its total order (`schedule`): boxes collide (`collide`, `block`, `impact`), slide
-//! off edges and take up or end contacts (`contact`, `settle`, `least_change`), and whoever that
-//! concerned looks ahead again among its neighbours (`outlook`, `reach`, `near`, `neighbours`,
-//! `grid`); what moved is sampled (`sampling`), and who is about to leave its cell moves on
-//! (`calendar`). Where all rests, none of this takes any time. `memory` is what must be kept to
-//! go on to the bit, `crush` how a step may fail.
+//! # Path of a step
 //!
-//! Prediction computes with doubles; what happens is computed with twice the digits
-//! (`fine_state`, `double_double`, `side_by_side`), so that rounding is no error one could see
-//! after thousands of collisions.
+//! 1. **Insert.** The bodies spawned since the last step enter the cell lists (`insert`), and
+//!    overlaps that they cause are removed (`separation`).
+//! 2. **Process events** in their total order (`event_queue`):
+//!    - an impact of faces or corners (`collide`, `contact_cluster`, `impact`);
+//!    - the end of a contact, when one body has slid past the edge of the other;
+//!    - a cell crossing of a fast body (`cell_lists`).
 //!
-//! The rules where mechanics leaves a choice:
+//!    When contacts begin or end (`contact`), the accelerations are solved again (`contact_solver`,
+//!    `isotonic`). Each body whose trajectory or contacts changed predicts its next event again
+//!    (`predict`) among its neighbours (`swept_aabb`, `neighbour_buffer`, `cell_lists`,
+//!    `spatial_hash`).
+//! 3. **Sample.** The states of the bodies that moved are written to the world (`dirty_states`).
+//! 4. **Cross cells.** The bodies that would leave their cells in the next step are moved to their
+//!    next cells (`crossing_wheel`).
 //!
-//! - **Simultaneous impacts**: of all pairs that approach at an instant the one lowest in
-//!   creation order goes first, then again the lowest, until none approaches. So touching
-//!   cradles hand a blow on from pair to pair.
-//! - **Contacts** take a blow as one: a body that rests, directly or through others, against
-//!   an infinite mass answers like that mass, with the e of the impact; a free one together
-//!   with all that it pushes. (Handing it on from pair to pair would be the other choice; it
-//!   needs endlessly many impacts in a resting stack.) A contact is what presses, or what a
-//!   plastic impact joined; bodies that merely touch are not in contact.
-//! - **Corners** that meet exactly are hit on both axes. If that leaves them at rest, or if they
-//!   are pressed together from rest, they are in contact along both axes until they part along
-//!   one. Boxes whose edges only slide along each other's line do not meet.
-//! - **Zeno**: where e < 1, impacts slower than `impact::capture_speed`, and those after
-//!   `impact::LONGEST_HURRY` impacts without a way between them, are plastic, and all that is
-//!   in contact with the two along that axis, or touches them (at less than that speed, if the
-//!   blow is so slow), goes on with them as one: the limit of endlessly many blows handed to
-//!   and fro.
-//! - **Rounding**: after an impact the body ahead is put exactly on the other's face (or the
-//!   one behind, if the body ahead cannot move). Coordinates a few units in the last place
-//!   apart touch, if nothing else tells them apart; faces that touch at the instant of a sample
-//!   in this sense have collided in it.
+//! A step in which nothing moves and nothing is due does none of this. `solver_snapshot` stores what
+//! is needed to continue bit for bit; `diagnose` creates the errors of a failed step.
+//!
+//! Predictions are computed in `f64`, impacts and contacts in double-double arithmetic
+//! (`state_dd`, `double_double`, `f64x2`): rounding errors grow from collision to
+//! collision and would otherwise be visible after some hundred of them.
+//!
+//! # Rules
+//!
+//! Where mechanics leaves a choice:
+//!
+//! 1. **Simultaneous impacts.** Of all pairs that approach each other at an instant, the pair lowest
+//!    in creation order collides first, then again the lowest, until no pair approaches. So bodies
+//!    that touch in a row pass an impact on from pair to pair, as in Newton's cradle.
+//! 2. **Contacts.** Two bodies are in contact if they press on each other or if a plastic impact
+//!    joined them. Bodies that merely touch are not in contact.
+//! 3. **Impacts on contacts.** Bodies in contact take an impact as one. A body supported, directly
+//!    or through others, by an infinite mass responds like that mass, with the e of the impact; a
+//!    free body responds together with all bodies that it pushes. (The alternative, to pass the
+//!    impact on from pair to pair, needs infinitely many impacts in a resting stack.)
+//! 4. **Corners.** Corners that touch exactly collide along both axes. If they are at rest against
+//!    each other afterwards, or are pressed together from rest, they are in contact along both axes
+//!    until they separate along one. Boxes whose edges only slide along the same line do not collide.
+//! 5. **Inelastic collapse.** Where e < 1, an impact is plastic if it is slower than
+//!    `impact::collapse_speed`, or if it follows more than `impact::COLLAPSE_LIMIT` impacts without
+//!    displacement between them. All bodies in contact with the two along that axis, and all that
+//!    touch them (in a slow impact: all with a relative speed of at most `collapse_speed`), move on
+//!    as one. This is the limit of infinitely many impacts between them.
+//! 6. **Faces coincide.** After an impact the body on the high side is placed exactly on the face of
+//!    the other (or the body on the low side, if the one on the high side cannot move).
+//! 7. **Touching.** Coordinates that differ by a few units in the last place touch unless the bodies
+//!    move apart. Faces that touch in this sense at the instant of a sample have collided in it.
+//!
+//! # Invariants
+//!
+//! 1. A prediction is a function of the trajectories of the two bodies alone: the same whichever of
+//!    the two computes it, and whenever. So cell lists and event queue, which are derived data,
+//!    influence no result.
+//! 2. Each body has at most one event in the queue. A predicted event is invalidated when the
+//!    generation of the partner changes; when it is due, the body predicts again.
+//! 3. Contacts along an axis lead from lower to higher coordinates, so they form no cycle and
+//!    no body supports itself.
 
-mod admission;
-mod block;
-mod calendar;
+mod axis_trajectory;
+mod body_state;
+mod cell_lists;
 mod collide;
 mod contact;
-mod crush;
+mod contact_cluster;
+mod contact_solver;
+mod crossing_wheel;
+mod diagnose;
+mod dirty_states;
 mod double_double;
-mod fine_state;
-mod grid;
+mod event_queue;
+mod f64x2;
 mod impact;
+mod insert;
 mod instant;
-mod least_change;
-mod meeting;
-mod memory;
-mod motion;
-mod motions;
-mod mover;
-mod near;
-mod neighbours;
-mod outlook;
-mod reach;
-mod sampling;
-mod schedule;
+mod isotonic;
+mod neighbour_buffer;
+mod pair_event;
+mod predict;
 mod separation;
-mod settle;
-mod side_by_side;
+mod solver_snapshot;
+mod spatial_hash;
+mod state_dd;
+mod swept_aabb;
+mod trajectory;
 
-use super::{Body, BodyId, Observer, Settings, StepError, World};
-use block::Block;
-use calendar::Calendar;
-use contact::Contacts;
+use super::{Axis, Body, BodyId, EngineConfig, Observer, StepError, World};
+use axis_trajectory::AxisTrajectory;
+use body_state::{BodyParams, BodyState, Slot};
+use cell_lists::CellLists;
+use contact::ContactGraph;
+use contact_cluster::ContactCluster;
+use crossing_wheel::CrossingWheel;
+use dirty_states::DirtyStates;
 use double_double::DoubleDouble;
-use fine_state::{Residue, Residues};
+use event_queue::EventQueue;
 use instant::{Clock, Instant};
-use meeting::Kind;
-use motion::Motion;
-use motions::Motions;
-use mover::{AXES, Mover, Slot, Traits};
-use near::Near;
-use neighbours::Neighbours;
-use reach::Reach;
-use sampling::Moving;
-use schedule::Schedule;
+use neighbour_buffer::NeighbourBuffer;
+use pair_event::PairEvent;
+use state_dd::{AxisLowParts, LowParts};
+use swept_aabb::SweptAabb;
+use trajectory::Trajectory;
 
-/// So often a body may look around in a step beyond the limit of events: far more than any
-/// speed makes it, but no scene, however strange, shall hang.
-const GLANCES_PER_BODY: u64 = 1000;
+/// Repeated predictions (after cell crossings and invalidated events) allowed per body and step, beyond the
+/// limit of events, before the step is aborted. No speed requires nearly as many; the limit ensures
+/// that no scene hangs.
+const MAX_REPREDICTIONS_PER_BODY: u64 = 1000;
 
-/// The exact solver's own state.
+/// The state of the exact solver.
 ///
-/// What it *is* are the motions, the contacts and the bodies not yet admitted; that is what
-/// [`EventDriven::memory`] keeps. Grids and schedule are derived from it, and
-/// nothing of how they were derived shows in any result.
+/// Trajectories, contacts and pending spawns are the state proper, which a snapshot
+/// stores. Cell lists and event queue are derived from it and influence no result.
 #[derive(Clone, Debug)]
 pub struct EventDriven {
     clock: Clock,
-    /// m/s², along x and y.
+    /// Acceleration along x and y, m/s².
     gravity: [f64; 2],
-    /// How much may happen in a step.
-    limit: u64,
-    /// By slot, in creation order; deleted ones leave a gap.
-    movers: Vec<Mover>,
-    /// The lower halves of their motions.
-    residues: Vec<Residues>,
-    traits: Vec<Traits>,
-    contacts: Contacts,
-    /// How many bodies carry a force of their own along each axis.
-    forced: [u32; 2],
-    /// Spawned since the last step: they may overlap others yet.
-    fresh: Vec<Slot>,
-    /// How far the present step has come.
+    /// The number of events allowed in a step.
+    max_events: u64,
+    /// By slot, in creation order; a deleted body keeps its slot until the slots are compacted.
+    states: Vec<BodyState>,
+    /// The low parts of their trajectories, by slot.
+    low_parts: Vec<LowParts>,
+    params: Vec<BodyParams>,
+    contacts: ContactGraph,
+    /// For each axis, the number of bodies with a constant force along it.
+    force_counts: [u32; 2],
+    /// Bodies spawned since the last step, which may still overlap others.
+    pending_spawns: Vec<Slot>,
+    /// The instant reached in the present step.
     now: Instant,
-    /// The lower half of its offset, s.
-    now_residue: f64,
-    neighbours: Neighbours,
-    schedule: Schedule,
-    calendar: Calendar,
-    moving: Moving,
-    /// Bodies whose motion or contacts changed at the present instant.
+    /// The low part of its offset, s.
+    now_low: f64,
+    cell_lists: CellLists,
+    event_queue: EventQueue,
+    crossing_wheel: CrossingWheel,
+    dirty_states: DirtyStates,
+    /// Bodies whose trajectory or contacts changed at the present instant.
     changed: Vec<Slot>,
-    /// Bodies whose contacts along each axis changed, so that their accelerations may.
-    loosened: [Vec<Slot>; 2],
-    /// How many bodies the grids and the schedule were made for.
-    made_for: usize,
-    blocks: [Block; 2],
-    /// Room for those who are to be moved on.
+    /// For each axis, the bodies whose contacts along it changed since the accelerations were solved.
+    dirty_contacts: [Vec<Slot>; 2],
+    /// The number of slots when cell lists and event queue were last rebuilt.
+    indexed_bodies: usize,
+    /// Buffers for the two clusters of an impact.
+    clusters: [ContactCluster; 2],
+    /// Buffer for the bodies that are due to cross a cell border.
     due: Vec<Slot>,
-    /// Room for those who are near a body.
-    near: Near,
+    /// Buffer for the neighbours of a body.
+    neighbour_buffer: NeighbourBuffer,
 }
 
 impl EventDriven {
     /// The solver of an empty world.
-    pub fn new(settings: &Settings) -> EventDriven {
-        let clock = Clock::new(settings.rate);
-        let gravity = settings.gravity.map_or([0.0; 2], |gravity| [gravity.x, gravity.y]);
+    pub fn new(config: &EngineConfig) -> EventDriven {
+        let clock = Clock::new(config.rate);
+        let gravity = config.gravity.map_or([0.0; 2], |gravity| [gravity.x, gravity.y]);
         EventDriven {
             clock,
             gravity,
-            limit: settings.events_per_step,
-            movers: Vec::new(),
-            residues: Vec::new(),
-            traits: Vec::new(),
-            contacts: Contacts::default(),
-            forced: [0; 2],
-            fresh: Vec::new(),
+            max_events: config.events_per_step,
+            states: Vec::new(),
+            low_parts: Vec::new(),
+            params: Vec::new(),
+            contacts: ContactGraph::default(),
+            force_counts: [0; 2],
+            pending_spawns: Vec::new(),
             now: Instant::start_of(0),
-            now_residue: 0.0,
-            neighbours: Neighbours::new(1.0),
-            schedule: Schedule::new(clock, 0, 0),
-            calendar: Calendar::new(0),
-            moving: Moving::default(),
+            now_low: 0.0,
+            cell_lists: CellLists::new(1.0),
+            event_queue: EventQueue::new(clock, 0, 0),
+            crossing_wheel: CrossingWheel::new(0),
+            dirty_states: DirtyStates::default(),
             changed: Vec::new(),
-            loosened: [Vec::new(), Vec::new()],
-            made_for: 0,
-            blocks: [Block::default(), Block::default()],
+            dirty_contacts: [Vec::new(), Vec::new()],
+            indexed_bodies: 0,
+            clusters: [ContactCluster::default(), ContactCluster::default()],
             due: Vec::new(),
-            near: Near::default(),
+            neighbour_buffer: NeighbourBuffer::default(),
         }
     }
 
-    /// The last body of the world has just been added.
-    pub fn spawned(&mut self, world: &World, step: u64) {
-        let place = world.bodies.len() - 1;
-        let slot = self.add(&world.bodies[place], place, Instant::start_of(step));
-        self.fresh.push(slot);
+    /// Adds the last body of the world, which was spawned just now.
+    pub fn add_spawned(&mut self, world: &World, step: u64) {
+        let last = world.bodies.len() - 1;
+        let slot = self.push_body(&world.bodies[last], last, Instant::start_of(step));
+        self.pending_spawns.push(slot);
     }
 
-    fn add(&mut self, body: &Body, place: usize, since: Instant) -> Slot {
-        let slot = self.movers.len() as Slot;
-        let force = [body.constant_force.x, body.constant_force.y];
+    /// Appends a body without contacts, whose trajectory starts at `since`.
+    fn push_body(&mut self, body: &Body, world_index: usize, since: Instant) -> Slot {
+        let slot = self.states.len() as Slot;
+        let force = body.constant_force;
         let infinite = body.is_infinite();
-        let free_fall = AXES.map(|axis| match infinite {
+        let free_acceleration = Axis::BOTH.map(|axis| match infinite {
             true => DoubleDouble::ZERO,
             false if force[axis] == 0.0 => self.gravity[axis].into(),
             false => DoubleDouble::from(force[axis]) / body.mass.into() + self.gravity[axis].into(),
         });
-        let state = [(body.rect.origin.x, body.velocity.x), (body.rect.origin.y, body.velocity.y)];
-        let motion = Motions::new(AXES.map(|axis| {
-            let (position, velocity) = state[axis];
-            Motion { position, velocity, acceleration: free_fall[axis].high, since }
+        let trajectory = Trajectory::new(Axis::BOTH.map(|axis| {
+            let (position, velocity) = (body.rect.origin[axis], body.velocity[axis]);
+            AxisTrajectory { position, velocity, acceleration: free_acceleration[axis].high, since }
         }));
-        let residues = AXES.map(|axis| Residue { acceleration: free_fall[axis].low, ..Residue::default() });
-        self.residues.push(Residues(residues));
+        let low_parts = Axis::BOTH
+            .map(|axis| AxisLowParts { acceleration: free_acceleration[axis].low, ..AxisLowParts::default() });
+        self.low_parts.push(LowParts(low_parts));
         let size = [body.rect.width(), body.rect.height()];
-        self.movers.push(Mover {
-            motion,
+        self.states.push(BodyState {
+            trajectory,
             size,
             since,
             generation: 0,
-            place: place as u32,
+            world_index: world_index as u32,
             infinite,
-            held: [[false; 2]; 2],
-            hurry: [0; 2],
+            supported: [[false; 2]; 2],
+            collapse_count: [0; 2],
         });
-        let forced = AXES.map(|axis| !infinite && force[axis] != 0.0);
-        AXES.into_iter().for_each(|axis| self.forced[axis] += u32::from(forced[axis]));
+        let has_force = Axis::BOTH.map(|axis| !infinite && force[axis] != 0.0);
+        for axis in Axis::BOTH {
+            self.force_counts[axis] += u32::from(has_force[axis]);
+        }
         let (mass, material) = (body.mass, body.material);
-        self.traits.push(Traits { id: body.id, mass, material, free_fall, forced, alive: true });
+        self.params.push(BodyParams { id: body.id, mass, material, free_acceleration, has_force, alive: true });
         self.contacts.add_body();
-        self.moving.add_body();
-        self.calendar.add_body();
+        self.dirty_states.add_body();
+        self.crossing_wheel.add_body();
         slot
     }
 
-    /// The body at `place` is about to be removed.
-    pub fn deleting(&mut self, world: &World, place: usize, step: u64) {
-        let Some(slot) = self.slot(world.bodies[place].id) else { return };
-        self.advance_to(Instant::start_of(step));
-        self.traits[slot as usize].alive = false;
-        AXES.into_iter().for_each(|axis| self.forced[axis] -= u32::from(self.traits[slot as usize].forced[axis]));
-        for later in &mut self.movers[slot as usize + 1..] {
-            later.place = later.place.saturating_sub(1);
+    /// Removes the body at `world_index`, before it is removed from the world.
+    pub fn remove(&mut self, world: &World, world_index: usize, step: u64) {
+        let Some(slot) = self.slot_of(world.bodies[world_index].id) else { return };
+        self.advance_clock(Instant::start_of(step));
+        self.params[slot as usize].alive = false;
+        for axis in Axis::BOTH {
+            self.force_counts[axis] -= u32::from(self.params[slot as usize].has_force[axis]);
         }
-        if let Some(fresh) = self.fresh.iter().position(|fresh| *fresh == slot) {
-            self.fresh.remove(fresh);
+        for later in &mut self.states[slot as usize + 1..] {
+            later.world_index = later.world_index.saturating_sub(1);
+        }
+        if let Some(index) = self.pending_spawns.iter().position(|pending| *pending == slot) {
+            self.pending_spawns.remove(index);
             return;
         }
-        self.movers[slot as usize].generation += 1;
-        self.neighbours.remove(slot);
-        self.schedule.set(slot, None);
-        self.calendar.forget(slot);
-        self.moving.forget(slot);
-        self.release(slot);
+        self.states[slot as usize].generation += 1;
+        self.cell_lists.remove(slot);
+        self.event_queue.set(slot, None);
+        self.crossing_wheel.cancel(slot);
+        self.dirty_states.remove(slot);
+        self.wake_dependents(slot);
     }
 
-    fn slot(&self, id: BodyId) -> Option<Slot> {
-        self.traits.binary_search_by_key(&id, |traits| traits.id).ok().map(|slot| slot as Slot)
+    fn slot_of(&self, id: BodyId) -> Option<Slot> {
+        self.params.binary_search_by_key(&id, |params| params.id).ok().map(|slot| slot as Slot)
     }
 
-    /// Moves the world on by one step: admits the newcomers, lets happen what happens, samples.
+    /// Advances the world by one step; the module documentation lists the phases.
     ///
     /// # Errors
-    /// [`StepError::Crushed`] if a body is pressed between infinite masses,
-    /// [`StepError::TooManyEvents`] beyond the limit, [`StepError::NotFinite`] if a number
-    /// overflows. In the first two cases the world still shows the state before the step.
+    /// [`StepError::Crushed`] if a body is crushed between infinite masses,
+    /// [`StepError::TooManyEvents`] if the step exceeds the limit of events,
+    /// [`StepError::NotFinite`] if a number overflows. In the first two cases the world still
+    /// holds the state before the step.
     pub fn step<O: Observer>(&mut self, world: &mut World, step: u64, observer: &mut O) -> Result<(), StepError> {
-        if self.rests(step) {
-            self.pass(step);
+        if self.is_idle(step) {
+            self.skip_step(step);
             return Ok(());
         }
-        self.advance_to(Instant::start_of(step));
-        self.admit(world, step);
-        self.run(world, step, Instant::NEVER, observer)?;
+        self.advance_clock(Instant::start_of(step));
+        self.insert_spawned(world, step);
+        self.process_events(world, step, Instant::NEVER, observer)?;
         self.sample(world, step)?;
-        self.move_on(step + 1);
+        self.handle_due_crossings(step + 1);
         Ok(())
     }
 
-    /// The world so many seconds after a step began, without going there.
+    /// The world `offset` seconds after the start of `step`; the solver itself does not advance.
     ///
     /// # Errors
     /// As for [`EventDriven::step`].
-    pub fn between<O: Observer>(
+    pub fn world_after<O: Observer>(
         &self,
         world: &World,
         step: u64,
@@ -260,85 +293,96 @@ impl EventDriven {
         observer: &mut O,
     ) -> Result<World, StepError> {
         let instant = Instant { step: step as f64, offset };
-        let mut ahead = self.clone();
-        ahead.now = Instant::start_of(step);
-        ahead.admit(world, step);
-        ahead.run(world, step, instant, observer)?;
-        Ok(ahead.seen_at(world, instant))
+        let mut copy = self.clone();
+        copy.now = Instant::start_of(step);
+        copy.insert_spawned(world, step);
+        copy.process_events(world, step, instant, observer)?;
+        Ok(copy.world_at(world, instant))
     }
 
-    /// Whether nobody moves in the step, and nobody is to be looked at.
-    fn rests(&self, step: u64) -> bool {
-        self.fresh.is_empty() && self.moving.is_empty() && self.schedule.is_free(step) && self.calendar.is_free()
+    /// True if no body moves and nothing is due in the step.
+    fn is_idle(&self, step: u64) -> bool {
+        self.pending_spawns.is_empty()
+            && self.dirty_states.is_empty()
+            && self.event_queue.is_step_empty(step)
+            && self.crossing_wheel.is_next_bin_empty()
     }
 
-    /// Passes over a step in which all rests.
-    fn pass(&mut self, step: u64) {
-        self.schedule.pass(step);
-        self.calendar.pass();
-        self.advance_to(Instant::start_of(step + 1));
+    /// Skips a step in which [nothing happens](Self::is_idle).
+    fn skip_step(&mut self, step: u64) {
+        self.event_queue.skip_step(step);
+        self.crossing_wheel.skip_step();
+        self.advance_clock(Instant::start_of(step + 1));
     }
 
-    /// Lets happen what is due in the step, up to an instant.
-    fn run<O: Observer>(&mut self, world: &World, step: u64, last: Instant, observer: &mut O) -> Result<(), StepError> {
-        self.schedule.begin(step);
-        let (mut events, mut glances) = (0, 0);
-        let most_glances = self.limit.saturating_add(GLANCES_PER_BODY * self.movers.len() as u64);
-        while let Some((slot, turn)) = self.schedule.next(step) {
-            if last.is_before(turn.at) {
+    /// Processes the events due in the step up to the instant `last`, in their total order.
+    fn process_events<O: Observer>(
+        &mut self,
+        world: &World,
+        step: u64,
+        last: Instant,
+        observer: &mut O,
+    ) -> Result<(), StepError> {
+        self.event_queue.begin_step(step);
+        let (mut dequeued, mut events) = (0, 0);
+        let max_repredictions = self.max_events.saturating_add(MAX_REPREDICTIONS_PER_BODY * self.states.len() as u64);
+        while let Some((slot, event)) = self.event_queue.pop(step) {
+            if last.is_before(event.at) {
                 break;
             }
-            glances += 1;
-            if glances - events > most_glances {
-                return Err(self.too_many(world, step, turn.pair));
+            dequeued += 1;
+            if dequeued - events > max_repredictions {
+                return Err(self.too_many_events(world, step, event.pair));
             }
-            self.advance_to(turn.at);
-            let Some(kind) = turn.meeting else {
-                self.cross(slot);
+            self.advance_clock(event.at);
+            let Some(pair_event) = event.pair_event else {
+                self.handle_cell_crossing(slot);
                 continue;
             };
-            let partner = if turn.pair[0] == slot { turn.pair[1] } else { turn.pair[0] };
-            if self.movers[partner as usize].generation != turn.generation {
+            let partner = if event.pair[0] == slot { event.pair[1] } else { event.pair[0] };
+            if self.states[partner as usize].generation != event.partner_generation {
                 self.predict(slot);
                 continue;
             }
             events += 1;
-            if events > self.limit {
-                return Err(self.too_many(world, step, turn.pair));
+            if events > self.max_events {
+                return Err(self.too_many_events(world, step, event.pair));
             }
             self.changed.push(slot);
-            self.happen(world, turn.pair, kind, observer)?;
+            self.handle_pair_event(world, event.pair, pair_event, observer)?;
         }
         Ok(())
     }
 
-    /// Lets two bodies meet, and looks ahead again for all whom it concerned.
-    fn happen<O: Observer>(
+    /// Handles an event of two bodies, and predicts the next events of all bodies that it changed.
+    fn handle_pair_event<O: Observer>(
         &mut self,
         world: &World,
         pair: [Slot; 2],
-        kind: Kind,
+        event: PairEvent,
         observer: &mut O,
     ) -> Result<(), StepError> {
-        match kind {
-            Kind::Touch(axis) => self.collide(world, pair, usize::from(axis), observer)?,
-            Kind::Corner | Kind::Press => self.collide_corners(world, pair, observer)?,
-            Kind::Part(_) => self.part(pair),
+        match event {
+            PairEvent::FaceImpact(axis) => self.collide_faces(world, pair, axis, observer)?,
+            PairEvent::CornerImpact | PairEvent::CornerPress => self.collide_corners(world, pair, observer)?,
+            PairEvent::ContactEnd(_) => self.end_contact(pair),
         }
         self.predict_changed();
         Ok(())
     }
 
-    /// Notes that what was foretold of this body does not hold any more.
-    fn mark(&mut self, slot: Slot) {
-        let mover = &mut self.movers[slot as usize];
-        if !mover.infinite {
-            mover.generation = mover.generation.wrapping_add(1);
-            self.neighbours.extend(slot, Reach::ANYWHERE);
+    /// Invalidates all predictions that involve a body of finite mass, because its trajectory or
+    /// contacts changed.
+    fn invalidate(&mut self, slot: Slot) {
+        let body = &mut self.states[slot as usize];
+        if !body.infinite {
+            body.generation = body.generation.wrapping_add(1);
+            self.cell_lists.set_swept_aabb(slot, SweptAabb::EVERYWHERE);
             self.changed.push(slot);
         }
     }
 
+    /// Predicts the next events of all bodies that changed at the present instant.
     fn predict_changed(&mut self) {
         let mut changed = std::mem::take(&mut self.changed);
         if changed.len() > 2 {
@@ -347,13 +391,13 @@ impl EventDriven {
         changed.dedup();
         for slot in &changed {
             self.predict(*slot);
-            self.moving.update(*slot, &self.movers[*slot as usize]);
+            self.dirty_states.update(*slot, &self.states[*slot as usize]);
         }
         changed.clear();
         self.changed = changed;
     }
 
-    fn name(&self, world: &World, slot: Slot) -> String {
-        world.bodies[self.movers[slot as usize].place as usize].name.clone()
+    fn name_of(&self, world: &World, slot: Slot) -> String {
+        world.bodies[self.states[slot as usize].world_index as usize].name.clone()
     }
 }

@@ -1,124 +1,129 @@
-//! Bodies spawned overlapping others are put where there is room.
+//! Removes the overlaps that spawned bodies cause, by moving bodies to the nearest free position.
 
 use super::EventDriven;
-use super::fine_state::FineState;
-use super::meeting::tolerance;
-use super::mover::{AXES, Slot};
+use super::body_state::Slot;
+use super::pair_event::tolerance;
+use super::state_dd::StateDd;
+use crate::physics::Axis;
 
-/// A box at rest in its place: lower and upper corner, m.
+/// An axis-aligned bounding box: upper-left corner and size, m.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Block {
+struct Aabb {
     low: [f64; 2],
     size: [f64; 2],
 }
 
-impl Block {
-    fn at(self, low: [f64; 2]) -> Block {
-        Block { low, ..self }
+impl Aabb {
+    /// The box of the same size at another corner.
+    fn at(self, low: [f64; 2]) -> Aabb {
+        Aabb { low, ..self }
     }
 
-    /// Whether the two share more than a border, beyond rounding.
-    fn overlaps(&self, other: &Block) -> bool {
-        AXES.into_iter().all(|axis| {
+    /// True if the two share more than a border, beyond rounding.
+    fn overlaps(&self, other: &Aabb) -> bool {
+        Axis::BOTH.into_iter().all(|axis| {
             let scale = self.low[axis].abs() + other.low[axis].abs() + (self.size[axis] + other.size[axis]);
-            let ahead = other.low[axis] - (self.low[axis] + self.size[axis]);
-            let behind = self.low[axis] - (other.low[axis] + other.size[axis]);
-            ahead < -tolerance(scale) && behind < -tolerance(scale)
+            let high_gap = other.low[axis] - (self.low[axis] + self.size[axis]);
+            let low_gap = self.low[axis] - (other.low[axis] + other.size[axis]);
+            high_gap < -tolerance(scale) && low_gap < -tolerance(scale)
         })
     }
 }
 
 impl EventDriven {
-    /// Puts apart what newcomers overlap: velocities stay, so no kinetic energy is gained.
+    /// Removes the overlaps of spawned bodies. Velocities do not change, so no kinetic energy is added.
     ///
-    /// In creation order each newcomer of finite mass goes to the nearest place where it
-    /// overlaps nothing that is there already; a newcomer of infinite mass stays and makes
-    /// the older ones it overlaps do so. The place is exact: of all positions that touch
-    /// faces of obstacles, the nearest free one.
-    pub(super) fn separate(&mut self, fresh: &[Slot]) {
-        let mut waiting = self.displaced(fresh);
-        waiting.extend(fresh.iter().copied().filter(|slot| !self.movers[*slot as usize].infinite));
-        for place in 0..waiting.len() {
-            let slot = waiting[place];
-            let block = self.block_of(slot);
-            if let Some(low) = self.free_place(slot, block, &waiting[place + 1..]) {
-                self.neighbours.remove(slot);
-                for axis in AXES {
-                    let state = self.fine(slot, axis);
-                    self.redirect(slot, axis, FineState { position: low[axis].into(), ..state });
+    /// In creation order, each spawned body of finite mass moves to the nearest position at which it
+    /// overlaps no body that is already placed. A spawned body of infinite mass stays, and the older
+    /// bodies of finite mass that it overlaps move instead. The nearest position is found exactly,
+    /// among all positions that touch faces of obstacles.
+    pub(super) fn separate_overlaps(&mut self, spawned: &[Slot]) {
+        let mut queue = self.displaced_by_static(spawned);
+        queue.extend(spawned.iter().copied().filter(|slot| !self.states[*slot as usize].infinite));
+        for index in 0..queue.len() {
+            let slot = queue[index];
+            let aabb = self.aabb_of(slot);
+            if let Some(low) = self.nearest_free_position(slot, aabb, &queue[index + 1..]) {
+                self.cell_lists.remove(slot);
+                for axis in Axis::BOTH {
+                    let state = self.state_dd(slot, axis);
+                    self.set_trajectory(slot, axis, StateDd { position: low[axis].into(), ..state });
                 }
-                self.neighbours.insert(&self.clock, slot, &self.movers[slot as usize], self.now);
+                self.cell_lists.insert(&self.clock, slot, &self.states[slot as usize], self.now);
             }
         }
     }
 
-    /// Older bodies of finite mass that newcomers of infinite mass overlap; they leave their contacts.
-    fn displaced(&mut self, fresh: &[Slot]) -> Vec<Slot> {
+    /// The older bodies of finite mass that spawned bodies of infinite mass overlap; ends their contacts.
+    fn displaced_by_static(&mut self, spawned: &[Slot]) -> Vec<Slot> {
         let mut displaced = Vec::new();
-        for slot in fresh.iter().filter(|slot| self.movers[**slot as usize].infinite) {
-            let block = self.block_of(*slot);
-            self.neighbours.within(block.low, [0, 1].map(|axis| block.low[axis] + block.size[axis]), |other| {
+        for slot in spawned.iter().filter(|slot| self.states[**slot as usize].infinite) {
+            let aabb = self.aabb_of(*slot);
+            self.cell_lists.visit_region(aabb.low, Axis::BOTH.map(|axis| aabb.low[axis] + aabb.size[axis]), |other| {
                 displaced.push(other);
             });
             displaced.retain(|other| {
-                !self.movers[*other as usize].infinite
-                    && fresh.binary_search(other).is_err()
-                    && block.overlaps(&self.block_of(*other))
+                !self.states[*other as usize].infinite
+                    && spawned.binary_search(other).is_err()
+                    && aabb.overlaps(&self.aabb_of(*other))
             });
         }
         displaced.sort_unstable();
         displaced.dedup();
         for slot in &displaced {
             for contact in self.contacts.of(*slot).to_vec() {
-                self.part([*slot, contact.other]);
+                self.end_contact([*slot, contact.other]);
             }
         }
         displaced
     }
 
-    fn block_of(&self, slot: Slot) -> Block {
-        let mover = &self.movers[slot as usize];
-        Block { low: mover.motion.at(&self.clock, self.now)[0], size: mover.size }
+    /// The bounding box of a body at the present instant.
+    fn aabb_of(&self, slot: Slot) -> Aabb {
+        let body = &self.states[slot as usize];
+        Aabb { low: body.trajectory.at(&self.clock, self.now)[0], size: body.size }
     }
 
-    /// The nearest free place for a body that overlaps something; none if it overlaps nothing.
+    /// The nearest free position of a body that overlaps another; none if it overlaps none, or if
+    /// no free position is found.
     ///
-    /// Those `absent`, in creation order, are not there yet.
-    fn free_place(&self, slot: Slot, block: Block, absent: &[Slot]) -> Option<[f64; 2]> {
-        let mut reach = if block.size[0] > block.size[1] { block.size[0] } else { block.size[1] };
-        let mut obstacles = self.obstacles(slot, &block, 0.0, absent);
-        if !obstacles.iter().any(|obstacle| block.overlaps(obstacle)) {
+    /// Bodies in `unplaced`, which is in creation order, are no obstacles.
+    fn nearest_free_position(&self, slot: Slot, aabb: Aabb, unplaced: &[Slot]) -> Option<[f64; 2]> {
+        let mut radius = if aabb.size[0] > aabb.size[1] { aabb.size[0] } else { aabb.size[1] };
+        let mut obstacles = self.obstacles(slot, &aabb, 0.0, unplaced);
+        if !obstacles.iter().any(|obstacle| aabb.overlaps(obstacle)) {
             return None;
         }
         for _ in 0..64 {
-            obstacles = self.obstacles(slot, &block, reach, absent);
-            if let Some(place) = nearest_free(&block, &obstacles, reach) {
-                return Some(place);
+            obstacles = self.obstacles(slot, &aabb, radius, unplaced);
+            if let Some(position) = nearest_free_corner(&aabb, &obstacles, radius) {
+                return Some(position);
             }
-            reach *= 2.0;
+            radius *= 2.0;
         }
         None
     }
 
-    fn obstacles(&self, slot: Slot, block: &Block, reach: f64, absent: &[Slot]) -> Vec<Block> {
-        let mut near = Vec::new();
-        let low = block.low.map(|x| x - reach);
-        let high = AXES.map(|axis| block.low[axis] + block.size[axis] + reach);
-        self.neighbours.within(low, high, |other| near.push(other));
-        near.sort_unstable();
-        near.dedup();
-        near.retain(|other| *other != slot && absent.binary_search(other).is_err());
-        near.into_iter().map(|other| self.block_of(other)).collect()
+    /// The boxes of all placed bodies within `radius` (m) of `aabb`, and possibly some farther away.
+    fn obstacles(&self, slot: Slot, aabb: &Aabb, radius: f64, unplaced: &[Slot]) -> Vec<Aabb> {
+        let mut found = Vec::new();
+        let low = aabb.low.map(|x| x - radius);
+        let high = Axis::BOTH.map(|axis| aabb.low[axis] + aabb.size[axis] + radius);
+        self.cell_lists.visit_region(low, high, |other| found.push(other));
+        found.sort_unstable();
+        found.dedup();
+        found.retain(|other| *other != slot && unplaced.binary_search(other).is_err());
+        found.into_iter().map(|other| self.aabb_of(other)).collect()
     }
 }
 
-/// The free place nearest to where the block is, if one lies within reach.
+/// The free position nearest to the present one, if there is one within `radius`, m.
 ///
-/// Of places equally near the first in the order left, right, top, bottom.
-fn nearest_free(block: &Block, obstacles: &[Block], reach: f64) -> Option<[f64; 2]> {
-    let [xs, ys] = AXES.map(|axis| places(block, obstacles, axis));
+/// Of equally near positions, the first in the order left, right, top, bottom.
+fn nearest_free_corner(aabb: &Aabb, obstacles: &[Aabb], radius: f64) -> Option<[f64; 2]> {
+    let [xs, ys] = Axis::BOTH.map(|axis| candidate_coordinates(aabb, obstacles, axis));
     let mut best = None;
-    let mut least = reach * reach;
+    let mut least = radius * radius;
     for (dx, x) in &xs {
         if dx * dx > least {
             break;
@@ -128,8 +133,8 @@ fn nearest_free(block: &Block, obstacles: &[Block], reach: f64) -> Option<[f64; 
             if square > least || (square == least && best.is_some()) {
                 break;
             }
-            let there = block.at([*x, *y]);
-            if !obstacles.iter().any(|obstacle| there.overlaps(obstacle)) {
+            let candidate = aabb.at([*x, *y]);
+            if !obstacles.iter().any(|obstacle| candidate.overlaps(obstacle)) {
                 least = square;
                 best = Some([*x, *y]);
                 break;
@@ -139,17 +144,18 @@ fn nearest_free(block: &Block, obstacles: &[Block], reach: f64) -> Option<[f64; 
     best
 }
 
-/// The coordinates along an axis at which the block stays or touches an obstacle, nearest first.
-fn places(block: &Block, obstacles: &[Block], axis: usize) -> Vec<(f64, f64)> {
-    let here = block.low[axis];
-    let mut places = vec![(0.0, here)];
+/// The coordinates along an axis at which the box stays or touches an obstacle, with their distances from
+/// the present one; nearest first.
+fn candidate_coordinates(aabb: &Aabb, obstacles: &[Aabb], axis: Axis) -> Vec<(f64, f64)> {
+    let here = aabb.low[axis];
+    let mut candidates = vec![(0.0, here)];
     for obstacle in obstacles {
-        let before = super::collide::just_before(obstacle.low[axis], block.size[axis]);
-        for place in [before, obstacle.low[axis] + obstacle.size[axis]] {
-            places.push(((place - here).abs(), place));
+        let before = super::collide::largest_position_before(obstacle.low[axis], aabb.size[axis]);
+        for coordinate in [before, obstacle.low[axis] + obstacle.size[axis]] {
+            candidates.push(((coordinate - here).abs(), coordinate));
         }
     }
-    places.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
-    places.dedup();
-    places
+    candidates.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    candidates.dedup();
+    candidates
 }

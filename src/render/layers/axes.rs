@@ -1,65 +1,71 @@
 use super::super::text::Line;
 use super::super::{Ink, Shape};
-use super::Page;
-use super::grid::{multiples, number, spacing};
-use crate::physics::{Rect, Vector};
+use super::LayoutContext;
+use super::grid::{grid_spacing, multiples_within, tick_label};
+use crate::physics::{Axis, Rect, Vector};
 use crate::scene::Overlay;
 
-/// Scales in metres on the left of the window and below it.
-pub fn draw(page: &Page, shapes: &mut Vec<Shape>) {
-    if !page.view.style.shows(Overlay::Axes) {
+/// Axes in metres, left of the viewport and below it.
+pub fn draw(context: &LayoutContext, shapes: &mut Vec<Shape>) {
+    if !context.view.style.shows(Overlay::Axes) {
         return;
     }
-    let (window, line) = (page.camera.window, page.look.line);
-    let far = window.far_corner();
-    let ink = Ink::from(page.look.palette.muted);
+    let (viewport, line) = (context.camera.viewport, context.metrics.line_width);
+    let far = viewport.far_corner();
+    let ink = Ink::from(context.metrics.palette.muted);
     let bar = |x: f64, y: f64, width: f64, height: f64| Shape::Rect {
         rect: Rect::new(Vector::new(x, y), width, height),
         ink,
     };
-    shapes.push(bar(window.origin.x - line, window.origin.y, line, window.height() + line));
-    shapes.push(bar(window.origin.x, far.y, window.width(), line));
-    let tick = (0.3 * page.look.text).round();
-    for at in seen_multiples(page, 0) {
-        let x = page.camera.point(Vector::new(at, 0.0)).x.round();
-        shapes.push(bar(x, far.y, line, tick));
-        below(at, x, page, shapes);
+    shapes.push(bar(viewport.origin.x - line, viewport.origin.y, line, viewport.height() + line));
+    shapes.push(bar(viewport.origin.x, far.y, viewport.width(), line));
+    let tick_length = (0.3 * context.metrics.font_size).round();
+    for at in ticks(context, Axis::X) {
+        let x = context.camera.point(Vector::new(at, 0.0)).x.round();
+        shapes.push(bar(x, far.y, line, tick_length));
+        label_below(at, x, context, shapes);
     }
-    for at in seen_multiples(page, 1) {
-        let y = page.camera.point(Vector::new(0.0, at)).y.round();
-        shapes.push(bar(window.origin.x - tick, y, tick, line));
-        beside(at, y, page, shapes);
+    for at in ticks(context, Axis::Y) {
+        let y = context.camera.point(Vector::new(0.0, at)).y.round();
+        shapes.push(bar(viewport.origin.x - tick_length, y, tick_length, line));
+        label_left(at, y, context, shapes);
     }
 }
 
-fn seen_multiples(page: &Page, axis: usize) -> Vec<f64> {
-    multiples(&page.camera.seen(), axis, spacing(page))
+fn ticks(context: &LayoutContext, axis: Axis) -> Vec<f64> {
+    multiples_within(&context.camera.visible_area(), axis, grid_spacing(context))
 }
 
-/// The number of a tick below the window; the last that has room for it also has the unit.
-fn below(at: f64, x: f64, page: &Page, shapes: &mut Vec<Shape>) {
-    let far = page.camera.window.far_corner();
-    let is_last = x + spacing(page) * page.camera.scale > far.x;
-    let line = text(at, if is_last { " m" } else { "" }, page);
-    let place = Vector::new((x - line.width / 2.0).round(), (far.y + 1.15 * page.look.text).round());
-    if place.x >= page.camera.window.origin.x - page.look.text && place.x + line.width <= f64::from(page.camera.size[0])
+/// The label of a tick below the viewport. The last tick label includes the unit.
+fn label_below(at: f64, x: f64, context: &LayoutContext, shapes: &mut Vec<Shape>) {
+    let far = context.camera.viewport.far_corner();
+    let is_last = x + grid_spacing(context) * context.camera.scale > far.x;
+    let line = unit_label(at, if is_last { " m" } else { "" }, context);
+    let baseline = Vector::new((x - line.width / 2.0).round(), (far.y + 1.15 * context.metrics.font_size).round());
+    if baseline.x >= context.camera.viewport.origin.x - context.metrics.font_size
+        && baseline.x + line.width <= f64::from(context.camera.size[0])
     {
-        shapes.push(Shape::Text { line, at: place, ink: Ink::from(page.look.palette.muted) });
+        shapes.push(Shape::Text { line, at: baseline, ink: Ink::from(context.metrics.palette.muted) });
     }
 }
 
-/// The number of a tick on the left of the window; the first has the unit.
-fn beside(at: f64, y: f64, page: &Page, shapes: &mut Vec<Shape>) {
-    let window = page.camera.window;
-    let is_first = y - spacing(page) * page.camera.scale < window.origin.y;
-    let line = text(at, if is_first { " m" } else { "" }, page);
-    let place =
-        Vector::new((window.origin.x - 0.5 * page.look.text - line.width).round(), (y + line.height() / 2.0).round());
-    if place.y - line.height() >= 0.0 && place.y <= window.far_corner().y && place.x >= 0.0 {
-        shapes.push(Shape::Text { line, at: place, ink: Ink::from(page.look.palette.muted) });
+/// The label of a tick left of the viewport. The topmost one includes the unit.
+fn label_left(at: f64, y: f64, context: &LayoutContext, shapes: &mut Vec<Shape>) {
+    let viewport = context.camera.viewport;
+    let is_topmost = y - grid_spacing(context) * context.camera.scale < viewport.origin.y;
+    let line = unit_label(at, if is_topmost { " m" } else { "" }, context);
+    let baseline = Vector::new(
+        (viewport.origin.x - 0.5 * context.metrics.font_size - line.width).round(),
+        (y + line.height() / 2.0).round(),
+    );
+    if baseline.y - line.height() >= 0.0 && baseline.y <= viewport.far_corner().y && baseline.x >= 0.0 {
+        shapes.push(Shape::Text { line, at: baseline, ink: Ink::from(context.metrics.palette.muted) });
     }
 }
 
-fn text(at: f64, unit: &str, page: &Page) -> Line {
-    Line::plain(&format!("{}{unit}", number(at, spacing(page))).replace('-', "−"), 0.7 * page.look.text)
+fn unit_label(at: f64, unit: &str, context: &LayoutContext) -> Line {
+    Line::plain(
+        &format!("{}{unit}", tick_label(at, grid_spacing(context))).replace('-', "−"),
+        0.7 * context.metrics.font_size,
+    )
 }

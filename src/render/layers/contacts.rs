@@ -1,78 +1,84 @@
-use super::super::area::overlap;
-use super::super::number::significant;
+use super::super::area::intersection;
+use super::super::number_format::format_significant;
 use super::super::{Arrow, Frame, Ink, Shape};
-use super::velocities::length;
-use super::{NamedArrow, Page};
+use super::velocities::to_arrow;
+use super::{LabeledArrow, LayoutContext};
 use crate::physics::{Collision, Rect, Vector};
 use crate::scene::Overlay;
 
-/// What the two boxes of each collision that led to this frame share.
-pub fn draw_overlaps(frame: &Frame, page: &Page, shapes: &mut Vec<Shape>) {
-    if !page.view.style.shows(Overlay::Penetration) {
+/// Draws the overlap of the boxes of each collision of the frame.
+pub fn draw_overlaps(frame: &Frame, context: &LayoutContext, shapes: &mut Vec<Shape>) {
+    if !context.view.style.shows(Overlay::Penetration) {
         return;
     }
-    let ink = Ink { color: page.look.palette.penetration, opacity: 140 };
-    let shared = frame.collisions.iter().filter_map(|collision| shared(collision, page));
-    shapes.extend(shared.map(|rect| Shape::Rect { rect, ink }));
+    let ink = Ink { color: context.metrics.palette.penetration, opacity: 140 };
+    let overlaps = frame.collisions.iter().filter_map(|collision| overlap_rect(collision, context));
+    shapes.extend(overlaps.map(|rect| Shape::Rect { rect, ink }));
 }
 
-fn shared(collision: &Collision, page: &Page) -> Option<Rect> {
-    let [c, b] = collision.rects.map(|rect| page.camera.rect(&rect));
-    overlap(&c, &b)
+fn overlap_rect(collision: &Collision, context: &LayoutContext) -> Option<Rect> {
+    let [c, b] = collision.rects.map(|rect| context.camera.rect(&rect));
+    intersection(&c, &b)
 }
 
-/// More collisions than that in one frame, and numbers beside impulses would be a clutter.
-const NUMBERED: usize = 4;
+/// Impulses are labelled with their values in frames of at most this many collisions; more labels would be unreadable.
+const MAX_LABELED: usize = 4;
 
-/// Penetration vectors, normals and impulses of the collisions that led to this frame.
-pub fn arrows(frame: &Frame, page: &Page) -> Vec<NamedArrow> {
-    let numbered = frame.collisions.iter().filter(|collision| collision.impulse != 0.0).count() <= NUMBERED;
+/// Penetration vectors, normals and impulses of the collisions of the frame.
+pub fn arrows(frame: &Frame, context: &LayoutContext) -> Vec<LabeledArrow> {
+    let is_labeled = frame.collisions.iter().filter(|collision| collision.impulse != 0.0).count() <= MAX_LABELED;
     let mut arrows = Vec::new();
     for collision in &frame.collisions {
-        if page.view.style.shows(Overlay::Penetration) {
-            arrows.extend(penetration(collision, page).map(NamedArrow::from));
+        if context.view.style.shows(Overlay::Penetration) {
+            arrows.extend(penetration(collision, context).map(LabeledArrow::from));
         }
-        if page.view.style.shows(Overlay::Normal) {
-            arrows.push(normal(collision, page).into());
+        if context.view.style.shows(Overlay::Normal) {
+            arrows.push(normal(collision, context).into());
         }
-        if page.view.style.shows(Overlay::Impulse) && collision.impulse != 0.0 {
-            arrows.extend(impulses(collision, numbered, page));
+        if context.view.style.shows(Overlay::Impulse) && collision.impulse != 0.0 {
+            arrows.extend(impulses(collision, is_labeled, context));
         }
     }
     arrows
 }
 
-/// The vector by which the two boxes are pushed apart.
-fn penetration(collision: &Collision, page: &Page) -> Option<Arrow> {
-    let by = collision.penetration.mult(page.camera.scale);
-    let from = shared(collision, page)?.center().sub(by.mult(0.5));
-    Some(Arrow { from, to: from.add(by), width: page.look.line, color: page.look.palette.penetration })
+/// The vector that separates the two boxes.
+fn penetration(collision: &Collision, context: &LayoutContext) -> Option<Arrow> {
+    let vector = collision.penetration.mult(context.camera.scale);
+    let from = overlap_rect(collision, context)?.center().sub(vector.mult(0.5));
+    Some(Arrow {
+        from,
+        to: from.add(vector),
+        width: context.metrics.line_width,
+        color: context.metrics.palette.penetration,
+    })
 }
 
-/// The unit normal, 2.5 heights of text long, from the middle of the contact.
-fn normal(collision: &Collision, page: &Page) -> Arrow {
-    let from = page.camera.point(contact(&collision.rects));
-    let to = from.add(collision.normal.mult(2.5 * page.look.text));
-    Arrow { from, to, width: 1.5 * page.look.line, color: page.look.palette.normal }
+/// The unit normal from the middle of the contact, 2.5 times the font size long.
+fn normal(collision: &Collision, context: &LayoutContext) -> Arrow {
+    let from = context.camera.point(contact_center(&collision.rects));
+    let to = from.add(collision.normal.mult(2.5 * context.metrics.font_size));
+    Arrow { from, to, width: 1.5 * context.metrics.line_width, color: context.metrics.palette.normal }
 }
 
-/// What each of the two is given: +j·n̂ for c and −j·n̂ for b, with j written at the first.
-fn impulses(collision: &Collision, numbered: bool, page: &Page) -> [NamedArrow; 2] {
-    // Beside the normal, where both are shown.
-    let aside = if page.view.style.shows(Overlay::Normal) { 4.0 * page.look.line } else { 0.0 };
-    let aside = Vector::new(-collision.normal.y, collision.normal.x).mult(aside);
-    let from = page.camera.point(contact(&collision.rects)).add(aside);
-    let along = length(collision.normal.mult(collision.impulse), page.view.style.top_impulse, page);
-    let arrow = |by: Vector| {
-        let color = page.look.palette.impulse;
-        Arrow { from, to: from.add(by), width: 1.5 * page.look.line, color }
+/// The impulses on the two bodies: +j·n̂ on c, labelled with j, and −j·n̂ on b.
+fn impulses(collision: &Collision, is_labeled: bool, context: &LayoutContext) -> [LabeledArrow; 2] {
+    // Offset from the normal if that is shown, too.
+    let offset = if context.view.style.shows(Overlay::Normal) { 4.0 * context.metrics.line_width } else { 0.0 };
+    let offset = Vector::new(-collision.normal.y, collision.normal.x).mult(offset);
+    let from = context.camera.point(contact_center(&collision.rects)).add(offset);
+    let along = to_arrow(collision.normal.mult(collision.impulse), context.view.style.top_impulse, context);
+    let arrow = |vector: Vector| {
+        let color = context.metrics.palette.impulse;
+        Arrow { from, to: from.add(vector), width: 1.5 * context.metrics.line_width, color }
     };
-    let name = if numbered { format!("j = {} \"N·s\"", significant(collision.impulse, 3)) } else { String::new() };
-    [NamedArrow { arrow: arrow(along), name }, NamedArrow::from(arrow(along.mult(-1.0)))]
+    let label =
+        if is_labeled { format!("j = {} \"N·s\"", format_significant(collision.impulse, 3)) } else { String::new() };
+    [LabeledArrow { arrow: arrow(along), label }, LabeledArrow::from(arrow(along.mult(-1.0)))]
 }
 
-/// The middle of what two rectangles share, or of the gap between them.
-pub fn contact([c, b]: &[Rect; 2]) -> Vector {
+/// The middle of the intersection of two rectangles or of the gap between them.
+pub fn contact_center([c, b]: &[Rect; 2]) -> Vector {
     let middle = |c: [f64; 2], b: [f64; 2]| {
         let from = if c[0] > b[0] { c[0] } else { b[0] };
         let to = if c[1] < b[1] { c[1] } else { b[1] };

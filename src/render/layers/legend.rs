@@ -1,136 +1,137 @@
-use super::super::palette::{self, SPEEDS};
+use super::super::palette::{self, SPEED_COLORS};
 use super::super::text::Line;
-use super::super::{Color, Ink, Look, Shape, Style};
-use super::grid::number;
+use super::super::{Color, Ink, Metrics, Shape, Style};
+use super::grid::tick_label;
 use crate::physics::{Rect, Vector};
 use crate::scene::ColorBy;
 
-/// What colours mean, in a row.
+/// A legend: a row of colours with their meanings.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Legend {
     /// From left to right.
     pub entries: Vec<Entry>,
 }
 
-/// One thing colours mean.
+/// An entry of a legend.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Entry {
-    /// Side by side.
+    /// Colours, drawn side by side.
     pub colors: Vec<Color>,
-    /// Written before them; may be empty.
-    pub before: String,
-    /// Written behind them, as markup for [`Line::math`].
+    /// Text before the colours; may be empty.
+    pub prefix: String,
+    /// Text after the colours, as markup for [`Line::math`].
     pub name: String,
 }
 
 impl Entry {
-    /// A colour and its name.
+    /// An entry of one colour with a plain-text name.
     pub fn new(color: Color, name: &str) -> Entry {
-        Entry { colors: vec![color], before: String::new(), name: quoted(name) }
+        Entry { colors: vec![color], prefix: String::new(), name: quoted(name) }
     }
 }
 
-/// A name as markup that leaves it as it is.
+/// Quotes a name so that [`Line::math`] typesets it unchanged.
 pub fn quoted(name: &str) -> String {
     format!("\"{}\"", name.replace('"', "″"))
 }
 
 impl Legend {
-    /// What the colours of boxes mean; nothing where each box has its own.
+    /// The legend of the box colours of `style`; empty if boxes are coloured individually.
     pub fn of(style: &Style) -> Legend {
         let entries = match style.color_by {
             ColorBy::Body => Vec::new(),
             ColorBy::Material => {
-                let entry = |name: &String| Entry::new(palette::material_color(name, style), name);
+                let entry = |name: &String| Entry::new(palette::color_by_material(name, style), name);
                 style.materials.iter().map(entry).collect()
             }
-            ColorBy::Speed => vec![speeds(style.top_speed)],
+            ColorBy::Speed => vec![speed_scale(style.top_speed)],
         };
         Legend { entries }
     }
 
-    /// Draws the row at the right end of a strip, or in its middle, smaller where it must be; the
-    /// last entries are left out where nothing helps.
-    pub fn draw(&self, strip: &Rect, place: Place, look: &Look, shapes: &mut Vec<Shape>) {
-        let sizes = [0.85, 0.7, 0.6].map(|size| size * look.text);
-        let fitting = sizes.into_iter().find(|&size| self.width(size) <= strip.width());
-        let size = fitting.unwrap_or(sizes[2]);
-        let room = strip.width() - self.width(size);
-        let mut x = match place {
-            Place::Right => strip.origin.x + room,
-            Place::Middle => strip.origin.x + room / 2.0,
+    /// Draws the legend in a strip, in a smaller font if necessary. The last entries are omitted if they do not fit in
+    /// the smallest font.
+    pub fn draw(&self, strip: &Rect, alignment: Alignment, metrics: &Metrics, shapes: &mut Vec<Shape>) {
+        let sizes = [0.85, 0.7, 0.6].map(|size| size * metrics.font_size);
+        let largest_fitting = sizes.into_iter().find(|&size| self.width(size) <= strip.width());
+        let size = largest_fitting.unwrap_or(sizes[2]);
+        let free_width = strip.width() - self.width(size);
+        let mut x = match alignment {
+            Alignment::Right => strip.origin.x + free_width,
+            Alignment::Center => strip.origin.x + free_width / 2.0,
         };
-        x = if room < 0.0 { strip.origin.x } else { x.round() };
+        x = if free_width < 0.0 { strip.origin.x } else { x.round() };
         for entry in &self.entries {
             if x + entry.width(size) > strip.far_corner().x + 1.0 {
                 return;
             }
-            entry.draw(x, size, strip, look, shapes);
-            x += entry.width(size) + gap_between(size);
+            entry.draw(x, size, strip, metrics, shapes);
+            x += entry.width(size) + entry_gap(size);
         }
     }
 
     fn width(&self, size: f64) -> f64 {
-        let widths: f64 = self.entries.iter().map(|entry| entry.width(size) + gap_between(size)).sum();
-        if widths > 0.0 { widths - gap_between(size) } else { 0.0 }
+        let widths: f64 = self.entries.iter().map(|entry| entry.width(size) + entry_gap(size)).sum();
+        if widths > 0.0 { widths - entry_gap(size) } else { 0.0 }
     }
 }
 
-/// Where in its strip a legend stands.
+/// The alignment of a legend in its strip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Place {
-    /// At its right end.
+pub enum Alignment {
+    /// At the right end.
     Right,
-    /// In its middle.
-    Middle,
+    /// In the middle.
+    Center,
 }
 
-/// A bar of the scale's colours between 0 and the top speed.
-fn speeds(top: f64) -> Entry {
-    let name = format!("\"{} m/s\"", number(top, top / 10.0));
-    Entry { colors: SPEEDS.to_vec(), before: "0".to_owned(), name }
+/// The colour scale from 0 to the top speed.
+fn speed_scale(top: f64) -> Entry {
+    let name = format!("\"{} m/s\"", tick_label(top, top / 10.0));
+    Entry { colors: SPEED_COLORS.to_vec(), prefix: "0".to_owned(), name }
 }
 
-fn gap_between(size: f64) -> f64 {
+fn entry_gap(size: f64) -> f64 {
     (1.1 * size).round()
 }
 
-fn gap(size: f64) -> f64 {
+fn text_gap(size: f64) -> f64 {
     (0.4 * size).round()
 }
 
-fn swatch(size: f64) -> f64 {
+fn swatch_size(size: f64) -> f64 {
     (0.9 * size).round()
 }
 
 impl Entry {
     fn width(&self, size: f64) -> f64 {
-        let before = if self.before.is_empty() { 0.0 } else { Line::plain(&self.before, size).width + gap(size) };
-        (before + swatch(size) * self.colors.len() as f64 + gap(size) + Line::math(&self.name, size).width).ceil()
+        let prefix = if self.prefix.is_empty() { 0.0 } else { Line::plain(&self.prefix, size).width + text_gap(size) };
+        (prefix + swatch_size(size) * self.colors.len() as f64 + text_gap(size) + Line::math(&self.name, size).width)
+            .ceil()
     }
 
-    fn draw(&self, left: f64, size: f64, strip: &Rect, look: &Look, shapes: &mut Vec<Shape>) {
-        let ink = Ink::from(look.palette.muted);
+    fn draw(&self, left: f64, size: f64, strip: &Rect, metrics: &Metrics, shapes: &mut Vec<Shape>) {
+        let ink = Ink::from(metrics.palette.muted);
         let mut x = left;
-        if !self.before.is_empty() {
-            let line = Line::plain(&self.before, size);
+        if !self.prefix.is_empty() {
+            let line = Line::plain(&self.prefix, size);
             let width = line.width;
             shapes.push(Shape::Text { at: Vector::new(x, baseline(&line, strip)), line, ink });
-            x += width + gap(size);
+            x += width + text_gap(size);
         }
         x = x.round();
         for &color in &self.colors {
-            let corner = Vector::new(x, (strip.center().y - swatch(size) / 2.0).round());
-            let rect = Rect::new(corner, swatch(size), swatch(size));
+            let corner = Vector::new(x, (strip.center().y - swatch_size(size) / 2.0).round());
+            let rect = Rect::new(corner, swatch_size(size), swatch_size(size));
             shapes.push(Shape::Rect { rect, ink: Ink::from(color) });
-            x += swatch(size);
+            x += swatch_size(size);
         }
         let line = Line::math(&self.name, size);
-        shapes.push(Shape::Text { at: Vector::new(x + gap(size), baseline(&line, strip)), line, ink });
+        shapes.push(Shape::Text { at: Vector::new(x + text_gap(size), baseline(&line, strip)), line, ink });
     }
 }
 
-/// Where a line stands in the middle of a strip's height.
+/// The baseline of a line that is vertically centred in a strip.
 pub fn baseline(line: &Line, strip: &Rect) -> f64 {
     (strip.center().y + line.height() / 2.0).round()
 }

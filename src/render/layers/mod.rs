@@ -1,79 +1,79 @@
-//! What a frame is made of, layer by layer, from the back to the front.
+//! The layers of a frame, from back to front.
 
 mod axes;
 pub mod bodies;
+mod body_labels;
 pub mod contacts;
 mod footer;
 mod forces;
 pub mod grid;
+mod labeled_arrow;
 pub mod legend;
-mod named_arrow;
-mod names;
 mod trails;
 mod velocities;
 mod walls;
 
-use super::{Camera, DisplayList, Frame, Look, Shape, View};
+use super::{Camera, DisplayList, Frame, Metrics, Shape, View};
 use crate::scene::Overlay;
-use named_arrow::NamedArrow;
+use labeled_arrow::LabeledArrow;
 
-/// The shapes that show `frame`.
+/// Lays out `frame` as a display list.
 pub fn compose(frame: &Frame, view: &View) -> DisplayList {
-    let page = Page::new(view, view.camera_at(frame));
-    let mut shapes = vec![world(frame, &page)];
-    axes::draw(&page, &mut shapes);
-    footer::draw(frame, &page, &mut shapes);
+    let context = LayoutContext::new(view, view.camera_for(frame));
+    let mut shapes = vec![foreground(frame, &context)];
+    axes::draw(&context, &mut shapes);
+    footer::draw(frame, &context, &mut shapes);
     DisplayList {
         size: view.camera.size,
-        background: page.look.palette.background,
-        backdrop: vec![backdrop(frame, &page)],
+        background: context.metrics.palette.background,
+        backdrop: vec![backdrop(frame, &context)],
         shapes,
     }
 }
 
-/// What does not move, seen through the page's window.
-pub fn backdrop(frame: &Frame, page: &Page) -> Shape {
+/// The layers that do not move, clipped to the viewport: walls and grid.
+pub fn backdrop(frame: &Frame, context: &LayoutContext) -> Shape {
     let mut shapes = Vec::new();
-    walls::draw(frame, page, &mut shapes);
-    if page.view.style.shows(Overlay::Grid) {
-        grid::draw(page, &mut shapes);
+    walls::draw(frame, context, &mut shapes);
+    if context.view.style.shows(Overlay::Grid) {
+        grid::draw(context, &mut shapes);
     }
-    Shape::Clip { window: page.camera.window, shapes }
+    Shape::Clip { window: context.camera.viewport, shapes }
 }
 
-/// What moves, seen through the page's window.
-pub fn world(frame: &Frame, page: &Page) -> Shape {
+/// The layers that move, clipped to the viewport: trails, boxes, arrows and labels.
+pub fn foreground(frame: &Frame, context: &LayoutContext) -> Shape {
     let mut shapes = Vec::with_capacity(8 * frame.sprites.len());
-    trails::draw(frame, page, &mut shapes);
-    bodies::draw(frame, page, &mut shapes);
-    contacts::draw_overlaps(frame, page, &mut shapes);
-    let arrows = arrows(frame, page);
-    arrows.iter().for_each(|arrow| arrow.arrow.draw(&page.look, &mut shapes));
-    names::draw(frame, page, &arrows, &mut shapes);
-    Shape::Clip { window: page.camera.window, shapes }
+    trails::draw(frame, context, &mut shapes);
+    bodies::draw(frame, context, &mut shapes);
+    contacts::draw_overlaps(frame, context, &mut shapes);
+    let arrows = arrows(frame, context);
+    arrows.iter().for_each(|arrow| arrow.arrow.draw(&context.metrics, &mut shapes));
+    body_labels::draw(frame, context, &arrows, &mut shapes);
+    Shape::Clip { window: context.camera.viewport, shapes }
 }
 
-/// Every arrow, later ones over earlier ones.
-fn arrows(frame: &Frame, page: &Page) -> Vec<NamedArrow> {
-    let mut arrows = velocities::arrows(frame, page);
-    arrows.extend(forces::arrows(frame, page));
-    arrows.extend(contacts::arrows(frame, page));
+/// All arrows, in drawing order.
+fn arrows(frame: &Frame, context: &LayoutContext) -> Vec<LabeledArrow> {
+    let mut arrows = velocities::arrows(frame, context);
+    arrows.extend(forces::arrows(frame, context));
+    arrows.extend(contacts::arrows(frame, context));
     arrows
 }
 
-/// A picture being made: what is seen in it, and how it looks.
-pub struct Page<'a> {
-    /// What is seen.
+/// The context shared by the layers of a frame.
+pub struct LayoutContext<'a> {
+    /// The view, whose style selects the overlays.
     pub view: &'a View,
-    /// Where it is seen from.
+    /// The camera of this frame.
     pub camera: Camera,
-    /// Colours and sizes.
-    pub look: Look,
+    /// Colours, font size and line width.
+    pub metrics: Metrics,
 }
 
-impl Page<'_> {
-    /// A picture with lines and text that suit its size.
-    pub fn new(view: &View, camera: Camera) -> Page<'_> {
-        Page { view, camera, look: Look::new(view.style.theme, view.camera.size) }
+impl LayoutContext<'_> {
+    /// Creates a context with the metrics of the view's theme and size.
+    pub fn new(view: &View, camera: Camera) -> LayoutContext<'_> {
+        LayoutContext { view, camera, metrics: Metrics::new(view.style.theme, view.camera.size) }
     }
 }

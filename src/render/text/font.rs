@@ -12,7 +12,7 @@ pub const UNITS_PER_EM: f64 = 1000.0;
 const FILE: &[u8] = include_bytes!("../fonts/STIXTwoMath-subset.ttf");
 
 static FONT: LazyLock<Font> = LazyLock::new(|| {
-    let file = FontRef::new(FILE).expect("the embedded font is a font");
+    let file = FontRef::new(FILE).expect("the embedded font is valid");
     Font::new(file)
 });
 
@@ -25,7 +25,7 @@ pub struct Font {
 }
 
 impl Font {
-    /// The one there is.
+    /// The embedded font.
     pub fn embedded() -> &'static Font {
         &FONT
     }
@@ -39,65 +39,65 @@ impl Font {
         }
     }
 
-    /// The glyph of a character; glyph 0, a box, for one the font lacks.
+    /// The glyph of a character; glyph 0, drawn as a box, if the font lacks it.
     pub fn glyph(&self, character: char) -> u16 {
         self.characters.map(character).map_or(0, |glyph| glyph.to_u32() as u16)
     }
 
-    /// How far the next glyph stands from this one.
+    /// The advance width of a glyph.
     pub fn advance(&self, glyph: u16) -> f64 {
         f64::from(self.metrics.advance_width(GlyphId::from(glyph)).unwrap_or(0.0))
     }
 
-    /// The smallest rectangle around a glyph.
+    /// The bounding box of a glyph.
     pub fn bounds(&self, glyph: u16) -> Bounds {
         let bounds = self.metrics.bounds(GlyphId::from(glyph)).unwrap_or_default();
         let [left, right, top] = [bounds.x_min, bounds.x_max, bounds.y_max].map(f64::from);
         Bounds { left, right, top }
     }
 
-    /// What the distance between two neighbours is changed by.
+    /// The kerning of two adjacent glyphs, added to the advance width of the first.
     ///
-    /// OpenType lets the first pair table that knows the pair decide.
+    /// As OpenType specifies, the first pair table that contains the pair applies.
     pub fn kerning(&self, left: u16, right: u16) -> f64 {
         self.kerning.iter().find_map(|table| pair_advance(table, left, right)).map_or(0.0, f64::from)
     }
 
-    /// The outline of a glyph around its origin, y **up**.
-    pub fn outline(&self, glyph: u16) -> Vec<Segment> {
+    /// The outline of a glyph relative to its origin, y **up**.
+    pub fn outline(&self, glyph: u16) -> Vec<PathSegment> {
         let Some(outline) = self.outlines.get(GlyphId::from(glyph)) else { return Vec::new() };
         let settings = DrawSettings::unhinted(Size::unscaled(), LocationRef::default());
         let mut pen = Pen(Vec::new());
-        outline.draw(settings, &mut pen).expect("the embedded font's outlines are sound");
+        outline.draw(settings, &mut pen).expect("the embedded font's outlines are valid");
         pen.0
     }
 }
 
-/// How far a glyph reaches from its origin, y **up**.
+/// The bounds of a glyph relative to its origin, y **up**.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
-    /// To the right, where it begins.
+    /// Left border.
     pub left: f64,
-    /// To the right, where it ends.
+    /// Right border.
     pub right: f64,
-    /// Upwards.
+    /// Upper border.
     pub top: f64,
 }
 
-/// A piece of an outline; each begins where the one before it ended.
+/// A segment of an outline. Each segment begins at the end of the one before it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Segment {
-    /// Begins a contour at a point.
+pub enum PathSegment {
+    /// Begins a contour at this point.
     Move([f32; 2]),
-    /// A straight line to a point.
+    /// A straight line to this point.
     Line([f32; 2]),
-    /// A parabola: control point, end.
+    /// A quadratic Bézier curve: control point and end.
     Quadratic([[f32; 2]; 2]),
-    /// Back to where the contour began.
+    /// Closes the contour.
     Close,
 }
 
-/// The font's pair tables, in the order in which they are asked.
+/// The pair tables of the font's `GPOS` table, in lookup order.
 fn pair_tables(file: &FontRef<'static>) -> Vec<PairPos<'static>> {
     let Ok(lookups) = file.gpos().and_then(|table| table.lookup_list()) else { return Vec::new() };
     let subtables = lookups.lookups().iter().flatten().filter_map(|lookup| lookup.subtables().ok());
@@ -127,27 +127,27 @@ fn pair_advance(table: &PairPos, left: u16, right: u16) -> Option<i16> {
     }
 }
 
-struct Pen(Vec<Segment>);
+struct Pen(Vec<PathSegment>);
 
 impl OutlinePen for Pen {
     fn move_to(&mut self, x: f32, y: f32) {
-        self.0.push(Segment::Move([x, y]));
+        self.0.push(PathSegment::Move([x, y]));
     }
 
     fn line_to(&mut self, x: f32, y: f32) {
-        self.0.push(Segment::Line([x, y]));
+        self.0.push(PathSegment::Line([x, y]));
     }
 
     fn quad_to(&mut self, cx: f32, cy: f32, x: f32, y: f32) {
-        self.0.push(Segment::Quadratic([[cx, cy], [x, y]]));
+        self.0.push(PathSegment::Quadratic([[cx, cy], [x, y]]));
     }
 
     fn curve_to(&mut self, _: f32, _: f32, _: f32, _: f32, _: f32, _: f32) {
-        unreachable!("the embedded font is a TrueType font, which has parabolas only");
+        unreachable!("the embedded font is a TrueType font, which has quadratic curves only");
     }
 
     fn close(&mut self) {
-        self.0.push(Segment::Close);
+        self.0.push(PathSegment::Close);
     }
 }
 
@@ -156,7 +156,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_font_has_what_labels_need() {
+    fn the_font_has_all_characters_of_labels() {
         let needed = "azAZ09äÿŁαωΑΩ𝑎𝑧𝐴𝑍ℎ𝛼𝜔′⃗̂·×−±≤≥→⊖Δ²₁⊥∞√";
         for character in needed.chars() {
             assert_ne!(Font::embedded().glyph(character), 0, "{character:?}");
@@ -164,14 +164,14 @@ mod tests {
     }
 
     #[test]
-    fn a_character_the_font_lacks_is_a_box() {
+    fn a_character_that_the_font_lacks_is_drawn_as_a_box() {
         assert_eq!(Font::embedded().glyph('字'), 0);
         assert!(!Font::embedded().outline(0).is_empty());
     }
 
-    /// Advances with kerning as HarfBuzz gives them for this font.
+    /// Advances with kerning as computed by HarfBuzz for this font.
     #[test]
-    fn kerning_is_that_of_a_shaper() {
+    fn kerning_equals_that_of_a_shaper() {
         let advances = |text: &str| {
             let font = Font::embedded();
             let glyphs: Vec<u16> = text.chars().map(|character| font.glyph(character)).collect();

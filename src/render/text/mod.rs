@@ -1,12 +1,11 @@
-//! Lines of text as glyphs of one embedded font, the same on every machine.
+//! Text layout with one embedded font, identical on every machine.
 //!
-//! The outlines come from skrifa, the maintained reader of fonts, and are filled like any
-//! other path; no system font, hinting or locale has a say. A line of Latin or Greek needs
-//! pair kerning and no more, so there is no shaper.
+//! Glyph outlines are read with skrifa and filled like any other path; system fonts, hinting and locale have no
+//! influence. Lines of Latin and Greek need only pair kerning, so there is no shaper.
 
 mod font;
 mod line;
 mod math;
 
-pub use font::{Bounds, Font, Segment, UNITS_PER_EM};
+pub use font::{Bounds, Font, PathSegment, UNITS_PER_EM};
 pub use line::{Glyph, Line};

@@ -1,40 +1,48 @@
-//! One box that bounces: long, far away, and until it rests.
+//! A bouncing box: for a long time, far from the origin, and until it rests.
 
-use super::draft::{Draft, GRAVITY, block, closed_form, spawn};
-use crate::report::{Case, truth::Number, truth::closed_form::Bounce};
+use super::case_spec::{CaseSpec, GRAVITY, closed_form, spawn, static_block};
+use crate::report::{Case, oracle::Fixed256, oracle::closed_form::Bounce};
 
-/// A million steps, a day, a million metres away, and the end of endless bouncing.
+/// A million steps, a day, a million metres from the origin, and Zeno bounces until rest.
 pub fn cases(full: bool) -> Vec<Case> {
     let rate = 60.0;
-    let million = Draft { rate, steps: 1_000_000, factors: &[1, 4, 16], ..bounce("a million steps", 0.0, 1.0) };
+    let million =
+        CaseSpec { rate, steps: 1_000_000, factors: &[1, 4, 16], ..bounce("bounce for a million steps", 0.0, 1.0) };
     let day_factors: &[u64] = if full { &[1, 4, 16] } else { &[1, 4] };
-    let day = Draft { rate, steps: 24 * 3600 * 60, factors: day_factors, ..bounce("24 hours", 0.0, 1.0) };
-    let far = Draft { steps: 30_000, ..bounce("a million metres away", 1e6, 1.0) };
-    let zeno = Draft { family: "zeno", ..bounce("bounces that end, e = 0.5", 0.0, 0.5) };
-    [million, day, far, zeno].map(counted).map(Draft::case).into()
+    let day = CaseSpec { rate, steps: 24 * 3600 * 60, factors: day_factors, ..bounce("bounce for 24 hours", 0.0, 1.0) };
+    let far = CaseSpec { steps: 30_000, ..bounce("bounce at 10⁶ m from the origin", 1e6, 1.0) };
+    let zeno = CaseSpec { family: "zeno", ..bounce("Zeno bounces, e = 0.5", 0.0, 0.5) };
+    [million, day, far, zeno].map(with_collisions).map(CaseSpec::build).into()
 }
 
-/// So many steps of it, to see how errors grow.
-pub fn long(steps: u64) -> Draft {
+/// A bounce of `steps` steps, to measure the growth of errors.
+pub fn bounce_of_steps(steps: u64) -> CaseSpec {
     let name = format!("bounce of {steps} steps");
-    counted(Draft { family: super::GROWTH[1], name, rate: 60.0, steps, factors: &[1], ..bounce("", 0.0, 1.0) })
+    with_collisions(CaseSpec {
+        family: super::GROWTH[1],
+        name,
+        rate: 60.0,
+        steps,
+        factors: &[1],
+        ..bounce("", 0.0, 1.0)
+    })
 }
 
-/// A unit box that falls 4 m onto a floor, with its upper-left corner so far from the origin.
-fn bounce(name: &str, corner: f64, restitution: f64) -> Draft {
+/// A unit box that falls 4 m onto a floor, with its upper-left corner at (`corner`, `corner`), m.
+fn bounce(name: &str, corner: f64, restitution: f64) -> CaseSpec {
     let fall = Bounce { height: 4.0, gravity: GRAVITY, restitution };
-    let places = move |time: &Number| {
-        let corner = Number::from(corner);
-        vec![[corner.clone(), &corner + &fall.at(time).0]]
+    let positions = move |time: &Fixed256| {
+        let corner = Fixed256::from(corner);
+        vec![[corner.clone(), &corner + &fall.state_at(time).0]]
     };
-    let floor = block([corner - 4.0, corner + 5.0], [9.0, 1.0]);
+    let floor = static_block([corner - 4.0, corner + 5.0], [9.0, 1.0]);
     let bodies = floor + &spawn([corner; 2], [1.0; 2], 1.0, [0.0; 2]);
-    Draft { gravity: GRAVITY, restitution, truth: closed_form(places), ..Draft::new("bounce", name, bodies) }
+    CaseSpec { gravity: GRAVITY, restitution, oracle: closed_form(positions), ..CaseSpec::new("bounce", name, bodies) }
 }
 
-/// With the number of impacts up to the end, if it is finite.
-fn counted(draft: Draft) -> Draft {
-    let fall = Bounce { height: 4.0, gravity: GRAVITY, restitution: draft.restitution };
-    let end = &Number::from(draft.steps as f64) / &Number::from(draft.rate);
-    Draft { collisions: fall.at(&end).1, ..draft }
+/// Adds the number of impacts up to the end of the run, if it is finite.
+fn with_collisions(case_spec: CaseSpec) -> CaseSpec {
+    let fall = Bounce { height: 4.0, gravity: GRAVITY, restitution: case_spec.restitution };
+    let end = &Fixed256::from(case_spec.steps as f64) / &Fixed256::from(case_spec.rate);
+    CaseSpec { collisions: fall.state_at(&end).1, ..case_spec }
 }

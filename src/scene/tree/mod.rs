@@ -1,6 +1,6 @@
-//! TOML and JSON as one tree whose every value knows where in the text it stands.
+//! A common tree of TOML and JSON documents in which every value has its location in the text.
 //!
-//! Both formats have the same keys, so what reads them reads this.
+//! Scenes and live events have the same keys, so one reader serves both.
 
 mod json;
 mod node;

@@ -1,13 +1,13 @@
 use ::toml::de::{DeInteger, DeTable, DeValue};
 
 use super::node::{Entry, Node, Value};
-use crate::scene::{Fault, refusal::Refusal};
+use crate::scene::{Diagnostic, DiagnosticKind};
 
-/// The document in `text` as a table.
-pub fn parse_toml(text: &str) -> Result<Node, Refusal> {
+/// Parses a TOML document as a table.
+pub fn parse_toml(text: &str) -> Result<Node, Diagnostic> {
     let document = DeTable::parse(text).map_err(|error| {
-        let fault = Fault::Syntax { language: "TOML", message: error.message().into() };
-        Refusal::new(fault, error.span().unwrap_or(0..0))
+        let kind = DiagnosticKind::Syntax { language: "TOML", message: error.message().into() };
+        Diagnostic::new(kind, error.span().unwrap_or(0..0))
     })?;
     Ok(Node { span: 0..0, value: table(document.into_inner()) })
 }
@@ -17,7 +17,7 @@ fn table(table: DeTable) -> Value {
         .into_iter()
         .map(|(key, node)| Entry { span: key.span(), key: key.into_inner().into_owned(), node: from_toml(node) })
         .collect();
-    // The crate sorts by name; the first fault of a file is the one that stands first.
+    // The parser sorts by name; entries keep the order of the file.
     entries.sort_by_key(|entry| entry.span.start);
     Value::Table(entries)
 }
@@ -29,7 +29,7 @@ fn from_toml(value: ::toml::Spanned<DeValue>) -> Node {
         DeValue::Integer(integer) => from_integer(&integer),
         DeValue::Float(float) => Value::from_decimal(float.as_str()),
         DeValue::Boolean(boolean) => Value::Boolean(boolean),
-        DeValue::Datetime(_) => Value::Other("a date"),
+        DeValue::Datetime(_) => Value::Unsupported("a date"),
         DeValue::Array(values) => Value::List(values.into_iter().map(from_toml).collect()),
         DeValue::Table(entries) => table(entries),
     };
@@ -39,7 +39,7 @@ fn from_toml(value: ::toml::Spanned<DeValue>) -> Node {
 fn from_integer(integer: &DeInteger) -> Value {
     match i128::from_str_radix(integer.as_str(), integer.radix()) {
         Ok(integer) => Value::Integer(integer),
-        Err(_) => Value::Beyond(integer.to_string()),
+        Err(_) => Value::OutOfRange(integer.to_string()),
     }
 }
 
@@ -55,17 +55,17 @@ mod tests {
     }
 
     #[test]
-    fn numbers_keep_what_was_written() {
+    fn numbers_keep_their_sign_and_magnitude() {
         let text = "a = -0.0\nb = 0x1f\nc = 1e999\nd = -inf\ne = +7\nf = 0.1";
         let [a, b, c, d, e, f] = values(text).try_into().unwrap();
         assert!(matches!(a.1, Value::Number(zero) if zero == 0.0 && zero.is_sign_negative()));
         assert_eq!([b.1, e.1], [Value::Integer(31), Value::Integer(7)]);
-        assert_eq!(c.1, Value::Beyond("1e999".into()), "too large is not infinite");
+        assert_eq!(c.1, Value::OutOfRange("1e999".into()), "a number beyond f64 is not infinite");
         assert_eq!([d.1, f.1], [Value::Number(f64::NEG_INFINITY), Value::Number(0.1)]);
     }
 
     #[test]
-    fn keys_stand_as_in_the_file_and_values_know_their_place() {
+    fn keys_are_in_the_order_of_the_file_and_values_have_their_locations() {
         let text = "z = 1\n[b]\n[[a]]\nat = [1, 20]\n";
         let Value::Table(entries) = parse_toml(text).unwrap().value else { panic!("a document is a table") };
         let keys: Vec<&str> = entries.iter().map(|entry| entry.key.as_str()).collect();

@@ -1,4 +1,4 @@
-//! Throws lines at what reads events while a run goes on.
+//! Fuzz target: the parser of live events.
 #![no_main]
 
 mod memory;
@@ -7,4 +7,4 @@ mod target;
 
 use libfuzzer_sys::fuzz_target;
 
-fuzz_target!(|lines: &[u8]| memory::bounded(|| target::read(lines)));
+fuzz_target!(|lines: &[u8]| memory::with_limit(|| target::read(lines)));

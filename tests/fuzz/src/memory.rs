@@ -1,4 +1,4 @@
-//! A bound on memory: an input that needs more is a finding.
+//! A limit on memory: an input that needs more is reported as a crash.
 
 use std::alloc::System;
 
@@ -7,12 +7,12 @@ use cap::Cap;
 #[global_allocator]
 static ALLOCATOR: Cap<System> = Cap::new(System, usize::MAX);
 
-/// What reading one input may take at most, bytes.
-const MOST: usize = 100 << 20;
+/// The largest amount of memory for one input, bytes.
+const MAX_BYTES: usize = 100 << 20;
 
-/// Does the work with so little memory that asking for more ends the process.
-pub fn bounded(work: impl FnOnce()) {
-    ALLOCATOR.set_limit(ALLOCATOR.allocated() + MOST).expect("more than is in use");
+/// Calls `work` with limited memory. Exceeding the limit aborts the process.
+pub fn with_limit(work: impl FnOnce()) {
+    ALLOCATOR.set_limit(ALLOCATOR.allocated() + MAX_BYTES).expect("the limit exceeds the memory in use");
     work();
-    ALLOCATOR.set_limit(usize::MAX).expect("more than is in use");
+    ALLOCATOR.set_limit(usize::MAX).expect("the limit exceeds the memory in use");
 }

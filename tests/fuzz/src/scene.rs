@@ -1,4 +1,4 @@
-//! Throws texts at the reader of scenes.
+//! Fuzz target: the parser of scenes.
 #![no_main]
 
 mod memory;
@@ -7,4 +7,4 @@ mod target;
 
 use libfuzzer_sys::fuzz_target;
 
-fuzz_target!(|text: &str| memory::bounded(|| target::read(text)));
+fuzz_target!(|text: &str| memory::with_limit(|| target::read(text)));

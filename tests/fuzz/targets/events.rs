@@ -3,7 +3,7 @@
 use std::io;
 
 use rebond::{
-    run::{LiveEvents, Manners, RecordOptions, record},
+    run::{LiveEvents, OnBadEvent, RecordOptions, record},
     scene::{self, Scene, live},
 };
 
@@ -44,7 +44,7 @@ fn refuse(lines: &[u8]) {
 fn run(lines: &[u8]) {
     let scene: Scene = scene::parse("scene.toml", SCENE).expect("a scene");
     let options = RecordOptions { steps: scene.run.steps, every: 1, viewer: None };
-    let mut live = LiveEvents::new(lines, Manners::Lenient, options.steps);
+    let mut live = LiveEvents::new(lines, OnBadEvent::Skip, options.steps);
     let recorded = record(&scene, options, Some(&mut live), io::sink(), |_| ()).expect("nothing that ends a run");
     assert!(recorded.error.is_some() || recorded.end.steps == options.steps);
 }

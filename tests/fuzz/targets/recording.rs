@@ -31,10 +31,13 @@ const SHORT: usize = 64;
 fn steps(recording: &mut Recording<Cursor<&[u8]>>) -> Vec<u64> {
     recording
         .filter_map(|item| match item.expect("memory can be read") {
-            Item::State(state) | Item::Doubtful(state) => Some(state.step),
-            Item::Event(_) | Item::Keyframe(_) | Item::Damaged(_) | Item::Gap(_) | Item::End(_) | Item::View { .. } => {
-                None
-            }
+            Item::State(state) | Item::SuspectState(state) => Some(state.step),
+            Item::Event(_)
+            | Item::Keyframe(_)
+            | Item::Damaged(_)
+            | Item::Gap(_)
+            | Item::Trailer(_)
+            | Item::SceneUpdate { .. } => None,
         })
         .collect()
 }
@@ -45,6 +48,6 @@ fn recover_twice(file: &[u8]) {
     let (_, once) = recover(&mut recording, Vec::new()).expect("memory can be written");
     let mut recording = Recording::read(Cursor::new(once.as_slice())).expect("a recording that was just written");
     let (recovery, twice) = recover(&mut recording, Vec::new()).expect("memory can be written");
-    assert_eq!(recovery.health, Health::Whole);
+    assert_eq!(recovery.health, Health::Complete);
     assert!(once == twice, "recovering twice changes something");
 }

@@ -1,4 +1,4 @@
-//! SVG and PDF show what our pixels show, as other people's renderers see it.
+//! Compares SVG and PDF files, rasterised by independent renderers, with rebond's own raster.
 
 #[path = "../../integration/frames.rs"]
 mod frames;
@@ -10,15 +10,15 @@ use rebond::render::{DisplayList, Metadata, Painter, Picture, compose, pdf, svg}
 use rebond::scene::{ColorBy, Overlay, Theme};
 use resvg::{tiny_skia, usvg};
 
-/// Renderers differ by a pixel's edge: a few pixels differ much and none of an area does.
-fn assert_alike(ours: &Picture, theirs: &[[u8; 4]], what: &str) {
-    assert_eq!(ours.pixels.len(), theirs.len(), "{what}");
+/// Asserts that two rasters agree except for antialiasing: few pixels differ much, and no filled area does.
+fn assert_similar(ours: &Picture, theirs: &[[u8; 4]], case: &str) {
+    assert_eq!(ours.pixels.len(), theirs.len(), "{case}");
     let difference = |(a, b): (&[u8; 4], &[u8; 4])| (0..3).map(|at| a[at].abs_diff(b[at])).max().unwrap_or(0);
     let differences: Vec<u8> = ours.pixels.iter().zip(theirs).map(difference).collect();
     let mean = differences.iter().map(|&difference| f64::from(difference)).sum::<f64>() / differences.len() as f64;
     let far = differences.iter().filter(|&&difference| difference > 100).count();
-    assert!(mean < 2.0, "{what}: {mean} on average");
-    assert!(far * 50_000 < differences.len(), "{what}: {far} pixels differ by more than 100");
+    assert!(mean < 2.0, "{case}: {mean} on average");
+    assert!(far * 50_000 < differences.len(), "{case}: {far} pixels differ by more than 100");
 }
 
 fn rasterised_svg(list: &DisplayList) -> Vec<[u8; 4]> {
@@ -47,16 +47,16 @@ fn frames_look_the_same_in_every_format() {
         for color_by in ColorBy::ALL {
             let list = compose(&frames::collision(), &frames::view(*theme, Overlay::ALL, *color_by));
             let ours = Painter::new().draw(&list);
-            assert_alike(&ours, &rasterised_svg(&list), &format!("SVG, {theme:?}, {color_by:?}"));
-            assert_alike(&ours, &rasterised_pdf(&list), &format!("PDF, {theme:?}, {color_by:?}"));
+            assert_similar(&ours, &rasterised_svg(&list), &format!("SVG, {theme:?}, {color_by:?}"));
+            assert_similar(&ours, &rasterised_pdf(&list), &format!("PDF, {theme:?}, {color_by:?}"));
         }
     }
 }
 
 #[test]
-fn a_crowd_looks_the_same_in_every_format() {
+fn many_boxes_look_the_same_in_every_format() {
     let list = compose(&frames::moving(60, 30), &frames::view(Theme::Light, Overlay::ALL, ColorBy::Body));
     let ours = Painter::new().draw(&list);
-    assert_alike(&ours, &rasterised_svg(&list), "SVG");
-    assert_alike(&ours, &rasterised_pdf(&list), "PDF");
+    assert_similar(&ours, &rasterised_svg(&list), "SVG");
+    assert_similar(&ours, &rasterised_pdf(&list), "PDF");
 }

@@ -1,17 +1,17 @@
-//! Box2D v3, compiled with its assertions off.
+//! Box2D v3, compiled without its assertions.
 //!
-//! A locked rotation alone leaves the inertia in the contacts, so that a bounce loses a fifth
-//! of its energy: the inertia is set to zero, too. Friction and damping 0, restitution e on
-//! both shapes (the larger counts), restitution threshold 0, the speed cap of 400 m/s lifted.
-//! All else as it comes: 4 substeps, one worker.
+//! With a locked rotation alone the contacts still use the inertia, and a bounce loses a fifth of its
+//! energy, so the inertia is set to zero, too. Friction and damping 0, restitution e on both shapes (the
+//! larger counts), restitution threshold 0, no speed limit. Everything else is the default: 4 substeps, one
+//! worker.
 
 use crate::{
-    drive::Peer,
+    drive::PeerWorld,
     job::{Body, Job},
 };
 use boxdd_sys::ffi;
 
-/// What Box2D's documentation recommends.
+/// As the documentation of Box2D recommends.
 const SUBSTEPS: i32 = 4;
 
 struct Box2d {
@@ -20,8 +20,8 @@ struct Box2d {
     step: f32,
 }
 
-/// The world of a job.
-pub fn build(job: &Job) -> Result<Box<dyn Peer>, String> {
+/// Creates the world of a job.
+pub fn build(job: &Job) -> Result<Box<dyn PeerWorld>, String> {
     // SAFETY: the definition is Box2D's own, and the world lives until it is dropped.
     let world = unsafe {
         let mut definition = ffi::b2DefaultWorldDef();
@@ -35,9 +35,9 @@ pub fn build(job: &Job) -> Result<Box<dyn Peer>, String> {
     Ok(Box::new(Box2d { world, bodies: bodies.collect(), step: (1.0 / job.rate) as f32 }))
 }
 
-/// The version, and the commit the bindings were made of.
+/// The version, and the commit that the bindings were made from.
 pub fn version() -> String {
-    // SAFETY: it only returns a constant.
+    // SAFETY: the function only returns a constant.
     let version = unsafe { ffi::b2GetVersion() };
     format!("{}.{}.{} ({})", version.major, version.minor, version.revision, &boxdd_sys::UPSTREAM_SHA[..10])
 }
@@ -73,7 +73,7 @@ fn vector(x: f64, y: f64) -> ffi::b2Vec2 {
     ffi::b2Vec2 { x: x as f32, y: y as f32 }
 }
 
-impl Peer for Box2d {
+impl PeerWorld for Box2d {
     fn step(&mut self) -> Result<(), String> {
         // SAFETY: the world is alive.
         unsafe { ffi::b2World_Step(self.world, self.step, SUBSTEPS) };
@@ -95,7 +95,7 @@ impl Peer for Box2d {
 
 impl Drop for Box2d {
     fn drop(&mut self) {
-        // SAFETY: the world is alive, and nothing of it is used again.
+        // SAFETY: the world is alive, and is not used again.
         unsafe { ffi::b2DestroyWorld(self.world) };
     }
 }

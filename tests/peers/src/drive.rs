@@ -6,37 +6,40 @@ use crate::{
 };
 
 /// A world of one engine, ready to step.
-pub trait Peer {
-    /// One step of 1/rate.
+pub trait PeerWorld {
+    /// Advances by one step of 1/rate.
     ///
     /// # Errors
-    /// In words, when the engine cannot go on.
+    /// A description, if the engine cannot continue.
     fn step(&mut self) -> Result<(), String>;
-    /// x, y of the upper-left corner in m, vx, vy in m/s.
+    /// The x and y of the upper-left corner of a body, m, and its vx and vy, m/s.
     fn state(&self, body: usize) -> [f64; 4];
-    /// Collisions so far, where the engine counts them.
+    /// The number of collisions so far, if the engine counts them.
     fn collisions(&self) -> Option<u64> {
         None
     }
 }
 
-/// Makes the world of a job, or says why the engine cannot.
-pub type Build = fn(&Job) -> Result<Box<dyn Peer>, String>;
+/// Creates the world of a job, or returns the reason why the engine cannot.
+pub type Build = fn(&Job) -> Result<Box<dyn PeerWorld>, String>;
 
-/// Processor time that the repeats of a short run fill, s, and of a long run do not exceed by much.
-const REPEATS: [f64; 2] = [0.3, 4.0];
+/// The least total processor time of the timed passes of a short run, s.
+const MIN_TIMED: f64 = 0.3;
 
-/// First a pass that is looked at, which also warms up; then passes that only step.
+/// The total processor time after which no further pass is timed, s.
+const MAX_TIMED: f64 = 4.0;
+
+/// Runs a job: one pass whose states are sampled, which also warms up, then passes that only step and are timed.
 pub fn drive(job: &Job, version: String, build: Build) -> Answer {
     let mut answer = Answer { version, ..Answer::default() };
-    if let Err(reason) = look(job, build, &mut answer) {
+    if let Err(reason) = run_sampled(job, build, &mut answer) {
         answer.refused = Some(reason);
         return answer;
     }
     let mut total = 0.0;
     let mut batch = 1;
     loop {
-        let seconds = time(job, build, answer.steps, batch);
+        let seconds = time_phases(job, build, answer.steps, batch);
         let pass: f64 = seconds.iter().sum();
         if batch == 1 && pass < 0.01 {
             batch = (0.02 / pass).ceil().clamp(2.0, 200.0) as u32;
@@ -44,14 +47,15 @@ pub fn drive(job: &Job, version: String, build: Build) -> Answer {
         }
         total += pass * f64::from(batch);
         answer.seconds.push(seconds);
-        let enough = answer.seconds.len() >= 5 && total >= REPEATS[0];
-        if enough || total >= REPEATS[1] {
+        let is_enough = answer.seconds.len() >= 5 && total >= MIN_TIMED;
+        if is_enough || total >= MAX_TIMED {
             return answer;
         }
     }
 }
 
-fn look(job: &Job, build: Build, answer: &mut Answer) -> Result<(), String> {
+/// Runs the job once and writes its samples.
+fn run_sampled(job: &Job, build: Build, answer: &mut Answer) -> Result<(), String> {
     let mut world = build(job)?;
     let mut samples = Vec::new();
     let start = cpu_seconds();
@@ -70,19 +74,18 @@ fn look(job: &Job, build: Build, answer: &mut Answer) -> Result<(), String> {
     std::fs::write(&job.samples, samples).map_err(|error| error.to_string())
 }
 
-/// Processor time of each phase of one world, s, the mean of a batch of them.
-fn time(job: &Job, build: Build, mut steps: u64, batch: u32) -> Vec<f64> {
+/// The processor time of each phase, s: the mean over a batch of runs of the first `steps` steps.
+fn time_phases(job: &Job, build: Build, steps: u64, batch: u32) -> Vec<f64> {
     let mut seconds = vec![0.0; job.phases.len()];
-    let whole = steps;
     for _ in 0..batch {
-        let mut world = build(job).expect("it was built before");
-        steps = whole;
+        let mut world = build(job).expect("the world was built before");
+        let mut remaining = steps;
         for (phase, seconds) in job.phases.iter().zip(&mut seconds) {
-            let part = steps.min(*phase);
-            steps -= part;
+            let count = remaining.min(*phase);
+            remaining -= count;
             let start = cpu_seconds();
-            for _ in 0..part {
-                world.step().expect("it did before");
+            for _ in 0..count {
+                world.step().expect("the step succeeded before");
             }
             *seconds += (cpu_seconds() - start) / f64::from(batch);
         }

@@ -1,4 +1,4 @@
-//! The engines, and how the process of each is started.
+//! The engines, and starting a process for each of them.
 
 use crate::{
     box2d,
@@ -15,26 +15,26 @@ use std::{
 /// An engine, or a solver or precision of one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Engine {
-    /// rebond's exact solver.
+    /// The event-driven solver of rebond.
     EventDriven,
-    /// rebond's teaching reference.
+    /// The handout solver of rebond.
     Handout,
-    /// Rapier in 32 bits.
+    /// Rapier in single precision.
     RapierSingle,
-    /// Rapier in 64 bits.
+    /// Rapier in double precision.
     RapierDouble,
-    /// Box2D v3, in 32 bits.
+    /// Box2D v3, in single precision.
     Box2d,
-    /// Chipmunk by its Python binding.
+    /// Chipmunk through its Python binding.
     Pymunk,
-    /// In JavaScript.
+    /// matter-js, in JavaScript.
     Matter,
-    /// Box2D v2 in JavaScript.
+    /// planck, a port of Box2D v2 to JavaScript.
     Planck,
 }
 
 impl Engine {
-    /// In the order of the table.
+    /// All engines, in the order of the table.
     pub const ALL: [Engine; 8] = [
         Engine::EventDriven,
         Engine::Handout,
@@ -46,7 +46,7 @@ impl Engine {
         Engine::Planck,
     ];
 
-    /// What the table calls it.
+    /// The name in the table.
     pub fn name(self) -> &'static str {
         match self {
             Engine::EventDriven => "rebond",
@@ -60,12 +60,12 @@ impl Engine {
         }
     }
 
-    /// Whether it is rebond.
+    /// Returns true for the solvers of rebond.
     pub fn is_ours(self) -> bool {
         matches!(self, Engine::EventDriven | Engine::Handout)
     }
 
-    /// Runs the job in this process, if the engine can be called from Rust.
+    /// Runs the job in this process; `None` if the engine cannot be called from Rust.
     pub fn run_here(self, job: &Job) -> Option<Answer> {
         let (build, version): (Build, String) = match self {
             Engine::EventDriven => (ours::event_driven, locked("rebond")),
@@ -78,7 +78,7 @@ impl Engine {
         Some(drive(job, version, build))
     }
 
-    /// Runs the job in a process of its own, so that no engine finds another's memory or heat.
+    /// Runs the job in a process of its own, so that engines do not influence each other through memory.
     pub fn run(self, job: &Job) -> Answer {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
         let node = |script: &str| {
@@ -100,25 +100,26 @@ impl Engine {
                 command
             }
         };
-        answer(&mut command, job).unwrap_or_else(|reason| Answer { refused: Some(reason), ..Answer::default() })
+        run_process(&mut command, job).unwrap_or_else(|reason| Answer { refused: Some(reason), ..Answer::default() })
     }
 }
 
-fn answer(command: &mut Command, job: &Job) -> Result<Answer, String> {
+/// Writes the job to the standard input of a process and reads its answer.
+fn run_process(command: &mut Command, job: &Job) -> Result<Answer, String> {
     let failed = |error: std::io::Error| format!("could not be run: {error}");
     let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).spawn().map_err(failed)?;
-    let question = serde_json::to_vec(job).expect("plain data");
-    child.stdin.take().expect("it is piped").write_all(&question).map_err(failed)?;
+    let input = serde_json::to_vec(job).expect("plain data");
+    child.stdin.take().expect("standard input is piped").write_all(&input).map_err(failed)?;
     let output = child.wait_with_output().map_err(failed)?;
     if !output.status.success() {
         return Err(format!("stopped: {}", output.status));
     }
-    serde_json::from_slice(&output.stdout).map_err(|error| format!("answered what is not understood: {error}"))
+    serde_json::from_slice(&output.stdout).map_err(|error| format!("gave an invalid answer: {error}"))
 }
 
 /// The version of a package in the lock file.
 fn locked(package: &str) -> String {
     let wanted = format!("name = \"{package}\"\nversion = \"");
-    let (_, after) = include_str!("../Cargo.lock").split_once(&wanted).expect("it is a dependency");
+    let (_, after) = include_str!("../Cargo.lock").split_once(&wanted).expect("the package is a dependency");
     after.split('"').next().unwrap_or_default().to_owned()
 }

@@ -1,4 +1,4 @@
-//! What a process that runs one engine is told and answers, one line of JSON each way.
+//! Input and output of a process that runs one engine, as one line of JSON each.
 
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -6,25 +6,25 @@ use std::path::PathBuf;
 /// One scene at one rate, the same for every engine.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 pub struct Job {
-    /// Steps a second.
+    /// Steps per second.
     pub rate: f64,
     /// m/s², y down.
     pub gravity: [f64; 2],
-    /// e of every pair.
+    /// The coefficient of restitution of every pair.
     pub restitution: f64,
-    /// Whether bodies may be put to sleep, as each engine does by default.
+    /// True if bodies may sleep, with the settings that each engine has by default.
     pub sleep: bool,
-    /// In rebond's creation order.
+    /// The bodies in the creation order of rebond.
     pub bodies: Vec<Body>,
-    /// How many steps are timed together, one part after the other.
+    /// The number of steps of each phase; phases are timed separately.
     pub phases: Vec<u64>,
-    /// Every how many steps the bodies are looked at, when nothing is timed.
+    /// The number of steps from one sample to the next; no samples are taken while timing.
     pub sample_every: u64,
-    /// Where the samples go: for each sample and body x, y, vx, vy, as little-endian f64.
+    /// The file of the samples: for each sample and body x, y, vx, vy as little-endian `f64`.
     pub samples: PathBuf,
-    /// Processor time after which a pass is given up, s.
+    /// Processor time after which a run is stopped, s.
     pub limit: f64,
-    /// The scene as rebond reads it.
+    /// The scene as TOML.
     pub toml: String,
 }
 
@@ -39,34 +39,34 @@ pub struct Body {
     pub width: f64,
     /// m.
     pub height: f64,
-    /// kg; none if infinite.
+    /// kg; `None` if infinite.
     pub mass: Option<f64>,
     /// m/s.
     pub vx: f64,
     /// m/s.
     pub vy: f64,
-    /// Whether it is swept against bodies that move, too, where the engine can.
+    /// True if it is also swept against moving bodies, in engines that can.
     pub bullet: bool,
 }
 
 impl Job {
-    /// Steps of all phases.
+    /// The number of steps of all phases.
     pub fn steps(&self) -> u64 {
         self.phases.iter().sum()
     }
 }
 
-/// What an engine made of a [`Job`].
+/// The result of an engine for a [`Job`].
 #[derive(Clone, Debug, Default, Deserialize, Serialize)]
 pub struct Answer {
-    /// Of the engine, as it says itself.
+    /// The version that the engine reports.
     pub version: String,
-    /// Why the engine cannot run the scene, if it cannot.
+    /// The reason why the engine cannot run the scene; `None` if it can.
     pub refused: Option<String>,
-    /// Steps done before the limit, or all.
+    /// The number of steps completed within the time limit.
     pub steps: u64,
-    /// For each repeat the processor time of each phase, s.
+    /// For each repetition the processor time of each phase, s.
     pub seconds: Vec<Vec<f64>>,
-    /// Collisions, where the engine counts them.
+    /// The number of collisions, if the engine counts them.
     pub collisions: Option<u64>,
 }

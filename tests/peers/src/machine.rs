@@ -1,30 +1,30 @@
-//! Where and how it was measured, in words.
+//! The conditions of the measurement.
 
 use std::process::Command;
 
-/// All that a reader has to know of the machine.
+/// The date, machine and tools of a measurement.
 #[derive(Clone, Debug)]
 pub struct Conditions {
-    /// As year-month-day.
+    /// Year-month-day, UTC.
     pub date: String,
-    /// The processor, and how many.
+    /// The number of processors and their model.
     pub processor: String,
-    /// The system.
+    /// The operating system.
     pub system: String,
-    /// Compilers and interpreters.
+    /// Compilers and interpreters with their versions.
     pub tools: Vec<String>,
-    /// Processes that wanted to run in the last minute, at the begin and at the end.
+    /// The load average of one minute at the start and at the end.
     pub load: [f64; 2],
 }
 
-/// Processes that wanted to run in the last minute, on average.
+/// The load average of one minute.
 pub fn load() -> f64 {
     let average = read("/proc/loadavg");
     average.split(' ').next().and_then(|number| number.parse().ok()).unwrap_or(f64::NAN)
 }
 
-/// The conditions of a run that began under that load.
-pub fn conditions(begin: f64) -> Conditions {
+/// The conditions of a measurement that started with this load average.
+pub fn conditions(load_at_start: f64) -> Conditions {
     let processors = std::thread::available_parallelism().map_or(1, usize::from);
     let model = field(&read("/proc/cpuinfo"), "model name", ':');
     let tools = [["rustc", "--version"], ["gcc", "--version"], ["python3", "--version"], ["node", "--version"]];
@@ -33,7 +33,7 @@ pub fn conditions(begin: f64) -> Conditions {
         processor: format!("{processors} cores of an {model}"),
         system: field(&read("/etc/os-release"), "PRETTY_NAME", '=').trim_matches('"').to_owned(),
         tools: tools.iter().map(|command| format!("{} {}", command[0], version(&first_line(command)))).collect(),
-        load: [begin, load()],
+        load: [load_at_start, load()],
     }
 }
 
@@ -41,7 +41,7 @@ fn read(path: &str) -> String {
     std::fs::read_to_string(path).unwrap_or_default()
 }
 
-/// What stands behind a key.
+/// The value after a key.
 fn field(text: &str, key: &str, separator: char) -> String {
     let line = text.lines().find(|line| line.starts_with(key)).unwrap_or_default();
     line.split_once(separator).map_or("unknown", |(_, value)| value.trim()).to_owned()
@@ -53,7 +53,7 @@ fn first_line(command: &[&str]) -> String {
     text.lines().next().unwrap_or("unknown").to_owned()
 }
 
-/// The first number with dots in a line.
+/// The first number with a dot in a line.
 fn version(line: &str) -> String {
     let words = line.split(|c: char| !c.is_ascii_digit() && c != '.');
     words.into_iter().find(|word| word.contains('.')).unwrap_or("?").to_owned()

@@ -1,9 +1,9 @@
-//! Runs rebond and other engines on the same scenes and writes what accuracy costs in each.
+//! Runs rebond and other engines on the same scenes and writes a table of their errors and costs.
 //!
-//! `rebond-peers table REBOND [--quick] [--only WORD] [--into FOLDER]` prints the table; `run` beside this package
-//! builds all and calls it. `rebond-peers engine NAME` runs one job read from standard input.
+//! `rebond-peers table REBOND [--quick] [--only WORD] [--into FOLDER]` prints the table; the script `run` builds
+//! everything and calls it. `rebond-peers engine NAME` runs one job from standard input.
 
-// These lints hold rebond to equal bits everywhere, which nothing here promises.
+// These lints protect the determinism of rebond, which is not needed here.
 #![allow(clippy::disallowed_methods)]
 
 mod box2d;
@@ -13,13 +13,13 @@ mod engine;
 mod job;
 mod judge;
 mod machine;
+mod oracle;
 mod ours;
 mod rapier;
-mod recorded;
+mod recording_cost;
 mod result;
 mod scenes;
 mod table;
-mod truth;
 
 use engine::Engine;
 use job::{Body, Job};
@@ -28,13 +28,13 @@ use result::Cell;
 use scenes::Scene;
 use std::path::{Path, PathBuf};
 
-/// Processor time after which one pass of one engine is given up, s.
-const LIMIT: f64 = 8.0;
+/// Processor time after which a run of an engine is stopped, s.
+const TIME_LIMIT: f64 = 8.0;
 
-/// Bodies from which on a scene is large.
-const CROWD: usize = 60;
+/// The number of bodies from which a scene is large.
+const LARGE: usize = 60;
 
-/// How many samples of a large scene are looked at.
+/// The number of samples of a large scene.
 const SAMPLES: u64 = 30;
 
 fn main() {
@@ -50,7 +50,7 @@ fn main() {
     }
 }
 
-/// One job from standard input, in this process.
+/// Runs one job from standard input in this process.
 fn run_one(name: &str) {
     let job: Job = serde_json::from_reader(std::io::stdin().lock()).expect("a job");
     let engine = Engine::ALL.into_iter().find(|engine| engine.name() == name).expect("an engine");
@@ -63,26 +63,26 @@ fn write_table(rebond: &Path, options: &[&str]) {
     let only = after("--only").unwrap_or_default();
     let quick = options.contains(&"--quick");
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let begin = machine::load();
+    let load_at_start = machine::load();
     let scenes: Vec<Scene> = scenes::all(quick).into_iter().filter(|scene| scene.name.contains(only)).collect();
     let cells: Vec<Cell> = scenes.iter().flat_map(|scene| run_all(scene, folder.path())).collect();
-    let recorded: Vec<_> = scenes
+    let recordings: Vec<_> = scenes
         .iter()
         .filter(|scene| scene.rate == 60 && scene.name.starts_with("gas"))
-        .map(|scene| recorded::record(rebond, scene, folder.path()))
+        .map(|scene| recording_cost::measure(rebond, scene, folder.path()))
         .collect();
-    let conditions = machine::conditions(begin);
-    let text = table::write(&scenes, &cells, &recorded, &conditions);
+    let conditions = machine::conditions(load_at_start);
+    let text = table::write(&scenes, &cells, &recordings, &conditions);
     if let Some(folder) = after("--into").map(PathBuf::from) {
         let json = table::json(&cells);
         std::fs::write(folder.join("results.json"), json).expect("the folder of the results");
-        std::fs::write(folder.join("results.md"), &text.whole).expect("the folder of the results");
-        std::fs::write(folder.join("results-readme.md"), &text.readme).expect("the folder of the results");
+        std::fs::write(folder.join("results.md"), &text.full).expect("the folder of the results");
+        std::fs::write(folder.join("results-guide.md"), &text.guide).expect("the folder of the results");
     }
-    print!("{}", text.whole);
+    print!("{}", text.full);
 }
 
-/// Every engine on one scene, one after the other.
+/// Runs every engine on one scene, one after the other.
 fn run_all(scene: &Scene, folder: &Path) -> Vec<Cell> {
     let job = job(scene, folder.join("samples"));
     let cell = |engine: Engine| {
@@ -117,26 +117,26 @@ fn run(engine: Engine, scene: &Scene, job: &Job) -> Cell {
     };
     if answer.refused.is_none() {
         let samples = std::fs::read(&job.samples).expect("the engine wrote them");
-        cell.errors = Some(judge::judge(scene.truth, job, &answer, &samples));
-        let cost = result::whole_cost(&answer, bodies);
+        cell.errors = Some(judge::judge(scene.oracle, job, &answer, &samples));
+        let cost = result::total_cost(&answer, bodies);
         cell.ns_per_body_step = Some(cost.median);
         cell.ns_spread = Some([cost.least, cost.most]);
-        cell.phases = result::costs(&answer, &job.phases, bodies);
+        cell.phases = result::phase_costs(&answer, &job.phases, bodies);
     }
     cell
 }
 
-/// Every second body in a row of fast ones: no engine sweeps one bullet against another, so that each
-/// neighbour of a bullet has to be none. Against what stands still everything fast is swept anyway.
+/// Marks every second body of finite mass as a bullet. No engine sweeps bullets against each other, so the
+/// neighbours of a bullet must not be bullets; all fast bodies are swept against static ones anyway.
 fn mark_bullets(bodies: &mut [Body]) {
     bodies.iter_mut().filter(|body| body.mass.is_some()).step_by(2).for_each(|body| body.bullet = true);
 }
 
-/// The numbers all engines are given: what rebond spawns from the scene.
+/// The job for all engines: the bodies that rebond spawns from the scene.
 fn job(scene: &Scene, samples: PathBuf) -> Job {
     let parsed = rebond::scene::parse(&scene.name, &scene.toml).unwrap_or_else(|error| panic!("{error}"));
     let mut run = Run::new(&parsed);
-    run.happen(Vec::new(), |error| Err(error.into())).unwrap_or_else(|error| panic!("{error}"));
+    run.apply_inputs(Vec::new(), |error| Err(error.into())).unwrap_or_else(|error| panic!("{error}"));
     let world = run.engine().world();
     let body = |body: &rebond::physics::Body| Body {
         x: body.rect.origin.x,
@@ -149,20 +149,20 @@ fn job(scene: &Scene, samples: PathBuf) -> Job {
         bullet: false,
     };
     let mut bodies: Vec<Body> = world.bodies.iter().map(body).collect();
-    if scene.truth.is_fast() {
+    if scene.oracle.is_fast() {
         mark_bullets(&mut bodies);
     }
     let steps: u64 = scene.phases.iter().sum();
     Job {
         rate: scene.rate as f64,
         gravity: world.gravity.map_or([0.0; 2], |gravity| [gravity.x, gravity.y]),
-        restitution: scene.truth.restitution(),
+        restitution: scene.oracle.restitution(),
         sleep: scene.sleep,
         phases: scene.phases.clone(),
-        sample_every: if bodies.len() < CROWD { 1 } else { steps / SAMPLES },
+        sample_every: if bodies.len() < LARGE { 1 } else { steps / SAMPLES },
         bodies,
         samples,
-        limit: LIMIT,
+        limit: TIME_LIMIT,
         toml: scene.toml.clone(),
     }
 }

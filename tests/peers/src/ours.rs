@@ -1,39 +1,39 @@
-//! rebond itself, stepping without recording; what a step costs includes its sample.
+//! rebond itself, stepping without recording. The cost of a step includes sampling the state.
 
-use crate::{drive::Peer, job::Job};
+use crate::{drive::PeerWorld, job::Job};
 use rebond::{
     physics::{CollisionCount, SolverKind},
     run::Run,
     scene,
 };
 
-struct Ours {
+struct Rebond {
     run: Run,
     collisions: CollisionCount,
 }
 
-/// The exact solver.
-pub fn event_driven(job: &Job) -> Result<Box<dyn Peer>, String> {
+/// The event-driven solver.
+pub fn event_driven(job: &Job) -> Result<Box<dyn PeerWorld>, String> {
     build(job, SolverKind::EventDriven)
 }
 
-/// The handout's algorithm, which looks at every pair at every step.
-pub fn handout(job: &Job) -> Result<Box<dyn Peer>, String> {
+/// The handout solver, which tests all pairs in every step.
+pub fn handout(job: &Job) -> Result<Box<dyn PeerWorld>, String> {
     if job.bodies.len() > 2000 {
-        return Err("looks at every pair at every step".to_owned());
+        return Err("not run: it tests all pairs in every step".to_owned());
     }
     build(job, SolverKind::Handout)
 }
 
-fn build(job: &Job, solver: SolverKind) -> Result<Box<dyn Peer>, String> {
+fn build(job: &Job, solver: SolverKind) -> Result<Box<dyn PeerWorld>, String> {
     let mut scene = scene::parse("peers.toml", &job.toml).map_err(|error| error.to_string())?;
     scene.run.solver = solver;
     let mut run = Run::new(&scene);
-    run.happen(Vec::new(), |error| Err(error.into())).map_err(|error| error.to_string())?;
-    Ok(Box::new(Ours { run, collisions: CollisionCount::default() }))
+    run.apply_inputs(Vec::new(), |error| Err(error.into())).map_err(|error| error.to_string())?;
+    Ok(Box::new(Rebond { run, collisions: CollisionCount::default() }))
 }
 
-impl Peer for Ours {
+impl PeerWorld for Rebond {
     fn step(&mut self) -> Result<(), String> {
         self.run.step(&mut self.collisions).map_err(|error| error.to_string())
     }

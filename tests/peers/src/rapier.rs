@@ -1,15 +1,15 @@
 //! Rapier in both precisions.
 //!
 //! Rotation locked with an inertia of zero, friction and damping 0, restitution e on both
-//! colliders, the speed cap of 400 m/s lifted. There is no restitution threshold. All else as
-//! it comes: 4 solver iterations, the block solver, SIMD.
+//! colliders, without the speed limit of 400 m/s. There is no restitution threshold. Everything else is the
+//! default: 4 solver iterations, the block solver, SIMD.
 
 macro_rules! rapier {
     ($module:ident, $rapier:ident, $real:ty) => {
         /// One precision.
         pub mod $module {
             use crate::{
-                drive::Peer,
+                drive::PeerWorld,
                 job::{Body, Job},
             };
             use $rapier::prelude::*;
@@ -20,8 +20,8 @@ macro_rules! rapier {
                 halves: Vec<[f64; 2]>,
             }
 
-            /// The world of a job.
-            pub fn build(job: &Job) -> Result<Box<dyn Peer>, String> {
+            /// Creates the world of a job.
+            pub fn build(job: &Job) -> Result<Box<dyn PeerWorld>, String> {
                 let mut world = PhysicsWorld::new();
                 world.gravity = Vector::new(job.gravity[0] as $real, job.gravity[1] as $real);
                 world.integration_parameters.dt = (1.0 / job.rate) as $real;
@@ -55,7 +55,7 @@ macro_rules! rapier {
                 world.insert(rigid, collider).0
             }
 
-            impl Peer for Rapier {
+            impl PeerWorld for Rapier {
                 fn step(&mut self) -> Result<(), String> {
                     self.world.step();
                     Ok(())

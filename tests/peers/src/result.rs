@@ -1,61 +1,61 @@
-//! What is known of one engine on one scene.
+//! The results of one engine on one scene.
 
 use crate::{job::Answer, judge::Errors};
 use serde::Serialize;
 
-/// One cell of the table, in the words of a row of `rebond report`.
+/// One cell of the table. The fields have the names of a row of `rebond report`.
 #[derive(Clone, Debug, Serialize)]
 pub struct Cell {
-    /// What is drawn in one diagram: each scene in its own.
+    /// The diagram that shows the result: one for each scene.
     pub family: String,
-    /// What the table calls the scene.
+    /// The name of the scene.
     pub scene: String,
-    /// What the table calls the engine.
+    /// The name of the engine.
     pub solver: &'static str,
-    /// As the engine says itself.
+    /// The version that the engine reports.
     pub version: String,
-    /// Steps a second.
+    /// Steps per second.
     pub rate: u64,
-    /// That can move.
+    /// Bodies of finite mass.
     pub bodies: usize,
-    /// Done, which are fewer than asked for if that took too long.
+    /// Completed steps: fewer than `of_steps` if the time limit was reached.
     pub steps: u64,
-    /// That were asked for.
+    /// Steps of the scene.
     pub of_steps: u64,
-    /// Why there is nothing, if there is not.
+    /// The reason why there are no results; `None` if there are.
     pub remark: Option<String>,
-    /// If there is something.
+    /// The errors, if the scene was run.
     #[serde(flatten)]
     pub errors: Option<Errors>,
-    /// Of all phases together.
+    /// Processor time per body and step over all phases, ns.
     pub ns_per_body_step: Option<f64>,
-    /// The least and the most of the repeats, ns.
+    /// Minimum and maximum over the repetitions, ns.
     pub ns_spread: Option<[f64; 2]>,
-    /// Of each phase.
+    /// The cost of each phase.
     pub phases: Vec<Cost>,
 }
 
-/// Processor time for one body and one step, ns.
+/// Processor time per body and step, ns.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Cost {
-    /// The middle one of the repeats.
+    /// The median over the repetitions.
     pub median: f64,
-    /// The least.
+    /// The minimum.
     pub least: f64,
-    /// The most.
+    /// The maximum.
     pub most: f64,
 }
 
-/// What each phase of so many steps cost, as far as it was reached.
-pub fn costs(answer: &Answer, phases: &[u64], bodies: usize) -> Vec<Cost> {
+/// The cost of each phase that was reached; `phases` are their numbers of steps.
+pub fn phase_costs(answer: &Answer, phases: &[u64], bodies: usize) -> Vec<Cost> {
     let mut left = answer.steps;
     let mut costs = Vec::new();
-    for (place, phase) in phases.iter().enumerate() {
+    for (index, phase) in phases.iter().enumerate() {
         let steps = left.min(*phase);
         left -= steps;
         if steps > 0 {
             let each = 1e9 / (steps as f64 * bodies as f64);
-            costs.push(cost(answer.seconds.iter().map(|seconds| seconds[place] * each).collect()));
+            costs.push(cost(answer.seconds.iter().map(|seconds| seconds[index] * each).collect()));
         }
     }
     costs
@@ -66,8 +66,8 @@ fn cost(mut repeats: Vec<f64>) -> Cost {
     Cost { median: repeats[repeats.len() / 2], least: repeats[0], most: repeats[repeats.len() - 1] }
 }
 
-/// Of all phases together, ns.
-pub fn whole_cost(answer: &Answer, bodies: usize) -> Cost {
+/// The cost of all phases together.
+pub fn total_cost(answer: &Answer, bodies: usize) -> Cost {
     let each = 1e9 / (answer.steps as f64 * bodies as f64);
     cost(answer.seconds.iter().map(|seconds| seconds.iter().sum::<f64>() * each).collect())
 }

@@ -1,0 +1,186 @@
+use crate::counted::counted;
+use crate::recording::{BodyTable, Change, Error, Item, RecordedState, Recording};
+use crate::replay::{Difference, ulps};
+use std::fmt::{self, Display, Formatter};
+use std::io::{Read, Seek};
+
+/// The difference between a recording and a new run of the scene next to it.
+#[derive(Clone, Debug, PartialEq)]
+pub enum SceneMismatch {
+    /// Only the text of the scene differs; the runs are the same.
+    Text,
+    /// The engine configuration differs: solver, rate, gravity, restitution or event limit.
+    EngineConfig,
+    /// An event differs.
+    Events {
+        /// The step of the first difference.
+        step: u64,
+        /// The recorded event in words.
+        recorded: String,
+        /// The event of the new run in words.
+        current: String,
+    },
+    /// A state differs although all events up to it are the same.
+    State {
+        /// The step of the first difference.
+        step: u64,
+        /// The difference; its `replayed` value is the one of the new run.
+        difference: Difference,
+    },
+    /// The number of steps differs.
+    Length {
+        /// The last step of the recording.
+        recorded: u64,
+        /// The last step of the new run.
+        current: u64,
+    },
+}
+
+impl SceneMismatch {
+    /// Returns the first difference between two recordings of different identity.
+    ///
+    /// # Errors
+    /// If one of them cannot be read.
+    pub fn between<R: Read + Seek, S: Read + Seek>(
+        mut recorded: Recording<R>,
+        mut current: Recording<S>,
+    ) -> Result<SceneMismatch, Error> {
+        if recorded.header.config != current.header.config {
+            return Ok(SceneMismatch::EngineConfig);
+        }
+        let mut last = 0;
+        loop {
+            match (next_item(&mut recorded)?, next_item(&mut current)?) {
+                (None, None) => return Ok(SceneMismatch::Text),
+                (Some(Item::State(old)), Some(Item::State(new))) => {
+                    if let Some(difference) = difference(&old, &new, recorded.table()) {
+                        return Ok(SceneMismatch::State { step: old.step, difference });
+                    }
+                    last = old.step;
+                }
+                (Some(Item::State(_)), None) => {
+                    return Ok(SceneMismatch::Length { recorded: recorded.header.steps, current: last });
+                }
+                (None, Some(Item::State(new))) => {
+                    return Ok(SceneMismatch::Length { recorded: last, current: current.header.steps.max(new.step) });
+                }
+                (old, new) if old == new => {}
+                (old, new) => return Ok(event_mismatch(old.as_ref(), new.as_ref())),
+            }
+        }
+    }
+}
+
+/// Returns the next event or state.
+fn next_item<R: Read + Seek>(recording: &mut Recording<R>) -> Result<Option<Item>, Error> {
+    for item in recording.by_ref() {
+        match item? {
+            item @ (Item::Event(_) | Item::State(_)) => return Ok(Some(item)),
+            Item::SuspectState(_) | Item::Keyframe(_) | Item::SceneUpdate { .. } => {}
+            Item::Damaged(_) | Item::Gap(_) | Item::Trailer(_) => {}
+        }
+    }
+    Ok(None)
+}
+
+fn difference(old: &RecordedState, new: &RecordedState, table: Option<&BodyTable>) -> Option<Difference> {
+    if old.id == new.id {
+        for (index, &id) in old.id.iter().enumerate() {
+            let pairs = old.body_state(index).into_iter().zip(new.body_state(index)).zip(["x", "y", "vx", "vy"]);
+            for ((recorded, replayed), field) in pairs {
+                if ulps(recorded, replayed) > 0 {
+                    let info =
+                        table.and_then(|table| table.join_state(old).map(|(info, _)| info).find(|info| info.id == id));
+                    let body = info.map_or(format!("{id}"), |info| info.spawn.name.clone());
+                    return Some(Difference::Value { body, field, recorded, replayed });
+                }
+            }
+        }
+    }
+    (old.digest != new.digest).then_some(Difference::Digest { recorded: old.digest, replayed: new.digest })
+}
+
+fn event_mismatch(old: Option<&Item>, new: Option<&Item>) -> SceneMismatch {
+    let step = [old, new].into_iter().flatten().filter_map(step).min().unwrap_or(0);
+    match (old, new) {
+        (Some(Item::Event(old)), Some(Item::Event(new))) if old.step == new.step => {
+            let (recorded, current) = describe_difference(&old.change, &new.change);
+            SceneMismatch::Events { step, recorded, current }
+        }
+        (old, new) => {
+            SceneMismatch::Events { step, recorded: describe_item(old, step), current: describe_item(new, step) }
+        }
+    }
+}
+
+fn step(item: &Item) -> Option<u64> {
+    match item {
+        Item::Event(event) => Some(event.step),
+        Item::State(state) | Item::SuspectState(state) => Some(state.step),
+        Item::Keyframe(_) | Item::SceneUpdate { .. } | Item::Damaged(_) | Item::Gap(_) | Item::Trailer(_) => None,
+    }
+}
+
+/// Describes an item if it is an event of step `step`.
+fn describe_item(item: Option<&Item>, step: u64) -> String {
+    match item {
+        Some(Item::Event(event)) if event.step == step => describe(&event.change),
+        Some(_) | None => "no further event".into(),
+    }
+}
+
+fn describe(change: &Change) -> String {
+    match change {
+        Change::Spawn { spawn, .. } => format!("spawn {:?}", spawn.name),
+        Change::Delete { id } => format!("delete body {id}"),
+    }
+}
+
+/// Describes two events, including the first property in which they differ.
+fn describe_difference(old: &Change, new: &Change) -> (String, String) {
+    let (Change::Spawn { spawn: a, color: a_color, .. }, Change::Spawn { spawn: b, color: b_color, .. }) = (old, new)
+    else {
+        return (describe(old), describe(new));
+    };
+    let with_property = |property: &str, a: String, b: String| {
+        (format!("{} with {property} {a}", describe(old)), format!("{} with {property} {b}", describe(new)))
+    };
+    let pair = |vector: crate::physics::Vector| format!("[{:?}, {:?}]", vector.x, vector.y);
+    let size = |spawn: &crate::physics::Spawn| format!("[{:?}, {:?}]", spawn.rect.width(), spawn.rect.height());
+    let color = |color: &Option<String>| color.clone().unwrap_or_else(|| "none".into());
+    match () {
+        () if a.name != b.name => (describe(old), describe(new)),
+        () if a.rect.origin != b.rect.origin => with_property("at", pair(a.rect.origin), pair(b.rect.origin)),
+        () if a.mass != b.mass => with_property("mass", format!("{:?}", a.mass), format!("{:?}", b.mass)),
+        () if a.velocity != b.velocity => with_property("velocity", pair(a.velocity), pair(b.velocity)),
+        () if a.force != b.force => with_property("force", pair(a.force), pair(b.force)),
+        () if a.material != b.material => {
+            with_property("material", format!("{:?}", a.material), format!("{:?}", b.material))
+        }
+        () if a_color != b_color => with_property("color", color(a_color), color(b_color)),
+        () => with_property("size", size(a), size(b)),
+    }
+}
+
+impl Display for SceneMismatch {
+    fn fmt(&self, out: &mut Formatter) -> fmt::Result {
+        match self {
+            SceneMismatch::Text => write!(out, "the text of its scene has changed, without effect on the run"),
+            SceneMismatch::EngineConfig => {
+                write!(out, "its scene now has a different solver, rate, gravity, restitution or event limit")
+            }
+            SceneMismatch::Events { step, recorded, current } => {
+                write!(out, "its scene now gives a different run: at step {step} recorded {recorded}, now {current}")
+            }
+            SceneMismatch::State { step, difference } => {
+                write!(
+                    out,
+                    "its scene now gives a different run, called \"replayed\" here: at step {step} {difference}"
+                )
+            }
+            SceneMismatch::Length { recorded, current } => {
+                write!(out, "its scene now runs {}, the recording has {recorded}", counted(*current, "step"))
+            }
+        }
+    }
+}

@@ -1,0 +1,145 @@
+use super::requirements::{Requirements, trail_steps};
+use super::resimulation::Resimulation;
+use super::style::appearance;
+use super::{Error, Source, source};
+use crate::physics::{BodyId, Vector};
+use crate::recording::{self, Health, Playback, SampledBody};
+use crate::render::{AnimationSchedule, Appearance, Frame, Sprite, StepGrid, Trails};
+use crate::scene::Overlay;
+use std::{collections::BTreeMap, fs::File, io::BufReader, path::PathBuf, sync::Arc};
+
+/// The point up to which a recording was read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ReadExtent {
+    /// The end of the recording.
+    End,
+    /// The last requested step. The rest of the recording was not read.
+    LastStep,
+}
+
+/// The health of a recording, as far as it was read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReadStatus {
+    /// The recording.
+    pub path: PathBuf,
+    /// The damage found in the part that was read.
+    pub health: Health,
+    /// The point up to which it was read.
+    pub extent: ReadExtent,
+}
+
+/// An iterator over the frames of an animation schedule, in order. Its memory use does not depend on
+/// their number.
+pub enum Frames {
+    /// Frames read from the recorded states.
+    Recorded(Box<RecordedFrames>),
+    /// Frames computed by replaying the recording.
+    Resimulated(Box<Resimulation>),
+}
+
+impl Frames {
+    /// The frames of `schedule` with the data that the overlays in `show` need. The recording is
+    /// replayed only if necessary.
+    ///
+    /// # Errors
+    /// If the recording cannot be read.
+    pub fn new(source: &Source, schedule: &AnimationSchedule, show: &[Overlay]) -> Result<Frames, Error> {
+        let requirements = Requirements::new(show, schedule);
+        match requirements.replay {
+            true => Ok(Frames::Resimulated(Box::new(Resimulation::start(source, schedule.clone(), requirements)?))),
+            false => Ok(Frames::Recorded(Box::new(RecordedFrames::new(source, &schedule.grid, requirements)?))),
+        }
+    }
+
+    /// The health of the recording. Complete only after the last frame.
+    pub fn read_status(&self) -> ReadStatus {
+        match self {
+            Frames::Recorded(frames) => frames.read_status(),
+            Frames::Resimulated(frames) => frames.read_status(),
+        }
+    }
+}
+
+impl Iterator for Frames {
+    type Item = Result<Frame, Error>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        match self {
+            Frames::Recorded(frames) => frames.next(),
+            Frames::Resimulated(frames) => frames.next(),
+        }
+    }
+}
+
+/// Frames made from recorded states.
+pub struct RecordedFrames {
+    path: PathBuf,
+    playback: Playback<BufReader<File>>,
+    gravity: Option<Vector>,
+    grid: StepGrid,
+    trails: Option<Trails>,
+    appearances: BTreeMap<BodyId, Arc<Appearance>>,
+    extent: ReadExtent,
+}
+
+impl RecordedFrames {
+    fn new(source: &Source, grid: &StepGrid, requirements: Requirements) -> Result<RecordedFrames, Error> {
+        let trails = requirements.trails.then(|| Trails::new(trail_steps(grid.rate)));
+        let mut playback = Playback::new(source::open(&source.path)?);
+        // The trail of the first frame begins before that frame.
+        let trail_length = if requirements.trails { trail_steps(grid.rate) } else { 0 };
+        let first = grid.steps.start().saturating_sub(trail_length);
+        playback.seek(first).map_err(|error| source.read_error(error))?;
+        Ok(RecordedFrames {
+            path: source.path.clone(),
+            playback,
+            gravity: source.header.config.gravity,
+            grid: grid.clone(),
+            trails,
+            appearances: BTreeMap::new(),
+            extent: ReadExtent::End,
+        })
+    }
+
+    fn read_status(&self) -> ReadStatus {
+        ReadStatus { path: self.path.clone(), health: self.playback.health(), extent: self.extent }
+    }
+
+    fn frame(&mut self, state: recording::SampledState) -> Option<Frame> {
+        let is_shown = self.grid.contains(state.step);
+        if !is_shown && self.trails.is_none() {
+            return None;
+        }
+        let mut sprites: Vec<Sprite> = state.bodies.iter().map(|body| self.sprite(body)).collect();
+        if let Some(trails) = &mut self.trails {
+            trails.update(state.step, &mut sprites);
+        }
+        is_shown.then_some(Frame { step: state.step, time: state.time, sprites, collisions: Vec::new() })
+    }
+
+    fn sprite(&mut self, body: &SampledBody) -> Sprite {
+        let info = &body.info;
+        let new = || Arc::new(appearance(info.id, &info.spawn, info.color.as_deref(), self.gravity));
+        let appearance = self.appearances.entry(info.id).or_insert_with(new).clone();
+        let mut rect = info.spawn.rect;
+        rect.origin = body.position;
+        Sprite { appearance, rect, velocity: body.velocity, trail: Vec::new() }
+    }
+
+    fn next(&mut self) -> Option<Result<Frame, Error>> {
+        loop {
+            match self.playback.next()? {
+                Err(source) => return Some(Err(Error::Recording { path: self.path.clone(), source })),
+                Ok(state) if state.step > *self.grid.steps.end() => {
+                    self.extent = ReadExtent::LastStep;
+                    return None;
+                }
+                Ok(state) => {
+                    if let Some(frame) = self.frame(state) {
+                        return Some(Ok(frame));
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,201 @@
+use super::find_collision::appearances;
+use super::frames::{ReadExtent, ReadStatus};
+use super::requirements::{Requirements, trail_steps};
+use super::{Error, Source, source};
+use crate::physics::{Body, BodyId, Collision, Engine, Observer, SolverKind, StepError, World};
+use crate::recording::Health;
+use crate::render::{AnimationSchedule, Appearance, Frame, Moment, Sprite, Trails};
+use crate::replay::{Replayer, StateObserver, Verdict};
+use std::collections::{BTreeMap, VecDeque};
+use std::fs::File;
+use std::io::BufReader;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+/// Frames computed by replaying a recording, for data that recordings do not contain: collisions, and
+/// instants between two states. Every state shown was compared with the recorded one.
+pub struct Resimulation {
+    path: PathBuf,
+    replayer: Replayer<BufReader<File>>,
+    recorder: FrameRecorder,
+    health: Health,
+    is_finished: bool,
+}
+
+impl Resimulation {
+    /// Prepares a replay that starts early enough for the trails and collisions of the first frame.
+    ///
+    /// # Errors
+    /// If the recording cannot be read.
+    pub fn start(
+        source: &Source,
+        schedule: AnimationSchedule,
+        requirements: Requirements,
+    ) -> Result<Resimulation, Error> {
+        let rate = schedule.grid.rate;
+        let trail = if requirements.trails { trail_steps(rate) } else { 0 };
+        let first = schedule.moment(0).step.saturating_sub(trail.max(schedule.grid.every));
+        let steps = first..=*schedule.grid.steps.end();
+        let replayer = Replayer::new(source::open(&source.path)?, steps).map_err(|error| source.read_error(error))?;
+        let recorder = FrameRecorder {
+            ready: VecDeque::new(),
+            solver: source.header.config.solver,
+            rate,
+            trails: requirements.trails.then(|| Trails::new(trail_steps(rate))),
+            appearances: appearances(source)?,
+            next_frame: 0,
+            schedule,
+            pending_collisions: Vec::new(),
+            shown_until: 0.0,
+            failure: None,
+        };
+        Ok(Resimulation { path: source.path.clone(), replayer, recorder, health: Health::Complete, is_finished: false })
+    }
+
+    /// The health of the recording. Complete only after the last frame.
+    pub fn read_status(&self) -> ReadStatus {
+        ReadStatus { path: self.path.clone(), health: self.health.clone(), extent: ReadExtent::End }
+    }
+
+    /// Replays until a frame is ready or the replay has ended.
+    fn advance(&mut self) -> Result<(), Error> {
+        while self.recorder.ready.is_empty() && !self.is_finished {
+            let verdict = self.replayer.advance(&mut self.recorder, &mut |_| ());
+            if let Some(source) = self.recorder.failure.take() {
+                return Err(Error::Step { path: self.path.clone(), source });
+            }
+            if let Some(verdict) = verdict.map_err(|source| Error::Recording { path: self.path.clone(), source })? {
+                self.finish(verdict)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn finish(&mut self, verdict: Verdict) -> Result<(), Error> {
+        self.is_finished = true;
+        match verdict {
+            Verdict::Same { .. } => {}
+            Verdict::Truncated { after, .. } => self.health = Health::Truncated { after },
+            Verdict::Corrupt { damage, .. } => self.health = Health::Corrupt(damage),
+            Verdict::Diverged(_) => {
+                return Err(Error::Diverged { path: self.path.clone(), verdict: Box::new(verdict) });
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Iterator for Resimulation {
+    type Item = Result<Frame, Error>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        match self.advance() {
+            Ok(()) => self.recorder.ready.pop_front().map(Ok),
+            Err(error) => {
+                self.is_finished = true;
+                Some(Err(error))
+            }
+        }
+    }
+}
+
+/// Observes the replay and records the frames of a schedule.
+struct FrameRecorder {
+    /// Frames recorded but not yet returned; at most those of one step.
+    ready: VecDeque<Frame>,
+    solver: SolverKind,
+    rate: f64,
+    trails: Option<Trails>,
+    appearances: BTreeMap<BodyId, Arc<Appearance>>,
+    /// The number of the next frame to record.
+    next_frame: u64,
+    schedule: AnimationSchedule,
+    /// Collisions since the last frame.
+    pending_collisions: Vec<Collision>,
+    /// Collisions of the current step up to this time after its start were shown already, s.
+    shown_until: f64,
+    failure: Option<StepError>,
+}
+
+impl Observer for FrameRecorder {
+    fn collision(&mut self, collision: &Collision) {
+        if collision.time > self.shown_until || self.shown_until == 0.0 {
+            self.pending_collisions.push(collision.clone());
+        }
+    }
+}
+
+impl StateObserver for FrameRecorder {
+    fn state(&mut self, engine: &Engine) {
+        self.shown_until = 0.0;
+        let step = engine.current_step();
+        let mut sprites_at_step = self.sprites(engine.world());
+        if let Some(trails) = &mut self.trails {
+            trails.update(step, &mut sprites_at_step);
+        }
+        while self.next_frame < self.schedule.count() && self.failure.is_none() {
+            let moment = self.schedule.moment(self.next_frame);
+            if moment.step > step {
+                break;
+            }
+            if moment.step == step {
+                match self.record_frame(engine, moment, &sprites_at_step) {
+                    Ok(frame) => self.ready.push_back(frame),
+                    Err(error) => self.failure = Some(error),
+                }
+            }
+            self.next_frame += 1;
+        }
+        // The first frame shows the collisions of one frame interval, as every other frame does.
+        if self.next_frame == 0 && step + self.schedule.grid.every <= self.schedule.moment(0).step {
+            self.pending_collisions.clear();
+        }
+    }
+}
+
+impl FrameRecorder {
+    /// The frame of a moment in the current step.
+    fn record_frame(
+        &mut self,
+        engine: &Engine,
+        moment: Moment,
+        sprites_at_step: &[Sprite],
+    ) -> Result<Frame, StepError> {
+        let mut collisions = std::mem::take(&mut self.pending_collisions);
+        let sprites = if moment.offset > 0.0 {
+            let mut upcoming = Vec::new();
+            let world = engine.world_after(moment.offset, &mut upcoming)?;
+            collisions.extend(
+                upcoming.into_iter().filter(|collision| collision.time > self.shown_until || self.shown_until == 0.0),
+            );
+            self.shown_until = moment.offset;
+            let mut sprites = self.sprites(&world);
+            if let Some(trails) = &self.trails {
+                trails.clone().update(moment.step, &mut sprites);
+            }
+            sprites
+        } else {
+            self.add_detected(engine, &mut collisions)?;
+            sprites_at_step.to_vec()
+        };
+        let time = moment.step as f64 / self.rate + moment.offset;
+        Ok(Frame { step: moment.step, time, sprites, collisions })
+    }
+
+    /// Adds the collisions that the handout's solver detects in the current state, if the animation
+    /// freezes at this frame. That solver detects them at the beginning of its next step.
+    fn add_detected(&self, engine: &Engine, collisions: &mut Vec<Collision>) -> Result<(), StepError> {
+        if self.schedule.is_frozen_at(self.next_frame) && self.solver == SolverKind::Handout {
+            engine.clone().step(collisions)?;
+        }
+        Ok(())
+    }
+
+    fn sprites(&self, world: &World) -> Vec<Sprite> {
+        let sprite = |body: &Body| {
+            let appearance = self.appearances.get(&body.id)?.clone();
+            Some(Sprite { appearance, rect: body.rect, velocity: body.velocity, trail: Vec::new() })
+        };
+        world.bodies.iter().filter_map(sprite).collect()
+    }
+}

@@ -1,0 +1,277 @@
+use super::Error;
+use super::source::open;
+use super::style::force;
+use crate::physics::{BodyId, Rect, Spawn, Vector};
+use crate::recording::{self, BodyInfo, Change, Header, Item, RecordedState, Recording, StateBounds, Summary};
+use crate::render::area::intersection;
+use std::io::{Read, Seek};
+use std::path::Path;
+
+/// Properties of a whole run that every picture of a part of it depends on, so that parts drawn
+/// separately have the same scales, colours and camera.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct RunSummary {
+    /// The step of the last full state; `None` if the recording contains no state.
+    pub last_step: Option<u64>,
+    /// The highest speed in any state, m/s.
+    pub top_speed: f64,
+    /// The largest sum of weight and constant force of a body, N.
+    pub top_force: f64,
+    /// The materials of the bodies, sorted.
+    pub materials: Vec<String>,
+    /// The names of all bodies that ever exist.
+    pub names: Vec<String>,
+    /// The bounding box of all bodies of finite mass in all states, m.
+    pub bounds: Option<Rect>,
+    /// True if a body of finite mass is ever inside the world of the scene.
+    pub has_body_in_world: bool,
+    /// The identity of the recording in pictures; `None` if the recording is unfinished.
+    pub identity: Option<String>,
+}
+
+impl RunSummary {
+    /// Reads the summary from the trailer and the events of a recording, or from all states if the
+    /// trailer is missing or incomplete; both give the same result. `world` is the size of the world, m.
+    ///
+    /// # Errors
+    /// If the recording cannot be read.
+    pub fn read(path: &Path, world: Vector) -> Result<RunSummary, Error> {
+        let read_error = |source| Error::Recording { path: path.into(), source };
+        let mut recording = open(path)?;
+        let mcap_summary = recording.summary().map_err(read_error)?;
+        let state_bounds = mcap_summary.as_ref().and_then(|mcap_summary| mcap_summary.trailer.state_bounds);
+        let summary = match (mcap_summary, state_bounds) {
+            (Some(mcap_summary), Some(state_bounds)) => from_trailer(recording, &mcap_summary, &state_bounds, world),
+            (Some(_), None) | (None, _) => from_states(recording, world),
+        };
+        summary.map_err(read_error)
+    }
+}
+
+/// The summary of a finished recording, from its trailer and events.
+fn from_trailer<R: Read + Seek>(
+    mut recording: Recording<R>,
+    mcap_summary: &Summary,
+    state_bounds: &StateBounds,
+    world: Vector,
+) -> Result<RunSummary, recording::Error> {
+    let Header { every, config, .. } = recording.header.clone();
+    let mut stats = BodyStats::new(config.gravity);
+    recording.for_each_event(|event| stats.add_change(&event.change))?;
+    let has_body_in_world = match &state_bounds.bounds {
+        Some(bounds) if overlaps_world(&bounds.rect(), world) => ever_in_world(&mut recording, world)?,
+        Some(_) | None => false,
+    };
+    let last_step = (mcap_summary.states > 0).then(|| mcap_summary.trailer.steps - mcap_summary.trailer.steps % every);
+    Ok(stats.summary(last_step, state_bounds, has_body_in_world, Some(mcap_summary.trailer.identity.to_string())))
+}
+
+/// The summary from all states of a recording.
+fn from_states<R: Read + Seek>(mut recording: Recording<R>, world: Vector) -> Result<RunSummary, recording::Error> {
+    let mut stats = BodyStats::new(recording.header.config.gravity);
+    let mut state_bounds = StateBounds::default();
+    let (mut last_step, mut has_body_in_world) = (None, false);
+    while let Some(item) = recording.next() {
+        let item = item?;
+        stats.add_item(&item);
+        for_each_body(&recording, &item, |info, numbers| {
+            state_bounds.include(info, numbers);
+            has_body_in_world = has_body_in_world || is_body_in_world(info, numbers, world);
+        });
+        last_step = full_state(&recording, &item).map(|state| state.step).or(last_step);
+    }
+    let identity = recording.trailer().map(|end| end.identity.to_string());
+    Ok(stats.summary(last_step, &state_bounds, has_body_in_world, identity))
+}
+
+/// Returns true if a body of finite mass is ever inside the world. Usually the first state decides.
+fn ever_in_world<R: Read + Seek>(recording: &mut Recording<R>, world: Vector) -> Result<bool, recording::Error> {
+    let mut has_body_in_world = false;
+    while !has_body_in_world && let Some(item) = recording.next() {
+        for_each_body(recording, &item?, |info, numbers| has_body_in_world |= is_body_in_world(info, numbers, world));
+    }
+    Ok(has_body_in_world)
+}
+
+/// Calls `visit` with every body of a full state and its x, y (m), vx, vy (m/s). Does nothing for other
+/// items.
+fn for_each_body<R: Read + Seek>(recording: &Recording<R>, item: &Item, mut visit: impl FnMut(&BodyInfo, [f64; 4])) {
+    if let Some(state) = full_state(recording, item)
+        && let Some(table) = recording.table()
+    {
+        for (info, moved) in table.join_state(state) {
+            visit(info, moved.unwrap_or_else(|| info.initial_state()));
+        }
+    }
+}
+
+/// The state of `item`, if it is one that is recorded in full and whose bodies are known.
+fn full_state<'a, R: Read + Seek>(recording: &Recording<R>, item: &'a Item) -> Option<&'a RecordedState> {
+    match item {
+        Item::State(state) => {
+            Some(state).filter(|state| recording.table().is_some() && state.step.is_multiple_of(recording.header.every))
+        }
+        Item::Event(_) | Item::Keyframe(_) | Item::SuspectState(_) => None,
+        Item::SceneUpdate { .. } | Item::Damaged(_) | Item::Gap(_) | Item::Trailer(_) => None,
+    }
+}
+
+fn is_body_in_world(info: &BodyInfo, [x, y, ..]: [f64; 4], world: Vector) -> bool {
+    let size = &info.spawn.rect;
+    let rect = Rect::new(Vector::new(x, y), size.width(), size.height());
+    info.spawn.mass.is_finite() && rect.far_corner().is_finite() && overlaps_world(&rect, world)
+}
+
+fn overlaps_world(rect: &Rect, world: Vector) -> bool {
+    intersection(rect, &Rect::new(Vector::ZERO, world.x, world.y)).is_some()
+}
+
+/// Constant properties of all bodies that ever exist.
+struct BodyStats {
+    gravity: Option<Vector>,
+    next_id: BodyId,
+    top_force: f64,
+    materials: Vec<String>,
+    names: Vec<String>,
+}
+
+impl BodyStats {
+    fn new(gravity: Option<Vector>) -> BodyStats {
+        BodyStats { gravity, next_id: 0, top_force: 0.0, materials: Vec::new(), names: Vec::new() }
+    }
+
+    /// Keyframes count too, because the spawn events may be lost.
+    fn add_item(&mut self, item: &Item) {
+        match item {
+            Item::Event(event) => self.add_change(&event.change),
+            Item::Keyframe(keyframe) => {
+                keyframe.bodies.iter().for_each(|body| self.add_body(body.info.id, &body.info.spawn));
+            }
+            Item::State(_) | Item::SuspectState(_) | Item::SceneUpdate { .. } => {}
+            Item::Damaged(_) | Item::Gap(_) | Item::Trailer(_) => {}
+        }
+    }
+
+    fn add_change(&mut self, change: &Change) {
+        match change {
+            Change::Spawn { id, spawn, .. } => self.add_body(*id, spawn),
+            Change::Delete { .. } => {}
+        }
+    }
+
+    fn add_body(&mut self, id: BodyId, spawn: &Spawn) {
+        if id < self.next_id {
+            return;
+        }
+        self.next_id = id.saturating_add(1);
+        let force = force(spawn, self.gravity).norm();
+        if force > self.top_force {
+            self.top_force = force;
+        }
+        self.names.push(spawn.name.clone());
+        if let Err(place) = self.materials.binary_search(&spawn.material)
+            && !spawn.material.is_empty()
+        {
+            self.materials.insert(place, spawn.material.clone());
+        }
+    }
+
+    fn summary(
+        self,
+        last_step: Option<u64>,
+        state_bounds: &StateBounds,
+        has_body_in_world: bool,
+        identity: Option<String>,
+    ) -> RunSummary {
+        RunSummary {
+            last_step,
+            top_speed: state_bounds.top_speed,
+            top_force: self.top_force,
+            materials: self.materials,
+            names: self.names,
+            bounds: state_bounds.bounds.map(|bounds| bounds.rect()),
+            has_body_in_world,
+            identity,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::run::{self, RecordOptions};
+    use crate::scene;
+    use std::fs::File;
+
+    /// A box that leaves the world, one that exists only between two full states, and a moving body of
+    /// infinite mass.
+    const SCENE: &str = r##"
+[world]
+size = [8.0, 6.0]
+gravity = [0.0, 9.81]
+[run]
+rate = 20
+steps = 50
+solver = "handout"
+[[spawn]]
+name = "a"
+at = [2.0, 3.0]
+size = [1.0, 1.0]
+mass = 2.0
+velocity = [-3.0, -8.0]
+material = "wood"
+[[spawn]]
+name = "lift"
+at = [5.0, 3.0]
+size = [1.0, 1.0]
+mass = inf
+velocity = [0.0, -9.0]
+material = "steel"
+[[spawn]]
+step = 13
+name = "b"
+at = [3.0, 5.0]
+size = [1.0, 1.0]
+mass = 50.0
+force = [7.0, 0.0]
+material = "stone"
+[[delete]]
+step = 14
+name = "b"
+"##;
+
+    fn compare(text: &str, every: u64, expected_in_world: bool) {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("run.mcap");
+        let scene = scene::parse("scene.toml", text).unwrap();
+        let options = RecordOptions { steps: scene.run.steps, every, viewer: None };
+        run::record(&scene, options, run::NO_LIVE_EVENTS, File::create(&path).unwrap(), |_| ()).unwrap();
+        let mcap_summary = open(&path).unwrap().summary().unwrap();
+        assert!(mcap_summary.unwrap().trailer.state_bounds.is_some(), "the trailer has no state bounds");
+        let world = Vector::new(scene.size[0], scene.size[1]);
+        let from_trailer = RunSummary::read(&path, world).unwrap();
+        assert_eq!(from_trailer, from_states(open(&path).unwrap(), world).unwrap());
+        assert_eq!(from_trailer.has_body_in_world, expected_in_world);
+        assert_eq!((from_trailer.names.len(), from_trailer.materials.join(" ").as_str()), (3, "steel stone wood"));
+        assert!(
+            from_trailer.top_speed > 9.0
+                && from_trailer.top_force > 490.0
+                && from_trailer.last_step == Some(50 - 50 % every)
+        );
+    }
+
+    #[test]
+    fn the_trailer_and_the_states_give_the_same_summary() {
+        compare(SCENE, 1, true);
+        compare(SCENE, 7, true);
+    }
+
+    #[test]
+    fn a_body_outside_of_the_world_does_not_count_as_inside() {
+        let outside = SCENE
+            .replace("size = [8.0, 6.0]", "size = [0.5, 0.5]")
+            .replace("at = [2.0, 3.0]", "at = [-3.0, 3.0]")
+            .replace("velocity = [-3.0, -8.0]", "velocity = [0.0, -9.5]");
+        compare(&outside, 1, false);
+    }
+}

@@ -1,0 +1,103 @@
+use std::{
+    collections::BTreeMap,
+    io::{self, BufWriter, Write},
+};
+
+use mcap::{Attachment, McapError, records::MessageHeader, write::NoSeek};
+
+use super::{
+    Error, SceneText, limits,
+    metadata::{self, LIBRARY, Map},
+    topic::Topic,
+};
+
+/// Writes the MCAP file of a recording from front to back.
+///
+/// The bytes depend on the calls only, not on the machine, the clock or the version of the MCAP
+/// library.
+pub struct McapWriter<W: Write> {
+    mcap: mcap::Writer<NoSeek<BufWriter<W>>>,
+    channels: [Option<Channel>; Topic::ALL.len()],
+}
+
+#[derive(Clone, Copy)]
+struct Channel {
+    id: u16,
+    sequence: u32,
+}
+
+impl<W: Write> McapWriter<W> {
+    /// Writes everything before the messages: metadata, scene and channels.
+    pub fn new(output: W, header: Map, scene: &SceneText) -> Result<McapWriter<W>, Error> {
+        let mut mcap = mcap::WriteOptions::new()
+            .library(LIBRARY)
+            .profile("")
+            .compression(Some(mcap::Compression::Zstd))
+            .compression_threads(0)
+            .chunk_size(Some(limits::CHUNK_BYTES as u64))
+            .disable_seeking(true)
+            .create(NoSeek::new(BufWriter::new(output)))
+            .map_err(write_error)?;
+        put_metadata(&mut mcap, metadata::HEADER, header)?;
+        mcap.attach(&attachment(scene)).map_err(write_error)?;
+        mcap.flush().map_err(write_error)?;
+        let mut writer = McapWriter { mcap, channels: [None; Topic::ALL.len()] };
+        for topic in Topic::ALL.into_iter().filter(|topic| topic.is_mandatory()) {
+            writer.channels[topic as usize] = Some(writer.add_channel(topic)?);
+        }
+        Ok(writer)
+    }
+
+    /// Writes one message. `log_time` is in simulated nanoseconds.
+    pub fn write_message(&mut self, topic: Topic, log_time: u64, bytes: &[u8]) -> Result<(), Error> {
+        let Channel { id, sequence } = match self.channels[topic as usize] {
+            Some(channel) => channel,
+            None => self.add_channel(topic)?,
+        };
+        self.channels[topic as usize] = Some(Channel { id, sequence: sequence.wrapping_add(1) });
+        let header = MessageHeader { channel_id: id, sequence, log_time, publish_time: log_time };
+        self.mcap.write_to_known_channel(&header, bytes).map_err(write_error)
+    }
+
+    fn add_channel(&mut self, topic: Topic) -> Result<Channel, Error> {
+        let schema = self.mcap.add_schema(topic.schema_name(), topic.schema_encoding(), &topic.schema());
+        let id = schema
+            .and_then(|schema| self.mcap.add_channel(schema, topic.name(), topic.message_encoding(), &BTreeMap::new()));
+        Ok(Channel { id: id.map_err(write_error)?, sequence: 0 })
+    }
+
+    /// Ends the chunk and flushes the output: the file is readable up to here.
+    pub fn flush(&mut self) -> Result<(), Error> {
+        self.mcap.flush().map_err(write_error)
+    }
+
+    /// Writes everything after the messages, including the summary, and returns the output.
+    pub fn finish(mut self, trailer: Map) -> Result<W, Error> {
+        put_metadata(&mut self.mcap, metadata::TRAILER, trailer)?;
+        self.mcap.finish().map_err(write_error)?;
+        let mut buffer = self.mcap.into_inner().into_inner();
+        buffer.flush().map_err(Error::Write)?;
+        buffer.into_inner().map_err(|error| Error::Write(error.into_error()))
+    }
+}
+
+fn put_metadata<W: Write + io::Seek>(mcap: &mut mcap::Writer<W>, name: &str, metadata: Map) -> Result<(), Error> {
+    mcap.write_metadata(&mcap::write::Metadata { name: name.into(), metadata }).map_err(write_error)
+}
+
+fn attachment(scene: &SceneText) -> Attachment<'_> {
+    Attachment {
+        log_time: 0,
+        create_time: 0,
+        name: scene.file_name.clone(),
+        media_type: "application/toml".into(),
+        data: scene.text.as_bytes().into(),
+    }
+}
+
+fn write_error(error: McapError) -> Error {
+    Error::Write(match error {
+        McapError::Io(error) => error,
+        other => io::Error::other(other),
+    })
+}

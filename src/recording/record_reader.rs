@@ -1,0 +1,119 @@
+use std::io::{self, Read, Seek, SeekFrom};
+
+use mcap::{
+    MAGIC, McapError,
+    sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions},
+};
+
+use super::{limits, resync};
+
+/// Reads the top-level records of a file in order, without opening chunks.
+///
+/// Verifies the checksums of the data section and of the summary section.
+pub struct RecordReader<R> {
+    source: R,
+    reader: LinearReader,
+    next_offset: u64,
+    /// The fields of the current record.
+    pub body: Vec<u8>,
+}
+
+/// The position and kind of a record.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RecordHeader {
+    /// The offset of the record, in bytes from the start of the file.
+    pub offset: u64,
+    /// The kind of record.
+    pub opcode: u8,
+}
+
+/// The error at a place without a valid record.
+#[derive(Debug)]
+pub struct ReadFault {
+    /// The offset at which the record should start, in bytes from the start of the file.
+    pub offset: u64,
+    /// The cause.
+    pub error: McapError,
+}
+
+/// Bytes before the fields of a record: opcode and length.
+pub const PREFIX_BYTES: usize = 9;
+
+const READ_BYTES: usize = 64 << 10;
+
+impl<R: Read + Seek> RecordReader<R> {
+    /// Creates a reader at the start of the file.
+    pub fn new(source: R) -> RecordReader<R> {
+        RecordReader { source, reader: reader_at_start(), next_offset: MAGIC.len() as u64, body: Vec::new() }
+    }
+
+    /// Returns to the start of the file.
+    pub fn rewind(&mut self) -> io::Result<()> {
+        self.source.rewind()?;
+        self.reader = reader_at_start();
+        self.next_offset = MAGIC.len() as u64;
+        Ok(())
+    }
+
+    /// Continues at `offset`, where a record starts. The checksum of the data section is then not
+    /// verified.
+    pub fn seek(&mut self, offset: u64) -> io::Result<()> {
+        self.source.seek(SeekFrom::Start(offset))?;
+        self.reader = LinearReader::new_with_options(strict_options().with_skip_start_magic(true));
+        self.next_offset = offset;
+        Ok(())
+    }
+
+    /// Continues at the next record found after the damaged one at `offset`, whose length cannot be
+    /// trusted. If no record is found, continues where that length points.
+    pub fn resume_after(&mut self, offset: u64) -> io::Result<()> {
+        let next = resync::find_record(&mut self.source, offset + 1)?.unwrap_or(self.next_offset);
+        self.seek(next)
+    }
+
+    /// The underlying source.
+    pub fn source(&mut self) -> &mut R {
+        &mut self.source
+    }
+
+    /// Reads the next record, whose fields are then in [`RecordReader::body`]. Returns `None` after the
+    /// last one.
+    ///
+    /// # Errors
+    /// Returns an error if there is no valid record. Errors of the operating system are
+    /// [`McapError::Io`].
+    pub fn next_record(&mut self) -> Result<Option<RecordHeader>, ReadFault> {
+        let offset = self.next_offset;
+        let fault = |error| ReadFault { offset, error };
+        loop {
+            match self.reader.next_event() {
+                None => return Ok(None),
+                Some(Err(error)) => return Err(fault(error)),
+                Some(Ok(LinearReadEvent::ReadRequest(_))) => {
+                    // Never reads the requested amount, because a damaged length can be huge.
+                    let count =
+                        self.source.read(self.reader.insert(READ_BYTES)).map_err(|error| fault(error.into()))?;
+                    self.reader.notify_read(count);
+                }
+                Some(Ok(LinearReadEvent::Record { opcode, data })) => {
+                    self.body.clear();
+                    self.body.extend_from_slice(data);
+                    self.next_offset = offset + (PREFIX_BYTES + data.len()) as u64;
+                    return Ok(Some(RecordHeader { offset, opcode }));
+                }
+            }
+        }
+    }
+}
+
+fn reader_at_start() -> LinearReader {
+    LinearReader::new_with_options(strict_options().with_validate_data_section_crc(true))
+}
+
+fn strict_options() -> LinearReaderOptions {
+    LinearReaderOptions::default()
+        .with_emit_chunks(true)
+        .with_validate_summary_section_crc(true)
+        .with_check_finishes_after_end_magic(true)
+        .with_record_length_limit(limits::RECORD_BYTES)
+}

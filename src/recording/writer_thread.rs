@@ -1,0 +1,92 @@
+use std::{
+    io::Write,
+    num::NonZero,
+    sync::mpsc::{Receiver, SyncSender, sync_channel},
+    thread::{Builder, JoinHandle},
+};
+
+use super::{Error, batch::Batch, recorder::Recorder, writer::failed_earlier};
+
+/// Encodes, compresses and writes batches, either on a thread of its own or inline. The bytes written
+/// are the same.
+pub enum WriterThread<W: Write> {
+    /// On a thread of its own.
+    Thread {
+        /// Batches to be written.
+        batches: SyncSender<Batch>,
+        /// Empty batches returned by the thread for reuse.
+        used: Receiver<Batch>,
+        /// Returns the recorder, or the error that ended the thread.
+        thread: JoinHandle<Result<Recorder<W>, Error>>,
+    },
+    /// On the stepping thread, for a single processor.
+    Inline(Box<Recorder<W>>),
+}
+
+/// Capacity of the queue of batches, enough to keep both threads busy.
+const QUEUE_CAPACITY: usize = 2;
+
+impl<W: Write + Send + 'static> WriterThread<W> {
+    /// Starts the thread if there are several processors.
+    ///
+    /// # Errors
+    /// Returns an error if the thread cannot be started.
+    pub fn new(processors: NonZero<usize>, recorder: Recorder<W>) -> Result<WriterThread<W>, Error> {
+        match processors.get() {
+            1 => Ok(WriterThread::Inline(Box::new(recorder))),
+            _ => WriterThread::thread(recorder),
+        }
+    }
+
+    fn thread(mut recorder: Recorder<W>) -> Result<WriterThread<W>, Error> {
+        let (batches, incoming) = sync_channel::<Batch>(QUEUE_CAPACITY);
+        let (outgoing, used) = sync_channel(QUEUE_CAPACITY + 1);
+        let work = move || {
+            for mut batch in incoming {
+                recorder.write(&mut batch)?;
+                batch.clear();
+                // If the queue is full, the batch is dropped and the writer allocates a new one.
+                let _ = outgoing.try_send(batch);
+            }
+            Ok(recorder)
+        };
+        let thread = Builder::new().name("recording".into()).spawn(work).map_err(Error::Write)?;
+        Ok(WriterThread::Thread { batches, used, thread })
+    }
+}
+
+impl<W: Write> WriterThread<W> {
+    /// Writes the batch, or submits it to the thread, and leaves an empty one.
+    ///
+    /// # Errors
+    /// Returns an error if writing fails. If the thread has failed earlier, [`WriterThread::join`]
+    /// returns its error.
+    pub fn write(&mut self, batch: &mut Batch) -> Result<(), Error> {
+        match self {
+            WriterThread::Thread { batches, used, .. } => {
+                let next = used.try_recv().unwrap_or_default();
+                // Sending fails only if the thread has ended with an error.
+                batches.send(std::mem::replace(batch, next)).map_err(|_| failed_earlier())
+            }
+            WriterThread::Inline(recorder) => {
+                let written = recorder.write(batch);
+                batch.clear();
+                written
+            }
+        }
+    }
+
+    /// Waits until all batches are written, and returns the recorder.
+    ///
+    /// # Errors
+    /// Returns the error that ended the thread.
+    pub fn join(self) -> Result<Recorder<W>, Error> {
+        match self {
+            WriterThread::Thread { batches, used, thread } => {
+                drop((batches, used));
+                thread.join().unwrap_or_else(|_| Err(failed_earlier()))
+            }
+            WriterThread::Inline(recorder) => Ok(*recorder),
+        }
+    }
+}

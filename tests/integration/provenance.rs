@@ -1,0 +1,149 @@
+//! Pictures carry their provenance, from which they are drawn again byte for byte.
+
+use crate::command_line::SCENE;
+use crate::rebond::Workplace;
+use crate::snapshot::assert_text;
+use rebond::picture::{Format, Provenance, Source, redraw};
+use std::path::Path;
+
+/// A workplace with two recordings, one per solver.
+fn workplace_with_recordings() -> Workplace {
+    let workplace = Workplace::with_scene(SCENE);
+    workplace.write("exact.toml", &SCENE.replace("handout", "event-driven").replace("A small run", "Übung “zwei”"));
+    workplace.done("record scene.toml -o run.mcap");
+    workplace.done("record exact.toml -o exact.mcap");
+    workplace
+}
+
+/// Draws a picture with a command line, and again from only its file and the recordings.
+#[track_caller]
+fn assert_redraws(workplace: &Workplace, line: &str, name: &str) {
+    workplace.done(&format!("{line} -o {name}"));
+    let file = workplace.read(name);
+    let open = |name: &str| Source::open(&workplace.path(name)).unwrap();
+    let redrawn =
+        redraw(&file, &[open("exact.mcap"), open("run.mcap")]).unwrap_or_else(|error| panic!("{name}: {error}"));
+    assert!(redrawn == file, "{name} is drawn differently");
+}
+
+const KINDS: [&str; 6] = ["collision", "minkowski", "strobe", "spacetime", "energy", "filmstrip"];
+
+#[test]
+fn every_kind_of_figure_in_every_format_redraws_byte_for_byte() {
+    let workplace = workplace_with_recordings();
+    for kind in KINDS {
+        for format in ["png", "svg", "pdf"] {
+            let name = format!("{kind}.{format}");
+            assert_redraws(&workplace, &format!("figure {kind} run.mcap --caption e=½ --theme dark"), &name);
+        }
+        let two = format!("figure {kind} run.mcap exact.mcap --title one --title two --color-by material");
+        assert_redraws(&workplace, &two, &format!("{kind}-two.svg"));
+    }
+    assert_redraws(&workplace, "figure spacetime exact.mcap --axis y --from 10 --to 50 --every 5", "y.png");
+    assert_redraws(&workplace, "figure strobe exact.mcap --window 0.5,0.25,4,2.25 --color-by speed", "window.png");
+    assert_redraws(&workplace, "figure filmstrip exact.mcap --follow c --window 3x2 --show mass,axes", "follow.png");
+}
+
+#[test]
+fn still_pictures_and_animations_redraw_byte_for_byte() {
+    let workplace = workplace_with_recordings();
+    let show = "--show velocity,force,normal,impulse,penetration,trail,name,mass,grid,axes,scale,clock";
+    for (format, size) in [("png", "320x180"), ("svg", "320x180"), ("pdf", "320x180")] {
+        assert_redraws(
+            &workplace,
+            &format!("render exact.mcap --at 33 {show} --size {size}"),
+            &format!("still.{format}"),
+        );
+    }
+    for format in ["gif", "apng"] {
+        assert_redraws(&workplace, &format!("render run.mcap --to 40 {show}"), &format!("clip.{format}"));
+        let slow = "render exact.mcap --from 5 --to 45 --slow 0.2 --hold 0.25 at collisions --follow c";
+        assert_redraws(&workplace, slow, &format!("slow.{format}"));
+    }
+}
+
+#[test]
+fn a_picture_of_a_sequence_redraws_on_its_own() {
+    let workplace = workplace_with_recordings();
+    workplace.done("render run.mcap -o frames --every 10 --show normal,trail,clock");
+    let file = workplace.read("frames/000040.png");
+    let redrawn = redraw(&file, &[Source::open(&workplace.path("run.mcap")).unwrap()]).unwrap();
+    assert!(redrawn == file);
+}
+
+#[test]
+fn info_prints_the_provenance_of_every_format() {
+    let workplace = workplace_with_recordings();
+    workplace.done("figure minkowski run.mcap exact.mcap -o figure.png");
+    workplace.done("figure strobe exact.mcap -o figure.svg --caption <&>=1");
+    workplace.done("figure collision run.mcap -o figure.pdf --caption ½(a+b)\\");
+    workplace.done("render run.mcap -o clip.gif --to 10");
+    workplace.done("render exact.mcap -o clip.apng --to 10 --slow 0.5");
+    let names = ["figure.png", "figure.svg", "figure.pdf", "clip.gif", "clip.apng"];
+    let info = |name: &&str| format!("{name}\n{}", workplace.done(&format!("info {name}")).output);
+    let printed = names.iter().map(info).collect::<Vec<String>>().join("\n");
+    // Identities change with every version of the engine, so the snapshot does not contain them.
+    let identity = |name: &str| Source::open(&workplace.path(name)).unwrap().summary.identity.unwrap();
+    let named = printed.replace(&identity("run.mcap"), "RUN").replace(&identity("exact.mcap"), "EXACT");
+    assert_text("info-of-pictures", &named);
+    let json: serde_json::Value = serde_json::from_str(&workplace.done("info figure.pdf --json").output).unwrap();
+    assert_eq!((json["picture"].as_str(), json["steps"].as_str()), (Some("PDF"), Some("36")), "{json}");
+}
+
+#[test]
+fn provenance_contains_no_path_and_no_number_of_jobs() {
+    let workplace = workplace_with_recordings();
+    workplace.done("render run.mcap -o one.gif --jobs 1");
+    workplace.done("render run.mcap -o three.gif --jobs 3");
+    assert!(workplace.read("one.gif") == workplace.read("three.gif"));
+    let printed = workplace.done("info one.gif").output;
+    assert!(!printed.contains("run.mcap") && !printed.contains("jobs") && !printed.contains('/'), "{printed}");
+}
+
+#[test]
+fn the_error_of_a_picture_that_cannot_be_redrawn_gives_the_reason() {
+    let workplace = workplace_with_recordings();
+    workplace.done("figure strobe run.mcap -o figure.png");
+    let file = workplace.read("figure.png");
+    let other = Source::open(&workplace.path("exact.mcap")).unwrap();
+    let error = redraw(&file, &[other]).unwrap_err().to_string();
+    assert!(error.starts_with("the picture cannot be drawn again: recording "), "{error}");
+    workplace.done("record scene.toml -o thin.mcap --every 10");
+    let thin = Source::open(&workplace.path("thin.mcap")).unwrap();
+    let error = redraw(&file, &[thin]).unwrap_err().to_string();
+    assert!(error.contains("stores fewer full states"), "{error}");
+    for (content, reason) in [("hello", "neither PNG"), ("<svg xmlns=\"\"></svg>", "no \"rebond options\"")] {
+        let error = Provenance::read(content.as_bytes()).unwrap_err().to_string();
+        assert!(error.contains(reason), "{error}");
+    }
+    workplace.write("foreign.svg", "<svg xmlns=\"\"></svg>");
+    let outcome = workplace.rebond("info foreign.svg");
+    assert_eq!(outcome.code, 1);
+    assert!(outcome.errors.contains("foreign.svg: the file carries no rebond provenance"), "{outcome:?}");
+}
+
+#[test]
+fn reading_damaged_pictures_does_not_panic() {
+    let workplace = workplace_with_recordings();
+    for name in ["figure.png", "figure.svg", "figure.pdf"] {
+        workplace.done(&format!("figure strobe run.mcap -o {name}"));
+        let file = workplace.read(name);
+        for length in (0..file.len()).step_by(file.len() / 40 + 1) {
+            let _ = Provenance::read(&file[..length]);
+        }
+        assert!(Provenance::read(&file).is_ok());
+    }
+    workplace.done("render run.mcap -o clip.gif --to 10");
+    let file = workplace.read("clip.gif");
+    for length in 0..400 {
+        let _ = Provenance::read(&file[..length]);
+    }
+}
+
+#[test]
+fn formats_are_detected_by_extension_and_content() {
+    assert_eq!(Format::from_path(Path::new("a.apng")), Some(Format::Apng));
+    assert_eq!(Format::from_path(Path::new("a.tiff")), None);
+    assert_eq!(Format::from_content(b"GIF89a"), Some(Format::Gif));
+    assert_eq!(Format::from_content(b"MCAP"), None);
+}

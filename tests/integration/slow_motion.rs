@@ -1,0 +1,162 @@
+//! Slow motion and freeze frames, which show states of the exact solver between two steps.
+
+use crate::rebond::Workplace;
+use rebond::physics::{Engine, EngineConfig, Event, Rect, Restitution, SolverKind, Spawn, Vector};
+use std::io::Cursor;
+
+/// A ball that hits a plate between two steps, at 0.425 s, and bounces back.
+const SCENE: &str = r#"[world]
+size = [8.0, 4.5]
+[run]
+rate = 10
+steps = 12
+solver = "event-driven"
+[[spawn]]
+name = "ball"
+at = [0.5, 2.0]
+size = [0.5, 0.5]
+mass = 1.0
+velocity = [10.0, 0.0]
+[[spawn]]
+name = "plate"
+at = [5.25, 0.5]
+size = [0.1, 3.5]
+mass = inf
+[figure]
+size = [160, 90]
+show = ["normal", "clock"]
+"#;
+
+fn workplace(solver: &str) -> Workplace {
+    let workplace = Workplace::with_scene(&SCENE.replace("event-driven", solver));
+    workplace.done("record scene.toml -o run.mcap");
+    workplace
+}
+
+/// The display time of each frame of a GIF, 1/100 s.
+fn delays(file: &[u8]) -> Vec<u16> {
+    let mut decoder = gif::DecodeOptions::new().read_info(Cursor::new(file)).unwrap();
+    let mut delays = Vec::new();
+    while let Some(frame) = decoder.read_next_frame().unwrap() {
+        delays.push(frame.delay);
+    }
+    delays
+}
+
+#[test]
+fn slow_motion_of_the_exact_solver_shows_instants_between_steps() {
+    let workplace = workplace("event-driven");
+    let output = workplace.done("render run.mcap -o slow.gif --slow 0.2 --fps 10").output;
+    assert_eq!(output, "slow.gif: 5 frames per step, 10 frames/s, 0.2 × real time\n");
+    assert_eq!(delays(&workplace.read("slow.gif")), [10; 61], "12 steps of 5 frames each and the last state");
+}
+
+#[test]
+fn slow_motion_of_the_handout_solver_shows_each_state_longer() {
+    let workplace = workplace("handout");
+    let output = workplace.done("render run.mcap -o slow.gif --slow 0.2 --fps 10").output;
+    assert_eq!(output, "slow.gif: every step, 2 frames/s, 0.2 × real time\n");
+    assert_eq!(delays(&workplace.read("slow.gif")), [50; 13]);
+}
+
+#[test]
+fn an_animation_freezes_at_the_instant_of_an_impact() {
+    let workplace = workplace("event-driven");
+    let output = workplace.done("render run.mcap -o held.gif --hold 0.5 at collisions --fps 10").output;
+    assert_eq!(output, "held.gif: every step, 10 frames/s, 1 freeze frame of 0.5 s\n");
+    let delays = delays(&workplace.read("held.gif"));
+    // The impact is 0.025 s after step 4. Its frame is shown for the rest of the step and another 0.5 s.
+    assert_eq!(delays, [10, 10, 10, 10, 3, 57, 10, 10, 10, 10, 10, 10, 10, 10]);
+    workplace.done("render run.mcap -o held.apng --hold 0.5 at collisions --fps 10");
+}
+
+/// The freeze frame shows the ball in contact with the plate, as no recorded state does.
+#[test]
+fn a_freeze_frame_shows_the_bodies_in_contact() {
+    use rebond::picture::{PictureOptions, Source, SubjectOptions, frames, schedule};
+    let workplace = workplace("event-driven");
+    let sources = [Source::open(&workplace.path("run.mcap")).unwrap()];
+    let options = PictureOptions {
+        hold: Some(0.5),
+        fps: Some(10.0),
+        ..PictureOptions::new(SubjectOptions::Animation { max_fps: f64::INFINITY })
+    };
+    let picture = options.resolve(&sources, &mut |_, _| ()).unwrap();
+    let schedule = schedule(&picture, &sources[0], &mut |_, _| ()).unwrap();
+    let frames: Vec<_> = frames(&picture, &sources[0], &schedule).unwrap().map(Result::unwrap).collect();
+    assert_eq!(frames.len(), 14);
+    let right = |frame: &rebond::render::Frame| frame.sprites[0].rect.far_corner().x;
+    assert_eq!(right(&frames[5]), 5.25, "the ball does not touch the plate");
+    assert!((frames[5].time - 0.425).abs() < 1e-12, "at {}", frames[5].time);
+    assert_eq!(frames[5].collisions.len(), 1, "the collision is not shown");
+    let others = frames.iter().enumerate().filter(|(index, _)| *index != 5);
+    assert!(others.map(|(_, frame)| right(frame)).all(|x| x < 5.25), "a recorded state shows contact");
+    assert_eq!(
+        frames.iter().map(|frame| frame.collisions.len()).sum::<usize>(),
+        1,
+        "the collision is shown more than once"
+    );
+}
+
+#[test]
+fn a_freeze_frame_of_the_handout_solver_is_at_a_state() {
+    let scene =
+        SCENE.replace("event-driven", "handout").replace("rate = 10", "rate = 100").replace("steps = 12", "steps = 60");
+    let workplace = Workplace::with_scene(&scene);
+    let output = workplace.done("render scene.toml -o held.gif --hold 0.5 at collisions --fps 50").output;
+    assert_eq!(output, "held.gif: every 2nd step, 50 frames/s, 1 freeze frame of 0.5 s\n");
+    let longest = delays(&workplace.read("held.gif")).into_iter().max();
+    assert!(longest.is_some_and(|longest| (51..=52).contains(&longest)), "{longest:?}");
+}
+
+#[test]
+fn slow_motion_and_freeze_frames_require_an_animation() {
+    let workplace = workplace("event-driven");
+    let outcome = workplace.rebond("render run.mcap -o frames/ --slow 0.5");
+    assert_eq!(outcome.code, 1);
+    assert!(outcome.errors.contains("slow motion and freeze frames require an animation"), "{outcome:?}");
+    assert_eq!(workplace.rebond("render run.mcap -o held.gif --hold 0.5 at night").code, 2);
+    assert_eq!(workplace.rebond("render run.mcap -o held.gif --slow 0").code, 2);
+}
+
+/// Computing a state between two steps does not change the engine.
+#[test]
+fn a_state_between_steps_agrees_with_a_finer_run_and_changes_no_bit() {
+    let engine = |rate: f64| {
+        let config = EngineConfig {
+            solver: SolverKind::EventDriven,
+            rate,
+            gravity: Some(Vector::new(0.0, 10.0)),
+            restitution: Restitution::new(0.5, &[]),
+            events_per_step: 1000,
+        };
+        let mut engine = Engine::new(config);
+        for (x, y, mass, speed) in [(0.0, 4.0, f64::INFINITY, 0.0), (0.0, 0.0, 1.0, 2.0), (0.5, 1.5, 3.0, -1.0)] {
+            let size = if mass == 1.0 { 1.0 } else { 2.0 };
+            engine.apply(&Event::Spawn(Spawn {
+                name: format!("{mass}"),
+                rect: Rect::new(Vector::new(x, y), size, 1.0),
+                mass,
+                velocity: Vector::new(speed, 0.0),
+                force: Vector::ZERO,
+                material: String::new(),
+            }));
+        }
+        engine
+    };
+    let (mut coarse, mut fine, mut undisturbed) = (engine(8.0), engine(32.0), engine(8.0));
+    for _ in 0..16 {
+        for quarter in 0..4 {
+            let world = coarse.world_after(f64::from(quarter) / 32.0, &mut Vec::new()).unwrap();
+            for (found, expected) in world.bodies.iter().zip(&fine.world().bodies) {
+                let position_error = found.rect.origin.sub(expected.rect.origin).norm();
+                let error = position_error + found.velocity.sub(expected.velocity).norm();
+                assert!(error < 1e-12, "step {}, quarter {quarter}: {found:?} {expected:?}", coarse.current_step());
+            }
+            fine.step(&mut Vec::new()).unwrap();
+        }
+        coarse.step(&mut Vec::new()).unwrap();
+        undisturbed.step(&mut Vec::new()).unwrap();
+        assert_eq!(coarse.snapshot(), undisturbed.snapshot());
+    }
+}
