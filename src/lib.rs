@@ -1,26 +1,29 @@
-//! rebond: a physics engine of axis-aligned boxes made into an instrument. It runs a scene in fixed
-//! steps, records what went in and what came out, replays that bit for bit, and draws it.
+//! A deterministic 2-D physics engine of axis-aligned boxes, which records runs, replays them bit for bit and draws
+//! them.
 //!
-//! The pipeline, in a few lines. A scene comes from a file, from text, or from code:
+//! The items below are in the order of the pipeline. A scene comes from a file ([`load_scene`]), from text
+//! ([`parse_scene`]), or from code:
 //!
 //! ```
-//! use rebond::scene::builder::{SceneBuilder, Spawn, World};
+//! use rebond::{SceneBuilder, SpawnTable, WorldTable};
 //!
 //! // One box of 2 kg at 4 m/s between four walls; lengths are in metres, y points down.
 //! let scene = SceneBuilder {
-//!     world: World { size: [16.0, 9.0], walls: true, ..World::default() },
-//!     spawn: vec![Spawn { at: [2.0, 3.0], mass: 2.0, velocity: [4.0, 0.0], ..Spawn::default() }],
+//!     world: WorldTable { size: [16.0, 9.0], walls: true, ..WorldTable::default() },
+//!     spawn: vec![SpawnTable { at: [2.0, 3.0], mass: 2.0, velocity: [4.0, 0.0], ..SpawnTable::default() }],
 //!     ..SceneBuilder::default()
 //! }
 //! .build("one-box.toml")?;
-//! # Ok::<(), rebond::scene::SceneError>(())
+//! # Ok::<(), rebond::SceneError>(())
 //! ```
 //!
-//! Step it, and look at the world in between:
+//! A [`Run`] steps a scene and gives access to the world in between:
 //!
 //! ```
-//! # let scene = rebond::scene::builder::SceneBuilder { spawn: vec![rebond::scene::builder::Spawn { at: [2.0, 3.0], velocity: [4.0, 0.0], ..Default::default() }], ..Default::default() }.build("one-box.toml")?;
-//! use rebond::{physics::Collision, run::Run};
+//! # let mut builder = rebond::SceneBuilder::default();
+//! # builder.spawn = vec![rebond::SpawnTable { at: [2.0, 3.0], velocity: [4.0, 0.0], ..Default::default() }];
+//! # let scene = builder.build("one-box.toml")?;
+//! use rebond::{Collision, Run};
 //!
 //! let mut run = Run::new(&scene);
 //! let mut collisions: Vec<Collision> = Vec::new();
@@ -30,71 +33,137 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Record it, and hold the recording to what it was:
+//! [`record`] writes a recording, which can be replayed. [`testing`] does so in tests:
 //!
 //! ```
-//! # let scene = rebond::scene::builder::SceneBuilder { spawn: vec![rebond::scene::builder::Spawn { velocity: [4.0, 0.0], ..Default::default() }], ..Default::default() }.build("one-box.toml")?;
+//! # let scene = rebond::SceneBuilder::default().build("one-box.toml")?;
 //! # let folder = tempfile::tempdir()?;
 //! # let path = folder.path().join("one-box.mcap");
-//! use rebond::run::{self, NO_LIVE_EVENTS, RecordOptions};
+//! use rebond::{NO_LIVE_EVENTS, RecordOptions, record};
 //!
 //! let file = std::fs::File::create(&path)?;
-//! let recorded = run::record(&scene, RecordOptions::whole(&scene), NO_LIVE_EVENTS, file, |_| ())?;
+//! let recorded = record(&scene, RecordOptions::whole(&scene), NO_LIVE_EVENTS, file, |_| ())?;
 //! assert_eq!(recorded.end.steps, 600);
 //!
 //! rebond::testing::assert_replays(&path); // in a test: panics with the step, body and field
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! Draw it, as a picture, an animation or a figure:
+//! A recording is drawn as a picture, an animation or a figure:
 //!
-//! ```
-//! # let scene = rebond::scene::builder::SceneBuilder { spawn: vec![rebond::scene::builder::Spawn { velocity: [4.0, 0.0], ..Default::default() }], ..Default::default() }.build("one-box.toml")?;
+#![cfg_attr(feature = "draw", doc = "```")]
+#![cfg_attr(not(feature = "draw"), doc = "```ignore")]
+//! # let scene = rebond::SceneBuilder::default().build("one-box.toml")?;
 //! # let folder = tempfile::tempdir()?;
 //! # let path = folder.path().join("one-box.mcap");
-//! # rebond::run::record(&scene, rebond::run::RecordOptions::whole(&scene), rebond::run::NO_LIVE_EVENTS, std::fs::File::create(&path)?, |_| ())?;
-//! use rebond::picture::{Format, PictureOptions, Source, SubjectOptions, draw_to_vec};
+//! # let file = std::fs::File::create(&path)?;
+//! # rebond::record(&scene, rebond::RecordOptions::whole(&scene), rebond::NO_LIVE_EVENTS, file, |_| ())?;
+//! use rebond::{PictureOptions, Source, StillFormat, SubjectOptions, draw_to_vec};
 //!
-//! let options = PictureOptions { size: Some([640, 360]), ..PictureOptions::new(SubjectOptions::Still { step: 60 }) };
-//! let svg = draw_to_vec(&options, &[Source::open(&path)?], Format::Svg)?;
+//! let subject = SubjectOptions::State { step: 60, format: StillFormat::Svg };
+//! let mut options = PictureOptions::default();
+//! options.size = Some([640, 360]);
+//! let svg = draw_to_vec(&subject, &options, &[Source::open(&path)?])?;
 //! assert!(svg.starts_with(b"<svg"));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! # Where things are
+//! # Features
 //!
-//! In reading order:
-//!
-//! 1. [`scene`] reads what a run is asked to be. It knows nothing of what comes of it.
-//! 2. [`physics`] moves boxes. It never names a file, a clock, a format or a pixel.
-//! 3. [`run`] feeds a scene's events to the engine, step by step. It decides what clicks hit,
-//!    never how boxes move.
-//! 4. [`recording`] writes what went in and what came out to MCAP and reads it back strictly.
-//! 5. [`replay`] runs a recording again and says whether every bit came out the same.
-//! 6. [`render`] makes states into pictures. It never sees the engine.
-//! 7. [`figure`] makes states and collisions into lecture figures, in the view's shapes.
-//! 8. [`picture`] draws recordings in these ways and stores the provenance in each file.
-//! 9. [`check`] holds recordings and pictures to what they were, and [`testing`] does so in tests.
-//! 10. [`report`] runs hard scenes and sets errors beside costs; its truths share nothing with
-//!     the solvers.
-//! 11. [`cli`] puts these together for the command line; nothing else reports errors to people.
+//! Without default features, the library parses and runs scenes and writes, reads and replays recordings. `draw` adds
+//! pictures and checks of recordings and pictures. `report` adds error against cost on hard scenes. `cli`, the
+//! default, adds the command `rebond` and implies both.
 
-pub mod check;
-pub mod cli;
-mod counted;
-pub mod figure;
+#[cfg(feature = "draw")]
+mod check;
+#[cfg(feature = "cli")]
+mod cli;
 pub mod guide;
-pub mod physics;
-pub mod picture;
-pub mod recording;
-pub mod render;
-pub mod replay;
-pub mod report;
-pub mod run;
-pub mod scene;
+mod physics;
+#[cfg(feature = "draw")]
+mod picture;
+mod picture_options;
+mod recording;
+mod replay;
+#[cfg(feature = "report")]
+mod report;
+mod scene;
 pub mod testing;
+mod text;
 
-/// The README's examples are tests, too.
-#[cfg(doctest)]
+// Scenes.
+pub use scene::builder::{
+    BlueprintTable, ClickTable, DeleteTable, RunTable, ScatterTable, SceneBuilder, SpawnTable, WorldTable,
+};
+pub use scene::{
+    Diagnostic, DiagnosticKind, Diagnostics, Excerpt, Scene, SceneError, load as load_scene, parse as parse_scene,
+};
+
+// Running and recording them.
+pub use replay::{LiveEvents, NO_LIVE_EVENTS, OnBadEvent, RecordOptions, Recorded, Run, RunError, record};
+
+// The engine and its world.
+pub use physics::{
+    Axis, Body, BodyId, Collision, CollisionCount, Engine, EngineConfig, Event, Observer, Rect, Restitution,
+    RestitutionPair, SolverKind, Spawn, StepError, Vector, World,
+};
+
+// Reading recordings.
+pub use recording::{
+    Error as RecordingError, Header, Health, Playback, Recording, Recovery, SampledBody, SampledState, Trailer,
+    open as open_recording, recover,
+};
+
+// Running recordings again.
+pub use replay::{ALL_STEPS, Difference, Divergence, Replayer, Verdict};
+
+// Pictures.
+#[cfg(feature = "draw")]
+pub use picture::{
+    AnimationFormat, Error as PictureError, FigureChoice, Provenance, Source, StillFormat, SubjectOptions, draw_to_vec,
+    redraw,
+};
+pub use picture_options::{ColorBy, Overlay, Overlays, PictureOptions, Theme, WindowOptions};
+
+// Checks of recordings and pictures.
+#[cfg(feature = "draw")]
+pub use check::{Case, CheckError, CheckResult, Files as CheckFiles, Outcome, check_cases};
+
+/// Modules of this crate for its own command, tests and benchmarks. They are not part of the API and may change in
+/// any version.
+#[doc(hidden)]
+pub mod internals {
+    #[cfg(feature = "draw")]
+    pub mod check {
+        pub use crate::check::*;
+    }
+    #[cfg(feature = "cli")]
+    pub mod cli {
+        pub use crate::cli::*;
+    }
+    pub mod physics {
+        pub use crate::physics::*;
+    }
+    #[cfg(feature = "draw")]
+    pub mod picture {
+        pub use crate::picture::*;
+    }
+    pub mod recording {
+        pub use crate::recording::*;
+    }
+    pub mod replay {
+        pub use crate::replay::*;
+    }
+    #[cfg(feature = "report")]
+    pub mod report {
+        pub use crate::report::*;
+    }
+    pub mod scene {
+        pub use crate::scene::*;
+    }
+}
+
+/// The examples of the README are tests, too.
+#[cfg(all(doctest, feature = "draw"))]
 #[doc = include_str!("../README.md")]
 struct Readme;

@@ -1,7 +1,7 @@
 //! The `rebond` command.
 
 use clap::Parser;
-use rebond::cli::{self, Arguments};
+use rebond::internals::cli::{self, Arguments};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {

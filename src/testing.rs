@@ -1,7 +1,7 @@
 //! Assertions for tests of programs that use rebond.
 
-use crate::replay::Verdict;
-use crate::replay::replay_file;
+use crate::physics::CollisionCount;
+use crate::replay::{ALL_STEPS, Replayer, Verdict};
 use std::path::Path;
 
 /// Asserts that the recording at `path` is complete and replays bit for bit the same.
@@ -20,7 +20,8 @@ use std::path::Path;
 #[track_caller]
 pub fn assert_replays(path: impl AsRef<Path>) {
     let path = path.as_ref();
-    match replay_file(path) {
+    let replay = Replayer::open(path, ALL_STEPS);
+    match replay.and_then(|replay| replay.run(&mut CollisionCount::default(), |_| ())) {
         Ok(Verdict::Same { .. }) => {}
         Ok(verdict) => panic!("{}: {verdict}", path.display()),
         Err(error) => panic!("{}: {error}", path.display()),

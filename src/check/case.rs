@@ -1,4 +1,4 @@
-use crate::picture::{Format, PictureOptions, Provenance};
+use crate::picture::{PictureOptions, Provenance, SubjectOptions};
 use std::path::{Path, PathBuf};
 
 /// A file to check.
@@ -39,12 +39,12 @@ pub struct ReferenceImage {
 pub enum Recipe {
     /// By a command that a manifest lists.
     Listed {
+        /// The picture and its format.
+        subject: SubjectOptions,
         /// The options of the command.
         options: Box<PictureOptions>,
         /// Scenes or recordings.
         sources: Vec<PathBuf>,
-        /// The file format.
-        format: Format,
     },
     /// By the provenance that the picture contains.
     Embedded {
@@ -52,8 +52,6 @@ pub enum Recipe {
         provenance: Box<Provenance>,
         /// The recordings that the provenance names, in the same order.
         sources: Vec<PathBuf>,
-        /// The file format.
-        format: Format,
     },
     /// Not at all: a recording that the provenance names was not found.
     Orphaned {

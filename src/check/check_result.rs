@@ -5,6 +5,7 @@ use std::fmt::{self, Display, Formatter};
 use std::path::PathBuf;
 
 /// The result of checking one case.
+#[non_exhaustive]
 #[derive(Debug)]
 pub struct CheckResult {
     /// The path of the file that was checked.
@@ -25,6 +26,7 @@ pub enum Replacement {
 }
 
 /// The outcome of checking one case.
+#[non_exhaustive]
 #[derive(Debug)]
 pub enum Outcome {
     /// A recording replays the same; a truncated or corrupt one, as far as it can be read.

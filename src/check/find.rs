@@ -7,10 +7,8 @@ use std::path::{Component, Path, PathBuf};
 use std::str::FromStr;
 use std::{fs, io};
 
-/// The file name extension of manifests, which list reference images.
-pub const MANIFEST_EXTENSION: &str = "check";
-
 /// The error of searching for cases.
+#[non_exhaustive]
 #[derive(Debug, thiserror::Error)]
 pub enum CheckError {
     /// A file or folder cannot be read.
@@ -32,42 +30,75 @@ pub enum CheckError {
     },
 }
 
-/// Finds all cases in files and folders: first the recordings, then the pictures, both ordered by name.
-///
-/// Folders are searched recursively, except hidden ones and those marked as a cache by a `CACHEDIR.TAG`.
-/// `read_manifest` reads the pictures that a manifest lists. A picture that no manifest lists is checked by its own
-/// provenance; it is orphaned if its recording is not among those found.
-///
-/// # Errors
-/// If a file or folder cannot be read, or no case is found.
-pub fn find(
-    paths: &[PathBuf],
-    read_manifest: impl Fn(&Path) -> Result<Vec<ReferenceImage>, CheckError>,
-) -> Result<Vec<Case>, CheckError> {
-    let files = files(paths)?;
-    let with_extension =
-        |extension: &'static str| files.iter().filter(move |path| path.extension() == Some(OsStr::new(extension)));
-    let mut pictures = Vec::new();
-    for path in with_extension(MANIFEST_EXTENSION) {
-        pictures.extend(read_manifest(path)?);
-    }
-    let listed: BTreeSet<PathBuf> = pictures.iter().map(|reference| canonical(&reference.file)).collect();
-    let recordings: Vec<&PathBuf> = with_extension("mcap").collect();
-    let mut index = None;
-    for file in files.iter().filter(|file| Format::from_path(file).is_some() && !listed.contains(&canonical(file))) {
-        let content = fs::read(file).map_err(unreadable(file))?;
-        if let Ok((format, provenance)) = Provenance::read(&content) {
-            let index = index.get_or_insert_with(|| RecordingIndex::new(&recordings));
-            pictures.push(ReferenceImage { file: file.clone(), recipe: index.recipe(provenance, format) });
+/// The files to check, and the files to check them with.
+pub struct Files {
+    /// The files and folders that were searched.
+    searched: Vec<PathBuf>,
+    /// All files found, sorted and without duplicates.
+    found: Vec<PathBuf>,
+}
+
+impl Files {
+    /// Finds all files below `paths`.
+    ///
+    /// Folders are searched recursively, except hidden ones and those marked as a cache by a `CACHEDIR.TAG`.
+    ///
+    /// # Errors
+    /// If a file or folder cannot be read.
+    pub fn find(paths: &[PathBuf]) -> Result<Files, CheckError> {
+        let mut found = BTreeMap::new();
+        for path in paths {
+            if fs::metadata(path).map_err(unreadable(path))?.is_dir() {
+                walk(path, &mut found)?;
+            } else {
+                found.insert(canonical(path), path.clone());
+            }
         }
+        let mut found: Vec<PathBuf> = found.into_values().collect();
+        found.sort();
+        Ok(Files { searched: paths.to_vec(), found })
     }
-    pictures.sort_by(|a, b| a.file.cmp(&b.file));
-    let recordings = recordings.into_iter().map(|path| Case::Recording { path: path.clone(), scene: scene_of(path) });
-    let cases: Vec<Case> = recordings.chain(pictures.into_iter().map(Case::Picture)).collect();
-    if cases.is_empty() {
-        return Err(CheckError::NothingFound { paths: paths.iter().map(|path| path.display().to_string()).collect() });
+
+    /// The manifests (`*.check`), which list reference images.
+    pub fn manifests(&self) -> impl Iterator<Item = &PathBuf> {
+        self.with_extension("check")
     }
-    Ok(cases)
+
+    /// Returns all cases: first the recordings, then the pictures, both ordered by name. `listed` are the pictures that
+    /// the manifests list. A picture that no manifest lists is checked by its own provenance; it is orphaned if its
+    /// recording is not among the files found.
+    ///
+    /// # Errors
+    /// If a file cannot be read, or there is no case.
+    pub fn cases(&self, listed: Vec<ReferenceImage>) -> Result<Vec<Case>, CheckError> {
+        let listed_files: BTreeSet<PathBuf> = listed.iter().map(|reference| canonical(&reference.file)).collect();
+        let mut pictures = listed;
+        let recordings: Vec<&PathBuf> = self.with_extension("mcap").collect();
+        let mut index = None;
+        for file in &self.found {
+            if Format::from_path(file).is_none() || listed_files.contains(&canonical(file)) {
+                continue;
+            }
+            let content = fs::read(file).map_err(unreadable(file))?;
+            if let Ok(provenance) = Provenance::read(&content) {
+                let index = index.get_or_insert_with(|| RecordingIndex::new(&recordings));
+                pictures.push(ReferenceImage { file: file.clone(), recipe: index.recipe(provenance) });
+            }
+        }
+        pictures.sort_by(|a, b| a.file.cmp(&b.file));
+        let recordings =
+            recordings.into_iter().map(|path| Case::Recording { path: path.clone(), scene: scene_of(path) });
+        let cases: Vec<Case> = recordings.chain(pictures.into_iter().map(Case::Picture)).collect();
+        if cases.is_empty() {
+            let paths = self.searched.iter().map(|path| path.display().to_string()).collect();
+            return Err(CheckError::NothingFound { paths });
+        }
+        Ok(cases)
+    }
+
+    fn with_extension(&self, extension: &'static str) -> impl Iterator<Item = &PathBuf> {
+        self.found.iter().filter(move |path| path.extension() == Some(OsStr::new(extension)))
+    }
 }
 
 fn scene_of(recording: &Path) -> Option<PathBuf> {
@@ -76,20 +107,6 @@ fn scene_of(recording: &Path) -> Option<PathBuf> {
 
 fn unreadable(path: &Path) -> impl FnOnce(io::Error) -> CheckError {
     move |source| CheckError::Unreadable { path: path.into(), source }
-}
-
-/// Returns all files below these paths, sorted and without duplicates.
-fn files(paths: &[PathBuf]) -> Result<Vec<PathBuf>, CheckError> {
-    let mut found = BTreeMap::new();
-    for path in paths {
-        match fs::metadata(path).map_err(unreadable(path))?.is_dir() {
-            true => walk(path, &mut found)?,
-            false => drop(found.insert(canonical(path), path.clone())),
-        }
-    }
-    let mut files: Vec<PathBuf> = found.into_values().collect();
-    files.sort();
-    Ok(files)
 }
 
 /// The file that marks a folder as a cache, see <https://bford.info/cachedir>.
@@ -102,10 +119,13 @@ fn walk(folder: &Path, found: &mut BTreeMap<PathBuf, PathBuf>) -> Result<(), Che
     for entry in fs::read_dir(folder).map_err(unreadable(folder))? {
         let entry = entry.map_err(unreadable(folder))?;
         let (path, kind) = (entry.path(), entry.file_type().map_err(unreadable(folder))?);
-        match kind.is_dir() {
-            _ if entry.file_name().to_string_lossy().starts_with('.') => {}
-            true => walk(&path, found)?,
-            false => drop(found.insert(canonical(&path), normalize(&path))),
+        if entry.file_name().to_string_lossy().starts_with('.') {
+            continue;
+        }
+        if kind.is_dir() {
+            walk(&path, found)?;
+        } else {
+            found.insert(canonical(&path), normalize(&path));
         }
     }
     Ok(())
@@ -160,7 +180,7 @@ impl RecordingIndex {
         RecordingIndex(found)
     }
 
-    fn recipe(&self, provenance: Provenance, format: Format) -> Recipe {
+    fn recipe(&self, provenance: Provenance) -> Recipe {
         let mut sources = Vec::new();
         for identity in &provenance.recordings {
             let found = self.0.get(identity).map(Vec::as_slice).unwrap_or_default();
@@ -173,7 +193,7 @@ impl RecordingIndex {
             };
             sources.push(recording.path.clone());
         }
-        Recipe::Embedded { provenance: Box::new(provenance), sources, format }
+        Recipe::Embedded { provenance: Box::new(provenance), sources }
     }
 }
 
@@ -209,8 +229,8 @@ mod tests {
             fs::write(path, "").unwrap();
         }
         fs::write(folder.path().join("target").join(CACHE_TAG), "").unwrap();
-        let found = files(&[folder.path().into(), folder.path().join("d.mcap")]).unwrap();
-        let names: Vec<_> = found.iter().map(|path| path.strip_prefix(folder.path()).unwrap()).collect();
+        let files = Files::find(&[folder.path().into(), folder.path().join("d.mcap")]).unwrap();
+        let names: Vec<_> = files.found.iter().map(|path| path.strip_prefix(folder.path()).unwrap()).collect();
         assert_eq!(names, [Path::new("d.mcap"), Path::new("deep/er/c.mcap")]);
     }
 }

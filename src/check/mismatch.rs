@@ -1,8 +1,8 @@
-use crate::counted::counted;
+use crate::picture::encode::compare::{Comparison, compare, side_by_side};
+use crate::picture::number::format_significant;
+use crate::picture::{AnimationDecoder, DecodedFrame, Picture, RenderError};
 use crate::picture::{Format, Provenance, SOFTWARE};
-use crate::render::compare::{Comparison, compare, side_by_side};
-use crate::render::number_format::format_significant;
-use crate::render::{AnimationDecoder, DecodedFrame, Picture, RenderError};
+use crate::text::counted;
 use std::fmt::{self, Display, Formatter};
 
 /// How a picture differs from its reference.
@@ -36,17 +36,13 @@ pub fn mismatch(format: Format, expected: &[u8], actual: &[u8]) -> Result<Option
     if expected == actual {
         return Ok(None);
     }
-    let found = match (Format::from_content(expected), format) {
-        (Some(Format::Png | Format::Gif | Format::Apng), Format::Png | Format::Gif | Format::Apng) => {
-            differing_frame(expected, actual)?
-        }
-        (_, Format::Png | Format::Gif | Format::Apng) => {
-            Some((format!("the reference is not a valid {} file", format.name()), None))
-        }
-        (_, Format::Svg | Format::Pdf) => {
+    let found = match Format::from_content(expected) {
+        _ if format.is_vector() => {
             let description = differing_line(expected, actual).or_else(|| differing_provenance(expected, actual));
             Some((description.unwrap_or_else(|| "the bytes differ".into()), None))
         }
+        Some(found) if !found.is_vector() => differing_frame(expected, actual)?,
+        Some(_) | None => Some((format!("the reference is not a valid {} file", format.name()), None)),
     };
     let found = found.or_else(|| differing_provenance(expected, actual).map(|description| (description, None)));
     Ok(found.map(|(description, comparison)| Mismatch {
@@ -119,8 +115,7 @@ fn excerpt(line: &str, position: usize) -> String {
 
 /// Describes the first difference in provenance, other than the version of rebond.
 fn differing_provenance(expected: &[u8], actual: &[u8]) -> Option<String> {
-    let [expected, actual] =
-        [expected, actual].map(|file| Provenance::read(file).ok().map(|(_, provenance)| provenance));
+    let [expected, actual] = [expected, actual].map(|file| Provenance::read(file).ok());
     let entries = expected?.metadata().entries.into_iter().zip(actual?.metadata().entries);
     let mut differing = entries.filter(|(expected, actual)| expected != actual && expected.0 != "Software");
     differing.next().map(|((key, expected), (_, actual))| {
@@ -130,6 +125,6 @@ fn differing_provenance(expected: &[u8], actual: &[u8]) -> Option<String> {
 }
 
 fn other_software(expected: &[u8]) -> Option<String> {
-    let (_, provenance) = Provenance::read(expected).ok()?;
+    let provenance = Provenance::read(expected).ok()?;
     (provenance.software != SOFTWARE).then_some(provenance.software)
 }

@@ -1,7 +1,8 @@
 use super::find::CACHE_TAG;
 use super::{CheckResult, Mismatch, Outcome, Replacement, Severity};
-use crate::picture::Format;
-use crate::render::{Metadata, RenderError, png};
+use crate::picture::{AnimationFormat, Format, StillFormat};
+use crate::picture::{Metadata, RenderError, png};
+use crate::text::Escaped;
 use std::ffi::OsStr;
 use std::fs::{self, File};
 use std::io::{self, BufWriter};
@@ -16,7 +17,7 @@ pub struct Page {
     cards: Vec<String>,
 }
 
-/// The content of the file that marks the folder as a cache, which backups and [`find`](super::find()) skip, and as a
+/// The content of the file that marks the folder as a cache, which backups and [`Files`](super::Files) skip, and as a
 /// report of `rebond check`, which a later check may delete. Reports of all versions have this content.
 const TAG: &str = "Signature: 8a477f597d28d172789f06886806bc55\n# What `rebond check` found to differ.\n";
 
@@ -62,7 +63,7 @@ impl Page {
         let Figures { html, files, .. } = figures;
         let [path, word, sentence] =
             [result.path.display().to_string(), result.outcome.word().to_owned(), result.outcome.to_string()]
-                .map(|text| escape_html(&text));
+                .map(|text| Escaped(&text).to_string());
         let details = sentence.strip_prefix(&format!("{word}: ")).unwrap_or(&sentence);
         self.cards.push(format!("<section>\n<h2>{path} <b>{word}</b></h2>\n<p>{details}</p>\n{html}</section>\n"));
         Ok(files)
@@ -78,7 +79,7 @@ impl Page {
         }
         let page = self.folder.join("index.html");
         let cards: String = self.cards.concat();
-        fs::write(&page, format!("{HEAD}<h1>rebond check</h1>\n<p>{}</p>\n{cards}</html>\n", escape_html(summary)))?;
+        fs::write(&page, format!("{HEAD}<h1>rebond check</h1>\n<p>{}</p>\n{cards}</html>\n", Escaped(summary)))?;
         Ok(Some(page))
     }
 }
@@ -100,15 +101,19 @@ impl Figures<'_> {
             self.files.push(self.folder.join(&name));
             self.html += &format!("<div>{}</div>\n", figure(&name, "expected · difference · actual"));
         }
-        if mismatch.comparison.is_some() && mismatch.format == Format::Png {
+        if mismatch.comparison.is_some() && mismatch.format == Format::Still(StillFormat::Png) {
             return Ok(());
         }
         let expected = self.write("expected", &fs::read(expected)?)?;
         let actual = self.write("actual", actual)?;
         let [left, right] = [figure(&expected, "expected"), figure(&actual, "actual")];
         self.html += &match mismatch.format {
-            Format::Svg => format!("<div>{left}{}{right}</div>\n", overlay(&expected, &actual)),
-            Format::Png | Format::Pdf | Format::Gif | Format::Apng => format!("<div>{left}{right}</div>\n"),
+            Format::Still(StillFormat::Svg) => {
+                format!("<div>{left}{}{right}</div>\n", overlay(&expected, &actual))
+            }
+            Format::Still(StillFormat::Png | StillFormat::Pdf) | Format::Animation(_) => {
+                format!("<div>{left}{right}</div>\n")
+            }
         };
         Ok(())
     }
@@ -121,10 +126,10 @@ impl Figures<'_> {
 
     fn write(&mut self, role: &str, content: &[u8]) -> io::Result<String> {
         let extension = match Format::from_content(content) {
-            Some(Format::Png | Format::Apng) => "png",
-            Some(Format::Gif) => "gif",
-            Some(Format::Svg) => "svg",
-            Some(Format::Pdf) => "pdf",
+            Some(Format::Still(StillFormat::Png) | Format::Animation(AnimationFormat::Apng)) => "png",
+            Some(Format::Animation(AnimationFormat::Gif)) => "gif",
+            Some(Format::Still(StillFormat::Svg)) => "svg",
+            Some(Format::Still(StillFormat::Pdf)) => "pdf",
             None => "bin",
         };
         let name = format!("{}-{role}.{extension}", self.name);
@@ -135,7 +140,7 @@ impl Figures<'_> {
 }
 
 fn figure(name: &str, caption: &str) -> String {
-    let name = escape_html(name);
+    let name = Escaped(name).to_string();
     let content = match Path::new(&name).extension().and_then(OsStr::to_str) {
         Some("pdf") => format!("<object data=\"{name}\" type=\"application/pdf\">{name}</object>"),
         Some(_) | None => format!("<img src=\"{name}\" alt=\"{caption}\" loading=\"lazy\">"),
@@ -145,7 +150,7 @@ fn figure(name: &str, caption: &str) -> String {
 
 /// An overlay of two images in CSS difference mode: identical pixels are black.
 fn overlay(expected: &str, actual: &str) -> String {
-    let [expected, actual] = [expected, actual].map(escape_html);
+    let [expected, actual] = [expected, actual].map(|name| Escaped(name).to_string());
     format!(
         "<figure><span class=\"over\"><img src=\"{expected}\" alt=\"\"><img src=\"{actual}\" alt=\"\"></span>\
          <figcaption>difference</figcaption></figure>"
@@ -160,10 +165,6 @@ fn file_name_of(path: &Path) -> String {
     name.trim_matches('-').to_owned()
 }
 
-fn escape_html(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
-}
-
 fn to_io_error(error: RenderError) -> io::Error {
     match error {
         RenderError::Write(error) => error,
@@ -174,7 +175,7 @@ fn to_io_error(error: RenderError) -> io::Error {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::Picture;
+    use crate::picture::Picture;
 
     fn missing(path: &str) -> CheckResult {
         let picture = Picture { size: [1, 1], pixels: vec![[1, 2, 3, 255]] };
@@ -193,9 +194,7 @@ mod tests {
             assert!(files[0].exists());
             let index = page.finish("one & all").unwrap().unwrap();
             let html = fs::read_to_string(index).unwrap();
-            assert!(
-                html.contains(&format!("<h2>{} <b>missing</b>", escape_html(name))) && html.contains("one &amp; all")
-            );
+            assert!(html.contains(&format!("<h2>{} <b>missing</b>", Escaped(name))) && html.contains("one &amp; all"));
             assert_eq!(fs::read_dir(&report).unwrap().count(), 3, "tag, picture, page");
         }
         Page::new(&report).unwrap();

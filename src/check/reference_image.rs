@@ -1,12 +1,11 @@
 //! Checking a picture: it must be redrawn the same.
 
 use super::{CheckResult, Outcome, Recipe, ReferenceImage, Replacement, Severity, mismatch};
-use crate::picture::{self, Error, Format, PictureOptions, Provenance, SOFTWARE, Source};
+use crate::picture::{Error, Format, PictureOptions, Provenance, SOFTWARE, Source, SubjectOptions};
 use crate::recording;
-use crate::run::{self, NO_LIVE_EVENTS};
+use crate::replay::{self, NO_LIVE_EVENTS};
 use crate::scene;
 use std::io::ErrorKind;
-use std::num::NonZero;
 use std::path::{Path, PathBuf};
 use tempfile::TempPath;
 
@@ -38,19 +37,17 @@ pub fn check_image(reference: &ReferenceImage) -> CheckResult {
 
 /// The version of rebond that drew a picture.
 fn software(file: &[u8]) -> Option<String> {
-    Provenance::read(file).ok().map(|(_, provenance)| provenance.software)
+    Provenance::read(file).ok().map(|provenance| provenance.software)
 }
 
 /// Redraws a picture with `software` in its provenance. Returns the file and its format.
 fn redraw(reference: &ReferenceImage, software: &str) -> Result<(Vec<u8>, Format), Box<Outcome>> {
     let redrawn = match &reference.recipe {
-        Recipe::Listed { options, sources, format } => {
+        Recipe::Listed { subject, options, sources } => {
             require_sources(sources)?;
-            draw_listed(options, sources, *format, software).map(|file| (file, *format))
+            draw_listed(subject, options, sources, software)
         }
-        Recipe::Embedded { provenance, sources, format } => {
-            draw_embedded(provenance, sources, *format, software).map(|file| (file, *format))
-        }
+        Recipe::Embedded { provenance, sources } => draw_embedded(provenance, sources, software),
         Recipe::Orphaned { reason } => return Err(Box::new(Outcome::Orphaned { reason: reason.clone() })),
         Recipe::Invalid { reason } => return Err(Box::new(Outcome::Failed(reason.clone()))),
     };
@@ -75,7 +72,7 @@ enum Failure {
     #[error("{0}")]
     Picture(#[from] Error),
     #[error("its scene cannot be run: {0}")]
-    Run(#[from] run::RunError),
+    Run(#[from] replay::RunError),
 }
 
 impl Failure {
@@ -89,36 +86,25 @@ impl Failure {
 }
 
 fn draw_listed(
+    subject: &SubjectOptions,
     options: &PictureOptions,
     sources: &[PathBuf],
-    format: Format,
     software: &str,
-) -> Result<Vec<u8>, Failure> {
+) -> Result<(Vec<u8>, Format), Failure> {
     let opened =
         sources.iter().map(|source| OpenedSource::open(source)).collect::<Result<Vec<OpenedSource>, Failure>>()?;
     let recordings: Vec<Source> = opened.iter().map(|opened| opened.source.clone()).collect();
-    let resolved = options.resolve(&recordings, &mut |_, _| ())?;
+    let resolved = options.resolve(subject, &recordings, &mut |_, _| ())?;
     let provenance = Provenance { software: software.to_owned(), ..Provenance::new(&resolved, &recordings) };
-    Ok(draw(&provenance, &recordings, format)?)
+    Ok((provenance.draw_to_vec(&recordings)?, provenance.picture.format()))
 }
 
 /// Redraws a picture from its provenance and the recordings as they are now.
-fn draw_embedded(
-    provenance: &Provenance,
-    sources: &[PathBuf],
-    format: Format,
-    software: &str,
-) -> Result<Vec<u8>, Failure> {
+fn draw_embedded(provenance: &Provenance, sources: &[PathBuf], software: &str) -> Result<(Vec<u8>, Format), Failure> {
     let recordings = sources.iter().map(|source| Source::open(source)).collect::<Result<Vec<Source>, Error>>()?;
     let current = Provenance::new(&provenance.picture, &recordings).recordings;
     let provenance = Provenance { recordings: current, software: software.to_owned(), ..provenance.clone() };
-    Ok(draw(&provenance, &recordings, format)?)
-}
-
-fn draw(provenance: &Provenance, recordings: &[Source], format: Format) -> Result<Vec<u8>, Error> {
-    let mut file = Vec::new();
-    picture::draw(provenance, recordings, format, NonZero::<usize>::MIN, &mut |_, _| (), &mut file)?;
-    Ok(file)
+    Ok((provenance.draw_to_vec(&recordings)?, provenance.picture.format()))
 }
 
 /// A recording to draw, possibly a temporary one made from a scene.
@@ -130,14 +116,15 @@ struct OpenedSource {
 
 impl OpenedSource {
     fn open(path: &Path) -> Result<OpenedSource, Failure> {
-        if path.extension().is_none_or(|extension| extension != "toml") {
+        // A file that cannot be read is reported by the attempt to open it.
+        if Source::is_recording(path).unwrap_or(true) {
             return Ok(OpenedSource { source: Source::open(path)?, _temporary: None });
         }
-        let scene = scene::load(path).map_err(run::RunError::from)?;
-        let unwritable = |error| run::RunError::from(recording::Error::Write(error));
+        let scene = scene::load(path).map_err(replay::RunError::from)?;
+        let unwritable = |error| replay::RunError::from(recording::Error::Write(error));
         let (file, temp_path) =
             tempfile::Builder::new().prefix("rebond-").suffix(".mcap").tempfile().map_err(unwritable)?.into_parts();
-        run::record(&scene, run::RecordOptions::whole(&scene), NO_LIVE_EVENTS, file, |_| ())?;
+        replay::record(&scene, replay::RecordOptions::whole(&scene), NO_LIVE_EVENTS, file, |_| ())?;
         Ok(OpenedSource { source: Source::open(&temp_path)?, _temporary: Some(temp_path) })
     }
 }

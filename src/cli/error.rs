@@ -1,5 +1,10 @@
-use super::{Exit, output};
-use crate::{picture, recording, render::RenderError, run::RunError, scene::SceneError};
+use super::{Exit, output, scene_report::SceneReport};
+use crate::{
+    picture::{self, RenderError},
+    recording,
+    replay::RunError,
+    scene::SceneError,
+};
 use miette::{Diagnostic, MietteHandlerOpts};
 use std::{
     io::{self, Write},
@@ -12,11 +17,10 @@ pub enum CommandError {
     /// The scene is invalid.
     #[error(transparent)]
     #[diagnostic(transparent)]
-    Scene(#[from] SceneError),
+    Scene(Box<SceneReport>),
     /// The run could not be recorded.
     #[error(transparent)]
-    #[diagnostic(transparent)]
-    Run(#[from] RunError),
+    Run(RunError),
     /// A recording cannot be read.
     #[error("{}: {source}", path.display())]
     Recording {
@@ -144,8 +148,13 @@ pub enum CommandError {
 }
 
 impl CommandError {
+    /// Returns a function that converts an error of reading or writing the recording at `path`.
+    pub fn in_recording(path: &Path) -> impl Fn(recording::Error) -> CommandError {
+        move |source| CommandError::recording(path, source)
+    }
+
     /// Converts an error of reading or writing the recording at `path`, so that the message names the path once.
-    pub fn recording(path: &Path, source: recording::Error) -> CommandError {
+    fn recording(path: &Path, source: recording::Error) -> CommandError {
         match source {
             recording::Error::Open { .. } | recording::Error::Create { .. } | recording::Error::Exists { .. } => {
                 CommandError::RecordingFile(source)
@@ -160,9 +169,32 @@ impl CommandError {
 
     /// Returns a function that converts an error of writing to `path`, which may be standard output.
     pub fn unwritable(path: &Path) -> impl Fn(io::Error) -> CommandError {
-        move |source| match output::is_standard_output(path) {
-            true => CommandError::StandardOutput(source),
-            false => CommandError::Unwritable { path: path.into(), source },
+        move |source| {
+            if output::is_standard_output(path) {
+                CommandError::StandardOutput(source)
+            } else {
+                CommandError::Unwritable { path: path.into(), source }
+            }
+        }
+    }
+
+    /// Returns a function that converts an error of reading the file at `path`.
+    pub fn unreadable(path: &Path) -> impl Fn(io::Error) -> CommandError {
+        move |source| CommandError::Unreadable { path: path.into(), source }
+    }
+}
+
+impl From<SceneError> for CommandError {
+    fn from(error: SceneError) -> CommandError {
+        CommandError::Scene(Box::new(error.into()))
+    }
+}
+
+impl From<RunError> for CommandError {
+    fn from(error: RunError) -> CommandError {
+        match error {
+            RunError::Scene(error) => error.into(),
+            error => CommandError::Run(error),
         }
     }
 }
@@ -171,7 +203,7 @@ impl From<picture::Error> for CommandError {
     fn from(error: picture::Error) -> CommandError {
         match error {
             picture::Error::Recording { path, source } => CommandError::recording(&path, source),
-            picture::Error::Scene(error) => CommandError::Scene(error),
+            picture::Error::Scene(error) => error.into(),
             error => CommandError::Picture(error),
         }
     }

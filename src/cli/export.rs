@@ -1,41 +1,37 @@
 use super::arguments::ExportOptions;
 use super::error::CommandError;
-use super::{Exit, output, warnings};
+use super::{Exit, output};
 use crate::picture::{ReadExtent, ReadStatus};
 use crate::recording::{self, Playback, SampledState};
+use crate::text::csv_field;
 use std::{io::Write, path::Path};
 
 /// Exports the states of a recording as a table.
 pub fn run(options: &ExportOptions) -> Result<Exit, CommandError> {
+    let path = &options.recording;
     let format = Format::from_path(&options.output)?;
-    let failed = |error| CommandError::recording(&options.recording, error);
-    let mut playback = Playback::new(recording::open(&options.recording).map_err(failed)?);
-    let end = playback.header().steps;
+    let mut playback = Playback::new(recording::open(path).map_err(CommandError::in_recording(path))?);
+    let last = playback.header().steps;
     let from = options.from.unwrap_or(0);
-    let to = options.to.unwrap_or(end).min(end);
-    let steps = options.shard.steps(from, to);
-    let first = steps.as_ref().map_or(from.max(end + 1), |steps| *steps.start());
-    playback.seek(first).map_err(failed)?;
-    let mut extent = ReadExtent::End;
-    output::write_file(&options.output, options.force, |table| {
-        let failed_write = CommandError::unwritable(&options.output);
+    let steps = options.shard.steps(from, options.to.unwrap_or(last).min(last));
+    let first = steps.as_ref().map_or(from.max(last + 1), |steps| *steps.start());
+    playback.seek(first).map_err(CommandError::in_recording(path))?;
+    let extent = output::write_file(&options.output, options.force, |table| {
         if options.shard.number == 1 {
-            table.write_all(format.header().as_bytes()).map_err(&failed_write)?;
+            table.write_all(format.header().as_bytes()).map_err(CommandError::unwritable(&options.output))?;
         }
         for frame in playback.by_ref() {
-            let frame = frame.map_err(failed)?;
+            let frame = frame.map_err(CommandError::in_recording(path))?;
             if steps.as_ref().is_none_or(|steps| frame.step > *steps.end()) {
-                extent = ReadExtent::LastStep;
-                break;
+                return Ok(ReadExtent::LastStep);
             }
             if frame.step >= first {
-                format.write(&frame, table).map_err(&failed_write)?;
+                format.write(&frame, table).map_err(CommandError::unwritable(&options.output))?;
             }
         }
-        Ok(())
+        Ok(ReadExtent::End)
     })?;
-    let path = options.recording.clone();
-    Ok(warnings::warn_if_damaged(&ReadStatus { path, health: playback.health(), extent }))
+    Ok(output::warn_of_damage(&[ReadStatus { path: path.clone(), health: playback.health(), extent }]))
 }
 
 /// The format of a table.
@@ -106,23 +102,9 @@ fn shortest_decimal(number: f64) -> String {
     if size == 0.0 || (1e-5..1e17).contains(&size) { format!("{number}") } else { format!("{number:e}") }
 }
 
-/// A CSV field, quoted as in RFC 4180 if necessary.
-fn csv_field(text: &str) -> std::borrow::Cow<'_, str> {
-    if text.contains(['"', ',', '\n', '\r']) {
-        return format!("\"{}\"", text.replace('"', "\"\"")).into();
-    }
-    text.into()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn names_with_commas_or_quotes_are_quoted() {
-        assert_eq!(csv_field("#1"), "#1");
-        assert_eq!(csv_field("a,\"b\""), "\"a,\"\"b\"\"\"");
-    }
 
     #[test]
     fn numbers_read_back_to_the_same_bits() {

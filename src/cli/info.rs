@@ -18,11 +18,12 @@ pub fn run(options: &InfoOptions) -> Result<Exit, CommandError> {
         output::print(text.as_bytes())?;
         return Ok(Exit::Done);
     }
-    let mut recording = recording::open(path).map_err(|error| CommandError::recording(path, error))?;
-    let bytes = fs::metadata(path).map_err(|source| CommandError::Unreadable { path: path.clone(), source })?.len();
-    let summary = match options.verify || bytes <= MAX_ALWAYS_VERIFIED {
-        true => None,
-        false => recording.summary().map_err(|error| CommandError::recording(path, error))?,
+    let mut recording = recording::open(path).map_err(CommandError::in_recording(path))?;
+    let bytes = fs::metadata(path).map_err(CommandError::unreadable(path))?.len();
+    let summary = if options.verify || bytes <= MAX_ALWAYS_VERIFIED {
+        None
+    } else {
+        recording.summary().map_err(CommandError::in_recording(path))?
     };
     let (info, exit) = match summary {
         Some(summary) => (Info::from_index(&recording.header, summary, bytes), Exit::Done),
@@ -38,22 +39,21 @@ const MAX_ALWAYS_VERIFIED: u64 = 16 << 20;
 
 /// The provenance of a picture. `None` if the file is not a picture.
 fn picture_info(path: &Path, json: bool) -> Result<Option<String>, CommandError> {
-    let unreadable = |source| CommandError::Unreadable { path: path.into(), source };
-    let mut file = File::open(path).map_err(unreadable)?;
+    let mut file = File::open(path).map_err(CommandError::unreadable(path))?;
     let mut magic = Vec::new();
-    file.by_ref().take(16).read_to_end(&mut magic).map_err(unreadable)?;
+    file.by_ref().take(16).read_to_end(&mut magic).map_err(CommandError::unreadable(path))?;
     if Format::from_content(&magic).is_none() {
         return Ok(None);
     }
     let mut content = magic;
-    file.read_to_end(&mut content).map_err(unreadable)?;
-    let (format, provenance) = Provenance::read(&content)
+    file.read_to_end(&mut content).map_err(CommandError::unreadable(path))?;
+    let provenance = Provenance::read(&content)
         .map_err(|error| CommandError::NoProvenance { path: path.into(), source: Box::new(error) })?;
     let entries = provenance.metadata().entries.into_iter().map(|(key, value)| {
         let key = key.strip_prefix("rebond ").map_or(key.to_lowercase(), str::to_owned);
         (key, value)
     });
-    let entries = std::iter::once(("picture".to_owned(), format.name().to_owned())).chain(entries);
+    let entries = std::iter::once(("picture".to_owned(), provenance.picture.format().name().to_owned())).chain(entries);
     Ok(Some(if json {
         let object: serde_json::Map<String, serde_json::Value> =
             entries.map(|(key, value)| (key, value.into())).collect();
@@ -103,7 +103,7 @@ impl Info {
     ) -> Result<(Info, Exit), CommandError> {
         let mut info = Info::from_header(&recording.header, bytes);
         for item in recording.by_ref() {
-            info.count(&item.map_err(|error| CommandError::recording(path, error))?);
+            info.count(&item.map_err(CommandError::in_recording(path))?);
         }
         info.chunks = recording.chunk_count();
         info.health = health(&recording.health());

@@ -2,33 +2,29 @@
 
 mod arguments;
 mod check;
-mod completions;
 mod error;
-mod exit;
 mod export;
 mod figure;
 mod info;
-mod jobs;
-mod json;
-mod man;
+mod manifest;
 mod output;
 mod output_kind;
 mod picture_arguments;
-mod picture_options;
-mod progress;
 mod record;
 mod recover;
 mod render;
 mod replay;
 mod report;
-mod shard;
+mod scene_report;
+mod shell;
 mod source;
 mod values;
 mod video;
-mod warnings;
 
 pub use arguments::{Arguments, Command};
-pub use exit::Exit;
+pub use scene_report::SceneReport;
+
+use std::process::ExitCode;
 
 /// Runs one command, prints its error if it fails, and returns the exit code.
 pub fn run(arguments: Arguments) -> Exit {
@@ -43,8 +39,27 @@ pub fn run(arguments: Arguments) -> Exit {
         Command::Check(options) => check::run(options),
         Command::Recover(options) => recover::run(options),
         Command::Report(options) => report::run(options),
-        Command::Completions(options) => completions::run(options),
-        Command::Man(options) => man::run(options),
+        Command::Completions(options) => shell::completions(options),
+        Command::Man(options) => shell::man(options),
     };
     result.unwrap_or_else(error::report)
+}
+
+/// The exit code of a command. (2, wrong usage, is returned by the argument parser.)
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Exit {
+    /// Success; everything that was compared is the same.
+    Done = 0,
+    /// Invalid input, an unreadable or missing file, or a result that cannot be written.
+    Error = 1,
+    /// A replay diverged or a picture differs.
+    Diverged = 3,
+    /// A recording is truncated or corrupt; the part that could be read is the same.
+    Damaged = 4,
+}
+
+impl From<Exit> for ExitCode {
+    fn from(exit: Exit) -> ExitCode {
+        ExitCode::from(exit as u8)
+    }
 }

@@ -1,8 +1,12 @@
-//! Output files appear complete or not at all: they are written to a temporary file in the same folder and renamed.
+//! Everything that commands print or write: lines on standard output and standard error, progress bars, and files.
+//!
+//! Files appear complete or not at all: they are written to a temporary file in the same folder and renamed.
 
+use super::Exit;
 use super::error::CommandError;
-use crate::picture;
-use crate::render::RenderError;
+use crate::picture::{self, ReadExtent, ReadStatus, RenderError};
+use crate::recording::{self, Health, Overwrite, Sync};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::{
     fs,
     io::{self, BufWriter, Write},
@@ -55,23 +59,74 @@ pub fn print_result(path: &Path, text: &str) -> Result<(), CommandError> {
     print(format!("{text}\n").as_bytes())
 }
 
-/// Writes one file with `write`; writes to standard output if `path` is `-`.
-pub fn write_file(
+/// Warns about each recording that is corrupt, or truncated before the last step that was wanted of it. Returns the exit
+/// code.
+pub fn warn_of_damage(statuses: &[ReadStatus]) -> Exit {
+    let mut exit = Exit::Done;
+    for ReadStatus { path, health, extent } in statuses {
+        let path = path.display();
+        match (health, extent) {
+            (Health::Complete, _) | (Health::Truncated { .. }, ReadExtent::LastStep) => continue,
+            (Health::Truncated { after: Some(step) }, ReadExtent::End) => {
+                info(format_args!("{path} is truncated after step {step}"));
+            }
+            (Health::Truncated { after: None }, ReadExtent::End) => {
+                info(format_args!("{path} is truncated before its first state"));
+            }
+            (Health::Corrupt(damage), _) => info(format_args!("{path} is corrupt: {damage}")),
+        }
+        exit = Exit::Damaged;
+    }
+    exit
+}
+
+/// Creates a progress bar on standard error, which is hidden if standard error is not a terminal.
+pub fn progress_bar(label: &'static str, total: u64) -> ProgressBar {
+    let style = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} {eta}")
+        .expect("the template is a constant that parses");
+    let target = if is_quiet() { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr_with_hz(10) };
+    let bar = ProgressBar::with_draw_target(Some(total), target);
+    bar.set_style(style);
+    bar.set_message(label);
+    bar
+}
+
+/// Returns a callback that sets the position and length of a bar.
+pub fn progress_updater(bar: &ProgressBar) -> impl FnMut(u64, u64) {
+    move |done, total| {
+        bar.set_length(total);
+        bar.set_position(done);
+    }
+}
+
+/// Opens the output of `record`. It is the only file that appears at once and grows, so that it can be read meanwhile.
+pub fn create_recording(path: &Path, overwrite: Overwrite, sync: Sync) -> Result<Box<dyn Write + Send>, CommandError> {
+    if is_standard_output(path) {
+        return Ok(Box::new(io::stdout()));
+    }
+    let file = recording::create(path, overwrite, sync).map_err(CommandError::in_recording(path))?;
+    Ok(Box::new(file))
+}
+
+/// Writes one file with `write` and returns its result; writes to standard output if `path` is `-`.
+pub fn write_file<T>(
     path: &Path,
     force: bool,
-    write: impl FnOnce(&mut dyn Write) -> Result<(), CommandError>,
-) -> Result<(), CommandError> {
+    write: impl FnOnce(&mut dyn Write) -> Result<T, CommandError>,
+) -> Result<T, CommandError> {
     if is_standard_output(path) {
         let mut output = BufWriter::new(io::stdout().lock());
-        write(&mut output).map_err(|error| with_path(error, path))?;
-        return output.flush().map_err(CommandError::StandardOutput);
+        let result = write(&mut output).map_err(|error| with_path(error, path))?;
+        output.flush().map_err(CommandError::StandardOutput)?;
+        return Ok(result);
     }
     refuse_existing(path, force)?;
     let file = temp_beside(path).map_err(CommandError::unwritable(path))?;
     let mut output = BufWriter::new(file);
-    write(&mut output).map_err(|error| with_path(error, path))?;
+    let result = write(&mut output).map_err(|error| with_path(error, path))?;
     let file = output.into_inner().map_err(|error| CommandError::unwritable(path)(error.into_error()))?;
-    persist(file, path, force)
+    persist(file, path, force)?;
+    Ok(result)
 }
 
 /// Creates a temporary file in the folder of `path`, passes its path to `write`, and renames it to `path`.

@@ -1,39 +1,11 @@
 //! The options of the commands that draw.
 
-use super::arguments::OutputOptions;
-use super::shard::Shard;
-use super::values::{HoldWord, Overlays, color_by, overlays, pair, picture_size, positive, theme, window};
-use crate::picture::WindowOptions;
-use crate::scene::{ColorBy, Theme};
+use super::arguments::{JobOptions, OutputOptions, Shard};
+use super::values::{HoldWord, pair, positive};
+use crate::physics::Axis;
+use crate::picture::{CollisionFigure, FigureChoice, PictureOptions, StatesFigure};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
-
-/// Appearance of pictures. An option that is `None` falls back to the `[figure]` of the scene.
-#[derive(Args, Debug)]
-pub struct LookOptions {
-    /// Set width and height in pixels
-    #[arg(long, value_name = "WxH", value_parser = picture_size)]
-    pub size: Option<[u32; 2]>,
-    /// Use the light or dark theme
-    #[arg(long, value_parser = theme)]
-    pub theme: Option<Theme>,
-    /// Show these overlays: none, or a list of velocity, force, normal, impulse, penetration, trail,
-    /// name, mass, grid, axes, scale, clock
-    #[arg(long, value_name = "LIST", value_parser = overlays)]
-    pub show: Option<Overlays>,
-    /// Colour bodies by body, material or speed
-    #[arg(long, value_name = "KEY", value_parser = color_by)]
-    pub color_by: Option<ColorBy>,
-    /// Show world, bodies, or X,Y,WIDTH,HEIGHT in metres
-    #[arg(long, value_name = "AREA", value_parser = window, allow_hyphen_values = true)]
-    pub window: Option<WindowOptions>,
-    /// Keep this body centred; --window WxH sets the area
-    #[arg(long, value_name = "NAME")]
-    pub follow: Option<String>,
-    /// Write this text below the picture
-    #[arg(long, value_name = "TEXT")]
-    pub caption: Option<String>,
-}
 
 /// Options of `render`.
 #[derive(Args, Debug)]
@@ -79,19 +51,21 @@ pub struct RenderOptions {
     pub hold: Option<Vec<HoldWord>>,
     /// The appearance.
     #[command(flatten)]
-    pub look: LookOptions,
-    /// Use N threads [default: one per processor]
-    #[arg(long, value_name = "N")]
-    pub jobs: Option<std::num::NonZero<usize>>,
+    pub picture: PictureOptions,
+    /// The number of threads.
+    #[command(flatten)]
+    pub jobs: JobOptions,
 }
 
 impl RenderOptions {
-    /// The pause of an animation at each collision, s.
-    pub fn hold_seconds(&self) -> Option<f64> {
-        self.hold.iter().flatten().find_map(|word| match word {
+    /// The options of the picture.
+    pub fn picture_options(&self) -> PictureOptions {
+        let hold = self.hold.iter().flatten().find_map(|word| match word {
             HoldWord::Seconds(seconds) => Some(*seconds),
             HoldWord::At | HoldWord::Collisions => None,
-        })
+        });
+        let RenderOptions { from, to, every, fps, slow, .. } = *self;
+        PictureOptions { from, to, every, fps, slow, hold, ..self.picture.clone() }
     }
 }
 
@@ -115,7 +89,7 @@ pub struct FigureCommandOptions {
     pub output: OutputOptions,
     /// The appearance.
     #[command(flatten)]
-    pub look: LookOptions,
+    pub picture: PictureOptions,
     /// collision, minkowski: first collision from this step on
     #[arg(long, value_name = "STEP", default_value_t = 0)]
     pub step: u64,
@@ -137,6 +111,31 @@ pub struct FigureCommandOptions {
     /// Write this above a source; repeatable [default: scene titles]
     #[arg(long, value_name = "TEXT")]
     pub title: Vec<String>,
+}
+
+impl FigureCommandOptions {
+    /// The options of the picture.
+    pub fn picture_options(&self) -> PictureOptions {
+        let FigureCommandOptions { from, to, every, .. } = *self;
+        PictureOptions { from, to, every, titles: Some(self.title.clone()), ..self.picture.clone() }
+    }
+
+    /// The figure to draw.
+    pub fn figure(&self) -> FigureChoice {
+        let (step, pair) = (self.step, self.pair.clone());
+        let axis = match self.axis {
+            FigureAxis::X => Axis::X,
+            FigureAxis::Y => Axis::Y,
+        };
+        match self.kind {
+            FigureKind::Collision => FigureChoice::Collision { figure: CollisionFigure::Stages, step, pair },
+            FigureKind::Minkowski => FigureChoice::Collision { figure: CollisionFigure::Minkowski, step, pair },
+            FigureKind::Strobe => FigureChoice::States(StatesFigure::Strobe),
+            FigureKind::Spacetime => FigureChoice::States(StatesFigure::Spacetime(axis)),
+            FigureKind::Energy => FigureChoice::Energy,
+            FigureKind::Filmstrip => FigureChoice::States(StatesFigure::Filmstrip),
+        }
+    }
 }
 
 /// The kind of a figure.

@@ -1,11 +1,11 @@
 use super::arguments::RecordOptions;
 use super::error::CommandError;
-use super::{Exit, output, progress};
-use crate::counted::counted;
+use super::{Exit, output};
 use crate::picture;
-use crate::recording::{self, ColorFn, Overwrite, Sync};
-use crate::run::{self, LiveEvents, OnBadEvent, Recorded, RunError};
+use crate::recording::{ColorFn, Overwrite, Sync};
+use crate::replay::{self, LiveEvents, OnBadEvent, Recorded, RunError};
 use crate::scene::{self, Scene};
+use crate::text::counted;
 use std::{
     fs::File,
     io::{self, BufRead, BufReader, Write},
@@ -18,7 +18,7 @@ pub fn run(options: &RecordOptions) -> Result<Exit, CommandError> {
         [] => scene::load(&options.scene)?,
         overrides => scene::load_with(&options.scene, overrides)?,
     };
-    let plan = run::RecordOptions {
+    let plan = replay::RecordOptions {
         steps: options.steps.unwrap_or(scene.run.steps),
         every: options.every,
         viewer: options.viewer.then_some(picture::body_color as ColorFn),
@@ -27,7 +27,10 @@ pub fn run(options: &RecordOptions) -> Result<Exit, CommandError> {
     let on_bad_event = if options.lenient { OnBadEvent::Skip } else { OnBadEvent::Fail };
     let events = options.events.as_deref().map(open_events).transpose()?;
     let mut live = events.map(|lines| LiveEvents::new(lines, on_bad_event, plan.steps));
-    let recorded = record(&scene, plan, live.as_mut(), open_output(options)?, &options.output)?;
+    let overwrite = if options.force { Overwrite::Allowed } else { Overwrite::Refused };
+    let sync = if options.sync { Sync::Disk } else { Sync::Program };
+    let output = output::create_recording(&options.output, overwrite, sync)?;
+    let recorded = record(&scene, plan, live.as_mut(), output, &options.output)?;
     print_summary(options, &recorded, live.map_or(0, |live| live.skipped()))?;
     match recorded.error {
         Some(error) => Err(CommandError::Step { path: options.output.clone(), error }),
@@ -38,16 +41,16 @@ pub fn run(options: &RecordOptions) -> Result<Exit, CommandError> {
 /// Records with a progress bar. `path` is the name of the output in errors.
 pub fn record<W: Write + Send + 'static>(
     scene: &Scene,
-    plan: run::RecordOptions,
+    plan: replay::RecordOptions,
     live: Option<&mut LiveEvents<impl BufRead>>,
     output: W,
     path: &Path,
 ) -> Result<Recorded, CommandError> {
-    let bar = progress::bar("recording", plan.steps);
-    let recorded = run::record(scene, plan, live, output, |step| bar.set_position(step));
+    let bar = output::progress_bar("recording", plan.steps);
+    let recorded = replay::record(scene, plan, live, output, |step| bar.set_position(step));
     bar.finish_and_clear();
     recorded.map_err(|error| match error {
-        RunError::Recording(error) => CommandError::recording(path, error),
+        RunError::Recording(error) => CommandError::in_recording(path)(error),
         error => error.into(),
     })
 }
@@ -64,18 +67,7 @@ fn open_events(path: &Path) -> Result<Box<dyn BufRead>, CommandError> {
     if path == Path::new("-") {
         return Ok(Box::new(BufReader::new(io::stdin())));
     }
-    let file = File::open(path).map_err(|source| CommandError::Unreadable { path: path.into(), source })?;
-    Ok(Box::new(BufReader::new(file)))
-}
-
-fn open_output(options: &RecordOptions) -> Result<Box<dyn Write + Send>, CommandError> {
-    if output::is_standard_output(&options.output) {
-        return Ok(Box::new(io::stdout()));
-    }
-    let overwrite = if options.force { Overwrite::Allowed } else { Overwrite::Refused };
-    let sync = if options.sync { Sync::Disk } else { Sync::Program };
-    let file = recording::create(&options.output, overwrite, sync);
-    Ok(Box::new(file.map_err(|error| CommandError::recording(&options.output, error))?))
+    Ok(Box::new(BufReader::new(File::open(path).map_err(CommandError::unreadable(path))?)))
 }
 
 fn print_summary(options: &RecordOptions, recorded: &Recorded, skipped: u64) -> Result<(), CommandError> {

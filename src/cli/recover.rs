@@ -5,14 +5,12 @@ use crate::recording;
 
 /// Writes the readable part of a damaged recording to a new one, and prints what was lost.
 pub fn run(options: &RecoverOptions) -> Result<Exit, CommandError> {
-    let failed = |error| CommandError::recording(&options.recording, error);
-    let mut recording = recording::open(&options.recording).map_err(failed)?;
-    let mut recovery = None;
-    output::write_file(&options.output.output, options.output.force, |output| {
-        recovery = Some(recording::recover(&mut recording, output).map_err(failed)?.0);
-        Ok(())
+    let path = &options.recording;
+    let mut recording = recording::open(path).map_err(CommandError::in_recording(path))?;
+    let recovery = output::write_file(&options.output.output, options.output.force, |output| {
+        let (recovery, _) = recording::recover(&mut recording, output).map_err(CommandError::in_recording(path))?;
+        Ok(recovery)
     })?;
-    let summary = recovery.map_or(String::new(), |recovery| recovery.to_string());
-    output::print_result(&options.output.output, &summary)?;
+    output::print_result(&options.output.output, &recovery.to_string())?;
     Ok(Exit::Done)
 }

@@ -1,32 +1,33 @@
 use super::arguments::ReplayOptions;
 use super::error::CommandError;
-use super::{Exit, json, output, progress};
-use crate::physics::{CollisionCount, Observer};
+use super::{Exit, output};
+use crate::physics::CollisionCount;
 use crate::recording;
-use crate::replay::{Verdict, replay};
+use crate::replay::{Difference, Replayer, StateObserver, Verdict, ulps};
+use serde_json::{Value, json};
 use std::{ops::RangeInclusive, path::Path};
 
 /// Runs a recording again and prints the verdict.
 pub fn run(options: &ReplayOptions) -> Result<Exit, CommandError> {
     let steps = options.from.unwrap_or(0)..=options.to.unwrap_or(u64::MAX);
     let verdict = replay_with_progress(&options.recording, steps, &mut CollisionCount::default())?;
-    let text = if options.json { json::verdict(&verdict).to_string() } else { verdict.to_string() };
+    let text = if options.json { verdict_json(&verdict).to_string() } else { verdict.to_string() };
     output::print(format!("{text}\n").as_bytes())?;
     Ok(exit_code(&verdict))
 }
 
 /// Replays with a progress bar. Collisions are passed to the observer.
-pub fn replay_with_progress<O: Observer>(
+pub fn replay_with_progress<O: StateObserver>(
     path: &Path,
     steps: RangeInclusive<u64>,
     observer: &mut O,
 ) -> Result<Verdict, CommandError> {
-    let failed = |error| CommandError::recording(path, error);
-    let recording = recording::open(path).map_err(failed)?;
-    let bar = progress::bar("replaying", recording.header.steps);
-    let verdict = replay(recording, steps, observer, &mut |step| bar.set_position(step));
+    let recording = recording::open(path).map_err(CommandError::in_recording(path))?;
+    let bar = output::progress_bar("replaying", recording.header.steps);
+    let replayer = Replayer::new(recording, steps);
+    let verdict = replayer.and_then(|replayer| replayer.run(observer, |step| bar.set_position(step)));
     bar.finish_and_clear();
-    verdict.map_err(failed)
+    verdict.map_err(CommandError::in_recording(path))
 }
 
 /// The exit code of a verdict.
@@ -35,5 +36,33 @@ fn exit_code(verdict: &Verdict) -> Exit {
         Verdict::Same { .. } => Exit::Done,
         Verdict::Diverged(_) => Exit::Diverged,
         Verdict::Truncated { .. } | Verdict::Corrupt { .. } => Exit::Damaged,
+    }
+}
+
+/// A verdict as JSON, including its line of text.
+fn verdict_json(verdict: &Verdict) -> Value {
+    let (word, steps) = match verdict {
+        Verdict::Same { steps, .. } => ("same", Some(steps)),
+        Verdict::Diverged(_) => ("diverged", None),
+        Verdict::Truncated { steps, .. } => ("truncated", Some(steps)),
+        Verdict::Corrupt { steps, .. } => ("corrupt", Some(steps)),
+    };
+    let divergence = match verdict {
+        Verdict::Diverged(divergence) => Some(difference_json(divergence.step, &divergence.difference)),
+        Verdict::Same { .. } | Verdict::Truncated { .. } | Verdict::Corrupt { .. } => None,
+    };
+    json!({ "verdict": word, "same_steps": steps, "divergence": divergence, "what": verdict.to_string() })
+}
+
+/// A difference as JSON, with the step where it was found.
+pub fn difference_json(step: u64, difference: &Difference) -> Value {
+    match difference {
+        Difference::Value { body, field, recorded, replayed } => json!({
+            "step": step, "body": body, "field": field, "recorded": recorded, "replayed": replayed,
+            "ulps": ulps(*recorded, *replayed),
+        }),
+        Difference::Digest { .. } | Difference::Mismatch { .. } => {
+            json!({ "step": step, "what": difference.to_string() })
+        }
     }
 }

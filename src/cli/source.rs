@@ -2,10 +2,9 @@ use super::error::CommandError;
 use super::{output, record, replay};
 use crate::physics::CollisionCount;
 use crate::picture;
-use crate::replay::Verdict;
-use crate::run;
+use crate::replay::{ALL_STEPS, NO_LIVE_EVENTS, RecordOptions, Verdict};
 use crate::scene::{self, Scene};
-use std::{fs::File, io::Read, path::Path};
+use std::{fs::File, path::Path};
 use tempfile::TempDir;
 
 /// A recording to draw, possibly a temporary one made from a scene.
@@ -19,7 +18,7 @@ pub struct Source {
 impl Source {
     /// Opens a recording, or records a scene and verifies that it replays the same.
     pub fn open(path: &Path) -> Result<Source, CommandError> {
-        if is_recording(path)? {
+        if picture::Source::is_recording(path).map_err(CommandError::unreadable(path))? {
             return Ok(Source { recording: picture::Source::open(path)?, _temporary: None });
         }
         let scene = scene::load(path)?;
@@ -30,22 +29,15 @@ impl Source {
     }
 }
 
-fn is_recording(path: &Path) -> Result<bool, CommandError> {
-    let unreadable = |source| CommandError::Unreadable { path: path.into(), source };
-    let mut magic = Vec::new();
-    File::open(path).and_then(|file| file.take(8).read_to_end(&mut magic)).map_err(unreadable)?;
-    Ok(magic.starts_with(mcap::MAGIC) || path.extension().is_some_and(|extension| extension == "mcap"))
-}
-
 /// Records a scene and replays it. A verdict other than `same` is an error.
 fn record_and_replay(scene: &Scene, path: &Path) -> Result<(), CommandError> {
     let file = File::create(path).map_err(CommandError::unwritable(path))?;
-    let plan = run::RecordOptions::whole(scene);
-    let recorded = record::record(scene, plan, run::NO_LIVE_EVENTS, file, path)?;
+    let plan = RecordOptions::whole(scene);
+    let recorded = record::record(scene, plan, NO_LIVE_EVENTS, file, path)?;
     if let Some(error) = &recorded.error {
         output::info(format_args!("{error}; drawing the steps before it"));
     }
-    let verdict = replay::replay_with_progress(path, 0..=u64::MAX, &mut CollisionCount::default())?;
+    let verdict = replay::replay_with_progress(path, ALL_STEPS, &mut CollisionCount::default())?;
     output::info(format_args!("{verdict}"));
     match verdict {
         Verdict::Same { .. } => Ok(()),

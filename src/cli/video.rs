@@ -2,10 +2,9 @@
 
 use super::arguments::OutputOptions;
 use super::error::CommandError;
+use super::output;
 use super::output_kind::VideoContainer;
-use super::{Exit, output, warnings};
-use crate::picture::{self, Progress, Provenance, Source};
-use crate::render::{AnimationSchedule, Picture, View, draw_frames};
+use crate::picture::{self, AnimationSchedule, Clip, Drawn, Frame, Picture, Progress, Provenance, View, draw_frames};
 use std::io::{self, BufWriter, Read, Write};
 use std::num::NonZero;
 use std::path::Path;
@@ -26,24 +25,21 @@ pub fn require_ffmpeg(path: &Path) -> Result<(), CommandError> {
 
 /// Draws a clip and compresses it with ffmpeg.
 pub fn write(
+    clip: Clip,
     provenance: &Provenance,
-    source: &Source,
     container: VideoContainer,
     threads: NonZero<usize>,
     progress: Progress,
     options: &OutputOptions,
-) -> Result<Exit, CommandError> {
-    let request = &provenance.picture;
-    let view = picture::view(request, source, progress)?;
-    let schedule = picture::schedule(request, source, progress)?;
-    let mut frames = picture::frames(request, source, &schedule)?;
+) -> Result<Drawn, CommandError> {
+    let Clip { view, schedule, mut frames } = clip;
     output::write_by_path(&options.output, options.force, |temp_path| {
         let mut ffmpeg = start(&view, &schedule, container, &provenance.metadata().to_string(), temp_path)
             .map_err(|source| CommandError::NoFfmpeg { path: options.output.clone(), source })?;
         let sent = send(&mut ffmpeg, frames.by_ref(), &view, &schedule, threads, progress);
         finish(ffmpeg, sent, &options.output)
     })?;
-    Ok(warnings::warn_if_damaged(&frames.read_status()))
+    Ok(Drawn { statuses: vec![frames.read_status()], schedule: Some(schedule) })
 }
 
 /// Starts ffmpeg, which reads raw RGBA frames on its standard input.
@@ -77,7 +73,7 @@ fn start(
 /// Sends each picture to ffmpeg, repeated for the number of frames for which it is shown.
 fn send(
     ffmpeg: &mut Child,
-    frames: impl Iterator<Item = Result<crate::render::Frame, picture::Error>>,
+    frames: impl Iterator<Item = Result<Frame, picture::Error>>,
     view: &View,
     schedule: &AnimationSchedule,
     threads: NonZero<usize>,

@@ -35,3 +35,45 @@ pub mod pictures {}
 #[doc = include_str!("links.md")]
 #[doc = include_str!("architecture.md")]
 pub mod architecture {}
+
+#[cfg(test)]
+mod tests {
+    const README: &str = include_str!("../../README.md");
+    const FIRST_SCENE: &str = include_str!("../../recordings/first-scene.toml");
+    const RUSTDOC_LINKS: &str = include_str!("links.md");
+    const CHAPTERS: [&str; 9] = [
+        include_str!("overview.md"),
+        include_str!("scene-format.md"),
+        include_str!("recording-format.md"),
+        include_str!("determinism.md"),
+        include_str!("solvers.md"),
+        include_str!("accuracy-and-speed.md"),
+        include_str!("checking.md"),
+        include_str!("pictures.md"),
+        include_str!("architecture.md"),
+    ];
+
+    /// The definitions of links: their labels and targets.
+    fn definitions(text: &str) -> impl Iterator<Item = (&str, &str)> {
+        text.lines().filter_map(|line| line.strip_prefix('[')?.split_once("]: "))
+    }
+
+    #[test]
+    fn the_first_scene_of_the_readme_is_the_one_in_the_repository() {
+        assert!(README.contains(&format!("<<'END'\n{FIRST_SCENE}END\n")));
+    }
+
+    #[test]
+    fn every_link_between_chapters_works_in_rustdoc_and_in_a_repository_browser() {
+        let labels: Vec<&str> = definitions(RUSTDOC_LINKS).map(|(label, _)| label).collect();
+        for chapter in CHAPTERS {
+            for (label, file) in definitions(chapter) {
+                assert!(labels.contains(&label), "links.md does not define [{label}]");
+                assert_eq!(file, format!("{}.md", label.replace(' ', "-")));
+            }
+            for label in labels.iter().filter(|label| chapter.contains(&format!("[{label}]"))) {
+                assert!(definitions(chapter).any(|(defined, _)| defined == *label), "[{label}] has no definition");
+            }
+        }
+    }
+}

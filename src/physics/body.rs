@@ -8,6 +8,7 @@ pub type BodyId = u32;
 /// A box: a rectangle with a mass, a velocity and a force.
 ///
 /// The fields that change in every step lie in one cache line.
+#[doc(alias("box", "rigid body"))]
 #[derive(Clone, Debug, PartialEq)]
 #[repr(C, align(64))]
 pub struct Body {

@@ -1,6 +1,7 @@
 use super::{BodyId, Rect, Vector};
 
 /// A resolved collision, as an [`Observer`] receives it and figures draw it.
+#[doc(alias("impact", "contact"))]
 #[derive(Clone, Debug, PartialEq)]
 pub struct Collision {
     /// The step in which it happened: between state `step` and state `step + 1`.

@@ -59,6 +59,7 @@ pub const DEFAULT_EVENTS_PER_STEP: u64 = 1_000_000;
 /// The engine is deterministic: the same configuration and events give the same states bit for bit on
 /// every machine. It reads no clock and no file. Besides [`Engine::restore`], only [`Engine::step`] and
 /// [`Engine::world_after`] can fail; an error of a step ends the run.
+#[doc(alias("simulation", "event-driven molecular dynamics", "cell list", "isotonic regression"))]
 #[derive(Clone, Debug)]
 pub struct Engine {
     world: World,

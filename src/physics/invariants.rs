@@ -1,6 +1,6 @@
 //! Conserved quantities and overlap of a world. Bodies of infinite mass are excluded.
 
-use super::{Body, Vector, World};
+use super::{Axis, Body, Vector, World, larger, smaller};
 
 /// The kinetic energy, Σ ½·m·v², J.
 pub fn kinetic_energy(world: &World) -> f64 {
@@ -29,23 +29,13 @@ pub fn worst_overlap(world: &World) -> f64 {
     for (index, a) in sorted.iter().enumerate() {
         let right = a.rect.far_corner().x;
         for b in sorted[index + 1..].iter().take_while(|b| b.rect.origin.x < right) {
-            let overlap = if a.is_infinite() && b.is_infinite() { 0.0 } else { overlap(a, b) };
-            if overlap > worst {
-                worst = overlap;
+            if !(a.is_infinite() && b.is_infinite()) {
+                let [x, y] = Axis::BOTH.map(|axis| a.rect.overlap_along(axis, &b.rect));
+                worst = larger(smaller(x, y), worst);
             }
         }
     }
     worst
-}
-
-fn overlap(a: &Body, b: &Body) -> f64 {
-    let [a_far, b_far] = [a.rect.far_corner(), b.rect.far_corner()];
-    let common = |a: f64, b: f64, a_far: f64, b_far: f64| {
-        (if a_far < b_far { a_far } else { b_far }) - (if a > b { a } else { b })
-    };
-    let x = common(a.rect.origin.x, b.rect.origin.x, a_far.x, b_far.x);
-    let y = common(a.rect.origin.y, b.rect.origin.y, a_far.y, b_far.y);
-    if x < y { x } else { y }
 }
 
 fn finite(world: &World) -> impl Iterator<Item = &Body> {

@@ -31,4 +31,5 @@ pub use restitution::{Material, Restitution, RestitutionPair};
 pub use snapshot::{Snapshot, SnapshotError, SolverSnapshot};
 pub use step_error::StepError;
 pub use vector::Vector;
+pub(crate) use vector::{larger, smaller};
 pub use world::World;

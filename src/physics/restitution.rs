@@ -8,6 +8,7 @@ pub struct Material(u32);
 ///
 /// An impact with e = 1 conserves kinetic energy; with e = 0 the bodies have the same velocity afterwards.
 /// (Values of the handout: steel on steel 19/20, wood on wood 1/2.)
+#[doc(alias("coefficient of restitution", "restitution coefficient", "bounciness", "elasticity"))]
 #[derive(Clone, Debug, PartialEq)]
 pub struct Restitution {
     default: f64,

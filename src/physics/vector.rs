@@ -6,6 +6,7 @@ use std::ops::Index;
 /// The methods have the names of the handout, so that the solver can be read side by side with it.
 /// They compute as printed there, with one rounding for each + − × ÷ and √. Products of huge
 /// components may overflow to infinity.
+#[doc(alias = "vec2")]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Vector {
     /// The component to the right.
@@ -46,6 +47,16 @@ impl Vector {
         Vector::new(self.x * k, self.y * k)
     }
 
+    /// The smaller component of both vectors on each axis.
+    pub const fn min(self, v: Vector) -> Vector {
+        Vector::new(smaller(self.x, v.x), smaller(self.y, v.y))
+    }
+
+    /// The larger component of both vectors on each axis.
+    pub const fn max(self, v: Vector) -> Vector {
+        Vector::new(larger(self.x, v.x), larger(self.y, v.y))
+    }
+
     /// The scalar product x·x' + y·y'.
     pub const fn dot(self, v: Vector) -> f64 {
         self.x * v.x + self.y * v.y
@@ -70,6 +81,18 @@ impl Vector {
     pub const fn is_finite(self) -> bool {
         self.x.is_finite() && self.y.is_finite()
     }
+}
+
+/// The larger of two numbers; `b` if either is NaN or they are equal.
+///
+/// Unlike [`f64::max`], which may return either zero of +0 and −0, the result is the same on every platform.
+pub const fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
+/// The smaller of two numbers; `b` if either is NaN or they are equal. See [`larger`].
+pub const fn smaller(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
 }
 
 impl Index<Axis> for Vector {

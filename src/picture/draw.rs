@@ -1,58 +1,68 @@
-use super::energies::energies;
-use super::find_collision::find_collision;
-use super::freeze_frames::freeze_frames;
-use super::style::style;
+use super::collisions::{find_collision, freeze_frames};
+use super::encode::{write_apng, write_gif, write_png_sequence};
+use super::figures::{self, CollisionSubject, EnergyRun, FigureRun};
 use super::{
-    CollisionSelector, Error, Figure, Format, Frames, PictureOptions, Progress, Provenance, ReadStatus,
-    ResolvedPicture, Source, Subject,
-};
-use crate::figure::{self, CollisionSubject, EnergyRun, FigureOptions, FigureRun};
-use crate::render::{
-    AnimationSchedule, DisplayList, Frame, Metadata, StepGrid, Thinning, Timing, View, compose, write_apng, write_gif,
-    write_png_sequence,
+    Animation, AnimationFormat, AnimationSchedule, CollisionFigure, DisplayList, Error, Frame, Frames, Look, Page,
+    PictureOptions, Progress, Provenance, ReadStatus, RenderError, ResolvedPicture, Sequence, Source, StatesFigure,
+    StepGrid, StillFormat, Style, Subject, SubjectOptions, Thinning, Timing, View, compose,
 };
 use std::io::Write;
 use std::num::NonZero;
+use std::ops::RangeInclusive;
 
-/// Draws the picture described by `provenance`, writes it to `output` with the provenance, and
-/// returns how completely each recording was read.
+/// The result of drawing.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Drawn {
+    /// How completely each recording was read.
+    pub statuses: Vec<ReadStatus>,
+    /// The steps and times shown by an animation or a sequence.
+    pub schedule: Option<AnimationSchedule>,
+}
+
+/// Draws the picture described by `provenance` and writes it to `output` with the provenance.
 ///
 /// Frames are drawn on `threads` threads; the bytes do not depend on their number.
 ///
 /// # Errors
-/// If a recording cannot be read or does not contain the subject, if the format cannot hold it, or
-/// if writing to `output` fails.
+/// If a recording cannot be read or does not contain the subject, or if writing to `output` fails.
 pub fn draw(
     provenance: &Provenance,
     sources: &[Source],
-    format: Format,
     threads: NonZero<usize>,
     progress: Progress,
     output: &mut dyn Write,
-) -> Result<Vec<ReadStatus>, Error> {
-    let picture = &provenance.picture;
-    let is_animation = matches!(picture.subject, Subject::Animation { .. });
-    if is_animation != format.is_animated() {
-        let expected =
-            if is_animation { "an animation is GIF or animated PNG" } else { "one picture is PNG, SVG or PDF" };
-        return Err(Error::Incompatible { reason: format!("{expected}, not {}", format.name()) });
+) -> Result<Drawn, Error> {
+    let (picture, metadata) = (&provenance.picture, provenance.metadata());
+    match &picture.subject {
+        Subject::Page { page, format } => {
+            let (list, statuses) = compose_page(page, picture, sources, progress)?;
+            format.write(&list, &metadata, output)?;
+            Ok(Drawn { statuses, schedule: None })
+        }
+        Subject::Animation { animation, format } => {
+            let Clip { view, schedule, mut frames } = Clip::new(animation, &picture.look, &sources[0], progress)?;
+            let mut done = 0;
+            let observed_frames = frames.by_ref().inspect(|_| {
+                done += 1;
+                progress(done, schedule.count());
+            });
+            match format {
+                AnimationFormat::Gif => write_gif(observed_frames, &view, &schedule, &metadata, threads, output)?,
+                AnimationFormat::Apng => write_apng(observed_frames, &view, &schedule, &metadata, threads, output)?,
+            }
+            Ok(Drawn { statuses: vec![frames.read_status()], schedule: Some(schedule) })
+        }
     }
-    let metadata = provenance.metadata();
-    if is_animation {
-        return animation(picture, &sources[0], &metadata, format, threads, progress, output);
-    }
-    let (list, statuses) = compose_picture(picture, sources, progress)?;
-    format.write(&list, &metadata, output)?;
-    Ok(statuses)
 }
 
 /// Draws a picture on the current thread and returns its file, which carries its provenance.
 ///
 /// ```no_run
-/// use rebond::picture::{Format, PictureOptions, Source, SubjectOptions, draw_to_vec};
+/// use rebond::{PictureOptions, Source, StillFormat, SubjectOptions, draw_to_vec};
 ///
 /// let source = Source::open("cradle.mcap".as_ref())?;
-/// let png = draw_to_vec(&PictureOptions::new(SubjectOptions::Still { step: 60 }), &[source], Format::Png)?;
+/// let subject = SubjectOptions::State { step: 60, format: StillFormat::Png };
+/// let png = draw_to_vec(&subject, &PictureOptions::default(), &[source])?;
 /// std::fs::write("cradle.png", png)?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -60,34 +70,67 @@ pub fn draw(
 /// # Errors
 /// If the options cannot be resolved for the recordings (see [`PictureOptions::resolve`]), or as
 /// for [`draw`].
-pub fn draw_to_vec(options: &PictureOptions, sources: &[Source], format: Format) -> Result<Vec<u8>, Error> {
-    let provenance = Provenance::new(&options.resolve(sources, &mut |_, _| ())?, sources);
-    let mut file = Vec::new();
-    draw(&provenance, sources, format, NonZero::<usize>::MIN, &mut |_, _| (), &mut file)?;
-    Ok(file)
+#[doc(alias("render", "screenshot", "plot"))]
+pub fn draw_to_vec(subject: &SubjectOptions, options: &PictureOptions, sources: &[Source]) -> Result<Vec<u8>, Error> {
+    Provenance::new(&options.resolve(subject, sources, &mut |_, _| ())?, sources).draw_to_vec(sources)
 }
 
-/// Draws each frame of a sequence as a PNG file and passes its step and content to `output`, in
-/// order. Each file carries the provenance of that picture alone, so the files do not depend on how
-/// the sequence was divided into shards.
+impl Provenance {
+    /// Draws the picture on the current thread and returns its file.
+    ///
+    /// # Errors
+    /// As for [`draw`].
+    pub fn draw_to_vec(&self, sources: &[Source]) -> Result<Vec<u8>, Error> {
+        let mut file = Vec::new();
+        draw(self, sources, NonZero::<usize>::MIN, &mut |_, _| (), &mut file)?;
+        Ok(file)
+    }
+}
+
+/// Draws a picture file again from its provenance and returns the new file, which has the same bytes.
+///
+/// `recordings` must contain the recordings of the picture, in any order, and may contain others.
+///
+/// # Errors
+/// If the file has no provenance or one of its recordings is missing, or as for [`draw`].
+pub fn redraw(file: &[u8], recordings: &[Source]) -> Result<Vec<u8>, Error> {
+    let provenance = Provenance::read(file)?;
+    let find = |identity: &String| {
+        let found = recordings.iter().filter(|source| source.summary.identity.as_ref() == Some(identity));
+        let usable = found.clone().find(|source| source.header.every <= provenance.recorded_every);
+        match (usable, found.count()) {
+            (Some(source), _) => Ok(source.clone()),
+            (None, 0) => {
+                Err(Error::CannotRedraw { reason: format!("recording {identity} is not among the given recordings") })
+            }
+            (None, _) => Err(Error::CannotRedraw {
+                reason: format!("recording {identity} stores fewer full states than the one that was drawn"),
+            }),
+        }
+    };
+    let sources = provenance.recordings.iter().map(find).collect::<Result<Vec<Source>, Error>>()?;
+    provenance.draw_to_vec(&sources)
+}
+
+/// Draws each picture of a sequence and passes its step and its PNG file to `output`, in order. Each file carries the
+/// provenance of that picture alone, so the files do not depend on how the sequence was divided into shards.
 ///
 /// # Errors
 /// As for [`draw`], and the first error of `output`.
 pub fn draw_sequence<E: From<Error>>(
-    provenance: &Provenance,
+    sequence: &Sequence,
     source: &Source,
     threads: NonZero<usize>,
     progress: Progress,
     mut output: impl FnMut(u64, Vec<u8>) -> Result<(), E>,
-) -> Result<ReadStatus, E> {
-    let picture = &provenance.picture;
-    let view = view(picture, source, progress)?;
-    let schedule = schedule(picture, source, progress)?;
-    let mut frames = frames(picture, source, &schedule)?;
-    let (count, every) = (schedule.count(), schedule.grid.every);
+) -> Result<Drawn, E> {
+    let Sequence { steps, every, look } = sequence;
+    let animation = Animation { steps: steps.clone(), every: *every, timing: Timing::REAL_TIME };
+    let Clip { view, schedule, mut frames } = Clip::new(&animation, look, source, progress)?;
     let metadata = |step| {
-        let subject = Subject::Still { step, every };
-        Provenance { picture: ResolvedPicture { subject, ..picture.clone() }, ..provenance.clone() }.metadata()
+        let subject = Subject::Page { page: Page::State { step, every: *every }, format: StillFormat::Png };
+        let picture = ResolvedPicture { subject, look: look.clone(), titles: Vec::new() };
+        Provenance::new(&picture, std::slice::from_ref(source)).metadata()
     };
     let mut done = 0;
     let result = write_png_sequence(
@@ -97,12 +140,12 @@ pub fn draw_sequence<E: From<Error>>(
         threads,
         |step, file| {
             done += 1;
-            progress(done, count);
+            progress(done, schedule.count());
             output(step, file).map_err(Failure::Output)
         },
     );
     match result {
-        Ok(()) => Ok(frames.read_status()),
+        Ok(()) => Ok(Drawn { statuses: vec![frames.read_status()], schedule: Some(schedule) }),
         Err(Failure::Drawing(error)) => Err(error.into()),
         Err(Failure::Output(error)) => Err(error),
     }
@@ -114,116 +157,113 @@ enum Failure<E> {
     Output(E),
 }
 
-impl<E> From<crate::render::RenderError> for Failure<E> {
-    fn from(error: crate::render::RenderError) -> Failure<E> {
+impl<E> From<RenderError> for Failure<E> {
+    fn from(error: RenderError) -> Failure<E> {
         Failure::Drawing(error.into())
     }
 }
 
-fn animation(
-    picture: &ResolvedPicture,
-    source: &Source,
-    metadata: &Metadata,
-    format: Format,
-    threads: NonZero<usize>,
-    progress: Progress,
-    output: &mut dyn Write,
-) -> Result<Vec<ReadStatus>, Error> {
-    let view = view(picture, source, progress)?;
-    let schedule = schedule(picture, source, progress)?;
-    let mut frames = frames(picture, source, &schedule)?;
-    let (mut done, count) = (0, schedule.count());
-    let observed_frames = frames.by_ref().inspect(|_| {
-        done += 1;
-        progress(done, count);
-    });
-    match format {
-        Format::Apng => write_apng(observed_frames, &view, &schedule, metadata, threads, output)?,
-        Format::Gif | Format::Png | Format::Svg | Format::Pdf => {
-            write_gif(observed_frames, &view, &schedule, metadata, threads, output)?;
-        }
+/// The input of an encoder of animations: the frames, how they are drawn, and when they are shown.
+pub struct Clip {
+    /// Camera and style.
+    pub view: View,
+    /// The time at which each frame is shown.
+    pub schedule: AnimationSchedule,
+    /// The frames, with the data that the overlays need.
+    pub frames: Frames,
+}
+
+impl Clip {
+    /// The frames of a video, whose frame rate is unlimited, and its provenance: that of an animated PNG of the same
+    /// frames.
+    ///
+    /// # Errors
+    /// As for [`PictureOptions::resolve`] and [`Clip::new`].
+    pub fn video(options: &PictureOptions, source: &Source, progress: Progress) -> Result<(Clip, Provenance), Error> {
+        let (animation, look) = options.resolve_video(source)?;
+        let clip = Clip::new(&animation, &look, source, progress)?;
+        let subject = Subject::Animation { animation, format: AnimationFormat::Apng };
+        let picture = ResolvedPicture { subject, look, titles: Vec::new() };
+        Ok((clip, Provenance::new(&picture, std::slice::from_ref(source))))
     }
-    Ok(vec![frames.read_status()])
+
+    /// The frames of an animation of a recording.
+    ///
+    /// # Errors
+    /// If the recording cannot be read, if the picture is too small for its content, or if the scale of impulse arrows
+    /// or freeze frames require a replay and that fails.
+    pub fn new(animation: &Animation, look: &Look, source: &Source, progress: Progress) -> Result<Clip, Error> {
+        let view = View::new(source.world(), Style::new(look, std::slice::from_ref(source), progress)?)?;
+        let grid = grid(&animation.steps, animation.every, source);
+        let has_freeze_frames = animation.timing.hold > 0.0;
+        let moments = if has_freeze_frames { freeze_frames(source, &grid, progress)? } else { Vec::new() };
+        let schedule = AnimationSchedule::new(grid, animation.timing, &moments);
+        let frames = Frames::new(source, &schedule, &look.show)?;
+        Ok(Clip { view, schedule, frames })
+    }
 }
 
-/// The view of the frames of a still picture or an animation.
-///
-/// # Errors
-/// If the picture is too small for its content, or if the scale of impulse arrows requires a replay
-/// and that fails.
-pub fn view(picture: &ResolvedPicture, source: &Source, progress: Progress) -> Result<View, Error> {
-    let style = style(picture, std::slice::from_ref(source), progress)?;
-    Ok(View::new(source.world(), picture.size, &picture.camera_target, style)?)
-}
-
-/// The time at which each frame of a still picture or an animation is shown.
-///
-/// # Errors
-/// If freeze frames at collisions require a replay and that fails.
-pub fn schedule(picture: &ResolvedPicture, source: &Source, progress: Progress) -> Result<AnimationSchedule, Error> {
-    let rate = source.header.config.rate;
-    let (steps, every, timing) = match &picture.subject {
-        Subject::Animation { steps, every, frames_per_step, slow, hold } => {
-            (steps.clone(), *every, Timing { slow: *slow, frames_per_step: *frames_per_step, hold: *hold })
-        }
-        Subject::Still { step, every } => (*step..=*step, *every, Timing::REAL_TIME),
-        Subject::Figure { steps, every, .. } => (steps.clone(), *every, Timing::REAL_TIME),
-        Subject::Collision(_) | Subject::Minkowski(_) => (0..=0, 1, Timing::REAL_TIME),
-    };
-    let grid = StepGrid::new(steps, rate, Thinning::Every(every));
-    let moments = if timing.hold > 0.0 { freeze_frames(source, &grid, progress)? } else { Vec::new() };
-    Ok(AnimationSchedule::new(grid, timing, &moments))
-}
-
-/// The frames of `schedule`, with the data that the overlays of the picture need.
-///
-/// # Errors
-/// If the recording cannot be read.
-pub fn frames(picture: &ResolvedPicture, source: &Source, schedule: &AnimationSchedule) -> Result<Frames, Error> {
-    Frames::new(source, schedule, &picture.show)
-}
-
-fn compose_picture(
+/// The shapes of a page, and how completely each recording was read.
+fn compose_page(
+    page: &Page,
     picture: &ResolvedPicture,
     sources: &[Source],
     progress: Progress,
 ) -> Result<(DisplayList, Vec<ReadStatus>), Error> {
-    let style = style(picture, sources, progress)?;
-    let options = FigureOptions { size: picture.size, camera_target: picture.camera_target.clone(), style };
-    match &picture.subject {
-        Subject::Still { .. } | Subject::Animation { .. } => still(picture, &sources[0], progress),
-        Subject::Collision(selectors) => {
-            let collisions = collisions(picture, selectors, sources, progress)?;
-            Ok((figure::collision(&collisions, &options), Vec::new()))
-        }
-        Subject::Minkowski(selectors) => {
-            let collisions = collisions(picture, selectors, sources, progress)?;
-            Ok((figure::minkowski(&collisions, &options), Vec::new()))
-        }
-        Subject::Figure { figure, steps, every } => {
-            let grid =
-                |source: &Source| StepGrid::new(steps.clone(), source.header.config.rate, Thinning::Every(*every));
-            if *figure == Figure::Energy {
-                return energy(picture, sources, grid, &options);
+    match page {
+        Page::State { step, every } => state(*step, *every, &picture.look, &sources[0], progress),
+        Page::Collision { figure, collisions } => {
+            let style = Style::new(&picture.look, sources, progress)?;
+            let mut subjects = Vec::new();
+            for ((source, selector), title) in sources.iter().zip(collisions).zip(titles(picture, sources)) {
+                let collision = find_collision(source, selector.step, Some(&selector.pair), progress)?;
+                subjects.push(CollisionSubject { title, ..collision });
             }
-            let (runs, statuses) = runs(picture, sources, grid)?;
             let list = match figure {
-                Figure::Strobe => figure::strobe(&runs, &options),
-                Figure::Spacetime(axis) => figure::spacetime(&runs, *axis, &options),
-                Figure::Filmstrip | Figure::Energy => figure::filmstrip(&runs, &options),
+                CollisionFigure::Stages => figures::collision(&subjects, &style),
+                CollisionFigure::Minkowski => figures::minkowski(&subjects, &style),
+            };
+            Ok((list, Vec::new()))
+        }
+        Page::States { figure, steps, every } => {
+            let style = Style::new(&picture.look, sources, progress)?;
+            let (mut runs, mut statuses) = (Vec::new(), Vec::new());
+            for (source, title) in sources.iter().zip(titles(picture, sources)) {
+                let schedule = AnimationSchedule::from(grid(steps, *every, source));
+                let mut frames = Frames::new(source, &schedule, &picture.look.show)?;
+                let drawn = frames.by_ref().collect::<Result<Vec<Frame>, Error>>()?;
+                runs.push(FigureRun { title, world: source.world(), frames: drawn });
+                statuses.push(frames.read_status());
+            }
+            let list = match figure {
+                StatesFigure::Strobe => figures::strobe(&runs, &style),
+                StatesFigure::Spacetime(axis) => figures::spacetime(&runs, *axis, &style),
+                StatesFigure::Filmstrip => figures::filmstrip(&runs, &style),
             };
             Ok((list, statuses))
+        }
+        Page::Energy { steps, every } => {
+            let style = Style::new(&picture.look, sources, progress)?;
+            let (mut runs, mut statuses) = (Vec::new(), Vec::new());
+            for (source, title) in sources.iter().zip(titles(picture, sources)) {
+                let (samples, status) = source.energies(&grid(steps, *every, source))?;
+                runs.push(EnergyRun { title, samples });
+                statuses.push(status);
+            }
+            Ok((figures::energy(&runs, &style), statuses))
         }
     }
 }
 
-fn still(
-    picture: &ResolvedPicture,
+fn state(
+    step: u64,
+    every: u64,
+    look: &Look,
     source: &Source,
     progress: Progress,
 ) -> Result<(DisplayList, Vec<ReadStatus>), Error> {
-    let view = view(picture, source, progress)?;
-    let mut frames = frames(picture, source, &schedule(picture, source, progress)?)?;
+    let animation = Animation { steps: step..=step, every, timing: Timing::REAL_TIME };
+    let Clip { view, mut frames, .. } = Clip::new(&animation, look, source, progress)?;
     let frame = frames.next().transpose()?;
     let frame = frame.ok_or_else(|| Error::NothingToShow { reason: "the step is not recorded".into() })?;
     // Damage directly after this state is found only by reading on.
@@ -231,49 +271,8 @@ fn still(
     Ok((compose(&frame, &view), vec![frames.read_status()]))
 }
 
-fn collisions(
-    picture: &ResolvedPicture,
-    selectors: &[CollisionSelector],
-    sources: &[Source],
-    progress: Progress,
-) -> Result<Vec<CollisionSubject>, Error> {
-    let titles = titles(picture, sources);
-    let mut collisions = Vec::new();
-    for ((source, selector), title) in sources.iter().zip(selectors).zip(titles) {
-        let collision = find_collision(source, selector.step, Some(&selector.pair), progress)?;
-        collisions.push(CollisionSubject { title, ..collision });
-    }
-    Ok(collisions)
-}
-
-fn runs(
-    picture: &ResolvedPicture,
-    sources: &[Source],
-    grid: impl Fn(&Source) -> StepGrid,
-) -> Result<(Vec<FigureRun>, Vec<ReadStatus>), Error> {
-    let (mut runs, mut statuses) = (Vec::new(), Vec::new());
-    for (source, title) in sources.iter().zip(titles(picture, sources)) {
-        let mut frames = frames(picture, source, &AnimationSchedule::from(grid(source)))?;
-        let drawn = frames.by_ref().collect::<Result<Vec<Frame>, Error>>()?;
-        runs.push(FigureRun { title, world: source.world(), frames: drawn });
-        statuses.push(frames.read_status());
-    }
-    Ok((runs, statuses))
-}
-
-fn energy(
-    picture: &ResolvedPicture,
-    sources: &[Source],
-    grid: impl Fn(&Source) -> StepGrid,
-    options: &FigureOptions,
-) -> Result<(DisplayList, Vec<ReadStatus>), Error> {
-    let (mut runs, mut statuses) = (Vec::new(), Vec::new());
-    for (source, title) in sources.iter().zip(titles(picture, sources)) {
-        let (samples, status) = energies(source, &grid(source))?;
-        runs.push(EnergyRun { title, samples });
-        statuses.push(status);
-    }
-    Ok((figure::energy(&runs, options), statuses))
+fn grid(steps: &RangeInclusive<u64>, every: u64, source: &Source) -> StepGrid {
+    StepGrid::new(steps.clone(), source.header.config.rate, Thinning::Every(every))
 }
 
 /// The titles of recordings shown side by side: those of the picture, or the recordings' own.

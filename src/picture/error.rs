@@ -1,10 +1,11 @@
 use crate::recording;
-use crate::render::RenderError;
+use crate::picture::RenderError;
 use crate::replay::Verdict;
 use crate::scene::SceneError;
 use std::path::PathBuf;
 
 /// The reason why a picture could not be drawn or read.
+#[non_exhaustive]
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// A recording cannot be read.

@@ -1,11 +1,8 @@
-use super::requirements::{Requirements, trail_steps};
 use super::resimulation::Resimulation;
 use super::style::appearance;
-use super::{Error, Source, source};
+use super::{AnimationSchedule, Appearance, Error, Frame, Overlay, Overlays, Source, Sprite, StepGrid, Trails, source};
 use crate::physics::{BodyId, Vector};
 use crate::recording::{self, Health, Playback, SampledBody};
-use crate::render::{AnimationSchedule, Appearance, Frame, Sprite, StepGrid, Trails};
-use crate::scene::Overlay;
 use std::{collections::BTreeMap, fs::File, io::BufReader, path::PathBuf, sync::Arc};
 
 /// The point up to which a recording was read.
@@ -43,7 +40,7 @@ impl Frames {
     ///
     /// # Errors
     /// If the recording cannot be read.
-    pub fn new(source: &Source, schedule: &AnimationSchedule, show: &[Overlay]) -> Result<Frames, Error> {
+    pub fn new(source: &Source, schedule: &AnimationSchedule, show: &Overlays) -> Result<Frames, Error> {
         let requirements = Requirements::new(show, schedule);
         match requirements.replay {
             true => Ok(Frames::Resimulated(Box::new(Resimulation::start(source, schedule.clone(), requirements)?))),
@@ -69,6 +66,31 @@ impl Iterator for Frames {
             Frames::Resimulated(frames) => frames.next(),
         }
     }
+}
+
+/// The data that frames need in addition to the recorded states.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Requirements {
+    /// Previous positions of the bodies.
+    pub trails: bool,
+    /// A replay, for collisions or for instants between two recorded states.
+    pub replay: bool,
+}
+
+impl Requirements {
+    /// The requirements of the overlays in `show` and of the instants of `schedule`.
+    pub fn new(show: &Overlays, schedule: &AnimationSchedule) -> Requirements {
+        let contacts = [Overlay::Normal, Overlay::Impulse, Overlay::Penetration];
+        Requirements {
+            trails: show.contains(Overlay::Trail),
+            replay: contacts.iter().any(|&overlay| show.contains(overlay)) || !schedule.is_on_grid(),
+        }
+    }
+}
+
+/// The length of a trail: the steps of one second, at `rate` Hz.
+pub fn trail_steps(rate: f64) -> u64 {
+    rate.ceil() as u64
 }
 
 /// Frames made from recorded states.

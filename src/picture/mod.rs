@@ -1,41 +1,69 @@
 //! Pictures, animations and figures of recordings, with their provenance.
 //!
-//! [`PictureOptions`] describe a picture and may leave settings open. [`PictureOptions::resolve`]
-//! turns them, for given recordings, into a [`ResolvedPicture`] in which every setting has a value.
-//! [`draw`] writes the file, which carries its [`Provenance`]: the identity of each recording and
-//! the resolved picture in canonical form, but no path, no date and nothing about threads or shards.
-//! [`Provenance::read`] reads it from a file, and [`redraw`] draws the same file again from it, byte
-//! for byte.
+//! The path of a picture, which leads through each file once:
+//!
+//! 1. A [`Source`] is a recording with its scene and a [`RunSummary`].
+//! 2. [`SubjectOptions`] name the picture and its format; [`PictureOptions`] may leave everything else open.
+//! 3. [`PictureOptions::resolve`] takes open options from the scene, then from the defaults. The result is a
+//!    [`ResolvedPicture`]: a [`Page`] or an [`Animation`], the format of its file, and a [`Look`].
+//! 4. [`Provenance`] adds the identity of the recordings. Its text form is stored in the file, from which
+//!    [`Provenance::read`] and [`redraw`] restore the picture. It contains no path, no date, no threads and no shards.
+//! 5. [`draw`] computes a [`Style`], that is, the look with the scales of the run, and reads [`Frames`] from the
+//!    recording, or from a replay where it needs collisions or instants between steps.
+//! 6. `layers` and [`figures`] lay out a frame or figure as a [`DisplayList`] of shapes.
+//! 7. [`encode`] writes the shapes as SVG or PDF, or rasterises them with a [`Painter`] to PNG, animated PNG or GIF.
+//!
+//! A [`Sequence`] of still pictures and a [`Clip`] for another encoder of video follow the same path.
 
+mod camera;
+mod collisions;
 mod draw;
-mod energies;
+pub mod encode;
 mod error;
-mod find_collision;
+pub mod figures;
 mod format;
 mod frames;
-mod freeze_frames;
+pub(crate) mod layers;
+pub(crate) mod number;
 mod option_line;
-mod options;
 mod provenance;
-mod redraw;
-mod requirements;
+pub mod raster;
 mod resimulation;
+mod resolve;
 mod resolved;
 mod run_summary;
+mod schedule;
 mod source;
+mod step_grid;
 mod style;
+pub mod text;
+mod view;
 
-pub use draw::{draw, draw_sequence, draw_to_vec, frames, schedule, view};
+pub use draw::{Clip, Drawn, draw, draw_sequence, draw_to_vec, redraw};
+pub use camera::{Camera, CameraTarget};
+pub(crate) use encode::ordered_parallel_map;
+pub use encode::{
+    AnimationDecoder, DecodedFrame, Metadata, RenderError, apng, compare, draw_frames, gif, pdf, png, svg, write_apng,
+    write_gif, write_png, write_png_sequence,
+};
 pub use error::Error;
-pub use format::Format;
+pub use format::{AnimationFormat, Format, StillFormat};
 pub use frames::{Frames, ReadExtent, ReadStatus};
-pub use options::{FigureChoice, PictureOptions, SubjectOptions, WindowOptions};
+pub use layers::{Appearance, Arrow, Frame, Sprite, Trails, compose};
+pub use resolve::{FigureChoice, Sequence, SubjectOptions};
 pub use provenance::{Provenance, SOFTWARE};
-pub use redraw::redraw;
-pub use resolved::{CollisionSelector, Figure, ResolvedPicture, Subject};
+pub(crate) use raster::color;
+pub use raster::{Color, DisplayList, Ink, Painter, Palette, Picture, Shape};
+pub use resolved::{
+    Animation, CollisionFigure, CollisionSelector, Look, Page, ResolvedPicture, StatesFigure, Subject,
+};
+pub use crate::picture_options::{ColorBy, Overlay, Overlays, PictureOptions, Theme, WindowOptions};
 pub use run_summary::RunSummary;
+pub use schedule::{AnimationSchedule, MIN_HOLD, Moment, Timing};
 pub use source::Source;
+pub use step_grid::{MAX_GIF_FPS, StepGrid, Thinning};
 pub use style::body_color;
+pub use view::{Metrics, Style, View};
 
 /// A callback that receives the number of completed work items and their total.
 pub type Progress<'a> = &'a mut dyn FnMut(u64, u64);

@@ -23,6 +23,11 @@ impl OptionLine {
         self.0.iter().find(|(name, _)| name == key).map(|(_, value)| value.as_str())
     }
 
+    /// Returns the parsed value of a key, or `default` if the key is absent. `None` if the value cannot be parsed.
+    pub fn parsed_or<T: std::str::FromStr>(&self, key: &str, default: T) -> Option<T> {
+        self.get(key).map_or(Some(default), |value| value.parse().ok())
+    }
+
     /// Returns the strings of a key, an empty list if the key is absent, or `None` if the value is not
     /// a list of strings.
     pub fn get_strings(&self, key: &str) -> Option<Vec<String>> {

@@ -1,12 +1,15 @@
 use super::option_line::OptionLine;
-use super::{CollisionSelector, Error, Figure, Format, ResolvedPicture, Source, Subject};
-use crate::figure::Axis;
-use crate::physics::{Rect, Vector};
-use crate::render::{CameraTarget, Metadata};
-use crate::scene::{ColorBy, Overlay, Theme};
+use super::{
+    Animation, CameraTarget, CollisionFigure, CollisionSelector, Error, Format, Look, Metadata, Page, ResolvedPicture,
+    Source, StatesFigure, Subject, Timing, WindowOptions,
+};
+use crate::physics::Axis;
+use crate::picture_options::parse_size;
 use std::ops::RangeInclusive;
+use std::str::FromStr;
 
 /// The provenance stored in a picture file: everything needed to draw it again from the recordings.
+#[doc(alias("reproducibility", "metadata"))]
 #[derive(Clone, Debug, PartialEq)]
 pub struct Provenance {
     /// Name and version of the program that drew the picture.
@@ -42,35 +45,48 @@ impl Provenance {
         }
     }
 
+    /// Reads the provenance of a picture file.
+    ///
+    /// # Errors
+    /// If the file is not a picture drawn by rebond, or is damaged.
+    pub fn read(file: &[u8]) -> Result<Provenance, Error> {
+        let Some(format) = Format::from_content(file) else {
+            return Err(Error::NoProvenance { reason: "it is neither PNG, GIF, SVG nor PDF".into() });
+        };
+        Provenance::parse(&format.metadata(file)?, format)
+    }
+
     /// The canonical form stored in files: keys and values in a fixed notation and order.
     pub fn metadata(&self) -> Metadata {
+        let ResolvedPicture { subject, look, titles } = &self.picture;
+        let mut options = OptionLine::default();
+        write_subject(subject, &mut options);
+        write_look(look, &mut options);
+        if self.recorded_every > 1 {
+            options.push("recorded_every", self.recorded_every);
+        }
+        if !titles.is_empty() {
+            options.push_strings("title", titles);
+        }
+        if !look.caption.is_empty() {
+            options.push_strings("caption", [&look.caption]);
+        }
         let entry = |key: &str, value: String| (key.to_owned(), value);
         Metadata {
             entries: vec![
                 entry(DRAWN_BY, self.software.clone()),
                 entry(RECORDING, self.recordings.join("; ")),
-                entry(STEPS, steps(&self.picture.subject)),
-                entry(OPTIONS, self.options().to_string()),
+                entry(STEPS, steps(subject)),
+                entry(OPTIONS, options.to_string()),
             ],
         }
     }
 
-    /// Reads the format and the provenance of a picture file.
-    ///
-    /// # Errors
-    /// If the file is not a picture drawn by rebond, or is damaged.
-    pub fn read(file: &[u8]) -> Result<(Format, Provenance), Error> {
-        let Some(format) = Format::from_content(file) else {
-            return Err(Error::NoProvenance { reason: "it is neither PNG, GIF, SVG nor PDF".into() });
-        };
-        Ok((format, Provenance::parse(&format.metadata(file)?)?))
-    }
-
-    /// Parses metadata written by [`Provenance::metadata`].
+    /// Parses metadata written by [`Provenance::metadata`] in a file of this format.
     ///
     /// # Errors
     /// If an entry is missing or cannot be parsed.
-    pub fn parse(metadata: &Metadata) -> Result<Provenance, Error> {
+    pub fn parse(metadata: &Metadata, format: Format) -> Result<Provenance, Error> {
         let get = |key: &str| {
             let found = metadata.entries.iter().find(|(name, _)| name == key);
             found
@@ -79,136 +95,108 @@ impl Provenance {
         };
         let invalid = |key: &str| Error::NoProvenance { reason: format!("its {key:?} entry cannot be parsed") };
         let options = OptionLine::parse(get(OPTIONS)?).ok_or_else(|| invalid(OPTIONS))?;
-        let subject = subject(get(STEPS)?, &options).ok_or_else(|| invalid(STEPS))?;
+        let subject = read_subject(get(STEPS)?, &options, format).ok_or_else(|| invalid(STEPS))?;
+        let look = read_look(&options).ok_or_else(|| invalid(OPTIONS))?;
+        let titles = options.get_strings("title").ok_or_else(|| invalid(OPTIONS))?;
         Ok(Provenance {
             software: get(DRAWN_BY)?.clone(),
             recordings: get(RECORDING)?.split("; ").map(str::to_owned).collect(),
-            recorded_every: options.get("recorded_every").map_or(Some(1), |every| every.parse().ok()).unwrap_or(1),
-            picture: picture(subject, &options).ok_or_else(|| invalid(OPTIONS))?,
+            recorded_every: options.parsed_or("recorded_every", 1).unwrap_or(1),
+            picture: ResolvedPicture { subject, look, titles },
         })
     }
-
-    /// All options that determine the picture.
-    fn options(&self) -> OptionLine {
-        let picture = &self.picture;
-        let mut options = OptionLine::default();
-        match &picture.subject {
-            Subject::Still { .. } => {}
-            Subject::Animation { frames_per_step, slow, hold, .. } => {
-                timing_options(&mut options, *frames_per_step, *slow, *hold);
-            }
-            Subject::Figure { figure, .. } => figure_options(&mut options, *figure),
-            Subject::Collision(selectors) => selector_options(&mut options, "collision", selectors),
-            Subject::Minkowski(selectors) => selector_options(&mut options, "minkowski", selectors),
-        }
-        options.push("size", format_args!("{}x{}", picture.size[0], picture.size[1]));
-        options.push("theme", Theme::name(picture.theme));
-        let show: Vec<&str> = picture.show.iter().map(|overlay| Overlay::name(*overlay)).collect();
-        options.push("show", if show.is_empty() { "none".into() } else { show.join(",") });
-        options.push("color_by", ColorBy::name(picture.color_by));
-        camera_options(&mut options, &picture.camera_target);
-        if self.recorded_every > 1 {
-            options.push("recorded_every", self.recorded_every);
-        }
-        if !picture.titles.is_empty() {
-            options.push_strings("title", &picture.titles);
-        }
-        if !picture.caption.is_empty() {
-            options.push_strings("caption", [&picture.caption]);
-        }
-        options
-    }
 }
 
-fn timing_options(options: &mut OptionLine, frames_per_step: u64, slow: f64, hold: f64) {
-    if frames_per_step != 1 {
-        options.push("parts", frames_per_step);
-    }
-    if slow != 1.0 {
-        options.push("slow", slow);
-    }
-    if hold != 0.0 {
-        options.push("hold", hold);
-    }
-}
-
-fn figure_options(options: &mut OptionLine, figure: Figure) {
-    let name = match figure {
-        Figure::Strobe => "strobe",
-        Figure::Spacetime(_) => "spacetime",
-        Figure::Energy => "energy",
-        Figure::Filmstrip => "filmstrip",
-    };
-    options.push("figure", name);
-    if let Figure::Spacetime(axis) = figure {
-        options.push("axis", if axis == Axis::X { "x" } else { "y" });
-    }
-}
-
-fn selector_options(options: &mut OptionLine, name: &str, selectors: &[CollisionSelector]) {
-    options.push("figure", name);
-    options.push_strings("pair", selectors.iter().flat_map(|selector| &selector.pair));
-}
-
-fn camera_options(options: &mut OptionLine, camera_target: &CameraTarget) {
-    match camera_target {
-        CameraTarget::World => {}
-        CameraTarget::Window(area) => {
-            let Vector { x, y } = area.origin;
-            options.push("window", format_args!("{x},{y},{},{}", area.width(), area.height()));
-        }
-        CameraTarget::Follow { name, size } => {
-            options.push_strings("follow", [name]);
-            options.push("window", format_args!("{}x{}", size.x, size.y));
-        }
-    }
-}
-
-/// The drawn steps in canonical form.
+/// The drawn steps.
 fn steps(subject: &Subject) -> String {
     let range = |steps: &RangeInclusive<u64>, every: u64| format!("{} to {} every {every}", steps.start(), steps.end());
     match subject {
-        Subject::Still { step, every: 1 } => step.to_string(),
-        Subject::Still { step, every } => format!("{step} every {every}"),
-        Subject::Animation { steps, every, .. } | Subject::Figure { steps, every, .. } => range(steps, *every),
-        Subject::Collision(selectors) | Subject::Minkowski(selectors) => {
-            let steps: Vec<String> = selectors.iter().map(|selector| selector.step.to_string()).collect();
-            steps.join(", ")
-        }
+        Subject::Animation { animation: Animation { steps, every, .. }, .. } => range(steps, *every),
+        Subject::Page { page, .. } => match page {
+            Page::State { step, every: 1 } => step.to_string(),
+            Page::State { step, every } => format!("{step} every {every}"),
+            Page::States { steps, every, .. } | Page::Energy { steps, every } => range(steps, *every),
+            Page::Collision { collisions, .. } => {
+                collisions.iter().map(|selector| selector.step.to_string()).collect::<Vec<String>>().join(", ")
+            }
+        },
     }
 }
 
-fn subject(steps: &str, options: &OptionLine) -> Option<Subject> {
-    let range = || {
-        let (first, rest) = steps.split_once(" to ")?;
-        let (last, every) = rest.split_once(" every ")?;
-        Some((first.parse().ok()?..=last.parse().ok()?, every.parse().ok()?))
-    };
-    let figure = match options.get("figure") {
-        None if steps.contains(" to ") => {
-            let (steps, every) = range()?;
-            let number = |key: &str, default: f64| options.get(key).map_or(Some(default), |text| text.parse().ok());
-            let frames_per_step = options.get("parts").map_or(Some(1), |count| count.parse().ok())?;
-            let (slow, hold) = (number("slow", 1.0)?, number("hold", 0.0)?);
-            return Some(Subject::Animation { steps, every, frames_per_step, slow, hold });
+fn write_subject(subject: &Subject, options: &mut OptionLine) {
+    match subject {
+        Subject::Animation { animation: Animation { timing, .. }, .. } => {
+            if timing.frames_per_step != 1 {
+                options.push("parts", timing.frames_per_step);
+            }
+            if timing.slow != 1.0 {
+                options.push("slow", timing.slow);
+            }
+            if timing.hold != 0.0 {
+                options.push("hold", timing.hold);
+            }
         }
-        None => {
-            let (step, every) = steps.split_once(" every ").unwrap_or((steps, "1"));
-            return Some(Subject::Still { step: step.parse().ok()?, every: every.parse().ok()? });
-        }
-        Some("collision") => return Some(Subject::Collision(selectors(steps, options)?)),
-        Some("minkowski") => return Some(Subject::Minkowski(selectors(steps, options)?)),
-        Some("strobe") => Figure::Strobe,
-        Some("spacetime") => Figure::Spacetime(if options.get("axis")? == "x" { Axis::X } else { Axis::Y }),
-        Some("energy") => Figure::Energy,
-        Some("filmstrip") => Figure::Filmstrip,
-        Some(_) => return None,
-    };
-    let (steps, every) = range()?;
-    Some(Subject::Figure { figure, steps, every })
+        Subject::Page { page, .. } => match page {
+            Page::State { .. } => {}
+            Page::Collision { figure, collisions } => {
+                options.push("figure", figure.name());
+                options.push_strings("pair", collisions.iter().flat_map(|selector| &selector.pair));
+            }
+            Page::States { figure, .. } => {
+                options.push("figure", figure.name());
+                if let StatesFigure::Spacetime(axis) = figure {
+                    options.push("axis", if *axis == Axis::X { "x" } else { "y" });
+                }
+            }
+            Page::Energy { .. } => options.push("figure", "energy"),
+        },
+    }
 }
 
-fn selectors(steps: &str, options: &OptionLine) -> Option<Vec<CollisionSelector>> {
+/// The subject that [`steps`] and [`write_subject`] describe. `None` if a file of this format cannot contain it.
+fn read_subject(steps: &str, options: &OptionLine, format: Format) -> Option<Subject> {
+    match format {
+        Format::Animation(format) if options.get("figure").is_none() => {
+            let (steps, every) = read_range(steps)?;
+            let timing = Timing {
+                slow: options.parsed_or("slow", 1.0)?,
+                frames_per_step: options.parsed_or("parts", 1)?,
+                hold: options.parsed_or("hold", 0.0)?,
+            };
+            Some(Subject::Animation { animation: Animation { steps, every, timing }, format })
+        }
+        Format::Animation(_) => None,
+        Format::Still(format) => Some(Subject::Page { page: read_page(steps, options)?, format }),
+    }
+}
+
+fn read_page(steps: &str, options: &OptionLine) -> Option<Page> {
+    let states = |figure| read_range(steps).map(|(steps, every)| Page::States { figure, steps, every });
+    let collision = |figure| Some(Page::Collision { figure, collisions: read_collisions(steps, options)? });
+    match options.get("figure") {
+        None => {
+            let (step, every) = steps.split_once(" every ").unwrap_or((steps, "1"));
+            Some(Page::State { step: step.parse().ok()?, every: every.parse().ok()? })
+        }
+        Some("collision") => collision(CollisionFigure::Stages),
+        Some("minkowski") => collision(CollisionFigure::Minkowski),
+        Some("strobe") => states(StatesFigure::Strobe),
+        Some("spacetime") => {
+            states(StatesFigure::Spacetime(if options.get("axis")? == "x" { Axis::X } else { Axis::Y }))
+        }
+        Some("filmstrip") => states(StatesFigure::Filmstrip),
+        Some("energy") => read_range(steps).map(|(steps, every)| Page::Energy { steps, every }),
+        Some(_) => None,
+    }
+}
+
+fn read_range(steps: &str) -> Option<(RangeInclusive<u64>, u64)> {
+    let (first, rest) = steps.split_once(" to ")?;
+    let (last, every) = rest.split_once(" every ")?;
+    Some((first.parse().ok()?..=last.parse().ok()?, every.parse().ok()?))
+}
+
+fn read_collisions(steps: &str, options: &OptionLine) -> Option<Vec<CollisionSelector>> {
     let names = options.get_strings("pair")?;
     let steps: Vec<u64> = steps.split(", ").map(|step| step.parse().ok()).collect::<Option<_>>()?;
     let (pairs, []) = names.as_chunks::<2>() else { return None };
@@ -216,85 +204,92 @@ fn selectors(steps: &str, options: &OptionLine) -> Option<Vec<CollisionSelector>
     (steps.len() == pairs.len()).then(|| steps.iter().zip(pairs).map(selector).collect())
 }
 
-fn picture(subject: Subject, options: &OptionLine) -> Option<ResolvedPicture> {
-    let (width, height) = options.get("size")?.split_once('x')?;
-    let show = match options.get("show")? {
-        "none" => Vec::new(),
-        names => names.split(',').map(Overlay::named).collect::<Option<_>>()?,
-    };
-    let caption = options.get_strings("caption")?.into_iter().next().unwrap_or_default();
-    Some(ResolvedPicture {
-        subject,
-        size: [width.parse().ok()?, height.parse().ok()?],
-        theme: Theme::named(options.get("theme")?)?,
-        show,
-        color_by: ColorBy::named(options.get("color_by")?)?,
-        camera_target: camera_target(options)?,
-        caption,
-        titles: options.get_strings("title")?,
-    })
+fn write_look(look: &Look, options: &mut OptionLine) {
+    let [width, height] = look.size;
+    options.push("size", format_args!("{width}x{height}"));
+    options.push("theme", look.theme);
+    options.push("show", &look.show);
+    options.push("color_by", look.color_by);
+    match &look.camera_target {
+        CameraTarget::World => {}
+        CameraTarget::Window(area) => options.push("window", WindowOptions::Area(*area)),
+        CameraTarget::Follow { name, size } => {
+            options.push_strings("follow", [name]);
+            options.push("window", WindowOptions::Size(*size));
+        }
+    }
 }
 
-fn camera_target(options: &OptionLine) -> Option<CameraTarget> {
-    let numbers = |text: &str, separator: char| {
-        text.split(separator).map(|number| number.parse().ok()).collect::<Option<Vec<f64>>>()
+fn read_look(options: &OptionLine) -> Option<Look> {
+    let followed = options.get_strings("follow")?.into_iter().next();
+    let window = options.get("window").map(WindowOptions::from_str).transpose().ok()?;
+    let camera_target = match (followed, window) {
+        (None, None) => CameraTarget::World,
+        (None, Some(WindowOptions::Area(area))) => CameraTarget::Window(area),
+        (Some(name), Some(WindowOptions::Size(size))) => CameraTarget::Follow { name, size },
+        _ => return None,
     };
-    match (options.get_strings("follow")?.into_iter().next(), options.get("window")) {
-        (None, None) => Some(CameraTarget::World),
-        (None, Some(window)) => match numbers(window, ',')?[..] {
-            [x, y, width, height] => Some(CameraTarget::Window(Rect::new(Vector::new(x, y), width, height))),
-            _ => None,
-        },
-        (Some(name), Some(window)) => match numbers(window, 'x')?[..] {
-            [x, y] => Some(CameraTarget::Follow { name, size: Vector::new(x, y) }),
-            _ => None,
-        },
-        (Some(_), None) => None,
-    }
+    Some(Look {
+        size: parse_size(options.get("size")?).ok()?,
+        theme: options.get("theme")?.parse().ok()?,
+        show: options.get("show")?.parse().ok()?,
+        color_by: options.get("color_by")?.parse().ok()?,
+        camera_target,
+        caption: options.get_strings("caption")?.into_iter().next().unwrap_or_default(),
+    })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::physics::{Rect, Vector};
+    use crate::picture::{AnimationFormat, ColorBy, Overlay, Overlays, StillFormat, Theme};
 
     fn provenance(subject: Subject, camera_target: CameraTarget) -> Provenance {
-        let picture = ResolvedPicture {
-            subject,
+        let look = Look {
             size: [640, 360],
             theme: Theme::Dark,
-            show: vec![Overlay::Velocity, Overlay::Clock],
+            show: Overlays::from([Overlay::Velocity, Overlay::Clock]),
             color_by: ColorBy::Speed,
             camera_target,
             caption: "a \"b\" = c".into(),
-            titles: vec!["one".into(), "and two".into()],
         };
         Provenance {
             software: "rebond 0".into(),
             recordings: vec!["12".into(), "ab".into()],
             recorded_every: 5,
-            picture,
+            picture: ResolvedPicture { subject, look, titles: vec!["one".into(), "and two".into()] },
         }
+    }
+
+    fn page(page: Page) -> Subject {
+        Subject::Page { page, format: StillFormat::Pdf }
+    }
+
+    fn animation(steps: RangeInclusive<u64>, every: u64, timing: Timing) -> Subject {
+        Subject::Animation { animation: Animation { steps, every, timing }, format: AnimationFormat::Gif }
     }
 
     #[test]
     fn every_subject_round_trips_through_metadata() {
         let pair = |a: &str, b: &str| [a.to_owned(), b.to_owned()];
-        let selectors = vec![
+        let collisions = vec![
             CollisionSelector { step: 3, pair: pair("c", "b b") },
             CollisionSelector { step: 4, pair: pair("x", "\"") },
         ];
-        let figure = |figure| Subject::Figure { figure, steps: 0..=60, every: 3 };
+        let states = |figure| page(Page::States { figure, steps: 0..=60, every: 3 });
+        let collision = |figure| page(Page::Collision { figure, collisions: collisions.clone() });
         let subjects = [
-            Subject::Still { step: 7, every: 1 },
-            Subject::Still { step: 8, every: 4 },
-            Subject::Animation { steps: 0..=600, every: 2, frames_per_step: 1, slow: 1.0, hold: 0.0 },
-            Subject::Animation { steps: 5..=5, every: 1, frames_per_step: 5, slow: 0.1, hold: 0.5 },
-            figure(Figure::Strobe),
-            figure(Figure::Spacetime(Axis::Y)),
-            figure(Figure::Energy),
-            figure(Figure::Filmstrip),
-            Subject::Collision(selectors.clone()),
-            Subject::Minkowski(selectors),
+            page(Page::State { step: 7, every: 1 }),
+            page(Page::State { step: 8, every: 4 }),
+            animation(0..=600, 2, Timing::REAL_TIME),
+            animation(5..=5, 1, Timing { frames_per_step: 5, slow: 0.1, hold: 0.5 }),
+            states(StatesFigure::Strobe),
+            states(StatesFigure::Spacetime(Axis::Y)),
+            states(StatesFigure::Filmstrip),
+            page(Page::Energy { steps: 0..=60, every: 3 }),
+            collision(CollisionFigure::Stages),
+            collision(CollisionFigure::Minkowski),
         ];
         let aims = [
             CameraTarget::World,
@@ -304,14 +299,15 @@ mod tests {
         for subject in &subjects {
             for camera_target in &aims {
                 let provenance = provenance(subject.clone(), camera_target.clone());
-                assert_eq!(Provenance::parse(&provenance.metadata()).unwrap(), provenance);
+                let format = provenance.picture.format();
+                assert_eq!(Provenance::parse(&provenance.metadata(), format).unwrap(), provenance);
             }
         }
     }
 
     #[test]
     fn the_canonical_form_is_stable() {
-        let clip = Subject::Animation { steps: 0..=600, every: 2, frames_per_step: 1, slow: 0.5, hold: 0.0 };
+        let clip = animation(0..=600, 2, Timing { slow: 0.5, ..Timing::REAL_TIME });
         let text = provenance(clip, CameraTarget::World).metadata().to_string();
         let expected = "Software: rebond 0\nrebond recording: 12; ab\nrebond steps: 0 to 600 every 2\nrebond options: \
                         slow=0.5 size=640x360 theme=dark show=velocity,clock color_by=speed recorded_every=5 \
@@ -320,10 +316,19 @@ mod tests {
     }
 
     #[test]
+    fn a_page_is_not_read_from_an_animation_nor_an_animation_from_a_page() {
+        let clip = provenance(animation(0..=600, 2, Timing::REAL_TIME), CameraTarget::World).metadata();
+        assert!(Provenance::parse(&clip, Format::Still(StillFormat::Pdf)).is_err());
+        let still = provenance(page(Page::State { step: 7, every: 1 }), CameraTarget::World).metadata();
+        assert!(Provenance::parse(&still, Format::Animation(AnimationFormat::Gif)).is_err());
+    }
+
+    #[test]
     fn the_error_names_the_missing_entry() {
-        let mut metadata = provenance(Subject::Still { step: 7, every: 1 }, CameraTarget::World).metadata();
+        let subject = page(Page::State { step: 7, every: 1 });
+        let mut metadata = provenance(subject, CameraTarget::World).metadata();
         metadata.entries.pop();
-        let error = Provenance::parse(&metadata).unwrap_err().to_string();
+        let error = Provenance::parse(&metadata, Format::Still(StillFormat::Pdf)).unwrap_err().to_string();
         assert_eq!(error, "the file carries no rebond provenance: it has no \"rebond options\" entry");
     }
 }

@@ -1,10 +1,9 @@
-use super::find_collision::appearances;
-use super::frames::{ReadExtent, ReadStatus};
-use super::requirements::{Requirements, trail_steps};
+use super::frames::{ReadExtent, ReadStatus, Requirements, trail_steps};
+use super::style::appearances;
 use super::{Error, Source, source};
 use crate::physics::{Body, BodyId, Collision, Engine, Observer, SolverKind, StepError, World};
+use crate::picture::{AnimationSchedule, Appearance, Frame, Moment, Sprite, Trails};
 use crate::recording::Health;
-use crate::render::{AnimationSchedule, Appearance, Frame, Moment, Sprite, Trails};
 use crate::replay::{Replayer, StateObserver, Verdict};
 use std::collections::{BTreeMap, VecDeque};
 use std::fs::File;
@@ -60,12 +59,13 @@ impl Resimulation {
     /// Replays until a frame is ready or the replay has ended.
     fn advance(&mut self) -> Result<(), Error> {
         while self.recorder.ready.is_empty() && !self.is_finished {
-            let verdict = self.replayer.advance(&mut self.recorder, &mut |_| ());
+            let next = self.replayer.next_state(&mut self.recorder);
             if let Some(source) = self.recorder.failure.take() {
                 return Err(Error::Step { path: self.path.clone(), source });
             }
-            if let Some(verdict) = verdict.map_err(|source| Error::Recording { path: self.path.clone(), source })? {
-                self.finish(verdict)?;
+            let step = next.map_err(|source| Error::Recording { path: self.path.clone(), source })?;
+            if step.is_none() {
+                self.finish(self.replayer.verdict())?;
             }
         }
         Ok(())

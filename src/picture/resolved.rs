@@ -1,78 +1,132 @@
-use crate::figure::Axis;
-use crate::render::CameraTarget;
-use crate::scene::{ColorBy, Overlay, Theme};
+use super::{AnimationFormat, CameraTarget, ColorBy, Format, Overlay, Overlays, StillFormat, Theme, Timing};
+use crate::physics::Axis;
 use std::ops::RangeInclusive;
 
-/// A picture in which every setting has a value; with its recordings, it determines the file.
+/// A picture in which every option has a value; with its recordings, it determines the file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ResolvedPicture {
-    /// The subject of the picture.
+    /// The content and the format of the file.
     pub subject: Subject,
-    /// Width and height, px.
-    pub size: [u32; 2],
-    /// The colour theme.
-    pub theme: Theme,
-    /// The overlays drawn in addition to the boxes, sorted and without repetition.
-    pub show: Vec<Overlay>,
-    /// The property shown by the colour of a box.
-    pub color_by: ColorBy,
-    /// The part of the world that the camera shows.
-    pub camera_target: CameraTarget,
-    /// The caption below the picture; none if empty.
-    pub caption: String,
+    /// The appearance.
+    pub look: Look,
     /// The titles above the recordings; their own titles if empty.
     pub titles: Vec<String>,
 }
 
-/// The subject of a picture.
+impl ResolvedPicture {
+    /// The format of the file.
+    pub const fn format(&self) -> Format {
+        match self.subject {
+            Subject::Page { format, .. } => Format::Still(format),
+            Subject::Animation { format, .. } => Format::Animation(format),
+        }
+    }
+}
+
+/// The content of a picture and the format of its file.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Subject {
+    /// One page.
+    Page {
+        /// The content of the page.
+        page: Page,
+        /// The format.
+        format: StillFormat,
+    },
+    /// An animation.
+    Animation {
+        /// The steps and times shown.
+        animation: Animation,
+        /// The format.
+        format: AnimationFormat,
+    },
+}
+
+/// The content of a page.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Page {
     /// One state, with the collisions since the previous picture.
-    Still {
+    State {
         /// The step of the state.
         step: u64,
         /// Steps since the previous picture of a sequence; collisions of these steps are shown.
         every: u64,
     },
-    /// An animation, or a sequence of pictures.
-    Animation {
-        /// The first and the last step that may be shown.
-        steps: RangeInclusive<u64>,
-        /// Steps from one frame to the next; frames lie on its multiples.
-        every: u64,
-        /// Frames per step; more than 1 only if every step is shown.
-        frames_per_step: u64,
-        /// Playback speed: simulated seconds per second of playback.
-        slow: f64,
-        /// How long the animation freezes at each new collision, s; 0 for no freeze frames.
-        hold: f64,
-    },
-    /// A lecture figure of many states.
-    Figure {
+    /// A figure of one collision of each recording.
+    Collision {
         /// The kind of figure.
-        figure: Figure,
+        figure: CollisionFigure,
+        /// The collision of each recording.
+        collisions: Vec<CollisionSelector>,
+    },
+    /// A figure of many states.
+    States {
+        /// The kind of figure.
+        figure: StatesFigure,
         /// The first and the last step that may be shown.
         steps: RangeInclusive<u64>,
         /// Steps from one state to the next.
         every: u64,
     },
-    /// Figure 1 of the handout, for one collision of each recording.
-    Collision(Vec<CollisionSelector>),
-    /// Figure 2 of the handout, for one collision of each recording.
-    Minkowski(Vec<CollisionSelector>),
+    /// Energy and momentum against time.
+    Energy {
+        /// The first and the last step that may be shown.
+        steps: RangeInclusive<u64>,
+        /// Steps from one state to the next.
+        every: u64,
+    },
 }
 
-/// A kind of lecture figure of many states.
+/// The steps and times that an animation, a video or a sequence of pictures shows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Animation {
+    /// The first and the last step that may be shown.
+    pub steps: RangeInclusive<u64>,
+    /// Steps from one frame to the next; frames lie on its multiples.
+    pub every: u64,
+    /// Playback speed, frames per step and freeze frames.
+    pub timing: Timing,
+}
+
+/// A kind of figure of a collision.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Figure {
+pub enum CollisionFigure {
+    /// Figure 1 of the handout: before, the overlap and its normal, after.
+    Stages,
+    /// Figure 2 of the handout: the Minkowski difference.
+    Minkowski,
+}
+
+impl CollisionFigure {
+    /// Its name in provenance.
+    pub const fn name(self) -> &'static str {
+        match self {
+            CollisionFigure::Stages => "collision",
+            CollisionFigure::Minkowski => "minkowski",
+        }
+    }
+}
+
+/// A kind of figure of many states.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StatesFigure {
     /// Many instants in one picture.
     Strobe,
     /// Position along one axis against time.
     Spacetime(Axis),
-    /// Energy and momentum against time.
-    Energy,
     /// One panel per chosen step.
     Filmstrip,
+}
+
+impl StatesFigure {
+    /// Its name in provenance.
+    pub const fn name(self) -> &'static str {
+        match self {
+            StatesFigure::Strobe => "strobe",
+            StatesFigure::Spacetime(_) => "spacetime",
+            StatesFigure::Filmstrip => "filmstrip",
+        }
+    }
 }
 
 /// Selects the first collision of two bodies in or after a step.
@@ -82,4 +136,35 @@ pub struct CollisionSelector {
     pub step: u64,
     /// The names of the two bodies, in the order of the collision.
     pub pair: [String; 2],
+}
+
+/// The appearance of a picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Look {
+    /// Width and height, px.
+    pub size: [u32; 2],
+    /// The colour theme.
+    pub theme: Theme,
+    /// The overlays drawn in addition to the bodies.
+    pub show: Overlays,
+    /// The property that determines the colours of bodies.
+    pub color_by: ColorBy,
+    /// The part of the world that the camera shows.
+    pub camera_target: CameraTarget,
+    /// The caption below the picture; none if empty.
+    pub caption: String,
+}
+
+impl Default for Look {
+    /// The defaults of all pictures: 1280 × 720 px, the light theme with names and clock, coloured by body.
+    fn default() -> Look {
+        Look {
+            size: [1280, 720],
+            theme: Theme::Light,
+            show: Overlays::from([Overlay::Name, Overlay::Clock]),
+            color_by: ColorBy::Body,
+            camera_target: CameraTarget::World,
+            caption: String::new(),
+        }
+    }
 }

@@ -3,7 +3,6 @@ use super::source::open;
 use super::style::force;
 use crate::physics::{BodyId, Rect, Spawn, Vector};
 use crate::recording::{self, BodyInfo, Change, Header, Item, RecordedState, Recording, StateBounds, Summary};
-use crate::render::area::intersection;
 use std::io::{Read, Seek};
 use std::path::Path;
 
@@ -123,7 +122,7 @@ fn is_body_in_world(info: &BodyInfo, [x, y, ..]: [f64; 4], world: Vector) -> boo
 }
 
 fn overlaps_world(rect: &Rect, world: Vector) -> bool {
-    intersection(rect, &Rect::new(Vector::ZERO, world.x, world.y)).is_some()
+    rect.intersection(&Rect::new(Vector::ZERO, world.x, world.y)).is_some()
 }
 
 /// Constant properties of all bodies that ever exist.
@@ -199,7 +198,7 @@ impl BodyStats {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::run::{self, RecordOptions};
+    use crate::replay::{self, RecordOptions};
     use crate::scene;
     use std::fs::File;
 
@@ -245,7 +244,7 @@ name = "b"
         let path = folder.path().join("run.mcap");
         let scene = scene::parse("scene.toml", text).unwrap();
         let options = RecordOptions { steps: scene.run.steps, every, viewer: None };
-        run::record(&scene, options, run::NO_LIVE_EVENTS, File::create(&path).unwrap(), |_| ()).unwrap();
+        replay::record(&scene, options, replay::NO_LIVE_EVENTS, File::create(&path).unwrap(), |_| ()).unwrap();
         let mcap_summary = open(&path).unwrap().summary().unwrap();
         assert!(mcap_summary.unwrap().trailer.state_bounds.is_some(), "the trailer has no state bounds");
         let world = Vector::new(scene.size[0], scene.size[1]);

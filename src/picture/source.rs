@@ -1,9 +1,10 @@
-use super::{Error, RunSummary};
-use crate::physics::Vector;
-use crate::recording::{self, Header, Recording};
+use super::figures::EnergySample;
+use super::{Error, ReadExtent, ReadStatus, RunSummary, StepGrid};
+use crate::physics::{Body, EngineConfig, Material, Vector, World, invariants};
+use crate::recording::{self, Header, Playback, Recording, SampledBody, SampledState};
 use crate::scene::{self, Scene};
 use std::fs::File;
-use std::io::BufReader;
+use std::io::{self, BufReader, Read};
 use std::path::{Path, PathBuf};
 
 /// A recording to draw.
@@ -31,6 +32,17 @@ impl Source {
         Ok(Source { path: path.into(), header, scene, summary })
     }
 
+    /// Returns true if the file at `path` is a recording, false if it is a scene: recordings begin like MCAP files or are
+    /// named so.
+    ///
+    /// # Errors
+    /// If the file cannot be read.
+    pub fn is_recording(path: &Path) -> io::Result<bool> {
+        let mut magic = Vec::new();
+        File::open(path)?.take(mcap::MAGIC.len() as u64).read_to_end(&mut magic)?;
+        Ok(magic == mcap::MAGIC || path.extension().is_some_and(|extension| extension == "mcap"))
+    }
+
     /// Width and height of the world, m.
     pub fn world(&self) -> Vector {
         Vector::new(self.scene.size[0], self.scene.size[1])
@@ -42,6 +54,29 @@ impl Source {
         self.scene.title.as_deref().unwrap_or(file.strip_suffix(".toml").unwrap_or(file))
     }
 
+    /// Energy and momentum of the recorded states on `grid`, and the health of the recording.
+    ///
+    /// # Errors
+    /// If the recording cannot be read.
+    pub(super) fn energies(&self, grid: &StepGrid) -> Result<(Vec<EnergySample>, ReadStatus), Error> {
+        let mut playback = Playback::new(open(&self.path)?);
+        playback.seek(*grid.steps.start()).map_err(|error| self.read_error(error))?;
+        let config = &self.header.config;
+        let mut samples = Vec::new();
+        let mut extent = ReadExtent::End;
+        for state in playback.by_ref() {
+            let state = state.map_err(|error| self.read_error(error))?;
+            if state.step > *grid.steps.end() {
+                extent = ReadExtent::LastStep;
+                break;
+            }
+            if grid.contains(state.step) {
+                samples.push(energy(&state, config));
+            }
+        }
+        Ok((samples, ReadStatus { path: self.path.clone(), health: playback.health(), extent }))
+    }
+
     /// Adds the path of the recording to an error of reading it.
     pub(super) fn read_error(&self, source: recording::Error) -> Error {
         Error::Recording { path: self.path.clone(), source }
@@ -51,4 +86,33 @@ impl Source {
 /// Opens the recording at `path`.
 pub fn open(path: &Path) -> Result<Recording<BufReader<File>>, Error> {
     recording::open(path).map_err(|source| Error::Recording { path: path.into(), source })
+}
+
+fn energy(state: &SampledState, config: &EngineConfig) -> EnergySample {
+    let bodies = state.bodies.iter().map(body).collect();
+    let world = World { bodies, gravity: config.gravity, restitution: config.restitution.clone() };
+    EnergySample {
+        time: state.time,
+        kinetic: invariants::kinetic_energy(&world),
+        potential: invariants::potential_energy(&world),
+        momentum: invariants::momentum(&world),
+    }
+}
+
+/// The recorded body as a body of the physics module, as far as energy and momentum depend on it.
+fn body(recorded: &SampledBody) -> Body {
+    let spawn = &recorded.info.spawn;
+    let mut rect = spawn.rect;
+    rect.origin = recorded.position;
+    Body {
+        id: recorded.info.id,
+        name: String::new(),
+        rect,
+        mass: spawn.mass,
+        inverse_mass: 1.0 / spawn.mass,
+        velocity: recorded.velocity,
+        force: Vector::ZERO,
+        constant_force: spawn.force,
+        material: Material::default(),
+    }
 }

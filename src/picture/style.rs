@@ -1,53 +1,35 @@
-use super::{Error, Progress, ResolvedPicture, Source, source};
-use crate::physics::{BodyId, Collision, Observer, Spawn, Vector};
-use crate::recording::BodyInfo;
-use crate::render::area::larger;
-use crate::render::{Appearance, Color, Palette, Style, palette};
-use crate::replay::replay;
-use crate::scene::Overlay;
+use super::collisions::max_impulse;
+use super::raster::color;
+use super::{Appearance, Color, Error, Look, Overlay, Palette, Progress, Source, Style, source};
+use crate::physics::{BodyId, Spawn, Vector, larger};
+use crate::recording::{BodyInfo, Change, RecordedEvent};
+use std::{collections::BTreeMap, sync::Arc};
 
-/// The style of a picture of these recordings, with scales common to all of them.
-///
-/// # Errors
-/// If the scale of impulse arrows requires a replay and that fails.
-pub fn style(picture: &ResolvedPicture, sources: &[Source], progress: Progress) -> Result<Style, Error> {
-    let top = |of: fn(&Source) -> f64| sources.iter().map(of).fold(0.0, larger);
-    let mut materials: Vec<String> = sources.iter().flat_map(|source| source.summary.materials.clone()).collect();
-    materials.sort();
-    materials.dedup();
-    let mut top_impulse = 0.0;
-    if picture.show.contains(&Overlay::Impulse) {
-        for source in sources {
-            top_impulse = larger(max_impulse(source, progress)?, top_impulse);
+impl Style {
+    /// The style of a picture of these recordings, with scales common to all of them.
+    ///
+    /// # Errors
+    /// If the scale of impulse arrows requires a replay and that fails.
+    pub fn new(look: &Look, sources: &[Source], progress: Progress) -> Result<Style, Error> {
+        let top = |of: fn(&Source) -> f64| sources.iter().map(of).fold(0.0, larger);
+        let mut materials: Vec<String> = sources.iter().flat_map(|source| source.summary.materials.clone()).collect();
+        materials.sort();
+        materials.dedup();
+        let mut top_impulse = 0.0;
+        if look.show.contains(Overlay::Impulse) {
+            for source in sources {
+                top_impulse = larger(max_impulse(source, progress)?, top_impulse);
+            }
         }
+        Ok(Style {
+            look: look.clone(),
+            top_speed: top(|source| source.summary.top_speed),
+            top_force: top(|source| source.summary.top_force),
+            top_impulse,
+            body_count: sources.iter().map(|source| source.summary.names.len() as u32).max().unwrap_or(0),
+            materials,
+        })
     }
-    Ok(Style {
-        theme: picture.theme,
-        show: picture.show.clone(),
-        color_by: picture.color_by,
-        top_speed: top(|source| source.summary.top_speed),
-        top_force: top(|source| source.summary.top_force),
-        top_impulse,
-        body_count: sources.iter().map(|source| source.summary.names.len() as u32).max().unwrap_or(0),
-        caption: picture.caption.clone(),
-        materials,
-    })
-}
-
-/// The largest impulse of a run, N·s.
-fn max_impulse(source: &Source, progress: Progress) -> Result<f64, Error> {
-    struct MaxImpulse(f64);
-    impl Observer for MaxImpulse {
-        fn collision(&mut self, collision: &Collision) {
-            self.0 = larger(collision.impulse.abs(), self.0);
-        }
-    }
-    let mut max = MaxImpulse(0.0);
-    let steps = source.header.steps;
-    let recording = source::open(&source.path)?;
-    let verdict = replay(recording, 0..=u64::MAX, &mut max, &mut |step| progress(step, steps));
-    verdict.map_err(|error| source.read_error(error))?;
-    Ok(max.0)
 }
 
 /// The sum of weight and constant force, N; zero for an infinite mass.
@@ -62,10 +44,23 @@ pub fn force(spawn: &Spawn, gravity: Option<Vector>) -> Vector {
 pub fn body_color(info: &BodyInfo) -> [u8; 3] {
     let appearance = appearance(info.id, &info.spawn, info.color.as_deref(), None);
     let color = match appearance.is_wall {
-        true => Palette::of(Style::default().theme).wall,
-        false => palette::color_by_body(&appearance),
+        true => Palette::of(Look::default().theme).wall,
+        false => color::color_by_body(&appearance),
     };
     [color.r, color.g, color.b]
+}
+
+/// The appearance of every body that is ever spawned.
+pub fn appearances(source: &Source) -> Result<BTreeMap<BodyId, Arc<Appearance>>, Error> {
+    let gravity = source.header.config.gravity;
+    let mut bodies = BTreeMap::new();
+    let add = |event: RecordedEvent| {
+        if let Change::Spawn { id, spawn, color } = &event.change {
+            bodies.insert(*id, Arc::new(appearance(*id, spawn, color.as_deref(), gravity)));
+        }
+    };
+    source::open(&source.path)?.for_each_event(add).map_err(|error| source.read_error(error))?;
+    Ok(bodies)
 }
 
 /// The appearance of a body with these parameters.

@@ -4,11 +4,11 @@ use mcap::records::op;
 
 use super::{
     Damage, Item, RecordedState, Trailer, cdr,
-    chunk::{ChunkRecord, RawMessage},
-    cursor::{Cursor, Malformed},
+    chunk_reader::{ChunkRecord, RawMessage},
     limits,
     messages::{BodiesMessage, EventMessage},
     metadata,
+    record_reader::{Cursor, Malformed},
     sequence_validator::SequenceValidator,
     topic::Topic,
 };

@@ -4,6 +4,7 @@ use std::{io, path::PathBuf};
 ///
 /// Damage inside a recording is not an error: the readable part is read, and
 /// [`Health`](super::Health) reports the damage.
+#[non_exhaustive]
 #[derive(Debug, thiserror::Error)]
 pub enum Error {
     /// The file cannot be opened.

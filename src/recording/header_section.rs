@@ -4,9 +4,8 @@ use mcap::{MAGIC, McapError, records::op};
 
 use super::{
     Error, Header, SceneText,
-    cursor::{Cursor, Malformed},
     metadata::{self, HeaderError},
-    record_reader::{ReadFault, RecordHeader, RecordReader},
+    record_reader::{Cursor, Malformed, ReadFault, RecordHeader, RecordReader},
     resync::{self, Resync},
 };
 

@@ -17,7 +17,7 @@ use super::{
 };
 use crate::{
     physics::{CollisionCount, Engine},
-    replay::replay,
+    replay::{ALL_STEPS, Replayer},
 };
 
 /// Reads a recording to its end and returns the reason of its damage.
@@ -117,7 +117,7 @@ fn states_of_other_semantics_are_readable_but_not_replayed() {
     run.header.versions = Versions { semantics: 99, ..run.header.versions };
     let recording = || Recording::read(Cursor::new(record(&run))).unwrap();
     assert_eq!(Playback::new(recording()).count(), 13);
-    let replayed = replay(recording(), 0..=u64::MAX, &mut CollisionCount::default(), &mut |_| {});
+    let replayed = Replayer::new(recording(), ALL_STEPS);
     assert!(matches!(replayed, Err(Error::OtherSemantics { found: 99 })));
 }
 

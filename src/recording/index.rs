@@ -6,9 +6,8 @@ use std::{
 use mcap::{MAGIC, records::op};
 
 use super::{
-    cursor::{Cursor, Malformed},
-    metadata,
-    record_reader::{PREFIX_BYTES, RecordReader},
+    Trailer, metadata,
+    record_reader::{Cursor, Malformed, PREFIX_BYTES, RecordReader},
     resync,
     topic::Topic,
 };
@@ -21,7 +20,7 @@ pub struct Index {
     /// The bodies of the channel records, which are otherwise only in the first chunk.
     pub channels: Vec<Vec<u8>>,
     /// The offset of the end record, in bytes from the start of the file.
-    pub trailer_offset: Option<u64>,
+    trailer_offset: Option<u64>,
     /// The number of messages of each channel.
     message_counts: BTreeMap<u16, u64>,
 }
@@ -41,9 +40,42 @@ pub struct IndexedChunk {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct ChannelSet(u16);
 
+/// The summary of a finished recording, from its end record and index. The chunks are neither read nor
+/// verified.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Summary {
+    /// The end record.
+    pub trailer: Trailer,
+    /// The number of states, including those recorded as digests only.
+    pub states: u64,
+    /// The number of keyframes.
+    pub keyframes: u64,
+    /// The number of chunks.
+    pub chunks: u64,
+}
+
 impl Index {
-    /// Returns the number of messages of a topic.
-    pub fn message_count(&self, topic: Topic) -> u64 {
+    /// Returns the summary, or `None` if the index has no readable end record.
+    ///
+    /// # Errors
+    /// Returns an error if the file cannot be read.
+    pub fn summary<R: Read + Seek>(&self, records: &mut RecordReader<R>) -> io::Result<Option<Summary>> {
+        let Some(offset) = self.trailer_offset else { return Ok(None) };
+        records.seek(offset)?;
+        let is_metadata = matches!(records.next_record(), Ok(Some(record)) if record.opcode == op::METADATA);
+        let parsed = is_metadata.then(|| metadata::parse(&records.body).ok()).flatten();
+        let trailer = parsed
+            .filter(|(name, _)| *name == metadata::TRAILER)
+            .and_then(|(_, map)| metadata::parse_trailer(&map).ok());
+        Ok(trailer.map(|trailer| Summary {
+            trailer,
+            states: self.message_count(Topic::States),
+            keyframes: self.message_count(Topic::Bodies),
+            chunks: self.chunks.len() as u64,
+        }))
+    }
+
+    fn message_count(&self, topic: Topic) -> u64 {
         self.channels_of(topic).filter_map(|channel| self.message_counts.get(&channel)).sum()
     }
 

@@ -6,14 +6,10 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
-use crate::counted::counted;
 use crate::physics::{BodyId, Rect, SolverSnapshot, Spawn, Vector};
+use crate::text::counted;
 
-use super::{
-    BodyInfo, Change, Keyframe, KeyframeBody, RecordedEvent,
-    columns::{from_columns, to_columns},
-    limits,
-};
+use super::{BodyInfo, Change, Keyframe, KeyframeBody, RecordedEvent, limits};
 
 /// `rebond_msgs/msg/Event`.
 #[derive(Serialize, Deserialize)]
@@ -174,7 +170,7 @@ impl BodiesMessage {
             fx: column(|body| body.force.x),
             fy: column(|body| body.force.y),
             solver_integers: keyframe.solver.integers.clone(),
-            solver_numbers: to_columns(&keyframe.solver.numbers, keyframe.bodies.len(), format),
+            solver_numbers: to_columns(&keyframe.solver.numbers, format, keyframe.bodies.len()),
         }
     }
 
@@ -196,7 +192,7 @@ impl BodiesMessage {
             return Err("the ids in a keyframe are not in ascending order".into());
         }
         let vector = |x: &[f64], y: &[f64], index: usize| Vector::new(x[index], y[index]);
-        let numbers = from_columns(self.solver_numbers, self.spawned.len(), format);
+        let numbers = from_columns(self.solver_numbers, format, self.spawned.len());
         let bodies = self.spawned.into_iter().enumerate().map(|(index, Spawned(info))| KeyframeBody {
             info,
             position: vector(&self.x, &self.y, index),
@@ -210,6 +206,32 @@ impl BodiesMessage {
             solver: SolverSnapshot { integers: self.solver_integers, numbers },
         })
     }
+}
+
+/// The first format version that stores the solver's numbers by columns.
+const FIRST_FORMAT_WITH_COLUMNS: u32 = 2;
+
+/// Transposes per-body rows into columns (format ≥ 2), which compress better.
+///
+/// Returns `numbers` unchanged if they cannot be divided evenly among the bodies.
+fn to_columns(numbers: &[f64], format: u32, bodies: usize) -> Vec<f64> {
+    match format < FIRST_FORMAT_WITH_COLUMNS || bodies == 0 || !numbers.len().is_multiple_of(bodies) {
+        true => numbers.into(),
+        false => transposed(numbers, numbers.len() / bodies),
+    }
+}
+
+/// Inverts [`to_columns`].
+fn from_columns(numbers: Vec<f64>, format: u32, bodies: usize) -> Vec<f64> {
+    match format < FIRST_FORMAT_WITH_COLUMNS || bodies == 0 || !numbers.len().is_multiple_of(bodies) {
+        true => numbers,
+        false => transposed(&numbers, bodies),
+    }
+}
+
+/// Transposes a matrix with rows of length `width`.
+fn transposed(numbers: &[f64], width: usize) -> Vec<f64> {
+    (0..width).flat_map(|column| numbers.iter().skip(column).step_by(width)).copied().collect()
 }
 
 #[cfg(test)]
@@ -266,7 +288,26 @@ mod tests {
         a == b && format!("{a:?}") == format!("{b:?}")
     }
 
+    #[test]
+    fn rows_are_transposed_into_columns() {
+        let rows = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0];
+        assert_eq!(to_columns(&rows, FIRST_FORMAT_WITH_COLUMNS, 2), [1.0, 4.0, 2.0, 5.0, 3.0, 6.0]);
+        assert_eq!(
+            to_columns(&rows, FIRST_FORMAT_WITH_COLUMNS, 4),
+            rows,
+            "six numbers cannot be divided among four bodies"
+        );
+        assert_eq!(to_columns(&rows, 1, 2), rows, "the first format had no columns");
+        assert!(to_columns(&[], FIRST_FORMAT_WITH_COLUMNS, 2).is_empty());
+    }
+
     proptest! {
+        #[test]
+        fn from_columns_inverts_to_columns(bodies in 0_usize..9, numbers in vec(-1.0..1.0, 0..40), format in 1_u32..3) {
+            let columns = to_columns(&numbers, format, bodies);
+            prop_assert_eq!(from_columns(columns, format, bodies), numbers);
+        }
+
         #[test]
         fn decoding_inverts_encoding_of_events(step: u64, id: BodyId, body in info(0), is_delete: bool) {
             let change = match is_delete {

@@ -16,9 +16,8 @@ use xxhash_rust::xxh3::Xxh3;
 use crate::physics::{EngineConfig, Restitution, RestitutionPair, SolverKind, Vector};
 
 use super::{
-    Bounds, FORMAT_VERSION, Gap, Header, SceneText, StateBounds, Trailer, Versions,
-    cursor::{Cursor, Malformed},
-    limits,
+    Bounds, FORMAT_VERSION, Gap, Header, SceneText, StateBounds, Trailer, Versions, limits,
+    record_reader::{Cursor, Malformed},
 };
 
 /// The name of the header record at the start.

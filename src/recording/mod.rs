@@ -16,29 +16,20 @@
 //! | metadata `rebond_end` | how the run ended, identity                        | [`Trailer`]            |
 //! | attachment            | the scene's TOML                                   | [`SceneText`]          |
 
-mod batch;
 mod body_table;
 mod cdr;
-mod chunk;
-mod clock;
-mod columns;
-mod cursor;
+mod chunk_reader;
 mod decoder;
 mod digest;
 mod error;
-mod event;
-mod file;
-mod gap;
-mod header;
 mod header_section;
 mod health;
-mod identity;
 mod index;
-mod keyframe;
 pub mod limits;
 mod mcap_writer;
 mod messages;
 mod metadata;
+mod model;
 mod playback;
 mod reader;
 mod record_reader;
@@ -48,33 +39,25 @@ mod resync;
 mod scene_update;
 mod sequence_validator;
 mod state;
-mod state_bounds;
-mod summary;
 mod topic;
-mod trailer;
 mod writer;
 mod writer_thread;
 
-pub use batch::body_state;
 pub use body_table::{BodyInfo, BodyTable};
-pub use digest::StateDigest;
+pub use digest::{Identity, StateDigest};
 pub use error::Error;
-pub use event::{Change, RecordedEvent};
-pub use file::{Overwrite, RecordingFile, Sync, create};
-pub use gap::Gap;
-pub use header::{FORMAT_VERSION, Header, SEMANTICS_VERSION, SceneText, Versions};
-pub use health::{Damage, Health};
-pub use identity::Identity;
-pub use keyframe::{Keyframe, KeyframeBody};
+pub use health::{Damage, Gap, Health};
+pub use index::Summary;
+pub use model::{
+    Change, FORMAT_VERSION, Header, Keyframe, KeyframeBody, RecordedEvent, SEMANTICS_VERSION, SceneText, Trailer,
+    Versions,
+};
 pub use playback::{Playback, SampledBody, SampledState};
 pub use reader::{Item, Recording, open};
 pub use recover::{Recovery, recover};
 pub use scene_update::ColorFn;
-pub use state::RecordedState;
-pub use state_bounds::{Bounds, StateBounds};
-pub use summary::Summary;
-pub use trailer::Trailer;
-pub use writer::{Finished, RunEnd, Writer};
+pub use state::{Bounds, RecordedState, StateBounds, body_state};
+pub use writer::{Finished, Overwrite, RecordingFile, RunEnd, Sync, Writer, create};
 
 #[cfg(test)]
 mod hostile_tests;

@@ -8,11 +8,10 @@ use mcap::{MAGIC, McapError, records::op};
 
 use super::{
     BodyTable, Damage, Error, Gap, Header, Health, Keyframe, RecordedEvent, RecordedState, Trailer,
-    chunk::ChunkReader,
-    clock,
+    chunk_reader::ChunkReader,
     decoder::{Decoder, Location},
     header_section::{self, Defect, HeaderSection},
-    index::Index,
+    index::{self, Index, Summary},
     record_reader::{ReadFault, RecordHeader, RecordReader},
     resync::{self, Resync},
     sequence_validator::SequenceValidator,
@@ -22,10 +21,11 @@ use super::{
 /// Reads a recording: an iterator over its [`Item`]s in file order.
 ///
 /// Needs memory for one chunk. [`Recording::health`] is final after the last item.
+#[doc(alias("mcap", "rosbag"))]
 pub struct Recording<R> {
     /// The header.
     pub header: Header,
-    pub(super) records: RecordReader<R>,
+    records: RecordReader<R>,
     chunks: ChunkReader,
     /// The location of the current or last chunk.
     chunk: Location,
@@ -35,7 +35,7 @@ pub struct Recording<R> {
     crc_suspect: Option<Defect>,
     decoder: Decoder,
     /// The index of the chunks, once it was needed.
-    pub(super) index: Option<Index>,
+    index: Option<Index>,
     phase: Phase,
 }
 
@@ -117,7 +117,7 @@ impl<R: Read + Seek> Recording<R> {
     /// Returns an error if the file cannot be read.
     pub fn seek(&mut self, step: u64) -> Result<(), Error> {
         let index = self.take_index()?;
-        let time = clock::nanoseconds(step, self.header.config.rate);
+        let time = self.header.log_time(step);
         let count = index.chunks.partition_point(|chunk| chunk.first_time <= time);
         let mut is_found = false;
         for chunk in (0..count).rev().filter(|chunk| index.may_contain(*chunk, Topic::Bodies)) {
@@ -148,8 +148,48 @@ impl<R: Read + Seek> Recording<R> {
         Ok(false)
     }
 
+    /// Returns the summary, or `None` if the recording is unfinished or its index is damaged. Reading
+    /// then continues at the start of the recording.
+    ///
+    /// # Errors
+    /// Returns an error if the file cannot be read.
+    pub fn summary(&mut self) -> Result<Option<Summary>, Error> {
+        let index = self.take_index()?;
+        let summary = index.summary(&mut self.records).map_err(Error::Read)?;
+        self.index = Some(index);
+        self.restart()?;
+        Ok(summary)
+    }
+
+    /// Calls `visit` with every readable event. Opens only chunks that have events according to the
+    /// index. Reading then continues at the start of the recording.
+    ///
+    /// # Errors
+    /// Returns an error if the file cannot be read.
+    pub fn for_each_event(&mut self, mut visit: impl FnMut(RecordedEvent)) -> Result<(), Error> {
+        let index = self.take_index()?;
+        for chunk in (0..index.chunks.len()).filter(|chunk| index.may_contain(*chunk, Topic::Events)) {
+            self.open_indexed_chunk(&index, chunk)?;
+            while let Some(item) = self.next_in_chunk() {
+                if let Item::Event(event) = item {
+                    visit(event);
+                }
+            }
+        }
+        self.index = Some(index);
+        self.restart()
+    }
+
+    /// Takes the index out of `self`, after reading it if necessary. The caller must put it back.
+    fn take_index(&mut self) -> Result<Index, Error> {
+        match self.index.take() {
+            Some(index) => Ok(index),
+            None => index::read(&mut self.records).map_err(Error::Read),
+        }
+    }
+
     /// Opens a chunk of the index and forgets everything read before.
-    pub(super) fn open_indexed_chunk(&mut self, index: &Index, chunk: usize) -> Result<(), Error> {
+    fn open_indexed_chunk(&mut self, index: &Index, chunk: usize) -> Result<(), Error> {
         self.seek_record(index.chunks[chunk].offset)?;
         self.decoder.reset(&index.channels);
         self.chunk_count = chunk as u64;
@@ -157,7 +197,7 @@ impl<R: Read + Seek> Recording<R> {
     }
 
     /// Returns the next item of the open chunk, or `None` at its end or at damage.
-    pub(super) fn next_in_chunk(&mut self) -> Option<Item> {
+    fn next_in_chunk(&mut self) -> Option<Item> {
         while self.decoder.ready.is_empty() {
             let Ok(Some(record)) = self.chunks.next_record() else { return None };
             self.decoder.decode_chunk_record(self.chunk, &record);

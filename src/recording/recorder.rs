@@ -4,16 +4,15 @@ use crate::physics::BodyId;
 
 use super::{
     BodyTable, Change, Error, Header, Keyframe, RecordedEvent, RecordedState, RunEnd, StateBounds, StateDigest,
-    Trailer,
-    batch::{Batch, Entry, Row},
-    cdr, clock,
-    identity::IdentityChain,
+    Trailer, cdr,
+    digest::IdentityChain,
     limits,
     mcap_writer::McapWriter,
     messages::{BodiesMessage, EventMessage},
     metadata,
     scene_update::{self, ColorFn},
     topic::Topic,
+    writer_thread::{Batch, Entry, Row},
 };
 
 /// Encodes batches as messages and writes them: the part of a writer that can run on a thread of its
@@ -143,7 +142,7 @@ impl<W: Write> Recorder<W> {
         self.update_bounds(state);
         state.encode(&mut self.bytes);
         self.write_message(Topic::States, state.step)?;
-        if self.unflushed_events || clock::ends_second(state.step, self.header.config.rate) {
+        if self.unflushed_events || (state.step + 1).is_multiple_of(self.header.steps_per_second()) {
             self.unflushed_events = false;
             self.mcap.flush()?;
         }
@@ -174,7 +173,7 @@ impl<W: Write> Recorder<W> {
 
     fn write_boxes(&mut self, step: u64, rows: &[Row]) -> Result<(), Error> {
         let Some(color) = self.color.filter(|_| step.is_multiple_of(self.header.every)) else { return Ok(()) };
-        let time = clock::nanoseconds(step, self.header.config.rate);
+        let time = self.header.log_time(step);
         let mut message = std::mem::take(&mut self.bytes);
         let bodies = self.table.bodies().iter().zip(rows).map(|(info, row)| (info, row.state));
         scene_update::encode(time, bodies, color, &mut message);
@@ -210,6 +209,6 @@ impl<W: Write> Recorder<W> {
     }
 
     fn write_message(&mut self, topic: Topic, step: u64) -> Result<(), Error> {
-        self.mcap.write_message(topic, clock::nanoseconds(step, self.header.config.rate), &self.bytes)
+        self.mcap.write_message(topic, self.header.log_time(step), &self.bytes)
     }
 }

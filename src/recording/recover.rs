@@ -3,7 +3,7 @@ use std::{
     io::{Read, Seek, Write},
 };
 
-use crate::counted::counted;
+use crate::text::counted;
 
 use super::{
     Error, Gap, Header, Health, Item, Keyframe, RecordedEvent, RecordedState, Recording, RunEnd, Trailer,
@@ -11,6 +11,7 @@ use super::{
 };
 
 /// The result of [`recover`]. `Display` prints a few lines for people.
+#[non_exhaustive]
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recovery {
     /// The end record of the recovered recording.
@@ -32,6 +33,7 @@ pub struct Recovery {
 ///
 /// # Errors
 /// Returns an error if reading or writing fails.
+#[doc(alias("repair", "salvage"))]
 pub fn recover<R: Read + Seek, W: Write>(recording: &mut Recording<R>, output: W) -> Result<(Recovery, W), Error> {
     let scan = SalvageScan::new(recording)?;
     let header = Header { gaps: scan.gaps.clone(), ..recording.header.clone() };

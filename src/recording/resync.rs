@@ -5,9 +5,8 @@ use std::io::{self, Read, Seek, SeekFrom};
 use mcap::{MAGIC, McapError, records::op};
 
 use super::{
-    cursor::{Cursor, Malformed},
     limits, metadata,
-    record_reader::ReadFault,
+    record_reader::{Cursor, Malformed, ReadFault},
 };
 
 /// The way to continue after a place without a valid record.

@@ -1,11 +1,9 @@
 //! Scene updates: boxes for MCAP viewers, as `foxglove.SceneUpdate` messages.
 //!
-//! Viewers have z up and y to the left, so the world is drawn in the plane z = 0 with y negated. The
-//! structs contain only the fields in use; the schema in the file contains all.
+//! Viewers have z up and y to the left, so the world is drawn in the plane z = 0 with y negated. Only the
+//! fields in use are written; the schema in the file contains all.
 
 use std::sync::Arc;
-
-use prost::Message;
 
 use super::BodyInfo;
 
@@ -26,119 +24,93 @@ pub fn encode<'a>(
     color: ColorFn,
     bytes: &mut Vec<u8>,
 ) {
-    let timestamp = Some(Timestamp::at(time));
-    let cubes = bodies.map(|(info, [x, y, ..])| CubePrimitive::new(info, x, y, color)).collect();
-    let update = SceneUpdate {
-        deletions: vec![SceneEntityDeletion { timestamp, kind: DELETE_ALL }],
-        entities: vec![SceneEntity { timestamp, frame_id: "world".into(), id: "boxes".into(), cubes }],
-    };
+    let timestamp = timestamp(time);
+    let deletion = Message::default().message(1, &timestamp).integer(2, DELETE_ALL);
+    let mut boxes = Message::default().message(1, &timestamp).text(2, "world").text(3, "boxes");
+    for (info, [x, y, ..]) in bodies {
+        boxes = boxes.message(8, &cube(info, x, y, color(info)));
+    }
     bytes.clear();
-    update.encode(bytes).expect("writing to memory cannot fail");
+    bytes.extend(Message::default().message(1, &deletion).message(2, &boxes).0);
 }
 
 /// `SceneEntityDeletion.ALL`.
-const DELETE_ALL: i32 = 1;
+const DELETE_ALL: u64 = 1;
 
-#[derive(Clone, PartialEq, Message)]
-struct SceneUpdate {
-    #[prost(message, repeated, tag = "1")]
-    deletions: Vec<SceneEntityDeletion>,
-    #[prost(message, repeated, tag = "2")]
-    entities: Vec<SceneEntity>,
+/// `google.protobuf.Timestamp`.
+fn timestamp(nanoseconds: u64) -> Message {
+    const SECOND: u64 = 1_000_000_000;
+    Message::default().integer(1, nanoseconds / SECOND).integer(2, nanoseconds % SECOND)
 }
 
-#[derive(Clone, PartialEq, Message)]
-struct SceneEntityDeletion {
-    #[prost(message, tag = "1")]
-    timestamp: Option<Timestamp>,
-    #[prost(int32, tag = "2")]
-    kind: i32,
+/// The `foxglove.CubePrimitive` of a body whose upper-left corner is at `x`, `y` (m). Its depth is its smaller side.
+fn cube(info: &BodyInfo, x: f64, y: f64, color: [u8; 3]) -> Message {
+    let [width, height] = [info.spawn.rect.width(), info.spawn.rect.height()];
+    let depth = crate::physics::smaller(width, height);
+    let center = Message::doubles([x + width / 2.0, -(y + height / 2.0), depth / 2.0]);
+    let upright = Message::doubles([0.0, 0.0, 0.0, 1.0]);
+    let [r, g, b] = color.map(|channel| f64::from(channel) / 255.0);
+    Message::default()
+        .message(1, &Message::default().message(1, &center).message(2, &upright))
+        .message(2, &Message::doubles([width, height, depth]))
+        .message(3, &Message::doubles([r, g, b, 1.0]))
 }
 
-#[derive(Clone, PartialEq, Message)]
-struct SceneEntity {
-    #[prost(message, tag = "1")]
-    timestamp: Option<Timestamp>,
-    #[prost(string, tag = "2")]
-    frame_id: String,
-    #[prost(string, tag = "3")]
-    id: String,
-    #[prost(message, repeated, tag = "8")]
-    cubes: Vec<CubePrimitive>,
-}
+/// A protobuf message. As in every proto3 encoder, numbers that are 0 are left out.
+///
+/// Source: <https://protobuf.dev/programming-guides/encoding>.
+#[derive(Default)]
+struct Message(Vec<u8>);
 
-#[derive(Clone, PartialEq, Message)]
-struct CubePrimitive {
-    #[prost(message, tag = "1")]
-    pose: Option<Pose>,
-    #[prost(message, tag = "2")]
-    size: Option<Vector3>,
-    #[prost(message, tag = "3")]
-    color: Option<Color>,
-}
+/// The wire types of protobuf.
+const VARINT: u64 = 0;
+const FIXED_64_BITS: u64 = 1;
+const LENGTH_DELIMITED: u64 = 2;
 
-#[derive(Clone, Copy, PartialEq, Message)]
-struct Pose {
-    #[prost(message, tag = "1")]
-    position: Option<Vector3>,
-    #[prost(message, tag = "2")]
-    orientation: Option<Quaternion>,
-}
-
-#[derive(Clone, Copy, PartialEq, Message)]
-struct Vector3 {
-    #[prost(double, tag = "1")]
-    x: f64,
-    #[prost(double, tag = "2")]
-    y: f64,
-    #[prost(double, tag = "3")]
-    z: f64,
-}
-
-#[derive(Clone, Copy, PartialEq, Message)]
-struct Quaternion {
-    #[prost(double, tag = "4")]
-    w: f64,
-}
-
-#[derive(Clone, Copy, PartialEq, Message)]
-struct Color {
-    #[prost(double, tag = "1")]
-    r: f64,
-    #[prost(double, tag = "2")]
-    g: f64,
-    #[prost(double, tag = "3")]
-    b: f64,
-    #[prost(double, tag = "4")]
-    a: f64,
-}
-
-#[derive(Clone, Copy, PartialEq, Message)]
-struct Timestamp {
-    #[prost(int64, tag = "1")]
-    seconds: i64,
-    #[prost(int32, tag = "2")]
-    nanos: i32,
-}
-
-impl Timestamp {
-    fn at(nanoseconds: u64) -> Timestamp {
-        const SECOND: u64 = 1_000_000_000;
-        Timestamp { seconds: (nanoseconds / SECOND) as i64, nanos: (nanoseconds % SECOND) as i32 }
-    }
-}
-
-impl CubePrimitive {
-    /// The cube of a body whose upper-left corner is at `x`, `y` (m). Its depth is its smaller side.
-    fn new(info: &BodyInfo, x: f64, y: f64, color: ColorFn) -> CubePrimitive {
-        let [width, height] = [info.spawn.rect.width(), info.spawn.rect.height()];
-        let depth = if width < height { width } else { height };
-        let center = Vector3 { x: x + width / 2.0, y: -(y + height / 2.0), z: depth / 2.0 };
-        let [r, g, b] = color(info).map(|channel| f64::from(channel) / 255.0);
-        CubePrimitive {
-            pose: Some(Pose { position: Some(center), orientation: Some(Quaternion { w: 1.0 }) }),
-            size: Some(Vector3 { x: width, y: height, z: depth }),
-            color: Some(Color { r, g, b, a: 1.0 }),
+impl Message {
+    /// A message with the doubles as the fields 1, 2, …
+    fn doubles<const N: usize>(numbers: [f64; N]) -> Message {
+        let mut message = Message::default();
+        for (field, number) in (1..).zip(numbers).filter(|(_, number)| *number != 0.0) {
+            message.write_tag(field, FIXED_64_BITS);
+            message.0.extend(number.to_le_bytes());
         }
+        message
+    }
+
+    fn integer(mut self, field: u64, number: u64) -> Message {
+        if number != 0 {
+            self.write_tag(field, VARINT);
+            self.write_varint(number);
+        }
+        self
+    }
+
+    fn text(self, field: u64, text: &str) -> Message {
+        self.with_bytes(field, text.as_bytes())
+    }
+
+    fn message(self, field: u64, message: &Message) -> Message {
+        self.with_bytes(field, &message.0)
+    }
+
+    fn with_bytes(mut self, field: u64, bytes: &[u8]) -> Message {
+        self.write_tag(field, LENGTH_DELIMITED);
+        self.write_varint(bytes.len() as u64);
+        self.0.extend(bytes);
+        self
+    }
+
+    fn write_tag(&mut self, field: u64, wire_type: u64) {
+        self.write_varint(field << 3 | wire_type);
+    }
+
+    /// Writes groups of 7 bits, the lowest first; the highest bit of a byte is set if another one follows.
+    fn write_varint(&mut self, mut number: u64) {
+        while number >= 0x80 {
+            self.0.push(number as u8 | 0x80);
+            number >>= 7;
+        }
+        self.0.push(number as u8);
     }
 }

@@ -1,10 +1,10 @@
 use std::collections::VecDeque;
 
-use crate::counted::counted;
+use crate::text::counted;
 
 use super::{
     BodyTable, Change, Gap, Header, Keyframe, RecordedEvent, RecordedState, StateDigest, Trailer,
-    identity::IdentityChain, limits,
+    digest::IdentityChain, limits,
 };
 
 /// Checks that the items of a recording form a consistent sequence.

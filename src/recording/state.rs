@@ -1,10 +1,11 @@
 use serde::{Deserialize, Serialize};
 
-use crate::physics::BodyId;
+use crate::physics::{Body, BodyId, Rect, Vector};
 
 use super::{
-    cdr,
-    cursor::{Cursor, Malformed},
+    BodyInfo,
+    cdr::{self, ColumnReader},
+    record_reader::Malformed,
 };
 
 /// The state of one step as recorded: columns of equal length, ids ascending.
@@ -60,15 +61,22 @@ impl RecordedState {
     /// # Errors
     /// Returns a description of the problem if the bytes are not a state.
     pub fn decode(bytes: &[u8]) -> Result<RecordedState, String> {
-        let body = bytes
-            .strip_prefix(&cdr::HEADER)
-            .ok_or("the message does not start with the header of little-endian CDR")?;
-        let mut decoder = StateDecoder { body, fields: Cursor::new(body) };
-        let state = decoder.state().map_err(|Malformed| "the message of a state is too short")?;
-        match decoder.fields.remaining() {
-            0 => Ok(state),
-            rest => Err(cdr::trailing_bytes(rest)),
-        }
+        let mut reader = ColumnReader::new(bytes)?;
+        let state = RecordedState::read(&mut reader).map_err(|Malformed| "the message of a state is too short")?;
+        reader.finish()?;
+        Ok(state)
+    }
+
+    fn read(reader: &mut ColumnReader<'_>) -> Result<RecordedState, Malformed> {
+        Ok(RecordedState {
+            step: reader.u64()?,
+            digest: reader.u64()?,
+            id: reader.column(u32::from_le_bytes)?,
+            x: reader.column(f64::from_le_bytes)?,
+            y: reader.column(f64::from_le_bytes)?,
+            vx: reader.column(f64::from_le_bytes)?,
+            vy: reader.column(f64::from_le_bytes)?,
+        })
     }
 
     /// Replaces the contents of `bytes` by the message of this state.
@@ -80,68 +88,69 @@ impl RecordedState {
         bytes.extend_from_slice(&cdr::HEADER);
         bytes.extend_from_slice(&self.step.to_le_bytes());
         bytes.extend_from_slice(&self.digest.to_le_bytes());
-        encode_column(bytes, &self.id, u32::to_le_bytes);
+        cdr::encode_column(bytes, &self.id, u32::to_le_bytes);
         for column in [&self.x, &self.y, &self.vx, &self.vy] {
-            encode_column(bytes, column, f64::to_le_bytes);
+            cdr::encode_column(bytes, column, f64::to_le_bytes);
         }
     }
 }
 
-/// Decodes messages written by [`RecordedState::encode`].
-struct StateDecoder<'a> {
-    body: &'a [u8],
-    fields: Cursor<'a>,
+/// Returns x, y (m), vx, vy (m/s) of a body.
+pub fn body_state(body: &Body) -> [f64; 4] {
+    let (position, velocity) = (body.rect.origin, body.velocity);
+    [position.x, position.y, velocity.x, velocity.y]
 }
 
-impl StateDecoder<'_> {
-    fn state(&mut self) -> Result<RecordedState, Malformed> {
-        Ok(RecordedState {
-            step: self.fields.u64()?,
-            digest: self.fields.u64()?,
-            id: self.column(u32::from_le_bytes)?,
-            x: self.column(f64::from_le_bytes)?,
-            y: self.column(f64::from_le_bytes)?,
-            vx: self.column(f64::from_le_bytes)?,
-            vy: self.column(f64::from_le_bytes)?,
-        })
-    }
+/// Bounds of all states of a run, so that pictures drawn separately can share one scale.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct StateBounds {
+    /// The highest speed of any body, m/s.
+    pub top_speed: f64,
+    /// The bounding box of all bodies of finite mass; `None` if there never is one.
+    pub bounds: Option<Bounds>,
+}
 
-    fn column<T, const N: usize>(&mut self, from_bytes: fn([u8; N]) -> T) -> Result<Vec<T>, Malformed> {
-        self.align(4)?;
-        let length = self.fields.u32()?;
-        if length == 0 {
-            return Ok(Vec::new());
+/// A rectangle stored as two corners, so that the result does not depend on the order of unions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// The upper-left corner, m.
+    pub near: Vector,
+    /// The lower-right corner, m.
+    pub far: Vector,
+}
+
+impl StateBounds {
+    /// Extends the bounds by a body in a state: x, y (m), vx, vy (m/s).
+    pub fn include(&mut self, info: &BodyInfo, [x, y, vx, vy]: [f64; 4]) {
+        let speed = Vector::new(vx, vy).norm();
+        if speed > self.top_speed {
+            self.top_speed = speed;
         }
-        self.align(N)?;
-        let bytes = self.fields.bytes(u64::from(length) * N as u64)?;
-        Ok(bytes.as_chunks().0.iter().map(|bytes| from_bytes(*bytes)).collect())
-    }
-
-    fn align(&mut self, size: usize) -> Result<(), Malformed> {
-        let position = self.body.len() - self.fields.remaining();
-        self.fields.bytes((position.next_multiple_of(size) - position) as u64).map(drop)
-    }
-}
-
-/// Appends a CDR sequence of numbers of N bytes each: the aligned length, then the aligned numbers.
-fn encode_column<T: Copy, const N: usize>(bytes: &mut Vec<u8>, column: &[T], to_bytes: fn(T) -> [u8; N]) {
-    align(bytes, 4);
-    bytes.extend_from_slice(&(column.len() as u32).to_le_bytes());
-    if column.is_empty() {
-        return;
-    }
-    align(bytes, N);
-    let start = bytes.len();
-    bytes.resize(start + N * column.len(), 0);
-    for (slot, number) in bytes[start..].chunks_exact_mut(N).zip(column) {
-        slot.copy_from_slice(&to_bytes(*number));
+        if info.spawn.mass == f64::INFINITY {
+            return;
+        }
+        let size = &info.spawn.rect;
+        let body = Bounds::of(&Rect::new(Vector::new(x, y), size.width(), size.height()));
+        if body.near.is_finite() && body.far.is_finite() {
+            self.bounds = Some(self.bounds.map_or(body, |bounds| bounds.union(&body)));
+        }
     }
 }
 
-/// Pads with zeros to a multiple of `size` bytes, counted from the end of the header.
-fn align(bytes: &mut Vec<u8>, size: usize) {
-    let length = (bytes.len() - cdr::HEADER.len()).next_multiple_of(size);
-    bytes.resize(cdr::HEADER.len() + length, 0);
+impl Bounds {
+    /// Returns the bounds of one rectangle.
+    pub fn of(rect: &Rect) -> Bounds {
+        Bounds { near: rect.origin, far: rect.far_corner() }
+    }
+
+    /// Returns the bounds as a rectangle.
+    pub fn rect(&self) -> Rect {
+        Rect::new(self.near, self.far.x - self.near.x, self.far.y - self.near.y)
+    }
+
+    fn union(&self, other: &Bounds) -> Bounds {
+        Bounds { near: other.near.min(self.near), far: other.far.max(self.far) }
+    }
 }
 
 #[cfg(test)]

@@ -9,7 +9,6 @@ use crate::physics::{
 
 use super::{
     Change, Finished, Header, Item, RecordedEvent, RecordedState, Recording, RunEnd, SceneText, Versions, Writer, cdr,
-    clock,
     mcap_writer::McapWriter,
     messages::{BodiesMessage, EventMessage},
     metadata,
@@ -117,8 +116,7 @@ pub fn record_with_processors(processors: NonZero<usize>, run: &Run) -> Vec<u8> 
 
 /// Records a run with altered states and correct checksums.
 pub fn record_altered(run: &Run, mut alter: impl FnMut(&mut RecordedState)) -> Vec<u8> {
-    let Header { config, scene, .. } = &run.header;
-    let mut mcap = McapWriter::new(Vec::new(), metadata::header_map(&run.header), scene).unwrap();
+    let mut mcap = McapWriter::new(Vec::new(), metadata::header_map(&run.header), &run.header.scene).unwrap();
     let mut bytes = Vec::new();
     let original = record(run);
     for item in Recording::read(Cursor::new(original)).unwrap() {
@@ -141,7 +139,7 @@ pub fn record_altered(run: &Run, mut alter: impl FnMut(&mut RecordedState)) -> V
                 panic!("a new recording is complete")
             }
         };
-        mcap.write_message(topic, clock::nanoseconds(step, config.rate), &bytes).unwrap();
+        mcap.write_message(topic, run.header.log_time(step), &bytes).unwrap();
     }
     panic!("a new recording has an end record")
 }

@@ -5,6 +5,7 @@ use std::{
     collections::BTreeMap,
     io::{self, Cursor},
     num::NonZero,
+    ops::RangeInclusive,
 };
 
 use super::{
@@ -12,9 +13,9 @@ use super::{
     testing::{body, bounce, drop_and_delete, record, record_with_processors},
 };
 use crate::{
-    counted::counted,
     physics::{CollisionCount, Engine, Rect, SolverKind, Spawn, Vector},
-    replay::replay,
+    replay::{ALL_STEPS, Replayer},
+    text::counted,
 };
 
 fn read(bytes: &[u8]) -> Result<Recording<Cursor<&[u8]>>, Error> {
@@ -281,8 +282,7 @@ fn a_recording_of_the_first_format_replays_and_recovers_to_itself() {
         run.header.config.solver = solver;
         let bytes = record(&run);
         assert_eq!(verdict(&bytes), "same: 50 steps, 7 bodies");
-        let from = replay(read(&bytes).unwrap(), 45..=50, &mut CollisionCount::default(), &mut |_| {}).unwrap();
-        assert_eq!(from.to_string(), "same: 5 steps, 7 bodies");
+        assert_eq!(verdict_of(&bytes, 45..=50), "same: 5 steps, 7 bodies");
         assert!(recovered(&bytes).1 == bytes);
         let summary = read(&bytes).unwrap().summary().unwrap().unwrap();
         assert_eq!(summary.trailer.state_bounds, None);
@@ -337,7 +337,12 @@ fn a_damaged_recording_recovers_with_a_gap_and_replays_the_same() {
 }
 
 fn verdict(bytes: &[u8]) -> String {
-    replay(read(bytes).unwrap(), 0..=u64::MAX, &mut CollisionCount::default(), &mut |_| {}).unwrap().to_string()
+    verdict_of(bytes, ALL_STEPS)
+}
+
+fn verdict_of(bytes: &[u8], steps: RangeInclusive<u64>) -> String {
+    let replayer = Replayer::new(read(bytes).unwrap(), steps).unwrap();
+    replayer.run(&mut CollisionCount::default(), |_| ()).unwrap().to_string()
 }
 
 #[test]

@@ -1,18 +1,18 @@
 use std::{
-    io::{self, Write},
+    fs::{File, OpenOptions},
+    io::{self, ErrorKind, Write},
     num::NonZero,
+    path::Path,
     thread,
 };
 
 use crate::physics::Engine;
 
 use super::{
-    Change, Error, Header, RecordedEvent, Trailer,
-    batch::{Batch, Entry},
-    clock, limits,
+    Change, Error, Header, RecordedEvent, Trailer, limits,
     recorder::Recorder,
     scene_update::ColorFn,
-    writer_thread::WriterThread,
+    writer_thread::{Batch, Entry, WriterThread},
 };
 
 /// Writes a recording while the engine runs. Memory does not grow with the number of steps.
@@ -27,7 +27,7 @@ use super::{
 pub struct Writer<W: Write> {
     thread: Option<WriterThread<W>>,
     batch: Batch,
-    rate: f64,
+    steps_per_second: u64,
     last_step: Option<u64>,
     unflushed_events: bool,
 }
@@ -68,7 +68,7 @@ impl<W: Write + Send + 'static> Writer<W> {
         Ok(Writer {
             thread: Some(WriterThread::new(processors, Recorder::new(output, header)?)?),
             batch: Batch::default(),
-            rate: header.config.rate,
+            steps_per_second: header.steps_per_second(),
             last_step: None,
             unflushed_events: false,
         })
@@ -106,11 +106,12 @@ impl<W: Write + Send + 'static> Writer<W> {
         let step = engine.current_step();
         self.check_order(step)?;
         check("the number of bodies", engine.world().bodies.len(), limits::BODIES)?;
-        if step.is_multiple_of(clock::steps_per_second(self.rate)) {
+        if step.is_multiple_of(self.steps_per_second) {
             self.batch.entries.push(Entry::Snapshot(engine.snapshot()));
         }
         self.batch.push_state(engine);
-        let is_flush_due = std::mem::take(&mut self.unflushed_events) || clock::ends_second(step, self.rate);
+        let ends_second = (step + 1).is_multiple_of(self.steps_per_second);
+        let is_flush_due = std::mem::take(&mut self.unflushed_events) || ends_second;
         match is_flush_due || self.batch.is_large() {
             true => self.submit_batch(),
             false => Ok(()),
@@ -168,5 +169,65 @@ fn check(quantity: &'static str, found: usize, limit: usize) -> Result<(), Error
     match found <= limit {
         true => Ok(()),
         false => Err(Error::TooLarge { quantity, found: found as u64, limit: limit as u64 }),
+    }
+}
+
+/// Policy for an output file that already exists.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Overwrite {
+    /// It is replaced (`--force`).
+    Allowed,
+    /// It is kept, and opening it is an error.
+    Refused,
+}
+
+/// The layer to which a flush writes the data.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sync {
+    /// The operating system: data survives a crash of the program.
+    Program,
+    /// The disk: data survives a power loss (`--sync`).
+    Disk,
+}
+
+/// A file to record into, with flushes to the chosen layer.
+#[derive(Debug)]
+pub struct RecordingFile {
+    file: File,
+    sync: Sync,
+}
+
+/// Opens `path` for recording, in place, so that the file can be read during the run.
+///
+/// Special files (`/dev/null`, a named pipe) are opened regardless of `overwrite`.
+///
+/// # Errors
+/// Returns an error if the file exists and may not be replaced, or if it cannot be created.
+pub fn create(path: &Path, overwrite: Overwrite, sync: Sync) -> Result<RecordingFile, Error> {
+    let special = path.metadata().is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir());
+    let mut options = OpenOptions::new();
+    options.write(true);
+    match overwrite {
+        _ if special => &mut options,
+        Overwrite::Allowed => options.create(true).truncate(true),
+        Overwrite::Refused => options.create_new(true),
+    };
+    let file = options.open(path).map_err(|source| match source.kind() {
+        ErrorKind::AlreadyExists => Error::Exists { path: path.into() },
+        _ => Error::Create { path: path.into(), source },
+    })?;
+    Ok(RecordingFile { file, sync })
+}
+
+impl Write for RecordingFile {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.file.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        match self.sync {
+            Sync::Program => Ok(()),
+            Sync::Disk => self.file.sync_data(),
+        }
     }
 }

@@ -1,19 +1,22 @@
-use std::io::Cursor;
+use std::{io::Cursor, ops::RangeInclusive};
 
 use super::*;
 use crate::{
-    counted::counted,
-    physics::{Collision, CollisionCount, Rect, Vector},
-    recording::testing::{Run, body, bounce, record, record_altered},
+    physics::{Collision, CollisionCount, Observer, Rect, Vector},
+    recording::{
+        BodyTable, Change, Item, RecordedEvent, RecordedState, Recording, StateDigest,
+        testing::{self, body, bounce, record, record_altered},
+    },
+    text::counted,
 };
 
 fn verdict_of(bytes: &[u8], steps: RangeInclusive<u64>) -> String {
     let recording = Recording::read(Cursor::new(bytes)).unwrap();
-    replay(recording, steps, &mut CollisionCount::default(), &mut |_| {}).unwrap().to_string()
+    Replayer::new(recording, steps).unwrap().run(&mut CollisionCount::default(), |_| ()).unwrap().to_string()
 }
 
 fn verdict(bytes: &[u8]) -> String {
-    verdict_of(bytes, 0..=u64::MAX)
+    verdict_of(bytes, ALL_STEPS)
 }
 
 fn flip(number: &mut f64) {
@@ -21,7 +24,7 @@ fn flip(number: &mut f64) {
 }
 
 /// Sets the digest of a state to the one that its values have.
-fn update_digest(run: &Run, state: &mut RecordedState) {
+fn update_digest(run: &testing::Run, state: &mut RecordedState) {
     let mut digest = StateDigest::default();
     let mut table = BodyTable::default();
     run.events.iter().filter(|event| event.step <= state.step).for_each(|event| table.apply(&event.change));
@@ -163,7 +166,7 @@ fn the_observer_receives_the_collisions_of_the_run() {
     let run = bounce(50);
     let mut collisions: Vec<Collision> = Vec::new();
     let recording = Recording::read(Cursor::new(record(&run))).unwrap();
-    replay(recording, 0..=u64::MAX, &mut collisions, &mut |_| {}).unwrap();
+    Replayer::new(recording, ALL_STEPS).unwrap().run(&mut collisions, |_| ()).unwrap();
     let mut count = CollisionCount::default();
     collisions.iter().for_each(|collision| count.collision(collision));
     let recorded = Recording::read(Cursor::new(record(&run))).unwrap().filter_map(|item| match item {

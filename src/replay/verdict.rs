@@ -1,7 +1,7 @@
 use std::fmt::{self, Display, Formatter};
 
-use crate::counted::counted;
 use crate::recording::Damage;
+use crate::text::counted;
 
 /// The result of a replay.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,8 +1,7 @@
-use super::oracle::Fixed256;
+use super::oracle::Oracle;
 use crate::physics::{Observer, SolverKind, StepError, World};
-use crate::run::{Run, RunError};
-use crate::scene::{self, Input, Scene, SceneError};
-use std::fmt;
+use crate::replay::{Run, RunError};
+use crate::scene::{self, Scene, SceneError};
 
 /// A hard scene, the rates at which it is run, and the source of its correct result.
 #[derive(Debug)]
@@ -27,26 +26,6 @@ pub struct Case {
     pub collisions: Option<u64>,
 }
 
-/// Returns the positions (m) of the finite masses, in creation order, at a time (s).
-pub type Formula = Box<dyn Fn(&Fixed256) -> Vec<Position>>;
-
-/// Position of an upper-left corner along both axes, m.
-pub type Position = [Fixed256; 2];
-
-/// The source of the correct positions of a case.
-pub enum Oracle {
-    /// A formula.
-    ClosedForm(Formula),
-    /// All bodies stay where they are in the first measured state.
-    Rest,
-    /// A simulation with 77 decimals.
-    Simulation,
-    /// The run must end in an error, because a body is crushed.
-    Error,
-    /// The positions are unknown, for the reason given.
-    Unknown(String),
-}
-
 /// One run of a case: the solver and the rate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RunSpec {
@@ -55,9 +34,6 @@ pub struct RunSpec {
     /// The rate, as a multiple of the lowest rate of the case.
     pub factor: u64,
 }
-
-/// The solvers in the order of the report.
-pub const SOLVERS: [SolverKind; 2] = [SolverKind::EventDriven, SolverKind::Handout];
 
 impl Case {
     /// A case for a scene of the user, at its own rate and at 4 and 16 times that rate.
@@ -77,8 +53,9 @@ impl Case {
 
     /// The runs of the case, in the order of the report.
     pub fn run_specs(&self) -> Vec<RunSpec> {
+        let solvers = [SolverKind::EventDriven, SolverKind::Handout];
         let rates = |solver| self.factors.iter().map(move |&factor| RunSpec { solver, factor });
-        SOLVERS.into_iter().flat_map(rates).collect()
+        solvers.into_iter().flat_map(rates).collect()
     }
 
     /// Returns the scene of a run: the same simulated time, in more steps at a higher rate.
@@ -90,7 +67,9 @@ impl Case {
         scene.run.solver = spec.solver;
         scene.run.rate *= spec.factor as f64;
         scene.run.steps *= spec.factor;
-        scene.inputs.iter_mut().for_each(|input| input.step *= spec.factor);
+        for input in &mut scene.inputs {
+            input.step *= spec.factor;
+        }
         Ok(scene)
     }
 
@@ -104,23 +83,79 @@ impl Case {
     }
 }
 
-impl fmt::Debug for Oracle {
-    fn fmt(&self, out: &mut fmt::Formatter) -> fmt::Result {
-        out.write_str(match self {
-            Oracle::ClosedForm(_) => "ClosedForm",
-            Oracle::Rest => "Rest",
-            Oracle::Simulation => "Simulation",
-            Oracle::Error => "Error",
-            Oracle::Unknown(_) => "Unknown",
-        })
-    }
+/// The specification of a case: the bodies as TOML, everything else with defaults.
+pub struct CaseSpec {
+    /// Cases of one family share a diagram.
+    pub family: &'static str,
+    /// The name in the table.
+    pub name: String,
+    /// Size of the world, m.
+    pub world: [f64; 2],
+    /// True for the handout's four walls.
+    pub walls: bool,
+    /// Downward acceleration, m/s²; 0 for none.
+    pub gravity: f64,
+    /// Restitution coefficient of all pairs of bodies.
+    pub restitution: f64,
+    /// The lowest rate, Hz.
+    pub rate: f64,
+    /// Number of steps at the lowest rate.
+    pub steps: u64,
+    /// The rates of the runs, as integer multiples of the lowest rate.
+    pub factors: &'static [u64],
+    /// The first measured step.
+    pub from: u64,
+    /// `[[spawn]]`, `[[scatter]]` and `[[delete]]` tables.
+    pub bodies: String,
+    /// The source of the correct positions.
+    pub oracle: Oracle,
+    /// The correct number of collisions, if it is known.
+    pub collisions: Option<u64>,
 }
 
-impl RunSpec {
-    /// The number of pair tests that the handout solver makes in this run of `scene`.
-    pub fn pair_tests(self, scene: &Scene) -> u64 {
-        let bodies = scene.inputs.len() as u64;
-        bodies * bodies * scene.run.steps
+/// 30, 60, 240 and 960 Hz.
+pub const RATES: &[u64] = &[1, 2, 8, 32];
+
+impl CaseSpec {
+    /// A case of ten seconds at 30, 60, 240 and 960 Hz, e = 1, without gravity or walls.
+    pub fn new(family: &'static str, name: &str, bodies: String) -> CaseSpec {
+        CaseSpec {
+            family,
+            name: name.into(),
+            world: [16.0, 9.0],
+            walls: false,
+            gravity: 0.0,
+            restitution: 1.0,
+            rate: 30.0,
+            steps: 300,
+            factors: RATES,
+            from: 0,
+            bodies,
+            oracle: Oracle::Simulation,
+            collisions: None,
+        }
+    }
+
+    /// Builds the case.
+    pub fn build(self) -> Case {
+        let CaseSpec { family, name, world, walls, gravity, restitution, rate, steps, .. } = self;
+        let gravity = if gravity == 0.0 { String::new() } else { format!("gravity = [0.0, {gravity:?}]\n") };
+        let text = format!(
+            "title = \"{name}\"\n[world]\nsize = {world:?}\nwalls = {walls}\n{gravity}[run]\nrate = {rate:?}\nsteps = {steps}\n\
+             solver = \"event-driven\"\nevents_per_step = 1000000000000\n[restitution]\ndefault = {restitution:?}\n{}",
+            self.bodies
+        );
+        Case {
+            family: family.into(),
+            name,
+            text,
+            rate,
+            steps,
+            factors: self.factors.to_vec(),
+            from: self.from,
+            oracle: self.oracle,
+            collisions: self.collisions,
+        }
     }
 }
 
@@ -134,24 +169,17 @@ pub struct SceneRunner {
 }
 
 impl SceneRunner {
-    /// Creates a runner at step 0, before the inputs of that step are applied.
-    pub fn new(scene: &Scene) -> SceneRunner {
-        let mut input_steps: Vec<u64> = scene.inputs.iter().map(|Input { step, .. }| *step).collect();
-        input_steps.dedup();
-        input_steps.reverse();
-        SceneRunner { run: Run::new(scene), input_steps }
-    }
-
-    /// Applies the inputs that the scene has for the present step.
+    /// Creates a runner at step 0, and applies the inputs of that step.
     ///
     /// # Errors
     /// Returns an error if a name is already in use or not alive.
-    pub fn apply_inputs(&mut self) -> Result<(), RunError> {
-        if self.input_steps.last() == Some(&self.run.engine().current_step()) {
-            self.input_steps.pop();
-            self.run.apply_inputs(Vec::new(), |error| Err(error.into()))?;
-        }
-        Ok(())
+    pub fn start(scene: &Scene) -> Result<SceneRunner, RunError> {
+        let mut input_steps: Vec<u64> = scene.inputs.iter().map(|input| input.step).collect();
+        input_steps.dedup();
+        input_steps.reverse();
+        let mut runner = SceneRunner { run: Run::new(scene), input_steps };
+        runner.apply_inputs()?;
+        Ok(runner)
     }
 
     /// Advances the world to `step`, applying the inputs on the way.
@@ -160,13 +188,22 @@ impl SceneRunner {
     /// The outer error is that of an input whose name is already in use or not alive; the inner one
     /// is that of [`crate::physics::Engine::step`].
     pub fn advance_to<O: Observer>(&mut self, step: u64, observer: &mut O) -> Result<Result<(), StepError>, RunError> {
-        while self.run.engine().current_step() < step {
+        while self.current_step() < step {
             if let Err(error) = self.run.step(observer) {
                 return Ok(Err(error));
             }
             self.apply_inputs()?;
         }
         Ok(Ok(()))
+    }
+
+    /// Applies the inputs that the scene has for the present step.
+    fn apply_inputs(&mut self) -> Result<(), RunError> {
+        if self.input_steps.last() == Some(&self.current_step()) {
+            self.input_steps.pop();
+            self.run.apply_inputs(Vec::new(), |error| Err(error.into()))?;
+        }
+        Ok(())
     }
 
     /// The number of steps taken.
@@ -178,14 +215,4 @@ impl SceneRunner {
     pub fn world(&self) -> &World {
         self.run.engine().world()
     }
-}
-
-/// Returns the world of a scene at step 0, after the inputs of that step.
-///
-/// # Errors
-/// Returns an error if a name is already in use or not alive.
-pub fn initial_world(scene: &Scene) -> Result<World, RunError> {
-    let mut runner = SceneRunner::new(scene);
-    runner.apply_inputs()?;
-    Ok(runner.world().clone())
 }

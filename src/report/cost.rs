@@ -1,9 +1,9 @@
 use super::case::{Case, RunSpec, SceneRunner};
-use super::{clock::processor_seconds, memory};
 use crate::physics::CollisionCount;
-use crate::run::RunError;
+use crate::replay::RunError;
 use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
+use std::fs;
 
 /// The cost of one run, measured without recording or reading states.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -31,13 +31,12 @@ impl Cost {
     /// # Errors
     /// Returns an error if an input of the scene is invalid.
     pub fn measure(case: &Case, scene: &Scene, spec: RunSpec) -> Result<Cost, RunError> {
-        let before = memory::reset_peak();
-        let mut start = SceneRunner::new(scene);
-        start.apply_inputs()?;
+        let before = reset_peak_memory();
+        let mut start = SceneRunner::start(scene)?;
         let _ = start.advance_to(case.from * spec.factor, &mut CollisionCount::default())?;
         // The first run warms the caches and determines the peak memory.
         let first = TimedRun::measure(start.clone(), scene.run.steps)?;
-        let peak_bytes = before.zip(memory::peak()).map(|(before, peak)| peak.saturating_sub(before));
+        let peak_bytes = before.zip(peak_memory()).map(|(before, peak)| peak.saturating_sub(before));
         let mut runs = if first.seconds > MAX_SECONDS { vec![first] } else { Vec::new() };
         while !is_enough(&runs) {
             runs.push(TimedRun::measure(start.clone(), scene.run.steps)?);
@@ -79,5 +78,52 @@ impl TimedRun {
 
     fn nanoseconds(self) -> f64 {
         self.seconds * 1e9 / self.body_steps as f64
+    }
+}
+
+/// Returns the processor time of this thread, s; on systems that do not report it, wall-clock time.
+fn processor_seconds() -> f64 {
+    #[cfg(unix)]
+    {
+        let now = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
+        now.tv_sec as f64 + now.tv_nsec as f64 * 1e-9
+    }
+    #[cfg(not(unix))]
+    {
+        static START: std::sync::LazyLock<std::time::Instant> = std::sync::LazyLock::new(std::time::Instant::now);
+        START.elapsed().as_secs_f64()
+    }
+}
+
+/// Resets the peak and returns the memory in use, bytes. [`peak_memory`] then counts from here.
+fn reset_peak_memory() -> Option<u64> {
+    // Where the system has no such file the peak is not reset.
+    let _ = fs::write("/proc/self/clear_refs", "5");
+    memory_status("VmRSS:")
+}
+
+/// Returns the peak memory since [`reset_peak_memory`], bytes.
+fn peak_memory() -> Option<u64> {
+    memory_status("VmHWM:")
+}
+
+/// Memory of the process as reported by Linux, bytes; unknown on other systems.
+fn memory_status(key: &str) -> Option<u64> {
+    let status = fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix(key))?;
+    let kilobytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(kilobytes * 1024)
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    #[cfg(target_os = "linux")]
+    fn allocated_memory_raises_the_peak() {
+        let before = super::reset_peak_memory().unwrap();
+        // Far more than other tests free at the same time.
+        let allocated = std::hint::black_box(vec![1_u8; 256 << 20]);
+        let peak = super::peak_memory().unwrap();
+        assert!(peak >= before + (128 << 20), "peak {peak} bytes, before {before}, allocated {}", allocated.len());
     }
 }

@@ -1,7 +1,7 @@
 //! Diagrams of the report: error against cost, and growth of cost.
 
 use super::{Row, cases};
-use crate::figure::{Curve, Diagram, Point};
+use crate::picture::figures::{Curve, Diagram, Point};
 
 /// An error of a row, and the label of its axis as markup.
 type Measure = (fn(&Row) -> Option<f64>, &'static str);

@@ -1,9 +1,9 @@
-use super::case::{Case, Oracle, RunSpec, SceneRunner};
-use super::expectation::Expectation;
-use super::oracle::Fixed256;
-use crate::physics::{BodyId, Collision, Observer, StepError, Vector, World, invariants};
-use crate::run::RunError;
+use super::case::{Case, RunSpec, SceneRunner};
+use super::oracle::{Expectation, Fixed256, Oracle};
+use crate::physics::{Body, BodyId, Collision, Observer, StepError, Vector, World, invariants};
+use crate::replay::RunError;
 use crate::scene::Scene;
+use crate::text::counted;
 
 /// The errors of one run. Deterministic: they do not depend on a clock.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -28,18 +28,21 @@ pub struct Errors {
 /// Worlds with more bodies are tested for overlaps only at every tenth compared step.
 const OVERLAP_TEST_BODIES: usize = 2000;
 
+/// Errors below this fraction of the smallest side, or of the energy, are not remarked on.
+const NEGLIGIBLE: f64 = 0.01;
+
 impl Errors {
     /// Runs a case and compares it with its expectation.
     ///
     /// # Errors
     /// Returns an error if an input of the scene is invalid.
     pub fn measure(case: &Case, scene: &Scene, spec: RunSpec, expectation: &Expectation) -> Result<Errors, RunError> {
-        let mut runner = SceneRunner::new(scene);
-        runner.apply_inputs()?;
+        let mut runner = SceneRunner::start(scene)?;
         let mut totals = CollisionTotals::new(runner.world());
         let mut errors = Errors::default();
-        let mut balance = None;
+        let mut balance: Option<Balance> = None;
         let mut start = Vec::new();
+        let last_input = scene.inputs.last().map_or(0, |input| input.step);
         for (number, step) in case.sample_steps().enumerate() {
             if let Err(error) = runner.advance_to(step * spec.factor, &mut totals)? {
                 errors.end = Some(error);
@@ -47,49 +50,73 @@ impl Errors {
             }
             let world = runner.world();
             if number == 0 {
-                start = positions(world).collect();
+                start = positions(world).map(|position| position.map(Fixed256::from)).collect();
             }
-            if step * spec.factor >= last_input(scene) {
+            let expected = match &case.oracle {
+                Oracle::Rest => Some(&start),
+                _ => expectation.positions.as_ref().map(|expected| &expected[number]),
+            };
+            errors.position = larger(errors.position, expected.map(|expected| greatest_distance(world, expected)));
+            if world.bodies.len() < OVERLAP_TEST_BODIES || number % 10 == 0 {
+                errors.overlap = larger(errors.overlap, invariants::worst_overlap(world));
+            }
+            // Energy and momentum are conserved from the last input on.
+            if step * spec.factor >= last_input {
                 balance.get_or_insert_with(|| Balance::new(world, scene, &totals)).update(world, &totals);
             }
-            let moved = match (&case.oracle, &expectation.positions) {
-                (Oracle::Rest, _) => {
-                    Some(distance(positions(world), start.iter().map(|position| position.map(Fixed256::from))))
-                }
-                (_, Some(expected)) => Some(distance(positions(world), expected[number].iter().cloned())),
-                (_, None) => None,
-            };
-            errors.position = larger(errors.position, moved);
-            if world.bodies.len() < OVERLAP_TEST_BODIES || number % 10 == 0 {
-                errors.overlap =
-                    larger(Some(errors.overlap), Some(invariants::worst_overlap(world))).unwrap_or_default();
-            }
         }
-        let balance = balance.unwrap_or_default();
-        Ok(Errors { energy: balance.energy, momentum: balance.momentum, collisions: totals.collisions, ..errors })
+        let (energy, momentum) = balance.map_or((None, None), |balance| (balance.energy_error, balance.momentum_error));
+        Ok(Errors { energy, momentum, collisions: totals.collisions, ..errors })
     }
-}
 
-/// The step of the last input of the scene.
-fn last_input(scene: &Scene) -> u64 {
-    scene.inputs.last().map_or(0, |input| input.step)
+    /// Describes the visible errors of a run, or returns `None` if there are none. `collisions` is the correct number
+    /// of collisions, `side` the smallest side of all boxes, m.
+    pub fn remark(&self, oracle: &Oracle, collisions: Option<u64>, side: f64) -> Option<String> {
+        let mut remarks = Vec::new();
+        match (&self.end, oracle) {
+            (Some(error), Oracle::Error) => return Some(format!("ends in an error, as it must: {error}")),
+            (Some(error), _) => return Some(format!("ends in an error: {error}")),
+            (None, Oracle::Error) => remarks.push("does not detect that the body is crushed".to_owned()),
+            (None, _) => {}
+        }
+        if let Some(expected) = collisions.filter(|&expected| expected > 0 && self.collisions == 0) {
+            remarks.push(format!("passes through: found none of {}", counted(expected, "collision")));
+        }
+        if self.overlap > NEGLIGIBLE * side {
+            remarks.push(format!("boxes overlap by up to {} m", rounded(self.overlap)));
+        }
+        if let Some(position) = self.position.filter(|&position| position > NEGLIGIBLE * side) {
+            remarks.push(format!("positions are wrong by up to {} m", rounded(position)));
+        }
+        if let Some(energy) = self.energy.filter(|&energy| energy > NEGLIGIBLE) {
+            remarks.push(format!("energy is wrong by {} %", rounded(100.0 * energy)));
+        }
+        (!remarks.is_empty()).then(|| remarks.join(", "))
+    }
 }
 
 fn positions(world: &World) -> impl Iterator<Item = [f64; 2]> {
     world.bodies.iter().filter(|body| !body.is_infinite()).map(|body| [body.rect.origin.x, body.rect.origin.y])
 }
 
-/// Returns the greatest distance between found and expected positions along an axis, m.
-fn distance(found: impl Iterator<Item = [f64; 2]>, expected: impl Iterator<Item = [Fixed256; 2]>) -> f64 {
-    let pairs = found.zip(expected).flat_map(|(found, expected)| found.into_iter().zip(expected));
-    let greatest = pairs.map(|(found, expected)| (&Fixed256::from(found) - &expected).abs()).max();
+/// Returns the greatest distance of the bodies from their expected positions along an axis, m.
+fn greatest_distance(world: &World, expected: &[[Fixed256; 2]]) -> f64 {
+    let pairs = positions(world).zip(expected).flat_map(|(found, expected)| found.into_iter().zip(expected));
+    let greatest = pairs.map(|(found, expected)| (&Fixed256::from(found) - expected).abs()).max();
     greatest.map_or(0.0, |distance| distance.to_f64())
 }
 
-fn larger(a: Option<f64>, b: Option<f64>) -> Option<f64> {
-    match (a, b) {
-        (Some(a), Some(b)) => Some(if b > a { b } else { a }),
-        (a, b) => a.or(b),
+/// The larger of two values; any value is larger than `None`.
+fn larger<T: PartialOrd>(a: T, b: T) -> T {
+    if b > a { b } else { a }
+}
+
+fn rounded(value: f64) -> String {
+    match value {
+        0.001..0.1 => format!("{value:.4}"),
+        0.1..10.0 => format!("{value:.2}"),
+        10.0..10_000.0 => format!("{value:.0}"),
+        _ => format!("{value:.1e}"),
     }
 }
 
@@ -122,62 +149,65 @@ impl Observer for CollisionTotals {
 }
 
 /// Energy and momentum balance of a world without further spawns or deletes.
-#[derive(Default)]
 struct Balance {
-    has_potential: bool,
-    elastic: bool,
-    /// The energy and the momentum to which errors are relative; `None` if it is not conserved.
-    scales: [Option<f64>; 2],
+    /// Total energy, J. Potential energy counts only where there is a force.
+    total_energy: fn(&World) -> f64,
+    is_elastic: bool,
     /// Total energy at the start, J.
-    first: f64,
+    first_energy: f64,
     /// Least total energy so far, J.
-    lowest: f64,
+    lowest_energy: f64,
     /// Momentum at the start minus the impulses given by infinite masses, kg·m/s.
-    momentum_first: Vector,
-    energy: Option<f64>,
-    momentum: Option<f64>,
+    first_momentum: Vector,
+    /// The energy to which errors are relative, J; `None` if energy is not conserved.
+    energy_scale: Option<f64>,
+    /// The momentum to which errors are relative, kg·m/s; `None` if momentum is not conserved.
+    momentum_scale: Option<f64>,
+    /// The greatest relative errors so far.
+    energy_error: Option<f64>,
+    momentum_error: Option<f64>,
 }
 
 impl Balance {
     fn new(world: &World, scene: &Scene, totals: &CollisionTotals) -> Balance {
         let finite = || world.bodies.iter().filter(|body| !body.is_infinite());
         let gravity = world.gravity.unwrap_or(Vector::ZERO);
-        let weight = |body: &crate::physics::Body| gravity.mult(body.mass).add(body.constant_force).norm();
+        let weight = |body: &Body| gravity.mult(body.mass).add(body.constant_force).norm();
         let pull: f64 = finite().map(weight).sum();
         let has_moving_wall = world.bodies.iter().any(|body| body.is_infinite() && body.can_move());
         let energy = invariants::kinetic_energy(world) + pull * scene.size[1];
         let momentum: f64 = finite().map(|body| body.mass * body.velocity.norm()).sum();
-        let mut balance = Balance {
-            has_potential: pull > 0.0,
-            elastic: is_elastic(world),
-            scales: [Some(energy).filter(|_| !has_moving_wall), Some(momentum).filter(|_| pull == 0.0)],
-            ..Balance::default()
-        };
-        balance.first = balance.total(world);
-        balance.lowest = balance.first;
-        balance.momentum_first = invariants::momentum(world).sub(totals.impulse);
-        balance
-    }
-
-    fn total(&self, world: &World) -> f64 {
-        let potential = if self.has_potential { invariants::potential_energy(world) } else { 0.0 };
-        invariants::kinetic_energy(world) + potential
+        let total_energy = if pull > 0.0 { mechanical_energy } else { invariants::kinetic_energy };
+        let first_energy = total_energy(world);
+        Balance {
+            total_energy,
+            is_elastic: is_elastic(world),
+            first_energy,
+            lowest_energy: first_energy,
+            first_momentum: invariants::momentum(world).sub(totals.impulse),
+            energy_scale: Some(energy).filter(|&energy| !has_moving_wall && energy > 0.0),
+            momentum_scale: Some(momentum).filter(|&momentum| pull == 0.0 && momentum > 0.0),
+            energy_error: None,
+            momentum_error: None,
+        }
     }
 
     fn update(&mut self, world: &World, totals: &CollisionTotals) {
-        let total = self.total(world);
-        let change = if self.elastic { (total - self.first).abs() } else { total - self.lowest };
-        if total < self.lowest {
-            self.lowest = total;
+        let energy = (self.total_energy)(world);
+        let change = if self.is_elastic { (energy - self.first_energy).abs() } else { energy - self.lowest_energy };
+        if energy < self.lowest_energy {
+            self.lowest_energy = energy;
         }
-        let drift = invariants::momentum(world).sub(totals.impulse).sub(self.momentum_first).norm();
-        let relative = |change: f64, scale: Option<f64>| scale.filter(|&scale| scale > 0.0).map(|scale| change / scale);
-        let [energy, momentum] = self.scales;
         // Only a gain counts; rounding may also lower the energy.
-        let gained = relative(if change > 0.0 { change } else { 0.0 }, energy);
-        self.energy = larger(self.energy, gained);
-        self.momentum = larger(self.momentum, relative(drift, momentum));
+        let gain = if change > 0.0 { change } else { 0.0 };
+        let drift = invariants::momentum(world).sub(totals.impulse).sub(self.first_momentum).norm();
+        self.energy_error = larger(self.energy_error, self.energy_scale.map(|scale| gain / scale));
+        self.momentum_error = larger(self.momentum_error, self.momentum_scale.map(|scale| drift / scale));
     }
+}
+
+fn mechanical_energy(world: &World) -> f64 {
+    invariants::kinetic_energy(world) + invariants::potential_energy(world)
 }
 
 /// Returns true if e = 1 for all pairs of materials in the world.
@@ -188,6 +218,5 @@ fn is_elastic(world: &World) -> bool {
             materials.push(body.material);
         }
     }
-    let pairs = materials.iter().flat_map(|a| materials.iter().map(move |b| (*a, *b)));
-    pairs.into_iter().all(|(a, b)| world.restitution.between(a, b) == 1.0)
+    materials.iter().all(|a| materials.iter().all(|b| world.restitution.between(*a, *b) == 1.0))
 }

@@ -2,26 +2,43 @@
 //!
 //! A [`Case`] is a scene with the rates at which it is run. Its [`Expectation`], the correct result,
 //! comes from [`oracle`], which shares no code with the solvers. [`Errors`] of a run are
-//! deterministic; [`Cost`] is measured. Both together form a [`Row`] of the report.
+//! deterministic; [`Cost`] is measured. Both together form a [`Row`] of the report, which is printed
+//! as a [`table`](table()) or drawn as diagrams.
 
 mod case;
 pub mod cases;
-mod clock;
 mod cost;
+#[cfg(feature = "draw")]
 mod diagram;
 mod errors;
-mod expectation;
-mod memory;
-mod notes;
 pub mod oracle;
 mod row;
 mod table;
 
-pub use case::{Case, Formula, Oracle, Position, RunSpec, SOLVERS};
-pub use clock::CLOCK;
+pub use case::{Case, RunSpec};
 pub use cost::Cost;
+#[cfg(feature = "draw")]
 pub use diagram::{growth, work_precision};
 pub use errors::Errors;
-pub use expectation::Expectation;
-pub use row::{Row, skip_reason};
-pub use table::{HEADING, csv, table};
+pub use oracle::{Expectation, Oracle};
+pub use row::Row;
+pub use table::{CSV_HEADER, csv, table};
+
+/// The time that a report may take.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Budget {
+    /// A few minutes: cases and runs that take longer are left out.
+    Minutes,
+    /// Hours: only runs that would take days are left out.
+    Hours,
+}
+
+impl Budget {
+    /// The greatest number of pair tests in a run of the handout solver.
+    const fn max_pair_tests(self) -> u64 {
+        match self {
+            Budget::Minutes => 1_000_000_000,
+            Budget::Hours => 1_000_000_000_000,
+        }
+    }
+}

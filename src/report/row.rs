@@ -1,8 +1,7 @@
-use super::case::{Case, Oracle, RunSpec};
-use super::{Cost, Errors, Expectation, notes};
-use crate::physics::SolverKind;
-use crate::run::RunError;
-use crate::scene::Scene;
+use super::{Budget, Case, Cost, Errors, Expectation, RunSpec};
+use crate::physics::{SolverKind, smaller};
+use crate::replay::RunError;
+use crate::scene::{Action, Scene, SpawnRequest};
 use serde::{Deserialize, Serialize};
 
 /// A row of the report: one scene, one solver, one rate. The comparison with other engines uses the
@@ -48,49 +47,44 @@ pub struct Row {
     pub remark: Option<String>,
 }
 
-/// Runs of the handout solver with more pair tests are left out, except in a full report.
-const MAX_PAIRS: u64 = 1_000_000_000;
-
-/// Limit of pair tests in a full report; beyond it a run would take hours.
-const MAX_PAIRS_FULL: u64 = 1_000_000_000_000;
-
-/// Returns the reason why a run is left out, or `None` if it is made.
-pub fn skip_reason(scene: &Scene, spec: RunSpec, full: bool) -> Option<String> {
-    let (limit, tests) = (if full { MAX_PAIRS_FULL } else { MAX_PAIRS }, spec.pair_tests(scene));
-    let too_many = spec.solver == SolverKind::Handout && tests > limit;
-    too_many.then(|| format!("left out: it tests all pairs in every step, {:.0e} tests in all", tests as f64))
-}
-
 impl Row {
-    /// Runs a case and returns its row, without the cost.
+    /// Runs a case and returns its row, without the cost. A run that exceeds the budget is left out, with a remark.
     ///
     /// # Errors
     /// Returns an error if an input of the scene is invalid.
-    pub fn measure_errors(case: &Case, spec: RunSpec, expectation: &Expectation, full: bool) -> Result<Row, RunError> {
+    pub fn measure_errors(
+        case: &Case,
+        spec: RunSpec,
+        expectation: &Expectation,
+        budget: Budget,
+    ) -> Result<Row, RunError> {
         let scene = case.scene(spec)?;
         let row = Row {
             family: case.family.clone(),
             scene: case.name.clone(),
             solver: spec.solver.name().into(),
             rate: scene.run.rate,
-            bodies: notes::finite(&scene).count() as u64,
+            bodies: finite_spawns(&scene).count() as u64,
             steps: scene.run.steps - case.from * spec.factor,
             true_collisions: expectation.collisions,
             truth: expectation.source.clone(),
             ..Row::default()
         };
-        if let Some(reason) = skip_reason(&scene, spec, full) {
-            return Ok(Row { remark: Some(reason), ..row });
+        // The handout solver tests all pairs in every step.
+        let pair_tests = (scene.inputs.len() as u64).pow(2) * scene.run.steps;
+        if spec.solver == SolverKind::Handout && pair_tests > budget.max_pair_tests() {
+            let tests = pair_tests as f64;
+            let remark = format!("left out: it tests all pairs in every step, {tests:.0e} tests in all");
+            return Ok(Row { remark: Some(remark), ..row });
         }
         let errors = Errors::measure(case, &scene, spec, expectation)?;
-        let must_fail = matches!(case.oracle, Oracle::Error);
         Ok(Row {
             position_error: errors.position,
             energy_drift: errors.energy,
             momentum_drift: errors.momentum,
             worst_overlap: Some(errors.overlap),
             collisions: Some(errors.collisions),
-            remark: notes::describe(&errors, must_fail, expectation.collisions, notes::smallest_side(&scene)),
+            remark: errors.remark(&case.oracle, expectation.collisions, smallest_side(&scene)),
             ..row
         })
     }
@@ -110,4 +104,18 @@ impl Row {
             ..self
         }
     }
+}
+
+/// The bodies of finite mass spawned at step 0.
+fn finite_spawns(scene: &Scene) -> impl Iterator<Item = &SpawnRequest> {
+    scene.inputs.iter().filter(|input| input.step == 0).filter_map(|input| match &input.action {
+        Action::Spawn(request) if request.mass < f64::INFINITY => Some(request),
+        Action::Spawn(_) | Action::Wall(_) | Action::Delete { .. } | Action::Click { .. } => None,
+    })
+}
+
+/// The smallest side of the bodies of finite mass spawned at step 0, m; infinite if there are none.
+fn smallest_side(scene: &Scene) -> f64 {
+    let sides = finite_spawns(scene).flat_map(|request| [request.rect.width(), request.rect.height()]);
+    sides.fold(f64::INFINITY, |least, side| smaller(side, least))
 }

@@ -1,5 +1,7 @@
+//! The report as text: an aligned table, or comma-separated values.
+
 use super::Row;
-use crate::counted::counted;
+use crate::text::{counted, csv_field};
 
 /// A column: its title, and the text of its cell for a row.
 struct Column {
@@ -23,50 +25,39 @@ const COLUMNS: [Column; 11] = [
 
 /// Formats the report as aligned text: a block for each scene, followed by the remarks.
 pub fn table(rows: &[Row]) -> String {
-    let cells: Vec<Vec<String>> =
-        rows.iter().map(|row| COLUMNS.iter().map(|column| (column.cell)(row)).collect()).collect();
-    let width = |column: usize| {
-        let longest = cells.iter().map(|cells: &Vec<String>| cells[column].chars().count()).max().unwrap_or(0);
-        longest.max(COLUMNS[column].title.chars().count())
-    };
-    let widths: Vec<usize> = (0..COLUMNS.len()).map(width).collect();
-    let titles = line(COLUMNS.iter().map(|column| column.title), &widths);
+    let widths = COLUMNS.each_ref().map(|column| {
+        let longest = rows.iter().map(|row| (column.cell)(row).chars().count()).max().unwrap_or(0);
+        longest.max(column.title.chars().count())
+    });
+    let titles = line(COLUMNS.each_ref().map(|column| column.title.to_owned()), widths);
     let mut text = String::new();
-    for (block, cells) in blocks(rows, &cells) {
-        let first = &block[0];
-        let collisions =
-            first.true_collisions.map_or(String::new(), |count| format!(", {}", counted(count, "collision")));
-        let bodies = counted(first.bodies, "body");
-        text += &format!("{}: {bodies}{collisions}; reference: {}\n{titles}", first.scene, first.truth);
-        cells.iter().for_each(|cells| text += &line(cells.iter().map(String::as_str), &widths));
-        block.iter().for_each(|row| text += &remark(row));
+    for block in rows.chunk_by(|a, b| a.family == b.family && a.scene == b.scene) {
+        let Row { scene, truth, bodies, true_collisions, .. } = &block[0];
+        text += &format!("{scene}: {}", counted(*bodies, "body"));
+        if let Some(collisions) = true_collisions {
+            text += &format!(", {}", counted(*collisions, "collision"));
+        }
+        text += &format!("; reference: {truth}\n{titles}");
+        for row in block {
+            text += &line(COLUMNS.each_ref().map(|column| (column.cell)(row)), widths);
+        }
+        for row in block {
+            if let Some(remark) = &row.remark {
+                text += &format!("  {}, {} Hz: {remark}\n", row.solver, row.rate);
+            }
+        }
         text += "\n";
     }
     text
 }
 
-/// Groups rows and their cells by scene.
-fn blocks<'a>(rows: &'a [Row], cells: &'a [Vec<String>]) -> impl Iterator<Item = (&'a [Row], &'a [Vec<String>])> {
-    let same = |a: &Row, b: &Row| a.family == b.family && a.scene == b.scene;
-    let mut start = 0;
-    rows.chunk_by(same).map(move |block| {
-        start += block.len();
-        (block, &cells[start - block.len()..start])
-    })
-}
-
 /// Formats a line: the first column left-aligned, numbers right-aligned.
-fn line<'a>(cells: impl Iterator<Item = &'a str>, widths: &[usize]) -> String {
-    let padded = cells.zip(widths).enumerate().map(|(column, (cell, width))| match column {
+fn line<const N: usize>(cells: [String; N], widths: [usize; N]) -> String {
+    let padded = cells.iter().zip(widths).enumerate().map(|(column, (cell, width))| match column {
         0 => format!("  {cell:width$}"),
         _ => format!("  {cell:>width$}"),
     });
     padded.collect::<String>().trim_end().to_owned() + "\n"
-}
-
-fn remark(row: &Row) -> String {
-    let line = |remark: &String| format!("  {}, {} Hz: {remark}\n", row.solver, row.rate);
-    row.remark.as_ref().map_or(String::new(), line)
 }
 
 fn error(value: Option<f64>) -> String {
@@ -101,42 +92,42 @@ fn format_significant(value: f64) -> String {
 }
 
 /// The header line of [`csv`].
-pub const HEADING: &str = "family,scene,solver,rate,bodies,steps,position_error,energy_drift,momentum_drift,worst_overlap,\
-    collisions,true_collisions,truth,ns_per_body_step,ns_least,ns_most,events_per_second,peak_bytes,remark\n";
+pub const CSV_HEADER: &str = "family,scene,solver,rate,bodies,steps,position_error,energy_drift,momentum_drift,\
+    worst_overlap,collisions,true_collisions,truth,ns_per_body_step,ns_least,ns_most,events_per_second,peak_bytes,\
+    remark\n";
 
 /// Formats the report as comma-separated values without a header line, so that parts can be joined.
 /// Unknown values are empty.
 pub fn csv(rows: &[Row]) -> String {
-    fn optional<T: ToString>(value: Option<T>) -> String {
-        value.map_or(String::new(), |value| value.to_string())
-    }
-    let row = |row: &Row| {
+    let mut text = String::new();
+    for row in rows {
         let fields = [
-            quoted(&row.family),
-            quoted(&row.scene),
-            quoted(&row.solver),
+            csv_field(&row.family).into(),
+            csv_field(&row.scene).into(),
+            csv_field(&row.solver).into(),
             row.rate.to_string(),
             row.bodies.to_string(),
             row.steps.to_string(),
-            optional(row.position_error),
-            optional(row.energy_drift),
-            optional(row.momentum_drift),
-            optional(row.worst_overlap),
-            optional(row.collisions),
-            optional(row.true_collisions),
-            quoted(&row.truth),
-            optional(row.ns_per_body_step),
-            optional(row.ns_spread.map(|spread| spread[0])),
-            optional(row.ns_spread.map(|spread| spread[1])),
-            optional(row.events_per_second),
-            optional(row.peak_bytes),
-            quoted(row.remark.as_deref().unwrap_or("")),
+            or_empty(row.position_error),
+            or_empty(row.energy_drift),
+            or_empty(row.momentum_drift),
+            or_empty(row.worst_overlap),
+            or_empty(row.collisions),
+            or_empty(row.true_collisions),
+            csv_field(&row.truth).into(),
+            or_empty(row.ns_per_body_step),
+            or_empty(row.ns_spread.map(|spread| spread[0])),
+            or_empty(row.ns_spread.map(|spread| spread[1])),
+            or_empty(row.events_per_second),
+            or_empty(row.peak_bytes),
+            csv_field(row.remark.as_deref().unwrap_or_default()).into(),
         ];
-        fields.join(",") + "\n"
-    };
-    rows.iter().map(row).collect()
+        text += &fields.join(",");
+        text += "\n";
+    }
+    text
 }
 
-fn quoted(text: &str) -> String {
-    if text.contains(['"', ',', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
+fn or_empty<T: ToString>(value: Option<T>) -> String {
+    value.map_or(String::new(), |value| value.to_string())
 }

@@ -8,9 +8,9 @@
 //! bodies of 1 m × 1 m and 1 kg at the origin.
 
 use super::{
-    ColorBy, Overlay, Scene, SceneError, Theme, parse,
-    run_options::{DEFAULT_RATE, DEFAULT_SOLVER},
-    world_options::DEFAULT_SIZE,
+    PictureOptions, Scene, SceneError,
+    options::{DEFAULT_RATE, DEFAULT_SIZE, DEFAULT_SOLVER},
+    parse,
 };
 use crate::physics::{DEFAULT_EVENTS_PER_STEP, SolverKind};
 use serde::{Serialize, Serializer};
@@ -19,46 +19,46 @@ use std::collections::BTreeMap;
 /// The tables of a scene file.
 ///
 /// ```
-/// use rebond::scene::builder::{SceneBuilder, Spawn, World};
+/// use rebond::{SceneBuilder, SpawnTable, WorldTable};
 ///
 /// let scene = SceneBuilder {
-///     world: World { walls: true, gravity: Some([0.0, 9.81]), ..World::default() },
+///     world: WorldTable { walls: true, gravity: Some([0.0, 9.81]), ..WorldTable::default() },
 ///     spawn: vec![
-///         Spawn { name: Some("c".into()), at: [2.0, 3.0], mass: 2.0, velocity: [4.0, 0.0], ..Spawn::default() },
-///         Spawn { at: [8.0, 3.0], size: [2.0, 1.0], ..Spawn::default() },
+///         SpawnTable { name: Some("c".into()), at: [2.0, 3.0], mass: 2.0, velocity: [4.0, 0.0], ..SpawnTable::default() },
+///         SpawnTable { at: [8.0, 3.0], size: [2.0, 1.0], ..SpawnTable::default() },
 ///     ],
 ///     restitution: [("default".into(), 0.5)].into(),
 ///     ..SceneBuilder::default()
 /// }
 /// .build("two-boxes.toml")?;
 /// assert_eq!(scene.run.steps, 600);
-/// # Ok::<(), rebond::scene::SceneError>(())
+/// # Ok::<(), rebond::SceneError>(())
 /// ```
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct SceneBuilder {
     /// The title.
     pub title: Option<String>,
     /// Visible world, walls and gravity.
-    pub world: World,
+    pub world: WorldTable,
     /// Duration, sampling and solver.
-    pub run: Run,
+    pub run: RunTable,
     /// The coefficient of restitution of `"default"` and of pairs such as `"steel/wood"`.
     pub restitution: BTreeMap<String, f64>,
     /// Bodies to spawn; those of one step are spawned in this order.
-    pub spawn: Vec<Spawn>,
+    pub spawn: Vec<SpawnTable>,
     /// Bodies to delete.
-    pub delete: Vec<Delete>,
+    pub delete: Vec<DeleteTable>,
     /// Mouse clicks.
-    pub click: Vec<Click>,
+    pub click: Vec<ClickTable>,
     /// Groups of random bodies.
-    pub scatter: Vec<Scatter>,
-    /// Defaults of pictures.
-    pub figure: Figure,
+    pub scatter: Vec<ScatterTable>,
+    /// Defaults of pictures: only the keys of `[figure]`.
+    pub figure: PictureOptions,
 }
 
 /// `[world]`: by default 16 m × 9 m, without walls and gravity.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct World {
+pub struct WorldTable {
     /// Width and height of the visible world, which the walls enclose, m.
     pub size: [f64; 2],
     /// True for four static walls just outside the world.
@@ -71,7 +71,7 @@ pub struct World {
 
 /// `[run]`: by default 600 steps at 60 Hz with the event-driven solver.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Run {
+pub struct RunTable {
     /// Steps per second, Hz.
     pub rate: f64,
     /// The number of steps.
@@ -85,7 +85,7 @@ pub struct Run {
 
 /// `[[spawn]]`: by default a body of 1 m × 1 m and 1 kg, at rest at the origin, spawned at step 0.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Spawn {
+pub struct SpawnTable {
     /// Unique among the bodies alive; a body without a name is called `#K`, the K-th spawned in the run.
     pub name: Option<String>,
     /// The first state that contains the body.
@@ -108,7 +108,7 @@ pub struct Spawn {
 
 /// `[[delete]]`.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct Delete {
+pub struct DeleteTable {
     /// The first state without the body.
     pub step: u64,
     /// Its name.
@@ -117,18 +117,18 @@ pub struct Delete {
 
 /// `[[click]]`.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Click {
+pub struct ClickTable {
     /// The state that the click changes.
     pub step: u64,
     /// The point, m.
     pub at: [f64; 2],
     /// The body spawned around the point if the click deletes none.
-    pub spawn: Option<Blueprint>,
+    pub spawn: Option<BlueprintTable>,
 }
 
-/// The body that a click spawns: the keys of [`Spawn`] without position and step.
+/// The body that a click spawns: the keys of [`SpawnTable`] without position and step.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Blueprint {
+pub struct BlueprintTable {
     /// Unique among the bodies alive.
     pub name: Option<String>,
     /// Width and height, m.
@@ -147,7 +147,7 @@ pub struct Blueprint {
 
 /// `[[scatter]]`: random bodies in a region; by default one body of 0.2 m × 0.2 m and 1 kg at rest.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Scatter {
+pub struct ScatterTable {
     /// The first state that contains the bodies.
     pub step: u64,
     /// The number of bodies.
@@ -172,40 +172,22 @@ pub struct Scatter {
     pub color: Option<String>,
 }
 
-/// `[figure]`: defaults of pictures.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Figure {
-    /// Width and height, px.
-    pub size: Option<[u32; 2]>,
-    /// Colour theme.
-    #[serde(serialize_with = "theme_name")]
-    pub theme: Option<Theme>,
-    /// Frames per second of animations.
-    pub fps: Option<f64>,
-    /// Overlays drawn in addition to the bodies.
-    #[serde(serialize_with = "overlay_names")]
-    pub show: Option<Vec<Overlay>>,
-    /// The property that determines the colours of bodies.
-    #[serde(serialize_with = "color_by_name")]
-    pub color_by: Option<ColorBy>,
-}
-
-impl Default for World {
-    fn default() -> World {
-        World { size: DEFAULT_SIZE, walls: false, wall_material: None, gravity: None }
+impl Default for WorldTable {
+    fn default() -> WorldTable {
+        WorldTable { size: DEFAULT_SIZE, walls: false, wall_material: None, gravity: None }
     }
 }
 
-impl Default for Run {
-    fn default() -> Run {
+impl Default for RunTable {
+    fn default() -> RunTable {
         let events_per_step = DEFAULT_EVENTS_PER_STEP;
-        Run { rate: DEFAULT_RATE, steps: 600, solver: DEFAULT_SOLVER, events_per_step }
+        RunTable { rate: DEFAULT_RATE, steps: 600, solver: DEFAULT_SOLVER, events_per_step }
     }
 }
 
-impl Default for Spawn {
-    fn default() -> Spawn {
-        Spawn {
+impl Default for SpawnTable {
+    fn default() -> SpawnTable {
+        SpawnTable {
             name: None,
             step: 0,
             at: [0.0, 0.0],
@@ -219,16 +201,16 @@ impl Default for Spawn {
     }
 }
 
-impl Default for Blueprint {
-    fn default() -> Blueprint {
-        let Spawn { name, size, mass, velocity, force, material, color, .. } = Spawn::default();
-        Blueprint { name, size, mass, velocity, force, material, color }
+impl Default for BlueprintTable {
+    fn default() -> BlueprintTable {
+        let SpawnTable { name, size, mass, velocity, force, material, color, .. } = SpawnTable::default();
+        BlueprintTable { name, size, mass, velocity, force, material, color }
     }
 }
 
-impl Default for Scatter {
-    fn default() -> Scatter {
-        Scatter {
+impl Default for ScatterTable {
+    fn default() -> ScatterTable {
+        ScatterTable {
             step: 0,
             count: 1,
             seed: 0,
@@ -265,23 +247,10 @@ fn solver_name<S: Serializer>(solver: &SolverKind, out: S) -> Result<S::Ok, S::E
     out.serialize_str(solver.name())
 }
 
-fn theme_name<S: Serializer>(theme: &Option<Theme>, out: S) -> Result<S::Ok, S::Error> {
-    theme.map(Theme::name).serialize(out)
-}
-
-fn color_by_name<S: Serializer>(color_by: &Option<ColorBy>, out: S) -> Result<S::Ok, S::Error> {
-    color_by.map(ColorBy::name).serialize(out)
-}
-
-fn overlay_names<S: Serializer>(show: &Option<Vec<Overlay>>, out: S) -> Result<S::Ok, S::Error> {
-    let names = show.as_ref().map(|show| show.iter().map(|overlay| overlay.name()).collect::<Vec<&str>>());
-    names.serialize(out)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Action;
+    use crate::scene::{Action, ColorBy, Overlay, Theme};
 
     #[test]
     fn the_default_builder_gives_an_empty_scene() {
@@ -302,8 +271,8 @@ mod tests {
     fn numbers_are_kept_to_the_bit() {
         let numbers = [0.1 + 0.2, 5e-324, -1.7976931348623157e308, 1e17, 123_456_789.123_456_79, -0.0];
         for number in numbers {
-            let spawn = Spawn { velocity: [number, 0.0], mass: f64::INFINITY, ..Spawn::default() };
-            let spawn = Spawn { mass: 1.0, ..spawn };
+            let spawn = SpawnTable { velocity: [number, 0.0], mass: f64::INFINITY, ..SpawnTable::default() };
+            let spawn = SpawnTable { mass: 1.0, ..spawn };
             let scene = SceneBuilder { spawn: vec![spawn], ..SceneBuilder::default() }.build("numbers").unwrap();
             let Action::Spawn(request) = &scene.inputs[0].action else { panic!("a spawn") };
             assert_eq!(request.velocity.x.to_bits(), number.to_bits(), "{number}");
@@ -314,43 +283,44 @@ mod tests {
     fn every_table_is_written_and_read() {
         let builder = SceneBuilder {
             title: Some("All \"of\" it".into()),
-            world: World {
+            world: WorldTable {
                 walls: true,
                 wall_material: Some("steel".into()),
                 gravity: Some([0.0, 9.81]),
-                ..World::default()
+                ..WorldTable::default()
             },
             restitution: [("default".into(), 0.5), ("steel/steel".into(), 0.95)].into(),
-            spawn: vec![Spawn {
+            spawn: vec![SpawnTable {
                 name: Some("c".into()),
                 mass: f64::INFINITY,
                 color: Some("#3366cc".into()),
-                ..Spawn::default()
+                ..SpawnTable::default()
             }],
-            delete: vec![Delete { step: 3, name: "c".into() }],
+            delete: vec![DeleteTable { step: 3, name: "c".into() }],
             click: vec![
-                Click { step: 4, at: [9.0, 5.0], spawn: Some(Blueprint::default()) },
-                Click { step: 5, at: [0.0, 0.0], spawn: None },
+                ClickTable { step: 4, at: [9.0, 5.0], spawn: Some(BlueprintTable::default()) },
+                ClickTable { step: 5, at: [0.0, 0.0], spawn: None },
             ],
-            scatter: vec![Scatter { count: 10, seed: 7, region: [2.0, 2.0, 5.0, 5.0], ..Scatter::default() }],
-            figure: Figure {
+            scatter: vec![ScatterTable { count: 10, seed: 7, region: [2.0, 2.0, 5.0, 5.0], ..ScatterTable::default() }],
+            figure: PictureOptions {
                 size: Some([320, 180]),
                 theme: Some(Theme::Dark),
                 fps: Some(25.0),
-                show: Some(vec![Overlay::Clock]),
+                show: Some([Overlay::Clock].into()),
                 color_by: Some(ColorBy::Speed),
+                ..PictureOptions::default()
             },
             ..SceneBuilder::default()
         };
         let scene = builder.build("all").unwrap();
         assert_eq!(scene.inputs.len(), 4 + 1 + 1 + 2 + 10);
-        assert_eq!(scene.figure.show.as_deref(), Some(&[Overlay::Clock][..]));
+        assert_eq!(scene.figure, builder.figure);
         assert_eq!(scene.restitution.pairs().len(), 1);
     }
 
     #[test]
     fn errors_are_those_of_a_file() {
-        let spawn = vec![Spawn { mass: -1.0, ..Spawn::default() }];
+        let spawn = vec![SpawnTable { mass: -1.0, ..SpawnTable::default() }];
         let error = SceneBuilder { spawn, ..SceneBuilder::default() }.build("wrong").unwrap_err();
         assert_eq!(error.to_string(), "`spawn.mass` cannot be -1.0");
     }

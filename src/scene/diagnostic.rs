@@ -1,7 +1,7 @@
-use miette::LabeledSpan;
-use std::{fmt::Display, iter, ops::Range};
+use std::ops::Range;
 
 /// One error in the text of a scene, of an event line or of `--set` overrides.
+#[non_exhaustive]
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{kind}")]
 pub struct Diagnostic {
@@ -14,6 +14,7 @@ pub struct Diagnostic {
 }
 
 /// The kind of an error in the text of a scene, of an event line or of `--set` overrides.
+#[non_exhaustive]
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum DiagnosticKind {
     /// The text is not valid TOML or JSON.
@@ -150,18 +151,6 @@ impl Diagnostic {
     /// Adds the earlier text that this one conflicts with.
     pub(super) fn conflicting_with(self, earlier: Range<usize>) -> Diagnostic {
         Diagnostic { earlier: Some(earlier), ..self }
-    }
-}
-
-impl miette::Diagnostic for Diagnostic {
-    fn help<'a>(&'a self) -> Option<Box<dyn Display + 'a>> {
-        Some(Box::new(self.kind.help()))
-    }
-
-    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
-        let primary = LabeledSpan::new_primary_with_span(Some(self.kind.label().into()), self.span.clone());
-        let earlier = self.earlier.clone().map(|span| LabeledSpan::new_with_span(Some("first here".into()), span));
-        Some(Box::new(iter::once(primary).chain(earlier)))
     }
 }
 

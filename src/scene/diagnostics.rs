@@ -1,26 +1,99 @@
-use super::{Diagnostic, Excerpt};
-use crate::counted::counted;
-use miette::{LabeledSpan, SourceCode};
+//! The errors of scenes and of live events, and their collection while a text is read.
+
+use super::{Diagnostic, DiagnosticKind, InputLocation, SceneSource};
+use crate::text::counted;
 use std::{
     cell::RefCell,
     fmt::{self, Display, Formatter},
+    io,
+    path::PathBuf,
 };
 
+/// The error of a scene or of a line of live events that is refused.
+#[non_exhaustive]
+#[derive(Debug, thiserror::Error)]
+pub enum SceneError {
+    /// The file cannot be read.
+    #[error("cannot read the scene {}: {error}", path.display())]
+    Unreadable {
+        /// The path as given.
+        path: PathBuf,
+        /// The error of the operating system.
+        error: io::Error,
+    },
+    /// The file is larger than a recording can carry.
+    #[error("the scene {} is longer than {limit} bytes, the most that a recording can carry", path.display())]
+    TooLong {
+        /// The path as given.
+        path: PathBuf,
+        /// The limit, bytes.
+        limit: u64,
+    },
+    /// The file is not UTF-8 text.
+    #[error("the scene {} is not UTF-8 text: byte {byte} is invalid", path.display())]
+    NotText {
+        /// The path as given.
+        path: PathBuf,
+        /// The number of valid bytes before the invalid one.
+        byte: usize,
+    },
+    /// The scene has no place for an override.
+    #[error("cannot apply --set to the scene {}: {diagnostics}", path.display())]
+    Override {
+        /// The path as given.
+        path: PathBuf,
+        /// The errors; their text has one `--set` option per line.
+        diagnostics: Box<Diagnostics>,
+    },
+    /// The scene violates the format.
+    #[error(transparent)]
+    Scene(Box<Diagnostics>),
+    /// A line of events violates the format, or its event is impossible at its step.
+    #[error("line {line} of the events: {diagnostics}")]
+    Event {
+        /// The number of the line, from 1.
+        line: u64,
+        /// The errors.
+        diagnostics: Box<Diagnostics>,
+    },
+}
+
+impl SceneError {
+    /// The error of an input that turned out to be impossible during the run.
+    pub fn at(source: &SceneSource, location: &InputLocation, kind: DiagnosticKind) -> SceneError {
+        match location {
+            InputLocation::Scene(span) => {
+                let excerpt = Excerpt { name: source.path.clone(), line: 1, text: source.text.clone() };
+                let diagnostic = Diagnostic::new(kind, span.clone());
+                SceneError::Scene(Box::new(Diagnostics::single(diagnostic, Some(excerpt))))
+            }
+            InputLocation::EventLine(line) => {
+                let diagnostics = Diagnostics::single(Diagnostic::new(kind, 0..0), None);
+                SceneError::Event { line: *line, diagnostics: Box::new(diagnostics) }
+            }
+        }
+    }
+
+    /// The errors in the text, or `None` if the text could not be read.
+    pub fn diagnostics(&self) -> Option<&Diagnostics> {
+        match self {
+            SceneError::Scene(diagnostics)
+            | SceneError::Event { diagnostics, .. }
+            | SceneError::Override { diagnostics, .. } => Some(diagnostics),
+            SceneError::Unreadable { .. } | SceneError::TooLong { .. } | SceneError::NotText { .. } => None,
+        }
+    }
+}
+
 /// The independent errors of one text, in the order of the text: at least one.
-///
-/// As a [`miette::Diagnostic`] it is its first error, with the others as related ones.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Diagnostics {
     excerpt: Option<Excerpt>,
     first: Diagnostic,
     others: Vec<Diagnostic>,
-    omitted: Option<Omitted>,
+    /// The number of errors beyond [`MAX_LISTED`].
+    omitted: u64,
 }
-
-/// The number of errors beyond [`MAX_LISTED`].
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, miette::Diagnostic)]
-#[error("and {}", counted(*.0, "more error"))]
-struct Omitted(u64);
 
 /// The largest number of errors that are listed; further ones are counted.
 const MAX_LISTED: usize = 20;
@@ -28,7 +101,7 @@ const MAX_LISTED: usize = 20;
 impl Diagnostics {
     /// A single error.
     pub(super) fn single(diagnostic: Diagnostic, excerpt: Option<Excerpt>) -> Diagnostics {
-        Diagnostics { excerpt, first: diagnostic, others: Vec::new(), omitted: None }
+        Diagnostics { excerpt, first: diagnostic, others: Vec::new(), omitted: 0 }
     }
 
     /// The first errors, at most 20.
@@ -38,7 +111,7 @@ impl Diagnostics {
 
     /// The number of errors that are not listed.
     pub fn omitted(&self) -> u64 {
-        self.omitted.as_ref().map_or(0, |omitted| omitted.0)
+        self.omitted
     }
 
     /// The text that the spans refer to, unless it is no longer available.
@@ -50,7 +123,7 @@ impl Diagnostics {
 /// The message of the first error and the number of the others.
 impl Display for Diagnostics {
     fn fmt(&self, out: &mut Formatter) -> fmt::Result {
-        let others = self.others.len() as u64 + self.omitted();
+        let others = self.others.len() as u64 + self.omitted;
         match others {
             0 => write!(out, "{}", self.first),
             _ => write!(out, "{} (and {})", self.first, counted(others, "more error")),
@@ -60,24 +133,15 @@ impl Display for Diagnostics {
 
 impl std::error::Error for Diagnostics {}
 
-impl miette::Diagnostic for Diagnostics {
-    fn help<'a>(&'a self) -> Option<Box<dyn Display + 'a>> {
-        miette::Diagnostic::help(&self.first)
-    }
-
-    fn source_code(&self) -> Option<&dyn SourceCode> {
-        self.excerpt.as_ref().map(|excerpt| excerpt as &dyn SourceCode)
-    }
-
-    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
-        miette::Diagnostic::labels(&self.first)
-    }
-
-    fn related<'a>(&'a self) -> Option<Box<dyn Iterator<Item = &'a dyn miette::Diagnostic> + 'a>> {
-        let others = self.others.iter().map(|diagnostic| diagnostic as &dyn miette::Diagnostic);
-        let omitted = self.omitted.iter().map(|omitted| omitted as &dyn miette::Diagnostic);
-        Some(Box::new(others.chain(omitted)))
-    }
+/// A text as error messages show it, with its name and its position in its file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Excerpt {
+    /// The name of the text.
+    pub name: String,
+    /// The number of its first line in its file, from 1.
+    pub line: u64,
+    /// The text.
+    pub text: String,
 }
 
 /// Collects the independent errors of one text while it is read.
@@ -112,18 +176,20 @@ impl Reporter {
     }
 
     /// Returns `value`, or all errors if any was reported.
-    pub fn finish<T>(self, value: Result<T, Reported>, excerpt: impl FnOnce() -> Excerpt) -> Result<T, Diagnostics> {
+    pub fn finish<T>(
+        self,
+        value: Result<T, Reported>,
+        excerpt: impl FnOnce() -> Excerpt,
+    ) -> Result<T, Box<Diagnostics>> {
         let Collected { listed, omitted } = self.0.into_inner();
         let mut listed = listed.into_iter();
         match (listed.next(), value) {
             (None, Ok(value)) => Ok(value),
             (None, Err(Reported(()))) => unreachable!("a Reported comes from a report"),
-            (Some(first), Ok(_) | Err(Reported(()))) => Err(Diagnostics {
-                excerpt: Some(excerpt()),
-                first,
-                others: listed.collect(),
-                omitted: (omitted > 0).then_some(Omitted(omitted)),
-            }),
+            (Some(first), Ok(_) | Err(Reported(()))) => {
+                let others = listed.collect();
+                Err(Box::new(Diagnostics { excerpt: Some(excerpt()), first, others, omitted }))
+            }
         }
     }
 }
@@ -141,7 +207,7 @@ mod tests {
             last = Some(reporter.report(Diagnostic::new(kind, start..start + 1)));
         }
         let excerpt = || Excerpt { name: "text".into(), line: 1, text: " ".repeat(100) };
-        reporter.finish(Err::<(), _>(last.unwrap()), excerpt).unwrap_err()
+        *reporter.finish(Err::<(), _>(last.unwrap()), excerpt).unwrap_err()
     }
 
     #[test]
@@ -158,7 +224,5 @@ mod tests {
         let starts: Vec<usize> = diagnostics.listed().map(|diagnostic| diagnostic.span.start).collect();
         assert_eq!(starts, (0..20).collect::<Vec<_>>());
         assert_eq!(diagnostics.omitted(), 13);
-        let report = format!("{:?}", miette::Report::new(diagnostics));
-        assert!(report.contains("and 13 more errors"), "{report}");
     }
 }

@@ -1,11 +1,10 @@
 //! Checks the guide's reference of the scene format against the keys of the parser.
 
 use super::{
-    KEYS, action, inputs, live, parse, picture_defaults, restitution,
-    run_options::{self, DEFAULT_RATE, DEFAULT_SOLVER},
-    scatter,
+    KEYS, action, inputs, live,
+    options::{self, DEFAULT_RATE, DEFAULT_RESTITUTION, DEFAULT_SIZE, DEFAULT_SOLVER},
+    parse, picture_defaults, scatter,
     tree::Key,
-    world_options::{self, DEFAULT_SIZE},
 };
 use crate::physics::DEFAULT_EVENTS_PER_STEP;
 
@@ -15,9 +14,9 @@ const GUIDE: &str = include_str!("../guide/scene-format.md");
 fn sections() -> Vec<(&'static str, Vec<Key>)> {
     vec![
         ("## Top level", [KEYS, inputs::KEYS].concat()),
-        ("## `[world]`", world_options::KEYS.to_vec()),
-        ("## `[run]`", run_options::KEYS.to_vec()),
-        ("## `[restitution]`", restitution::KEYS.to_vec()),
+        ("## `[world]`", options::WORLD_KEYS.to_vec()),
+        ("## `[run]`", options::RUN_KEYS.to_vec()),
+        ("## `[restitution]`", options::RESTITUTION_KEYS.to_vec()),
         ("## `[[spawn]]`", action::SPAWN_KEYS.to_vec()),
         ("## `[[delete]]`", action::DELETE_KEYS.to_vec()),
         ("## `[[click]]`", action::CLICK_KEYS.to_vec()),
@@ -85,7 +84,7 @@ fn the_defaults_in_the_guide_are_those_of_the_parser() {
         ("## `[run]`", "rate", DEFAULT_RATE.to_string()),
         ("## `[run]`", "solver", format!("{:?}", DEFAULT_SOLVER.name())),
         ("## `[run]`", "events_per_step", DEFAULT_EVENTS_PER_STEP.to_string()),
-        ("## `[restitution]`", "default", format!("{:?}", restitution::DEFAULT_RESTITUTION)),
+        ("## `[restitution]`", "default", format!("{:?}", DEFAULT_RESTITUTION)),
     ];
     let rows = rows();
     for (heading, name, default) in defaults {
@@ -103,7 +102,7 @@ fn every_scene_in_the_guide_is_valid() {
         let is_excerpt = !block.contains("[run]");
         let text = if is_excerpt { format!("{block}\n[run]\nsteps = 600\n") } else { block.into() };
         if let Err(error) = parse("scene-format.md", &text) {
-            panic!("{:?}", miette::Report::new(error));
+            panic!("{error}\n{text}");
         }
     }
 }

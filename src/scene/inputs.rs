@@ -1,12 +1,11 @@
 use super::{
-    Action, Diagnostic, DiagnosticKind, InputLocation, Walls,
+    Action, Diagnostic, DiagnosticKind, Walls,
     action::{self, Request, read_click, read_delete, read_spawn},
     diagnostics::{Reported, Reporter},
     lifetimes::{self, Effect, NameField},
+    options::{WALL_NAMES, WorldOptions},
     scatter::{self, MAX_SCATTERED, Scatter},
     tree::{Key, Node, Table},
-    walls::WALL_NAMES,
-    world_options::WorldOptions,
 };
 use crate::physics::Rect;
 use std::{collections::BTreeMap, ops::Range};
@@ -20,6 +19,15 @@ pub struct Input {
     pub action: Action,
     /// The text that it comes from, for errors that are only found during the run.
     pub location: InputLocation,
+}
+
+/// The text that an input comes from.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum InputLocation {
+    /// A range of bytes of the scene.
+    Scene(Range<usize>),
+    /// A line of JSON Lines events, from 1.
+    EventLine(u64),
 }
 
 const SPAWN: Key = Key { name: "spawn", accepts: "one table [[spawn]] for each body" };

@@ -1,7 +1,7 @@
 //! Live events: one JSON object per line, with the keys of the scene format.
 
 use super::{
-    Action, Diagnostic, DiagnosticKind, Diagnostics, Excerpt, SceneError,
+    Action, Diagnostic, DiagnosticKind, Excerpt, SceneError,
     action::{self, Request, read_click, read_delete, read_spawn},
     diagnostics::{Reported, Reporter},
     tree::{Key, Table, Value, parse_json},
@@ -30,11 +30,8 @@ pub(super) const KEYS: &[Key] = &[SPAWN, DELETE, CLICK];
 pub fn parse_line(number: u64, line: &str) -> Result<LiveEvent, SceneError> {
     let reporter = Reporter::default();
     let event = read(line, &reporter);
-    reporter.finish(event, || excerpt(number, line)).map_err(|diagnostics| in_line(number, diagnostics))
-}
-
-fn in_line(number: u64, diagnostics: Diagnostics) -> SceneError {
-    SceneError::Event { line: number, diagnostics: Box::new(diagnostics) }
+    let in_line = |diagnostics| SceneError::Event { line: number, diagnostics };
+    reporter.finish(event, || excerpt(number, line)).map_err(in_line)
 }
 
 /// The line without control characters, which could change the terminal that shows it.

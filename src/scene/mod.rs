@@ -14,37 +14,29 @@ mod inputs;
 mod lifetimes;
 pub mod live;
 mod occupancy;
+mod options;
+#[cfg(feature = "cli")]
 mod overrides;
 mod picture_defaults;
-mod random;
-mod restitution;
-mod run_options;
 mod scatter;
-mod scene_error;
-mod source;
-mod spawn_request;
 mod tree;
-mod walls;
-mod world_options;
 
 use crate::physics::{Restitution, Vector};
+use crate::recording::limits;
 use std::{fs::File, io::Read, path::Path};
 
-pub use action::Action;
+pub use crate::picture_options::{ColorBy, Overlay, Overlays, PictureOptions, Theme, WindowOptions};
+pub use action::{Action, Blueprint, SpawnRequest};
 pub use diagnostic::{Diagnostic, DiagnosticKind};
-pub use diagnostics::Diagnostics;
-pub use inputs::Input;
+pub use diagnostics::{Diagnostics, Excerpt, SceneError};
+pub use inputs::{Input, InputLocation};
+pub use options::{RunOptions, Walls};
+#[cfg(feature = "cli")]
 pub use overrides::Override;
-pub use picture_defaults::{ColorBy, Overlay, PictureDefaults, Theme};
-pub use run_options::RunOptions;
-pub use scene_error::{Excerpt, SceneError};
-pub use source::{InputLocation, SceneSource};
-pub use spawn_request::{Blueprint, SpawnRequest};
-pub use walls::Walls;
 
 use diagnostics::{Reported, Reporter};
+use options::WorldOptions;
 use tree::{Field, Key, Node, Table};
-use world_options::WorldOptions;
 
 /// A scene: the complete input of a run.
 #[derive(Clone, Debug, PartialEq)]
@@ -66,11 +58,27 @@ pub struct Scene {
     /// The inputs, ordered by step; within a step walls, deletes, spawns, clicks, each in the order of the file.
     pub inputs: Vec<Input>,
     /// Defaults of the pictures.
-    pub figure: PictureDefaults,
+    pub figure: PictureOptions,
 }
 
-/// The largest size of a scene file, bytes: the scene is attached to its recording, whose records have this limit.
-pub const MAX_SCENE_BYTES: u64 = 32 << 20;
+/// The text of a scene and its name.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SceneSource {
+    /// The path as given by the user; error messages show it.
+    pub path: String,
+    /// The complete text.
+    pub text: String,
+}
+
+impl SceneSource {
+    /// The last part of the path: the name of the attachment in a recording.
+    pub fn file_name(&self) -> &str {
+        self.path.rsplit(['/', '\\']).next().unwrap_or(&self.path)
+    }
+}
+
+/// The largest size of a scene file, bytes: the scene is attached to its recording.
+pub const MAX_SCENE_BYTES: u64 = limits::SCENE_BYTES as u64;
 
 const TITLE: Key = Key { name: "title", accepts: "1 to 256 bytes without control characters" };
 const WORLD: Key = Key { name: "world", accepts: "the table [world]" };
@@ -90,7 +98,7 @@ pub fn parse(path: &str, text: &str) -> Result<Scene, SceneError> {
     let reporter = Reporter::default();
     let scene = read(&source, &reporter);
     let excerpt = || Excerpt { name: source.path.clone(), line: 1, text: source.text.clone() };
-    reporter.finish(scene, excerpt).map_err(|diagnostics| SceneError::Scene(Box::new(diagnostics)))
+    reporter.finish(scene, excerpt).map_err(SceneError::Scene)
 }
 
 /// Reads the scene in the file at `path`.
@@ -107,6 +115,7 @@ pub fn load(path: &Path) -> Result<Scene, SceneError> {
 ///
 /// # Errors
 /// Those of [`load`], and [`SceneError::Override`] if the scene has no place for a value.
+#[cfg(feature = "cli")]
 pub fn load_with(path: &Path, overrides: &[Override]) -> Result<Scene, SceneError> {
     let text = overrides::apply(path, &read_text(path)?, overrides)?;
     let options: Vec<String> = overrides.iter().map(|value| format!(" --set {value}")).collect();
@@ -134,17 +143,17 @@ fn read(source: &SceneSource, reporter: &Reporter) -> Result<Scene, Reported> {
     let title = root.optional(TITLE, Node::text).map(|title| title.map(String::from));
     let world = read_world(root.get(WORLD), reporter);
     let (run, last) =
-        match root.require(RUN).and_then(|field| Table::open("run", field.node, run_options::KEYS, reporter)) {
-            Ok(table) => run_options::read(&table),
+        match root.require(RUN).and_then(|field| Table::open("run", field.node, options::RUN_KEYS, reporter)) {
+            Ok(table) => options::read_run(&table),
             Err(reported) => (Err(reported), Err(reported)),
         };
     let restitution = root.get(RESTITUTION).and_then(|field| match field {
-        Some(field) => restitution::read(field.node, reporter),
-        None => Ok(Restitution::new(restitution::DEFAULT_RESTITUTION, &[])),
+        Some(field) => options::read_restitution(field.node, reporter),
+        None => Ok(Restitution::new(options::DEFAULT_RESTITUTION, &[])),
     });
     let figure = root.get(FIGURE).and_then(|field| match field {
         Some(field) => picture_defaults::read(&Table::open("figure", field.node, picture_defaults::KEYS, reporter)?),
-        None => Ok(PictureDefaults::default()),
+        None => Ok(PictureOptions::default()),
     });
     let inputs = inputs::read(&root, &world, last.ok(), reporter);
     Ok(Scene {
@@ -162,9 +171,9 @@ fn read(source: &SceneSource, reporter: &Reporter) -> Result<Scene, Reported> {
 
 fn read_world(field: Result<Option<Field>, Reported>, reporter: &Reporter) -> WorldOptions {
     match field.and_then(|field| {
-        field.map(|field| Table::open("world", field.node, world_options::KEYS, reporter)).transpose()
+        field.map(|field| Table::open("world", field.node, options::WORLD_KEYS, reporter)).transpose()
     }) {
-        Ok(Some(table)) => world_options::read(&table),
+        Ok(Some(table)) => options::read_world(&table),
         Ok(None) => WorldOptions::default(),
         Err(reported) => WorldOptions::unreadable(reported),
     }
@@ -173,8 +182,7 @@ fn read_world(field: Result<Option<Field>, Reported>, reporter: &Reporter) -> Wo
 #[cfg(test)]
 mod tests {
     use super::*;
-    use run_options::{DEFAULT_RATE, DEFAULT_SOLVER};
-    use world_options::DEFAULT_SIZE;
+    use options::{DEFAULT_RATE, DEFAULT_SIZE, DEFAULT_SOLVER};
 
     fn messages(text: &str) -> Vec<String> {
         let error = parse("scene.toml", text).expect_err("an error");
@@ -239,8 +247,12 @@ mod tests {
         let error = parse("scene.toml", &text).unwrap_err();
         let diagnostics = error.diagnostics().unwrap();
         assert_eq!((diagnostics.listed().count(), diagnostics.omitted()), (20, 30));
-        let report = format!("{:?}", miette::Report::new(error));
-        assert_eq!(report.matches("is alive at step 0").count(), 20);
-        assert!(report.contains("and 30 more errors"), "{report}");
+    }
+    #[test]
+    fn a_file_name_contains_no_folder() {
+        let named = |path: &str| SceneSource { path: path.into(), text: String::new() };
+        assert_eq!(named("recordings/gas.toml").file_name(), "gas.toml");
+        assert_eq!(named(r"C:\scenes\gas.toml").file_name(), "gas.toml");
+        assert_eq!(named("gas.toml").file_name(), "gas.toml");
     }
 }

@@ -40,7 +40,7 @@ impl OccupancyGrid {
     /// True if the rectangle overlaps none of the grid; touching is not overlapping.
     pub fn is_free(&self, rect: &Rect) -> bool {
         let candidates = self.cells_of(rect).flat_map(|cell| &self.cells[cell]);
-        !candidates.chain(&self.oversized).any(|other| overlaps(rect, other))
+        !candidates.chain(&self.oversized).any(|other| rect.overlaps(other))
     }
 
     /// The cells that a rectangle intersects. Positions outside the region belong to the nearest border
@@ -58,12 +58,6 @@ impl OccupancyGrid {
 fn cell(offset: f64, extent: f64, count: usize) -> usize {
     // The cast saturates: negative offsets give 0.
     ((offset / (extent / count as f64)) as usize).min(count - 1)
-}
-
-/// True if the interiors of two rectangles intersect.
-pub fn overlaps(a: &Rect, b: &Rect) -> bool {
-    let (a_far, b_far) = (a.far_corner(), b.far_corner());
-    a.origin.x < b_far.x && b.origin.x < a_far.x && a.origin.y < b_far.y && b.origin.y < a_far.y
 }
 
 #[cfg(test)]

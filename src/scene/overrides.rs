@@ -58,7 +58,7 @@ pub fn apply(path: &Path, text: &str, overrides: &[Override]) -> Result<String, 
     let excerpt = || Excerpt { name: "command line".into(), line: 1, text: lines };
     reporter
         .finish(Ok(document.to_string()), excerpt)
-        .map_err(|diagnostics| SceneError::Override { path: path.into(), diagnostics: Box::new(diagnostics) })
+        .map_err(|diagnostics| SceneError::Override { path: path.into(), diagnostics })
 }
 
 /// The key that an override sets.

@@ -4,10 +4,10 @@ use super::{
     diagnostics::{Reported, Reporter},
     lifetimes::Effect,
     occupancy::OccupancyGrid,
-    random::Random,
     tree::{Key, Node, Table},
 };
-use crate::physics::{Rect, Vector};
+use crate::physics::{Rect, Vector, smaller};
+use crate::recording::limits;
 use std::ops::Range;
 
 /// The `[[scatter]]` table of a scene: many bodies from the seed of a random number generator.
@@ -38,7 +38,7 @@ pub struct Scatter {
 const MAX_TRIES: u64 = 1000;
 
 /// The largest number of scattered bodies in a scene.
-pub const MAX_SCATTERED: u64 = 1_000_000;
+pub const MAX_SCATTERED: u64 = limits::BODIES as u64;
 
 const COUNT: Key = Key { name: "count", accepts: "a whole number of bodies from 1 to 1000000" };
 const SEED: Key = Key { name: "seed", accepts: "a whole number, 0 or more" };
@@ -188,13 +188,53 @@ fn ranges([from, to]: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
     [[from[0], to[0]], [from[1], to[1]]]
 }
 
+/// A pseudorandom number generator, `SplitMix64`, with the same output on every machine.
+///
+/// The state advances by the odd constant 0x9e3779b97f4a7c15; each output is the state mixed by
+/// two shift-multiply rounds. From G. L. Steele, D. Lea and C. H. Flood, "Fast splittable
+/// pseudorandom number generators", OOPSLA 2014, in S. Vigna's public-domain version.
+#[derive(Clone, Debug)]
+pub struct Random {
+    state: u64,
+}
+
+impl Random {
+    /// A generator with the initial state `seed`.
+    pub fn new(seed: u64) -> Random {
+        Random { state: seed }
+    }
+
+    /// Returns the next 64 bits.
+    pub fn bits(&mut self) -> u64 {
+        self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.state;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    /// Returns the next u with 0 ≤ u < 1: the upper 53 of the next 64 bits divided by 2⁵³, which is exact.
+    pub fn fraction(&mut self) -> f64 {
+        (self.bits() >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// Returns the next number of a range, from + (to − from)·u, clamped to `to` because rounding may exceed it.
+    ///
+    /// A range of one number, which may be infinite, returns that number and also consumes one u.
+    pub fn between(&mut self, [from, to]: [f64; 2]) -> f64 {
+        let u = self.fraction();
+        if from == to {
+            return from;
+        }
+        let number = from + (to - from) * u;
+        smaller(to, number)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{
-        occupancy::overlaps,
-        tree::{Value, parse_toml},
-    };
+    use crate::scene::tree::{Value, parse_toml};
     use proptest::prelude::*;
 
     fn scatter(keys: &str) -> Scatter {
@@ -227,8 +267,8 @@ mod tests {
                 let far = rect.far_corner();
                 prop_assert!(0.5 <= rect.origin.x && far.x <= 15.5 && -2.5 <= rect.origin.y && far.y <= 1.5);
                 prop_assert!((0.1..=0.3).contains(&rect.width()) && (0.1..=0.4).contains(&rect.height()));
-                prop_assert!(!overlaps(rect, &wall));
-                prop_assert!(!rects[..index].iter().any(|other| overlaps(rect, other)));
+                prop_assert!(!rect.overlaps(&wall));
+                prop_assert!(!rects[..index].iter().any(|other| rect.overlaps(other)));
             }
         }
 
@@ -257,5 +297,23 @@ mod tests {
             scatter("count = 1\nregion = [0.1, 0.2, 1.0, 1.0]\nsize = [[1.0, 1.0], [1.0, 1.0]]\nmass = [inf, inf]");
         let [body] = bodies(&scatter, [].iter()).try_into().unwrap();
         assert_eq!((body.rect.origin, body.mass), (Vector::new(0.1, 0.2), f64::INFINITY));
+    }
+
+    #[test]
+    fn the_output_is_the_published_test_vector() {
+        let mut random = Random::new(1_234_567);
+        let expected = [6_457_827_717_110_365_317, 3_203_168_211_198_807_973, 9_817_491_932_198_370_423];
+        assert_eq!([random.bits(), random.bits(), random.bits()], expected);
+    }
+
+    #[test]
+    fn fractions_are_below_one_and_ranges_are_kept() {
+        let mut random = Random::new(7);
+        for _ in 0..10_000 {
+            let u = random.fraction();
+            assert!((0.0..1.0).contains(&u));
+            assert!((0.1..=0.3).contains(&random.between([0.1, 0.3])));
+        }
+        assert_eq!(random.between([f64::INFINITY; 2]), f64::INFINITY);
     }
 }

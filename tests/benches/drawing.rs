@@ -4,11 +4,11 @@
 //! Prints the median and the range of several runs. `tests/peers/pictures.py` draws the same animation with
 //! other programs.
 
-use rebond::physics::{Rect, Vector};
-use rebond::render::{
-    self, AnimationSchedule, Appearance, Frame, Metadata, Painter, Sprite, StepGrid, Style, Thinning, View, png,
+use rebond::internals::physics::{Rect, Vector};
+use rebond::internals::picture::{
+    self, AnimationSchedule, Appearance, ColorBy, Frame, Look, Metadata, Overlay, Painter, Sprite, StepGrid, Style,
+    Thinning, View, png,
 };
-use rebond::scene::{ColorBy, Overlay};
 use std::{fs::File, io::BufWriter, num::NonZero, sync::Arc, time::Instant};
 
 const RUNS: usize = 7;
@@ -25,8 +25,9 @@ fn main() {
         ("1000 boxes, plain", 1000, &[][..], ColorBy::Body),
         ("1000 boxes, lecture", 1000, &LECTURE[..], ColorBy::Body),
     ] {
-        let style = Style { show: show.to_vec(), color_by, top_speed: 4.0, body_count: boxes, ..Style::default() };
-        let view = View::fit(WORLD, [1280, 720], style).expect("a view");
+        let look = Look { show: show.iter().copied().collect(), color_by, ..Look::default() };
+        let style = Style { look, top_speed: 4.0, body_count: boxes, ..Style::default() };
+        let view = View::new(WORLD, style).expect("a view");
         let frames: Vec<Frame> = (0..FRAMES).map(|step| frame(boxes, step)).collect();
         let [stills, gif, apng] = [stills, gif, apng].map(|draw| measure(|| draw(&frames, &view)));
         println!("{name:30} {stills:22} {gif:22} {apng}");
@@ -53,7 +54,7 @@ fn temporary_file() -> BufWriter<File> {
 fn stills(frames: &[Frame], view: &View) {
     let mut painter = Painter::new();
     for frame in frames {
-        let picture = painter.draw(&render::compose(frame, view));
+        let picture = painter.draw(&picture::compose(frame, view));
         png::encode(&picture, &Metadata::default(), temporary_file()).expect("space for a picture");
     }
 }
@@ -63,16 +64,16 @@ fn schedule() -> AnimationSchedule {
 }
 
 fn gif(frames: &[Frame], view: &View) {
-    let frames = frames.iter().cloned().map(Ok::<_, render::RenderError>);
+    let frames = frames.iter().cloned().map(Ok::<_, picture::RenderError>);
     let one = NonZero::<usize>::MIN;
-    render::write_gif(frames, view, &schedule(), &Metadata::default(), one, temporary_file())
+    picture::write_gif(frames, view, &schedule(), &Metadata::default(), one, temporary_file())
         .expect("space for an animation");
 }
 
 fn apng(frames: &[Frame], view: &View) {
-    let frames = frames.iter().cloned().map(Ok::<_, render::RenderError>);
+    let frames = frames.iter().cloned().map(Ok::<_, picture::RenderError>);
     let one = NonZero::<usize>::MIN;
-    render::write_apng(frames, view, &schedule(), &Metadata::default(), one, temporary_file())
+    picture::write_apng(frames, view, &schedule(), &Metadata::default(), one, temporary_file())
         .expect("space for an animation");
 }
 

@@ -12,9 +12,9 @@
 mod cell_list;
 
 use cell_list::CellList;
-use rebond::{
+use rebond::internals::{
     physics::{CollisionCount, EngineConfig, World, invariants},
-    run::{Run, engine_config},
+    replay::{Run, engine_config},
     scene::{self, Scene},
 };
 use std::{path::Path, time::Instant};
@@ -95,7 +95,7 @@ fn measure(name: &str, scene: &Scene) {
 /// Returns the cost of a further step, ns, if all bodies are at rest.
 fn cost_at_rest(run: &mut Run) -> Option<f64> {
     const STEPS: u32 = 1_000_000;
-    let is_moving = |world: &World| world.bodies.iter().any(|body| body.velocity != rebond::physics::Vector::ZERO);
+    let is_moving = |world: &World| world.bodies.iter().any(|body| body.velocity != rebond::internals::physics::Vector::ZERO);
     if is_moving(run.engine().world()) {
         return None;
     }
@@ -120,7 +120,7 @@ impl PlainGas {
         if !(unit && elastic && scene.walls.is_some() && moving().count() > 1) {
             return None;
         }
-        let state = |body: &rebond::physics::Body| {
+        let state = |body: &rebond::internals::physics::Body| {
             let (at, velocity) = (body.rect.origin, body.velocity);
             ([at.x, at.y], [velocity.x, velocity.y])
         };

@@ -7,14 +7,14 @@
 
 use divan::{Bencher, black_box, counter::ItemsCount};
 use physics::{CollisionCount, Engine, EngineConfig, Event, Rect, Restitution, SolverKind, Spawn, Vector, handout};
-use rebond::recording::{Header, SceneText, Versions, Writer};
-use rebond::render::{self, Appearance, Frame, Metadata, Painter, Picture, Sprite, Style, View, png};
+use rebond::internals::recording::{Header, SceneText, Versions, Writer};
+use rebond::internals::picture::{self, Appearance, Frame, Metadata, Painter, Picture, Sprite, Style, View, png};
 use std::{io, sync::Arc};
 
 /// The path `crate::physics` of the modules below.
 mod physics {
     pub(crate) use super::event_driven;
-    pub use rebond::physics::*;
+    pub use rebond::internals::physics::*;
 }
 
 #[path = "../../src/physics/event_driven"]
@@ -30,7 +30,7 @@ mod event_driven {
     pub mod trajectory;
 }
 
-#[path = "../../src/render/lzw.rs"]
+#[path = "../../src/picture/encode/lzw.rs"]
 mod lzw;
 
 use event_driven::axis_trajectory::AxisTrajectory;
@@ -167,7 +167,7 @@ fn write_state(bencher: Bencher, bodies: u32) {
 }
 
 fn view() -> View {
-    View::fit(Vector::new(64.0, 36.0), [1280, 720], Style::default()).expect("a view")
+    View::new(Vector::new(64.0, 36.0), Style::default()).expect("a view")
 }
 
 /// A frame of fifty named boxes.
@@ -189,14 +189,14 @@ fn frame() -> Frame {
 }
 
 fn picture() -> Picture {
-    Painter::new().draw(&render::compose(&frame(), &view()))
+    Painter::new().draw(&picture::compose(&frame(), &view()))
 }
 
 /// Draws 1280×720 pixels with fifty boxes.
 #[divan::bench]
 fn frame_draw(bencher: Bencher) {
     let (frame, view, mut painter) = (frame(), view(), Painter::new());
-    bencher.bench_local(move || painter.draw(&render::compose(&frame, &view)));
+    bencher.bench_local(move || painter.draw(&picture::compose(&frame, &view)));
 }
 
 #[divan::bench]

@@ -3,10 +3,10 @@
 //! The gas is stepped as in a real run. Only the calls of the writer are timed; the compression that remains at
 //! the end of the run is reported separately.
 
-use rebond::{
+use rebond::internals::{
     physics::{CollisionCount, Engine},
     recording::{Header, RecordedEvent, RunEnd, SceneText, Versions, Writer},
-    run, scene,
+    replay, scene,
 };
 use std::{
     io,
@@ -50,7 +50,7 @@ fn gas() -> scene::Scene {
 }
 
 fn start(scene: &scene::Scene) -> (Engine, Vec<RecordedEvent>) {
-    let mut run = run::Run::new(scene);
+    let mut run = replay::Run::new(scene);
     let events = run.apply_inputs(Vec::new(), |error| Err(error.into())).expect("a scene's own events");
     (run.engine().clone(), events)
 }
@@ -88,7 +88,7 @@ fn time(work: impl FnOnce()) -> Duration {
 fn header(scene: &scene::Scene, every: u64) -> Header {
     Header {
         versions: Versions::CURRENT,
-        config: run::engine_config(scene),
+        config: replay::engine_config(scene),
         steps: STEPS,
         every,
         scene: SceneText { file_name: "gas.toml".into(), text: scene.source.text.clone() },

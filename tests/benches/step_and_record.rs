@@ -2,10 +2,10 @@
 //!
 //! Prints the median and the range of several runs, and the energy error of the run that was measured.
 
-use rebond::{
+use rebond::internals::{
     physics::{CollisionCount, Engine, invariants},
     recording::{Header, RecordedEvent, RunEnd, SceneText, Versions, Writer},
-    run, scene,
+    replay, scene,
 };
 use std::{io, time::Instant};
 
@@ -34,7 +34,7 @@ fn gas(bodies: usize) -> scene::Scene {
 
 /// Returns the engine at its first state and the events applied to it.
 fn start(scene: &scene::Scene) -> (Engine, Vec<RecordedEvent>) {
-    let mut run = run::Run::new(scene);
+    let mut run = replay::Run::new(scene);
     let events = run.apply_inputs(Vec::new(), |error| Err(error.into())).expect("a scene's own events");
     (run.engine().clone(), events)
 }
@@ -84,7 +84,7 @@ fn recording(bodies: usize) {
     let text = SceneText { file_name: "gas.toml".into(), text: scene.source.text.clone() };
     let header = Header {
         versions: Versions::CURRENT,
-        config: run::engine_config(&scene),
+        config: replay::engine_config(&scene),
         steps,
         every: 1,
         scene: text,

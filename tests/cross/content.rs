@@ -1,6 +1,6 @@
 //! The decoded content of files as bytes, which does not depend on compression.
 
-use rebond::recording::{Playback, Recording};
+use rebond::internals::recording::{Playback, Recording};
 use std::{io::Cursor, path::Path};
 
 /// Decodes a file: pixels with offsets and delays, or states. Other files are returned unchanged.

@@ -1,10 +1,10 @@
 //! Five fixed workloads whose instructions the script tests/instructions/run counts: `instructions NAME`
 
-use rebond::{
+use rebond::internals::{
     physics::CollisionCount,
     recording::{Header, RunEnd, SceneText, Versions, Writer},
-    render::{self, Metadata, Painter, View, png},
-    run, scene,
+    picture::{self, Metadata, Painter, View, png},
+    replay, scene,
 };
 use std::io;
 
@@ -44,14 +44,14 @@ fn parse(text: &str) -> scene::Scene {
     scene::parse("fixed.toml", text).unwrap_or_else(|error| panic!("{error}"))
 }
 
-fn start(scene: &scene::Scene) -> run::Run {
-    let mut run = run::Run::new(scene);
+fn start(scene: &scene::Scene) -> replay::Run {
+    let mut run = replay::Run::new(scene);
     run.apply_inputs(Vec::new(), |error| Err(error.into())).expect("the scene's own events");
     run
 }
 
 /// Runs a scene to its end.
-fn run_scene(scene: &scene::Scene) -> run::Run {
+fn run_scene(scene: &scene::Scene) -> replay::Run {
     let mut run = start(scene);
     let mut collisions = CollisionCount::default();
     (0..scene.run.steps).for_each(|_| run.step(&mut collisions).expect("finite numbers"));
@@ -63,7 +63,7 @@ fn recording(scene: &scene::Scene) {
     let mut run = start(scene);
     let text = SceneText { file_name: "fixed.toml".into(), text: scene.source.text.clone() };
     let (versions, steps) = (Versions::CURRENT, scene.run.steps);
-    let header = Header { versions, config: run::engine_config(scene), steps, every: 1, scene: text, gaps: Vec::new() };
+    let header = Header { versions, config: replay::engine_config(scene), steps, every: 1, scene: text, gaps: Vec::new() };
     let mut writer = Writer::new(io::Cursor::new(Vec::new()), &header).expect("memory");
     for _ in 0..steps {
         writer.write_state(run.engine()).expect("memory");
@@ -76,24 +76,24 @@ fn recording(scene: &scene::Scene) {
 fn drawing(scene: &scene::Scene) {
     let run = run_scene(scene);
     let [width, height] = scene.size;
-    let view = View::fit(rebond::physics::Vector::new(width, height), [1280, 720], render::Style::default());
+    let view = View::new(rebond::internals::physics::Vector::new(width, height), picture::Style::default());
     let view = view.expect("a view");
     let sprites = run.engine().world().bodies.iter().map(|body| {
-        let appearance = render::Appearance {
+        let appearance = picture::Appearance {
             id: body.id,
             name: body.name.clone(),
             material: String::new(),
             color: None,
             mass: body.mass,
-            force: rebond::physics::Vector::ZERO,
+            force: rebond::internals::physics::Vector::ZERO,
             is_wall: body.is_infinite(),
         };
-        render::Sprite { appearance: appearance.into(), rect: body.rect, velocity: body.velocity, trail: Vec::new() }
+        picture::Sprite { appearance: appearance.into(), rect: body.rect, velocity: body.velocity, trail: Vec::new() }
     });
-    let frame = render::Frame { step: 0, time: 0.0, sprites: sprites.collect(), collisions: Vec::new() };
+    let frame = picture::Frame { step: 0, time: 0.0, sprites: sprites.collect(), collisions: Vec::new() };
     let mut painter = Painter::new();
     for _ in 0..3 {
-        let picture = painter.draw(&render::compose(&frame, &view));
+        let picture = painter.draw(&picture::compose(&frame, &view));
         png::encode(&picture, &Metadata::default(), io::sink()).expect("a sink accepts all bytes");
     }
 }

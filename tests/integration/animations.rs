@@ -1,11 +1,10 @@
 //! Animations and picture sequences contain exactly the drawn frames with the right display times.
 
-use crate::frames::{WORLD, moving, view};
-use rebond::render::{
-    AnimationSchedule, Frame, Metadata, Painter, Picture, RenderError, StepGrid, Thinning, View, compose, png,
-    write_apng, write_gif, write_png_sequence,
+use crate::frames::{WORLD, moving, resized, view};
+use rebond::internals::picture::{
+    AnimationSchedule, ColorBy, Frame, Metadata, Overlay, Painter, Picture, RenderError, StepGrid, Theme, Thinning,
+    View, compose, png, write_apng, write_gif, write_png_sequence,
 };
-use rebond::scene::{ColorBy, Overlay, Theme};
 use std::io::Cursor;
 use std::num::NonZero;
 
@@ -14,7 +13,7 @@ const MANY: u32 = 120;
 
 /// A small picture, because these tests do not depend on the size.
 fn small(theme: Theme, show: &[Overlay], color_by: ColorBy) -> View {
-    View::fit(WORLD, [320, 180], view(theme, show, color_by).style).unwrap()
+    View::new(WORLD, resized([320, 180], view(theme, show, color_by).style)).unwrap()
 }
 
 fn grid() -> StepGrid {
@@ -138,24 +137,20 @@ fn the_bytes_of_a_gif_do_not_depend_on_the_number_of_threads() {
 /// The snapshot of a long animation contains a hash of each picture. To see a change, render both versions.
 #[test]
 fn a_long_animation_matches_the_hashes_of_its_pictures() {
-    use rebond::picture::{PictureOptions, Source, SubjectOptions, frames, schedule, view};
+    use rebond::internals::picture::{Animation, Clip, Overlays, PictureOptions, Sequence, Source, Timing};
     use std::fmt::Write;
     let recordings = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("recordings");
     let mut hashes = String::new();
     for (name, theme) in [("click-session", Theme::Light), ("falling-heap", Theme::Dark)] {
-        let sources = [Source::open(&recordings.join(format!("{name}.mcap"))).unwrap()];
-        let options = PictureOptions {
-            every: Some(5),
-            size: Some([320, 180]),
-            theme: Some(theme),
-            show: Some(Overlay::ALL.to_vec()),
-            ..PictureOptions::new(SubjectOptions::Sequence)
-        };
-        let picture = options.resolve(&sources, &mut |_, _| ()).unwrap();
-        let schedule = schedule(&picture, &sources[0], &mut |_, _| ()).unwrap();
-        let view = view(&picture, &sources[0], &mut |_, _| ()).unwrap();
+        let source = Source::open(&recordings.join(format!("{name}.mcap"))).unwrap();
+        let mut options = PictureOptions::default();
+        (options.every, options.size) = (Some(5), Some([320, 180]));
+        (options.theme, options.show) = (Some(theme), Some(Overlays::all()));
+        let Sequence { steps, every, look } = options.resolve_sequence(&source).unwrap();
+        let animation = Animation { steps, every, timing: Timing::REAL_TIME };
+        let Clip { view, frames, .. } = Clip::new(&animation, &look, &source, &mut |_, _| ()).unwrap();
         let mut painter = Painter::new();
-        for frame in frames(&picture, &sources[0], &schedule).unwrap() {
+        for frame in frames {
             let frame = frame.unwrap();
             let drawn = painter.draw(&compose(&frame, &view));
             let hash = xxhash_rust::xxh3::xxh3_64(drawn.pixels.as_flattened());

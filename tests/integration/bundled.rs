@@ -1,7 +1,7 @@
 //! The scenes, recordings and pictures in the repository.
 
 use crate::rebond::bundled_scenes;
-use rebond::scene;
+use rebond::internals::scene;
 use std::fs;
 use std::path::Path;
 

@@ -2,10 +2,10 @@
 
 use crate::command_line::SCENE;
 use crate::rebond::{Outcome, Workplace};
-use rebond::physics::{CollisionCount, Engine, Vector};
-use rebond::recording::{Header, RunEnd, SceneText, Versions, Writer};
-use rebond::render::png;
-use rebond::{run, scene};
+use rebond::internals::physics::{CollisionCount, Engine, Vector};
+use rebond::internals::recording::{Header, RunEnd, SceneText, Versions, Writer};
+use rebond::internals::picture::png;
+use rebond::internals::{replay, scene};
 use std::fs::{self, File};
 use std::io::Cursor;
 
@@ -116,7 +116,7 @@ fn the_change_of_an_edited_scene_is_described() {
 /// Records the scene with an engine whose gravity differs by one bit.
 pub fn record_with_modified_engine(workplace: &Workplace) {
     let scene = scene::load(&workplace.path("scene.toml")).unwrap();
-    let config = run::engine_config(&scene);
+    let config = replay::engine_config(&scene);
     let text = SceneText { file_name: "scene.toml".into(), text: scene.source.text.clone() };
     let header = Header {
         versions: Versions::CURRENT,
@@ -127,8 +127,8 @@ pub fn record_with_modified_engine(workplace: &Workplace) {
         gaps: Vec::new(),
     };
     let gravity = config.gravity.map(|gravity| Vector::new(gravity.x, gravity.y.next_up()));
-    let mut engine = Engine::new(rebond::physics::EngineConfig { gravity, ..config });
-    let mut run = run::Run::new(&scene);
+    let mut engine = Engine::new(rebond::internals::physics::EngineConfig { gravity, ..config });
+    let mut run = replay::Run::new(&scene);
     let mut writer = Writer::new(File::create(workplace.path("scene.mcap")).unwrap(), &header).unwrap();
     for step in 0..=90 {
         for event in run.apply_inputs(Vec::new(), |error| Err(error.into())).unwrap() {

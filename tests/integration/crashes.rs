@@ -1,7 +1,7 @@
 //! Recordings whose writer is killed or whose output fails.
 
 use crate::rebond::Workplace;
-use rebond::recording::{self, Health};
+use rebond::internals::recording::{self, Health};
 use std::{
     process::{Child, Command, Stdio},
     thread,

@@ -1,7 +1,7 @@
 //! Resting contacts in the exact solver.
 
 use crate::world_builder::*;
-use rebond::physics::{Event, Vector, invariants};
+use rebond::internals::physics::{Event, Vector, invariants};
 
 const EARTH: Option<[f64; 2]> = Some([0.0, 9.81]);
 

@@ -1,7 +1,7 @@
 //! Impacts in the exact solver, compared with closed forms.
 
 use crate::world_builder::*;
-use rebond::physics::{StepError, Vector, invariants};
+use rebond::internals::physics::{StepError, Vector, invariants};
 
 /// The position of a point between elastic walls at 0 and `width` that has moved `distance` from 0.
 fn reflected(distance: f64, width: f64) -> f64 {
@@ -39,7 +39,7 @@ fn bouncing_ball(steps: u64, tolerance: f64) {
     let conditions = Conditions { gravity: Some([0.0, 10.0]), ..Conditions::default() };
     let floor = spec([0.0, 5.0], [10.0, 1.0], INFINITE);
     let mut engine = world(conditions, &[floor, spec([4.0, -1.0], [1.0, 1.0], 1.0)]);
-    let energy = |engine: &rebond::physics::Engine| {
+    let energy = |engine: &rebond::internals::physics::Engine| {
         invariants::kinetic_energy(engine.world()) + invariants::potential_energy(engine.world())
     };
     let before = energy(&engine);

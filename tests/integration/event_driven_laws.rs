@@ -2,7 +2,7 @@
 
 use crate::world_builder::*;
 use proptest::prelude::*;
-use rebond::physics::{BodyId, Engine, Event, Snapshot, SnapshotError, Vector, invariants};
+use rebond::internals::physics::{BodyId, Engine, Event, Snapshot, SnapshotError, Vector, invariants};
 
 const ROOM: f64 = 12.0;
 

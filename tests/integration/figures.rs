@@ -1,12 +1,13 @@
 //! Figures of small runs, in both themes.
 
 use crate::reference_image::assert_reference_image;
-use rebond::figure::{self, Axis, CollisionSubject, EnergyRun, EnergySample, FigureOptions, FigureRun};
-use rebond::physics::{
+use rebond::internals::physics::{
     Collision, Engine, EngineConfig, Event, Rect, Restitution, SolverKind, Spawn, Vector, invariants,
 };
-use rebond::render::{Appearance, CameraTarget, DisplayList, Frame, Metadata, Painter, Shape, Sprite, Style, svg};
-use rebond::scene::{Overlay, Theme};
+use rebond::internals::picture::figures::{self, Axis, CollisionSubject, EnergyRun, EnergySample, FigureRun};
+use rebond::internals::picture::{
+    Appearance, CameraTarget, DisplayList, Frame, Look, Metadata, Overlay, Painter, Shape, Sprite, Style, Theme, svg,
+};
 use std::sync::Arc;
 
 const WORLD: Vector = Vector::new(8.0, 4.5);
@@ -68,7 +69,7 @@ impl RunStates {
     fn add_state(&mut self, engine: &Engine, rate: f64) {
         let (step, world) = (engine.current_step(), engine.world());
         let time = step as f64 / rate;
-        let sprite = |body: &rebond::physics::Body| Sprite {
+        let sprite = |body: &rebond::internals::physics::Body| Sprite {
             appearance: self.bodies[body.id as usize].clone(),
             rect: body.rect,
             velocity: body.velocity,
@@ -116,15 +117,10 @@ fn fall() -> RunStates {
     run(&bodies, Some(Vector::new(0.0, 9.81)), 60.0, 120)
 }
 
-fn options(theme: Theme, caption: &str) -> FigureOptions {
-    let style = Style {
-        theme,
-        show: vec![Overlay::Name, Overlay::Grid],
-        top_speed: 8.0,
-        caption: caption.to_owned(),
-        ..Style::default()
-    };
-    FigureOptions { size: [800, 450], camera_target: CameraTarget::World, style }
+fn options(theme: Theme, caption: &str) -> Style {
+    let show = [Overlay::Name, Overlay::Grid].into();
+    let look = Look { size: [800, 450], theme, show, caption: caption.to_owned(), ..Look::default() };
+    Style { look, top_speed: 8.0, ..Style::default() }
 }
 
 /// Every kind of figure in a theme.
@@ -134,15 +130,15 @@ fn figures(theme: Theme) -> Vec<(&'static str, DisplayList)> {
     let captioned = options(theme, "Three boxes let fall, e = 0.8");
     let (pair_subjects, fall_subjects) = ([pair.first_collision()], [fall.first_collision()]);
     vec![
-        ("collision", figure::collision(&pair_subjects, &plain)),
-        ("collision-close", figure::collision(&fall_subjects, &captioned)),
-        ("minkowski", figure::minkowski(&pair_subjects, &plain)),
-        ("minkowski-close", figure::minkowski(&fall_subjects, &captioned)),
-        ("strobe", figure::strobe(&[fall.every_nth(6)], &captioned)),
-        ("filmstrip", figure::filmstrip(&[fall.every_nth(20)], &captioned)),
-        ("spacetime-x", figure::spacetime(&[fall.every_nth(1)], Axis::X, &plain)),
-        ("spacetime-y", figure::spacetime(&[fall.every_nth(1)], Axis::Y, &captioned)),
-        ("energy", figure::energy(&[fall.energies()], &captioned)),
+        ("collision", figures::collision(&pair_subjects, &plain)),
+        ("collision-close", figures::collision(&fall_subjects, &captioned)),
+        ("minkowski", figures::minkowski(&pair_subjects, &plain)),
+        ("minkowski-close", figures::minkowski(&fall_subjects, &captioned)),
+        ("strobe", figures::strobe(&[fall.every_nth(6)], &captioned)),
+        ("filmstrip", figures::filmstrip(&[fall.every_nth(20)], &captioned)),
+        ("spacetime-x", figures::spacetime(&[fall.every_nth(1)], Axis::X, &plain)),
+        ("spacetime-y", figures::spacetime(&[fall.every_nth(1)], Axis::Y, &captioned)),
+        ("energy", figures::energy(&[fall.energies()], &captioned)),
     ]
 }
 
@@ -160,12 +156,12 @@ fn side_by_side(theme: Theme) -> Vec<(&'static str, DisplayList)> {
         both.each_ref().map(|(title, run)| CollisionSubject { title: title.clone(), ..run.first_collision() });
     let options = options(theme, "One shot, two solvers");
     vec![
-        ("collision", figure::collision(&subjects, &options)),
-        ("minkowski", figure::minkowski(&subjects, &options)),
-        ("strobe", figure::strobe(&runs, &options)),
-        ("filmstrip", figure::filmstrip(&strips, &options)),
-        ("spacetime", figure::spacetime(&runs, Axis::X, &options)),
-        ("energy", figure::energy(&energies, &options)),
+        ("collision", figures::collision(&subjects, &options)),
+        ("minkowski", figures::minkowski(&subjects, &options)),
+        ("strobe", figures::strobe(&runs, &options)),
+        ("filmstrip", figures::filmstrip(&strips, &options)),
+        ("spacetime", figures::spacetime(&runs, Axis::X, &options)),
+        ("energy", figures::energy(&energies, &options)),
     ]
 }
 
@@ -188,8 +184,9 @@ fn filmstrips_show_the_camera_target() {
         ("follow", CameraTarget::Follow { name: "middle".into(), size: Vector::new(4.0, 2.25) }),
     ];
     for (name, camera_target) in targets {
-        let options = FigureOptions { camera_target, ..options(Theme::Light, "") };
-        let strip = figure::filmstrip(&[fall.every_nth(20)], &options);
+        let mut options = options(Theme::Light, "");
+        options.look.camera_target = camera_target;
+        let strip = figures::filmstrip(&[fall.every_nth(20)], &options);
         assert_reference_image(&format!("figure-filmstrip-{name}"), &Painter::new().draw(&strip));
     }
 }
@@ -240,7 +237,7 @@ fn each_kind_of_figure_matches_its_reference_in_both_themes() {
 fn an_svg_figure_matches_its_snapshot() {
     let (subjects, mut file) = ([pair().first_collision()], Vec::new());
     let metadata = Metadata { entries: vec![("rebond steps".into(), subjects[0].collision.step.to_string())] };
-    svg::encode(&figure::minkowski(&subjects, &options(Theme::Light, "")), &metadata, &mut file).unwrap();
+    svg::encode(&figures::minkowski(&subjects, &options(Theme::Light, "")), &metadata, &mut file).unwrap();
     crate::snapshot::assert_text("figure-minkowski.svg", &String::from_utf8(file).unwrap());
 }
 
@@ -248,12 +245,12 @@ fn an_svg_figure_matches_its_snapshot() {
 fn figures_without_data_have_only_a_caption() {
     let options = options(Theme::Light, "nothing");
     for list in [
-        figure::collision(&[], &options),
-        figure::minkowski(&[], &options),
-        figure::strobe(&[], &options),
-        figure::filmstrip(&[], &options),
-        figure::spacetime(&[], Axis::X, &options),
-        figure::energy(&[], &options),
+        figures::collision(&[], &options),
+        figures::minkowski(&[], &options),
+        figures::strobe(&[], &options),
+        figures::filmstrip(&[], &options),
+        figures::spacetime(&[], Axis::X, &options),
+        figures::energy(&[], &options),
     ] {
         assert_eq!(list.leaves().count(), 1, "{list}");
     }
@@ -278,12 +275,12 @@ fn extreme_coordinates_do_not_crash_a_figure() {
         let samples = [EnergyRun { title: String::new(), samples: vec![sample, sample] }];
         let (subjects, options) = ([extreme], options(Theme::Dark, ""));
         for list in [
-            figure::collision(&subjects, &options),
-            figure::minkowski(&subjects, &options),
-            figure::strobe(&runs, &options),
-            figure::filmstrip(&runs, &options),
-            figure::spacetime(&runs, Axis::Y, &options),
-            figure::energy(&samples, &options),
+            figures::collision(&subjects, &options),
+            figures::minkowski(&subjects, &options),
+            figures::strobe(&runs, &options),
+            figures::filmstrip(&runs, &options),
+            figures::spacetime(&runs, Axis::Y, &options),
+            figures::energy(&samples, &options),
         ] {
             Painter::new().draw(&list);
         }

@@ -1,8 +1,7 @@
 //! Hand-made frames, for pictures that do not depend on a solver.
 
-use rebond::physics::{Collision, Rect, Vector};
-use rebond::render::{Appearance, Frame, Sprite, Style, View};
-use rebond::scene::{ColorBy, Overlay, Theme};
+use rebond::internals::physics::{Collision, Rect, Vector};
+use rebond::internals::picture::{Appearance, ColorBy, Frame, Look, Overlay, Overlays, Sprite, Style, Theme, View};
 use std::sync::Arc;
 
 /// The world of [`collision`] and [`moving`], m.
@@ -11,13 +10,20 @@ pub const WORLD: Vector = Vector::new(16.0, 9.0);
 /// A view of that world for a small picture.
 pub fn view(theme: Theme, show: &[Overlay], color_by: ColorBy) -> View {
     let materials = ["ice", "steel", "wood"].map(str::to_owned).to_vec();
-    let style = Style { show: show.to_vec(), color_by, top_speed: 7.5, materials, ..plain(theme) };
-    View::fit(WORLD, [640, 360], style).unwrap()
+    let plain = plain(theme);
+    let look = Look { show: show.iter().copied().collect(), color_by, ..plain.look };
+    View::new(WORLD, Style { look, top_speed: 7.5, materials, ..plain }).unwrap()
 }
 
 /// A style with arrow scales that suit the bodies of [`collision`].
 pub fn plain(theme: Theme) -> Style {
-    Style { theme, show: Vec::new(), top_force: 20.0, top_impulse: 5.0, ..Style::default() }
+    let look = Look { size: [640, 360], theme, show: Overlays::default(), ..Look::default() };
+    Style { look, top_force: 20.0, top_impulse: 5.0, ..Style::default() }
+}
+
+/// A style for pictures of another size.
+pub fn resized(size: [u32; 2], style: Style) -> Style {
+    Style { look: Look { size, ..style.look }, ..style }
 }
 
 /// Two colliding boxes, some others, and four walls.

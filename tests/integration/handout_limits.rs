@@ -1,7 +1,7 @@
 //! Limits of the handout's algorithm. A change of any number here is a change of the algorithm as printed.
 
 use crate::snapshot::assert_text;
-use rebond::physics::{
+use rebond::internals::physics::{
     CollisionCount, DEFAULT_EVENTS_PER_STEP, Engine, EngineConfig, Event, Rect, Restitution, SolverKind, Spawn, Vector,
     invariants,
 };

@@ -1,8 +1,8 @@
 //! Regression tests: scenes on which the exact solver once failed. The first lines of each describe how.
 
-use rebond::{
+use rebond::internals::{
     physics::{Collision, Engine, Observer, invariants},
-    run::Run,
+    replay::Run,
     scene,
 };
 use std::{fs, path::Path};
@@ -42,7 +42,7 @@ fn hard_scenes_run_without_error_overlap_or_too_many_collisions() {
             run.step(&mut collisions)?;
             let now = invariants::worst_overlap(run.engine().world());
             overlap = if now > overlap { now } else { overlap };
-            Ok::<(), rebond::physics::StepError>(())
+            Ok::<(), rebond::internals::physics::StepError>(())
         });
         if ended.is_err() || overlap > 1e-14 || collisions.0 > MAX_COLLISIONS {
             failures.push(format!("{}: {ended:?}, overlap {overlap} m, {} collisions", path.display(), collisions.0));

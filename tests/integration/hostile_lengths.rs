@@ -15,8 +15,8 @@ use std::{
 const MAX_MEMORY: u64 = 100_000_000;
 
 /// The sizes of the largest valid chunk, and of the largest valid message in it, bytes.
-const CHUNK: usize = rebond::recording::limits::RECORD_BYTES;
-const MESSAGE: usize = rebond::recording::limits::MESSAGE_BYTES;
+const CHUNK: usize = rebond::internals::recording::limits::RECORD_BYTES;
+const MESSAGE: usize = rebond::internals::recording::limits::MESSAGE_BYTES;
 
 /// The channel ids of the topics.
 const EVENTS: u16 = 1;

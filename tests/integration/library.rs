@@ -1,9 +1,9 @@
 //! The library as used in the tests of other programs.
 
 use crate::check::{lecture_folder, record_with_modified_engine};
-use rebond::run::{self, NO_LIVE_EVENTS, RecordOptions};
-use rebond::scene::builder::{SceneBuilder, Spawn};
+use rebond::internals::replay::{self, NO_LIVE_EVENTS, RecordOptions};
 use rebond::testing::assert_replays;
+use rebond::{SceneBuilder, SpawnTable};
 use std::fs::File;
 use std::panic::catch_unwind;
 use std::path::Path;
@@ -17,11 +17,11 @@ fn panic_message(path: &Path) -> String {
 fn a_scene_built_in_code_is_recorded_and_replays() {
     let folder = tempfile::TempDir::new().unwrap();
     let path = folder.path().join("builder.mcap");
-    let spawn = vec![Spawn { at: [1.0, 1.0], velocity: [1.0, 0.25], ..Spawn::default() }];
+    let spawn = vec![SpawnTable { at: [1.0, 1.0], velocity: [1.0, 0.25], ..SpawnTable::default() }];
     let scene = SceneBuilder { spawn, ..SceneBuilder::default() }.build("builder.toml").unwrap();
-    run::record(&scene, RecordOptions::whole(&scene), NO_LIVE_EVENTS, File::create(&path).unwrap(), |_| ()).unwrap();
+    replay::record(&scene, RecordOptions::whole(&scene), NO_LIVE_EVENTS, File::create(&path).unwrap(), |_| ()).unwrap();
     assert_replays(&path);
-    let stored = rebond::picture::Source::open(&path).unwrap().scene;
+    let stored = rebond::internals::picture::Source::open(&path).unwrap().scene;
     assert_eq!(stored.inputs, scene.inputs, "the recording carries the scene as text");
 }
 

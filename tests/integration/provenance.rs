@@ -3,7 +3,7 @@
 use crate::command_line::SCENE;
 use crate::rebond::Workplace;
 use crate::snapshot::assert_text;
-use rebond::picture::{Format, Provenance, Source, redraw};
+use rebond::internals::picture::{AnimationFormat, Format, Provenance, Source, redraw};
 use std::path::Path;
 
 /// A workplace with two recordings, one per solver.
@@ -142,8 +142,8 @@ fn reading_damaged_pictures_does_not_panic() {
 
 #[test]
 fn formats_are_detected_by_extension_and_content() {
-    assert_eq!(Format::from_path(Path::new("a.apng")), Some(Format::Apng));
+    assert_eq!(Format::from_path(Path::new("a.apng")), Some(Format::Animation(AnimationFormat::Apng)));
     assert_eq!(Format::from_path(Path::new("a.tiff")), None);
-    assert_eq!(Format::from_content(b"GIF89a"), Some(Format::Gif));
+    assert_eq!(Format::from_content(b"GIF89a"), Some(Format::Animation(AnimationFormat::Gif)));
     assert_eq!(Format::from_content(b"MCAP"), None);
 }

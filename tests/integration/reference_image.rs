@@ -1,7 +1,7 @@
 //! Compares pictures with reference images: decoded pixels, without tolerance.
 
-use rebond::render::compare::{Comparison, compare, side_by_side};
-use rebond::render::{Picture, png};
+use rebond::internals::picture::compare::{Comparison, compare, side_by_side};
+use rebond::internals::picture::{Picture, png};
 use std::fs::{self, File};
 use std::io::BufReader;
 use std::path::{Path, PathBuf};

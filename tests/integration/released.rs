@@ -2,7 +2,7 @@
 //! them or reports why it cannot, and can read their states in any case.
 
 use crate::rebond::Workplace;
-use rebond::recording::{self, Playback, SEMANTICS_VERSION};
+use rebond::internals::recording::{self, Playback, SEMANTICS_VERSION};
 use std::{
     fs,
     path::{Path, PathBuf},

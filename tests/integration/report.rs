@@ -1,8 +1,8 @@
 //! Error against cost: the errors are deterministic and compared with snapshots; costs are not tested.
 
 use crate::{rebond::Workplace, reference_image::assert_reference_image, snapshot::assert_text};
-use rebond::render::png;
-use rebond::report::{self, Case, Expectation, Row, cases};
+use rebond::internals::picture::png;
+use rebond::internals::report::{self, Budget, Case, Expectation, Row, cases};
 use std::io::Cursor;
 
 /// The rows of a case at its two lowest rates, without costs.
@@ -10,7 +10,7 @@ fn rows(case: &Case) -> Vec<Row> {
     let expectation = Expectation::compute(case);
     let lowest = |factor: &u64| case.factors.iter().take(2).any(|low| low == factor);
     let run_specs = case.run_specs().into_iter().filter(|spec| lowest(&spec.factor));
-    run_specs.map(|spec| Row::measure_errors(case, spec, &expectation, false).unwrap()).collect()
+    run_specs.map(|spec| Row::measure_errors(case, spec, &expectation, Budget::Minutes).unwrap()).collect()
 }
 
 #[test]
@@ -21,13 +21,13 @@ fn errors_of_the_hard_scenes_are_unchanged() {
         "zeno" | "shot" | "cradle" | "corner" | "squeeze" | "tiles" | "support" | "overlap" => true,
         _ => false,
     };
-    let all: Vec<Row> = cases::all(false).iter().filter(|case| is_quick(case)).flat_map(rows).collect();
+    let all: Vec<Row> = cases::all(Budget::Minutes).iter().filter(|case| is_quick(case)).flat_map(rows).collect();
     assert_text("report-errors", &report::table(&all));
 }
 
 #[test]
 fn every_hard_scene_parses() {
-    for case in cases::all(true).iter().chain(&cases::growth()) {
+    for case in cases::all(Budget::Hours).iter().chain(&cases::growth()) {
         let has_many_bodies = case.text.contains("000\nseed");
         let spec = case.run_specs()[0];
         assert!(has_many_bodies || case.scene(spec).is_ok(), "{}: {:?}", case.name, case.scene(spec).err());

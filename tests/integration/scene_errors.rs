@@ -3,7 +3,8 @@
 use crate::snapshot::assert_text;
 use miette::{GraphicalReportHandler, GraphicalTheme};
 use proptest::prelude::*;
-use rebond::scene::{self, SceneError, live};
+use rebond::internals::cli::SceneReport;
+use rebond::internals::scene::{self, SceneError, live};
 
 /// A valid scene, which the tests make invalid in one place.
 const VALID: &str = r#"title = "Two boxes"
@@ -23,11 +24,11 @@ size = [1.0, 1.0]
 mass = 2.0
 "#;
 
-fn rendered(error: &SceneError) -> String {
+fn rendered(error: SceneError) -> String {
     let mut text = String::new();
     let handler =
         GraphicalReportHandler::new_themed(GraphicalTheme::unicode_nocolor()).with_width(100).with_links(false);
-    handler.render_report(&mut text, error).expect("a report is text");
+    handler.render_report(&mut text, &SceneReport::from(error)).expect("a report is text");
     text
 }
 
@@ -35,7 +36,7 @@ fn rendered(error: &SceneError) -> String {
 fn rendered_error(text: &str) -> String {
     match scene::parse("two.toml", text) {
         Ok(_) => panic!("the scene should be refused:\n{text}"),
-        Err(error) => rendered(&error),
+        Err(error) => rendered(error),
     }
 }
 
@@ -191,7 +192,7 @@ fn lines_of_events() {
         .iter()
         .map(|(title, line)| match live::parse_line(17, line) {
             Ok(event) => panic!("the line should be refused: {event:?}"),
-            Err(error) => format!("# {title}\n{}", rendered(&error)),
+            Err(error) => format!("# {title}\n{}", rendered(error)),
         })
         .collect();
     assert_text("scene-errors-events", &errors.join("\n"));
@@ -234,7 +235,7 @@ proptest! {
     ) {
         let text = format!("{}{}{}", &VALID[..cut], pieces.join(" "), &VALID[VALID.len().min(cut + skip)..]);
         if let Err(error) = scene::parse("two.toml", &text) {
-            rendered(&error);
+            rendered(error);
         }
     }
 
@@ -246,7 +247,7 @@ proptest! {
     ) {
         let line = format!("{}{}{}", &EVENT[..cut], pieces.join(""), &EVENT[EVENT.len().min(cut + skip)..]);
         if let Err(error) = live::parse_line(3, &line) {
-            rendered(&error);
+            rendered(error);
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Slow motion and freeze frames, which show states of the exact solver between two steps.
 
 use crate::rebond::Workplace;
-use rebond::physics::{Engine, EngineConfig, Event, Rect, Restitution, SolverKind, Spawn, Vector};
+use rebond::internals::physics::{Engine, EngineConfig, Event, Rect, Restitution, SolverKind, Spawn, Vector};
 use std::io::Cursor;
 
 /// A ball that hits a plate between two steps, at 0.425 s, and bounces back.
@@ -73,19 +73,15 @@ fn an_animation_freezes_at_the_instant_of_an_impact() {
 /// The freeze frame shows the ball in contact with the plate, as no recorded state does.
 #[test]
 fn a_freeze_frame_shows_the_bodies_in_contact() {
-    use rebond::picture::{PictureOptions, Source, SubjectOptions, frames, schedule};
+    use rebond::internals::picture::{Clip, PictureOptions, Source};
     let workplace = workplace("event-driven");
-    let sources = [Source::open(&workplace.path("run.mcap")).unwrap()];
-    let options = PictureOptions {
-        hold: Some(0.5),
-        fps: Some(10.0),
-        ..PictureOptions::new(SubjectOptions::Animation { max_fps: f64::INFINITY })
-    };
-    let picture = options.resolve(&sources, &mut |_, _| ()).unwrap();
-    let schedule = schedule(&picture, &sources[0], &mut |_, _| ()).unwrap();
-    let frames: Vec<_> = frames(&picture, &sources[0], &schedule).unwrap().map(Result::unwrap).collect();
+    let source = Source::open(&workplace.path("run.mcap")).unwrap();
+    let mut options = PictureOptions::default();
+    (options.hold, options.fps) = (Some(0.5), Some(10.0));
+    let (clip, _) = Clip::video(&options, &source, &mut |_, _| ()).unwrap();
+    let frames: Vec<_> = clip.frames.map(Result::unwrap).collect();
     assert_eq!(frames.len(), 14);
-    let right = |frame: &rebond::render::Frame| frame.sprites[0].rect.far_corner().x;
+    let right = |frame: &rebond::internals::picture::Frame| frame.sprites[0].rect.far_corner().x;
     assert_eq!(right(&frames[5]), 5.25, "the ball does not touch the plate");
     assert!((frames[5].time - 0.425).abs() < 1e-12, "at {}", frames[5].time);
     assert_eq!(frames[5].collisions.len(), 1, "the collision is not shown");

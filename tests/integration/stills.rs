@@ -1,10 +1,9 @@
 //! Single frames with every overlay and colouring, in both themes.
 
-use crate::frames::{collision, moving, view};
+use crate::frames::{collision, moving, resized, view};
 use crate::reference_image::assert_reference_image;
-use rebond::physics::{Rect, Vector};
-use rebond::render::{CameraTarget, Frame, Painter, Picture, Style, View, compose};
-use rebond::scene::{ColorBy, Overlay, Theme};
+use rebond::internals::physics::{Rect, Vector};
+use rebond::internals::picture::{CameraTarget, ColorBy, Frame, Look, Overlay, Painter, Picture, Style, Theme, View, compose};
 
 fn picture(frame: &Frame, view: &View) -> Picture {
     Painter::new().draw(&compose(frame, view))
@@ -40,12 +39,13 @@ fn each_colouring_matches_its_reference_in_both_themes() {
 #[test]
 fn frames_show_the_camera_target() {
     let show = [Overlay::Name, Overlay::Grid, Overlay::Axes, Overlay::Scale, Overlay::Clock];
-    let style = Style { caption: "Aimed at a part of it".into(), ..view(Theme::Light, &show, ColorBy::Body).style };
+    let style = view(Theme::Light, &show, ColorBy::Body).style;
     let window = CameraTarget::Window(Rect::new(Vector::new(3.0, 2.0), 6.0, 4.0));
     let follow = CameraTarget::Follow { name: "hull".into(), size: Vector::new(8.0, 4.5) };
     let missing = CameraTarget::Follow { name: "missing".into(), size: Vector::new(8.0, 4.5) };
-    for (name, target) in [("window", window), ("follow", follow), ("follow-lost", missing)] {
-        let view = View::new(crate::frames::WORLD, [640, 360], &target, style.clone()).unwrap();
+    for (name, camera_target) in [("window", window), ("follow", follow), ("follow-lost", missing)] {
+        let look = Look { camera_target, caption: "Aimed at a part of it".into(), ..style.look.clone() };
+        let view = View::new(crate::frames::WORLD, Style { look, ..style.clone() }).unwrap();
         assert_reference_image(&format!("frame-aim-{name}"), &picture(&collision(), &view));
     }
 }
@@ -53,9 +53,9 @@ fn frames_show_the_camera_target() {
 /// A followed body stays at the same position on the page, and resting bodies move by whole pixels.
 #[test]
 fn a_followed_body_stays_in_the_middle() {
-    let target = CameraTarget::Follow { name: "#3".into(), size: Vector::new(8.0, 4.5) };
-    let style = view(Theme::Light, &[], ColorBy::Body).style;
-    let view = View::new(crate::frames::WORLD, [640, 360], &target, style).unwrap();
+    let mut style = view(Theme::Light, &[], ColorBy::Body).style;
+    style.look.camera_target = CameraTarget::Follow { name: "#3".into(), size: Vector::new(8.0, 4.5) };
+    let view = View::new(crate::frames::WORLD, style).unwrap();
     for step in 0..60 {
         let frame = moving(5, step);
         let camera = view.camera_for(&frame);
@@ -70,7 +70,7 @@ fn a_followed_body_stays_in_the_middle() {
 #[test]
 fn a_frame_of_full_size_matches_its_reference() {
     let style = view(Theme::Light, &[Overlay::Name, Overlay::Clock, Overlay::Grid], ColorBy::Body).style;
-    let view = View::fit(crate::frames::WORLD, [1280, 720], style).unwrap();
+    let view = View::new(crate::frames::WORLD, resized([1280, 720], style)).unwrap();
     assert_reference_image("frame-full-size", &picture(&moving(30, 90), &view));
 }
 
@@ -113,14 +113,14 @@ fn extreme_coordinates_do_not_crash_a_frame() {
 fn pictures_of_any_aspect_ratio_are_drawn() {
     let style = view(Theme::Light, Overlay::ALL, ColorBy::Speed).style;
     for size in [[1, 1], [17, 1], [1, 300], [40, 30], [300, 900]] {
-        let view = View::fit(crate::frames::WORLD, size, style.clone()).unwrap();
+        let view = View::new(crate::frames::WORLD, resized(size, style.clone())).unwrap();
         assert_eq!(picture(&collision(), &view).size, size);
     }
 }
 
 #[test]
 fn a_camera_rejects_invalid_sizes() {
-    let error = |world, size| View::fit(world, size, Style::default()).unwrap_err().to_string();
+    let error = |world, size| View::new(world, resized(size, Style::default())).unwrap_err().to_string();
     assert_eq!(
         error(Vector::new(16.0, 9.0), [0, 720]),
         "a picture of 0×720 pixels cannot be drawn: each side must be 1 to 16384 pixels"

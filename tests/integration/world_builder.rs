@@ -1,6 +1,6 @@
 //! Builds worlds for tests of the exact solver, and measures them.
 
-use rebond::physics::{
+use rebond::internals::physics::{
     Body, BodyId, Collision, CollisionCount, Engine, EngineConfig, Event, Rect, Restitution, SolverKind, Spawn, Vector,
 };
 

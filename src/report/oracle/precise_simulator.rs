@@ -216,18 +216,18 @@ impl PreciseSimulator {
 impl MovingBox {
     fn new(body: &Body, gravity: [f64; 2]) -> MovingBox {
         let force = [body.constant_force.x, body.constant_force.y];
-        let inverse_mass = match body.is_infinite() {
-            true => Fixed256::zero(),
-            false => &Fixed256::from(1.0) / &Fixed256::from(body.mass),
-        };
-        let acceleration = |axis: usize| match body.is_infinite() {
-            true => Fixed256::zero(),
-            false => &Fixed256::from(gravity[axis]) + &(&Fixed256::from(force[axis]) * &inverse_mass),
+        let (inverse_mass, acceleration) = if body.is_infinite() {
+            (Fixed256::zero(), [Fixed256::zero(), Fixed256::zero()])
+        } else {
+            let inverse_mass = &Fixed256::from(1.0) / &Fixed256::from(body.mass);
+            let pushed = force.map(|force| &Fixed256::from(force) * &inverse_mass);
+            let acceleration = [0, 1].map(|axis| &Fixed256::from(gravity[axis]) + &pushed[axis]);
+            (inverse_mass, acceleration)
         };
         let mut moving = MovingBox {
             at: [body.rect.origin.x, body.rect.origin.y].map(Fixed256::from),
             velocity: [body.velocity.x, body.velocity.y].map(Fixed256::from),
-            acceleration: [0, 1].map(acceleration),
+            acceleration,
             size: [body.rect.width(), body.rect.height()].map(Fixed256::from),
             inverse_mass,
             since: Fixed256::zero(),
@@ -324,7 +324,7 @@ fn refuse_resting(a: &MovingBox, b: &MovingBox, relative: &[RelativeMotion; 2]) 
 mod tests {
     use super::super::closed_form::{Bounce, galperin_collisions};
     use super::*;
-    use crate::{run::Run, scene};
+    use crate::{replay::Run, scene};
 
     /// Corner, size, mass and velocity.
     type Sketch = ([f64; 2], [f64; 2], f64, [f64; 2]);

@@ -3,7 +3,7 @@ use std::fmt;
 use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
 use serde_json::value::RawValue;
 
-use super::node::{Entry, Node, Value};
+use super::{Entry, Node, Value};
 use crate::scene::{Diagnostic, DiagnosticKind};
 
 /// The largest nesting depth: enough for any event, and too little to exhaust the stack.

@@ -1,4 +1,4 @@
-use super::node::{Entry, Node, ReadResult, Value, shortened};
+use super::{Entry, Node, ReadResult, Value, shortened};
 use crate::scene::{
     Diagnostic, DiagnosticKind,
     diagnostics::{Reported, Reporter},

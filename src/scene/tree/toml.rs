@@ -1,6 +1,6 @@
 use ::toml::de::{DeInteger, DeTable, DeValue};
 
-use super::node::{Entry, Node, Value};
+use super::{Entry, Node, Value};
 use crate::scene::{Diagnostic, DiagnosticKind};
 
 /// Parses a TOML document as a table.

@@ -2,8 +2,9 @@
 
 use std::io;
 
-use rebond::{
-    run::{LiveEvents, OnBadEvent, RecordOptions, record},
+use rebond::internals::{
+    cli::SceneReport,
+    replay::{LiveEvents, OnBadEvent, RecordOptions, record},
     scene::{self, Scene, live},
 };
 
@@ -36,14 +37,14 @@ fn refuse(lines: &[u8]) {
     let text = String::from_utf8_lossy(lines);
     for (number, line) in (1..).zip(text.lines()) {
         if let Err(error) = live::parse_line(number, line) {
-            let _ = format!("{:?}", miette::Report::new(error));
+            let _ = format!("{:?}", miette::Report::new(SceneReport::from(error)));
         }
     }
 }
 
 fn run(lines: &[u8]) {
     let scene: Scene = scene::parse("scene.toml", SCENE).expect("a scene");
-    let options = RecordOptions { steps: scene.run.steps, every: 1, viewer: None };
+    let options = RecordOptions::whole(&scene);
     let mut live = LiveEvents::new(lines, OnBadEvent::Skip, options.steps);
     let recorded = record(&scene, options, Some(&mut live), io::sink(), |_| ()).expect("nothing that ends a run");
     assert!(recorded.error.is_some() || recorded.end.steps == options.steps);

@@ -2,10 +2,10 @@
 
 use std::io::Cursor;
 
-use rebond::{
+use rebond::internals::{
     physics::CollisionCount,
     recording::{Health, Item, Playback, Recording, recover},
-    replay::replay,
+    replay::{ALL_STEPS, Replayer},
 };
 
 /// Reads the file in every way there is.
@@ -20,8 +20,8 @@ pub fn read(file: &[u8]) {
     let _ = Playback::new(recording).count();
     recover_twice(file);
     if steps.len() <= SHORT {
-        let all = 0..=u64::MAX;
-        let _ = replay(open().expect("it opened before"), all, &mut CollisionCount::default(), &mut |_| {});
+        let replayer = Replayer::new(open().expect("it opened before"), ALL_STEPS);
+        let _ = replayer.and_then(|replayer| replayer.run(&mut CollisionCount::default(), |_| ()));
     }
 }
 

@@ -1,6 +1,6 @@
 //! Any text is a scene or a refusal that can be printed.
 
-use rebond::scene;
+use rebond::internals::{cli::SceneReport, scene};
 
 /// Reads the text as a scene.
 pub fn read(text: &str) {
@@ -10,7 +10,7 @@ pub fn read(text: &str) {
     match scene::parse("scene.toml", text) {
         Ok(scene) => assert_eq!(scene.source.text, text),
         Err(error) => {
-            let _ = format!("{:?}", miette::Report::new(error));
+            let _ = format!("{:?}", miette::Report::new(SceneReport::from(error)));
         }
     }
 }

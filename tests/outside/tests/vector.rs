@@ -6,8 +6,8 @@ mod frames;
 use hayro::hayro_interpret::InterpreterSettings;
 use hayro::hayro_syntax::Pdf;
 use hayro::{RenderCache, RenderSettings};
-use rebond::render::{DisplayList, Metadata, Painter, Picture, compose, pdf, svg};
-use rebond::scene::{ColorBy, Overlay, Theme};
+use rebond::internals::picture::{DisplayList, Metadata, Painter, Picture, compose, pdf, svg};
+use rebond::internals::picture::{ColorBy, Overlay, Theme};
 use resvg::{tiny_skia, usvg};
 
 /// Asserts that two rasters agree except for antialiasing: few pixels differ much, and no filled area does.

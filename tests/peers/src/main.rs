@@ -23,7 +23,7 @@ mod table;
 
 use engine::Engine;
 use job::{Body, Job};
-use rebond::run::Run;
+use rebond::internals::replay::Run;
 use result::Cell;
 use scenes::Scene;
 use std::path::{Path, PathBuf};
@@ -134,11 +134,11 @@ fn mark_bullets(bodies: &mut [Body]) {
 
 /// The job for all engines: the bodies that rebond spawns from the scene.
 fn job(scene: &Scene, samples: PathBuf) -> Job {
-    let parsed = rebond::scene::parse(&scene.name, &scene.toml).unwrap_or_else(|error| panic!("{error}"));
+    let parsed = rebond::internals::scene::parse(&scene.name, &scene.toml).unwrap_or_else(|error| panic!("{error}"));
     let mut run = Run::new(&parsed);
     run.apply_inputs(Vec::new(), |error| Err(error.into())).unwrap_or_else(|error| panic!("{error}"));
     let world = run.engine().world();
-    let body = |body: &rebond::physics::Body| Body {
+    let body = |body: &rebond::internals::physics::Body| Body {
         x: body.rect.origin.x,
         y: body.rect.origin.y,
         width: body.rect.width(),

@@ -1,9 +1,9 @@
 //! rebond itself, stepping without recording. The cost of a step includes sampling the state.
 
 use crate::{drive::PeerWorld, job::Job};
-use rebond::{
+use rebond::internals::{
     physics::{CollisionCount, SolverKind},
-    run::Run,
+    replay::Run,
     scene,
 };
 

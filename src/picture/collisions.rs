@@ -1,0 +1,160 @@
+//! Collisions of a recording, which are found by a replay.
+
+use super::figures::CollisionSubject;
+use super::resolve::unknown_body;
+use super::style::appearances;
+use super::{Appearance, CollisionSelector, Error, Moment, Progress, Source, StepGrid, source};
+use crate::physics::{BodyId, Collision, Observer, larger};
+use crate::replay::{ALL_STEPS, Replayer, StateObserver, Verdict};
+use crate::text::counted;
+use std::{collections::BTreeMap, sync::Arc};
+
+/// Finds the first collision with an impulse in or after `step`, between the bodies of `pair` if given,
+/// by replaying the recording.
+///
+/// # Errors
+/// If there is no such collision, or the recording cannot be read or diverges.
+pub fn find_collision(
+    source: &Source,
+    step: u64,
+    pair: Option<&[String; 2]>,
+    progress: Progress,
+) -> Result<CollisionSubject, Error> {
+    let bodies = appearances(source)?;
+    let mut search = Search { step, pair, bodies: &bodies, found: None };
+    let steps = source.header.steps;
+    let recording = source::open(&source.path)?;
+    let mut replayer = Replayer::new(recording, step..=u64::MAX).map_err(|error| source.read_error(error))?;
+    while search.found.is_none() {
+        let Some(step) = replayer.next_state(&mut search).map_err(|error| source.read_error(error))? else { break };
+        progress(step, steps);
+    }
+    if let verdict @ Verdict::Diverged(_) = replayer.verdict() {
+        return Err(Error::Diverged { path: source.path.clone(), verdict: Box::new(verdict) });
+    }
+    let found = search.found.and_then(|collision| {
+        let [c, b] = collision.bodies.map(|id| bodies.get(&id).cloned());
+        Some(CollisionSubject { title: String::new(), collision, bodies: [c?, b?] })
+    });
+    let missing = pair.into_iter().flatten().find(|&name| !source.summary.names.contains(name));
+    if let Some(name) = missing {
+        return Err(unknown_body(name, source));
+    }
+    found.ok_or_else(|| {
+        let between = pair.map_or(String::new(), |[a, b]| format!(" between {a:?} and {b:?}"));
+        let run = counted(steps, "step");
+        Error::NothingToShow { reason: format!("no collision{between} in or after step {step}, in a run of {run}") }
+    })
+}
+
+/// The selector that finds this collision again.
+pub fn collision_selector(subject: &CollisionSubject) -> CollisionSelector {
+    let [c, b] = &subject.bodies;
+    CollisionSelector { step: subject.collision.step, pair: [c.name.clone(), b.name.clone()] }
+}
+
+struct Search<'a> {
+    step: u64,
+    pair: Option<&'a [String; 2]>,
+    bodies: &'a BTreeMap<BodyId, Arc<Appearance>>,
+    found: Option<Collision>,
+}
+
+impl Search<'_> {
+    fn matches(&self, collision: &Collision) -> bool {
+        let names = || collision.bodies.map(|id| self.bodies.get(&id).map(|body| body.name.as_str()));
+        let is_pair = |[a, b]: &[String; 2]| {
+            let names = names();
+            names == [Some(a.as_str()), Some(b)] || names == [Some(b.as_str()), Some(a)]
+        };
+        collision.step >= self.step && collision.impulse != 0.0 && self.pair.is_none_or(is_pair)
+    }
+}
+
+impl Observer for Search<'_> {
+    fn collision(&mut self, collision: &Collision) {
+        if self.found.is_none() && self.matches(collision) {
+            self.found = Some(collision.clone());
+        }
+    }
+}
+
+impl StateObserver for Search<'_> {}
+
+/// The largest impulse of a run, N·s.
+pub fn max_impulse(source: &Source, progress: Progress) -> Result<f64, Error> {
+    struct MaxImpulse(f64);
+    impl Observer for MaxImpulse {
+        fn collision(&mut self, collision: &Collision) {
+            self.0 = larger(collision.impulse.abs(), self.0);
+        }
+    }
+    impl StateObserver for MaxImpulse {}
+    let mut max = MaxImpulse(0.0);
+    let steps = source.header.steps;
+    let recording = source::open(&source.path)?;
+    let replayer = Replayer::new(recording, ALL_STEPS);
+    let verdict = replayer.and_then(|replayer| replayer.run(&mut max, |step| progress(step, steps)));
+    verdict.map_err(|error| source.read_error(error))?;
+    Ok(max.0)
+}
+
+/// Returns the moments of new collisions within `grid`, in order, found by a replay. A collision is new
+/// if its two bodies did not collide in the previous step.
+///
+/// The event-driven solver gives exact instants; the handout's solver gives the state in which it
+/// detected the collision.
+///
+/// # Errors
+/// If the recording cannot be read.
+pub fn freeze_frames(source: &Source, grid: &StepGrid, progress: Progress) -> Result<Vec<Moment>, Error> {
+    let (from, rate) = (*grid.steps.start(), grid.rate);
+    let mut finder =
+        FreezeFrameFinder { from, rate, step: 0, pairs: Vec::new(), previous_pairs: Vec::new(), moments: Vec::new() };
+    let last = *grid.steps.end();
+    let recording = source::open(&source.path)?;
+    // The collisions of the step before the first decide which ones of the first step are new.
+    let replayer = Replayer::new(recording, from.saturating_sub(2)..=last);
+    let verdict = replayer.and_then(|replayer| replayer.run(&mut finder, |step| progress(step, last)));
+    verdict.map_err(|error| source.read_error(error))?;
+    Ok(finder.moments)
+}
+
+struct FreezeFrameFinder {
+    from: u64,
+    /// Hz.
+    rate: f64,
+    /// The step of the last collision.
+    step: u64,
+    /// The pairs that collided in that step and in the previous one.
+    pairs: Vec<[BodyId; 2]>,
+    previous_pairs: Vec<[BodyId; 2]>,
+    moments: Vec<Moment>,
+}
+
+impl Observer for FreezeFrameFinder {
+    fn collision(&mut self, collision: &Collision) {
+        if collision.impulse == 0.0 {
+            return;
+        }
+        if collision.step != self.step {
+            let pairs = std::mem::take(&mut self.pairs);
+            self.previous_pairs = if collision.step == self.step + 1 { pairs } else { Vec::new() };
+            self.step = collision.step;
+        }
+        let moment = if collision.time * self.rate < 1.0 {
+            Moment { step: collision.step, offset: collision.time }
+        } else {
+            Moment { step: collision.step + 1, offset: 0.0 }
+        };
+        let mut pair = collision.bodies;
+        pair.sort_unstable();
+        let is_new = !self.previous_pairs.contains(&pair) && !self.pairs.contains(&pair);
+        if is_new && moment.step >= self.from && self.moments.last() != Some(&moment) {
+            self.moments.push(moment);
+        }
+        self.pairs.push(pair);
+    }
+}
+
+impl StateObserver for FreezeFrameFinder {}

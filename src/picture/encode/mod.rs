@@ -1,0 +1,87 @@
+//! Writes pictures and animations as files, and reads and compares them.
+
+mod animation;
+pub mod apng;
+pub mod compare;
+mod decode;
+pub mod gif;
+mod lzw;
+mod ordered_parallel_map;
+pub mod pdf;
+pub mod png;
+mod quantize;
+pub mod svg;
+
+pub use animation::{draw_frames, write_apng, write_gif, write_png, write_png_sequence};
+pub use decode::{AnimationDecoder, DecodedFrame};
+pub(crate) use ordered_parallel_map::ordered_parallel_map;
+
+use crate::text::counted;
+
+/// The largest number of pixels of a picture that is read, because a damaged file may declare any size.
+const MAX_PIXELS: usize = 1 << 26;
+
+/// The metadata of a picture file: keys and values in the order in which they are written.
+///
+/// They contain no path, no date and nothing about threads or shards, so that a picture drawn again has
+/// the same bytes.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Metadata {
+    /// Keys are 1 to 79 printable ASCII characters; values are any text.
+    pub entries: Vec<(String, String)>,
+}
+
+impl Metadata {
+    /// Parses text with one `key: value` per line; other lines are ignored.
+    pub fn parse(text: &str) -> Metadata {
+        let entry = |line: &str| line.split_once(": ").map(|(key, value)| (key.to_owned(), value.to_owned()));
+        Metadata { entries: text.lines().filter_map(entry).collect() }
+    }
+}
+
+impl std::fmt::Display for Metadata {
+    /// One `key: value` per line, the form of GIF comments and SVG metadata.
+    fn fmt(&self, out: &mut std::fmt::Formatter) -> std::fmt::Result {
+        self.entries.iter().try_for_each(|(key, value)| writeln!(out, "{key}: {value}"))
+    }
+}
+
+/// An error of drawing, encoding or decoding a picture.
+#[derive(Debug, thiserror::Error)]
+pub enum RenderError {
+    /// The size of the picture is zero or too large.
+    #[error("a picture of {width}×{height} pixels cannot be drawn: each side must be 1 to {max_side} pixels")]
+    PictureSize {
+        /// Width, px.
+        width: u32,
+        /// Height, px.
+        height: u32,
+        /// Maximum width and height, px.
+        max_side: u32,
+    },
+    /// The visible part of the world is empty or not finite.
+    #[error("an area of {width} m × {height} m cannot be shown: width and height must be finite and positive")]
+    WorldSize {
+        /// Width, m.
+        width: f64,
+        /// Height, m.
+        height: f64,
+    },
+    /// The number of frames of an animation differs from the number in its header.
+    #[error("the header of the animation announces {}, but it has {found}", counted(*.expected, "frame"))]
+    PictureCount {
+        /// Number in the header.
+        expected: u64,
+        /// Number of frames written.
+        found: u64,
+    },
+    /// Writing the output failed.
+    #[error(transparent)]
+    Write(#[from] std::io::Error),
+    /// Reading the input failed.
+    #[error(transparent)]
+    Read(std::io::Error),
+    /// The picture file is damaged or has another format.
+    #[error("the picture file cannot be read: {0}")]
+    Unreadable(String),
+}

@@ -1,0 +1,285 @@
+//! Writes display lists as PDF files, for Beamer and print.
+
+use crate::physics::Vector;
+use crate::picture::text::{Font, Line, PathSegment, UNITS_PER_EM};
+use crate::picture::{Color, DisplayList, Ink, Metadata, RenderError, Shape};
+use pdf_writer::types::{LineCapStyle, LineJoinStyle};
+use pdf_writer::{Content, Filter, Finish, Name, Pdf, Rect, Ref, TextStr};
+use std::collections::BTreeSet;
+use std::io::Write;
+
+/// A pixel is 1/96 inch, as in SVG; a point is 1/72 inch.
+const POINTS_PER_PIXEL: f32 = 0.75;
+
+const CATALOG: Ref = Ref::new(1);
+const PAGES: Ref = Ref::new(2);
+const PAGE: Ref = Ref::new(3);
+const CONTENT: Ref = Ref::new(4);
+const INFO: Ref = Ref::new(5);
+
+/// Writes a display list as a PDF file of one page. Text is written as glyph outlines.
+///
+/// # Errors
+/// If writing to `output` fails.
+pub fn encode(list: &DisplayList, metadata: &Metadata, mut output: impl Write) -> Result<(), RenderError> {
+    let [width, height] = list.size.map(|side| side as f32 * POINTS_PER_PIXEL);
+    let opacities = opacities(list);
+    let mut pdf = Pdf::new();
+    pdf.catalog(CATALOG).pages(PAGES);
+    pdf.pages(PAGES).kids([PAGE]).count(1);
+    let mut page = pdf.page(PAGE);
+    page.parent(PAGES).media_box(Rect::new(0.0, 0.0, width, height)).contents(CONTENT);
+    let mut resources = page.resources();
+    let mut states = resources.ext_g_states();
+    for &opacity in &opacities {
+        let alpha = f32::from(opacity) / 255.0;
+        states
+            .insert(Name(opacity_name(opacity).as_bytes()))
+            .start::<pdf_writer::writers::ExtGraphicsState>()
+            .non_stroking_alpha(alpha)
+            .stroking_alpha(alpha);
+    }
+    states.finish();
+    resources.finish();
+    page.finish();
+    let compressed = compress(&content(list, height));
+    pdf.stream(CONTENT, &compressed).filter(Filter::FlateDecode);
+    let mut info = pdf.document_info(INFO);
+    for (key, value) in &metadata.entries {
+        info.insert(Name(key.as_bytes())).primitive(TextStr(value));
+    }
+    info.finish();
+    output.write_all(&pdf.finish())?;
+    Ok(())
+}
+
+/// Compresses to a zlib stream. The encoder is called directly, so the bytes do not depend on the deflate
+/// library that other crates select.
+fn compress(content: &[u8]) -> Vec<u8> {
+    const LEVEL: u8 = 6;
+    miniz_oxide::deflate::compress_to_vec_zlib(content, LEVEL)
+}
+
+/// Reads the metadata of a PDF file written by [`encode`].
+pub fn metadata(file: &[u8]) -> Metadata {
+    let begin = format!("{} 0 obj\n<<", INFO.get());
+    let found = file.windows(begin.len()).rposition(|bytes| bytes == begin.as_bytes());
+    let mut rest = found.map_or(&file[..0], |at| &file[at + begin.len()..]);
+    let mut entries = Vec::new();
+    while let Some((key, after)) = name(rest)
+        && let Some((value, after)) = text(after)
+    {
+        entries.push((key, value));
+        rest = after;
+    }
+    Metadata { entries }
+}
+
+/// Parses a name, with escapes such as `#20`, and returns it with the rest of the text.
+fn name(text: &[u8]) -> Option<(String, &[u8])> {
+    let mut rest = text.trim_ascii_start().strip_prefix(b"/")?;
+    let mut name = Vec::new();
+    while let [byte, after @ ..] = rest {
+        (rest, _) = match *byte {
+            b' ' | b'(' | b'<' | b'\n' => break,
+            b'#' => {
+                name.extend(hexadecimal(after.get(..2)?)?);
+                (&after[2..], ())
+            }
+            other => {
+                name.push(other);
+                (after, ())
+            }
+        };
+    }
+    Some((String::from_utf8(name).ok()?, rest))
+}
+
+/// Parses a literal or hexadecimal string and returns it with the rest of the text.
+fn text(text: &[u8]) -> Option<(String, &[u8])> {
+    let rest = text.trim_ascii_start();
+    if let Some(digits) = rest.strip_prefix(b"<") {
+        let end = digits.iter().position(|&byte| byte == b'>')?;
+        return Some((unicode(&hexadecimal(&digits[..end])?)?, &digits[end + 1..]));
+    }
+    let (bytes, rest) = literal_string(rest.strip_prefix(b"(")?)?;
+    Some((unicode(&bytes)?, rest))
+}
+
+/// Parses a literal string after its opening parenthesis.
+fn literal_string(mut rest: &[u8]) -> Option<(Vec<u8>, &[u8])> {
+    let (mut bytes, mut depth) = (Vec::new(), 0_u32);
+    loop {
+        let [byte, after @ ..] = rest else { return None };
+        rest = after;
+        match *byte {
+            b')' if depth == 0 => return Some((bytes, rest)),
+            b'\\' => {
+                let (&escaped, after) = rest.split_first()?;
+                rest = after;
+                bytes.push(match escaped {
+                    b'n' => b'\n',
+                    b'r' => b'\r',
+                    b't' => b'\t',
+                    b'b' => 8,
+                    b'f' => 12,
+                    other => other,
+                });
+            }
+            other => {
+                depth = if other == b'(' { depth + 1 } else { depth - u32::from(other == b')') };
+                bytes.push(other);
+            }
+        }
+    }
+}
+
+/// Decodes a text string: UTF-16 after a byte order mark, else ASCII.
+fn unicode(bytes: &[u8]) -> Option<String> {
+    match bytes.strip_prefix(b"\xfe\xff") {
+        Some(pairs) => {
+            let units: Vec<u16> = pairs.as_chunks::<2>().0.iter().map(|pair| u16::from_be_bytes(*pair)).collect();
+            String::from_utf16(&units).ok()
+        }
+        None => String::from_utf8(bytes.to_vec()).ok(),
+    }
+}
+
+fn hexadecimal(digits: &[u8]) -> Option<Vec<u8>> {
+    let text = std::str::from_utf8(digits).ok()?;
+    (0..text.len() / 2).map(|at| u8::from_str_radix(text.get(2 * at..2 * at + 2)?, 16).ok()).collect()
+}
+
+fn opacities(list: &DisplayList) -> BTreeSet<u8> {
+    let inks = list.leaves().filter_map(|shape| match shape {
+        Shape::Rect { ink, .. } | Shape::Polygon { ink, .. } => Some(ink),
+        Shape::Polyline { ink, .. } | Shape::Text { ink, .. } => Some(ink),
+        Shape::Clip { .. } => None,
+    });
+    inks.map(|ink| ink.opacity).chain([255]).collect()
+}
+
+fn opacity_name(opacity: u8) -> String {
+    format!("a{opacity}")
+}
+
+/// The content stream. Its first matrix changes the coordinates to pixels with y pointing down.
+fn content(list: &DisplayList, height: f32) -> Vec<u8> {
+    let mut content = Content::new();
+    content.transform([POINTS_PER_PIXEL, 0.0, 0.0, -POINTS_PER_PIXEL, 0.0, height]);
+    content.set_line_join(LineJoinStyle::RoundJoin).set_line_cap(LineCapStyle::RoundCap);
+    let mut last = None;
+    set_ink(&mut content, Ink::from(list.background), &mut last);
+    content.rect(0.0, 0.0, list.size[0] as f32, list.size[1] as f32).fill_nonzero();
+    for shape in list.backdrop.iter().chain(&list.shapes) {
+        draw_shape(&mut content, shape, &mut last);
+    }
+    content.finish().to_vec()
+}
+
+fn draw_shape(content: &mut Content, shape: &Shape, last: &mut Option<Ink>) {
+    match shape {
+        Shape::Rect { rect, ink } => {
+            set_ink(content, *ink, last);
+            let [x, y, width, height] =
+                [rect.origin.x, rect.origin.y, rect.width(), rect.height()].map(|length| length as f32);
+            content.rect(x, y, width, height).fill_nonzero();
+        }
+        Shape::Polygon { points, ink } => {
+            set_ink(content, *ink, last);
+            draw_points(content, points);
+            content.close_path().fill_nonzero();
+        }
+        Shape::Polyline { points, width, ink } => {
+            set_ink(content, *ink, last);
+            content.set_line_width(*width as f32);
+            draw_points(content, points);
+            content.stroke();
+        }
+        Shape::Clip { window, shapes } => draw_clip(content, window, shapes, last),
+        Shape::Text { line, at, ink } => {
+            set_ink(content, *ink, last);
+            draw_line(content, line, *at);
+        }
+    }
+}
+
+fn draw_clip(content: &mut Content, window: &crate::physics::Rect, shapes: &[Shape], last: &mut Option<Ink>) {
+    let [x, y, width, height] =
+        [window.origin.x, window.origin.y, window.width(), window.height()].map(|length| length.round() as f32);
+    content.save_state();
+    content.rect(x, y, width, height).clip_nonzero().end_path();
+    let outer = *last;
+    shapes.iter().for_each(|shape| draw_shape(content, shape, last));
+    content.restore_state();
+    *last = outer;
+}
+
+/// Sets the colour and opacity of the following shapes unless they are already set.
+fn set_ink(content: &mut Content, ink: Ink, last: &mut Option<Ink>) {
+    if *last == Some(ink) {
+        return;
+    }
+    let [r, g, b] = components(ink.color);
+    content.set_fill_rgb(r, g, b).set_stroke_rgb(r, g, b);
+    content.set_parameters(Name(opacity_name(ink.opacity).as_bytes()));
+    *last = Some(ink);
+}
+
+fn components(color: Color) -> [f32; 3] {
+    [color.r, color.g, color.b].map(|component| f32::from(component) / 255.0)
+}
+
+fn draw_points(content: &mut Content, points: &[Vector]) {
+    for (index, point) in points.iter().enumerate() {
+        let (x, y) = (point.x as f32, point.y as f32);
+        if index == 0 {
+            content.move_to(x, y)
+        } else {
+            content.line_to(x, y)
+        };
+    }
+}
+
+/// Draws all glyphs of a line as one path.
+fn draw_line(content: &mut Content, line: &Line, at: Vector) {
+    for glyph in &line.glyphs {
+        let (x, y) = ((at.x + glyph.x) as f32, (at.y + glyph.y) as f32);
+        let scale = (glyph.size / UNITS_PER_EM) as f32;
+        draw_outline(content, &Font::embedded().outline(glyph.id), |[glyph_x, glyph_y]| {
+            [x + glyph_x * scale, y - glyph_y * scale]
+        });
+    }
+    content.fill_nonzero();
+}
+
+fn draw_outline(content: &mut Content, outline: &[PathSegment], transform: impl Fn([f32; 2]) -> [f32; 2]) {
+    let mut from = [0.0; 2];
+    for segment in outline {
+        match *segment {
+            PathSegment::Move(to) => {
+                from = transform(to);
+                content.move_to(from[0], from[1]);
+            }
+            PathSegment::Line(to) => {
+                from = transform(to);
+                content.line_to(from[0], from[1]);
+            }
+            PathSegment::Quadratic(points) => {
+                let [control, to] = points.map(&transform);
+                let [a, b] = [from, to].map(|end| cubic_control(end, control));
+                content.cubic_to(a[0], a[1], b[0], b[1], to[0], to[1]);
+                from = to;
+            }
+            PathSegment::Close => {
+                content.close_path();
+            }
+        }
+    }
+}
+
+/// A control point of the cubic Bézier curve that equals a quadratic one (PDF has only cubic curves). It lies
+/// two thirds of the way from an end to the quadratic control point.
+fn cubic_control(end: [f32; 2], control: [f32; 2]) -> [f32; 2] {
+    [0, 1].map(|axis| (end[axis] + 2.0 * control[axis]) / 3.0)
+}

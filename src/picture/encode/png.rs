@@ -1,0 +1,179 @@
+//! Reads and writes PNG files.
+
+use super::MAX_PIXELS;
+use crate::picture::encode::quantize::IndexedImage;
+use crate::picture::raster::color::blend;
+use crate::picture::{Metadata, Picture, RenderError};
+use png::{
+    BitDepth, ColorType, Compression, Decoder, DecodingError, Encoder, EncodingError, Filter, Info, Transformations,
+};
+use std::io::{BufRead, Seek, Write};
+
+/// Writes a picture as a PNG file, with a palette if it has at most 256 colours.
+///
+/// # Errors
+/// If writing to `output` fails.
+pub fn encode(picture: &Picture, metadata: &Metadata, output: impl Write) -> Result<(), RenderError> {
+    match IndexedImage::exact(&picture.pixels) {
+        Some(indexed) => {
+            let mut encoder = encoder(picture.size, ColorType::Indexed, metadata, output)?;
+            encoder.set_palette(rgb(&indexed.palette));
+            finish(encoder, &indexed.pixels)
+        }
+        None => finish(encoder(picture.size, ColorType::Rgb, metadata, output)?, &rgb(&picture.pixels)),
+    }
+}
+
+/// An encoder with size, colour type and metadata set.
+pub(super) fn encoder<'a, W: Write>(
+    [width, height]: [u32; 2],
+    color: ColorType,
+    metadata: &Metadata,
+    output: W,
+) -> Result<Encoder<'a, W>, RenderError> {
+    let mut encoder = Encoder::new(output, width, height);
+    encoder.set_color(color);
+    encoder.set_depth(BitDepth::Eight);
+    // The bytes of this level do not depend on the deflate library that other crates select. It is made
+    // for runs of zeros, which most pixels become under the Up filter.
+    encoder.set_compression(Compression::Fast);
+    encoder.set_filter(Filter::Up);
+    for (key, value) in &metadata.entries {
+        encoder.add_itxt_chunk(key.clone(), value.clone()).map_err(write_error)?;
+    }
+    Ok(encoder)
+}
+
+/// Reads the pixels of a PNG file, blended over white, and its metadata.
+///
+/// # Errors
+/// If `input` cannot be read or is not a valid PNG file.
+pub fn decode(input: impl BufRead + Seek) -> Result<(Picture, Metadata), RenderError> {
+    let mut decoder = Decoder::new_with_limits(input, png::Limits { bytes: 4 * MAX_PIXELS });
+    decoder.set_transformations(Transformations::normalize_to_color8() | Transformations::ALPHA);
+    let mut reader = decoder.read_info().map_err(read_error)?;
+    let size = reader.output_buffer_size().filter(|&size| size <= 4 * MAX_PIXELS);
+    let size = size.ok_or_else(|| RenderError::Unreadable(format!("it declares more than {MAX_PIXELS} pixels")))?;
+    let mut bytes = vec![0; size];
+    let frame = reader.next_frame(&mut bytes).map_err(read_error)?;
+    reader.finish().map_err(read_error)?;
+    let samples = bytes[..frame.buffer_size()].chunks_exact(frame.color_type.samples());
+    let pixels = samples.map(|samples| over(rgba(samples), WHITE)).collect();
+    Ok((Picture { size: [frame.width, frame.height], pixels }, text_chunks(reader.info())))
+}
+
+/// Reads the metadata of a PNG file without its pixels.
+///
+/// # Errors
+/// If `file` is not a valid PNG file up to its pixels.
+pub fn metadata(file: &[u8]) -> Result<Metadata, RenderError> {
+    let decoder = Decoder::new_with_limits(std::io::Cursor::new(file), png::Limits { bytes: 4 * MAX_PIXELS });
+    let reader = decoder.read_info().map_err(read_error)?;
+    Ok(text_chunks(reader.info()))
+}
+
+/// The background of every picture.
+pub(super) const WHITE: [u8; 4] = [255; 4];
+
+/// Converts grey and alpha, or red, green, blue and alpha.
+pub(super) fn rgba(samples: &[u8]) -> [u8; 4] {
+    match *samples {
+        [gray, alpha] => [gray, gray, gray, alpha],
+        [r, g, b, alpha] => [r, g, b, alpha],
+        _ => WHITE,
+    }
+}
+
+/// Blends a pixel over an opaque one.
+pub(super) fn over([r, g, b, alpha]: [u8; 4], below: [u8; 4]) -> [u8; 4] {
+    let blended = |below, over| blend(below, over, alpha.into(), 255);
+    [blended(below[0], r), blended(below[1], g), blended(below[2], b), 255]
+}
+
+fn text_chunks(info: &Info) -> Metadata {
+    let entries = info.utf8_text.iter().filter_map(|chunk| Some((chunk.keyword.clone(), chunk.get_text().ok()?)));
+    Metadata { entries: entries.collect() }
+}
+
+fn read_error(error: DecodingError) -> RenderError {
+    match error {
+        DecodingError::IoError(error) => RenderError::Read(error),
+        other => RenderError::Unreadable(other.to_string()),
+    }
+}
+
+fn finish(encoder: Encoder<impl Write>, pixels: &[u8]) -> Result<(), RenderError> {
+    let mut writer = encoder.write_header().map_err(write_error)?;
+    writer.write_image_data(pixels).map_err(write_error)?;
+    writer.finish().map_err(write_error)
+}
+
+fn rgb(pixels: &[[u8; 4]]) -> Vec<u8> {
+    pixels.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect()
+}
+
+pub(super) fn write_error(error: EncodingError) -> RenderError {
+    match error {
+        EncodingError::IoError(error) => RenderError::Write(error),
+        other => RenderError::Write(std::io::Error::other(other)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Cursor;
+
+    fn shades(colors: u32) -> Picture {
+        let pixels = (0..64 * 32).map(|at| [(at % colors) as u8, ((at % colors) >> 8) as u8, 7, 255]);
+        Picture { size: [64, 32], pixels: pixels.collect() }
+    }
+
+    fn encoded(picture: &Picture) -> Vec<u8> {
+        let mut file = Vec::new();
+        encode(picture, &Metadata::default(), &mut file).unwrap();
+        file
+    }
+
+    #[test]
+    fn a_written_picture_is_read_back() {
+        for colors in [1, 2, 255, 256, 257, 1000] {
+            let (picture, metadata) = decode(Cursor::new(encoded(&shades(colors)))).unwrap();
+            assert_eq!(picture, shades(colors), "{colors} colours");
+            assert_eq!(metadata, Metadata::default());
+        }
+    }
+
+    #[test]
+    fn up_to_256_colors_are_written_with_a_palette() {
+        let color_type = |colors| encoded(&shades(colors))[25];
+        assert_eq!([color_type(256), color_type(257)], [ColorType::Indexed as u8, ColorType::Rgb as u8]);
+    }
+
+    #[test]
+    fn metadata_is_read_back() {
+        let entries = [("rebond steps", "0 to 600"), ("Title", "v⃗ = −Δx/Δt")];
+        let metadata = Metadata { entries: entries.map(|(key, value)| (key.to_owned(), value.to_owned())).to_vec() };
+        let mut file = Vec::new();
+        encode(&shades(3), &metadata, &mut file).unwrap();
+        assert_eq!(decode(Cursor::new(file)).unwrap().1, metadata);
+    }
+
+    #[test]
+    fn a_damaged_file_is_an_error() {
+        let file = encoded(&shades(300));
+        for length in [0, 7, 20, file.len() / 2, file.len() - 20] {
+            assert!(decode(Cursor::new(&file[..length])).is_err(), "{length} bytes");
+        }
+        let mut flipped = file.clone();
+        flipped[60] ^= 1;
+        assert!(decode(Cursor::new(flipped)).is_err());
+    }
+
+    #[test]
+    fn a_file_that_declares_a_giant_picture_is_an_error() {
+        let mut file = encoded(&shades(300));
+        file[16..24].copy_from_slice(&[0, 1, 0, 0, 0, 1, 0, 0]);
+        assert!(decode(Cursor::new(file)).is_err());
+    }
+}

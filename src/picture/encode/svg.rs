@@ -1,0 +1,197 @@
+//! Writes display lists as SVG files, for slides and print.
+
+use crate::physics::{Rect, Vector};
+use crate::picture::number::Hundredths;
+use crate::picture::text::{Font, Line, PathSegment, UNITS_PER_EM};
+use crate::picture::{DisplayList, Ink, Metadata, RenderError, Shape};
+use crate::text::Escaped;
+use std::collections::BTreeSet;
+use std::fmt::{self, Display, Formatter};
+use std::io::Write;
+
+/// Writes a display list as a self-contained SVG file. Text is written as glyph outlines.
+///
+/// # Errors
+/// If writing to `output` fails.
+pub fn encode(list: &DisplayList, metadata: &Metadata, mut output: impl Write) -> Result<(), RenderError> {
+    let [width, height] = list.size;
+    writeln!(
+        output,
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\">"
+    )?;
+    if !metadata.entries.is_empty() {
+        writeln!(output, "<metadata>{}</metadata>", Escaped(&metadata.to_string()))?;
+    }
+    encode_glyphs(list, &mut output)?;
+    writeln!(output, "<rect width=\"{width}\" height=\"{height}\" fill=\"{}\"/>", list.background)?;
+    for shape in list.backdrop.iter().chain(&list.shapes) {
+        encode_shape(shape, &mut output)?;
+    }
+    writeln!(output, "</svg>")?;
+    Ok(())
+}
+
+/// Reads the metadata of an SVG file written by [`encode`].
+pub fn metadata(file: &[u8]) -> Metadata {
+    let text = String::from_utf8_lossy(file);
+    let begin = text.split_once("<metadata>").map_or("", |(_, rest)| rest);
+    let escaped = begin.split_once("</metadata>").map_or("", |(content, _)| content);
+    let plain = escaped.replace("&lt;", "<").replace("&gt;", ">").replace("&quot;", "\"").replace("&amp;", "&");
+    Metadata::parse(&plain)
+}
+
+/// Writes a definition of every used glyph, in font units with y pointing up.
+fn encode_glyphs(list: &DisplayList, output: &mut impl Write) -> Result<(), RenderError> {
+    let lines = list.leaves().filter_map(|shape| match shape {
+        Shape::Text { line, .. } => Some(line),
+        Shape::Rect { .. } | Shape::Polygon { .. } | Shape::Polyline { .. } | Shape::Clip { .. } => None,
+    });
+    let used: BTreeSet<u16> = lines.flat_map(|line| line.glyphs.iter().map(|glyph| glyph.id)).collect();
+    writeln!(output, "<defs>")?;
+    for id in used {
+        write!(output, "<path id=\"g{id}\" d=\"")?;
+        Font::embedded().outline(id).iter().try_for_each(|segment| write!(output, "{}", PathData(segment)))?;
+        writeln!(output, "\"/>")?;
+    }
+    writeln!(output, "</defs>")?;
+    Ok(())
+}
+
+fn encode_shape(shape: &Shape, output: &mut impl Write) -> Result<(), RenderError> {
+    match shape {
+        Shape::Rect { rect, ink } => writeln!(
+            output,
+            "<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"{}/>",
+            Hundredths(rect.origin.x),
+            Hundredths(rect.origin.y),
+            Hundredths(rect.width()),
+            Hundredths(rect.height()),
+            Fill(*ink)
+        )?,
+        Shape::Polygon { points, ink } => writeln!(output, "<polygon points=\"{}\"{}/>", Points(points), Fill(*ink))?,
+        Shape::Polyline { points, width, ink } => writeln!(
+            output,
+            "<polyline points=\"{}\" fill=\"none\" stroke-linecap=\"round\" stroke-linejoin=\"round\" stroke-width=\"{}\"{}/>",
+            Points(points),
+            Hundredths(*width),
+            Stroke(*ink)
+        )?,
+        Shape::Clip { window, shapes } => encode_clip(window, shapes, output)?,
+        Shape::Text { line, at, ink } => encode_line(line, *at, *ink, output)?,
+    }
+    Ok(())
+}
+
+/// Writes a nested `svg` element, which clips its content.
+fn encode_clip(window: &Rect, shapes: &[Shape], output: &mut impl Write) -> Result<(), RenderError> {
+    let [x, y, width, height] = [window.origin.x, window.origin.y, window.width(), window.height()].map(f64::round);
+    writeln!(
+        output,
+        "<svg x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" viewBox=\"{x} {y} {width} {height}\">"
+    )?;
+    shapes.iter().try_for_each(|shape| encode_shape(shape, output))?;
+    writeln!(output, "</svg>")?;
+    Ok(())
+}
+
+/// Writes the glyphs of a line as a group that is labelled with its text.
+fn encode_line(line: &Line, at: Vector, ink: Ink, output: &mut impl Write) -> Result<(), RenderError> {
+    writeln!(output, "<g role=\"img\" aria-label=\"{}\"{}>", Escaped(&line.text), Fill(ink))?;
+    for glyph in &line.glyphs {
+        let scale = glyph.size / UNITS_PER_EM;
+        writeln!(
+            output,
+            "<use href=\"#g{}\" transform=\"translate({} {}) scale({scale} {})\"/>",
+            glyph.id,
+            Hundredths(at.x + glyph.x),
+            Hundredths(at.y + glyph.y),
+            -scale
+        )?;
+    }
+    writeln!(output, "</g>")?;
+    Ok(())
+}
+
+struct Points<'a>(&'a [Vector]);
+
+impl Display for Points<'_> {
+    fn fmt(&self, out: &mut Formatter) -> fmt::Result {
+        for (index, point) in self.0.iter().enumerate() {
+            let space = if index == 0 { "" } else { " " };
+            write!(out, "{space}{},{}", Hundredths(point.x), Hundredths(point.y))?;
+        }
+        Ok(())
+    }
+}
+
+struct Fill(Ink);
+
+impl Display for Fill {
+    fn fmt(&self, out: &mut Formatter) -> fmt::Result {
+        write!(out, " fill=\"{}\"", self.0.color)?;
+        match self.0.opacity {
+            255 => Ok(()),
+            opacity => write!(out, " fill-opacity=\"{}\"", f32::from(opacity) / 255.0),
+        }
+    }
+}
+
+struct Stroke(Ink);
+
+impl Display for Stroke {
+    fn fmt(&self, out: &mut Formatter) -> fmt::Result {
+        write!(out, " stroke=\"{}\"", self.0.color)?;
+        match self.0.opacity {
+            255 => Ok(()),
+            opacity => write!(out, " stroke-opacity=\"{}\"", f32::from(opacity) / 255.0),
+        }
+    }
+}
+
+struct PathData<'a>(&'a PathSegment);
+
+impl Display for PathData<'_> {
+    fn fmt(&self, out: &mut Formatter) -> fmt::Result {
+        match self.0 {
+            PathSegment::Move([x, y]) => write!(out, "M{x} {y}"),
+            PathSegment::Line([x, y]) => write!(out, "L{x} {y}"),
+            PathSegment::Quadratic([[cx, cy], [x, y]]) => write!(out, "Q{cx} {cy} {x} {y}"),
+            PathSegment::Close => write!(out, "Z"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::picture::Color;
+
+    fn encoded(shape: Shape, metadata: &Metadata) -> String {
+        let list =
+            DisplayList { size: [8, 6], background: Color::hex(0xffffff), backdrop: Vec::new(), shapes: vec![shape] };
+        let mut file = Vec::new();
+        encode(&list, metadata, &mut file).unwrap();
+        String::from_utf8(file).unwrap()
+    }
+
+    #[test]
+    fn a_rectangle_becomes_a_rect_element() {
+        let ink = Ink { color: Color::hex(0x0072b2), opacity: 51 };
+        let rect = Rect::new(Vector::new(-0.001, 2.25), 3.0, 1.0);
+        let file = encoded(Shape::Rect { rect, ink }, &Metadata::default());
+        assert!(
+            file.contains("<rect x=\"0\" y=\"2.25\" width=\"3\" height=\"1\" fill=\"#0072b2\" fill-opacity=\"0.2\"/>"),
+            "{file}"
+        );
+    }
+
+    #[test]
+    fn text_and_metadata_are_escaped() {
+        let line = Line::plain("<\"&\u{1}\">", 10.0);
+        let text = Shape::Text { line, at: Vector::ZERO, ink: Ink::from(Color::hex(0)) };
+        let entries = vec![("a<b".to_owned(), "c&d".to_owned())];
+        let file = encoded(text, &Metadata { entries });
+        assert!(file.contains("aria-label=\"&lt;&quot;&amp;&quot;&gt;\""), "{file}");
+        assert!(file.contains("<metadata>a&lt;b: c&amp;d\n</metadata>"), "{file}");
+    }
+}

@@ -1,0 +1,267 @@
+//! The axes of diagrams.
+
+use super::panels::outline;
+use crate::physics::{Rect, Vector, larger, smaller};
+use crate::picture::number::{log10, multiples_within, nice_spacing, tick_label};
+use crate::picture::text::Line;
+use crate::picture::{Ink, Metrics, Shape};
+
+/// The axes of a diagram.
+pub struct Axes {
+    /// The plot area inside the frame, px.
+    pub plot_area: Rect,
+    /// The horizontal scale, from left to right.
+    pub x: Scale,
+    /// The vertical scale, from the lower to the upper border.
+    pub y: Scale,
+}
+
+/// Maps the values of an axis to positions between its ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Scale {
+    /// Equal differences have equal lengths.
+    Linear(Range),
+    /// Equal ratios have equal lengths.
+    Log {
+        /// The exponents of ten at both ends.
+        decades: Range,
+        /// True if zero is shown, at a separate position before the first decade.
+        has_zero: bool,
+    },
+}
+
+/// A range of values.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Range {
+    /// Value at the left or lower border.
+    pub from: f64,
+    /// Value at the right or upper border.
+    pub to: f64,
+}
+
+impl Range {
+    /// The range of the finite values, or `None` without any. A range too narrow to divide by is widened.
+    pub fn of(values: impl Iterator<Item = f64>) -> Option<Range> {
+        let mut finite = values.filter(|value| value.is_finite());
+        let first = finite.next()?;
+        let range = finite.fold(Range { from: first, to: first }, Range::including);
+        let size = larger(range.from.abs(), range.to.abs());
+        let min_length = if size > 0.0 { size * 1e-12 } else { 1.0 };
+        if range.to - range.from >= min_length {
+            return Some(range);
+        }
+        Some(Range { from: range.from - min_length / 2.0, to: range.to + min_length / 2.0 })
+    }
+
+    /// The range extended at both ends by a fraction of its length.
+    pub fn widened(self, fraction: f64) -> Range {
+        let margin = fraction * (self.to - self.from);
+        Range { from: self.from - margin, to: self.to + margin }
+    }
+
+    /// The range extended to include a value.
+    pub fn including(self, value: f64) -> Range {
+        Range { from: smaller(value, self.from), to: larger(value, self.to) }
+    }
+
+    /// The position of a value between the ends, 0 to 1.
+    fn fraction(self, value: f64) -> f64 {
+        (value - self.from) / (self.to - self.from)
+    }
+}
+
+/// The titles of the two axes, as markup.
+pub struct AxisTitles<'a> {
+    /// Title of the horizontal axis, below the diagram.
+    pub x: &'a str,
+    /// Title of the vertical axis, above the left border.
+    pub y: &'a str,
+}
+
+/// The fraction of a logarithmic scale reserved for zero.
+const ZERO_FRACTION: f64 = 0.12;
+
+impl Scale {
+    /// The logarithmic scale of the whole decades that contain the positive values, at least two decades long.
+    pub fn log(values: impl Iterator<Item = f64> + Clone) -> Scale {
+        let has_zero = values.clone().any(|value| value == 0.0);
+        let range = Range::of(values.map(log10)).unwrap_or(Range { from: -1.0, to: 1.0 });
+        let mut decades = Range { from: range.from.floor(), to: range.to.ceil() };
+        while decades.to - decades.from < 2.0 {
+            decades = Range { from: decades.from, to: decades.to + 1.0 };
+        }
+        Scale::Log { decades, has_zero }
+    }
+
+    /// The position of a value between the ends, 0 to 1.
+    fn fraction(self, value: f64) -> f64 {
+        match self {
+            Scale::Linear(range) => range.fraction(value),
+            Scale::Log { decades, has_zero } => {
+                let start = if has_zero { ZERO_FRACTION } else { 0.0 };
+                if value == 0.0 { start / 2.0 } else { start + (1.0 - start) * decades.fraction(log10(value)) }
+            }
+        }
+    }
+
+    /// Ticks at round values, approximately `max_count` at most.
+    fn ticks(self, max_count: f64) -> Vec<Tick> {
+        match self {
+            Scale::Linear(range) => linear_ticks(range, max_count),
+            Scale::Log { decades, has_zero } => {
+                let zero = has_zero.then(|| Tick { value: 0.0, label: "0".to_owned() });
+                zero.into_iter().chain(decade_ticks(decades, max_count)).collect()
+            }
+        }
+    }
+}
+
+impl Axes {
+    /// Creates axes in `panel`, which also contains tick labels and titles, with `right` px left free on the right.
+    pub fn within(panel: &Rect, x: Scale, y: Scale, right: f64, metrics: &Metrics) -> Axes {
+        let (below, above) = (2.4 * metrics.font_size, 1.5 * metrics.font_size);
+        let height = panel.height() - above - below;
+        let max_ticks = match y {
+            Scale::Linear(_) => height,
+            Scale::Log { .. } => panel.height(),
+        } / (TICK_HEIGHT * metrics.font_size);
+        let widths = y.ticks(max_ticks).into_iter().map(|tick| tick.line(metrics).width);
+        let left = (widths.fold(2.0 * metrics.font_size, larger) + 0.8 * metrics.font_size).ceil();
+        let near = panel.origin.add(Vector::new(left, above));
+        let far = near.add(Vector::new(panel.width() - left - right - 0.5 * metrics.font_size, height));
+        let near = Vector::new(near.x.round(), near.y.round());
+        Axes { plot_area: Rect::new(near, far.x.round() - near.x, far.y.round() - near.y), x, y }
+    }
+
+    /// The page position of a point, px.
+    pub fn point(&self, x: f64, y: f64) -> Vector {
+        let across = self.x.fraction(x) * self.plot_area.width();
+        let up = self.y.fraction(y) * self.plot_area.height();
+        Vector::new(self.plot_area.origin.x + across, self.plot_area.far_corner().y - up)
+    }
+
+    /// Draws grid lines, tick labels, titles and the frame.
+    pub fn draw(&self, titles: &AxisTitles, metrics: &Metrics, shapes: &mut Vec<Shape>) {
+        let (area, far) = (self.plot_area, self.plot_area.far_corner());
+        let (font_size, thin) = (metrics.font_size, (metrics.line_width / 2.0).ceil());
+        let [grid, muted] = [metrics.palette.grid, metrics.palette.muted].map(Ink::from);
+        // Powers of ten are narrower than decimal numbers, and the titles of logarithmic axes are longer.
+        let (tick_width, title_size) = match self.x {
+            Scale::Linear(_) => (5.0, 0.9 * font_size),
+            Scale::Log { .. } => (4.0, 0.85 * font_size),
+        };
+        for tick in self.x.ticks(area.width() / (tick_width * font_size)) {
+            let x = (area.origin.x + self.x.fraction(tick.value) * area.width()).round();
+            shapes.push(Shape::Rect { rect: Rect::new(Vector::new(x, area.origin.y), thin, area.height()), ink: grid });
+            let line = tick.line(metrics);
+            let at = Vector::new(x - line.width / 2.0, far.y + 1.1 * font_size);
+            shapes.push(Shape::Text { line, at, ink: muted });
+        }
+        for tick in self.y.ticks(area.height() / (TICK_HEIGHT * font_size)) {
+            let y = (far.y - self.y.fraction(tick.value) * area.height()).round();
+            shapes.push(Shape::Rect { rect: Rect::new(Vector::new(area.origin.x, y), area.width(), thin), ink: grid });
+            let line = tick.line(metrics);
+            let at = Vector::new(area.origin.x - line.width - 0.5 * font_size, y + line.height() / 2.0);
+            shapes.push(Shape::Text { line, at, ink: muted });
+        }
+        shapes.extend(outline(&area, thin, metrics.palette.wall_edge.into()));
+        let ink = metrics.palette.ink.into();
+        let line = Line::math(titles.x, title_size);
+        let below = Vector::new((far.x - line.width).round(), (far.y + 2.2 * font_size).round());
+        shapes.push(Shape::Text { line, at: below, ink });
+        let line = Line::math(titles.y, title_size);
+        let above = Vector::new(area.origin.x, (area.origin.y - 0.5 * font_size).round());
+        shapes.push(Shape::Text { line, at: above, ink });
+    }
+
+    /// A curve through points, clipped to the plot area. Points closer than half a pixel to the one before are dropped.
+    pub fn curve(&self, points: impl Iterator<Item = [f64; 2]>, width: f64, ink: Ink) -> Shape {
+        let mut vertices: Vec<Vector> = Vec::new();
+        for [x, y] in points {
+            let at = self.point(x, y);
+            let is_distinct = vertices.last().is_none_or(|last| at.sub(*last).norm() >= 0.5);
+            if is_distinct && at.is_finite() {
+                vertices.push(at);
+            }
+        }
+        Shape::Clip { window: self.plot_area, shapes: vec![Shape::Polyline { points: vertices, width, ink }] }
+    }
+}
+
+/// Minimum distance of the ticks of a vertical axis, in font sizes.
+const TICK_HEIGHT: f64 = 2.0;
+
+struct Tick {
+    value: f64,
+    label: String,
+}
+
+impl Tick {
+    fn line(&self, metrics: &Metrics) -> Line {
+        Line::math(&self.label, 0.8 * metrics.font_size)
+    }
+}
+
+/// Ticks at multiples of 1, 2 or 5 × 10ⁿ within a range.
+fn linear_ticks(range: Range, max_count: f64) -> Vec<Tick> {
+    let (low, high) = (smaller(range.from, range.to), larger(range.from, range.to));
+    let spacing = nice_spacing((high - low) / larger(max_count, 2.0));
+    let power = PowerOfTen::of(larger(low.abs(), high.abs()), spacing);
+    let tick = |value| Tick { value, label: power.label(value, spacing) };
+    multiples_within([low, high], spacing, 0.0).take(100).map(tick).collect()
+}
+
+/// Ticks at every power of ten, or at every second, third, fifth … one.
+fn decade_ticks(decades: Range, max_count: f64) -> impl Iterator<Item = Tick> {
+    let length = decades.to - decades.from;
+    let spacing = [1.0, 2.0, 3.0, 5.0, 10.0, 20.0, 50.0].into_iter().find(|spacing| length / spacing <= max_count);
+    let exponents = multiples_within([decades.from, decades.to], spacing.unwrap_or(100.0), 0.0);
+    exponents.map(|exponent| Tick { value: power_of_ten(exponent), label: power_label(exponent) })
+}
+
+fn power_label(exponent: f64) -> String {
+    match exponent {
+        0.0 => "1".into(),
+        1.0 => "10".into(),
+        2.0 => "100".into(),
+        exponent => format!("10^{{{exponent}}}"),
+    }
+}
+
+fn power_of_ten(exponent: f64) -> f64 {
+    let count = exponent.abs() as u32;
+    let power = (0..count).fold(1.0, |power, _| power * 10.0);
+    if exponent < 0.0 { 1.0 / power } else { power }
+}
+
+/// The common power of ten of the tick labels of an axis.
+struct PowerOfTen {
+    value: f64,
+    exponent: i32,
+}
+
+impl PowerOfTen {
+    /// Selects the power of ten of the largest value, or 1 if the labels are short enough without it.
+    fn of(largest: f64, spacing: f64) -> PowerOfTen {
+        let mut power = PowerOfTen { value: 1.0, exponent: 0 };
+        if (1e-4..1e5).contains(&spacing) && largest < 1e9 && !(largest >= 1e6 && spacing >= 1e4) {
+            return power;
+        }
+        while power.value * 10.0 <= largest * (1.0 + 1e-9) && power.exponent < 300 {
+            power = PowerOfTen { value: power.value * 10.0, exponent: power.exponent + 1 };
+        }
+        while power.value > largest * (1.0 + 1e-9) && power.exponent > -300 {
+            power = PowerOfTen { value: power.value / 10.0, exponent: power.exponent - 1 };
+        }
+        power
+    }
+
+    fn label(&self, value: f64, spacing: f64) -> String {
+        let plain = tick_label(value / self.value + 0.0, spacing / self.value);
+        match self.exponent {
+            0 => plain,
+            _ if value == 0.0 => "0".to_owned(),
+            exponent => format!("{plain}·10^{{{exponent}}}"),
+        }
+    }
+}

@@ -1,0 +1,120 @@
+use super::collision::label_arrow;
+use super::pair::{Pair, ROLES};
+use super::panels::Panels;
+use crate::physics::{Axis, Rect, Vector, smaller};
+use crate::picture::layers::contacts::contact_center;
+use crate::picture::layers::labels::LabelPlacer;
+use crate::picture::number::{format_significant, nice_spacing};
+use crate::picture::text::Line;
+use crate::picture::{Arrow, Camera, Color, Metrics, Shape};
+
+/// A close-up of the contact, magnified until the penetration is clearly visible.
+pub struct CloseUp {
+    /// The pair in faded colours, so that vectors stand out.
+    pair: Pair,
+    /// Pixels per metre.
+    scale: f64,
+    /// Magnification relative to the other panels of the figure.
+    zoom: f64,
+}
+
+impl CloseUp {
+    /// Creates the close-up for a figure whose other panels have `scale` pixels per metre.
+    pub fn new(pair: &Pair, scale: f64, metrics: &Metrics) -> CloseUp {
+        let depth = pair.collision.penetration.norm() * scale;
+        let target_length = 5.0 * metrics.font_size;
+        let zoom =
+            if depth > 0.0 && depth < target_length { smaller(nice_spacing(target_length / depth), 1e9) } else { 1.0 };
+        CloseUp { pair: pair.faded(metrics), scale: scale * zoom, zoom }
+    }
+
+    /// Draws the boxes, their overlap, and the vectors of the contact.
+    pub fn draw(&self, panel: &Rect, panels: &mut Panels) {
+        let metrics = panels.metrics;
+        let rects = &self.pair.collision.rects;
+        let origin = contact_center(rects).sub(panel.center().mult(1.0 / self.scale));
+        let camera = Camera { scale: self.scale, origin, ..self.pair.camera(panel, self.scale) };
+        let mut shapes = self.pair.boxes(&camera, rects, &metrics);
+        let page_rects = rects.map(|rect| camera.rect(&rect));
+        if let Some(rect) = page_rects[0].intersection(&page_rects[1]) {
+            let pale = metrics.palette.penetration.mix(metrics.palette.background, 70);
+            shapes.push(Shape::Rect { rect, ink: pale.into() });
+        }
+        if self.zoom == 1.0 {
+            let normal = self.pair.collision.normal.mult(5.0 * metrics.font_size);
+            let from = camera.point(contact_center(rects));
+            let arrow = Arrow {
+                from,
+                to: from.add(normal.mult(1.4)),
+                width: metrics.line_width,
+                color: metrics.palette.normal,
+            };
+            let names = self.pair.names(&camera, rects, &[arrow], &metrics);
+            names.into_iter().for_each(|name| name.draw_bare(&mut shapes));
+        } else {
+            shapes.extend([0, 1].map(|at| self.role_label(at, panel, &metrics)));
+        }
+        panels.shapes.push(Shape::Clip { window: *panel, shapes });
+        if page_rects.iter().any(|rect| !panel.contains(rect)) {
+            panels.draw_frame(panel);
+        }
+        self.draw_vectors(panel, panels);
+    }
+
+    /// The handout's name of a box as a label on the box's side of the contact.
+    fn role_label(&self, at: usize, panel: &Rect, metrics: &Metrics) -> Shape {
+        let line = Line::math(ROLES[at], 1.4 * metrics.font_size);
+        let side = self.pair.collision.normal.mult(if at == 0 { 0.4 } else { -0.4 });
+        let normal = Vector::new(side.x * panel.width(), side.y * panel.height());
+        let middle = panel.center().add(normal);
+        let baseline = middle.add(Vector::new(-line.width / 2.0, line.height() / 2.0));
+        Shape::Text { line, at: baseline, ink: metrics.palette.text_on(self.pair.colors[at]).into() }
+    }
+
+    /// Draws normal, penetration and its shares side by side along the contact.
+    fn draw_vectors(&self, panel: &Rect, panels: &mut Panels) {
+        let metrics = panels.metrics;
+        let normal = self.pair.collision.normal;
+        let penetration = self.pair.collision.penetration.mult(self.scale);
+        let spacing = if penetration == Vector::ZERO { 0.0 } else { self.contact_length() * self.scale / 3.0 };
+        let across = if normal.x == 0.0 { panel.width() } else { panel.height() };
+        let spacing = smaller(spacing, smaller(4.0 * metrics.font_size, 0.3 * across));
+        let step = Vector::new(-normal.y, normal.x).mult(spacing);
+        let [share_c, share_b] = self.pair.collision.shares;
+        let blue = Color::hex(0x0072b2).mix(metrics.palette.ink, 20);
+        let from =
+            |steps: f64, penetrations: f64| panel.center().add(step.mult(steps)).sub(penetration.mult(penetrations));
+        let vectors = [
+            (from(-1.0, 0.0), normal.mult(5.0 * metrics.font_size), metrics.palette.normal, "n̂"),
+            (from(0.0, 0.5), penetration, metrics.palette.penetration, "n⃗"),
+            (from(1.0, 0.0), penetration.mult(share_c), blue, "N_c n⃗"),
+            (from(1.0, 0.0), penetration.mult(-share_b), blue, "-N_b n⃗"),
+        ];
+        let mut placer = LabelPlacer::within(*panel);
+        for &(from, vector, _, _) in &vectors {
+            placer.avoid_line(from, from.add(vector), 3.0);
+        }
+        for (from, vector, color, name) in vectors.into_iter().filter(|(_, vector, _, _)| vector.norm() > 0.0) {
+            let arrow = Arrow { from, to: from.add(vector), width: 1.5 * metrics.line_width, color };
+            arrow.draw(&metrics, &mut panels.shapes);
+            label_arrow(&arrow, name, &mut placer, panels);
+        }
+    }
+
+    /// Length of the shared face of the two boxes, m.
+    fn contact_length(&self) -> f64 {
+        let [c, b] = &self.pair.collision.rects;
+        c.overlap_along(if self.pair.collision.normal.x == 0.0 { Axis::X } else { Axis::Y }, b)
+    }
+
+    /// The caption below the panel, as markup.
+    pub fn title(&self) -> String {
+        let state = if self.pair.collision.penetration == Vector::ZERO { "they touch" } else { "they overlap" };
+        let zoom = if self.zoom == 1.0 {
+            String::new()
+        } else {
+            format!(", {} \"times larger\"", format_significant(self.zoom, 1))
+        };
+        format!("\"(b) {state}\"{zoom}")
+    }
+}

@@ -1,0 +1,236 @@
+use super::CollisionSubject;
+use super::pair::Pair;
+use super::panels::{Panels, above_caption, caption, dashed, draw_rows, outline};
+use crate::physics::{Rect, Vector, larger, smaller};
+use crate::picture::layers::bodies::border_color;
+use crate::picture::layers::labels::LabelPlacer;
+use crate::picture::number::{format_significant, nice_spacing};
+use crate::picture::text::Line;
+use crate::picture::{Arrow, Camera, Color, DisplayList, Metrics, Shape, Style};
+
+/// Figure 2 of the handout: (a) boxes c and b at contact; (b) their Minkowski difference s = b ⊖ c around the origin,
+/// with the vectors from the origin to its four sides, the shortest of which is the penetration vector n⃗; (c) the same
+/// magnified, if n⃗ is too short in (b).
+pub fn minkowski(subjects: &[CollisionSubject], style: &Style) -> DisplayList {
+    draw_rows(subjects, style, row)
+}
+
+/// Draws the panels of one collision.
+fn row(subject: &CollisionSubject, panels: &mut Panels, style: &Style) {
+    let pair = Pair::new(subject, style);
+    let difference = MinkowskiDifference::new(&pair, &panels.metrics);
+    let panel_rects = |count: usize, panels: &Panels| -> Vec<Rect> {
+        panels.grid(count, count).iter().map(|cell| above_caption(cell, &panels.metrics)).collect()
+    };
+    let scale = |panel: &Rect| smaller(pair.scale(panel), difference.scale(panel));
+    let two = panel_rects(2, panels);
+    let zoom = difference.zoom(scale(&two[0]), &panels.metrics);
+    let panel_rects = if zoom == 1.0 { two } else { panel_rects(3, panels) };
+    let scale = scale(&panel_rects[0]);
+    pair.draw_at_contact(&panel_rects[0], scale, &[], panels);
+    caption(&panel_rects[0], "\"(a) the boxes\" c \"and\" b", panels);
+    let length_label = if zoom == 1.0 { LengthLabel::Shown } else { LengthLabel::Hidden };
+    difference.draw(&panel_rects[1], scale, difference.middle, length_label, panels);
+    caption(&panel_rects[1], "\"(b)\" s = b ⊖ c \"around the origin\"", panels);
+    if let Some(panel) = panel_rects.get(2) {
+        difference.draw(panel, scale * zoom, Vector::ZERO, LengthLabel::Shown, panels);
+        caption(panel, &format!("\"(c)\" {} \"times larger\"", format_significant(zoom, 1)), panels);
+    }
+}
+
+/// The Minkowski difference s = b ⊖ c and how it is drawn.
+struct MinkowskiDifference {
+    /// The difference s, m.
+    rect: Rect,
+    /// Fill colour of the difference.
+    fill: Color,
+    /// The vectors from the origin to the four sides in the handout's order: left, right, top, bottom, m.
+    vectors: [Vector; 4],
+    /// Index of the shortest vector.
+    shortest: usize,
+    /// Middle of the visible area, m.
+    middle: Vector,
+    /// Width and height of the visible area, m.
+    extent: Vector,
+}
+
+/// The label with the length of the shortest vector, shown in the panel where that vector is large enough.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum LengthLabel {
+    Shown,
+    Hidden,
+}
+
+/// A penetration up to this fraction of the size of the difference counts as zero.
+const TOUCH_TOLERANCE: f64 = 1e-12;
+
+/// Maximum extent of the visible area on each side of the origin, relative to the size of the smaller box.
+const MAX_EXTENT: f64 = 2.5;
+
+impl MinkowskiDifference {
+    fn new(pair: &Pair, metrics: &Metrics) -> MinkowskiDifference {
+        let [c, b] = &pair.collision.rects;
+        let rect = c.minkowski_difference(b);
+        let size = smaller(larger(c.width(), c.height()), larger(b.width(), b.height()));
+        let max_extent = MAX_EXTENT * size;
+        let limit = Vector::new(max_extent, max_extent);
+        let near = rect.origin.min(Vector::ZERO).max(limit.mult(-1.0));
+        let end = rect.far_corner().max(Vector::ZERO).min(limit);
+        let mut vectors = to_sides(&rect);
+        let shortest = shortest(&vectors);
+        // If the boxes only touch, a tiny penetration is a rounding error.
+        if vectors[shortest].norm() <= TOUCH_TOLERANCE * larger(rect.width(), rect.height()) {
+            vectors[shortest] = Vector::ZERO;
+        }
+        let extent = end.sub(near);
+        let margin = 0.25 * larger(extent.x, extent.y);
+        MinkowskiDifference {
+            rect,
+            fill: pair.colors[0].mix(pair.colors[1], 50).mix(metrics.palette.background, 65),
+            vectors,
+            shortest,
+            middle: near.add(end).mult(0.5),
+            extent: extent.add(Vector::new(margin, margin)),
+        }
+    }
+
+    /// The scale, in pixels per metre, with which the visible area fits into a panel.
+    fn scale(&self, panel: &Rect) -> f64 {
+        smaller(panel.width() / self.extent.x, panel.height() / self.extent.y)
+    }
+
+    /// The magnification that makes n⃗ clearly visible; 1 if it is large enough already.
+    fn zoom(&self, scale: f64, metrics: &Metrics) -> f64 {
+        let (length, target_length) = (self.vectors[self.shortest].norm() * scale, 5.0 * metrics.font_size);
+        let is_visible = length == 0.0 || length >= 0.5 * target_length;
+        if is_visible { 1.0 } else { smaller(nice_spacing(target_length / length), 1e9) }
+    }
+
+    /// Draws the difference in a panel whose middle shows the point `middle` (m). `length_label` is the label of the
+    /// shortest vector.
+    fn draw(&self, panel: &Rect, scale: f64, middle: Vector, length_label: LengthLabel, panels: &mut Panels) {
+        let metrics = panels.metrics;
+        let origin = middle.sub(panel.center().mult(1.0 / scale));
+        let world = self.rect.far_corner();
+        let camera = Camera { size: [1, 1], viewport: *panel, scale, origin, world };
+        let page_rect = camera.rect(&self.rect);
+        let mut shapes = vec![Shape::Rect { rect: page_rect, ink: self.fill.into() }];
+        shapes.extend(outline(&page_rect, metrics.line_width, border_color(self.fill, &metrics).into()));
+        let origin_on_page = camera.point(Vector::ZERO);
+        let mut placer = LabelPlacer::within(*panel);
+        placer.avoid_border(&page_rect, 1.0);
+        draw_axes(origin_on_page, panel, &mut placer, &metrics, &mut shapes);
+        for (vector, color, width) in self.candidates(&metrics) {
+            let arrow = Arrow { from: origin_on_page, to: origin_on_page.add(vector.mult(scale)), width, color };
+            placer.avoid_line(arrow.from, arrow.to, 2.0);
+            arrow.draw(&metrics, &mut shapes);
+        }
+        if self.vectors[self.shortest] == Vector::ZERO {
+            let side = 4.0 * metrics.line_width;
+            let mark = Rect::new(origin_on_page.sub(Vector::new(side / 2.0, side / 2.0)), side, side);
+            shapes.push(Shape::Rect { rect: mark, ink: metrics.palette.penetration.into() });
+        }
+        self.draw_name(&page_rect, panel, &mut placer, &metrics, &mut shapes);
+        if length_label == LengthLabel::Shown {
+            self.label_shortest(origin_on_page, scale, &mut placer, &metrics, &mut shapes);
+        }
+        panels.shapes.push(Shape::Clip { window: *panel, shapes });
+        if !panel.contains(&page_rect) {
+            panels.draw_frame(panel);
+        }
+    }
+
+    /// The four vectors with colour and line width, the shortest last and highlighted.
+    fn candidates(&self, metrics: &Metrics) -> Vec<(Vector, Color, f64)> {
+        let others = (0..4).filter(|&index| index != self.shortest);
+        let mut candidates: Vec<_> =
+            others.map(|index| (self.vectors[index], blue(metrics), metrics.line_width)).collect();
+        candidates.push((self.vectors[self.shortest], metrics.palette.penetration, 2.0 * metrics.line_width));
+        candidates
+    }
+
+    /// Draws the name s of the difference in one of its visible corners.
+    fn draw_name(
+        &self,
+        page_rect: &Rect,
+        panel: &Rect,
+        placer: &mut LabelPlacer,
+        metrics: &Metrics,
+        shapes: &mut Vec<Shape>,
+    ) {
+        let Some(visible) = page_rect.intersection(panel) else { return };
+        let visible = visible.inset(smaller(metrics.font_size, smaller(visible.width(), visible.height()) / 2.0));
+        let (near, far) = (visible.origin, visible.far_corner());
+        let corners = [far, near, Vector::new(near.x, far.y), Vector::new(far.x, near.y)];
+        let line = Line::math("s", 1.2 * metrics.font_size);
+        placer.place_along(line, &corners, Vector::new(-1.0, -1.0), 0.0, metrics.palette.ink).draw(metrics, shapes);
+    }
+
+    /// Draws the label with the length of the shortest vector.
+    fn label_shortest(
+        &self,
+        origin_on_page: Vector,
+        scale: f64,
+        placer: &mut LabelPlacer,
+        metrics: &Metrics,
+        shapes: &mut Vec<Shape>,
+    ) {
+        let vector = self.vectors[self.shortest];
+        let line = Line::math(&format!("|n⃗| = {} \"m\"", format_significant(vector.norm(), 3)), metrics.font_size);
+        let normal = Vector::new(vector.y, -vector.x);
+        let middle = origin_on_page.add(vector.mult(scale / 2.0));
+        placer.place(line, middle, normal, metrics.font_size, metrics.palette.penetration).draw(metrics, shapes);
+    }
+}
+
+fn to_sides(s: &Rect) -> [Vector; 4] {
+    let far = s.far_corner();
+    [Vector::new(s.origin.x, 0.0), Vector::new(far.x, 0.0), Vector::new(0.0, s.origin.y), Vector::new(0.0, far.y)]
+}
+
+/// The index of the shortest vector; the first one if several are equal, as in the handout's solver.
+fn shortest(vectors: &[Vector; 4]) -> usize {
+    let mut best = 0;
+    for index in 1..4 {
+        if vectors[index].norm() < vectors[best].norm() {
+            best = index;
+        }
+    }
+    best
+}
+
+/// The colour of the candidates, blue as in the handout.
+fn blue(metrics: &Metrics) -> Color {
+    Color::hex(0x0072b2).mix(metrics.palette.ink, 20)
+}
+
+/// Draws the axes through the origin, dashed, with their names and the label of the origin.
+fn draw_axes(
+    origin_on_page: Vector,
+    panel: &Rect,
+    placer: &mut LabelPlacer,
+    metrics: &Metrics,
+    shapes: &mut Vec<Shape>,
+) {
+    let far = panel.far_corner();
+    let muted = metrics.palette.muted;
+    let ends = [
+        [Vector::new(panel.origin.x, origin_on_page.y), Vector::new(far.x, origin_on_page.y)],
+        [Vector::new(origin_on_page.x, panel.origin.y), Vector::new(origin_on_page.x, far.y)],
+    ];
+    for [from, to] in ends {
+        shapes.extend(dashed(from, to, 3.0 * metrics.line_width, metrics.line_width / 2.0, muted.into()));
+        placer.avoid_line(from, to, 1.0);
+    }
+    for ([_, end], name) in ends.iter().zip(["x", "y"]) {
+        let inward = origin_on_page.sub(*end).mult(metrics.font_size / origin_on_page.sub(*end).norm());
+        let line = Line::math(name, metrics.font_size);
+        placer
+            .place(line, end.add(inward), Vector::new(-1.0, -1.0), 0.6 * metrics.font_size, muted)
+            .draw(metrics, shapes);
+    }
+    let line = Line::math("0", metrics.font_size);
+    placer
+        .place(line, origin_on_page, Vector::new(-1.0, 1.0), 0.5 * metrics.font_size, metrics.palette.ink)
+        .draw(metrics, shapes);
+}

@@ -1,0 +1,82 @@
+//! Figures for lectures: one picture of a whole run or of a collision, for a slide or a page.
+//!
+//! Each figure is a pure function from states or collisions to a display list, which `picture` draws as PNG or
+//! writes as SVG or PDF. Figures do not use the engine. A figure of several runs shows them side by side on the same
+//! scales, with one legend.
+
+mod axes;
+mod close_up;
+mod collision;
+mod diagram;
+mod energy;
+mod instants;
+mod minkowski;
+mod pair;
+mod panels;
+mod spacetime;
+
+pub use crate::physics::Axis;
+pub use collision::collision;
+pub use diagram::{Curve, Diagram, Point, diagrams};
+pub use energy::{EnergyRun, EnergySample, energy};
+pub use instants::{filmstrip, strobe};
+pub use minkowski::minkowski;
+pub use spacetime::spacetime;
+
+use crate::physics::{BodyId, Collision, Vector};
+use crate::picture::ColorBy;
+use crate::picture::layers::footer::{Entry, Legend};
+use crate::picture::{Appearance, CameraTarget, Frame, Sprite, Style, color};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// The frames of one recording for a figure. Figures of several runs show them side by side.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FigureRun {
+    /// Title, shown if there are several runs.
+    pub title: String,
+    /// Width and height of its world, m.
+    pub world: Vector,
+    /// The frames shown, in the order of time.
+    pub frames: Vec<Frame>,
+}
+
+/// A collision with the appearance of its two bodies.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CollisionSubject {
+    /// Title, shown if there are several collisions.
+    pub title: String,
+    /// The collision as recorded by the solver.
+    pub collision: Collision,
+    /// The bodies c and b of the collision.
+    pub bodies: [Arc<Appearance>; 2],
+}
+
+/// Maximum number of bodies in a legend; with more bodies there is no legend.
+const MAX_IN_LEGEND: usize = 12;
+
+/// The common legend of all panels: the meaning of the colours or, if bodies are coloured individually and there are
+/// several panels, the names of the visible bodies.
+pub fn legend(runs: &[FigureRun], style: &Style) -> Legend {
+    if style.look.color_by != ColorBy::Body || runs.len() < 2 {
+        return Legend::of(style);
+    }
+    let mut bodies: BTreeMap<(BodyId, &str), Entry> = BTreeMap::new();
+    for sprite in runs.iter().flat_map(|run| &run.frames).flat_map(|frame| &frame.sprites) {
+        let body = &*sprite.appearance;
+        if !body.is_wall && is_visible(sprite, &style.look.camera_target) {
+            let entry = || Entry::new(color::body_color(sprite, style), &body.name);
+            bodies.entry((body.id, &body.name)).or_insert_with(entry);
+        }
+    }
+    let entries: Vec<Entry> = if bodies.len() > MAX_IN_LEGEND { Vec::new() } else { bodies.into_values().collect() };
+    Legend { entries }
+}
+
+/// Returns true if a body intersects the camera target.
+fn is_visible(sprite: &Sprite, camera_target: &CameraTarget) -> bool {
+    match camera_target {
+        CameraTarget::World | CameraTarget::Follow { .. } => true,
+        CameraTarget::Window(area) => sprite.rect.intersection(area).is_some(),
+    }
+}

@@ -1,0 +1,221 @@
+use super::CollisionSubject;
+use super::panels::Panels;
+use crate::physics::{Axis, Collision, Rect, Vector, larger, smaller};
+use crate::picture::layers::bodies::draw_box;
+use crate::picture::layers::contacts::contact_center;
+use crate::picture::layers::labels::{Label, LabelPlacer};
+use crate::picture::text::Line;
+use crate::picture::{Appearance, Arrow, Camera, Color, Metrics, Shape, Sprite, Style, color};
+use std::sync::Arc;
+
+/// The two boxes of a collision and how they are drawn.
+#[derive(Clone)]
+pub struct Pair {
+    /// The collision, its bodies in the order of [`ROLES`].
+    pub collision: Collision,
+    names: [String; 2],
+    /// The colours of c and b.
+    pub colors: [Color; 2],
+    /// The visible area, m. A box far larger than the other is cropped around the smaller one.
+    pub area: Rect,
+    /// Factor from velocity to arrow length in the world, s.
+    arrow_seconds: f64,
+}
+
+/// The handout's names of the two bodies. The body of finite mass is c; if both masses are finite or infinite, c is the
+/// body created first. This does not depend on the order in the recorded collision.
+pub const ROLES: [&str; 2] = ["c", "b"];
+
+/// Length of the longest arrow relative to the size of the visible area.
+const MAX_ARROW: f64 = 0.4;
+
+impl Pair {
+    /// Creates the pair of a collision.
+    pub fn new(subject: &CollisionSubject, style: &Style) -> Pair {
+        let [c, b] = &subject.bodies;
+        let (collision, bodies) = assign_roles(&subject.collision, [c, b]);
+        let boxes = cropped_bounds(&collision.rects);
+        let size = larger(boxes.width(), boxes.height());
+        let speeds = collision.before.iter().chain(&collision.after).map(|velocity| velocity.norm());
+        let top = speeds.fold(0.0, larger);
+        let arrow_seconds = if top > 0.0 { MAX_ARROW * size / top } else { 0.0 };
+        let names = [0, 1].map(|at| match bodies[at].name.as_str() {
+            name if name == ROLES[at] => format!("\"{name}\""),
+            name => format!("{}: \"{}\"", ROLES[at], name.replace('"', "'")),
+        });
+        let colors = [0, 1].map(|at| body_color(bodies[at], collision.before[at], style));
+        let mut pair = Pair { collision, names, colors, area: boxes, arrow_seconds };
+        let displaced = cropped_bounds(&pair.displaced());
+        pair.area = pair.with_arrows(boxes.union(&displaced), size);
+        pair
+    }
+
+    fn with_arrows(&self, boxes: Rect, size: f64) -> Rect {
+        let starts = self.collision.rects.map(|rect| visible_center(&rect, &boxes));
+        let tips = [self.collision.before, self.collision.after]
+            .into_iter()
+            .flat_map(|velocities| [0, 1].map(|at| starts[at].add(velocities[at].mult(self.arrow_seconds))));
+        let all = tips.map(|tip| Rect::new(tip, 0.0, 0.0)).fold(boxes, |all, tip| all.union(&tip));
+        all.inset(-0.06 * size)
+    }
+
+    /// The pair in colours faded towards the background.
+    pub fn faded(&self, metrics: &Metrics) -> Pair {
+        Pair { colors: self.colors.map(|color| color.mix(metrics.palette.background, 45)), ..self.clone() }
+    }
+
+    /// The scale, in pixels per metre, with which the visible area fits into a panel.
+    pub fn scale(&self, panel: &Rect) -> f64 {
+        Camera::fit(&self.area, [1, 1], *panel, 0.0).scale
+    }
+
+    /// The camera that shows the pair in a panel with `scale` pixels per metre.
+    pub fn camera(&self, panel: &Rect, scale: f64) -> Camera {
+        let origin = self.area.center().sub(panel.center().mult(1.0 / scale));
+        Camera { scale, origin, ..Camera::fit(&self.area, [1, 1], *panel, 0.0) }
+    }
+
+    /// Draws the boxes at contact, with their names.
+    pub fn draw_at_contact(&self, panel: &Rect, scale: f64, arrows: &[Arrow], panels: &mut Panels) {
+        let camera = self.camera(panel, scale);
+        let shapes = self.named_boxes(&camera, &self.collision.rects, arrows, &panels.metrics);
+        panels.shapes.push(Shape::Clip { window: *panel, shapes });
+    }
+
+    /// The boxes after each is displaced by its share of the penetration.
+    pub fn displaced(&self) -> [Rect; 2] {
+        let mut rects = self.collision.rects;
+        let [share_c, share_b] = self.collision.shares;
+        rects[0].move_by(self.collision.penetration.mult(share_c));
+        rects[1].move_by(self.collision.penetration.mult(-share_b));
+        rects
+    }
+
+    /// The boxes with their names in corners without arrows.
+    pub fn named_boxes(&self, camera: &Camera, rects: &[Rect; 2], arrows: &[Arrow], metrics: &Metrics) -> Vec<Shape> {
+        let mut shapes = self.boxes(camera, rects, metrics);
+        for name in self.names(camera, rects, arrows, metrics) {
+            name.draw_bare(&mut shapes);
+        }
+        shapes
+    }
+
+    /// The names of the boxes, where they fit.
+    pub fn names(&self, camera: &Camera, rects: &[Rect; 2], arrows: &[Arrow], metrics: &Metrics) -> Vec<Label> {
+        let mut placer = LabelPlacer::within(camera.viewport);
+        arrows.iter().for_each(|arrow| placer.avoid_line(arrow.from, arrow.to, 1.0));
+        self.collision.rects.iter().for_each(|rect| placer.avoid_border(&camera.rect(rect), 1.0));
+        let name = |at: usize| self.name_in_corner(at, &camera.rect(&rects[at]), camera, &placer, metrics);
+        [0, 1].into_iter().filter_map(name).collect()
+    }
+
+    /// The boxes, the larger one first, so that the smaller one stays visible.
+    pub fn boxes(&self, camera: &Camera, rects: &[Rect; 2], metrics: &Metrics) -> Vec<Shape> {
+        let mut shapes = Vec::new();
+        let size = |at: usize| rects[at].width() * rects[at].height();
+        let order = if size(0) > size(1) { [0, 1] } else { [1, 0] };
+        for at in order {
+            draw_box(&camera.rect(&rects[at]), self.colors[at], metrics, &mut shapes);
+        }
+        shapes
+    }
+
+    /// The name of a box, or only its role if the name does not fit, in the corner of the least label cost. Of equal
+    /// corners the one farthest from the contact is used.
+    fn name_in_corner(
+        &self,
+        at: usize,
+        page_rect: &Rect,
+        camera: &Camera,
+        placer: &LabelPlacer,
+        metrics: &Metrics,
+    ) -> Option<Label> {
+        let margin = 4.0 * metrics.line_width;
+        let visible = page_rect.intersection(&camera.viewport)?.inset(margin);
+        let lines = [self.names[at].as_str(), ROLES[at]].map(|name| Line::math(name, 0.9 * metrics.font_size));
+        let line = lines.into_iter().find(|line| line.width <= visible.width() && line.height() <= visible.height())?;
+        let (near, far) = (visible.origin, visible.far_corner());
+        let (right, low) = (far.x - line.width, far.y - line.height());
+        let corners = [(near.x, near.y), (right, near.y), (near.x, low), (right, low)];
+        let contact = camera.point(contact_center(&self.collision.rects));
+        let mut candidates = corners.map(|(x, y)| Rect::new(Vector::new(x, y), line.width, line.height()));
+        let distance = |bounds: &Rect| bounds.center().sub(contact).norm().round();
+        candidates.sort_by(|a, b| distance(b).total_cmp(&distance(a)));
+        let (bounds, _) = placer.best(candidates)?;
+        Some(Label::in_bounds(&bounds, line, metrics.palette.text_on(self.colors[at])))
+    }
+
+    /// The velocity arrows, from the middle of the visible part of each box.
+    pub fn arrows(
+        &self,
+        camera: &Camera,
+        rects: &[Rect; 2],
+        velocities: &[Vector; 2],
+        color: Color,
+        metrics: &Metrics,
+    ) -> [Arrow; 2] {
+        [0, 1].map(|at| {
+            let from = camera.point(visible_center(&rects[at], &self.area));
+            let to = from.add(velocities[at].mult(self.arrow_seconds * camera.scale));
+            Arrow { from, to, width: 1.5 * metrics.line_width, color }
+        })
+    }
+}
+
+/// The collision and its bodies, swapped if necessary so that they are in the order of [`ROLES`].
+fn assign_roles<'a>(collision: &Collision, bodies: [&'a Appearance; 2]) -> (Collision, [&'a Appearance; 2]) {
+    let rank = |body: &Appearance| (body.mass == f64::INFINITY, body.id);
+    let [c, b] = bodies;
+    if rank(c) <= rank(b) {
+        return (collision.clone(), bodies);
+    }
+    let swapped = |[c, b]: [Vector; 2]| [b, c];
+    let other = Collision {
+        bodies: [collision.bodies[1], collision.bodies[0]],
+        rects: [collision.rects[1], collision.rects[0]],
+        normal: collision.normal.mult(-1.0),
+        penetration: collision.penetration.mult(-1.0),
+        shares: [collision.shares[1], collision.shares[0]],
+        before: swapped(collision.before),
+        after: swapped(collision.after),
+        ..collision.clone()
+    };
+    (other, [b, c])
+}
+
+/// The colour of the body, as in frames.
+fn body_color(body: &Appearance, velocity: Vector, style: &Style) -> Color {
+    let metrics = Metrics::new(style.look.theme, style.look.size);
+    if body.is_wall {
+        return metrics.palette.wall;
+    }
+    let sprite = Sprite {
+        appearance: Arc::new(body.clone()),
+        rect: Rect::new(Vector::ZERO, 1.0, 1.0),
+        velocity,
+        trail: Vec::new(),
+    };
+    color::body_color(&sprite, style)
+}
+
+/// The union of both boxes; a box more than four times larger than the other is cropped around it.
+fn cropped_bounds([c, b]: &[Rect; 2]) -> Rect {
+    crop(c, b).union(&crop(b, c))
+}
+
+fn crop(rect: &Rect, other: &Rect) -> Rect {
+    let size = larger(other.width(), other.height());
+    let [[left, right], [top, bottom]] = Axis::BOTH.map(|axis| {
+        let ([from, to], [low, high]) = (rect.along(axis), other.along(axis));
+        match to - from <= 4.0 * size {
+            true => [from, to],
+            false => [larger(from, low - 0.6 * size), smaller(to, high + 0.6 * size)],
+        }
+    });
+    Rect::new(Vector::new(left, top), right - left, bottom - top)
+}
+
+/// The middle of the visible part of a rectangle; of the whole rectangle if none is visible.
+fn visible_center(rect: &Rect, area: &Rect) -> Vector {
+    rect.intersection(area).map_or(rect.center(), |visible| visible.center())
+}

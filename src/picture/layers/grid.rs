@@ -1,0 +1,130 @@
+use super::LayoutContext;
+use crate::physics::{Axis, Rect, Vector};
+use crate::picture::Overlay;
+use crate::picture::number::{multiples_within, nice_spacing, tick_label};
+use crate::picture::text::Line;
+use crate::picture::{Camera, Ink, Shape};
+
+/// Draws grid lines every 1, 2 or 5 × 10ⁿ m, labelled with their coordinates unless axes are shown.
+pub fn draw(context: &LayoutContext, shapes: &mut Vec<Shape>) {
+    let area = grid_area(&context.camera);
+    let spacing = grid_spacing(context);
+    for axis in Axis::BOTH {
+        for at in multiples(&area, axis, spacing) {
+            let extent = area.along(axis);
+            // The border of the world is drawn by its walls.
+            if extent[0] < at && at < extent[1] {
+                shapes.push(grid_line(context, &area, axis, at));
+            }
+            if !context.view.style.shows(Overlay::Axes) && at > extent[0] {
+                shapes.push(label(context, &area, axis, at, spacing));
+            }
+        }
+    }
+}
+
+/// Distance between grid lines, m.
+fn grid_spacing(context: &LayoutContext) -> f64 {
+    nice_spacing(5.0 * context.metrics.font_size / context.camera.scale)
+}
+
+/// The area of the grid, m: the world if all of it is visible, otherwise the visible area.
+fn grid_area(camera: &Camera) -> Rect {
+    let (world, visible) = (Rect::new(Vector::ZERO, camera.world.x, camera.world.y), camera.visible_area());
+    if visible.contains(&world) { world } else { visible }
+}
+
+/// The multiples of `spacing` along an axis within `area`, both ends included.
+fn multiples(area: &Rect, axis: Axis, spacing: f64) -> impl Iterator<Item = f64> {
+    multiples_within(area.along(axis), spacing, 1e-9).take(MAX_LINES)
+}
+
+/// Maximum number of grid lines per axis, so that no rounding error makes their number unbounded.
+const MAX_LINES: usize = 501;
+
+/// The grid line at coordinate `at` (m) of an axis, across the area.
+fn grid_line(context: &LayoutContext, area: &Rect, axis: Axis, at: f64) -> Shape {
+    let width = if context.metrics.line_width < 2.0 { 1.0 } else { (context.metrics.line_width / 2.0).round() };
+    let (near, far) = (context.camera.point(area.origin), context.camera.point(area.far_corner()));
+    let point = context.camera.point(Vector::new(at, at));
+    let rect = match axis {
+        Axis::X => Rect::new(Vector::new(point.x.round(), near.y), width, far.y - near.y),
+        Axis::Y => Rect::new(Vector::new(near.x, point.y.round()), far.x - near.x, width),
+    };
+    Shape::Rect { rect, ink: Ink::from(context.metrics.palette.grid) }
+}
+
+/// The label of a grid line, inside the area at its upper or left border. The last label includes the unit.
+fn label(context: &LayoutContext, area: &Rect, axis: Axis, at: f64, spacing: f64) -> Shape {
+    let unit = if at + spacing > area.along(axis)[1] + 1e-9 * spacing { " m" } else { "" };
+    let line = Line::plain(&format!("{}{unit}", tick_label(at, spacing)), 0.7 * context.metrics.font_size);
+    let (near, point) = (context.camera.point(area.origin), context.camera.point(Vector::new(at, at)));
+    let gap = 2.0 * context.metrics.line_width;
+    let baseline = match axis {
+        Axis::X => Vector::new(point.x - line.width - gap, near.y + line.height() + 1.5 * gap),
+        Axis::Y => Vector::new(near.x + gap, point.y - gap),
+    };
+    Shape::Text { line, at: baseline, ink: Ink::from(context.metrics.palette.muted) }
+}
+
+/// Draws axes in metres, left of the viewport and below it.
+pub fn draw_axes(context: &LayoutContext, shapes: &mut Vec<Shape>) {
+    if !context.view.style.shows(Overlay::Axes) {
+        return;
+    }
+    let (viewport, line) = (context.camera.viewport, context.metrics.line_width);
+    let far = viewport.far_corner();
+    let ink = Ink::from(context.metrics.palette.muted);
+    let bar = |x: f64, y: f64, width: f64, height: f64| Shape::Rect {
+        rect: Rect::new(Vector::new(x, y), width, height),
+        ink,
+    };
+    shapes.push(bar(viewport.origin.x - line, viewport.origin.y, line, viewport.height() + line));
+    shapes.push(bar(viewport.origin.x, far.y, viewport.width(), line));
+    let (area, spacing) = (context.camera.visible_area(), grid_spacing(context));
+    let tick_length = (0.3 * context.metrics.font_size).round();
+    for at in multiples(&area, Axis::X, spacing) {
+        let x = context.camera.point(Vector::new(at, 0.0)).x.round();
+        shapes.push(bar(x, far.y, line, tick_length));
+        label_below(at, x, context, shapes);
+    }
+    for at in multiples(&area, Axis::Y, spacing) {
+        let y = context.camera.point(Vector::new(0.0, at)).y.round();
+        shapes.push(bar(viewport.origin.x - tick_length, y, tick_length, line));
+        label_left(at, y, context, shapes);
+    }
+}
+
+/// The label of a tick below the viewport. The last tick label includes the unit.
+fn label_below(at: f64, x: f64, context: &LayoutContext, shapes: &mut Vec<Shape>) {
+    let far = context.camera.viewport.far_corner();
+    let is_last = x + grid_spacing(context) * context.camera.scale > far.x;
+    let line = unit_label(at, if is_last { " m" } else { "" }, context);
+    let baseline = Vector::new((x - line.width / 2.0).round(), (far.y + 1.15 * context.metrics.font_size).round());
+    if baseline.x >= context.camera.viewport.origin.x - context.metrics.font_size
+        && baseline.x + line.width <= f64::from(context.camera.size[0])
+    {
+        shapes.push(Shape::Text { line, at: baseline, ink: Ink::from(context.metrics.palette.muted) });
+    }
+}
+
+/// The label of a tick left of the viewport. The topmost one includes the unit.
+fn label_left(at: f64, y: f64, context: &LayoutContext, shapes: &mut Vec<Shape>) {
+    let viewport = context.camera.viewport;
+    let is_topmost = y - grid_spacing(context) * context.camera.scale < viewport.origin.y;
+    let line = unit_label(at, if is_topmost { " m" } else { "" }, context);
+    let baseline = Vector::new(
+        (viewport.origin.x - 0.5 * context.metrics.font_size - line.width).round(),
+        (y + line.height() / 2.0).round(),
+    );
+    if baseline.y - line.height() >= 0.0 && baseline.y <= viewport.far_corner().y && baseline.x >= 0.0 {
+        shapes.push(Shape::Text { line, at: baseline, ink: Ink::from(context.metrics.palette.muted) });
+    }
+}
+
+fn unit_label(at: f64, unit: &str, context: &LayoutContext) -> Line {
+    Line::plain(
+        &format!("{}{unit}", tick_label(at, grid_spacing(context))).replace('-', "−"),
+        0.7 * context.metrics.font_size,
+    )
+}

@@ -1,0 +1,247 @@
+use crate::physics::{Rect, Vector, larger, smaller};
+use crate::picture::text::Line;
+use crate::picture::{Color, Ink, Metrics, Shape};
+
+/// A placed line of text.
+#[derive(Clone, Debug)]
+pub struct Label {
+    /// Text and glyphs.
+    pub line: Line,
+    /// Start of the baseline, px.
+    pub at: Vector,
+    /// Colour of the text.
+    pub color: Color,
+}
+
+impl Label {
+    /// The bounds of its capitals, px.
+    pub fn bounds(&self) -> Rect {
+        let height = self.line.height();
+        Rect::new(self.at.sub(Vector::new(0.0, height)), self.line.width, height)
+    }
+
+    /// A label whose capitals fill `bounds` (px), rounded to whole pixels.
+    pub fn in_bounds(bounds: &Rect, line: Line, color: Color) -> Label {
+        let at = bounds.origin.add(Vector::new(0.0, line.height()));
+        Label { line, at: Vector::new(at.x.round(), at.y.round()), color }
+    }
+
+    /// Appends the label to `shapes`, on a halo in the background colour that keeps it legible.
+    pub fn draw(self, metrics: &Metrics, shapes: &mut Vec<Shape>) {
+        let halo = Ink { color: metrics.palette.background, opacity: 255 };
+        let width = metrics.line_width;
+        for (x, y) in
+            [(-1.0, 0.0), (1.0, 0.0), (0.0, -1.0), (0.0, 1.0), (-0.7, -0.7), (0.7, -0.7), (-0.7, 0.7), (0.7, 0.7)]
+        {
+            let at = self.at.add(Vector::new(x, y).mult(width));
+            shapes.push(Shape::Text { line: self.line.clone(), at, ink: halo });
+        }
+        self.draw_bare(shapes);
+    }
+
+    /// Appends the label to `shapes` without a halo.
+    pub fn draw_bare(self, shapes: &mut Vec<Shape>) {
+        shapes.push(Shape::Text { line: self.line, at: self.at, ink: self.color.into() });
+    }
+}
+
+/// Places labels where they cover as little as possible.
+///
+/// The cost of a position is the weighted area that a label covers there; each label takes the candidate of the least
+/// cost.
+#[derive(Clone, Debug)]
+pub struct LabelPlacer {
+    /// The area for labels, px.
+    page: Rect,
+    /// Rectangles to keep clear, px, with their weights.
+    obstacles: Vec<(Rect, f64)>,
+    /// Straight lines to keep clear, px, with their weights.
+    lines: Vec<([Vector; 2], f64)>,
+}
+
+/// Weight of the area of a label that is not entirely on the page.
+const OFF_PAGE_WEIGHT: f64 = 100.0;
+
+/// Width that lines count as, px; labels keep half of it clear on each side.
+const LINE_CLEARANCE: f64 = 6.0;
+
+/// Weight of the area covered by another label.
+const LABEL_WEIGHT: f64 = 8.0;
+
+impl LabelPlacer {
+    /// Creates a placer for labels within `page` (px), without obstacles.
+    pub fn within(page: Rect) -> LabelPlacer {
+        LabelPlacer { page, obstacles: Vec::new(), lines: Vec::new() }
+    }
+
+    /// Adds a rectangle for labels to avoid, with a weight per covered area.
+    pub fn avoid(&mut self, rect: Rect, weight: f64) {
+        self.obstacles.push((rect, weight));
+    }
+
+    /// Adds a straight line for labels to avoid.
+    pub fn avoid_line(&mut self, from: Vector, to: Vector, weight: f64) {
+        self.lines.push(([from, to], weight));
+    }
+
+    /// Adds the border of a rectangle for labels to avoid.
+    pub fn avoid_border(&mut self, rect: &Rect, weight: f64) {
+        let (near, far) = (rect.origin, rect.far_corner());
+        let corners = [near, Vector::new(far.x, near.y), far, Vector::new(near.x, far.y), near];
+        for side in corners.windows(2) {
+            self.avoid_line(side[0], side[1], weight);
+        }
+    }
+
+    /// Places `line` around `anchor` where its cost is least, at a distance of `gap` px or twice that, and reserves the
+    /// position.
+    ///
+    /// The eight directions are tried from `towards` outwards; of equal costs the first is taken.
+    pub fn place(&mut self, line: Line, anchor: Vector, towards: Vector, gap: f64, color: Color) -> Label {
+        self.place_along(line, &[anchor], towards, gap, color)
+    }
+
+    /// As [`LabelPlacer::place`], around the best of several anchors.
+    pub fn place_along(&mut self, line: Line, anchors: &[Vector], towards: Vector, gap: f64, color: Color) -> Label {
+        let directions = directions_from(towards);
+        let candidates = [gap, 2.0 * gap].into_iter().flat_map(|gap| {
+            let line = &line;
+            anchors
+                .iter()
+                .flat_map(move |anchor| directions.map(|direction| label_bounds(line, *anchor, direction, gap)))
+        });
+        let (bounds, _) = self.best(candidates).unwrap_or((label_bounds(&line, Vector::ZERO, towards, gap), 0.0));
+        self.reserve(bounds);
+        Label::in_bounds(&bounds, line, color)
+    }
+
+    /// The first candidate of the least cost, and that cost. `None` without candidates of finite cost.
+    pub fn best(&self, candidates: impl IntoIterator<Item = Rect>) -> Option<(Rect, f64)> {
+        let mut best: Option<(Rect, f64)> = None;
+        for bounds in candidates {
+            let least = best.map_or(f64::INFINITY, |(_, cost)| cost);
+            let cost = self.cost(&bounds);
+            if cost < least {
+                best = Some((bounds, cost));
+            }
+            if cost == 0.0 {
+                break;
+            }
+        }
+        best
+    }
+
+    /// The first candidate that covers nothing, if any.
+    pub fn first_free(&self, candidates: impl IntoIterator<Item = Rect>) -> Option<Rect> {
+        candidates.into_iter().find(|bounds| self.cost(bounds) <= 0.0)
+    }
+
+    /// Reserves the bounds of a label and a margin around it, which later labels avoid.
+    pub fn reserve(&mut self, bounds: Rect) {
+        self.avoid(bounds.inset(-bounds.height() / 3.0), LABEL_WEIGHT);
+    }
+
+    /// The cost of a label with these bounds.
+    pub fn cost(&self, bounds: &Rect) -> f64 {
+        let area = |rect: &Rect| rect.width() * rect.height();
+        let covered =
+            self.obstacles.iter().filter_map(|(rect, weight)| Some(weight * area(&bounds.intersection(rect)?)));
+        let expanded = bounds.inset(-LINE_CLEARANCE / 2.0);
+        let crossed = self.lines.iter().map(|(line, weight)| weight * LINE_CLEARANCE * length_within(line, &expanded));
+        let off_page = if self.page.contains(bounds) { 0.0 } else { OFF_PAGE_WEIGHT * area(bounds) };
+        covered.sum::<f64>() + crossed.sum::<f64>() + off_page
+    }
+}
+
+/// The length of a straight line within a rectangle (after Liang and Barsky, "A new concept and method for line
+/// clipping", 1984).
+fn length_within([from, to]: &[Vector; 2], rect: &Rect) -> f64 {
+    let direction = to.sub(*from);
+    let (near, far) = (rect.origin, rect.far_corner());
+    let sides = [(direction.x, near.x - from.x, far.x - from.x), (direction.y, near.y - from.y, far.y - from.y)];
+    let (mut enter, mut leave) = (0.0, 1.0);
+    for (delta, low, high) in sides {
+        if delta == 0.0 {
+            if low > 0.0 || high < 0.0 {
+                return 0.0;
+            }
+            continue;
+        }
+        let (first, second) = (low / delta, high / delta);
+        enter = larger(enter, smaller(first, second));
+        leave = smaller(leave, larger(first, second));
+    }
+    if leave > enter { (leave - enter) * direction.norm() } else { 0.0 }
+}
+
+/// Eight unit vectors, from the direction of `towards` outwards to both sides.
+fn directions_from(towards: Vector) -> [Vector; 8] {
+    const HALF: f64 = std::f64::consts::FRAC_1_SQRT_2;
+    let length = towards.norm();
+    let forward = if length > 0.0 { towards.mult(1.0 / length) } else { Vector::new(0.0, -1.0) };
+    let right = Vector::new(-forward.y, forward.x);
+    let turned = |along: f64, sideways: f64| forward.mult(along).add(right.mult(sideways));
+    [
+        turned(1.0, 0.0),
+        turned(HALF, HALF),
+        turned(HALF, -HALF),
+        turned(0.0, 1.0),
+        turned(0.0, -1.0),
+        turned(-HALF, HALF),
+        turned(-HALF, -HALF),
+        turned(-1.0, 0.0),
+    ]
+}
+
+/// The bounds of a label that touches the circle of radius `gap` around `anchor` in a direction.
+fn label_bounds(line: &Line, anchor: Vector, direction: Vector, gap: f64) -> Rect {
+    let (width, height) = (line.width, line.height());
+    let middle = anchor.add(direction.mult(gap));
+    let offset = Vector::new(direction.x * width / 2.0, direction.y * height / 2.0);
+    Rect::new(middle.add(offset).sub(Vector::new(width / 2.0, height / 2.0)), width, height)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn place(placer: &mut LabelPlacer, anchor: Vector) -> Vector {
+        let line = Line::plain("label", 10.0);
+        placer.place(line, anchor, Vector::new(1.0, 0.0), 5.0, Color::hex(0)).at
+    }
+
+    #[test]
+    fn a_label_without_obstacles_takes_the_preferred_direction() {
+        let mut placer = LabelPlacer::within(Rect::new(Vector::ZERO, 200.0, 100.0));
+        assert_eq!(place(&mut placer, Vector::new(50.0, 50.0)).x, 55.0);
+    }
+
+    #[test]
+    fn labels_avoid_each_other_and_stay_on_the_page() {
+        let mut placer = LabelPlacer::within(Rect::new(Vector::ZERO, 60.0, 100.0));
+        let first = place(&mut placer, Vector::new(50.0, 50.0));
+        let second = place(&mut placer, Vector::new(50.0, 50.0));
+        assert!(first.x < 40.0, "{first:?} is off the page");
+        assert_ne!(first, second);
+    }
+
+    #[test]
+    fn labels_avoid_lines() {
+        let mut placer = LabelPlacer::within(Rect::new(Vector::ZERO, 200.0, 100.0));
+        placer.avoid_line(Vector::new(50.0, 50.0), Vector::new(200.0, 50.0), 1.0);
+        let at = place(&mut placer, Vector::new(50.0, 50.0));
+        assert!(at.y < 47.0 || at.y - Line::plain("label", 10.0).height() > 53.0, "{at:?} is on the line");
+    }
+
+    #[test]
+    fn the_length_of_a_line_within_a_rectangle() {
+        let rect = Rect::new(Vector::new(1.0, 1.0), 2.0, 2.0);
+        let length = |from: [f64; 2], to: [f64; 2]| {
+            length_within(&[Vector::new(from[0], from[1]), Vector::new(to[0], to[1])], &rect)
+        };
+        assert_eq!(length([0.0, 2.0], [4.0, 2.0]), 2.0);
+        assert_eq!(length([2.0, 2.0], [2.0, 2.5]), 0.5);
+        assert_eq!(length([0.0, 0.0], [5.0, 0.0]), 0.0);
+        assert_eq!(length([2.0, 2.0], [2.0, 2.0]), 0.0);
+    }
+}

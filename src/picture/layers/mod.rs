@@ -1,0 +1,78 @@
+//! The layers of a frame, from back to front.
+
+mod arrows;
+pub mod bodies;
+mod body_labels;
+pub mod contacts;
+pub mod footer;
+mod frame;
+pub mod grid;
+pub(crate) mod labels;
+
+pub use arrows::Arrow;
+pub use frame::{Appearance, Frame, Sprite, Trails};
+
+use crate::picture::Overlay;
+use crate::picture::{Camera, DisplayList, Metrics, Shape, View};
+use arrows::LabeledArrow;
+
+/// Lays out `frame` as a display list.
+pub fn compose(frame: &Frame, view: &View) -> DisplayList {
+    let context = LayoutContext::new(view, view.camera_for(frame));
+    let mut shapes = vec![foreground(frame, &context)];
+    grid::draw_axes(&context, &mut shapes);
+    footer::draw(frame, &context, &mut shapes);
+    DisplayList {
+        size: view.camera.size,
+        background: context.metrics.palette.background,
+        backdrop: vec![backdrop(frame, &context)],
+        shapes,
+    }
+}
+
+/// The layers that do not move, clipped to the viewport: walls and grid.
+pub fn backdrop(frame: &Frame, context: &LayoutContext) -> Shape {
+    let mut shapes = Vec::new();
+    bodies::draw_walls(frame, context, &mut shapes);
+    if context.view.style.shows(Overlay::Grid) {
+        grid::draw(context, &mut shapes);
+    }
+    Shape::Clip { window: context.camera.viewport, shapes }
+}
+
+/// The layers that move, clipped to the viewport: trails, boxes, arrows and labels.
+pub fn foreground(frame: &Frame, context: &LayoutContext) -> Shape {
+    let mut shapes = Vec::with_capacity(8 * frame.sprites.len());
+    bodies::draw_trails(frame, context, &mut shapes);
+    bodies::draw(frame, context, &mut shapes);
+    contacts::draw_overlaps(frame, context, &mut shapes);
+    let arrows = arrows(frame, context);
+    arrows.iter().for_each(|arrow| arrow.arrow.draw(&context.metrics, &mut shapes));
+    body_labels::draw(frame, context, &arrows, &mut shapes);
+    Shape::Clip { window: context.camera.viewport, shapes }
+}
+
+/// All arrows, in drawing order.
+fn arrows(frame: &Frame, context: &LayoutContext) -> Vec<LabeledArrow> {
+    let mut all = arrows::velocities(frame, context);
+    all.extend(arrows::forces(frame, context));
+    all.extend(contacts::arrows(frame, context));
+    all
+}
+
+/// The context shared by the layers of a frame.
+pub struct LayoutContext<'a> {
+    /// The view, whose style selects the overlays.
+    pub view: &'a View,
+    /// The camera of this frame.
+    pub camera: Camera,
+    /// Colours, font size and line width.
+    pub metrics: Metrics,
+}
+
+impl LayoutContext<'_> {
+    /// Creates a context with the metrics of the view's theme and size.
+    pub fn new(view: &View, camera: Camera) -> LayoutContext<'_> {
+        LayoutContext { view, camera, metrics: Metrics::new(view.style.look.theme, view.camera.size) }
+    }
+}

@@ -1,0 +1,321 @@
+use super::collisions::{collision_selector, find_collision};
+use super::{
+    Animation, AnimationFormat, CameraTarget, CollisionFigure, Error, Look, Page, PictureOptions, Progress,
+    ResolvedPicture, Source, StatesFigure, StepGrid, StillFormat, Subject, Thinning, Timing, WindowOptions,
+};
+use crate::physics::{Rect, Vector, larger, smaller};
+use crate::text::counted;
+use std::ops::RangeInclusive;
+
+/// The picture to draw and the format of its file.
+#[non_exhaustive]
+#[derive(Clone, Debug, PartialEq)]
+pub enum SubjectOptions {
+    /// One state.
+    State {
+        /// The step of the state.
+        step: u64,
+        /// The format.
+        format: StillFormat,
+    },
+    /// A lecture figure.
+    Figure {
+        /// The figure.
+        figure: FigureChoice,
+        /// The format.
+        format: StillFormat,
+    },
+    /// An animation.
+    Animation {
+        /// The format.
+        format: AnimationFormat,
+    },
+}
+
+/// The choice of a lecture figure.
+#[non_exhaustive]
+#[derive(Clone, Debug, PartialEq)]
+pub enum FigureChoice {
+    /// A figure of one collision of each recording.
+    Collision {
+        /// The kind of figure.
+        figure: CollisionFigure,
+        /// Shows the first collision in or after this step.
+        step: u64,
+        /// The names of the two bodies; any pair if `None`.
+        pair: Option<[String; 2]>,
+    },
+    /// A figure of many states.
+    States(StatesFigure),
+    /// Energy and momentum against time.
+    Energy,
+}
+
+/// A folder of still PNG pictures, one per step.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sequence {
+    /// The first and the last step that may be shown.
+    pub steps: RangeInclusive<u64>,
+    /// Steps from one picture to the next; pictures lie on its multiples.
+    pub every: u64,
+    /// The appearance.
+    pub look: Look,
+}
+
+/// Default frame rate of an animation, frames per second.
+const DEFAULT_FPS: f64 = 30.0;
+
+impl PictureOptions {
+    /// Resolves a picture of these recordings: gives every open option the value in the `[figure]` table of the first
+    /// recording's scene, else its default.
+    ///
+    /// # Errors
+    /// If the recordings do not contain the subject, if options contradict each other, or if finding
+    /// a collision requires a replay and that fails.
+    pub fn resolve(
+        &self,
+        subject: &SubjectOptions,
+        sources: &[Source],
+        progress: Progress,
+    ) -> Result<ResolvedPicture, Error> {
+        let options = self.clone().or_scene(sources)?;
+        let subject = match subject {
+            SubjectOptions::State { step, format } => {
+                Subject::Page { page: state(*step, only_source(sources)?)?, format: *format }
+            }
+            SubjectOptions::Figure { figure, format } => {
+                Subject::Page { page: options.figure(figure, sources, progress)?, format: *format }
+            }
+            SubjectOptions::Animation { format } => {
+                let animation = options.animation(only_source(sources)?, format.max_fps())?;
+                Subject::Animation { animation, format: *format }
+            }
+        };
+        let look = options.look(sources)?;
+        Ok(ResolvedPicture { subject, look, titles: options.resolved_titles(sources)? })
+    }
+
+    /// Resolves a sequence of still pictures. The frame rate of the scene, which is one of animations, has no effect.
+    ///
+    /// # Errors
+    /// As for [`PictureOptions::resolve`], and if an option requires an animation.
+    pub fn resolve_sequence(&self, source: &Source) -> Result<Sequence, Error> {
+        if self.slow.is_some() || self.hold.is_some() {
+            let reason = "slow motion and freeze frames require an animation: OUT.gif, OUT.apng, OUT.mp4 or OUT.webm";
+            return Err(Error::Incompatible { reason: reason.into() });
+        }
+        let grid = self.grid(source, self.fps)?;
+        let sources = std::slice::from_ref(source);
+        Ok(Sequence { steps: grid.steps, every: grid.every, look: self.clone().or_scene(sources)?.look(sources)? })
+    }
+
+    /// Resolves a video, whose frame rate is unlimited.
+    ///
+    /// # Errors
+    /// As for [`PictureOptions::resolve`].
+    pub fn resolve_video(&self, source: &Source) -> Result<(Animation, Look), Error> {
+        let sources = std::slice::from_ref(source);
+        let options = self.clone().or_scene(sources)?;
+        Ok((options.animation(source, f64::INFINITY)?, options.look(sources)?))
+    }
+
+    /// These options, with the open ones taken from the scene of the first recording.
+    fn or_scene(self, sources: &[Source]) -> Result<PictureOptions, Error> {
+        match sources.first() {
+            Some(first) => Ok(self.or(first.scene.figure.clone())),
+            None => Err(Error::NothingToShow { reason: "no recording is given".into() }),
+        }
+    }
+
+    fn look(&self, sources: &[Source]) -> Result<Look, Error> {
+        let default = Look::default();
+        Ok(Look {
+            size: self.size.unwrap_or(default.size),
+            theme: self.theme.unwrap_or(default.theme),
+            show: self.show.clone().unwrap_or(default.show),
+            color_by: self.color_by.unwrap_or(default.color_by),
+            camera_target: self.camera_target(sources)?,
+            caption: self.caption.clone().unwrap_or(default.caption),
+        })
+    }
+
+    fn resolved_titles(&self, sources: &[Source]) -> Result<Vec<String>, Error> {
+        let titles = self.titles.clone().unwrap_or_default();
+        if titles.is_empty() || titles.len() == sources.len() {
+            return Ok(titles);
+        }
+        let reason = format!(
+            "{} given for {}: give one title for each recording",
+            counted(titles.len(), "title"),
+            counted(sources.len(), "recording"),
+        );
+        Err(Error::Incompatible { reason })
+    }
+
+    fn camera_target(&self, sources: &[Source]) -> Result<CameraTarget, Error> {
+        match (&self.follow, self.window) {
+            (Some(name), window) => follow(name, window, sources),
+            (None, Some(WindowOptions::World)) => Ok(CameraTarget::World),
+            (None, Some(WindowOptions::Area(area))) => Ok(CameraTarget::Window(area)),
+            (None, Some(WindowOptions::Bodies)) => body_bounds(sources)
+                .map(CameraTarget::Window)
+                .ok_or_else(|| Error::NothingToShow { reason: "the recording contains no body of finite mass".into() }),
+            (None, Some(WindowOptions::Size(_))) => {
+                let reason = "a window WIDTHxHEIGHT needs a body to follow: name it with --follow, or give the window as \
+                              X,Y,WIDTH,HEIGHT";
+                Err(Error::Incompatible { reason: reason.into() })
+            }
+            // If no body ever enters the world, a picture of the world would be empty.
+            (None, None) => {
+                match body_bounds(sources).filter(|_| !sources.iter().any(|source| source.summary.has_body_in_world)) {
+                    Some(bounds) => Ok(CameraTarget::Window(bounds)),
+                    None => Ok(CameraTarget::World),
+                }
+            }
+        }
+    }
+
+    fn animation(&self, source: &Source, max_fps: f64) -> Result<Animation, Error> {
+        let (slow, rate) = (self.slow.unwrap_or(1.0), source.header.config.rate);
+        // Frames per simulated second.
+        let (desired, max) = (self.fps.unwrap_or(DEFAULT_FPS) / slow, max_fps / slow);
+        let grid = self.grid(source, Some(desired))?.limit_fps(max);
+        let grid = non_empty(grid.restrict_to_every(source.header.every), source)?;
+        let is_subdivided = self.every.is_none() && grid.every == 1 && source.header.config.solver.is_continuous();
+        let desired = smaller(desired, max);
+        let frames_per_step =
+            if is_subdivided { ((desired / rate).round() as u64).min((max / rate) as u64).max(1) } else { 1 };
+        let timing = Timing { slow, frames_per_step, hold: self.hold.unwrap_or(0.0) };
+        Ok(Animation { steps: grid.steps, every: grid.every, timing })
+    }
+
+    /// The recorded steps to draw, thinned by `every`, else to `fps` frames per simulated second.
+    fn grid(&self, source: &Source, fps: Option<f64>) -> Result<StepGrid, Error> {
+        let thinning = match (self.every, fps) {
+            (Some(every), _) => Thinning::Every(every),
+            (None, Some(fps)) => Thinning::FramesPerSecond(fps),
+            (None, None) => Thinning::All,
+        };
+        let last = last_step(source)?;
+        let to = self.to.map_or(last, |to| to.min(last));
+        let grid = StepGrid::new(self.from.unwrap_or(0)..=to, source.header.config.rate, thinning);
+        non_empty(grid.restrict_to_every(source.header.every), source)
+    }
+
+    fn figure(&self, figure: &FigureChoice, sources: &[Source], progress: Progress) -> Result<Page, Error> {
+        match figure {
+            FigureChoice::Collision { figure, step, pair } => {
+                let mut collisions = Vec::new();
+                for source in sources {
+                    collisions.push(collision_selector(&find_collision(source, *step, pair.as_ref(), progress)?));
+                }
+                Ok(Page::Collision { figure: *figure, collisions })
+            }
+            // A strobe shows few instants, a diagram a dense line.
+            FigureChoice::States(figure) => {
+                let count = match figure {
+                    StatesFigure::Filmstrip => 6,
+                    StatesFigure::Strobe => 16,
+                    StatesFigure::Spacetime(_) => DIAGRAM_STATES,
+                };
+                let StepGrid { steps, every, .. } = self.common_grid(count, sources)?;
+                Ok(Page::States { figure: *figure, steps, every })
+            }
+            FigureChoice::Energy => {
+                let StepGrid { steps, every, .. } = self.common_grid(DIAGRAM_STATES, sources)?;
+                Ok(Page::Energy { steps, every })
+            }
+        }
+    }
+
+    /// About `count` steps that all recordings contain, unless `every` is given.
+    fn common_grid(&self, count: u64, sources: &[Source]) -> Result<StepGrid, Error> {
+        // Runs side by side end with the shortest.
+        let mut last = u64::MAX;
+        for source in sources {
+            last = last_step(source)?.min(last);
+        }
+        let from = self.from.unwrap_or(0);
+        let to = self.to.map_or(last, |to| to.min(last));
+        let every = to.saturating_sub(from).div_ceil(count - 1).max(1);
+        let mut grid = StepGrid::new(from..=to, 1.0, Thinning::Every(self.every.unwrap_or(every)));
+        for source in sources {
+            grid = grid.restrict_to_every(source.header.every);
+        }
+        non_empty(grid, &sources[0])
+    }
+}
+
+/// The number of states in a diagram over time.
+const DIAGRAM_STATES: u64 = 2000;
+
+fn follow(name: &str, window: Option<WindowOptions>, sources: &[Source]) -> Result<CameraTarget, Error> {
+    let is_missing = |source: &&Source| !source.summary.names.iter().any(|existing| existing == name);
+    if let Some(source) = sources.iter().find(is_missing) {
+        return Err(unknown_body(name, source));
+    }
+    let size = match window {
+        Some(WindowOptions::Size(size)) => size,
+        Some(WindowOptions::Area(area)) => Vector::new(area.width(), area.height()),
+        Some(WindowOptions::World | WindowOptions::Bodies) | None => sources[0].world(),
+    };
+    Ok(CameraTarget::Follow { name: name.to_owned(), size })
+}
+
+/// The error for a body that does not exist in `source`.
+pub fn unknown_body(name: &str, source: &Source) -> Error {
+    const MAX_LISTED: usize = 8;
+    let names = &source.summary.names;
+    let count = names.len();
+    let names = names.iter().take(MAX_LISTED).map(|name| format!("{name:?}")).collect::<Vec<String>>().join(", ");
+    let reason = match count {
+        0 => format!("no body is named {name:?}, because the recording contains no bodies"),
+        1 => format!("no body is named {name:?}; the only body is {names}"),
+        2..=MAX_LISTED => format!("no body is named {name:?}; the bodies are {names}"),
+        _ => format!("no body is named {name:?}; the first of {} are {names}", counted(count, "body")),
+    };
+    Error::NothingToShow { reason }
+}
+
+/// The recording of a picture that shows exactly one.
+fn only_source(sources: &[Source]) -> Result<&Source, Error> {
+    match sources {
+        [source] => Ok(source),
+        [] | [..] => {
+            let reason = "a picture or animation shows one recording; only figures show several side by side";
+            Err(Error::Incompatible { reason: reason.into() })
+        }
+    }
+}
+
+fn state(step: u64, source: &Source) -> Result<Page, Error> {
+    let grid = StepGrid::new(step..=step, source.header.config.rate, Thinning::All);
+    if last_step(source)? < step || grid.restrict_to_every(source.header.every).count() == 0 {
+        return Err(no_frames(step, step, source.header.every, source));
+    }
+    Ok(Page::State { step, every: 1 })
+}
+
+fn last_step(source: &Source) -> Result<u64, Error> {
+    source.summary.last_step.ok_or_else(|| Error::NothingToShow { reason: "the recording contains no state".into() })
+}
+
+/// Returns `grid` if it contains a step.
+fn non_empty(grid: StepGrid, source: &Source) -> Result<StepGrid, Error> {
+    match grid.count() {
+        0 => Err(no_frames(*grid.steps.start(), *grid.steps.end(), grid.every, source)),
+        _ => Ok(grid),
+    }
+}
+
+fn no_frames(from: u64, to: u64, every: u64, source: &Source) -> Error {
+    let last = source.summary.last_step.unwrap_or(0);
+    let steps = if from == to { format!("at step {from}") } else { format!("in steps {from} to {to} by {every}") };
+    Error::NothingToShow { reason: format!("the recording has no state {steps}; its last step is {last}") }
+}
+
+/// The bounding box of all bodies of finite mass over all runs, with a margin of 5 %, m.
+fn body_bounds(sources: &[Source]) -> Option<Rect> {
+    let all = sources.iter().filter_map(|source| source.summary.bounds).reduce(|a, b| a.union(&b))?;
+    Some(all.inset(-0.05 * larger(all.width(), all.height())))
+}

@@ -1,0 +1,213 @@
+use super::font::{Font, UNITS_PER_EM};
+use crate::physics::larger;
+use crate::picture::text::{Glyph, Line};
+use std::iter::Peekable;
+use std::str::Chars;
+
+/// Font size of sub- and superscripts relative to their base.
+const SCRIPT_SIZE: f64 = 0.72;
+
+/// Distance of a subscript below the baseline, em.
+const SUBSCRIPT_DROP: f64 = 0.2;
+
+/// Distance of a superscript above the baseline, em.
+const SUPERSCRIPT_RISE: f64 = 0.36;
+
+/// Height of base letters up to which accents are not raised, 1/1000 em.
+const LOW_LETTER_HEIGHT: f64 = 490.0;
+
+impl Line {
+    /// Lays out a formula with a font size of `size` px, in markup similar to LaTeX.
+    ///
+    /// Single letters are italic; words, numbers and text between `"` are upright. `_` and `^` set the next character
+    /// or `{group}` as a sub- or superscript; consecutive ones are placed above each other. A combining arrow or hat
+    /// (`v⃗`, `n̂`) is an accent on the letter before it, `′` is a superscript, and `-` is a minus sign.
+    pub fn math(markup: &str, size: f64) -> Line {
+        let mut typesetter = Typesetter { glyphs: Vec::new(), x: 0.0, rightmost: 0.0, scripts_at: None };
+        typesetter.typeset(&mut markup.chars().peekable(), Level { size, y: 0.0 });
+        let width = typesetter.rightmost;
+        Line { text: markup.replace('"', ""), glyphs: typesetter.glyphs, width, size }
+    }
+}
+
+/// Font size and position of the baseline, px.
+#[derive(Clone, Copy)]
+struct Level {
+    size: f64,
+    y: f64,
+}
+
+impl Level {
+    fn script(self, rise: f64) -> Level {
+        Level { size: self.size * SCRIPT_SIZE, y: self.y - rise * self.size }
+    }
+}
+
+struct Typesetter {
+    glyphs: Vec<Glyph>,
+    /// Position of the next glyph, px.
+    x: f64,
+    /// Right end of all glyphs so far, px.
+    rightmost: f64,
+    /// Start of the scripts of the last atom, as long as another script of it may follow.
+    scripts_at: Option<f64>,
+}
+
+impl Typesetter {
+    /// Typesets characters up to the end or a closing brace.
+    fn typeset(&mut self, markup: &mut Peekable<Chars>, level: Level) {
+        while let Some(character) = markup.next() {
+            match character {
+                '}' => return,
+                '{' => self.typeset(markup, level),
+                '"' => self.set_quoted(markup, level),
+                '_' => self.set_script(markup, level.script(-SUBSCRIPT_DROP)),
+                '^' => self.set_script(markup, level.script(SUPERSCRIPT_RISE)),
+                '′' => self.set_prime(level),
+                '\u{20d7}' | '\u{302}' => self.set_accent(character, level),
+                letter if is_in_words(letter) => self.set_letters(letter, markup, level),
+                '-' => self.set_upright("−", level),
+                other => self.set_upright(other.encode_utf8(&mut [0; 4]), level),
+            }
+        }
+    }
+
+    fn set_quoted(&mut self, markup: &mut Peekable<Chars>, level: Level) {
+        let text: String = markup.by_ref().take_while(|&character| character != '"').collect();
+        self.set_upright(&text, level);
+    }
+
+    /// Typesets one letter as a variable and several as a word.
+    fn set_letters(&mut self, first: char, markup: &mut Peekable<Chars>, level: Level) {
+        let mut word = String::from(first);
+        while let Some(letter) = markup.next_if(|&next| is_in_words(next)) {
+            word.push(letter);
+        }
+        let text = if word.chars().count() == 1 { italic(first).to_string() } else { word };
+        self.set_upright(&text, level);
+    }
+
+    fn set_upright(&mut self, text: &str, level: Level) {
+        let line = Line::plain(text, level.size);
+        let shifted = |glyph: &Glyph| Glyph { x: self.x + glyph.x, y: level.y, ..*glyph };
+        let glyphs: Vec<Glyph> = line.glyphs.iter().map(shifted).collect();
+        self.glyphs.extend(glyphs);
+        self.advance(line.width);
+        self.scripts_at = None;
+    }
+
+    fn advance(&mut self, width: f64) {
+        self.x += width;
+        self.rightmost = larger(self.x, self.rightmost);
+    }
+
+    fn set_script(&mut self, markup: &mut Peekable<Chars>, level: Level) {
+        let start = self.scripts_at.unwrap_or(self.x);
+        self.x = start;
+        match markup.next() {
+            Some('{') => self.typeset(markup, level),
+            Some(letter) => self.set_upright(&italic(letter).to_string(), level),
+            None => {}
+        }
+        self.end_script(start);
+    }
+
+    fn set_prime(&mut self, level: Level) {
+        let start = self.scripts_at.unwrap_or(self.x);
+        self.x = start;
+        self.set_upright("′", level);
+        self.end_script(start);
+    }
+
+    /// Continues to the right of all scripts, unless another script of the same atom follows.
+    fn end_script(&mut self, start: f64) {
+        self.x = self.rightmost;
+        self.scripts_at = Some(start);
+    }
+
+    /// Typesets an accent above the middle of the last glyph.
+    fn set_accent(&mut self, accent: char, level: Level) {
+        let font = Font::embedded();
+        let Some(base) = self.glyphs.last().copied() else { return };
+        let (base_bounds, id) = (font.bounds(base.id), font.glyph(accent));
+        let unit = level.size / UNITS_PER_EM;
+        let accent_bounds = font.bounds(id);
+        let raise = if base_bounds.top > LOW_LETTER_HEIGHT { base_bounds.top - LOW_LETTER_HEIGHT } else { 0.0 };
+        // Italic letters lean to the right in proportion to their height.
+        let lean = 0.1 * base_bounds.top;
+        let x = base.x
+            + ((base_bounds.left + base_bounds.right - accent_bounds.left - accent_bounds.right) / 2.0 + lean) * unit;
+        self.glyphs.push(Glyph { id, x, y: level.y - raise * unit, size: level.size });
+    }
+}
+
+/// Returns true for letters that can be part of a word. Greek capitals are symbols: Δt is a Δ and a variable.
+fn is_in_words(character: char) -> bool {
+    character.is_alphabetic() && !('Α'..='Ω').contains(&character)
+}
+
+/// The mathematical italic of a letter; Greek capitals stay upright.
+fn italic(letter: char) -> char {
+    let shifted = |first: char, to: u32| char::from_u32(letter as u32 - first as u32 + to);
+    let italic = match letter {
+        'h' => Some('ℎ'),
+        'A'..='Z' => shifted('A', 0x1d434),
+        'a'..='z' => shifted('a', 0x1d44e),
+        'α'..='ω' => shifted('α', 0x1d6fc),
+        _ => None,
+    };
+    italic.unwrap_or(letter)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The character, position in 1/1000 em (right, down) and size of each glyph.
+    fn laid_out(markup: &str) -> Vec<(char, i32, i32, i32)> {
+        let font = Font::embedded();
+        let characters = "𝑣𝑐𝑏𝑁𝑡𝑚𝛼ℎ⃗̂′=−0123456789 sm/abchevyΔ";
+        let name = |id| characters.chars().find(|&character| font.glyph(character) == id).unwrap();
+        let rounded = |length: f64| length.round() as i32;
+        let line = Line::math(markup, 1000.0);
+        line.glyphs.iter().map(|g| (name(g.id), rounded(g.x), rounded(g.y), rounded(g.size))).collect()
+    }
+
+    #[test]
+    fn letters_are_italic_and_words_upright() {
+        let characters = |markup| laid_out(markup).iter().map(|glyph| glyph.0).collect::<String>();
+        assert_eq!(characters("v=3 \"m/s\""), "𝑣=3 m/s");
+        assert_eq!(characters("Δt-h"), "Δ𝑡−ℎ");
+        assert_eq!(characters("α heavy"), "𝛼 heavy");
+    }
+
+    #[test]
+    fn sub_and_superscript_begin_at_the_same_position() {
+        assert_eq!(laid_out("v_c^2"), [('𝑣', 0, 0, 1000), ('𝑐', 504, 200, 720), ('2', 504, -360, 720)]);
+        assert_eq!(laid_out("v′_c"), [('𝑣', 0, 0, 1000), ('′', 504, 0, 1000), ('𝑐', 504, 200, 720)]);
+    }
+
+    #[test]
+    fn text_after_scripts_is_right_of_them() {
+        let line = laid_out("N_{cb}t");
+        assert_eq!(line.iter().map(|glyph| glyph.0).collect::<String>(), "𝑁cb𝑡");
+        assert!(line[3].1 > line[2].1 && line[3].2 == 0);
+    }
+
+    #[test]
+    fn accents_do_not_advance_the_line() {
+        let line = laid_out("v⃗_b");
+        let [letter, accent, script] = line[..] else { panic!("{line:?}") };
+        assert_eq!((letter, script), (('𝑣', 0, 0, 1000), ('𝑏', 504, 200, 720)));
+        assert_eq!((accent.0, accent.2), ('⃗', 0));
+        let high = laid_out("N⃗")[1];
+        assert!(high.2 < 0, "the accent is raised above a capital");
+    }
+
+    #[test]
+    fn unfinished_markup_is_typeset_as_far_as_possible() {
+        for markup in ["", "_", "v^", "{", "}", "\"m", "\u{20d7}", "v_{c", "′"] {
+            assert!(Line::math(markup, 20.0).width >= 0.0);
+        }
+    }
+}

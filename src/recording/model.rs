@@ -1,0 +1,242 @@
+//! The contents of a recording, apart from the states.
+
+use std::sync::Arc;
+
+use crate::physics::{Body, BodyId, EngineConfig, Event, Rect, Snapshot, SolverSnapshot, Spawn, Vector};
+
+use super::{BodyInfo, BodyTable, Gap, Identity, StateBounds};
+
+/// The version of the file format that this program writes: topics, schemas, metadata.
+///
+/// The reader accepts every older version and rejects newer ones. Version 2 added the state bounds
+/// to the end record, and stores the solver's numbers in keyframes by columns.
+pub const FORMAT_VERSION: u32 = 2;
+
+/// The version of the engine semantics: it is raised whenever the same events may give different
+/// bits.
+pub const SEMANTICS_VERSION: u32 = 1;
+
+/// The header of a recording: settings and versions.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Header {
+    /// The versions of the program that recorded.
+    pub versions: Versions,
+    /// The configuration of the engine.
+    pub config: EngineConfig,
+    /// The planned number of steps. A run may end earlier, with an error or at the end of its live
+    /// events.
+    pub steps: u64,
+    /// States of every `every`-th step are recorded in full, those between as digests only.
+    pub every: u64,
+    /// The scene's source text.
+    pub scene: SceneText,
+    /// The gaps of a recovered recording; empty for any other.
+    pub gaps: Vec<Gap>,
+}
+
+impl Header {
+    /// Returns the log time of the messages of `step`: the simulated time in nanoseconds since the start of the run.
+    pub fn log_time(&self, step: u64) -> u64 {
+        nanoseconds(step, self.config.rate)
+    }
+
+    /// Returns the number of steps nearest to a second of simulated time, at least 1. Keyframes are this far apart,
+    /// and the writer flushes as often.
+    pub fn steps_per_second(&self) -> u64 {
+        steps_per_second(self.config.rate)
+    }
+}
+
+/// The versions that a recording was made with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Versions {
+    /// The format version; see [`FORMAT_VERSION`].
+    pub format: u32,
+    /// The engine-semantics version; see [`SEMANTICS_VERSION`].
+    pub semantics: u32,
+}
+
+impl Versions {
+    /// The versions of this program.
+    pub const CURRENT: Versions = Versions { format: FORMAT_VERSION, semantics: SEMANTICS_VERSION };
+}
+
+/// The scene file at the time of recording; empty if that part of the recording is lost.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct SceneText {
+    /// The file name without directories.
+    pub file_name: String,
+    /// The TOML text.
+    pub text: String,
+}
+
+/// The end record of a finished recording (metadata `rebond_end`): how the run ended.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trailer {
+    /// The number of steps, which is also the step of the last state.
+    pub steps: u64,
+    /// The number of collisions with an impulse; `None` if the original end record was lost.
+    pub collisions: Option<u64>,
+    /// The number of bodies ever spawned, walls included.
+    pub bodies: u64,
+    /// The number of spawns and deletes.
+    pub events: u64,
+    /// The engine's error, if the run ended in one.
+    pub error: Option<String>,
+    /// True if the recording was recovered from a damaged or unfinished one.
+    pub recovered: bool,
+    /// Bounds of all recorded states; `None` if states are missing, if a value is not finite,
+    /// and before format 2.
+    pub state_bounds: Option<StateBounds>,
+    /// The identity of the run.
+    pub identity: Identity,
+}
+
+/// An event as it was applied to the engine, with all values resolved. Replay applies it again.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RecordedEvent {
+    /// The step whose state the event changed, before that state was recorded.
+    pub step: u64,
+    /// The change.
+    pub change: Change,
+}
+
+/// The effect of an event.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Change {
+    /// A body was created.
+    Spawn {
+        /// The id that the engine assigned.
+        id: BodyId,
+        /// The constants, initial position and initial velocity.
+        spawn: Spawn,
+        /// The colour that the scene gives it, for instance `#3366cc`.
+        color: Option<String>,
+    },
+    /// A body was removed.
+    Delete {
+        /// The id of the body.
+        id: BodyId,
+    },
+}
+
+impl Change {
+    /// Returns the event in the form that the engine applies.
+    pub fn event(&self) -> Event {
+        match self {
+            Change::Spawn { spawn, .. } => Event::Spawn(spawn.clone()),
+            Change::Delete { id } => Event::Delete(*id),
+        }
+    }
+}
+
+/// The complete state of a step, from which a run can be continued bit for bit.
+///
+/// In the file it follows the events of its step and precedes the state.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Keyframe {
+    /// The step.
+    pub step: u64,
+    /// The id of the next body to be spawned.
+    pub next_id: BodyId,
+    /// The living bodies, in creation order.
+    pub bodies: Vec<KeyframeBody>,
+    /// The internal state of the solver.
+    pub solver: SolverSnapshot,
+}
+
+/// A body in a [`Keyframe`].
+#[derive(Clone, Debug, PartialEq)]
+pub struct KeyframeBody {
+    /// The constants and the initial state.
+    pub info: Arc<BodyInfo>,
+    /// The upper-left corner, m.
+    pub position: Vector,
+    /// The velocity, m/s.
+    pub velocity: Vector,
+    /// The accumulated force of the engine, N.
+    pub force: Vector,
+}
+
+impl Keyframe {
+    /// Creates the keyframe of a snapshot, whose bodies must be those of `table`.
+    pub fn new(snapshot: Snapshot, table: &BodyTable) -> Keyframe {
+        let bodies = snapshot.bodies.iter().zip(table.bodies()).map(|(body, info)| KeyframeBody {
+            info: info.clone(),
+            position: body.rect.origin,
+            velocity: body.velocity,
+            force: body.force,
+        });
+        Keyframe { step: snapshot.step, next_id: snapshot.next_id, bodies: bodies.collect(), solver: snapshot.solver }
+    }
+
+    /// Returns the snapshot for [`Engine::restore`](crate::physics::Engine::restore).
+    pub fn snapshot(&self, config: &EngineConfig) -> Snapshot {
+        Snapshot {
+            step: self.step,
+            next_id: self.next_id,
+            bodies: self.bodies.iter().map(|body| body.body(config)).collect(),
+            solver: self.solver.clone(),
+        }
+    }
+
+    /// Returns the living bodies.
+    pub fn table(&self) -> BodyTable {
+        self.bodies.iter().map(|body| body.info.clone()).collect()
+    }
+}
+
+impl KeyframeBody {
+    /// Returns the body as the engine stores it.
+    fn body(&self, config: &EngineConfig) -> Body {
+        let BodyInfo { id, spawn, .. } = &*self.info;
+        Body {
+            id: *id,
+            name: spawn.name.clone(),
+            rect: Rect::new(self.position, spawn.rect.width(), spawn.rect.height()),
+            mass: spawn.mass,
+            inverse_mass: 1.0 / spawn.mass,
+            velocity: self.velocity,
+            force: self.force,
+            constant_force: spawn.force,
+            material: config.restitution.material(&spawn.material),
+        }
+    }
+}
+
+/// Returns the simulated time of state `step`, in nanoseconds since the start of the run.
+///
+/// Exact (rounded down) if `rate` (Hz) is an integer, else to the precision of f64. Saturates at
+/// `u64::MAX` (584 years).
+fn nanoseconds(step: u64, rate: f64) -> u64 {
+    const SECOND: u128 = 1_000_000_000;
+    let whole = rate as u64;
+    if whole as f64 == rate {
+        u64::try_from(u128::from(step) * SECOND / u128::from(whole)).unwrap_or(u64::MAX)
+    } else {
+        (step as f64 * SECOND as f64 / rate) as u64
+    }
+}
+
+/// Returns the number of steps nearest to a second of simulated time, at least 1.
+fn steps_per_second(rate: f64) -> u64 {
+    (rate.round() as u64).max(1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn integer_rates_are_exact() {
+        assert_eq!(nanoseconds(1, 60.0), 16_666_666);
+        assert_eq!(nanoseconds(86_400 * 60, 60.0), 86_400_000_000_000);
+        assert_eq!(nanoseconds(3, 0.5), 6_000_000_000);
+        assert_eq!(nanoseconds(u64::MAX, 1.0), u64::MAX);
+    }
+
+    #[test]
+    fn a_second_has_at_least_one_step() {
+        assert_eq!([0.1, 1.0, 59.94, 60.0].map(steps_per_second), [1, 1, 60, 60]);
+    }
+}

@@ -1,0 +1,100 @@
+use super::{LiveEvents, Run, RunError, engine_config};
+use crate::physics::{CollisionCount, StepError};
+use crate::recording::{ColorFn, Header, RunEnd, SceneText, Trailer, Versions, Writer};
+use crate::scene::{Scene, SceneError};
+use std::io::{BufRead, Write};
+
+/// Options of a recording.
+#[non_exhaustive]
+#[derive(Clone, Copy, Debug)]
+pub struct RecordOptions {
+    /// The last step, which may differ from that of the scene's [`RunOptions`](crate::scene::RunOptions).
+    pub steps: u64,
+    /// Every `every`-th state is recorded in full, the others as digests; at least 1.
+    pub every: u64,
+    /// The colours of bodies in viewers such as Foxglove; `None` records nothing for viewers.
+    pub viewer: Option<ColorFn>,
+}
+
+impl RecordOptions {
+    /// The complete run of the scene, every state in full, nothing for viewers.
+    pub const fn whole(scene: &Scene) -> RecordOptions {
+        RecordOptions { steps: scene.run.steps, every: 1, viewer: None }
+    }
+
+    /// Ends the run after that step.
+    pub const fn steps(self, steps: u64) -> RecordOptions {
+        RecordOptions { steps, ..self }
+    }
+
+    /// Records only every `every`-th state in full; at least 1.
+    pub const fn every(self, every: u64) -> RecordOptions {
+        RecordOptions { every, ..self }
+    }
+}
+
+/// The result of recording a scene.
+#[non_exhaustive]
+#[derive(Debug)]
+pub struct Recorded {
+    /// The trailer of the recording.
+    pub end: Trailer,
+    /// The error of the step that the engine could not complete, if any.
+    pub error: Option<StepError>,
+}
+
+/// Runs `scene` and writes its recording to `output`. Memory does not grow with the number of steps.
+/// `progress` is called with the step of each recorded state.
+///
+/// A step that the engine cannot complete ends the run. The recording is then finished and contains the
+/// error and all states before it.
+///
+/// # Errors
+/// If an input is refused or the output cannot be written. Chunks that were flushed before stay readable.
+pub fn record<W: Write + Send + 'static>(
+    scene: &Scene,
+    options: RecordOptions,
+    mut live: Option<&mut LiveEvents<impl BufRead>>,
+    output: W,
+    mut progress: impl FnMut(u64),
+) -> Result<Recorded, RunError> {
+    let mut run = Run::new(scene);
+    let mut writer = Writer::new(output, &header(scene, options))?;
+    if let Some(color) = options.viewer {
+        writer.enable_scene_updates(color);
+    }
+    let mut collisions = CollisionCount::default();
+    let mut error = None;
+    for step in 0..=options.steps {
+        let due = live.as_mut().map(|live| live.due(step)).transpose()?;
+        let on_refused = |error: SceneError| match &mut live {
+            Some(live) => live.refuse(error.into()),
+            None => Err(error.into()),
+        };
+        for event in run.apply_inputs(due.unwrap_or_default(), on_refused)? {
+            writer.write_event(&event)?;
+        }
+        writer.write_state(run.engine())?;
+        progress(step);
+        if step < options.steps {
+            error = run.step(&mut collisions).err();
+        }
+        if error.is_some() {
+            break;
+        }
+    }
+    let run_end = RunEnd { collisions: Some(collisions.0), error: error.as_ref().map(StepError::to_string) };
+    Ok(Recorded { end: writer.finish(run_end)?.trailer, error })
+}
+
+fn header(scene: &Scene, options: RecordOptions) -> Header {
+    let text = SceneText { file_name: scene.source.file_name().to_owned(), text: scene.source.text.clone() };
+    Header {
+        versions: Versions::CURRENT,
+        config: engine_config(scene),
+        steps: options.steps,
+        every: options.every,
+        scene: text,
+        gaps: Vec::new(),
+    }
+}

@@ -1,0 +1,306 @@
+use std::{
+    fs::File,
+    io::{BufReader, Read, Seek},
+    ops::RangeInclusive,
+    path::Path,
+};
+
+use crate::{
+    physics::{Collision, CollisionCount, Engine, Observer, SolverSnapshot},
+    recording::{
+        BodyTable, Change, Error, Health, Item, Keyframe, RecordedEvent, RecordedState, Recording, SEMANTICS_VERSION,
+        StateDigest, Trailer, body_state, open,
+    },
+};
+
+use super::{Difference, Divergence, Verdict};
+
+/// All steps of a recording.
+pub const ALL_STEPS: RangeInclusive<u64> = 0..=u64::MAX;
+
+/// An [`Observer`] that also observes the states of a replay.
+pub trait StateObserver: Observer {
+    /// Called at each compared state that is the same as recorded, before the next step.
+    fn state(&mut self, _engine: &Engine) {}
+}
+
+impl StateObserver for CollisionCount {}
+
+impl StateObserver for Vec<Collision> {}
+
+/// Runs a recording again and compares its states bit for bit.
+///
+/// ```no_run
+/// use rebond::{ALL_STEPS, CollisionCount, Replayer};
+///
+/// let replayer = Replayer::open("lecture.mcap".as_ref(), ALL_STEPS)?;
+/// let verdict = replayer.run(&mut CollisionCount::default(), |_| ())?;
+/// println!("{verdict}");
+/// # Ok::<(), rebond::RecordingError>(())
+/// ```
+#[doc(alias("verify", "determinism", "checksum", "digest"))]
+pub struct Replayer<R> {
+    recording: Recording<R>,
+    /// The steps to compare.
+    steps: RangeInclusive<u64>,
+    engine: Engine,
+    phase: Phase,
+    /// The number of steps between consecutive states that are both the same as recorded.
+    same_steps: u64,
+    /// The step of the last state that is the same as recorded, if the engine followed it without a break.
+    last: Option<u64>,
+    /// The solver snapshot of a keyframe, to be compared at the next state.
+    expected_solver: Option<SolverSnapshot>,
+    last_event: Option<String>,
+    reproduced_error: Option<String>,
+    digest: StateDigest,
+}
+
+/// The relation of the engine to the current position in the recording.
+enum Phase {
+    /// At the start: step 0 or a keyframe follows.
+    Start,
+    /// The engine is at the position of the recording.
+    InSync,
+    /// Events may be missing until the next keyframe.
+    OutOfSync,
+    /// The replay ended at a difference.
+    Diverged(Box<Divergence>),
+}
+
+impl Replayer<BufReader<File>> {
+    /// Opens the recording at `path` for a replay that compares the states of `steps`.
+    ///
+    /// # Errors
+    /// Returns the errors of [`recording::open`](crate::recording::open) and [`Replayer::new`].
+    pub fn open(path: &Path, steps: RangeInclusive<u64>) -> Result<Replayer<BufReader<File>>, Error> {
+        Replayer::new(open(path)?, steps)
+    }
+}
+
+impl<R: Read + Seek> Replayer<R> {
+    /// Creates a replay of `recording` that compares the states of `steps`, both ends included.
+    ///
+    /// It starts at the last keyframe before `steps`, and continues at the next keyframe after damage.
+    ///
+    /// # Errors
+    /// Returns an error if the file cannot be read, or if the recording was made with other engine semantics.
+    pub fn new(mut recording: Recording<R>, steps: RangeInclusive<u64>) -> Result<Replayer<R>, Error> {
+        let found = recording.header.versions.semantics;
+        if found != SEMANTICS_VERSION {
+            return Err(Error::OtherSemantics { found });
+        }
+        if *steps.start() > 0 {
+            recording.seek(*steps.start())?;
+        }
+        Ok(Replayer {
+            engine: Engine::new(recording.header.config.clone()),
+            recording,
+            steps,
+            phase: Phase::Start,
+            same_steps: 0,
+            last: None,
+            expected_solver: None,
+            last_event: None,
+            reproduced_error: None,
+            digest: StateDigest::default(),
+        })
+    }
+
+    /// Replays to the end and returns the verdict. `progress` is called with the step of each recorded state.
+    ///
+    /// # Errors
+    /// Returns an error if the file cannot be read.
+    pub fn run<O: StateObserver>(mut self, observer: &mut O, mut progress: impl FnMut(u64)) -> Result<Verdict, Error> {
+        while let Some(step) = self.next_state(observer)? {
+            progress(step);
+        }
+        Ok(self.verdict())
+    }
+
+    /// Replays up to the next recorded state, compares it and returns its step; `None` at the end of the steps to
+    /// compare or of the recording, and at a difference. `observer` receives the collisions on the way.
+    ///
+    /// # Errors
+    /// Returns an error if the file cannot be read.
+    pub fn next_state<O: StateObserver>(&mut self, observer: &mut O) -> Result<Option<u64>, Error> {
+        while !self.is_finished() {
+            let Some(item) = self.recording.next().transpose()? else { break };
+            let step = match &item {
+                Item::State(state) | Item::SuspectState(state) => Some(state.step),
+                Item::Event(_) | Item::Keyframe(_) | Item::Trailer(_) => None,
+                Item::SceneUpdate { .. } | Item::Damaged(_) | Item::Gap(_) => None,
+            };
+            match self.replay_item(item, observer) {
+                Ok(()) if step.is_some() => return Ok(step),
+                Ok(()) => {}
+                Err(divergence) => self.phase = Phase::Diverged(divergence),
+            }
+        }
+        Ok(None)
+    }
+
+    /// Returns the verdict on the part replayed so far; final once [`Replayer::next_state`] has returned `None`.
+    pub fn verdict(&self) -> Verdict {
+        if let Phase::Diverged(divergence) = &self.phase {
+            return Verdict::Diverged(divergence.clone());
+        }
+        let steps = self.same_steps;
+        match self.recording.health() {
+            Health::Corrupt(damage) => Verdict::Corrupt { damage, steps },
+            Health::Truncated { after } if !self.has_compared_all() => Verdict::Truncated { after, steps },
+            Health::Truncated { .. } | Health::Complete => {
+                Verdict::Same { steps, bodies: self.engine.next_id().into(), error: self.reproduced_error.clone() }
+            }
+        }
+    }
+
+    fn is_finished(&self) -> bool {
+        self.has_compared_all() || matches!(self.phase, Phase::Diverged(_))
+    }
+
+    fn has_compared_all(&self) -> bool {
+        self.last == Some(*self.steps.end())
+    }
+
+    fn replay_item<O: StateObserver>(&mut self, item: Item, observer: &mut O) -> Result<(), Box<Divergence>> {
+        match (item, &self.phase) {
+            (Item::Keyframe(keyframe), Phase::InSync) => self.expected_solver = Some(keyframe.solver),
+            (Item::Keyframe(keyframe), _) => return self.restore(&keyframe),
+            (Item::SceneUpdate { .. }, _) => {}
+            (Item::Damaged(_), _) if self.recording.table().is_some() => {}
+            (Item::Damaged(_) | Item::Gap(_), _) => self.phase = Phase::OutOfSync,
+            (Item::Event(_) | Item::State(_) | Item::SuspectState(_) | Item::Trailer(_), Phase::OutOfSync) => {}
+            (Item::Event(event), _) => return self.apply_event(event, observer),
+            (Item::State(state) | Item::SuspectState(state), _) => return self.compare_state(&state, observer),
+            (Item::Trailer(trailer), _) => return self.compare_error(trailer, observer),
+        }
+        Ok(())
+    }
+
+    fn restore(&mut self, keyframe: &Keyframe) -> Result<(), Box<Divergence>> {
+        let config = &self.recording.header.config;
+        match Engine::restore(config.clone(), keyframe.snapshot(config)) {
+            Ok(engine) => {
+                self.engine = engine;
+                self.phase = Phase::InSync;
+                self.last = None;
+                self.expected_solver = None;
+                Ok(())
+            }
+            Err(error) => Err(self.mismatch(error.to_string())),
+        }
+    }
+
+    fn apply_event<O: StateObserver>(&mut self, event: RecordedEvent, observer: &mut O) -> Result<(), Box<Divergence>> {
+        self.phase = Phase::InSync;
+        self.run_to(event.step, observer)?;
+        let (verb, name) = match &event.change {
+            Change::Spawn { id, spawn, .. } => ("spawn", (*id == self.engine.next_id()).then(|| spawn.name.clone())),
+            Change::Delete { id } => ("delete", self.engine.world().body(*id).map(|body| body.name.clone())),
+        };
+        let Some(name) = name else {
+            return Err(self.mismatch(format!("the recorded {verb} cannot be applied in the replay")));
+        };
+        self.engine.apply(&event.change.event());
+        self.last_event = Some(format!("{verb} {name:?} at step {}", event.step));
+        Ok(())
+    }
+
+    fn compare_state<O: StateObserver>(
+        &mut self,
+        state: &RecordedState,
+        observer: &mut O,
+    ) -> Result<(), Box<Divergence>> {
+        self.phase = Phase::InSync;
+        self.run_to(state.step, observer)?;
+        if !self.steps.contains(&state.step) {
+            return Ok(());
+        }
+        if let Some(difference) = self.difference(state) {
+            return Err(self.divergence(difference));
+        }
+        observer.state(&self.engine);
+        let is_consecutive = self.last.is_some_and(|last| last + 1 == state.step);
+        self.same_steps += u64::from(is_consecutive);
+        self.last = Some(state.step);
+        match self.expected_solver.take() {
+            Some(solver) if !are_identical(&solver, &self.engine.snapshot().solver) => {
+                Err(self.mismatch("the internal state of the solver differs from the keyframe".into()))
+            }
+            Some(_) | None => Ok(()),
+        }
+    }
+
+    /// Checks that the replay ends with the recorded error, if there is one.
+    fn compare_error<O: StateObserver>(&mut self, trailer: Trailer, observer: &mut O) -> Result<(), Box<Divergence>> {
+        let Some(recorded) = trailer.error else { return Ok(()) };
+        match self.engine.step(observer) {
+            Err(error) if error.to_string() == recorded => {
+                self.reproduced_error = Some(recorded);
+                Ok(())
+            }
+            Err(error) => Err(self
+                .mismatch(format!("the recorded run ends with the error {recorded:?}, the replay with \"{error}\""))),
+            Ok(()) => Err(self.mismatch(format!("the replay does not reproduce the recorded error {recorded:?}"))),
+        }
+    }
+
+    fn run_to<O: StateObserver>(&mut self, step: u64, observer: &mut O) -> Result<(), Box<Divergence>> {
+        while self.engine.current_step() < step {
+            if let Err(error) = self.engine.step(observer) {
+                return Err(self.mismatch(format!("the replay ends with an error that was not recorded: {error}")));
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns the first difference between the recorded state and the engine's state.
+    fn difference(&mut self, state: &RecordedState) -> Option<Difference> {
+        if !state.id.is_empty()
+            && let Some(table) = self.recording.table()
+            && let Some(difference) = self.value_difference(state, table)
+        {
+            return Some(difference);
+        }
+        self.digest.clear();
+        for body in &self.engine.world().bodies {
+            self.digest.add(body.id, body_state(body));
+        }
+        let (recorded, replayed) = (state.digest, self.digest.value());
+        (recorded != replayed).then_some(Difference::Digest { recorded, replayed })
+    }
+
+    fn value_difference(&self, state: &RecordedState, table: &BodyTable) -> Option<Difference> {
+        for (info, recorded) in table.join_state(state) {
+            let Some(body) = self.engine.world().body(info.id) else {
+                return Some(Difference::Mismatch {
+                    description: format!("the replay has no body {:?}", info.spawn.name),
+                });
+            };
+            let recorded = recorded.unwrap_or_else(|| info.initial_state());
+            let pairs = recorded.into_iter().zip(body_state(body)).zip(["x", "y", "vx", "vy"]);
+            for ((recorded, replayed), field) in pairs {
+                if recorded.to_bits() != replayed.to_bits() {
+                    let body = body.name.clone();
+                    return Some(Difference::Value { body, field, recorded, replayed });
+                }
+            }
+        }
+        None
+    }
+
+    fn mismatch(&self, description: String) -> Box<Divergence> {
+        self.divergence(Difference::Mismatch { description })
+    }
+
+    fn divergence(&self, difference: Difference) -> Box<Divergence> {
+        Box::new(Divergence { step: self.engine.current_step(), difference, last_event: self.last_event.clone() })
+    }
+}
+
+/// Compares two solver snapshots bit for bit.
+fn are_identical(a: &SolverSnapshot, b: &SolverSnapshot) -> bool {
+    let bits = |solver: &SolverSnapshot| solver.numbers.iter().map(|number| number.to_bits()).collect::<Vec<_>>();
+    a.integers == b.integers && bits(a) == bits(b)
+}

@@ -1,0 +1,213 @@
+use super::RunError;
+use crate::physics::{BodyId, Engine, EngineConfig, Observer, StepError, Vector, World};
+use crate::recording::{Change, RecordedEvent};
+use crate::scene::{
+    Action, Blueprint, DiagnosticKind, Input, InputLocation, Scene, SceneError, SceneSource, SpawnRequest,
+};
+use std::collections::{BTreeMap, VecDeque};
+
+/// A run of a scene that is advanced step by step: the engine, and the inputs of later steps.
+#[doc(alias = "simulation")]
+#[derive(Clone)]
+pub struct Run {
+    engine: Engine,
+    scheduled: VecDeque<Input>,
+    source: SceneSource,
+    names: Names,
+}
+
+impl Run {
+    /// A run of `scene` at step 0, before its first inputs.
+    pub fn new(scene: &Scene) -> Run {
+        Run {
+            engine: Engine::new(engine_config(scene)),
+            scheduled: scene.inputs.iter().cloned().collect(),
+            source: scene.source.clone(),
+            names: Names::default(),
+        }
+    }
+
+    /// The engine.
+    pub fn engine(&self) -> &Engine {
+        &self.engine
+    }
+
+    /// Applies the inputs of the current step, those of the scene and `live` ones: deletes, then spawns,
+    /// then clicks. Returns the resulting events; a click may cause none.
+    ///
+    /// Names that are in use or not alive are found only here in a scene with clicks and in live events.
+    /// `on_refused` is called with the error of a live event and returns an error to end the run.
+    ///
+    /// # Errors
+    /// If an input of the scene is refused, or if `on_refused` returns an error.
+    pub fn apply_inputs(
+        &mut self,
+        live: Vec<Input>,
+        mut on_refused: impl FnMut(SceneError) -> Result<(), RunError>,
+    ) -> Result<Vec<RecordedEvent>, RunError> {
+        let step = self.engine.current_step();
+        let mut inputs = Vec::new();
+        while self.scheduled.front().is_some_and(|input| input.step <= step) {
+            inputs.extend(self.scheduled.pop_front());
+        }
+        inputs.extend(live);
+        inputs.sort_by_key(|input| phase(&input.action));
+        let mut events = Vec::new();
+        for Input { action, location, .. } in inputs {
+            match self.resolve(action) {
+                Ok(change) => events.extend(change.map(|change| self.apply(change))),
+                Err(kind) => {
+                    let error = SceneError::at(&self.source, &location, kind);
+                    match location {
+                        InputLocation::Scene(_) => return Err(error.into()),
+                        InputLocation::EventLine(_) => on_refused(error)?,
+                    }
+                }
+            }
+        }
+        Ok(events)
+    }
+
+    /// Advances the world by one step.
+    ///
+    /// # Errors
+    /// If the engine cannot complete the step; the run is then over.
+    pub fn step<O: Observer>(&mut self, observer: &mut O) -> Result<(), StepError> {
+        self.engine.step(observer)
+    }
+
+    /// Advances to the state `step` as it would be recorded, with the inputs of that step applied.
+    ///
+    /// ```
+    /// # let builder = rebond::SceneBuilder::default();
+    /// # let scene = builder.build("scene.toml")?;
+    /// let mut run = rebond::Run::new(&scene);
+    /// let mut collisions = Vec::new();
+    /// run.go_to(60, &mut collisions)?;
+    /// assert_eq!(run.engine().current_step(), 60);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    ///
+    /// # Errors
+    /// If an input of the scene is refused, or if the engine cannot complete a step.
+    pub fn go_to<O: Observer>(&mut self, step: u64, observer: &mut O) -> Result<(), RunError> {
+        self.apply_inputs(Vec::new(), |error| Err(error.into()))?;
+        while self.engine.current_step() < step {
+            self.step(observer)?;
+            self.apply_inputs(Vec::new(), |error| Err(error.into()))?;
+        }
+        Ok(())
+    }
+
+    /// Converts an action to a change of the current world; a click may cause none.
+    fn resolve(&mut self, action: Action) -> Result<Option<Change>, DiagnosticKind> {
+        match action {
+            Action::Wall(request) => self.spawn_wall(request).map(Some),
+            Action::Spawn(request) => self.spawn(request).map(Some),
+            Action::Delete { name } => self.delete(&name).map(Some),
+            Action::Click { at, spawn } => self.click(at, spawn),
+        }
+    }
+
+    fn spawn_wall(&mut self, request: SpawnRequest) -> Result<Change, DiagnosticKind> {
+        let name = request.name.clone().unwrap_or_default();
+        self.spawn_named(name, request)
+    }
+
+    fn spawn(&mut self, request: SpawnRequest) -> Result<Change, DiagnosticKind> {
+        let number = self.names.count_spawn();
+        let name = request.name.clone().unwrap_or_else(|| format!("#{number}"));
+        self.spawn_named(name, request)
+    }
+
+    fn spawn_named(&mut self, name: String, request: SpawnRequest) -> Result<Change, DiagnosticKind> {
+        let id = self.engine.next_id();
+        let step = self.engine.current_step();
+        if !self.names.claim(&name, id) {
+            return Err(DiagnosticKind::NameTaken { name, step });
+        }
+        Ok(Change::Spawn { id, color: request.color.clone(), spawn: request.spawn(name) })
+    }
+
+    fn delete(&mut self, name: &str) -> Result<Change, DiagnosticKind> {
+        let step = self.engine.current_step();
+        match self.names.release(name) {
+            Some(id) => Ok(Change::Delete { id }),
+            None => Err(DiagnosticKind::NotAlive { name: name.into(), step, alive: self.names.first_alive() }),
+        }
+    }
+
+    /// The handout's mouse click. A click that deletes a body never also spawns one: in the handout, the
+    /// event that removed a box also reached the canvas below, which created a new box.
+    fn click(&mut self, at: Vector, spawn: Option<Blueprint>) -> Result<Option<Change>, DiagnosticKind> {
+        if let Some(name) = topmost_body(self.engine.world(), at) {
+            return self.delete(&name).map(Some);
+        }
+        spawn.map(|blueprint| self.spawn(blueprint.centered_on(at))).transpose()
+    }
+
+    fn apply(&mut self, change: Change) -> RecordedEvent {
+        self.engine.apply(&change.event());
+        RecordedEvent { step: self.engine.current_step(), change }
+    }
+}
+
+/// The engine configuration of a scene.
+pub fn engine_config(scene: &Scene) -> EngineConfig {
+    EngineConfig {
+        solver: scene.run.solver,
+        rate: scene.run.rate,
+        gravity: scene.gravity,
+        restitution: scene.restitution.clone(),
+        events_per_step: scene.run.events_per_step,
+    }
+}
+
+/// The order of the inputs of one step: deletes first, so that their names are free for spawns; clicks last.
+fn phase(action: &Action) -> u8 {
+    match action {
+        Action::Delete { .. } => 0,
+        Action::Wall(_) | Action::Spawn(_) => 1,
+        Action::Click { .. } => 2,
+    }
+}
+
+/// The name of the body of finite mass created last that contains the point.
+fn topmost_body(world: &World, point: Vector) -> Option<String> {
+    let hit = world.bodies.iter().rev().find(|body| !body.is_infinite() && body.rect.has_point(point));
+    hit.map(|body| body.name.clone())
+}
+
+/// The names of the bodies alive, and the number of bodies spawned, which the names `#K` count.
+#[derive(Clone, Debug, Default)]
+struct Names {
+    alive: BTreeMap<String, BodyId>,
+    spawns: u64,
+}
+
+impl Names {
+    /// Counts a spawn and returns its number: 1 for the first of the run; walls are not counted.
+    fn count_spawn(&mut self) -> u64 {
+        self.spawns += 1;
+        self.spawns
+    }
+
+    /// Gives `name` to a body; returns false if another body has it.
+    fn claim(&mut self, name: &str, id: BodyId) -> bool {
+        let is_free = !self.alive.contains_key(name);
+        if is_free {
+            self.alive.insert(name.to_owned(), id);
+        }
+        is_free
+    }
+
+    /// Removes `name` and returns the body that had it.
+    fn release(&mut self, name: &str) -> Option<BodyId> {
+        self.alive.remove(name)
+    }
+
+    /// The first few names alive, for a message.
+    fn first_alive(&self) -> Vec<String> {
+        self.alive.keys().take(8).cloned().collect()
+    }
+}

@@ -1,0 +1,266 @@
+//! The tables of a scene that hold no events: `[world]`, `[run]` and `[restitution]`.
+
+use super::{
+    Diagnostic, DiagnosticKind, SpawnRequest, action,
+    diagnostics::{Reported, Reporter},
+    tree::{Entry, Key, Node, Table, Value, unknown_key},
+};
+use crate::physics::{DEFAULT_EVENTS_PER_STEP, Rect, Restitution, RestitutionPair, SolverKind, Vector};
+use std::{collections::BTreeMap, ops::Range};
+
+/// The `[world]` table of a scene. A value that could not be read is an error.
+pub struct WorldOptions {
+    /// Width and height of the visible world, m.
+    pub size: Result<[f64; 2], Reported>,
+    /// The walls and the location of their key.
+    pub walls: Result<Option<(Walls, Range<usize>)>, Reported>,
+    /// Gravity, m/s².
+    pub gravity: Result<Option<Vector>, Reported>,
+}
+
+/// Width and height of the world of a scene that gives none, m.
+pub const DEFAULT_SIZE: [f64; 2] = [16.0, 9.0];
+
+const SIZE: Key = Key { name: "size", accepts: "two positive finite extents, m" };
+const WALLS: Key = Key { name: "walls", accepts: "true or false" };
+const WALL_MATERIAL: Key = Key { name: "wall_material", accepts: action::MATERIAL.accepts };
+const GRAVITY: Key = Key { name: "gravity", accepts: "two finite numbers, m/s²" };
+
+/// The keys of `[world]`.
+pub const WORLD_KEYS: &[Key] = &[SIZE, WALLS, WALL_MATERIAL, GRAVITY];
+
+impl Default for WorldOptions {
+    fn default() -> WorldOptions {
+        WorldOptions { size: Ok(DEFAULT_SIZE), walls: Ok(None), gravity: Ok(None) }
+    }
+}
+
+impl WorldOptions {
+    /// The options of a table that could not be read.
+    pub fn unreadable(reported: Reported) -> WorldOptions {
+        WorldOptions { size: Err(reported), walls: Err(reported), gravity: Err(reported) }
+    }
+}
+
+/// Reads `[world]`.
+pub fn read_world(table: &Table) -> WorldOptions {
+    let size = table.optional(SIZE, Node::size).map(|size| size.unwrap_or(DEFAULT_SIZE));
+    let material = table.optional(WALL_MATERIAL, action::material).map(|material| material.map(String::from));
+    let walls = table.get(WALLS).and_then(|field| {
+        let Some(field) = field else { return Ok(None) };
+        let has_walls = field.read(Node::boolean)?;
+        Ok(if has_walls { Some((Walls { material: material? }, field.node.span.clone())) } else { None })
+    });
+    WorldOptions { size, walls, gravity: table.optional(GRAVITY, Node::vector) }
+}
+
+/// The four static walls just outside the world, each 1 m thick.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Walls {
+    /// The material of the walls.
+    pub material: Option<String>,
+}
+
+/// The names of the walls, in creation order.
+pub const WALL_NAMES: [&str; 4] = ["wall-top", "wall-bottom", "wall-left", "wall-right"];
+
+impl Walls {
+    /// The wall bodies around a world of that size, m, in creation order.
+    ///
+    /// The horizontal walls cover the corners.
+    pub fn spawn_requests(&self, [width, height]: [f64; 2]) -> [SpawnRequest; 4] {
+        let [top, bottom, left, right] = WALL_NAMES;
+        [
+            self.request(top, Rect::new(Vector::new(-1.0, -1.0), width + 2.0, 1.0)),
+            self.request(bottom, Rect::new(Vector::new(-1.0, height), width + 2.0, 1.0)),
+            self.request(left, Rect::new(Vector::new(-1.0, 0.0), 1.0, height)),
+            self.request(right, Rect::new(Vector::new(width, 0.0), 1.0, height)),
+        ]
+    }
+
+    fn request(&self, name: &str, rect: Rect) -> SpawnRequest {
+        SpawnRequest {
+            name: Some(name.into()),
+            rect,
+            mass: f64::INFINITY,
+            velocity: Vector::ZERO,
+            force: Vector::ZERO,
+            material: self.material.clone().unwrap_or_default(),
+            color: None,
+        }
+    }
+}
+
+/// The `[run]` table of a scene: duration, sampling and solver.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RunOptions {
+    /// Steps per second, Hz; finite and positive.
+    pub rate: f64,
+    /// The number of steps; the run has the states 0..=steps.
+    pub steps: u64,
+    /// The solver.
+    pub solver: SolverKind,
+    /// The largest number of events within one step; the run ends with an error beyond it.
+    pub events_per_step: u64,
+}
+
+/// The rate of a scene that gives none, Hz.
+pub const DEFAULT_RATE: f64 = 60.0;
+
+/// The solver of a scene that gives none.
+pub const DEFAULT_SOLVER: SolverKind = SolverKind::EventDriven;
+
+/// The longest run, s: a recording stores its nanoseconds in 64 bits.
+const MAX_SECONDS: f64 = 18_446_744_073.0;
+
+const RATE: Key = Key { name: "rate", accepts: "a positive number of steps per second" };
+const STEPS: Key = Key { name: "steps", accepts: "a whole number of steps, at most 584 simulated years" };
+const DURATION: Key = Key { name: "duration", accepts: "a number of seconds, 0 or more and at most 584 years" };
+const SOLVER: Key = Key { name: "solver", accepts: "\"handout\" or \"event-driven\"" };
+const EVENTS_PER_STEP: Key = Key { name: "events_per_step", accepts: "a whole number of events, 1 or more" };
+
+/// The keys of `[run]`.
+pub const RUN_KEYS: &[Key] = &[RATE, STEPS, DURATION, SOLVER, EVENTS_PER_STEP];
+
+/// Reads `[run]`. The number of steps is returned on its own because it may be known even if other options
+/// are not.
+pub fn read_run(table: &Table) -> (Result<RunOptions, Reported>, Result<u64, Reported>) {
+    let rate = table
+        .optional(RATE, |node| node.number_where(|rate| rate > 0.0 && (1.0 / rate).is_finite()))
+        .map(|rate| rate.unwrap_or(DEFAULT_RATE));
+    let steps = read_steps(table, rate);
+    let solver = table.optional(SOLVER, |node| SolverKind::from_name(node.text()?).ok_or(node));
+    let events_per_step = table.optional(EVENTS_PER_STEP, |node| node.count_in(1..=u64::MAX));
+    let options = || {
+        Ok(RunOptions {
+            rate: rate?,
+            steps: steps?,
+            solver: solver?.unwrap_or(DEFAULT_SOLVER),
+            events_per_step: events_per_step?.unwrap_or(DEFAULT_EVENTS_PER_STEP),
+        })
+    };
+    (options(), steps)
+}
+
+fn read_steps(table: &Table, rate: Result<f64, Reported>) -> Result<u64, Reported> {
+    let fits = |steps: f64, rate: f64| steps / rate <= MAX_SECONDS && steps < u64::MAX as f64;
+    match (table.get(STEPS)?, table.get(DURATION)?) {
+        (Some(steps), None) => steps.read(|node| {
+            let count = node.count()?;
+            let is_accepted = rate.map_or(true, |rate| fits(count as f64, rate));
+            if is_accepted { Ok(count) } else { Err(node) }
+        }),
+        (None, Some(duration)) => {
+            let seconds = |rate: f64, node| {
+                Node::number_where(node, |seconds| seconds >= 0.0 && fits((seconds * rate).round(), rate))
+            };
+            match rate {
+                Ok(rate) => Ok((duration.read(|node| seconds(rate, node))? * rate).round() as u64),
+                Err(reported) => {
+                    duration.read(|node| node.number_where(|seconds| seconds >= 0.0))?;
+                    Err(reported)
+                }
+            }
+        }
+        (Some(_), Some(duration)) => {
+            let kind = DiagnosticKind::ExclusiveKeys { keys: ["run.steps", "run.duration"] };
+            Err(duration.report(Diagnostic::new(kind, duration.node.span.clone())))
+        }
+        (None, None) => {
+            let accepts = "a whole number of steps; or give duration, in seconds";
+            Err(table.report_missing(Key { name: "steps", accepts }))
+        }
+    }
+}
+
+/// The largest number of pairs: the table of a run is square in the number of materials.
+const MAX_PAIRS: usize = 1000;
+
+/// The coefficient of restitution of a scene that gives none.
+pub const DEFAULT_RESTITUTION: f64 = 1.0;
+
+const COEFFICIENT: &str = "a coefficient of restitution from 0 (perfectly inelastic) to 1 (elastic)";
+const DEFAULT: Key = Key { name: "default", accepts: COEFFICIENT };
+const PAIR: Key = Key { name: "\"a/b\" for two materials a and b", accepts: COEFFICIENT };
+
+/// The keys of `[restitution]`; a pair stands for the names of any two materials.
+pub const RESTITUTION_KEYS: &[Key] = &[DEFAULT, PAIR];
+
+/// Reads `[restitution]`.
+pub fn read_restitution(node: &Node, reporter: &Reporter) -> Result<Restitution, Reported> {
+    let table = Table::with_any_keys("restitution", node, reporter)?;
+    let default = table.optional(DEFAULT, coefficient);
+    let mut pairs = Vec::new();
+    let mut refused = None;
+    let mut seen = BTreeMap::new();
+    for entry in table.entries().iter().filter(|entry| entry.key != DEFAULT.name) {
+        if seen.len() == MAX_PAIRS {
+            let kind = DiagnosticKind::TooMany { what: "pairs of materials", limit: MAX_PAIRS as u64 };
+            return Err(reporter.report(Diagnostic::new(kind, entry.span.clone())));
+        }
+        match read_pair(&table, entry, &mut seen, reporter) {
+            Ok(pair) => pairs.push(pair),
+            Err(reported) => refused = Some(reported),
+        }
+    }
+    match refused {
+        Some(reported) => Err(reported),
+        None => Ok(Restitution::new(default?.unwrap_or(DEFAULT_RESTITUTION), &pairs)),
+    }
+}
+
+/// Reads one pair; `seen` has the locations of the pairs before it.
+fn read_pair(
+    table: &Table,
+    entry: &Entry,
+    seen: &mut BTreeMap<[String; 2], Range<usize>>,
+    reporter: &Reporter,
+) -> Result<RestitutionPair, Reported> {
+    let side = |text: &str| {
+        let node = Node { span: entry.span.clone(), value: Value::Text(text.into()) };
+        action::material(&node).map(String::from).ok()
+    };
+    let sides = entry.key.split_once('/').map(|(a, b)| (side(a), side(b)));
+    let Some((Some(a), Some(b))) = sides else {
+        return Err(reporter.report(unknown_key(table.name, entry, RESTITUTION_KEYS)));
+    };
+    let restitution = table.field(entry, COEFFICIENT).read(coefficient);
+    let materials = [a, b];
+    let mut sorted = materials.clone();
+    sorted.sort();
+    if let Some(earlier) = seen.insert(sorted, entry.span.clone()) {
+        let kind = DiagnosticKind::DuplicatePair { pair: entry.key.clone() };
+        return Err(reporter.report(Diagnostic::new(kind, entry.span.clone()).conflicting_with(earlier)));
+    }
+    Ok(RestitutionPair { materials, restitution: restitution? })
+}
+
+fn coefficient(node: &Node) -> Result<f64, &Node> {
+    node.number_where(|e| (0.0..=1.0).contains(&e))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{diagnostics::Reporter, tree::parse_toml};
+
+    fn run(keys: &str) -> RunOptions {
+        read_run(&Table::open("run", &parse_toml(keys).unwrap(), RUN_KEYS, &Reporter::default()).unwrap()).0.unwrap()
+    }
+
+    #[test]
+    fn a_duration_is_rounded_to_the_nearest_step() {
+        let steps = |keys: &str| run(&format!("solver = \"handout\"\n{keys}")).steps;
+        assert_eq!(steps("rate = 60\nduration = 10.0"), 600);
+        assert_eq!(steps("rate = 0.3\nduration = 10"), 3);
+        assert_eq!(steps("rate = 7\nduration = 0.5"), 4, "3.5 is rounded away from 0");
+        assert_eq!(steps("rate = 1e-300\nduration = 1"), 0);
+    }
+
+    #[test]
+    fn all_keys_but_the_steps_have_defaults() {
+        let expected = RunOptions { rate: 60.0, steps: 5, solver: SolverKind::EventDriven, events_per_step: 1_000_000 };
+        assert_eq!(run("steps = 5"), expected);
+        assert_eq!(run("duration = 0.25").steps, 15);
+    }
+}
