@@ -71,7 +71,7 @@
 //! # Features
 //!
 //! Without default features, the library parses and runs scenes and writes, reads and replays recordings. `draw` adds
-//! pictures and checks of recordings and pictures. `report` adds error against cost on hard scenes. `cli`, the
+//! pictures. `report` adds error against cost on hard scenes. `cli`, the
 //! default, adds the command `rebond` and implies both.
 
 #[cfg(feature = "draw")]
@@ -124,10 +124,6 @@ pub use picture::{
     redraw,
 };
 pub use picture_options::{ColorBy, Overlay, Overlays, PictureOptions, Theme, WindowOptions};
-
-// Checks of recordings and pictures.
-#[cfg(feature = "draw")]
-pub use check::{Case, CheckError, CheckResult, Files as CheckFiles, Outcome, check_cases};
 
 /// Modules of this crate for its own command, tests and benchmarks. They are not part of the API and may change in
 /// any version.

@@ -3,6 +3,7 @@ use crate::{
     picture::{self, RenderError},
     recording,
     replay::RunError,
+    replay::error_text,
     scene::SceneError,
 };
 use miette::{Diagnostic, MietteHandlerOpts};
@@ -138,7 +139,7 @@ pub enum CommandError {
     #[error("the scene did not replay the same; this is a bug in rebond, please report it with the scene")]
     NotReproducible,
     /// The engine failed in a step. The recording ends with the same error.
-    #[error("{error}; the steps before it are recorded in {}", path.display())]
+    #[error("{}; the steps before it are recorded in {}", error_text(error), path.display())]
     Step {
         /// The recording.
         path: PathBuf,

@@ -1,8 +1,8 @@
 //! Manifests: lists of commands that draw pictures, one per line, with paths relative to the folder of the manifest.
 
 use super::arguments::{Arguments, Command};
-use super::output_kind::OutputKind;
 use super::picture_arguments::{FigureCommandOptions, RenderOptions};
+use super::render::OutputKind;
 use super::{figure, output};
 use crate::check::{CheckError, Recipe, ReferenceImage, normalize};
 use crate::picture::{PictureOptions, SubjectOptions};

@@ -8,7 +8,6 @@ mod figure;
 mod info;
 mod manifest;
 mod output;
-mod output_kind;
 mod picture_arguments;
 mod record;
 mod recover;
@@ -18,7 +17,6 @@ mod report;
 mod scene_report;
 mod shell;
 mod source;
-mod values;
 mod video;
 
 pub use arguments::{Arguments, Command};

@@ -3,7 +3,7 @@
 use super::arguments::OutputOptions;
 use super::error::CommandError;
 use super::output;
-use super::output_kind::VideoContainer;
+use super::render::VideoContainer;
 use crate::picture::{self, AnimationSchedule, Clip, Drawn, Frame, Picture, Progress, Provenance, View, draw_frames};
 use std::io::{self, BufWriter, Read, Write};
 use std::num::NonZero;

@@ -1,7 +1,4 @@
-use super::{
-    Body, BodyId, Event, Observer, Restitution, Snapshot, SnapshotError, SolverSnapshot, Spawn, StepError, Vector,
-    World, event_driven::EventDriven, handout,
-};
+use super::{Body, BodyId, Event, Observer, Restitution, Spawn, Vector, World, event_driven::EventDriven, handout};
 
 /// The solver that moves the world.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -191,4 +188,71 @@ impl Engine {
         }
         Ok(engine)
     }
+}
+
+/// The complete state of an engine, from which it continues bit for bit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Snapshot {
+    /// The step of the state.
+    pub step: u64,
+    /// The id of the next body to be spawned.
+    pub next_id: BodyId,
+    /// The bodies alive, in creation order, as sampled at this step.
+    pub bodies: Vec<Body>,
+    /// The state of the solver.
+    pub solver: SolverSnapshot,
+}
+
+/// The state of a solver as two flat lists, whose layout the solver defines.
+///
+/// It consists of numbers only, so that it can be stored without knowledge of the solver.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SolverSnapshot {
+    /// Counts, steps, ids.
+    pub integers: Vec<u64>,
+    /// Seconds, metres, metres per second.
+    pub numbers: Vec<f64>,
+}
+
+/// The reason why a snapshot cannot be restored: another solver created it, or it is damaged.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the snapshot of step {step} does not fit the solver: {reason}")]
+pub struct SnapshotError {
+    /// The step of the snapshot.
+    pub step: u64,
+    /// The mismatch.
+    pub reason: String,
+}
+
+/// The reason why a step could not be completed. The states before it remain valid.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum StepError {
+    /// A number overflowed, as in scenes with extreme values.
+    #[error("step {step}: body {body:?} left the finite numbers; start it smaller or slower")]
+    NotFinite {
+        /// The step that failed: from state `step` to state `step + 1`.
+        step: u64,
+        /// Name of the body.
+        body: String,
+    },
+    /// Infinite masses press on a body from both sides.
+    #[error("step {step}: body {body:?} is crushed between {:?} and {:?}, which have infinite mass", between[0], between[1])]
+    Crushed {
+        /// The step that failed.
+        step: u64,
+        /// Name of the body.
+        body: String,
+        /// Names of the two infinite masses.
+        between: [String; 2],
+    },
+    /// A step had more events than the scene allows.
+    #[error("step {step}: more than {limit} events, the last between {}", bodies.iter().map(|name| format!("{name:?}")).collect::<Vec<_>>().join(" and "))]
+    TooManyEvents {
+        /// The step that failed.
+        step: u64,
+        /// The scene's `events_per_step`.
+        limit: u64,
+        /// Names of the bodies of the last event.
+        bodies: Vec<String>,
+    },
 }

@@ -7,7 +7,6 @@
 //! 1/rate seconds, and [`Engine::world`] returns it. An [`Observer`] receives the collisions.
 
 mod axis;
-mod body;
 mod collision;
 mod engine;
 mod event;
@@ -16,20 +15,17 @@ pub mod handout;
 pub mod invariants;
 mod rect;
 mod restitution;
-mod snapshot;
-mod step_error;
 mod vector;
 mod world;
 
 pub use axis::{Axis, Side};
-pub use body::{Body, BodyId};
 pub use collision::{Collision, CollisionCount, Observer};
-pub use engine::{DEFAULT_EVENTS_PER_STEP, Engine, EngineConfig, SolverKind};
+pub use engine::{
+    DEFAULT_EVENTS_PER_STEP, Engine, EngineConfig, Snapshot, SnapshotError, SolverKind, SolverSnapshot, StepError,
+};
 pub use event::{Event, Spawn};
 pub use rect::Rect;
 pub use restitution::{Material, Restitution, RestitutionPair};
-pub use snapshot::{Snapshot, SnapshotError, SolverSnapshot};
-pub use step_error::StepError;
 pub use vector::Vector;
 pub(crate) use vector::{larger, smaller};
-pub use world::World;
+pub use world::{Body, BodyId, World};

@@ -1,6 +1,6 @@
-use crate::recording;
 use crate::picture::RenderError;
-use crate::replay::Verdict;
+use crate::recording;
+use crate::replay::{Verdict, error_text};
 use crate::scene::SceneError;
 use std::path::PathBuf;
 
@@ -43,7 +43,7 @@ pub enum Error {
         verdict: Box<Verdict>,
     },
     /// The engine failed in a step that a picture needs.
-    #[error("{}: {source}", path.display())]
+    #[error("{}: {}", path.display(), error_text(source))]
     Step {
         /// The recording.
         path: PathBuf,

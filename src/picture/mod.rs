@@ -39,8 +39,9 @@ mod style;
 pub mod text;
 mod view;
 
-pub use draw::{Clip, Drawn, draw, draw_sequence, draw_to_vec, redraw};
+pub use crate::picture_options::{ColorBy, Overlay, Overlays, PictureOptions, Theme, WindowOptions};
 pub use camera::{Camera, CameraTarget};
+pub use draw::{Clip, Drawn, draw, draw_sequence, draw_to_vec, redraw};
 pub(crate) use encode::ordered_parallel_map;
 pub use encode::{
     AnimationDecoder, DecodedFrame, Metadata, RenderError, apng, compare, draw_frames, gif, pdf, png, svg, write_apng,
@@ -50,14 +51,11 @@ pub use error::Error;
 pub use format::{AnimationFormat, Format, StillFormat};
 pub use frames::{Frames, ReadExtent, ReadStatus};
 pub use layers::{Appearance, Arrow, Frame, Sprite, Trails, compose};
-pub use resolve::{FigureChoice, Sequence, SubjectOptions};
 pub use provenance::{Provenance, SOFTWARE};
 pub(crate) use raster::color;
 pub use raster::{Color, DisplayList, Ink, Painter, Palette, Picture, Shape};
-pub use resolved::{
-    Animation, CollisionFigure, CollisionSelector, Look, Page, ResolvedPicture, StatesFigure, Subject,
-};
-pub use crate::picture_options::{ColorBy, Overlay, Overlays, PictureOptions, Theme, WindowOptions};
+pub use resolve::{FigureChoice, Sequence, SubjectOptions};
+pub use resolved::{Animation, CollisionFigure, CollisionSelector, Look, Page, ResolvedPicture, StatesFigure, Subject};
 pub use run_summary::RunSummary;
 pub use schedule::{AnimationSchedule, MIN_HOLD, Moment, Timing};
 pub use source::Source;

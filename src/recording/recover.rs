@@ -181,7 +181,9 @@ impl Display for Recovery {
 
 /// Formats a time span (s) with three significant digits, or as an integer from 100 s.
 fn seconds(time: f64) -> String {
-    let decimals = (2.0 - time.abs().log10().floor()).clamp(0.0, 9.0) as usize;
+    let scientific = format!("{time:e}");
+    let exponent = scientific.rsplit('e').next().and_then(|exponent| exponent.parse::<i32>().ok()).unwrap_or(0);
+    let decimals = (2 - exponent).clamp(0, 9) as usize;
     let text = format!("{time:.decimals$}");
     let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
     format!("{text} s")

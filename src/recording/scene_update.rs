@@ -114,3 +114,23 @@ impl Message {
         self.0.push(number as u8);
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_message_is_encoded_as_the_protobuf_specification_says() {
+        let mut bytes = vec![7];
+        encode(1_500_000_000, std::iter::empty(), |_| [0; 3], &mut bytes);
+        let timestamp = [0x08, 0x01, 0x10, 0x80, 0xca, 0xb5, 0xee, 0x01];
+        let deletion = [&[0x0a, 8][..], &timestamp, &[0x10, 0x01]].concat();
+        let boxes = [&[0x0a, 8][..], &timestamp, &[0x12, 5], b"world", &[0x1a, 5], b"boxes"].concat();
+        assert_eq!(bytes, [&[0x0a, 12][..], &deletion, &[0x12, 24], &boxes].concat());
+    }
+
+    #[test]
+    fn numbers_that_are_zero_are_left_out() {
+        assert_eq!(Message::doubles([0.0, -0.0, 1.0]).0, [&[0x19][..], &1.0_f64.to_le_bytes()].concat());
+    }
+}

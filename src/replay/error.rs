@@ -13,7 +13,7 @@ pub enum RunError {
     Recording(#[from] recording::Error),
     /// The engine could not complete a step. [`record`](super::record) returns it in
     /// [`Recorded`](super::Recorded) instead and stores it in the recording.
-    #[error(transparent)]
+    #[error("{}", error_text(.0))]
     Step(#[from] StepError),
     /// Live events cannot be read.
     #[error("cannot read the events after line {line}: {source}")]
@@ -63,4 +63,13 @@ pub enum RunError {
         /// The last step.
         last: u64,
     },
+}
+
+/// The text of an error that ended a run, as recordings store it and replays compare it. It names the key of the
+/// scene that raises a limit, which the engine does not know.
+pub fn error_text(error: &StepError) -> String {
+    match error {
+        StepError::TooManyEvents { .. } => format!("{error}; raise run.events_per_step if this is meant"),
+        StepError::NotFinite { .. } | StepError::Crushed { .. } => error.to_string(),
+    }
 }

@@ -1,4 +1,4 @@
-use super::{LiveEvents, Run, RunError, engine_config};
+use super::{LiveEvents, Run, RunError, engine_config, error_text};
 use crate::physics::{CollisionCount, StepError};
 use crate::recording::{ColorFn, Header, RunEnd, SceneText, Trailer, Versions, Writer};
 use crate::scene::{Scene, SceneError};
@@ -83,7 +83,7 @@ pub fn record<W: Write + Send + 'static>(
             break;
         }
     }
-    let run_end = RunEnd { collisions: Some(collisions.0), error: error.as_ref().map(StepError::to_string) };
+    let run_end = RunEnd { collisions: Some(collisions.0), error: error.as_ref().map(error_text) };
     Ok(Recorded { end: writer.finish(run_end)?.trailer, error })
 }
 

@@ -13,7 +13,7 @@ use crate::{
     },
 };
 
-use super::{Difference, Divergence, Verdict};
+use super::{Difference, Divergence, Verdict, error_text};
 
 /// All steps of a recording.
 pub const ALL_STEPS: RangeInclusive<u64> = 0..=u64::MAX;
@@ -236,12 +236,14 @@ impl<R: Read + Seek> Replayer<R> {
     fn compare_error<O: StateObserver>(&mut self, trailer: Trailer, observer: &mut O) -> Result<(), Box<Divergence>> {
         let Some(recorded) = trailer.error else { return Ok(()) };
         match self.engine.step(observer) {
-            Err(error) if error.to_string() == recorded => {
+            Err(error) if error_text(&error) == recorded => {
                 self.reproduced_error = Some(recorded);
                 Ok(())
             }
-            Err(error) => Err(self
-                .mismatch(format!("the recorded run ends with the error {recorded:?}, the replay with \"{error}\""))),
+            Err(error) => Err(self.mismatch(format!(
+                "the recorded run ends with the error {recorded:?}, the replay with \"{}\"",
+                error_text(&error)
+            ))),
             Ok(()) => Err(self.mismatch(format!("the replay does not reproduce the recorded error {recorded:?}"))),
         }
     }

@@ -4,6 +4,8 @@
 //! [`SceneBuilder::build`] writes such a file and parses it, so that a scene from code is checked like a
 //! scene from a file, and a recording contains it as text.
 //!
+//! Write the tables with `..Default::default()`: a later version may add keys to them.
+//!
 //! Optional keys have the defaults of the file. Keys that a file must give have a default here, too: 600 steps,
 //! bodies of 1 m × 1 m and 1 kg at the origin.
 

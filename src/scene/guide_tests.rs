@@ -3,7 +3,7 @@
 use super::{
     KEYS, action, inputs, live,
     options::{self, DEFAULT_RATE, DEFAULT_RESTITUTION, DEFAULT_SIZE, DEFAULT_SOLVER},
-    parse, picture_defaults, scatter,
+    parse, scatter,
     tree::Key,
 };
 use crate::physics::DEFAULT_EVENTS_PER_STEP;
@@ -22,7 +22,7 @@ fn sections() -> Vec<(&'static str, Vec<Key>)> {
         ("## `[[click]]`", action::CLICK_KEYS.to_vec()),
         ("### `spawn` in `[[click]]`", action::BLUEPRINT_KEYS.to_vec()),
         ("## `[[scatter]]`", scatter::KEYS.to_vec()),
-        ("## `[figure]`", picture_defaults::KEYS.to_vec()),
+        ("## `[figure]`", options::FIGURE_KEYS.to_vec()),
         ("## Live events", live::KEYS.to_vec()),
     ]
 }

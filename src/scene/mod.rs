@@ -17,7 +17,6 @@ mod occupancy;
 mod options;
 #[cfg(feature = "cli")]
 mod overrides;
-mod picture_defaults;
 mod scatter;
 mod tree;
 
@@ -152,7 +151,7 @@ fn read(source: &SceneSource, reporter: &Reporter) -> Result<Scene, Reported> {
         None => Ok(Restitution::new(options::DEFAULT_RESTITUTION, &[])),
     });
     let figure = root.get(FIGURE).and_then(|field| match field {
-        Some(field) => picture_defaults::read(&Table::open("figure", field.node, picture_defaults::KEYS, reporter)?),
+        Some(field) => options::read_figure(&Table::open("figure", field.node, options::FIGURE_KEYS, reporter)?),
         None => Ok(PictureOptions::default()),
     });
     let inputs = inputs::read(&root, &world, last.ok(), reporter);

@@ -1,4 +1,4 @@
-//! The tables of a scene that hold no events: `[world]`, `[run]` and `[restitution]`.
+//! The tables of a scene that hold no events: `[world]`, `[run]`, `[restitution]` and `[figure]`.
 
 use super::{
     Diagnostic, DiagnosticKind, SpawnRequest, action,
@@ -6,6 +6,7 @@ use super::{
     tree::{Entry, Key, Node, Table, Value, unknown_key},
 };
 use crate::physics::{DEFAULT_EVENTS_PER_STEP, Rect, Restitution, RestitutionPair, SolverKind, Vector};
+use crate::picture_options::{ColorBy, Overlay, Overlays, PictureOptions, Theme};
 use std::{collections::BTreeMap, ops::Range};
 
 /// The `[world]` table of a scene. A value that could not be read is an error.
@@ -237,6 +238,53 @@ fn read_pair(
 
 fn coefficient(node: &Node) -> Result<f64, &Node> {
     node.number_where(|e| (0.0..=1.0).contains(&e))
+}
+
+/// The largest width and height of a picture, px.
+const MAX_PIXELS: u64 = 8192;
+
+const FIGURE_SIZE: Key = Key { name: "size", accepts: "width and height, px: two whole numbers from 1 to 8192" };
+const THEME: Key = Key { name: "theme", accepts: "\"light\" or \"dark\"" };
+const FPS: Key = Key { name: "fps", accepts: "a positive number of frames per second, at most 1000" };
+const SHOW: Key = Key {
+    name: "show",
+    accepts: "a list of \"velocity\", \"force\", \"normal\", \"impulse\", \"penetration\", \"trail\", \"name\", \"mass\", \"grid\", \"axes\", \"scale\" and \"clock\", each at most once",
+};
+const COLOR_BY: Key = Key { name: "color_by", accepts: "\"body\", \"material\" or \"speed\"" };
+
+/// The keys of `[figure]`.
+pub(super) const FIGURE_KEYS: &[Key] = &[FIGURE_SIZE, THEME, FPS, SHOW, COLOR_BY];
+
+/// Reads `[figure]`.
+pub(super) fn read_figure(table: &Table) -> Result<PictureOptions, Reported> {
+    let size = table.optional(FIGURE_SIZE, |node| node.each(pixels));
+    let theme = table.optional(THEME, |node| Theme::named(node.text()?).ok_or(node));
+    let fps = table.optional(FPS, |node| node.number_where(|fps| 0.0 < fps && fps <= 1000.0));
+    let show = table.optional(SHOW, overlays);
+    let color_by = table.optional(COLOR_BY, |node| ColorBy::named(node.text()?).ok_or(node));
+    Ok(PictureOptions {
+        size: size?,
+        theme: theme?,
+        fps: fps?,
+        show: show?,
+        color_by: color_by?,
+        ..PictureOptions::default()
+    })
+}
+
+fn pixels(node: &Node) -> Result<u32, &Node> {
+    node.count_in(1..=MAX_PIXELS).map(|count| count as u32)
+}
+
+fn overlays(node: &Node) -> Result<Overlays, &Node> {
+    let mut overlays = Overlays::default();
+    for node in node.nodes()? {
+        let overlay = Overlay::named(node.text()?).ok_or(node)?;
+        if !overlays.insert(overlay) {
+            return Err(node);
+        }
+    }
+    Ok(overlays)
 }
 
 #[cfg(test)]

@@ -95,7 +95,8 @@ fn measure(name: &str, scene: &Scene) {
 /// Returns the cost of a further step, ns, if all bodies are at rest.
 fn cost_at_rest(run: &mut Run) -> Option<f64> {
     const STEPS: u32 = 1_000_000;
-    let is_moving = |world: &World| world.bodies.iter().any(|body| body.velocity != rebond::internals::physics::Vector::ZERO);
+    let is_moving =
+        |world: &World| world.bodies.iter().any(|body| body.velocity != rebond::internals::physics::Vector::ZERO);
     if is_moving(run.engine().world()) {
         return None;
     }

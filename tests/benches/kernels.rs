@@ -7,8 +7,8 @@
 
 use divan::{Bencher, black_box, counter::ItemsCount};
 use physics::{CollisionCount, Engine, EngineConfig, Event, Rect, Restitution, SolverKind, Spawn, Vector, handout};
-use rebond::internals::recording::{Header, SceneText, Versions, Writer};
 use rebond::internals::picture::{self, Appearance, Frame, Metadata, Painter, Picture, Sprite, Style, View, png};
+use rebond::internals::recording::{Header, SceneText, Versions, Writer};
 use std::{io, sync::Arc};
 
 /// The path `crate::physics` of the modules below.

@@ -2,8 +2,8 @@
 
 use rebond::internals::{
     physics::CollisionCount,
-    recording::{Header, RunEnd, SceneText, Versions, Writer},
     picture::{self, Metadata, Painter, View, png},
+    recording::{Header, RunEnd, SceneText, Versions, Writer},
     replay, scene,
 };
 use std::io;
@@ -63,7 +63,8 @@ fn recording(scene: &scene::Scene) {
     let mut run = start(scene);
     let text = SceneText { file_name: "fixed.toml".into(), text: scene.source.text.clone() };
     let (versions, steps) = (Versions::CURRENT, scene.run.steps);
-    let header = Header { versions, config: replay::engine_config(scene), steps, every: 1, scene: text, gaps: Vec::new() };
+    let header =
+        Header { versions, config: replay::engine_config(scene), steps, every: 1, scene: text, gaps: Vec::new() };
     let mut writer = Writer::new(io::Cursor::new(Vec::new()), &header).expect("memory");
     for _ in 0..steps {
         writer.write_state(run.engine()).expect("memory");

@@ -3,8 +3,8 @@
 use crate::command_line::SCENE;
 use crate::rebond::{Outcome, Workplace};
 use rebond::internals::physics::{CollisionCount, Engine, Vector};
-use rebond::internals::recording::{Header, RunEnd, SceneText, Versions, Writer};
 use rebond::internals::picture::png;
+use rebond::internals::recording::{Header, RunEnd, SceneText, Versions, Writer};
 use rebond::internals::{replay, scene};
 use std::fs::{self, File};
 use std::io::Cursor;

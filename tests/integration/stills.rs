@@ -3,7 +3,9 @@
 use crate::frames::{collision, moving, resized, view};
 use crate::reference_image::assert_reference_image;
 use rebond::internals::physics::{Rect, Vector};
-use rebond::internals::picture::{CameraTarget, ColorBy, Frame, Look, Overlay, Painter, Picture, Style, Theme, View, compose};
+use rebond::internals::picture::{
+    CameraTarget, ColorBy, Frame, Look, Overlay, Painter, Picture, Style, Theme, View, compose,
+};
 
 fn picture(frame: &Frame, view: &View) -> Picture {
     Painter::new().draw(&compose(frame, view))
