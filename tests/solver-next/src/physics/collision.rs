@@ -1,0 +1,59 @@
+use super::{Axis, BodyId, Rect, Vector};
+
+/// A resolved collision, as an [`Observer`] receives it and figures draw it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Collision {
+    /// The step in which it happened: between state `step` and state `step + 1`.
+    pub step: u64,
+    /// The time since the start of that step, s; 0 with the handout solver, which detects collisions once per step.
+    pub time: f64,
+    /// The seconds since step 0, independent of the rate; that of the step with the handout solver.
+    pub instant: f64,
+    /// The axis of the normal.
+    pub axis: Axis,
+    /// The two bodies, in creation order with the event-driven solver: c and b in the handout.
+    pub bodies: [BodyId; 2],
+    /// Their rectangles before they were displaced, m.
+    pub rects: [Rect; 2],
+    /// The unit normal n̂ of the face that was hit, in the direction in which c is pushed.
+    pub normal: Vector,
+    /// The penetration vector n⃗, m; null with the event-driven solver, in which no box penetrates another.
+    pub penetration: Vector,
+    /// The shares Nc and Nb of the penetration by which the two were displaced.
+    pub shares: [f64; 2],
+    /// The impulse j on c along the normal (and −j on b), N·s; 0 if the two were already separating.
+    pub impulse: f64,
+    /// The coefficient of restitution e.
+    pub restitution: f64,
+    /// The normal component of the velocity of the first relative to the second before and after the impulse,
+    /// m/s; negative if they approach.
+    pub normal_velocity: [f64; 2],
+    /// The velocities before the impulse, m/s.
+    pub before: [Vector; 2],
+    /// The velocities after the impulse, m/s.
+    pub after: [Vector; 2],
+}
+
+/// Receives the collisions while the engine steps.
+///
+/// Observing changes no bit of the simulation: an observer receives values, not the world.
+pub trait Observer {
+    /// Receives each collision once, in the order of resolution.
+    fn collision(&mut self, collision: &Collision);
+}
+
+/// Counts the collisions with an impulse.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct CollisionCount(pub u64);
+
+impl Observer for CollisionCount {
+    fn collision(&mut self, collision: &Collision) {
+        self.0 += u64::from(collision.impulse != 0.0);
+    }
+}
+
+impl Observer for Vec<Collision> {
+    fn collision(&mut self, collision: &Collision) {
+        self.push(collision.clone());
+    }
+}

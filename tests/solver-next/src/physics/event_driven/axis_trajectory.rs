@@ -1,0 +1,102 @@
+use super::instant::Instant;
+
+/// The ballistic trajectory of a body along one axis, from a reference instant on: x = p + v·t + ½·a·t².
+///
+/// Each axis has its own reference instant, so that an impact along x changes no bit of y.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AxisTrajectory {
+    /// Position at the reference instant, m.
+    pub position: f64,
+    /// Velocity at the reference instant, m/s.
+    pub velocity: f64,
+    /// Constant acceleration, m/s².
+    pub acceleration: f64,
+    /// The reference instant.
+    pub since: Instant,
+}
+
+/// The time until a gap (m) closes that shrinks at `speed` (m/s), which grows by `acceleration` (m/s²); in s.
+///
+/// This is the root of g − c·t − ½·b·t² = 0 at which the gap is shrinking, or infinity if there is
+/// none. There the closing speed is s = √(c² + 2·b·g), so t = (s − c)/b. For c > 0 it is computed
+/// as 2·g/(c + s), which avoids cancellation (the stable form of the quadratic formula;
+/// Kahan, "On the cost of floating-point computation without extra-precise arithmetic",
+/// 2004). A gap of exactly 0 that shrinks or starts to shrink closes at once; a negative gap has
+/// to open first.
+#[inline]
+pub fn closing_time(gap: f64, speed: f64, acceleration: f64) -> f64 {
+    if acceleration == 0.0 {
+        return if speed > 0.0 && gap >= 0.0 { gap / speed } else { f64::INFINITY };
+    }
+    let square = speed * speed + 2.0 * acceleration * gap;
+    if square.abs() < SMALLEST_SQUARE || square.abs() > LARGEST_SQUARE {
+        return closing_time_scaled(gap, speed, acceleration);
+    }
+    if square < 0.0 {
+        return f64::INFINITY;
+    }
+    closing_root(gap, speed, acceleration, square.sqrt())
+}
+
+/// The root, given the closing speed at it.
+#[inline]
+fn closing_root(gap: f64, speed: f64, acceleration: f64, final_speed: f64) -> f64 {
+    if speed > 0.0 {
+        if gap >= 0.0 { 2.0 * gap / (speed + final_speed) } else { f64::INFINITY }
+    } else if acceleration > 0.0 {
+        (final_speed - speed) / acceleration
+    } else {
+        f64::INFINITY
+    }
+}
+
+/// Squares of speeds (m²/s²) below and above which partial results may underflow or overflow.
+const SMALLEST_SQUARE: f64 = 1e-250;
+const LARGEST_SQUARE: f64 = 1e250;
+
+/// Like [`closing_time`] where squares underflow or overflow: computed in other units of length.
+#[cold]
+fn closing_time_scaled(gap: f64, speed: f64, acceleration: f64) -> f64 {
+    let mut greatest = 0.0;
+    for number in [gap.abs(), speed.abs(), acceleration.abs()] {
+        greatest = if number > greatest { number } else { greatest };
+    }
+    if greatest == 0.0 || !greatest.is_finite() {
+        return f64::INFINITY;
+    }
+    let (mut scale, mut number) = (1.0, greatest);
+    while number < 1.0 && scale < 1e300 {
+        (scale, number) = (scale * 2.0, number * 2.0);
+    }
+    while number > 2.0 {
+        (scale, number) = (scale * 0.5, number * 0.5);
+    }
+    let [gap, speed, acceleration] = [gap, speed, acceleration].map(|number| number * scale);
+    let square = speed * speed + 2.0 * acceleration * gap;
+    if square < 0.0 { f64::INFINITY } else { closing_root(gap, speed, acceleration, square.sqrt()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_gap_closes_at_the_root_where_it_shrinks() {
+        assert_eq!(closing_time(6.0, 2.0, 0.0), 3.0);
+        assert_eq!(closing_time(6.0, -2.0, 0.0), f64::INFINITY);
+        assert_eq!(closing_time(4.0, 0.0, 2.0), 2.0, "from rest: t = sqrt(2g/b)");
+        assert_eq!(closing_time(0.0, -3.0, 2.0), 3.0, "thrown up from the floor: t = 2v/g");
+        assert_eq!(closing_time(4.0, 5.0, -2.0), 1.0, "the first of the roots 1 and 4");
+        assert_eq!(closing_time(4.0, 3.0, -2.0), f64::INFINITY, "turns back before it arrives");
+        assert_eq!(closing_time(-4.0, -5.0, 2.0), 4.0, "opens at 1, closes at 4");
+        assert_eq!(closing_time(-4.0, 1.0, 2.0), f64::INFINITY, "inside and going deeper");
+        assert_eq!(closing_time(0.0, 0.0, 1.0), 0.0);
+        assert_eq!(closing_time(4e-200, 0.0, 2e-200), 2.0, "the squares underflow");
+    }
+
+    #[test]
+    fn a_tiny_acceleration_causes_no_cancellation() {
+        let t = closing_time(1.0, 1.0, 1e-18);
+        assert_eq!(t, 1.0, "the textbook formula would give 0 or 2");
+    }
+}

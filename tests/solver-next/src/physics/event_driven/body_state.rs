@@ -1,0 +1,59 @@
+use super::double_double::DoubleDouble;
+use super::instant::Instant;
+use super::trajectory::Trajectory;
+use crate::physics::{Axis, BodyId, Material, Side};
+
+/// The index of a body within the solver, in creation order.
+pub type Slot = u32;
+
+/// The data of a body that predictions read, and nothing else: two cache lines.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub struct BodyState {
+    /// The trajectory along x and y.
+    pub trajectory: Trajectory,
+    /// Width and height, m.
+    pub size: [f64; 2],
+    /// The later of the two reference instants of the trajectory, from which on both axes are valid.
+    pub since: Instant,
+    /// The number of changes of its trajectory and contacts, by which void predictions are detected.
+    pub generation: u32,
+    /// Its index in [`World::bodies`](crate::physics::World::bodies).
+    pub world_index: u32,
+    /// True if its mass is infinite.
+    pub infinite: bool,
+    /// For each axis and side, true if contacts on that side lead to an infinite mass.
+    pub supported: [[bool; 2]; 2],
+    /// For each axis, true if a body of its component carries a force of its own along it.
+    pub forced: [bool; 2],
+}
+
+impl BodyState {
+    /// True if it never moves: an infinite mass at rest.
+    pub fn is_static(&self) -> bool {
+        self.infinite && self.trajectory.is_at_rest()
+    }
+
+    /// True if a push along the axis towards `side` cannot move it.
+    pub fn is_immovable(&self, axis: Axis, side: Side) -> bool {
+        self.infinite || self.supported[axis][side]
+    }
+}
+
+/// The data of a body that predictions do not read.
+#[derive(Clone, Debug)]
+#[repr(align(64))]
+pub struct BodyParams {
+    /// Its id in the world.
+    pub id: BodyId,
+    /// Mass, kg.
+    pub mass: f64,
+    /// Material, for the restitution table.
+    pub material: Material,
+    /// Acceleration without contacts, m/s².
+    pub free_acceleration: [DoubleDouble; 2],
+    /// For each axis, true if a constant force acts on it along that axis.
+    pub has_force: [bool; 2],
+    /// True until it is deleted.
+    pub alive: bool,
+}

@@ -1,0 +1,97 @@
+//! Diagnosis of failed steps: which bodies are crushed, and between which.
+
+use super::EventDriven;
+use super::body_state::Slot;
+use super::pair_event::tolerance;
+use super::swept_aabb::SweptAabb;
+use crate::physics::{Axis, Side, StepError, World};
+
+impl EventDriven {
+    /// The error of an impact in which neither body can move.
+    pub(super) fn crushed_error(&self, world: &World, [first, second]: [Slot; 2], axis: Axis) -> StepError {
+        let body = if self.states[first as usize].infinite { second } else { first };
+        let between = [self.supporting_wall(first, axis, Side::Low), self.supporting_wall(second, axis, Side::High)];
+        let between = between.map(|slot| self.name_of(world, slot));
+        StepError::Crushed { step: self.step, body: self.name_of(world, body), between }
+    }
+
+    /// The infinite mass that supports an immovable body on a side.
+    fn supporting_wall(&self, mut slot: Slot, axis: Axis, side: Side) -> Slot {
+        while !self.states[slot as usize].infinite {
+            let support = self.contacts.of(slot).iter().find(|contact| {
+                contact.axis == axis
+                    && contact.side == side
+                    && self.states[contact.other as usize].is_immovable(axis, side)
+            });
+            let Some(contact) = support else { break };
+            slot = contact.other;
+        }
+        slot
+    }
+
+    /// The error of a step that exceeds the limit of events.
+    ///
+    /// A body that bounces without loss between closing walls has infinitely many impacts before it is
+    /// crushed; it is reported as crushed.
+    pub(super) fn too_many_events(&self, world: &World, pair: [Slot; 2]) -> StepError {
+        let step = self.step;
+        let finite = pair.into_iter().find(|slot| !self.states[*slot as usize].infinite);
+        if let Some(slot) = finite
+            && let Some(between) = Axis::BOTH.into_iter().find_map(|axis| self.closing_walls(slot, axis))
+        {
+            let between = between.map(|slot| self.name_of(world, slot));
+            return StepError::Crushed { step, body: self.name_of(world, slot), between };
+        }
+        let bodies = pair.map(|slot| self.name_of(world, slot)).to_vec();
+        StepError::TooManyEvents { step, limit: self.max_events, bodies }
+    }
+
+    /// The error of a burst without end.
+    pub(super) fn endless_error(&self, world: &World, pair: [Slot; 2]) -> StepError {
+        StepError::Endless { step: self.step, bodies: pair.map(|slot| self.name_of(world, slot)) }
+    }
+
+    /// True if two boxes overlap along an axis by more than rounding.
+    fn overlaps_along(&self, axis: Axis, slot: Slot, other: Slot) -> bool {
+        let [own, others] = [slot, other].map(|slot| self.state_dd(slot, axis).position.high);
+        let [own_size, others_size] = [slot, other].map(|slot| self.states[slot as usize].size[axis]);
+        let overlap = if others > own { own + own_size - others } else { others + others_size - own };
+        overlap > tolerance(own.abs() + others.abs() + own_size + others_size)
+    }
+
+    /// The two infinite masses that close in on a body along an axis within one step, if any.
+    fn closing_walls(&self, slot: Slot, axis: Axis) -> Option<[Slot; 2]> {
+        let [low, high] = Side::BOTH.map(|side| self.nearest_wall(slot, axis, side));
+        let (low, high) = (low?, high?);
+        let [first, second] = [low, high].map(|slot| self.state_dd(slot, axis));
+        let size = self.states[low as usize].size[axis] + self.states[slot as usize].size[axis];
+        let room = (second.position - first.position).high - size;
+        let speed = (first.velocity - second.velocity).high;
+        (speed > 0.0 && room <= speed * self.clock.period).then_some([low, high])
+    }
+
+    /// The nearest infinite mass on a side of a body.
+    fn nearest_wall(&self, slot: Slot, axis: Axis, side: Side) -> Option<Slot> {
+        let own = self.state_dd(slot, axis).position.high;
+        let mut near = self.cell_lists.neighbours_of(slot, &self.states[slot as usize], &SweptAabb::EVERYWHERE);
+        near.retain(|other| {
+            let position = self.state_dd(*other, axis).position.high;
+            let is_wall_beside =
+                self.states[*other as usize].infinite && self.overlaps_along(axis.other(), slot, *other);
+            let is_on_side = match side {
+                Side::High => position > own,
+                Side::Low => position < own,
+            };
+            is_wall_beside && is_on_side
+        });
+        let face = |other: &Slot| {
+            let body = &self.states[*other as usize];
+            let near = self.state_dd(*other, axis).position.high;
+            match side {
+                Side::High => near,
+                Side::Low => -(near + body.size[axis]),
+            }
+        };
+        near.into_iter().min_by(|a, b| face(a).total_cmp(&face(b)))
+    }
+}

@@ -1,0 +1,147 @@
+//! Sampling: writes the changed states to the world at the end of each step.
+
+use super::EventDriven;
+use super::instant::Instant;
+use super::trajectory::Trajectory;
+use super::body_state::{BodyState, Slot};
+use crate::physics::{Body, StepError, Vector, World};
+
+const NONE: u32 = u32::MAX;
+
+/// The bodies whose states must be written at the end of the step: those in motion and those that came
+/// to rest in the step.
+#[derive(Clone, Debug, Default)]
+pub struct DirtyStates {
+    /// Bodies in motion.
+    moving: Vec<Slot>,
+    /// By slot, the index in `moving` or [`NONE`].
+    moving_indices: Vec<u32>,
+    /// Bodies that came to rest in this step.
+    stopped: Vec<Slot>,
+    /// By slot, true if the body is in `stopped`.
+    has_stopped: Vec<bool>,
+}
+
+impl DirtyStates {
+    /// Adds an entry for one more body.
+    pub fn add_body(&mut self) {
+        self.moving_indices.push(NONE);
+        self.has_stopped.push(false);
+    }
+
+    /// Returns true if no state must be written.
+    pub fn is_empty(&self) -> bool {
+        self.moving.is_empty() && self.stopped.is_empty()
+    }
+
+    /// Updates the lists after a change of a body's trajectory.
+    pub fn update(&mut self, slot: Slot, state: &BodyState) {
+        if state.trajectory.is_at_rest() {
+            self.remove_moving(slot);
+            if !std::mem::replace(&mut self.has_stopped[slot as usize], true) {
+                self.stopped.push(slot);
+            }
+        } else if self.moving_indices[slot as usize] == NONE {
+            self.moving_indices[slot as usize] = self.moving.len() as u32;
+            self.moving.push(slot);
+        }
+    }
+
+    /// Removes a body from the lists.
+    pub fn remove(&mut self, slot: Slot) {
+        self.remove_moving(slot);
+        self.stopped.retain(|stopped| *stopped != slot);
+        self.has_stopped[slot as usize] = false;
+    }
+
+    /// Removes and returns the bodies that came to rest in this step.
+    fn take_stopped(&mut self) -> Vec<Slot> {
+        let stopped = std::mem::take(&mut self.stopped);
+        stopped.iter().for_each(|slot| self.has_stopped[*slot as usize] = false);
+        stopped
+    }
+
+    fn remove_moving(&mut self, slot: Slot) {
+        let index = self.moving_indices[slot as usize];
+        if index != NONE {
+            self.moving.swap_remove(index as usize);
+            if let Some(moved) = self.moving.get(index as usize) {
+                self.moving_indices[*moved as usize] = index;
+            }
+            self.moving_indices[slot as usize] = NONE;
+        }
+    }
+}
+
+impl EventDriven {
+    /// Writes the states at the end of the step to the world.
+    ///
+    /// # Errors
+    /// [`StepError::NotFinite`] if a position or velocity is not finite.
+    pub(super) fn sample(&mut self, world: &mut World, step: u64) -> Result<(), StepError> {
+        let stopped = self.dirty_states.take_stopped();
+        let end = self.clock.start_of(step + 1);
+        let are_slots_dense = self.states.len() == world.bodies.len();
+        // Four variants, so that unused fields are not read: memory access dominates the cost.
+        let are_finite = match (self.gravity == [0.0; 2] && self.force_counts == [0; 2], are_slots_dense) {
+            (true, true) => self.write_states(world, &stopped, |slot, _| slot, |trajectory| trajectory.drifted(end)),
+            (true, false) => self.write_states(world, &stopped, |_, index| *index, |trajectory| trajectory.drifted(end)),
+            (false, true) => self.write_states(world, &stopped, |slot, _| slot, |trajectory| trajectory.at(end)),
+            (false, false) => self.write_states(world, &stopped, |_, index| *index, |trajectory| trajectory.at(end)),
+        };
+        if are_finite {
+            return Ok(());
+        }
+        match world.bodies.iter().find(|body| !has_finite_state(body)) {
+            Some(body) => Err(StepError::NotFinite { step, body: body.name.clone() }),
+            None => Ok(()),
+        }
+    }
+
+    /// Writes the states of all bodies in motion or just stopped; returns true if all numbers are certainly
+    /// finite. `index` maps the slot and the stored world index to the index in the world.
+    fn write_states(
+        &self,
+        world: &mut World,
+        stopped: &[Slot],
+        index: impl Fn(u32, &u32) -> u32,
+        state: impl Fn(&Trajectory) -> [[f64; 2]; 2],
+    ) -> bool {
+        let mut zero = 0.0;
+        for slots in [self.dirty_states.moving.as_slice(), stopped] {
+            for slot in slots {
+                let source = &self.states[*slot as usize];
+                let body = &mut world.bodies[index(*slot, &source.world_index) as usize];
+                let [[x, y], [vx, vy]] = state(&source.trajectory);
+                body.rect.origin = Vector::new(x, y);
+                body.velocity = Vector::new(vx, vy);
+                // 0 times a number that is not finite is NaN.
+                zero += 0.0 * ((x + y) + (vx + vy));
+            }
+        }
+        zero == 0.0
+    }
+
+    /// Returns the world at an instant of the present step. All events before it must have been processed.
+    pub(super) fn world_at(&self, world: &World, instant: Instant) -> World {
+        let mut sampled = world.clone();
+        for slot in &self.dirty_states.moving {
+            let source = &self.states[*slot as usize];
+            let body = &mut sampled.bodies[source.world_index as usize];
+            let [[x, y], [vx, vy]] = source.trajectory.at(instant);
+            body.rect.origin = Vector::new(x, y);
+            body.velocity = Vector::new(vx, vy);
+        }
+        for slot in &self.dirty_states.stopped {
+            let source = &self.states[*slot as usize];
+            let body = &mut sampled.bodies[source.world_index as usize];
+            body.rect.origin = Vector::new(source.trajectory.position[0], source.trajectory.position[1]);
+            body.velocity = Vector::ZERO;
+        }
+        sampled
+    }
+}
+
+fn has_finite_state(body: &Body) -> bool {
+    body.rect.origin.is_finite() && body.velocity.is_finite()
+}

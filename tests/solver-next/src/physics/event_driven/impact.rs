@@ -1,0 +1,99 @@
+//! The impact law as a formula.
+
+use super::double_double::DoubleDouble;
+
+/// Two clusters that collide along an axis; the one on the low side first.
+#[derive(Clone, Copy, Debug)]
+pub struct Impact {
+    /// Velocities along the axis, m/s; the first is the greater one.
+    pub velocity: [DoubleDouble; 2],
+    /// Masses in any unit; infinite for a cluster that cannot move.
+    pub mass: [DoubleDouble; 2],
+    /// Coefficient of restitution; 0 for a plastic impact.
+    pub restitution: f64,
+}
+
+impl Impact {
+    /// The velocities after the impact, m/s: momentum is conserved, the relative velocity is multiplied by −e.
+    ///
+    /// v₁′ = v₁ − (1+e)·m₂/(m₁+m₂)·(v₁−v₂) and v₂′ = v₂ + (1+e)·m₁/(m₁+m₂)·(v₁−v₂)
+    /// (Newton's impact law). Two equal masses with e = 1 exchange their velocities without
+    /// rounding, and with e = 0 both velocities are the same number.
+    pub fn velocities_after(&self) -> [DoubleDouble; 2] {
+        let [first, second] = self.velocity;
+        let e = DoubleDouble::from(self.restitution);
+        if self.mass[0].high == f64::INFINITY {
+            return [first, first + e * (first - second)];
+        }
+        if self.mass[1].high == f64::INFINITY {
+            return [second - e * (first - second), second];
+        }
+        if self.restitution == 1.0 && self.mass[0] == self.mass[1] {
+            return [second, first];
+        }
+        let [share_first, share_second] = self.shares();
+        if self.restitution == 0.0 {
+            let common = first - share_first * (first - second);
+            return [common; 2];
+        }
+        let change = DoubleDouble::two_sum(1.0, self.restitution) * (first - second);
+        let after = [first - share_first * change, second + share_second * change];
+        if (after[0] - after[1]).high > 0.0 { [after[0]; 2] } else { after }
+    }
+
+    /// The impulse from the first on the second, in units of mass × m/s.
+    pub fn impulse(&self) -> f64 {
+        let change = (1.0 + self.restitution) * (self.velocity[0] - self.velocity[1]).high;
+        if self.mass[0].high == f64::INFINITY {
+            change * self.mass[1].high
+        } else if self.mass[1].high == f64::INFINITY {
+            change * self.mass[0].high
+        } else {
+            let sum = self.mass[0].high + self.mass[1].high;
+            change * (self.mass[0].high * (self.mass[1].high / sum))
+        }
+    }
+
+    /// The share of each of the two in the change of relative velocity: the mass fraction of the other.
+    fn shares(&self) -> [DoubleDouble; 2] {
+        if self.mass[0] == self.mass[1] {
+            return [DoubleDouble::from(0.5); 2];
+        }
+        let sum = self.mass[0] + self.mass[1];
+        [self.mass[1] / sum, self.mass[0] / sum]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn after(velocity: [f64; 2], mass: [f64; 2], restitution: f64) -> [f64; 2] {
+        let (velocity, mass) = (velocity.map(DoubleDouble::from), mass.map(DoubleDouble::from));
+        Impact { velocity, mass, restitution }.velocities_after().map(|velocity| velocity.high)
+    }
+
+    #[test]
+    fn equal_masses_exchange_their_velocities_exactly() {
+        assert_eq!(after([0.1, 0.7 - 1.0], [3.0; 2], 1.0), [0.7 - 1.0, 0.1]);
+    }
+
+    #[test]
+    fn an_infinite_mass_keeps_its_velocity() {
+        assert_eq!(after([3.0, 1.0], [2.0, f64::INFINITY], 1.0), [-1.0, 1.0]);
+        assert_eq!(after([3.0, 1.0], [f64::INFINITY, 2.0], 0.5), [3.0, 4.0]);
+    }
+
+    #[test]
+    fn after_a_plastic_impact_both_velocities_are_the_same_number() {
+        assert_eq!(after([1.0, -1.0], [3.0, 1.0], 0.0), [0.5, 0.5]);
+    }
+
+    #[test]
+    fn momentum_is_conserved_and_the_relative_velocity_reversed() {
+        let after = after([4.0, -2.0], [1.0, 3.0], 0.5);
+        assert_eq!(after, [-2.75, 0.25]);
+        assert_eq!(after[0] + 3.0 * after[1], 4.0 - 6.0);
+        assert_eq!(after[1] - after[0], 0.5 * 6.0);
+    }
+}

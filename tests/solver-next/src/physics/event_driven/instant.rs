@@ -1,0 +1,113 @@
+use super::double_double::DoubleDouble;
+
+/// An instant of simulated time: the seconds since step 0 in double-double precision.
+///
+/// It is independent of the steps and of their rate. Instants closer than the rounding of a coordinate at
+/// them cannot be told apart.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Instant {
+    /// The seconds, rounded to a double.
+    pub high: f64,
+    /// The rounding error of `high`.
+    pub low: f64,
+}
+
+impl Instant {
+    /// The start of the run.
+    pub const START: Instant = Instant { high: 0.0, low: 0.0 };
+
+    /// An instant after all others.
+    pub const NEVER: Instant = Instant { high: f64::INFINITY, low: 0.0 };
+
+    /// Returns true if this instant precedes `other`.
+    #[inline]
+    pub fn is_before(self, other: Instant) -> bool {
+        (self.high < other.high) | ((self.high == other.high) & (self.low < other.low))
+    }
+
+    /// Returns the later of two instants.
+    #[inline]
+    pub fn max(self, other: Instant) -> Instant {
+        if self.is_before(other) { other } else { self }
+    }
+
+    /// The seconds until `other`, negative if it is earlier.
+    #[inline]
+    pub fn seconds_until(self, other: Instant) -> f64 {
+        (other.high - self.high) + (other.low - self.low)
+    }
+
+    /// The seconds until `other` in double-double precision.
+    #[inline]
+    pub fn exact_seconds_until(self, other: Instant) -> DoubleDouble {
+        other.as_number() - self.as_number()
+    }
+
+    /// The instant a number of seconds later; [`Instant::NEVER`] if that is not finite.
+    #[inline]
+    pub fn after(self, seconds: f64) -> Instant {
+        self.after_exactly(seconds.into())
+    }
+
+    /// The instant a number of seconds later; [`Instant::NEVER`] if that is not finite.
+    #[inline]
+    pub fn after_exactly(self, seconds: DoubleDouble) -> Instant {
+        let DoubleDouble { high, low } = self.as_number() + seconds;
+        if high.is_finite() && low.is_finite() { Instant { high, low } } else { Instant::NEVER }
+    }
+
+    /// The seconds since step 0.
+    #[inline]
+    pub fn as_number(self) -> DoubleDouble {
+        DoubleDouble { high: self.high, low: self.low }
+    }
+}
+
+/// The rate of the steps: at which instants the state is sampled.
+#[derive(Clone, Copy, Debug)]
+pub struct Clock {
+    /// Steps per second, Hz.
+    pub rate: f64,
+    /// Seconds per step.
+    pub period: f64,
+}
+
+impl Clock {
+    /// Creates a clock of `rate` steps per second.
+    pub fn new(rate: f64) -> Clock {
+        Clock { rate, period: 1.0 / rate }
+    }
+
+    /// The instant of the state of a step.
+    pub fn start_of(&self, step: u64) -> Instant {
+        let DoubleDouble { high, low } = DoubleDouble::from(step as f64) / self.rate.into();
+        Instant { high, low }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rates_that_differ_by_a_power_of_two_sample_at_the_same_instants() {
+        for step in [1, 7, 1000, 123_456_789] {
+            assert_eq!(Clock::new(60.0).start_of(step), Clock::new(240.0).start_of(4 * step));
+        }
+    }
+
+    #[test]
+    fn a_day_does_not_coarsen_the_difference_of_instants() {
+        let late = Instant { high: 86_400.0, low: 0.0 };
+        let later = late.after(1e-13);
+        assert!(late.is_before(later) && !later.is_before(late));
+        assert_eq!(late.seconds_until(later), 1e-13);
+        assert_eq!(late.max(later), later);
+    }
+
+    #[test]
+    fn an_instant_that_is_not_finite_is_never() {
+        assert_eq!(Instant::START.after(f64::INFINITY), Instant::NEVER);
+        assert!(Instant::START.is_before(Instant::NEVER));
+    }
+}

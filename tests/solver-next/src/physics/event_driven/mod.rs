@@ -1,0 +1,521 @@
+//! The exact solver: event-driven molecular dynamics of boxes. See [`EventDriven`].
+//!
+//! Boxes neither rotate nor rub, so between events each body follows a parabola along each axis
+//! (`axis_trajectory`, `trajectory`), and the time of impact of a pair is a root in closed form
+//! (`pair_event`). No time step is traded against accuracy: a step only determines when the state is
+//! sampled.
+//!
+//! # Path of a step
+//!
+//! 1. **Insert.** The bodies spawned since the last step enter the cell lists (`insert`), overlaps that they
+//!    cause are removed (`separation`), and faces that decimal coordinates leave an ulp apart are
+//!    made to coincide (`face_alignment`). What inputs changed is an instant of its own.
+//! 2. **Process events** in the order of their times (`event_queue`): the instants at which bodies touch or
+//!    cease to (`simultaneous`), and the cell crossings of fast bodies (`cell_lists`). Each body whose
+//!    trajectory or contacts changed predicts its next event again (`predict`) among its neighbours
+//!    (`swept_aabb`, `neighbour_buffer`, `cell_lists`, `spatial_hash`).
+//! 3. **Sample.** The states of the bodies that moved are written to the world (`dirty_states`).
+//! 4. **Cross cells.** The bodies that would leave their cells in the next step are moved to their
+//!    next cells (`crossing_wheel`).
+//!
+//! A step in which nothing moves and nothing is due does none of this. `solver_snapshot` stores what
+//! is needed to continue bit for bit; `diagnose` creates the errors of a failed step.
+//!
+//! # Time
+//!
+//! An [`Instant`] is a double-double number of seconds since step 0, so that the step and its rate influence
+//! no event. A prediction is computed in doubles and queued at the earliest time that its error bound admits
+//! (`pair_event`). When it comes first, its time is computed again in double-double arithmetic (`exact`); it is
+//! carried out if no other can be earlier. All events that touch at the same instant, to the rounding of
+//! double-double arithmetic, are one instant.
+//!
+//! # Rules
+//!
+//! Where mechanics leaves a choice:
+//!
+//! 1. **What is 0.** A gap, an approach speed or an approach acceleration is 0 if it is below the rounding of the
+//!    numbers it was computed from (`exact`). Two boxes *touch on a face* if their gap is 0 along one axis and they
+//!    overlap on the other, *at a corner* if both gaps are 0.
+//! 2. **Corners** block only what enters them (on both axes the boxes approach, or accelerate towards each other
+//!    from rest), and only along the axis of the gentler approach; along both if they are equal.
+//! 3. **Contacts.** A touching pair without approach speed and acceleration along an axis is in contact if it was
+//!    so before, if a plastic impact or a collapse joined it, or if the accelerations of its component differ from
+//!    free fall. It ends when one slides past the edge of the other; an overlap that shrinks to 0 and grows again
+//!    ends nothing. So a supported box slides over the seams of flush faces.
+//! 4. **An instant** is processed in the order resting, impacts, resting (`simultaneous`).
+//! 5. **Impacts**: of all approaching pairs the lowest in creation order, again and again until none approaches.
+//!    On either side the body acts together with all that it pushes through contacts; if that reaches an
+//!    infinite mass, like that mass. Bodies that only touch hand the blow on. (To pass an impact on through
+//!    contacts from pair to pair would need infinitely many impacts in a resting stack.)
+//! 6. **Inelastic collapse.** An infinite sequence of impacts is replaced by its limit (`burst`).
+//! 7. **Resolution.** A bounce that does not rise by the resolution of its coordinates is plastic.
+//!
+//! # Invariants
+//!
+//! 1. A prediction is a function of the trajectories of the two bodies alone: the same whichever of
+//!    the two computes it, and whenever. So cell lists and event queue, which are derived data,
+//!    influence no result.
+//! 2. Each body has at most one event in the queue. A predicted event is void if the generation
+//!    of the partner has changed since; when it is due, the body predicts again.
+//! 3. Contacts along an axis lead from lower to higher coordinates, so they form no cycle and
+//!    no body supports itself.
+//! 4. No touching pair approaches after an instant.
+
+mod axis_trajectory;
+mod body_state;
+mod burst;
+mod cell_lists;
+mod contact;
+mod crossing_wheel;
+mod diagnose;
+mod dirty_states;
+mod double_double;
+mod event_queue;
+mod exact;
+mod face_alignment;
+mod impact;
+mod impact_history;
+mod insert;
+mod instant;
+mod isolated;
+mod least_change;
+mod neighbour_buffer;
+mod pair_event;
+mod patch;
+mod predict;
+mod resting;
+mod separation;
+mod simultaneous;
+mod solver_snapshot;
+mod spatial_hash;
+mod state_dd;
+mod swept_aabb;
+mod trajectory;
+
+use super::{Axis, Body, BodyId, EngineConfig, Observer, StepError, World};
+use axis_trajectory::AxisTrajectory;
+use body_state::{BodyParams, BodyState, Slot};
+use cell_lists::CellLists;
+use contact::ContactGraph;
+use burst::Cluster;
+use crossing_wheel::CrossingWheel;
+use dirty_states::DirtyStates;
+use double_double::DoubleDouble;
+use event_queue::{EventQueue, Precision, ScheduledEvent};
+use instant::{Clock, Instant};
+use neighbour_buffer::NeighbourBuffer;
+use least_change::ContactGroup;
+use pair_event::PairEvent;
+use patch::Patch;
+use state_dd::{AxisLowParts, LowParts};
+use swept_aabb::SweptAabb;
+use trajectory::Trajectory;
+
+/// Repeated predictions (after cell crossings and void events) allowed per body and step, beyond the
+/// limit of events, before the step is aborted. No speed requires nearly as many; the limit ensures
+/// that no scene hangs.
+const MAX_REPREDICTIONS_PER_BODY: u64 = 1000;
+
+/// Instants that differ by this fraction of the time since step 0 are the same: in it no body moves by the
+/// rounding of its coordinates.
+const SAME_INSTANT: f64 = 1.0 / (1_u128 << 101) as f64;
+
+/// The state of the exact solver.
+///
+/// Trajectories, contacts and pending spawns are the state proper, which a snapshot
+/// stores. Cell lists and event queue are derived from it and influence no result.
+#[derive(Clone, Debug)]
+pub struct EventDriven {
+    clock: Clock,
+    /// Acceleration along x and y, m/s².
+    gravity: [f64; 2],
+    /// The number of events allowed in a step.
+    max_events: u64,
+    /// By slot, in creation order; a deleted body keeps its slot until the slots are compacted.
+    states: Vec<BodyState>,
+    /// The low parts of their trajectories, by slot.
+    low_parts: Vec<LowParts>,
+    params: Vec<BodyParams>,
+    contacts: ContactGraph,
+    /// For each axis, the number of bodies with a constant force along it.
+    force_counts: [u32; 2],
+    /// Bodies spawned since the last step, which may still overlap others.
+    pending_spawns: Vec<Slot>,
+    /// Bodies that lost a contact because another was deleted since the last step.
+    pending_wakes: Vec<Slot>,
+    /// The present instant.
+    now: Instant,
+    /// The present step.
+    step: u64,
+    /// The instant of the state before it.
+    step_start: Instant,
+    /// The number of events in the present step.
+    events: u64,
+    cell_lists: CellLists,
+    event_queue: EventQueue,
+    crossing_wheel: CrossingWheel,
+    dirty_states: DirtyStates,
+    /// Bodies whose trajectory or contacts changed at the present instant.
+    changed: Vec<Slot>,
+    /// The number of slots when cell lists and event queue were last rebuilt.
+    indexed_bodies: usize,
+    /// Buffer for the bodies concerned by an instant.
+    patch: Patch,
+    /// Buffer for a component of bodies in contact.
+    contact_group: ContactGroup,
+    /// Buffers for the two clusters of an impact.
+    clusters: [Cluster; 2],
+    /// Buffer for the bodies that are due to cross a cell border.
+    due: Vec<Slot>,
+    /// Buffer for the neighbours of a body.
+    neighbour_buffer: NeighbourBuffer,
+}
+
+impl EventDriven {
+    /// The solver of an empty world.
+    pub fn new(config: &EngineConfig) -> EventDriven {
+        let clock = Clock::new(config.rate);
+        let gravity = config.gravity.map_or([0.0; 2], |gravity| [gravity.x, gravity.y]);
+        EventDriven {
+            clock,
+            gravity,
+            max_events: config.events_per_step,
+            states: Vec::new(),
+            low_parts: Vec::new(),
+            params: Vec::new(),
+            contacts: ContactGraph::default(),
+            force_counts: [0; 2],
+            pending_spawns: Vec::new(),
+            pending_wakes: Vec::new(),
+            now: Instant::START,
+            step: 0,
+            step_start: Instant::START,
+            events: 0,
+            cell_lists: CellLists::new(1.0),
+            event_queue: EventQueue::new(clock, 0, 0),
+            crossing_wheel: CrossingWheel::new(0),
+            dirty_states: DirtyStates::default(),
+            changed: Vec::new(),
+            indexed_bodies: 0,
+            patch: Patch::default(),
+            contact_group: ContactGroup::default(),
+            clusters: [Cluster::default(), Cluster::default()],
+            due: Vec::new(),
+            neighbour_buffer: NeighbourBuffer::default(),
+        }
+    }
+
+    /// Adds the last body of the world, which was spawned just now.
+    pub fn add_spawned(&mut self, world: &World, step: u64) {
+        let last = world.bodies.len() - 1;
+        let slot = self.push_body(&world.bodies[last], last, self.now.max(self.clock.start_of(step)));
+        self.pending_spawns.push(slot);
+    }
+
+    /// Appends a body without contacts, whose trajectory starts at `since`.
+    fn push_body(&mut self, body: &Body, world_index: usize, since: Instant) -> Slot {
+        let slot = self.states.len() as Slot;
+        let force = body.constant_force;
+        let infinite = body.is_infinite();
+        let free_acceleration = Axis::BOTH.map(|axis| match infinite {
+            true => DoubleDouble::ZERO,
+            false if force[axis] == 0.0 => self.gravity[axis].into(),
+            false => quotient(force[axis], body.mass) + self.gravity[axis].into(),
+        });
+        let trajectory = Trajectory::new(Axis::BOTH.map(|axis| {
+            let (position, velocity) = (body.rect.origin[axis], body.velocity[axis]);
+            AxisTrajectory { position, velocity, acceleration: free_acceleration[axis].high, since }
+        }));
+        let low_parts = Axis::BOTH
+            .map(|axis| AxisLowParts { acceleration: free_acceleration[axis].low, ..AxisLowParts::default() });
+        self.low_parts.push(LowParts(low_parts));
+        let size = [body.rect.width(), body.rect.height()];
+        self.states.push(BodyState {
+            trajectory,
+            size,
+            since,
+            generation: 0,
+            world_index: world_index as u32,
+            infinite,
+            supported: [[false; 2]; 2],
+            forced: [false; 2],
+        });
+        let has_force = Axis::BOTH.map(|axis| !infinite && force[axis] != 0.0);
+        for axis in Axis::BOTH {
+            self.force_counts[axis] += u32::from(has_force[axis]);
+        }
+        let (mass, material) = (body.mass, body.material);
+        self.params.push(BodyParams { id: body.id, mass, material, free_acceleration, has_force, alive: true });
+        self.contacts.add_body();
+        self.dirty_states.add_body();
+        self.crossing_wheel.add_body();
+        slot
+    }
+
+    /// Removes the body at `world_index`, before it is removed from the world.
+    pub fn remove(&mut self, world: &World, world_index: usize, step: u64) {
+        let Some(slot) = self.slot_of(world.bodies[world_index].id) else { return };
+        self.begin_at(step);
+        self.params[slot as usize].alive = false;
+        for axis in Axis::BOTH {
+            self.force_counts[axis] -= u32::from(self.params[slot as usize].has_force[axis]);
+        }
+        for later in &mut self.states[slot as usize + 1..] {
+            later.world_index = later.world_index.saturating_sub(1);
+        }
+        if let Some(index) = self.pending_spawns.iter().position(|pending| *pending == slot) {
+            self.pending_spawns.remove(index);
+            return;
+        }
+        self.states[slot as usize].generation += 1;
+        self.cell_lists.remove(slot);
+        self.event_queue.set(slot, None);
+        self.crossing_wheel.cancel(slot);
+        self.dirty_states.remove(slot);
+        self.pending_wakes.retain(|pending| *pending != slot);
+        let woken = self.remove_all_contacts(slot);
+        self.pending_wakes.extend(woken);
+    }
+
+    fn slot_of(&self, id: BodyId) -> Option<Slot> {
+        self.params.binary_search_by_key(&id, |params| params.id).ok().map(|slot| slot as Slot)
+    }
+
+    /// Advances the world by one step; the module documentation lists the phases.
+    ///
+    /// # Errors
+    /// [`StepError::Crushed`] if a body is crushed between infinite masses,
+    /// [`StepError::TooManyEvents`] if the step exceeds the limit of events,
+    /// [`StepError::NotFinite`] if a number overflows. In the first two cases the world still
+    /// holds the state before the step.
+    pub fn step<O: Observer>(&mut self, world: &mut World, step: u64, observer: &mut O) -> Result<(), StepError> {
+        if self.is_idle(step) {
+            self.skip_step(step);
+            return Ok(());
+        }
+        self.begin_at(step);
+        self.apply_inputs(world, observer)?;
+        self.process_events(world, self.clock.start_of(step + 1), observer)?;
+        self.sample(world, step)?;
+        self.handle_due_crossings(step + 1);
+        Ok(())
+    }
+
+    /// The world `offset` seconds after the start of `step`; the solver itself does not advance.
+    ///
+    /// # Errors
+    /// As for [`EventDriven::step`].
+    pub fn world_after<O: Observer>(
+        &self,
+        world: &World,
+        step: u64,
+        offset: f64,
+        observer: &mut O,
+    ) -> Result<World, StepError> {
+        let instant = self.clock.start_of(step).after(offset);
+        let mut copy = self.clone();
+        copy.begin_at(step);
+        copy.apply_inputs(world, observer)?;
+        copy.process_events(world, instant, observer)?;
+        Ok(copy.world_at(world, instant))
+    }
+
+    /// Sets the present step and instant.
+    fn begin_at(&mut self, step: u64) {
+        self.step = step;
+        self.step_start = self.clock.start_of(step);
+        self.events = 0;
+        self.advance_clock(self.step_start);
+    }
+
+    /// Inserts the bodies spawned since the last step and processes the instant for all that the inputs concern.
+    fn apply_inputs<O: Observer>(&mut self, world: &World, observer: &mut O) -> Result<(), StepError> {
+        let mut concerned = self.insert_spawned(world);
+        concerned.append(&mut self.pending_wakes);
+        concerned.sort_unstable();
+        concerned.dedup();
+        concerned.retain(|slot| self.params[*slot as usize].alive && !self.states[*slot as usize].infinite);
+        if concerned.is_empty() {
+            self.predict_changed();
+            return Ok(());
+        }
+        self.process_instant(world, &concerned, observer)
+    }
+
+    /// True if no body moves and nothing is due in the step.
+    fn is_idle(&self, step: u64) -> bool {
+        self.pending_spawns.is_empty()
+            && self.pending_wakes.is_empty()
+            && self.dirty_states.is_empty()
+            && self.event_queue.is_step_empty(step)
+            && self.crossing_wheel.is_next_bin_empty()
+    }
+
+    /// Skips a step in which [nothing happens](Self::is_idle).
+    fn skip_step(&mut self, step: u64) {
+        self.event_queue.skip_step(step);
+        self.crossing_wheel.skip_step();
+        self.begin_at(step + 1);
+    }
+
+    /// Processes the events up to the instant `last`, to the rounding of instants, in the order of their times.
+    fn process_events<O: Observer>(&mut self, world: &World, last: Instant, observer: &mut O) -> Result<(), StepError> {
+        self.event_queue.begin_step(self.step);
+        let mut repredictions = 0;
+        let max_repredictions = self.max_events.saturating_add(MAX_REPREDICTIONS_PER_BODY * self.states.len() as u64);
+        let last = last.after(last.high * SAME_INSTANT);
+        while let Some((slot, event)) = self.event_queue.pop(last) {
+            if let Some(event) = self.next_exact_event(slot, event, last) {
+                self.advance_clock(event.at);
+                self.count_event(world, event.pair)?;
+                self.changed.push(slot);
+                if self.is_alone_in_time()
+                    && let Some(PairEvent::FaceImpact(axis, side)) = event.pair_event
+                    && self.collide_isolated(world, event.pair, axis, side, observer)
+                {
+                    self.predict_changed();
+                    continue;
+                }
+                let concerned = self.collect_simultaneous(event.pair);
+                self.process_instant(world, &concerned, observer)?;
+                continue;
+            }
+            repredictions += 1;
+            if repredictions - self.events.min(repredictions) > max_repredictions {
+                return Err(self.too_many_events(world, event.pair));
+            }
+        }
+        Ok(())
+    }
+
+    /// The event taken from the queue if it comes next and not after `last`, with its exact time; the event of the same pair that the
+    /// partner may have is then removed, and the partner among those that predict again. Otherwise the body has
+    /// predicted again, or the event is back in the queue with its exact time.
+    fn next_exact_event(&mut self, slot: Slot, event: ScheduledEvent, last: Instant) -> Option<ScheduledEvent> {
+        let Some(kind) = event.pair_event else {
+            self.advance_clock(event.at);
+            self.handle_cell_crossing(slot);
+            return None;
+        };
+        let partner = if event.pair[0] == slot { event.pair[1] } else { event.pair[0] };
+        if self.states[partner as usize].generation != event.partner_generation {
+            self.predict(slot);
+            return None;
+        }
+        if event.precision == Precision::Exact {
+            if self.event_queue.take_event_of(partner, event.pair).is_some() {
+                self.changed.push(partner);
+            }
+            return Some(event);
+        }
+        let exact = match kind {
+            PairEvent::FaceImpact(axis, side) => self.exact_face_impact(event.pair, axis, side).map(|at| (at, kind)),
+            PairEvent::CornerImpact(..) | PairEvent::ContactEnd(..) => self.predict_exactly(event.pair),
+        };
+        let Some((at, kind)) = exact else {
+            self.predict_to(slot, Precision::Exact);
+            return None;
+        };
+        let event = ScheduledEvent { at, pair_event: Some(kind), precision: Precision::Exact, ..event };
+        let twin = self.event_queue.take_event_of(partner, event.pair);
+        if !last.is_before(at) && at.is_before(self.event_queue.next_time()) {
+            self.changed.extend(twin.map(|_| partner));
+            return Some(event);
+        }
+        self.event_queue.set(slot, Some(event));
+        if let Some(twin) = twin {
+            self.event_queue.set(partner, Some(ScheduledEvent { partner_generation: twin.partner_generation, ..event }));
+        }
+        None
+    }
+
+    /// True if no other event can be at the present instant.
+    fn is_alone_in_time(&mut self) -> bool {
+        self.end_of_instant().is_before(self.event_queue.next_time())
+    }
+
+    /// The last time that cannot be told from the present instant.
+    fn end_of_instant(&self) -> Instant {
+        self.now.after(self.now.high * SAME_INSTANT)
+    }
+
+    /// The bodies of all events at the present instant, `pair` among them.
+    fn collect_simultaneous(&mut self, pair: [Slot; 2]) -> Vec<Slot> {
+        let mut concerned = pair.to_vec();
+        let last = self.end_of_instant();
+        while let Some((other, event)) = self.event_queue.pop(last) {
+            if let Some(event) = self.next_exact_event(other, event, last) {
+                concerned.extend(event.pair);
+                self.changed.push(other);
+            }
+        }
+        concerned.sort_unstable();
+        concerned.dedup();
+        concerned
+    }
+
+    /// Counts an event against the limit of the step.
+    fn count_event(&mut self, world: &World, pair: [Slot; 2]) -> Result<(), StepError> {
+        self.events += 1;
+        if self.events > self.max_events { Err(self.too_many_events(world, pair)) } else { Ok(()) }
+    }
+
+    /// Removes all contacts of a body; returns the bodies of finite mass that rested on it
+    /// or were in contact with it.
+    fn remove_all_contacts(&mut self, slot: Slot) -> Vec<Slot> {
+        let others: Vec<Slot> = match self.states[slot as usize].infinite {
+            false => self.contacts.of(slot).iter().map(|contact| contact.other).collect(),
+            true => (0..self.states.len() as Slot)
+                .filter(|other| *other != slot && self.contacts.axes_between(*other, slot) != [false; 2])
+                .collect(),
+        };
+        let mut woken = others.clone();
+        for axis in Axis::BOTH {
+            others.iter().for_each(|other| self.contacts.remove(slot, *other, axis));
+            let unchecked = others.iter().copied().chain([slot]).collect();
+            woken.extend(self.update_supports(axis, unchecked));
+        }
+        woken.retain(|other| *other != slot && !self.states[*other as usize].infinite);
+        woken
+    }
+
+    /// Invalidates all predictions that involve a body of finite mass, because its trajectory or
+    /// contacts changed.
+    fn invalidate(&mut self, slot: Slot) {
+        let body = &mut self.states[slot as usize];
+        if !body.infinite {
+            body.generation = body.generation.wrapping_add(1);
+            self.cell_lists.set_swept_aabb(slot, SweptAabb::EVERYWHERE);
+            self.changed.push(slot);
+        }
+    }
+
+    /// Predicts the next events of all bodies that changed at the present instant.
+    fn predict_changed(&mut self) {
+        let mut changed = std::mem::take(&mut self.changed);
+        if changed.len() > 2 {
+            changed.sort_unstable();
+        }
+        changed.dedup();
+        for slot in &changed {
+            self.predict(*slot);
+            self.dirty_states.update(*slot, &self.states[*slot as usize]);
+        }
+        changed.clear();
+        self.changed = changed;
+    }
+
+    fn name_of(&self, world: &World, slot: Slot) -> String {
+        world.bodies[self.states[slot as usize].world_index as usize].name.clone()
+    }
+}
+
+/// The quotient of a force and a mass, m/s²; in a smaller unit where the product of huge numbers would overflow.
+fn quotient(force: f64, mass: f64) -> DoubleDouble {
+    const HUGE: f64 = 1e280;
+    const UNIT: f64 = 1.0 / (1_u128 << 100) as f64;
+    if mass > HUGE || force.abs() > HUGE {
+        return DoubleDouble::from(force * UNIT) / (mass * UNIT).into();
+    }
+    DoubleDouble::from(force) / mass.into()
+}

@@ -1,0 +1,360 @@
+//! Predicts the next event of a pair in doubles, with a bound of the error.
+
+use super::axis_trajectory::closing_time;
+use super::body_state::BodyState;
+use super::instant::Instant;
+use crate::physics::{Axis, Side};
+
+/// An event of two boxes along an axis. The side is that of the first body, earlier in creation order, on
+/// which the second lies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum PairEvent {
+    /// Faces collide along the axis; on the other axis the boxes overlap by more than rounding.
+    FaceImpact(Axis, Side),
+    /// Faces or corners meet along the axis; doubles cannot tell which.
+    CornerImpact(Axis, Side),
+    /// Boxes in contact along the other axis cease to overlap along this one.
+    ContactEnd(Axis, Side),
+}
+
+/// The state of a body at an instant.
+#[derive(Clone, Copy)]
+pub struct Sample<'a> {
+    /// The body.
+    pub body: &'a BodyState,
+    /// The instant.
+    pub at: Instant,
+    /// Position of the upper-left corner, m.
+    pub position: [f64; 2],
+    /// Velocity, m/s.
+    pub velocity: [f64; 2],
+}
+
+impl<'a> Sample<'a> {
+    /// Evaluates the trajectory of a body at an instant.
+    #[inline]
+    pub fn new(body: &'a BodyState, at: Instant) -> Sample<'a> {
+        let [position, velocity] = body.trajectory.at(at);
+        Sample { body, at, position, velocity }
+    }
+
+    /// Returns the sample at another instant; a copy if it is the same.
+    #[inline]
+    pub fn at_time(&self, at: Instant) -> Sample<'a> {
+        if at == self.at { *self } else { Sample::new(self.body, at) }
+    }
+
+    /// Returns true if the mass of the body is infinite.
+    pub fn is_infinite(&self) -> bool {
+        self.body.infinite
+    }
+}
+
+/// What doubles know of the next event of a pair.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Prediction {
+    /// There is none within the horizon.
+    None,
+    /// Rounding decides whether one is due now.
+    Unclear,
+    /// The event happens not before the instant, and not later than `upper` seconds after it.
+    Event { not_before: Instant, upper: f64, event: PairEvent },
+}
+
+/// The state of the second box of a pair relative to the first, along each axis.
+struct Relative {
+    /// Gap between the high face of the first and the low face of the second, m. On an axis on which
+    /// the boxes overlap both gaps are negative.
+    ahead: [f64; 2],
+    /// Gap between the low face of the first and the high face of the second, m.
+    behind: [f64; 2],
+    /// Relative velocity, m/s.
+    velocity: [f64; 2],
+    /// Relative acceleration, m/s².
+    acceleration: [f64; 2],
+    /// Gap up to which faces may touch, m: the rounding of the coordinates.
+    tolerance: [f64; 2],
+    /// The sum of the speeds of the two, m/s.
+    speed_sum: [f64; 2],
+    /// The sum of the magnitudes of the accelerations of the two, m/s².
+    acceleration_sum: [f64; 2],
+}
+
+/// The rounding of a gap computed in doubles, in units in the last place of the coordinates.
+const ROUNDING_ULPS: f64 = 8.0;
+
+/// The rounding of a gap if the magnitudes of the coordinates add up to `scale`, both in m.
+pub fn tolerance(scale: f64) -> f64 {
+    scale * (ROUNDING_ULPS * f64::EPSILON)
+}
+
+/// A time of an event in seconds and the bound of its error.
+#[derive(Clone, Copy)]
+struct BoundedTime {
+    seconds: f64,
+    error: f64,
+}
+
+impl Relative {
+    #[inline]
+    fn new(first: &Sample, second: &BodyState) -> Relative {
+        let a = first.position;
+        let [b, velocity] = second.trajectory.at(first.at);
+        let sizes = [first.body.size, second.size];
+        let accelerations = [first.body.trajectory.acceleration, second.trajectory.acceleration];
+        Relative {
+            ahead: Axis::BOTH.map(|axis| (b[axis] - a[axis]) - sizes[0][axis]),
+            behind: Axis::BOTH.map(|axis| (a[axis] - b[axis]) - sizes[1][axis]),
+            velocity: Axis::BOTH.map(|axis| velocity[axis] - first.velocity[axis]),
+            acceleration: Axis::BOTH.map(|axis| accelerations[1][axis] - accelerations[0][axis]),
+            tolerance: Axis::BOTH
+                .map(|axis| tolerance(a[axis].abs() + b[axis].abs() + (sizes[0][axis] + sizes[1][axis]))),
+            speed_sum: Axis::BOTH.map(|axis| velocity[axis].abs() + first.velocity[axis].abs()),
+            acceleration_sum: Axis::BOTH.map(|axis| accelerations[0][axis].abs() + accelerations[1][axis].abs()),
+        }
+    }
+
+    /// The distance of the boxes along an axis, m: the larger of the two gaps.
+    #[inline]
+    fn gap(&self, axis: Axis) -> f64 {
+        if self.ahead[axis] > self.behind[axis] { self.ahead[axis] } else { self.behind[axis] }
+    }
+
+    /// Returns true if the boxes certainly stay separated along an axis for a time. Of many boxes around
+    /// one, this excludes all but the nearest.
+    #[inline]
+    fn stay_separated(&self, seconds: f64) -> bool {
+        let positive = |number: f64| if number > 0.0 { number } else { 0.0 };
+        let separated = Axis::BOTH.map(|axis| {
+            let sign = if self.ahead[axis] > self.behind[axis] { -1.0 } else { 1.0 };
+            let (speed, acceleration) = (sign * self.velocity[axis], sign * self.acceleration[axis]);
+            let gap = self.gap(axis);
+            let is_receding = (gap > 0.0) & (speed <= 0.0) & (acceleration <= 0.0);
+            let displacement = seconds * (positive(speed) + 0.5 * positive(acceleration) * seconds);
+            is_receding | (gap - displacement > self.tolerance[axis])
+        });
+        separated[0] | separated[1]
+    }
+
+    /// The gap on a side of the first box, and the speed (m/s) and acceleration (m/s²) at which it closes.
+    #[inline]
+    fn closing(&self, axis: Axis, side: Side) -> [f64; 3] {
+        let (gap, towards) = match side {
+            Side::High => (self.ahead[axis], -1.0),
+            Side::Low => (self.behind[axis], 1.0),
+        };
+        [gap, towards * self.velocity[axis], towards * self.acceleration[axis]]
+    }
+
+    /// The rounding of a gap after t seconds, m.
+    #[inline]
+    fn rounding_after(&self, axis: Axis, t: f64) -> f64 {
+        let path = t * (self.speed_sum[axis] + 0.5 * self.acceleration_sum[axis] * t);
+        self.tolerance[axis] + 4.0 * f64::EPSILON * path
+    }
+
+    /// The bound of the error of a closing time of `seconds`, at which the gap closes at speed `final_speed`.
+    #[inline]
+    fn bounded(&self, axis: Axis, seconds: f64, final_speed: f64) -> BoundedTime {
+        let rounding = self.rounding_after(axis, seconds);
+        let by_speed = 2.0 * rounding / final_speed.abs();
+        let acceleration = self.acceleration[axis].abs();
+        let error = if rounding * acceleration < by_speed * by_speed * (acceleration * acceleration) / 16.0 {
+            4.0 * (rounding / acceleration).sqrt()
+        } else {
+            by_speed
+        };
+        BoundedTime { seconds, error: error + 4.0 * f64::EPSILON * seconds }
+    }
+
+    /// When a gap closes; `Err` if rounding decides whether it does now.
+    fn time_to_contact(&self, axis: Axis, side: Side) -> Result<Option<BoundedTime>, ()> {
+        let [gap, speed, acceleration] = self.closing(axis, side);
+        if speed <= 0.0 && acceleration <= 0.0 {
+            return Ok(None);
+        }
+        let tolerance = self.tolerance[axis];
+        if gap.abs() <= tolerance {
+            if speed < 0.0 && acceleration > 0.0 && speed * speed > 16.0 * acceleration * tolerance {
+                return Ok(Some(self.bounded(axis, -2.0 * speed / acceleration, speed)));
+            }
+            return Err(());
+        }
+        let seconds = closing_time(gap, speed, acceleration);
+        if seconds < f64::INFINITY {
+            return Ok(Some(self.bounded(axis, seconds, speed + acceleration * seconds)));
+        }
+        if speed > 0.0 && acceleration < 0.0 && gap > 0.0 {
+            let turning = -speed / acceleration;
+            let distance = gap - 0.5 * speed * turning;
+            if distance <= 4.0 * self.rounding_after(axis, turning) {
+                return Ok(Some(self.bounded(axis, turning, 0.0)));
+            }
+        }
+        Ok(None)
+    }
+
+    /// Whether the boxes overlap on an axis at a time: `None` if they do not, otherwise true if they do so by
+    /// more than rounding.
+    #[inline]
+    fn overlap_at(&self, axis: Axis, time: BoundedTime) -> Option<bool> {
+        let t = time.seconds;
+        let displacement = t * (self.velocity[axis] + 0.5 * self.acceleration[axis] * t);
+        let [ahead, behind] = [self.ahead[axis] + displacement, self.behind[axis] - displacement];
+        let gap = if ahead > behind { ahead } else { behind };
+        let speed = (self.velocity[axis] + self.acceleration[axis] * t).abs() + self.acceleration[axis].abs() * time.error;
+        let rounding = self.rounding_after(axis, t) + time.error * speed;
+        if gap > rounding { None } else { Some(gap < -rounding) }
+    }
+}
+
+/// Predicts the next event of two boxes that are not in contact, after `now`.
+///
+/// `order` is [`Side::Low`] if the first is the earlier one in creation order. The result depends only on the
+/// two trajectories, not on their order or, for later events, on the time of the call. An event more than
+/// `horizon` seconds after the reference times of both may be omitted.
+#[inline]
+pub fn predict_pair_event(first: &Sample, second: &BodyState, order: Side, horizon: f64, now: Instant) -> Prediction {
+    if first.at.is_before(second.since) {
+        predict_from_sample(&Sample::new(first.body, second.since), second, order, horizon, now)
+    } else {
+        predict_from_sample(first, second, order, horizon, now)
+    }
+}
+
+#[inline]
+fn predict_from_sample(first: &Sample, second: &BodyState, order: Side, horizon: f64, now: Instant) -> Prediction {
+    let relative = Relative::new(first, second);
+    if relative.stay_separated(horizon) {
+        return Prediction::None;
+    }
+    let elapsed = first.at.seconds_until(now);
+    match predict_uniform(&relative, elapsed) {
+        Some(Prediction::None) => Prediction::None,
+        Some(prediction) => place(prediction, first.at, order),
+        None => place(predict_general(&relative, elapsed), first.at, order),
+    }
+}
+
+/// Counts the times of a prediction from its reference instant, and the side from the earlier body.
+#[inline]
+fn place(prediction: Prediction, from: Instant, order: Side) -> Prediction {
+    let Prediction::Event { not_before, upper, event } = prediction else { return prediction };
+    let side = |side: Side| if order == Side::Low { side } else { side.opposite() };
+    let event = match event {
+        PairEvent::FaceImpact(axis, on) => PairEvent::FaceImpact(axis, side(on)),
+        PairEvent::CornerImpact(axis, on) => PairEvent::CornerImpact(axis, side(on)),
+        PairEvent::ContactEnd(axis, on) => PairEvent::ContactEnd(axis, side(on)),
+    };
+    let not_before = from.after(not_before.high);
+    if not_before == Instant::NEVER { Prediction::None } else { Prediction::Event { not_before, upper, event } }
+}
+
+/// The prediction of an event at a time; none if that time is certainly past.
+#[inline]
+fn at_time(time: BoundedTime, elapsed: f64, event: PairEvent) -> Prediction {
+    if time.seconds - time.error > elapsed {
+        let not_before = Instant { high: time.seconds - time.error, low: 0.0 };
+        Prediction::Event { not_before, upper: 2.0 * time.error, event }
+    } else if time.seconds + time.error < elapsed {
+        Prediction::None
+    } else {
+        Prediction::Unclear
+    }
+}
+
+/// Predicts the collision of two separated boxes without relative acceleration: it is along the axis
+/// whose gap closes last, provided that the boxes then overlap on the other.
+///
+/// `None` if the boxes are not separated or have a relative acceleration.
+#[inline]
+fn predict_uniform(relative: &Relative, elapsed: f64) -> Option<Prediction> {
+    let [x, y] = Axis::BOTH.map(|axis| relative.gap(axis));
+    let overlaps = [x < -relative.tolerance[0], y < -relative.tolerance[1]];
+    let apart = [x > relative.tolerance[0], y > relative.tolerance[1]];
+    let separated = (apart[0] & (apart[1] | overlaps[1])) | (apart[1] & overlaps[0]);
+    if relative.acceleration != [0.0; 2] || !separated {
+        return None;
+    }
+    // On an axis on which they overlap already the gap is negative, so the other axis is chosen.
+    let speeds = relative.velocity.map(f64::abs);
+    let axis = if x * speeds[1] < y * speeds[0] { Axis::Y } else { Axis::X };
+    let seconds = [x, y][axis] / speeds[axis];
+    if seconds == f64::INFINITY {
+        return Some(Prediction::None);
+    }
+    let error = (2.0 * relative.rounding_after(axis, seconds)) / speeds[axis] + 4.0 * f64::EPSILON * seconds;
+    let time = BoundedTime { seconds, error };
+    let side = if relative.ahead[axis] > relative.behind[axis] { Side::High } else { Side::Low };
+    Some(match relative.overlap_at(axis.other(), time) {
+        Some(true) => at_time(time, elapsed, PairEvent::FaceImpact(axis, side)),
+        Some(false) => at_time(time, elapsed, PairEvent::CornerImpact(axis, side)),
+        None => Prediction::None,
+    })
+}
+
+/// Predicts the next event of two boxes from the earliest closing gap at which they overlap on the other axis.
+fn predict_general(relative: &Relative, elapsed: f64) -> Prediction {
+    let mut first = Prediction::None;
+    let mut least = f64::INFINITY;
+    for axis in Axis::BOTH {
+        for side in [Side::High, Side::Low] {
+            let time = match relative.time_to_contact(axis, side) {
+                Ok(None) => continue,
+                Ok(Some(time)) => time,
+                Err(()) => return Prediction::Unclear,
+            };
+            if time.seconds - time.error >= least {
+                continue;
+            }
+            let Some(is_face) = relative.overlap_at(axis.other(), time) else { continue };
+            let event = if is_face { PairEvent::FaceImpact(axis, side) } else { PairEvent::CornerImpact(axis, side) };
+            match at_time(time, elapsed, event) {
+                Prediction::None => {}
+                Prediction::Unclear => return Prediction::Unclear,
+                prediction => {
+                    least = time.seconds - time.error;
+                    first = prediction;
+                }
+            }
+        }
+    }
+    first
+}
+
+/// Predicts when two boxes in contact along `axis` cease to overlap along the other axis.
+pub fn predict_contact_end(axis: Axis, first: &BodyState, second: &BodyState, now: Instant) -> Prediction {
+    let from = first.since.max(second.since);
+    let relative = Relative::new(&Sample::new(first, from), second);
+    let elapsed = from.seconds_until(now);
+    let across = axis.other();
+    let mut end = Prediction::None;
+    let mut least = f64::INFINITY;
+    for side in [Side::High, Side::Low] {
+        let [gap, speed, acceleration] = relative.closing(across, side);
+        if speed >= 0.0 && acceleration >= 0.0 && gap < -relative.tolerance[across] {
+            continue;
+        }
+        if gap >= -relative.tolerance[across] {
+            return Prediction::Unclear;
+        }
+        let seconds = closing_time(-gap, -speed, -acceleration);
+        if seconds == f64::INFINITY {
+            let turning = speed / acceleration;
+            let distance = -gap + 0.5 * speed * turning;
+            if turning > 0.0 && distance <= 4.0 * relative.rounding_after(across, turning) {
+                return Prediction::Unclear;
+            }
+            continue;
+        }
+        let time = relative.bounded(across, seconds, speed + acceleration * seconds);
+        if time.seconds - time.error <= elapsed {
+            return Prediction::Unclear;
+        }
+        if time.seconds - time.error < least {
+            least = time.seconds - time.error;
+            end = at_time(time, elapsed, PairEvent::ContactEnd(across, side));
+        }
+    }
+    place(end, from, Side::Low)
+}

@@ -1,0 +1,255 @@
+//! Predicts the next event of a body: the first event with another body or the next cell crossing.
+
+use super::EventDriven;
+use super::body_state::Slot;
+use super::contact::Contact;
+use super::event_queue::{Precision, ScheduledEvent};
+use super::instant::Instant;
+use super::neighbour_buffer::NeighbourBuffer;
+use super::pair_event::{Prediction, Sample, predict_contact_end, predict_pair_event};
+use super::swept_aabb::SweptAabb;
+use crate::physics::Side;
+
+/// The pair in creation order.
+pub fn ordered_pair(slot: Slot, other: Slot) -> [Slot; 2] {
+    if slot < other { [slot, other] } else { [other, slot] }
+}
+
+/// Finds the first event of one body among those with its candidate partners.
+struct Predictor<'a> {
+    solver: &'a EventDriven,
+    /// The contacts listed with the body.
+    own_contacts: &'a [Contact],
+    slot: Slot,
+    precision: Precision,
+    /// The state at the later of the body's reference times.
+    sample: Sample<'a>,
+    /// The earliest event found so far.
+    first: Option<ScheduledEvent>,
+    /// Seconds from the sample to the time by which the body predicts again in any case.
+    horizon: f64,
+}
+
+/// The horizon is this factor beyond an event, more than any rounding, so that events at the same time
+/// are compared in their total order and not cut off.
+const HORIZON_MARGIN: f64 = 1.0 + 1e-9;
+
+impl<'a> Predictor<'a> {
+    fn new(solver: &'a EventDriven, slot: Slot, precision: Precision) -> Predictor<'a> {
+        let body = &solver.states[slot as usize];
+        let sample = Sample::new(body, body.since);
+        let own_contacts = solver.contacts.of(slot);
+        Predictor { solver, own_contacts, slot, precision, sample, first: None, horizon: f64::INFINITY }
+    }
+
+    /// The seconds from `now` to the horizon, at most `limit`.
+    fn seconds_to_horizon(&self, now: Instant, limit: f64) -> f64 {
+        let seconds = self.horizon - self.sample.at.seconds_until(now);
+        if seconds < limit { seconds } else { limit }
+    }
+
+    /// Predicts the next event with another body; returns true if that lowered the horizon.
+    #[inline]
+    fn predict_pair(&mut self, other: Slot) -> bool {
+        let partner = &self.solver.states[other as usize];
+        if self.sample.is_infinite() && partner.infinite {
+            return false;
+        }
+        if self.is_in_contact(other) {
+            return false;
+        }
+        let order = if self.slot < other { Side::Low } else { Side::High };
+        match predict_pair_event(&self.sample, partner, order, self.horizon, self.solver.now) {
+            Prediction::None => false,
+            prediction => self.keep(other, prediction),
+        }
+    }
+
+    /// Keeps the event of a prediction if it is the earliest; returns true if that lowered the horizon.
+    fn keep(&mut self, other: Slot, prediction: Prediction) -> bool {
+        let (at, pair_event, upper, precision) = match prediction {
+            Prediction::Event { not_before, upper, event } if self.precision == Precision::LowerBound => {
+                (not_before, event, upper, Precision::LowerBound)
+            }
+            Prediction::Event { not_before, .. } if self.first.is_some_and(|first| first.at.is_before(not_before)) => {
+                return false;
+            }
+            Prediction::None => return false,
+            Prediction::Unclear | Prediction::Event { .. } => {
+                match self.solver.predict_exactly(ordered_pair(self.slot, other)) {
+                    Some((at, event)) => (at, event, 0.0, Precision::Exact),
+                    None => return false,
+                }
+            }
+        };
+        let partner_generation = self.solver.states[other as usize].generation;
+        let pair = ordered_pair(self.slot, other);
+        let event = ScheduledEvent { at, pair, pair_event: Some(pair_event), partner_generation, precision };
+        if self.first.is_none_or(|first| event.is_before(&first)) {
+            self.first = Some(event);
+        }
+        self.limit_horizon(self.sample.at.seconds_until(at) + upper)
+    }
+
+    /// Lowers the time of the next prediction to `seconds` after the sample; returns true if it changed.
+    #[inline]
+    fn limit_horizon(&mut self, seconds: f64) -> bool {
+        let horizon = seconds * HORIZON_MARGIN;
+        let is_lower = horizon < self.horizon;
+        if is_lower {
+            self.horizon = horizon;
+        }
+        is_lower
+    }
+
+    /// Returns true if the body is in contact with `other`.
+    #[inline]
+    fn is_in_contact(&self, other: Slot) -> bool {
+        if self.sample.is_infinite() {
+            self.solver.contacts.axes_between(other, self.slot) != [false; 2]
+        } else {
+            self.own_contacts.iter().any(|contact| contact.other == other)
+        }
+    }
+
+    /// Keeps the first end of a contact of the body if that is the earliest event.
+    fn predict_contact_ends(&mut self) {
+        for contact in self.own_contacts {
+            let [first, second] = ordered_pair(self.slot, contact.other).map(|slot| &self.solver.states[slot as usize]);
+            let prediction = predict_contact_end(contact.axis, first, second, self.solver.now);
+            self.keep(contact.other, prediction);
+        }
+    }
+}
+
+impl EventDriven {
+    /// Predicts the next event of a body among its neighbours and enters it in the queue.
+    pub(super) fn predict(&mut self, slot: Slot) {
+        self.predict_to(slot, Precision::LowerBound);
+    }
+
+    /// Predicts the next event of a body, if asked for with exact times.
+    pub(super) fn predict_to(&mut self, slot: Slot, precision: Precision) {
+        let mut neighbours = std::mem::take(&mut self.neighbour_buffer);
+        self.predict_with(slot, precision, &mut neighbours);
+        self.neighbour_buffer = neighbours;
+    }
+
+    fn predict_with(&mut self, slot: Slot, precision: Precision, neighbours: &mut NeighbourBuffer) {
+        let body = &self.states[slot as usize];
+        if body.is_static() {
+            let aabb = SweptAabb::new(&Sample::new(body, self.now), 0.0);
+            self.cell_lists.set_swept_aabb(slot, aabb);
+            return;
+        }
+        let mut predictor = Predictor::new(self, slot, precision);
+        let (mut exit_time, mut swept) = (f64::INFINITY, SweptAabb::EVERYWHERE);
+        if self.cell_lists.uses_all_pairs() {
+            self.cell_lists.find_neighbours(slot, body, &swept, neighbours);
+            neighbours.slots().iter().for_each(|other| _ = predictor.predict_pair(*other));
+        } else {
+            let sample = predictor.sample.at_time(self.now);
+            exit_time = self.cell_lists.cell_exit_time(slot, &sample);
+            predictor.limit_horizon(predictor.sample.at.seconds_until(self.now) + exit_time);
+            swept = SweptAabb::new(&sample, exit_time);
+            self.cell_lists.find_neighbours(slot, body, &swept, neighbours);
+            for other in neighbours.slots() {
+                if !swept.is_disjoint_from(self.cell_lists.swept_aabb(*other)) && predictor.predict_pair(*other) {
+                    swept = SweptAabb::new(&sample, predictor.seconds_to_horizon(self.now, exit_time));
+                }
+            }
+        }
+        predictor.predict_contact_ends();
+        let first = predictor.first;
+        self.cell_lists.set_swept_aabb(slot, swept);
+        self.schedule_next(slot, first, exit_time);
+    }
+
+    /// Moves a body to its next cell and predicts its next event there.
+    pub(super) fn handle_cell_crossing(&mut self, slot: Slot) {
+        let sample = Sample::new(&self.states[slot as usize], self.now);
+        let remaining = self.clock.period - self.step_start.seconds_until(self.now);
+        self.cell_lists.move_to_next_cell(&self.clock, slot, &sample, remaining);
+        self.predict(slot);
+    }
+
+    /// Moves the bodies that would leave their cells in `step`, which begins now, to their next cells.
+    pub(super) fn handle_due_crossings(&mut self, step: u64) {
+        self.begin_at(step);
+        let mut due = std::mem::take(&mut self.due);
+        self.crossing_wheel.advance(&mut due);
+        due.drain(..).for_each(|slot| self.handle_cell_crossing(slot));
+        self.due = due;
+    }
+
+    /// Schedules the next event of a body: its first pair event or the exit from its cell in `exit_time`
+    /// seconds. A cell exit after the current step is left to the crossing wheel.
+    fn schedule_next(&mut self, slot: Slot, pair_event: Option<ScheduledEvent>, exit_time: f64) {
+        let offset = self.step_start.seconds_until(self.now) + exit_time;
+        let (mut crossing, mut next_prediction) = (None, f64::INFINITY);
+        if offset <= self.clock.period {
+            crossing = Some(ScheduledEvent {
+                at: self.now.after(exit_time),
+                pair: [slot, slot],
+                pair_event: None,
+                partner_generation: 0,
+                precision: Precision::Exact,
+            });
+        } else if offset == f64::INFINITY {
+            self.crossing_wheel.cancel(slot);
+        } else {
+            let steps = (offset * self.clock.rate) as u32;
+            let steps = if steps > 1 { steps } else { 1 };
+            self.crossing_wheel.schedule(slot, steps);
+            next_prediction = self.step_start.high + f64::from(steps) * self.clock.period * HORIZON_MARGIN;
+        }
+        let pair_event = pair_event.filter(|event| event.at.high <= next_prediction * HORIZON_MARGIN);
+        let is_crossing_first = match (&pair_event, &crossing) {
+            (Some(event), Some(crossing)) => crossing.at.is_before(event.at),
+            (Some(_), None) => false,
+            (None, Some(_) | None) => true,
+        };
+        self.event_queue.set(slot, if is_crossing_first { crossing } else { pair_event });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::physics::{Engine, EngineConfig, Event, Rect, Restitution, SolverKind, Spawn, Vector};
+
+    fn spawn(at: Vector, size: f64, mass: f64, velocity: Vector) -> Event {
+        let rect = Rect::new(at, size, size);
+        let name = format!("{at:?}");
+        Event::Spawn(Spawn { name, rect, mass, velocity, force: Vector::ZERO, material: String::new() })
+    }
+
+    /// Position and velocity after 200 steps of eight boxes that fall, slide and bounce, in a world with
+    /// a number of distant boxes.
+    fn final_states_of_eight_boxes(distant_boxes: usize) -> Vec<(Vector, Vector)> {
+        let mut engine = Engine::new(EngineConfig {
+            solver: SolverKind::EventDriven,
+            rate: 60.0,
+            gravity: Some(Vector::new(0.0, 9.81)),
+            restitution: Restitution::new(0.5, &[]),
+            events_per_step: 10_000,
+        });
+        engine.apply(&spawn(Vector::new(-100.0, 10.0), 200.0, f64::INFINITY, Vector::ZERO));
+        engine.apply(&spawn(Vector::new(14.0, 2.0), 8.0, f64::INFINITY, Vector::ZERO));
+        for index in 0..8 {
+            let number = f64::from(index);
+            let velocity = Vector::new(5.0 - 2.5 * f64::from(index % 4), -1.0);
+            engine.apply(&spawn(Vector::new(1.5 * number, 4.0 - 0.7 * number), 1.0, 1.0 + number, velocity));
+        }
+        (0..distant_boxes).for_each(|index| {
+            engine.apply(&spawn(Vector::new(1e4 + 10.0 * index as f64, 0.0), 1.0, 1.0, Vector::ZERO));
+        });
+        (0..200).for_each(|_| engine.step(&mut Vec::new()).unwrap());
+        engine.world().bodies[2..10].iter().map(|body| (body.rect.origin, body.velocity)).collect()
+    }
+
+    #[test]
+    fn the_choice_of_candidates_changes_no_bit() {
+        let [few, many] = [0, 50].map(final_states_of_eight_boxes);
+        assert_eq!(few, many, "few bodies test all pairs, many only neighbours");
+    }
+}

@@ -1,0 +1,185 @@
+//! Removes the overlaps that spawned bodies cause, by moving bodies to the nearest free position.
+
+use super::EventDriven;
+use super::body_state::Slot;
+use super::pair_event::tolerance;
+use super::state_dd::StateDd;
+use crate::physics::Axis;
+
+/// An axis-aligned bounding box: upper-left corner and size, m.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Aabb {
+    low: [f64; 2],
+    size: [f64; 2],
+}
+
+impl Aabb {
+    /// The box of the same size at another corner.
+    fn at(self, low: [f64; 2]) -> Aabb {
+        Aabb { low, ..self }
+    }
+
+    /// True if the two share more than a border, beyond rounding.
+    fn overlaps(&self, other: &Aabb) -> bool {
+        Axis::BOTH.into_iter().all(|axis| {
+            let scale = self.low[axis].abs() + other.low[axis].abs() + (self.size[axis] + other.size[axis]);
+            let high_gap = other.low[axis] - (self.low[axis] + self.size[axis]);
+            let low_gap = self.low[axis] - (other.low[axis] + other.size[axis]);
+            high_gap < -tolerance(scale) && low_gap < -tolerance(scale)
+        })
+    }
+}
+
+impl EventDriven {
+    /// Removes the overlaps of spawned bodies. Velocities do not change, so no kinetic energy is added.
+    ///
+    /// In creation order, each spawned body of finite mass moves to the nearest position at which it
+    /// overlaps no body that is already placed. A spawned body of infinite mass stays, and the older
+    /// bodies of finite mass that it overlaps move instead. The nearest position is found exactly,
+    /// among all positions that touch faces of obstacles.
+    /// Returns the older bodies that it moved or that were in contact with these.
+    pub(super) fn separate_overlaps(&mut self, spawned: &[Slot]) -> Vec<Slot> {
+        let (mut queue, mut concerned) = self.displaced_by_static(spawned);
+        concerned.extend(&queue);
+        queue.extend(spawned.iter().copied().filter(|slot| !self.states[*slot as usize].infinite));
+        for index in 0..queue.len() {
+            let slot = queue[index];
+            let aabb = self.aabb_of(slot);
+            if let Some(low) = self.nearest_free_position(slot, aabb, &queue[index + 1..]) {
+                self.cell_lists.remove(slot);
+                for axis in Axis::BOTH {
+                    let state = self.state_dd(slot, axis);
+                    self.set_trajectory(slot, axis, StateDd { position: low[axis].into(), ..state });
+                }
+                self.cell_lists.insert(&self.clock, slot, &self.states[slot as usize], self.now);
+            }
+        }
+        concerned
+    }
+
+    /// The older bodies of finite mass that spawned bodies of infinite mass overlap, and those that were in contact
+    /// with them; ends their contacts.
+    fn displaced_by_static(&mut self, spawned: &[Slot]) -> (Vec<Slot>, Vec<Slot>) {
+        let mut displaced = Vec::new();
+        for slot in spawned.iter().filter(|slot| self.states[**slot as usize].infinite) {
+            let aabb = self.aabb_of(*slot);
+            self.cell_lists.visit_region(aabb.low, Axis::BOTH.map(|axis| aabb.low[axis] + aabb.size[axis]), |other| {
+                displaced.push(other);
+            });
+            displaced.retain(|other| {
+                !self.states[*other as usize].infinite
+                    && spawned.binary_search(other).is_err()
+                    && aabb.overlaps(&self.aabb_of(*other))
+            });
+        }
+        displaced.sort_unstable();
+        displaced.dedup();
+        let mut woken = Vec::new();
+        displaced.iter().for_each(|slot| woken.extend(self.remove_all_contacts(*slot)));
+        (displaced, woken)
+    }
+
+    /// The bounding box of a body at the present instant.
+    fn aabb_of(&self, slot: Slot) -> Aabb {
+        let body = &self.states[slot as usize];
+        Aabb { low: body.trajectory.at(self.now)[0], size: body.size }
+    }
+
+    /// The nearest free position of a body that overlaps another; none if it overlaps none, or if
+    /// no free position is found.
+    ///
+    /// Bodies in `unplaced`, which is in creation order, are no obstacles.
+    fn nearest_free_position(&self, slot: Slot, aabb: Aabb, unplaced: &[Slot]) -> Option<[f64; 2]> {
+        let mut radius = if aabb.size[0] > aabb.size[1] { aabb.size[0] } else { aabb.size[1] };
+        let mut obstacles = self.obstacles(slot, &aabb, 0.0, unplaced);
+        if !obstacles.iter().any(|obstacle| aabb.overlaps(obstacle)) {
+            return None;
+        }
+        for _ in 0..64 {
+            obstacles = self.obstacles(slot, &aabb, radius, unplaced);
+            if let Some(position) = nearest_free_corner(&aabb, &obstacles, radius) {
+                return Some(position);
+            }
+            radius *= 2.0;
+        }
+        None
+    }
+
+    /// The boxes of all placed bodies within `radius` (m) of `aabb`, and possibly some farther away.
+    fn obstacles(&self, slot: Slot, aabb: &Aabb, radius: f64, unplaced: &[Slot]) -> Vec<Aabb> {
+        let mut found = Vec::new();
+        let low = aabb.low.map(|x| x - radius);
+        let high = Axis::BOTH.map(|axis| aabb.low[axis] + aabb.size[axis] + radius);
+        self.cell_lists.visit_region(low, high, |other| found.push(other));
+        found.sort_unstable();
+        found.dedup();
+        found.retain(|other| *other != slot && unplaced.binary_search(other).is_err());
+        found.into_iter().map(|other| self.aabb_of(other)).collect()
+    }
+}
+
+/// The free position nearest to the present one, if there is one within `radius`, m.
+///
+/// Of equally near positions, the first in the order left, right, top, bottom.
+fn nearest_free_corner(aabb: &Aabb, obstacles: &[Aabb], radius: f64) -> Option<[f64; 2]> {
+    let [xs, ys] = Axis::BOTH.map(|axis| candidate_coordinates(aabb, obstacles, axis));
+    let mut best = None;
+    let mut least = radius * radius;
+    for (dx, x) in &xs {
+        if dx * dx > least {
+            break;
+        }
+        for (dy, y) in &ys {
+            let square = dx * dx + dy * dy;
+            if square > least || (square == least && best.is_some()) {
+                break;
+            }
+            let candidate = aabb.at([*x, *y]);
+            if !obstacles.iter().any(|obstacle| candidate.overlaps(obstacle)) {
+                least = square;
+                best = Some([*x, *y]);
+                break;
+            }
+        }
+    }
+    best
+}
+
+/// The coordinates along an axis at which the box stays or touches an obstacle, with their distances from
+/// the present one; nearest first.
+fn candidate_coordinates(aabb: &Aabb, obstacles: &[Aabb], axis: Axis) -> Vec<(f64, f64)> {
+    let here = aabb.low[axis];
+    let mut candidates = vec![(0.0, here)];
+    for obstacle in obstacles {
+        let before = largest_position_before(obstacle.low[axis], aabb.size[axis]);
+        for coordinate in [before, obstacle.low[axis] + obstacle.size[axis]] {
+            candidates.push(((coordinate - here).abs(), coordinate));
+        }
+    }
+    candidates.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    candidates.dedup();
+    candidates
+}
+
+/// The largest position at which a box of size `size` does not extend beyond `face`, m.
+fn largest_position_before(face: f64, size: f64) -> f64 {
+    let mut position = face - size;
+    if position + size > face {
+        position = position.next_down();
+    }
+    position
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_box_placed_before_a_face_does_not_extend_beyond_it() {
+        for (face, size) in [(10.0, 0.1), (0.3, 0.1), (1e6, 1e-3), (-0.7, 0.3), (5.0, 1e9)] {
+            let position = largest_position_before(face, size);
+            assert!(position + size <= face);
+            assert!(position.next_up() + size >= face);
+        }
+    }
+}

@@ -1,0 +1,215 @@
+//! Serialization of the solver's state as two flat lists.
+//!
+//! - Integers: [`LAYOUT_VERSION`]; the number of bodies; for each body and axis 1 if a body of its component carries
+//!   a force of its own, otherwise 0; the number of contacts; for each contact the bodies on its low and high
+//!   side and the axis (0 for x, 1 for y); the number of pending spawns, and these bodies; the same for
+//!   pending wakes.
+//! - Numbers: the high and low part of the present instant; for each body and axis position, velocity,
+//!   acceleration and reference instant, then the low parts of the same four, then the low part of the size.
+//!
+//! Bodies are identified by their index in the world.
+
+use super::EventDriven;
+use super::state_dd::AxisLowParts;
+use super::instant::Instant;
+use super::axis_trajectory::AxisTrajectory;
+use super::body_state::Slot;
+use crate::physics::{Axis, SolverSnapshot, Side, SnapshotError, World};
+
+/// Identifies the layout of the lists; changes with it.
+const LAYOUT_VERSION: u64 = 3;
+
+impl EventDriven {
+    /// Returns all state that [`EventDriven::restore`] needs besides the world.
+    pub fn snapshot(&self) -> SolverSnapshot {
+        let mut snapshot = SolverSnapshot::default();
+        let alive: Vec<usize> = (0..self.states.len()).filter(|slot| self.params[*slot].alive).collect();
+        snapshot.integers.extend([LAYOUT_VERSION, alive.len() as u64]);
+        snapshot.numbers.extend([self.now.high, self.now.low]);
+        let mut contacts: Vec<[u64; 3]> = Vec::new();
+        for slot in alive {
+            let state = &self.states[slot];
+            for axis in Axis::BOTH {
+                let trajectory = state.trajectory.along(axis);
+                let since = trajectory.since;
+                let low = &self.low_parts[slot].0[axis];
+                snapshot.integers.push(u64::from(state.forced[axis]));
+                snapshot.numbers.extend([trajectory.position, trajectory.velocity, trajectory.acceleration, since.high]);
+                snapshot.numbers.extend([low.position, low.velocity, low.acceleration, since.low, low.size]);
+            }
+            contacts.extend(self.stored_contacts(slot));
+        }
+        snapshot.integers.push(contacts.len() as u64);
+        snapshot.integers.extend(contacts.iter().flatten());
+        for pending in [&self.pending_spawns, &self.pending_wakes] {
+            snapshot.integers.push(pending.len() as u64);
+            snapshot.integers.extend(pending.iter().map(|slot| self.world_index(*slot)));
+        }
+        snapshot
+    }
+
+    fn world_index(&self, slot: Slot) -> u64 {
+        u64::from(self.states[slot as usize].world_index)
+    }
+
+    /// The contacts to store with a body, sorted. Each contact is stored with one of its bodies: the one on
+    /// the low side, or the one of finite mass.
+    fn stored_contacts(&self, slot: usize) -> Vec<[u64; 3]> {
+        let mut contacts: Vec<[u64; 3]> = Vec::new();
+        for contact in self.contacts.of(slot as Slot) {
+            let [own, other] = [slot as Slot, contact.other].map(|slot| self.world_index(slot));
+            let pair = match contact.side {
+                Side::High => [own, other],
+                Side::Low => [other, own],
+            };
+            if contact.side == Side::High || self.states[contact.other as usize].infinite {
+                contacts.push([pair[0], pair[1], contact.axis as u64]);
+            }
+        }
+        contacts.sort_unstable();
+        contacts
+    }
+
+    /// Restores the state of which `snapshot` was taken.
+    ///
+    /// # Errors
+    /// If the snapshot was not created by this solver, does not fit the world, or is damaged.
+    pub fn restore(&mut self, world: &World, step: u64, snapshot: &SolverSnapshot) -> Result<(), SnapshotError> {
+        self.deserialize(world, step, snapshot).map_err(|reason| SnapshotError { step, reason })
+    }
+
+    /// Like [`EventDriven::restore`]; the error is the reason alone.
+    pub(super) fn deserialize(&mut self, world: &World, step: u64, snapshot: &SolverSnapshot) -> Result<(), String> {
+        let mut reader = SnapshotReader { integers: &snapshot.integers, numbers: &snapshot.numbers };
+        if reader.integer()? != LAYOUT_VERSION {
+            return Err("this version of rebond does not support its layout".to_owned());
+        }
+        if reader.integer()? != world.bodies.len() as u64 {
+            return Err(format!("its number of bodies is not {}", world.bodies.len()));
+        }
+        let now = Instant { high: reader.number()?, low: reader.number()? };
+        self.clear();
+        for (index, body) in world.bodies.iter().enumerate() {
+            let slot = self.push_body(body, index, now);
+            let state = &mut self.states[slot as usize];
+            for axis in Axis::BOTH {
+                state.forced[axis] = reader.flag()?;
+                let (trajectory, low_parts) = reader.trajectory(now)?;
+                state.trajectory.set(axis, trajectory);
+                self.low_parts[slot as usize].0[axis] = low_parts;
+            }
+            state.since = state.trajectory.latest();
+        }
+        self.restore_contacts(&mut reader)?;
+        for pending in [&mut self.pending_spawns, &mut self.pending_wakes] {
+            for _ in 0..reader.integer()? {
+                pending.push(reader.slot(self.states.len())?);
+            }
+        }
+        if !self.pending_spawns.is_sorted() {
+            return Err("its pending spawns are not in creation order".to_owned());
+        }
+        reader.end()?;
+        self.now = now;
+        self.begin_at(step);
+        self.rebuild_derived_state();
+        Ok(())
+    }
+
+    fn clear(&mut self) {
+        self.states.clear();
+        self.low_parts.clear();
+        self.params.clear();
+        self.contacts = super::ContactGraph::default();
+        self.force_counts = [0; 2];
+        self.pending_spawns.clear();
+        self.pending_wakes.clear();
+        self.dirty_states = super::DirtyStates::default();
+        self.crossing_wheel = super::CrossingWheel::new(0);
+        self.changed.clear();
+    }
+
+    fn restore_contacts(&mut self, reader: &mut SnapshotReader) -> Result<(), String> {
+        let bodies = self.states.len();
+        let mut in_contact = [Vec::new(), Vec::new()];
+        for _ in 0..reader.integer()? {
+            let pair = [reader.slot(bodies)?, reader.slot(bodies)?];
+            let axis = match reader.integer()? {
+                0 => Axis::X,
+                1 => Axis::Y,
+                other => return Err(format!("the axis of a contact is {other}, not 0 or 1")),
+            };
+            if pair[0] == pair[1] || pair.iter().all(|slot| self.states[*slot as usize].infinite) {
+                return Err("a contact is between a body and itself or between infinite masses".to_owned());
+            }
+            self.contacts.add(&self.states, pair, axis);
+            in_contact[axis].extend(pair);
+        }
+        for axis in Axis::BOTH {
+            self.update_supports(axis, std::mem::take(&mut in_contact[axis]));
+        }
+        Ok(())
+    }
+
+    /// Rebuilds the derived state, cell lists and event queue, from trajectories and contacts.
+    fn rebuild_derived_state(&mut self) {
+        self.rebuild_indices();
+        self.changed = (0..self.states.len() as Slot).filter(|slot| self.pending_spawns.binary_search(slot).is_err()).collect();
+        self.predict_changed();
+    }
+}
+
+/// Reads the two lists value by value.
+struct SnapshotReader<'a> {
+    integers: &'a [u64],
+    numbers: &'a [f64],
+}
+
+impl SnapshotReader<'_> {
+    fn integer(&mut self) -> Result<u64, String> {
+        let (first, rest) = self.integers.split_first().ok_or("it is too short")?;
+        self.integers = rest;
+        Ok(*first)
+    }
+
+    fn number(&mut self) -> Result<f64, String> {
+        let (first, rest) = self.numbers.split_first().ok_or("it is too short")?;
+        self.numbers = rest;
+        if first.is_finite() { Ok(*first) } else { Err(format!("{first} is not a finite number")) }
+    }
+
+    /// A body by its index in the world; slots are dense after a restore, so the index is the slot.
+    fn slot(&mut self, bodies: usize) -> Result<Slot, String> {
+        let index = self.integer()?;
+        if index < bodies as u64 { Ok(index as Slot) } else { Err(format!("it refers to a body with index {index}")) }
+    }
+
+    fn flag(&mut self) -> Result<bool, String> {
+        match self.integer()? {
+            0 => Ok(false),
+            1 => Ok(true),
+            other => Err(format!("a flag is {other}, not 0 or 1")),
+        }
+    }
+
+    /// The high and low parts of a trajectory along an axis.
+    fn trajectory(&mut self, now: Instant) -> Result<(AxisTrajectory, AxisLowParts), String> {
+        let [position, velocity, acceleration, high] = [self.number()?, self.number()?, self.number()?, self.number()?];
+        let low_parts = AxisLowParts {
+            position: self.number()?,
+            velocity: self.number()?,
+            acceleration: self.number()?,
+            size: 0.0,
+        };
+        let since = Instant { high, low: self.number()? };
+        let size = self.number()?;
+        if now.is_before(since) {
+            return Err(format!("the reference instant {high} s of a body is in the future"));
+        }
+        Ok((AxisTrajectory { position, velocity, acceleration, since }, AxisLowParts { size, ..low_parts }))
+    }
+
+    fn end(&self) -> Result<(), String> {
+        if self.integers.is_empty() && self.numbers.is_empty() { Ok(()) } else { Err("it is too long".to_owned()) }
+    }
+}
