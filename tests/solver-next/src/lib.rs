@@ -1,3 +1,0 @@
-#![forbid(unsafe_code)]
-pub mod physics;
-pub mod scene;
