@@ -71,8 +71,8 @@
 //! # Features
 //!
 //! Without default features, the library parses and runs scenes and writes, reads and replays recordings. `draw` adds
-//! pictures. `report` adds error against cost on hard scenes. `cli`, the
-//! default, adds the command `rebond` and implies both.
+//! pictures. `report` adds measurements of error and cost on hard scenes. `cli`, the default, adds the command `rebond`
+//! and implies both.
 
 #[cfg(feature = "draw")]
 mod check;
@@ -99,7 +99,7 @@ pub use scene::{
     Diagnostic, DiagnosticKind, Diagnostics, Excerpt, Scene, SceneError, load as load_scene, parse as parse_scene,
 };
 
-// Running and recording them.
+// Running and recording scenes.
 pub use replay::{LiveEvents, NO_LIVE_EVENTS, OnBadEvent, RecordOptions, Recorded, Run, RunError, record};
 
 // The engine and its world.
@@ -114,7 +114,7 @@ pub use recording::{
     open as open_recording, recover,
 };
 
-// Running recordings again.
+// Replaying recordings.
 pub use replay::{ALL_STEPS, Difference, Divergence, Replayer, Verdict};
 
 // Pictures.
@@ -159,7 +159,7 @@ pub mod internals {
     }
 }
 
-/// The examples of the README are tests, too.
+/// Runs the examples of the README as documentation tests.
 #[cfg(all(doctest, feature = "draw"))]
 #[doc = include_str!("../README.md")]
 struct Readme;

@@ -6,10 +6,10 @@ use std::collections::BTreeSet;
 use std::fmt;
 use std::str::FromStr;
 
-/// Options of a picture. An option that is `None` is open: see [`PictureOptions::or`] and
-/// `PictureOptions::resolve`.
+/// Options of a picture. An option that is `None` is open: `PictureOptions::resolve` takes it from the `[figure]` table
+/// of the scene, else from the defaults.
 ///
-/// A new option is a field here, a field of the resolved picture, a line of the provenance, and a flag if it has one.
+/// To add an option, add it here, to the resolved picture and to the provenance, and as a flag if it is to have one.
 #[non_exhaustive]
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
@@ -54,7 +54,7 @@ pub struct PictureOptions {
     /// Playback speed: simulated seconds per second of playback, so 0.1 is slow motion. 1 if `None`.
     #[cfg_attr(feature = "cli", arg(skip))]
     pub slow: Option<f64>,
-    /// How long an animation freezes at each new collision, s. No freeze frames if `None`.
+    /// The time for which an animation freezes at each new collision, s. No freeze frames if `None`.
     #[cfg_attr(feature = "cli", arg(skip))]
     pub hold: Option<f64>,
     /// A title above each recording; the recordings' own titles if `None`.

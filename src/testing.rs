@@ -4,7 +4,7 @@ use crate::physics::CollisionCount;
 use crate::replay::{ALL_STEPS, Replayer, Verdict};
 use std::path::Path;
 
-/// Asserts that the recording at `path` is complete and replays bit for bit the same.
+/// Asserts that the recording at `path` is complete and replays bit for bit.
 ///
 /// ```no_run
 /// #[test]
@@ -16,7 +16,7 @@ use std::path::Path;
 /// # Panics
 /// If the recording does not replay the same or cannot be read. The message contains the path and the first difference:
 /// the step, body and field, the recorded and the replayed value, their distance in ulps, and the last event before it.
-/// This is the only documented panic of this crate.
+/// This is the only documented panic of the public API.
 #[track_caller]
 pub fn assert_replays(path: impl AsRef<Path>) {
     let path = path.as_ref();

@@ -1,4 +1,4 @@
-//! All integration tests, in one binary: linking is most of what they cost.
+//! All integration tests, in one binary because linking takes most of their time.
 
 #[path = "integration/animations.rs"]
 mod animations;

@@ -25,19 +25,19 @@ impl Case {
     }
 }
 
-/// A picture to check, and how it is drawn.
+/// A picture to check, and the recipe for drawing it.
 #[derive(Clone, Debug)]
 pub struct ReferenceImage {
     /// The file; it may be missing.
     pub file: PathBuf,
-    /// How it is drawn.
+    /// The recipe for drawing it.
     pub recipe: Recipe,
 }
 
-/// How a picture is drawn.
+/// The recipe for drawing a picture.
 #[derive(Clone, Debug)]
 pub enum Recipe {
-    /// By a command that a manifest lists.
+    /// Draw it with a command that a manifest lists.
     Listed {
         /// The picture and its format.
         subject: SubjectOptions,
@@ -46,19 +46,19 @@ pub enum Recipe {
         /// Scenes or recordings.
         sources: Vec<PathBuf>,
     },
-    /// By the provenance that the picture contains.
+    /// Redraw it from the provenance that it contains.
     Embedded {
         /// The provenance.
         provenance: Box<Provenance>,
         /// The recordings that the provenance names, in the same order.
         sources: Vec<PathBuf>,
     },
-    /// Not at all: a recording that the provenance names was not found.
+    /// It cannot be drawn: a recording that its provenance names was not found.
     Orphaned {
         /// The recording and why it is missing.
         reason: String,
     },
-    /// Not at all: the line of the manifest is invalid.
+    /// It cannot be drawn: the line of the manifest is invalid.
     Invalid {
         /// The line number and the error.
         reason: String,

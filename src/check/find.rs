@@ -30,7 +30,7 @@ pub enum CheckError {
     },
 }
 
-/// The files to check, and the files to check them with.
+/// The files found by a search: recordings, pictures, scenes and manifests.
 pub struct Files {
     /// The files and folders that were searched.
     searched: Vec<PathBuf>,

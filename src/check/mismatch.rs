@@ -5,7 +5,7 @@ use crate::picture::{Format, Provenance, SOFTWARE};
 use crate::text::counted;
 use std::fmt::{self, Display, Formatter};
 
-/// How a picture differs from its reference.
+/// The difference between a picture and its reference.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mismatch {
     /// The difference in words.

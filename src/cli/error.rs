@@ -39,7 +39,7 @@ pub enum CommandError {
     /// A recording cannot be opened or created; the error names it.
     #[error(transparent)]
     RecordingFile(recording::Error),
-    /// A picture cannot be drawn.
+    /// A frame cannot be rasterised, encoded or decoded.
     #[error(transparent)]
     Render(#[from] RenderError),
     /// A file cannot be read.
@@ -69,7 +69,7 @@ pub enum CommandError {
     /// The check cannot start.
     #[error(transparent)]
     Check(#[from] crate::check::CheckError),
-    /// A picture cannot be drawn.
+    /// A picture cannot be drawn or read.
     #[error(transparent)]
     Picture(picture::Error),
     /// A picture has no provenance, or an invalid one.
@@ -127,7 +127,7 @@ pub enum CommandError {
     /// ffmpeg closed its standard input.
     #[error("cannot write to ffmpeg: {0}")]
     Pipe(#[source] io::Error),
-    /// The name of the output is not one that the command supports.
+    /// The command does not support an output of this name.
     #[error("cannot write {}: {expected}", path.display())]
     UnsupportedOutput {
         /// The output.

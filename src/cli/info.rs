@@ -34,7 +34,7 @@ pub fn run(options: &InfoOptions) -> Result<Exit, CommandError> {
     Ok(exit)
 }
 
-/// Bytes; a file up to this size is read completely in about 0.1 s.
+/// Recordings up to this size are verified without `--verify`, bytes: that takes about 0.1 s.
 const MAX_ALWAYS_VERIFIED: u64 = 16 << 20;
 
 /// The provenance of a picture. `None` if the file is not a picture.
@@ -111,7 +111,7 @@ impl Info {
         Ok((info.with_totals(), exit))
     }
 
-    /// The information that the end and the index of a finished recording contain.
+    /// Takes the information from the trailer and the index of a finished recording.
     fn from_index(header: &Header, summary: Summary, bytes: u64) -> Info {
         let Summary { trailer, states, keyframes, chunks } = summary;
         let mut info = Info::from_header(header, bytes);

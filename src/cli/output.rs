@@ -59,8 +59,7 @@ pub fn print_result(path: &Path, text: &str) -> Result<(), CommandError> {
     print(format!("{text}\n").as_bytes())
 }
 
-/// Warns about each recording that is corrupt, or truncated before the last step that was wanted of it. Returns the exit
-/// code.
+/// Warns about each recording that is corrupt, or truncated before the last requested step. Returns the exit code.
 pub fn warn_of_damage(statuses: &[ReadStatus]) -> Exit {
     let mut exit = Exit::Done;
     for ReadStatus { path, health, extent } in statuses {
@@ -99,7 +98,7 @@ pub fn progress_updater(bar: &ProgressBar) -> impl FnMut(u64, u64) {
     }
 }
 
-/// Opens the output of `record`. It is the only file that appears at once and grows, so that it can be read meanwhile.
+/// Opens the output of `record`. Unlike other outputs, this file appears at once and can be read while it grows.
 pub fn create_recording(path: &Path, overwrite: Overwrite, sync: Sync) -> Result<Box<dyn Write + Send>, CommandError> {
     if is_standard_output(path) {
         return Ok(Box::new(io::stdout()));
@@ -141,7 +140,7 @@ pub fn write_by_path(
     persist(file, path, force)
 }
 
-/// Adds the path to a write error of an encoder, which does not know it.
+/// Adds the path to a write error of an encoder, which contains none.
 fn with_path(error: CommandError, path: &Path) -> CommandError {
     match error {
         CommandError::Render(RenderError::Write(source))

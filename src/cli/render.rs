@@ -1,9 +1,10 @@
+use super::Exit;
 use super::arguments::Shard;
 use super::error::CommandError;
 use super::output::{self, Folder};
 use super::picture_arguments::RenderOptions;
 use super::source::Source;
-use super::{Exit, video};
+use super::video::{self, VideoContainer};
 use crate::picture::{self, AnimationFormat, Format, PictureOptions, Provenance, StillFormat, SubjectOptions};
 use std::path::Path;
 
@@ -50,7 +51,7 @@ pub fn run(options: &RenderOptions) -> Result<Exit, CommandError> {
     };
     let exit = output::warn_of_damage(&drawn.statuses);
     bar.finish_and_clear();
-    // An animation does not show every step of every run.
+    // The message names the steps shown, because an animation may skip steps.
     let shown = match (drawn.schedule, options.at) {
         (Some(schedule), _) => schedule.to_string(),
         (None, step) => format!("step {}", step.unwrap_or_default()),
@@ -78,15 +79,6 @@ pub enum OutputKind {
     Video(VideoContainer),
     /// A folder with one picture per step.
     Sequence,
-}
-
-/// The file format that ffmpeg writes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum VideoContainer {
-    /// H.264 in MP4, for slides and browsers.
-    Mp4,
-    /// VP9 in WebM.
-    Webm,
 }
 
 impl OutputKind {
@@ -118,7 +110,7 @@ impl OutputKind {
         }
     }
 
-    /// Returns an error if only a part is requested of an output that has no parts.
+    /// Returns an error if a shard is requested of an output that cannot be divided.
     pub fn refuse_shard(&self, path: &Path, shard: Shard) -> Result<(), CommandError> {
         match self {
             OutputKind::Sequence => Ok(()),

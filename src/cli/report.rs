@@ -55,7 +55,7 @@ const fn budget(options: &ReportOptions) -> Budget {
     if options.full { Budget::Hours } else { Budget::Minutes }
 }
 
-/// All cases that the options allow. Their order numbers the runs for `--cost-of`.
+/// All cases that the options allow. `--cost-of` numbers the runs in this order.
 fn all_cases(options: &ReportOptions) -> Result<Vec<Case>, CommandError> {
     if options.growth {
         return Ok(cases::growth());
@@ -148,7 +148,7 @@ fn cost_of_process(number: usize, options: &ReportOptions) -> Result<Cost, Strin
     }
 }
 
-/// Measures one run and prints its cost as JSON. This is the other end of [`cost_of_process`].
+/// Measures one run and prints its cost as JSON, in the process started by [`cost_of_process`].
 fn print_cost_of_run(cases: &[Case], number: usize) -> Result<Exit, CommandError> {
     let runs = case_runs(cases);
     let Some(run) = runs.iter().flatten().find(|run| run.number == number) else { return Ok(Exit::Error) };

@@ -3,7 +3,7 @@ use crate::text::counted;
 use miette::{LabeledSpan, MietteDiagnostic, MietteError, MietteSpanContents, SourceCode, SourceSpan, SpanContents};
 use std::fmt::Display;
 
-/// A scene error as the terminal shows it: with the offending texts underlined, and help.
+/// A scene error for the terminal, with the offending texts underlined and with help.
 #[derive(Debug, thiserror::Error)]
 #[error("{error}")]
 pub struct SceneReport {

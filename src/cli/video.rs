@@ -3,12 +3,20 @@
 use super::arguments::OutputOptions;
 use super::error::CommandError;
 use super::output;
-use super::render::VideoContainer;
 use crate::picture::{self, AnimationSchedule, Clip, Drawn, Frame, Picture, Progress, Provenance, View, draw_frames};
 use std::io::{self, BufWriter, Read, Write};
 use std::num::NonZero;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
+
+/// The file format that ffmpeg writes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum VideoContainer {
+    /// H.264 in MP4, for slides and browsers.
+    Mp4,
+    /// VP9 in WebM.
+    Webm,
+}
 
 /// The name of the program, searched on the PATH.
 const FFMPEG: &str = "ffmpeg";

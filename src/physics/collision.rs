@@ -16,7 +16,7 @@ pub struct Collision {
     pub normal: Vector,
     /// The penetration vector n⃗, m; null with the event-driven solver, in which no box penetrates another.
     pub penetration: Vector,
-    /// The shares Nc and Nb of the penetration by which the two were displaced.
+    /// The shares Nc and Nb of the penetration by which the two were displaced; 0 with the event-driven solver.
     pub shares: [f64; 2],
     /// The impulse j on c along the normal (and −j on b), N·s; 0 if the two were already separating.
     pub impulse: f64,
@@ -28,7 +28,7 @@ pub struct Collision {
 
 /// Receives the collisions while the engine steps.
 ///
-/// Observing changes no bit of the simulation: an observer receives values, not the world.
+/// An observer cannot influence the simulation: it receives values, not the world.
 pub trait Observer {
     /// Receives each collision once, in the order of resolution.
     fn collision(&mut self, collision: &Collision);

@@ -5,12 +5,12 @@ use super::{Body, BodyId, Event, Observer, Restitution, Spawn, Vector, World, ev
 pub enum SolverKind {
     /// The algorithm of the handout, as printed.
     Handout,
-    /// The exact solver: event-driven molecular dynamics.
+    /// The event-driven solver: event-driven molecular dynamics.
     EventDriven,
 }
 
 impl SolverKind {
-    /// The solver with a name used in scenes and recordings; `None` if the name is unknown.
+    /// The solver with the given name in scenes and recordings; `None` if the name is unknown.
     pub fn from_name(name: &str) -> Option<SolverKind> {
         [SolverKind::Handout, SolverKind::EventDriven].into_iter().find(|kind| kind.name() == name)
     }
@@ -54,8 +54,8 @@ pub const DEFAULT_EVENTS_PER_STEP: u64 = 1_000_000;
 /// A world and the solver that moves it in fixed steps.
 ///
 /// The engine is deterministic: the same configuration and events give the same states bit for bit on
-/// every machine. It reads no clock and no file. Besides [`Engine::restore`], only [`Engine::step`] and
-/// [`Engine::world_after`] can fail; an error of a step ends the run.
+/// every machine. It reads no clock and no file. Only [`Engine::step`], [`Engine::world_after`] and
+/// [`Engine::restore`] can fail; an error of a step ends the run.
 #[doc(alias("simulation", "event-driven molecular dynamics", "cell list", "isotonic regression"))]
 #[derive(Clone, Debug)]
 pub struct Engine {
@@ -140,7 +140,7 @@ impl Engine {
     /// Advances the world by one step of 1/rate seconds. The observer receives the collisions.
     ///
     /// # Errors
-    /// If the step cannot be completed. The engine must not be stepped again after an error.
+    /// Returns an error if the step cannot be completed. The engine must not be stepped again afterwards.
     pub fn step<O: Observer>(&mut self, observer: &mut O) -> Result<(), StepError> {
         match &mut self.solver {
             Solver::Handout => handout::step(&mut self.world, self.step, 1.0 / self.rate, observer)?,
@@ -156,7 +156,7 @@ impl Engine {
     /// The handout solver defines no states between two steps: with it, the current state is returned.
     ///
     /// # Errors
-    /// As for [`Engine::step`].
+    /// Returns the errors of [`Engine::step`].
     pub fn world_after<O: Observer>(&self, offset: f64, observer: &mut O) -> Result<World, StepError> {
         match &self.solver {
             Solver::EventDriven(solver) if offset > 0.0 => solver.world_after(&self.world, self.step, offset, observer),
@@ -173,10 +173,10 @@ impl Engine {
         Snapshot { step: self.step, next_id: self.next_id, bodies: self.world.bodies.clone(), solver }
     }
 
-    /// Restores the engine of which `snapshot` was taken. `config` must be its configuration.
+    /// Restores an engine from a snapshot. `config` must be the configuration of the engine that took it.
     ///
     /// # Errors
-    /// If the solver's part of the snapshot was not created by this solver or is damaged.
+    /// Returns an error if the solver's part of the snapshot was created by another solver or is damaged.
     pub fn restore(config: EngineConfig, snapshot: Snapshot) -> Result<Engine, SnapshotError> {
         let mut engine = Engine::new(config);
         engine.step = snapshot.step;
@@ -245,12 +245,12 @@ pub enum StepError {
         /// Names of the two infinite masses.
         between: [String; 2],
     },
-    /// A step had more events than the scene allows.
+    /// A step had more events than [`EngineConfig::events_per_step`] allows.
     #[error("step {step}: more than {limit} events, the last between {}", bodies.iter().map(|name| format!("{name:?}")).collect::<Vec<_>>().join(" and "))]
     TooManyEvents {
         /// The step that failed.
         step: u64,
-        /// The scene's `events_per_step`.
+        /// The limit, [`EngineConfig::events_per_step`].
         limit: u64,
         /// Names of the bodies of the last event.
         bodies: Vec<String>,

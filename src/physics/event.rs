@@ -1,6 +1,6 @@
 use super::{BodyId, Rect, Vector};
 
-/// An input to the world: the only way to change it besides a step.
+/// An input to the world. Only events and steps change the world.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Event {
     /// Creates a body.
@@ -16,7 +16,7 @@ pub struct Spawn {
     pub name: String,
     /// Initial position and constant size, m. Width and height are positive.
     pub rect: Rect,
-    /// Mass, kg, positive; infinity for a body that no impact accelerates.
+    /// Mass, kg, positive; infinity for a body that no impulse moves.
     pub mass: f64,
     /// Initial velocity, m/s.
     pub velocity: Vector,

@@ -1,10 +1,10 @@
 //! The solver of the handout, as printed: the reference for teaching.
 //!
-//! It tests all O(n²) pairs once per step and keeps no state between steps. It follows the handout
-//! in the order of every operation, so that an implementation in any language with
-//! IEEE 754 doubles gives the same bits. Its limitations (fast boxes tunnel through thin ones,
-//! stacks sink, energy drifts) are the handout's and are kept. It is repaired only where the text
-//! divides by zero or pulls boxes together:
+//! In each step it tests all n·(n − 1) ordered pairs, so each pair twice, and it keeps no state between
+//! steps. It follows the handout in the order of every operation, so that an implementation in any
+//! language with IEEE 754 doubles gives the same bits. Its limitations (fast boxes tunnel through thin
+//! ones, stacks sink, energy drifts) are the handout's and are kept. Repairs are made only where the
+//! printed formulas divide by zero, pull boxes together or displace an infinite mass:
 //!
 //! - **R1** The unit normal is that of the chosen face, not n⃗/|n⃗|, which is 0/0 when
 //!   boxes just touch.
@@ -42,7 +42,7 @@ fn check_finite(body: &Body, step: u64) -> Result<(), StepError> {
     }
 }
 
-/// Sums the forces on a body: the constant force first, then its weight.
+/// Adds the forces on a body to its accumulator: the constant force first, then its weight.
 fn accelerate(body: &mut Body, gravity: Option<Vector>) {
     body.force = body.force.add(body.constant_force);
     if let (Some(gravity), false) = (gravity, body.is_infinite()) {
@@ -50,7 +50,7 @@ fn accelerate(body: &mut Body, gravity: Option<Vector>) {
     }
 }
 
-/// Σf = m·a, then v += a·dt, then x += v·dt.
+/// Semi-implicit Euler integration: a = Σf/m, then v += a·dt, then x += v·dt with the new v.
 fn advance(body: &mut Body, dt: f64) {
     let acceleration = body.force.mult(body.inverse_mass);
     body.force = Vector::ZERO;
@@ -102,7 +102,7 @@ fn collide<O: Observer>(world: &mut World, step: u64, [c, b]: [usize; 2], observ
 /// The minimum translation vector: the shortest of the four vectors from the origin to a face of the Minkowski
 /// difference s, and the unit normal of that face.
 ///
-/// Of equally short vectors, the first in the order left, right, top, bottom.
+/// Ties are resolved in the order left, right, top, bottom.
 pub fn minimum_translation(s: &Rect) -> (Vector, Vector) {
     let faces = faces(s);
     let mut shortest = 0;
@@ -126,7 +126,7 @@ pub fn faces(s: &Rect) -> [(Vector, Vector); 4] {
     ]
 }
 
-/// The shares Nc and Nb of the penetration by which each of the two is displaced.
+/// The shares Nc and Nb of the penetration by which c and b are displaced.
 fn penetration_shares(c: &Body, b: &Body) -> [f64; 2] {
     if c.is_infinite() {
         return [0.0, 1.0]; // R4

@@ -62,8 +62,8 @@ fn each_face_pushes_c_out_of_it() {
 }
 
 #[test]
-fn of_equal_penetrations_the_first_face_in_order_is_chosen() {
-    // A box centered on an equal one: all four vectors to a face are 1 m long.
+fn a_tie_between_faces_is_resolved_in_the_order_left_right_top_bottom() {
+    // A box centred on an equal one: all four vectors to a face are 1 m long.
     let (_, normal) = minimum_translation(&Rect::new(Vector::new(-1.0, -1.0), 2.0, 2.0));
     assert_eq!(x_y(normal), (-1.0, 0.0), "left before right, top, bottom");
     let (_, normal) = minimum_translation(&Rect::new(Vector::new(-3.0, -1.0), 4.0, 2.0));

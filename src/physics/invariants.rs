@@ -1,4 +1,4 @@
-//! Conserved quantities and overlap of a world. Bodies of infinite mass are excluded.
+//! Energy, momentum and the deepest overlap of a world. Energy and momentum exclude bodies of infinite mass.
 
 use super::{Axis, Body, Vector, World, larger, smaller};
 

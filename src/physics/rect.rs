@@ -31,7 +31,7 @@ impl Rect {
         Vector::new(self.origin.x + self.width, self.origin.y + self.height)
     }
 
-    /// The center of the rectangle, m.
+    /// The centre of the rectangle, m.
     pub const fn center(&self) -> Vector {
         Vector::new(self.origin.x + self.width / 2.0, self.origin.y + self.height / 2.0)
     }
@@ -62,7 +62,7 @@ impl Rect {
         (near.x < far.x && near.y < far.y).then(|| Rect::new(near, far.x - near.x, far.y - near.y))
     }
 
-    /// The length that two rectangles have in common along an axis; negative for the width of a gap, m.
+    /// The length over which two rectangles overlap along an axis, m; if they are apart, the width of the gap, negated.
     pub const fn overlap_along(&self, axis: Axis, other: &Rect) -> f64 {
         let ([low, high], [other_low, other_high]) = (self.along(axis), other.along(axis));
         smaller(high, other_high) - larger(low, other_low)

@@ -55,7 +55,8 @@ impl Restitution {
         &self.names
     }
 
-    /// All pairs of these materials, sorted. [`Restitution::new`] creates an equal table from them.
+    /// All pairs of the materials in [`Restitution::names`], sorted. [`Restitution::new`] creates an equal table from
+    /// them and the default.
     pub fn pairs(&self) -> Vec<RestitutionPair> {
         let mut pairs = Vec::new();
         for (index, a) in self.names.iter().enumerate() {

@@ -47,12 +47,12 @@ impl Vector {
         Vector::new(self.x * k, self.y * k)
     }
 
-    /// The smaller component of both vectors on each axis.
+    /// The component-wise minimum of both vectors.
     pub const fn min(self, v: Vector) -> Vector {
         Vector::new(smaller(self.x, v.x), smaller(self.y, v.y))
     }
 
-    /// The larger component of both vectors on each axis.
+    /// The component-wise maximum of both vectors.
     pub const fn max(self, v: Vector) -> Vector {
         Vector::new(larger(self.x, v.x), larger(self.y, v.y))
     }

@@ -126,8 +126,9 @@ struct FreezeFrameFinder {
     rate: f64,
     /// The step of the last collision.
     step: u64,
-    /// The pairs that collided in that step and in the previous one.
+    /// The pairs that collided in that step.
     pairs: Vec<[BodyId; 2]>,
+    /// The pairs that collided in the step before it.
     previous_pairs: Vec<[BodyId; 2]>,
     moments: Vec<Moment>,
 }

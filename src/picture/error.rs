@@ -25,7 +25,7 @@ pub enum Error {
     /// The recording does not contain the requested subject.
     #[error("there is nothing to show: {reason}")]
     NothingToShow {
-        /// The missing thing, and what exists instead.
+        /// The missing subject, and the existing alternatives.
         reason: String,
     },
     /// Options that cannot be combined.
@@ -59,7 +59,7 @@ pub enum Error {
     /// A picture cannot be drawn again.
     #[error("the picture cannot be drawn again: {reason}")]
     CannotRedraw {
-        /// The missing entry.
+        /// The recording that is missing or unsuitable.
         reason: String,
     },
 }

@@ -71,7 +71,7 @@ impl Format {
         }
     }
 
-    /// Returns true for formats of shapes, false for formats of pixels.
+    /// Returns true for vector formats, false for raster formats.
     pub const fn is_vector(self) -> bool {
         matches!(self, Format::Still(StillFormat::Svg | StillFormat::Pdf))
     }

@@ -48,7 +48,7 @@ impl Frames {
         }
     }
 
-    /// The health of the recording. Complete only after the last frame.
+    /// The health of the recording as far as it was read; final after the last frame.
     pub fn read_status(&self) -> ReadStatus {
         match self {
             Frames::Recorded(frames) => frames.read_status(),

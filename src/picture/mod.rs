@@ -1,19 +1,19 @@
 //! Pictures, animations and figures of recordings, with their provenance.
 //!
-//! The path of a picture, which leads through each file once:
+//! A picture is made in these stages:
 //!
 //! 1. A [`Source`] is a recording with its scene and a [`RunSummary`].
 //! 2. [`SubjectOptions`] name the picture and its format; [`PictureOptions`] may leave everything else open.
 //! 3. [`PictureOptions::resolve`] takes open options from the scene, then from the defaults. The result is a
 //!    [`ResolvedPicture`]: a [`Page`] or an [`Animation`], the format of its file, and a [`Look`].
 //! 4. [`Provenance`] adds the identity of the recordings. Its text form is stored in the file, from which
-//!    [`Provenance::read`] and [`redraw`] restore the picture. It contains no path, no date, no threads and no shards.
+//!    [`Provenance::read`] and [`redraw`] restore the picture. It contains no path, date, number of threads or shard.
 //! 5. [`draw`] computes a [`Style`], that is, the look with the scales of the run, and reads [`Frames`] from the
-//!    recording, or from a replay where it needs collisions or instants between steps.
+//!    recording, or from a replay if it needs collisions or instants between steps.
 //! 6. `layers` and [`figures`] lay out a frame or figure as a [`DisplayList`] of shapes.
 //! 7. [`encode`] writes the shapes as SVG or PDF, or rasterises them with a [`Painter`] to PNG, animated PNG or GIF.
 //!
-//! A [`Sequence`] of still pictures and a [`Clip`] for another encoder of video follow the same path.
+//! A [`Sequence`] of still pictures and a [`Clip`] for an external video encoder follow the same stages.
 
 mod camera;
 mod collisions;

@@ -97,7 +97,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn small_and_large_numbers_have_a_power_of_ten() {
+    fn very_small_and_very_large_numbers_have_a_power_of_ten() {
         let written: Vec<String> = [9.8125, 0.00321, 123456.0, 1234567.0, 1.25e-7, 0.0, -0.0, -2.0, 1e300, 0.1 + 0.2]
             .iter()
             .map(|&value| format_significant(value, 3))

@@ -12,7 +12,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 /// Frames computed by replaying a recording, for data that recordings do not contain: collisions, and
-/// instants between two states. Every state shown was compared with the recorded one.
+/// instants between two states. Every replayed state is compared with the recorded one.
 pub struct Resimulation {
     path: PathBuf,
     replayer: Replayer<BufReader<File>>,
@@ -51,7 +51,7 @@ impl Resimulation {
         Ok(Resimulation { path: source.path.clone(), replayer, recorder, health: Health::Complete, is_finished: false })
     }
 
-    /// The health of the recording. Complete only after the last frame.
+    /// The health of the recording as far as it was read; final after the last frame.
     pub fn read_status(&self) -> ReadStatus {
         ReadStatus { path: self.path.clone(), health: self.health.clone(), extent: ReadExtent::End }
     }

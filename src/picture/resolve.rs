@@ -56,7 +56,7 @@ pub enum FigureChoice {
 pub struct Sequence {
     /// The first and the last step that may be shown.
     pub steps: RangeInclusive<u64>,
-    /// Steps from one picture to the next; pictures lie on its multiples.
+    /// Steps from one picture to the next; only steps that are a multiple of it are shown.
     pub every: u64,
     /// The appearance.
     pub look: Look,
@@ -95,7 +95,7 @@ impl PictureOptions {
         Ok(ResolvedPicture { subject, look, titles: options.resolved_titles(sources)? })
     }
 
-    /// Resolves a sequence of still pictures. The frame rate of the scene, which is one of animations, has no effect.
+    /// Resolves a sequence of still pictures. The frame rate of the scene applies only to animations and is ignored.
     ///
     /// # Errors
     /// As for [`PictureOptions::resolve`], and if an option requires an animation.
@@ -211,7 +211,7 @@ impl PictureOptions {
                 }
                 Ok(Page::Collision { figure: *figure, collisions })
             }
-            // A strobe shows few instants, a diagram a dense line.
+            // A filmstrip or strobe shows few instants; a diagram needs many for a smooth line.
             FigureChoice::States(figure) => {
                 let count = match figure {
                     StatesFigure::Filmstrip => 6,
@@ -230,7 +230,7 @@ impl PictureOptions {
 
     /// About `count` steps that all recordings contain, unless `every` is given.
     fn common_grid(&self, count: u64, sources: &[Source]) -> Result<StepGrid, Error> {
-        // Runs side by side end with the shortest.
+        // Runs shown side by side end with the shortest one.
         let mut last = u64::MAX;
         for source in sources {
             last = last_step(source)?.min(last);

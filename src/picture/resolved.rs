@@ -82,7 +82,7 @@ pub enum Page {
 pub struct Animation {
     /// The first and the last step that may be shown.
     pub steps: RangeInclusive<u64>,
-    /// Steps from one frame to the next; frames lie on its multiples.
+    /// Steps from one frame to the next; only steps that are a multiple of it are shown.
     pub every: u64,
     /// Playback speed, frames per step and freeze frames.
     pub timing: Timing,

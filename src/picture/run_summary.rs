@@ -6,7 +6,7 @@ use crate::recording::{self, BodyInfo, Change, Header, Item, RecordedState, Reco
 use std::io::{Read, Seek};
 use std::path::Path;
 
-/// Properties of a whole run that every picture of a part of it depends on, so that parts drawn
+/// Properties of a whole run on which every picture depends, even one of a part of the run, so that parts drawn
 /// separately have the same scales, colours and camera.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct RunSummary {
@@ -104,7 +104,7 @@ fn for_each_body<R: Read + Seek>(recording: &Recording<R>, item: &Item, mut visi
     }
 }
 
-/// The state of `item`, if it is one that is recorded in full and whose bodies are known.
+/// The state of `item` if it is recorded in full and its bodies are known.
 fn full_state<'a, R: Read + Seek>(recording: &Recording<R>, item: &'a Item) -> Option<&'a RecordedState> {
     match item {
         Item::State(state) => {

@@ -32,8 +32,8 @@ impl Source {
         Ok(Source { path: path.into(), header, scene, summary })
     }
 
-    /// Returns true if the file at `path` is a recording, false if it is a scene: recordings begin like MCAP files or are
-    /// named so.
+    /// Returns true if the file at `path` is a recording, false if it is a scene. A file is a recording if it begins
+    /// with the MCAP magic or its extension is `mcap`.
     ///
     /// # Errors
     /// If the file cannot be read.
@@ -48,7 +48,7 @@ impl Source {
         Vector::new(self.scene.size[0], self.scene.size[1])
     }
 
-    /// The title of the recording in pictures of several: that of its scene, else the scene's file name.
+    /// The title of the recording in a picture of several recordings: that of its scene, else the scene's file name.
     pub fn title(&self) -> &str {
         let file = &self.header.scene.file_name;
         self.scene.title.as_deref().unwrap_or(file.strip_suffix(".toml").unwrap_or(file))

@@ -65,7 +65,7 @@ impl<'a> ColumnReader<'a> {
         Ok(bytes.as_chunks().0.iter().map(|bytes| from_bytes(*bytes)).collect())
     }
 
-    /// Returns an error if the message does not fill its bytes.
+    /// Returns an error if bytes follow the message.
     pub fn finish(self) -> Result<(), String> {
         check_filled(self.fields.remaining())
     }

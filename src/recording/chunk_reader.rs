@@ -56,7 +56,7 @@ pub struct ChunkRecord<'a> {
 pub struct RawMessage<'a> {
     /// The id of the channel.
     pub channel: u16,
-    /// In simulated nanoseconds.
+    /// The log time, in simulated nanoseconds.
     pub log_time: u64,
     /// The message, encoded as its channel declares.
     pub data: &'a [u8],

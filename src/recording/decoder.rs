@@ -13,7 +13,7 @@ use super::{
     topic::Topic,
 };
 
-/// Decodes records to items, and records damage.
+/// Decodes MCAP records to items and reports damage.
 pub struct Decoder {
     /// Checks the order of the items.
     pub validator: SequenceValidator,

@@ -9,8 +9,8 @@ use super::{Header, metadata};
 /// The digest of one state: of all living bodies, in creation order.
 ///
 /// The digest is the 64-bit XXH3 of one row of 36 bytes per body: id (u32), x, y (m), vx, vy (m/s,
-/// the bits of each f64), all little-endian. Bits count, so −0.0 differs from 0.0; but all NaNs are
-/// equal, because their bits differ between processors.
+/// the bits of each f64), all little-endian. So −0.0 and 0.0 give different digests; but all NaNs give
+/// the same one, because their bits differ between processors.
 #[derive(Clone, Debug, Default)]
 pub struct StateDigest {
     rows: Vec<u8>,
@@ -47,8 +47,8 @@ fn canonical_bits(number: f64) -> u64 {
 
 /// A digest over versions, settings, scene, events and the digests of all states.
 ///
-/// Two runs have the same identity if and only if their inputs and states are the same, whatever
-/// the thinning of their recordings. It is printed as 32 hexadecimal digits.
+/// Two runs have the same identity if and only if their inputs and states are the same (apart from hash
+/// collisions), however their recordings are thinned out. It is printed as 32 hexadecimal digits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Identity(pub u128);
 

@@ -9,7 +9,7 @@ use super::{
     resync::{self, Resync},
 };
 
-/// Everything before the messages, as far as it can be read.
+/// The records before the messages, as far as they can be read.
 pub struct HeaderSection {
     /// The settings, and the scene if it is readable.
     pub header: Header,

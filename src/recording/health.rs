@@ -47,8 +47,8 @@ impl fmt::Display for Damage {
 pub struct Gap {
     /// The step of the last state before the gap; `None` if the start was lost.
     pub after: Option<u64>,
-    /// The step of the first item after the gap. The states between the two steps are lost; if there
-    /// are none, events or keyframes are.
+    /// The step of the first item after the gap. All states between the two steps are lost; if there
+    /// are none in between, only events or keyframes are lost.
     pub before: u64,
 }
 

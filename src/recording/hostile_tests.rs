@@ -1,4 +1,4 @@
-//! Hostile recordings, and outputs that fail.
+//! Tests with hostile recordings and with failing outputs.
 
 use std::{
     io::{self, Cursor, Write},
@@ -158,7 +158,7 @@ fn record_into(output: LimitedOutput, processors: NonZero<usize>) -> Result<(), 
 }
 
 #[test]
-fn a_full_disk_is_an_error_and_what_was_written_is_readable() {
+fn a_full_disk_is_an_error_and_the_output_is_a_prefix_of_the_recording() {
     let [one, two] = [1, 2].map(|processors| NonZero::new(processors).unwrap());
     let complete = LimitedOutput { written: Arc::default(), capacity: usize::MAX };
     record_into(complete.clone(), two).unwrap();

@@ -12,7 +12,7 @@ use super::{
     topic::Topic,
 };
 
-/// The index of the chunks of a recording, for reading at any of them.
+/// The index of the chunks of a recording, for random access.
 #[derive(Default)]
 pub struct Index {
     /// The chunks in file order.
@@ -36,7 +36,7 @@ pub struct IndexedChunk {
     channels: ChannelSet,
 }
 
-/// A set of channel ids as a bit mask. The last bit stands for all ids from 15.
+/// A set of channel ids as a bit mask. The last bit stands for all ids from 15 on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct ChannelSet(u16);
 

@@ -1,8 +1,8 @@
 //! Limits of a recording. The writer and the reader enforce the same limits, so that every written
-//! recording is readable and a hostile length costs nothing.
+//! recording is readable and a hostile length field cannot cause a large allocation.
 
-/// Bytes of one MCAP record, and of a chunk before and after decompression. With the decoded data, a
-/// hostile file costs less than 100 MB.
+/// Bytes of one MCAP record, and of a chunk before and after decompression. Including the
+/// decoded data, reading a hostile file needs less than 100 MB of memory.
 pub const RECORD_BYTES: usize = 40 << 20;
 
 /// Bytes after which a chunk is closed. Larger chunks compress better; smaller ones lose less data

@@ -13,8 +13,8 @@ use super::{
 
 /// Writes the MCAP file of a recording from front to back.
 ///
-/// The bytes depend on the calls only, not on the machine, the clock or the version of the MCAP
-/// library.
+/// The bytes depend only on the calls, not on the machine or the clock. The library field names rebond,
+/// not the MCAP library.
 pub struct McapWriter<W: Write> {
     mcap: mcap::Writer<NoSeek<BufWriter<W>>>,
     channels: [Option<Channel>; Topic::ALL.len()],

@@ -144,7 +144,8 @@ pub fn parse_trailer(map: &Map) -> Result<Trailer, String> {
     })
 }
 
-/// Adds the state bounds, unless a value is not finite. Readers then compute them from the states.
+/// Adds the state bounds, unless the top speed is not finite. Without them, readers compute the bounds
+/// from the states.
 fn put_state_bounds(map: &mut Map, StateBounds { top_speed, bounds }: &StateBounds) {
     if !top_speed.is_finite() {
         return;

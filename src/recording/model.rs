@@ -12,8 +12,8 @@ use super::{BodyInfo, BodyTable, Gap, Identity, StateBounds};
 /// to the end record, and stores the solver's numbers in keyframes by columns.
 pub const FORMAT_VERSION: u32 = 2;
 
-/// The version of the engine semantics: it is raised whenever the same events may give different
-/// bits.
+/// The version of the engine semantics. It is incremented whenever the same events may give different
+/// states, even by one bit.
 pub const SEMANTICS_VERSION: u32 = 1;
 
 /// The header of a recording: settings and versions.
@@ -23,10 +23,9 @@ pub struct Header {
     pub versions: Versions,
     /// The configuration of the engine.
     pub config: EngineConfig,
-    /// The planned number of steps. A run may end earlier, with an error or at the end of its live
-    /// events.
+    /// The planned number of steps. An error may end the run earlier.
     pub steps: u64,
-    /// States of every `every`-th step are recorded in full, those between as digests only.
+    /// The state of every `every`-th step is recorded in full, the others as digests only.
     pub every: u64,
     /// The scene's source text.
     pub scene: SceneText,
@@ -85,8 +84,8 @@ pub struct Trailer {
     pub error: Option<String>,
     /// True if the recording was recovered from a damaged or unfinished one.
     pub recovered: bool,
-    /// Bounds of all recorded states; `None` if states are missing, if a value is not finite,
-    /// and before format 2.
+    /// Bounds of all states recorded in full; `None` if states are missing, if the top speed is not
+    /// finite, and before format 2.
     pub state_bounds: Option<StateBounds>,
     /// The identity of the run.
     pub identity: Identity,

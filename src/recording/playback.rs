@@ -44,8 +44,8 @@ impl<R: Read + Seek> Playback<R> {
         Playback { recording, from: 0 }
     }
 
-    /// Moves to `step`: the next state is that of `step` or, if it is not recorded, the first one after
-    /// it. Of the data before, at most about one simulated second is read.
+    /// Moves to `step`: the next state is that of `step` or, if it is not recorded in full, the first full
+    /// one after it. Reads the data from the last keyframe on: about one simulated second at most.
     ///
     /// # Errors
     /// Returns an error if the file cannot be read.

@@ -20,7 +20,7 @@ use super::{
 
 /// Reads a recording: an iterator over its [`Item`]s in file order.
 ///
-/// Needs memory for one chunk. [`Recording::health`] is final after the last item.
+/// Keeps at most one chunk in memory. [`Recording::health`] is final after the last item.
 #[doc(alias("mcap", "rosbag"))]
 pub struct Recording<R> {
     /// The header.
@@ -148,8 +148,8 @@ impl<R: Read + Seek> Recording<R> {
         Ok(false)
     }
 
-    /// Returns the summary, or `None` if the recording is unfinished or its index is damaged. Reading
-    /// then continues at the start of the recording.
+    /// Returns the summary, or `None` if the recording is unfinished or its index is damaged. Afterwards,
+    /// reading restarts at the beginning of the recording.
     ///
     /// # Errors
     /// Returns an error if the file cannot be read.
@@ -162,7 +162,7 @@ impl<R: Read + Seek> Recording<R> {
     }
 
     /// Calls `visit` with every readable event. Opens only chunks that have events according to the
-    /// index. Reading then continues at the start of the recording.
+    /// index. Afterwards, reading restarts at the beginning of the recording.
     ///
     /// # Errors
     /// Returns an error if the file cannot be read.
@@ -188,7 +188,7 @@ impl<R: Read + Seek> Recording<R> {
         }
     }
 
-    /// Opens a chunk of the index and forgets everything read before.
+    /// Opens a chunk of the index and discards the state of everything read before.
     fn open_indexed_chunk(&mut self, index: &Index, chunk: usize) -> Result<(), Error> {
         self.seek_record(index.chunks[chunk].offset)?;
         self.decoder.reset(&index.channels);
@@ -256,7 +256,7 @@ impl<R: Read + Seek> Recording<R> {
         self.decoder.trailer.as_ref()
     }
 
-    /// The number of chunks opened so far.
+    /// The number of chunks up to and including the current one, skipped ones included.
     pub fn chunk_count(&self) -> u64 {
         self.chunk_count
     }
@@ -348,7 +348,7 @@ impl<R: Read + Seek> Recording<R> {
         Ok(())
     }
 
-    /// Locates a fault. Data without a checksum of its own can only be located by section.
+    /// Locates a fault. A fault in data without a checksum of its own can only be located by section.
     fn locate(&self, ReadFault { offset, error }: ReadFault) -> Defect {
         let section =
             |name: &str, from: u64| Defect { offset: from, reason: format!("{name}, up to byte {offset}: {error}") };

@@ -28,8 +28,8 @@ pub struct Recovery {
 
 /// Writes the readable part of a damaged or unfinished recording to a new recording.
 ///
-/// The new recording declares its gaps, and the rest replays the same. A recording without damage is
-/// reproduced byte for byte. `recording` is read twice, from its start.
+/// The new recording declares its gaps, and the rest replays the same. A recording without damage that
+/// this version of rebond wrote is reproduced byte for byte. `recording` is read twice, from its start.
 ///
 /// # Errors
 /// Returns an error if reading or writing fails.

@@ -61,7 +61,7 @@ impl SequenceValidator {
         self.table.as_ref()
     }
 
-    /// Forgets everything, before reading at another place.
+    /// Resets the step and the living bodies to unknown, before reading at another place.
     pub fn reset(&mut self) {
         self.mark_lost();
         self.last_step = None;
@@ -77,8 +77,7 @@ impl SequenceValidator {
         self.identity = None;
     }
 
-    /// Enters and returns the declared gap before an item of step `step`, if the item is the first one
-    /// after it.
+    /// Crosses and returns the next declared gap if an item of step `step` is the first one after it.
     pub fn cross_gap(&mut self, step: u64) -> Option<Gap> {
         let gap = *self.gaps.front()?;
         if gap.after != self.last_step || gap.before != step {

@@ -10,9 +10,9 @@ use super::{
 
 /// The state of one step as recorded: columns of equal length, ids ascending.
 ///
-/// Bodies of infinite mass that are still in their initial state are left out. A step thinned out by
-/// [`Header::every`](super::Header::every) has only its digest. The fields are laid out as in
-/// `schemas/State.msg`.
+/// Bodies of infinite mass that were spawned at rest and are still in their initial state are left out.
+/// A step thinned out by [`Header::every`](super::Header::every) has only its digest. The fields are laid
+/// out as in `schemas/State.msg`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct RecordedState {
     /// The step; the first is 0.
@@ -81,8 +81,8 @@ impl RecordedState {
 
     /// Replaces the contents of `bytes` by the message of this state.
     ///
-    /// The bytes are the same as those of `cdr::encode`. Encoding entire columns takes a tenth of the
-    /// time.
+    /// The bytes are the same as those of `cdr::encode`, but encoding entire columns takes a tenth of
+    /// the time.
     pub fn encode(&self, bytes: &mut Vec<u8>) {
         bytes.clear();
         bytes.extend_from_slice(&cdr::HEADER);

@@ -62,7 +62,7 @@ pub fn bounce(steps: u64) -> Run {
     Run { header, events }
 }
 
-/// A minimal recording of several chunks: one box falls and is deleted.
+/// A minimal run whose recording has several chunks: one box falls and is deleted.
 pub fn drop_and_delete() -> Run {
     let Run { mut header, .. } = bounce(12);
     header.config.rate = 4.0;

@@ -63,7 +63,8 @@ fn the_bytes_do_not_depend_on_the_number_of_processors() {
     assert!(one == two, "the writer thread writes different bytes");
 }
 
-/// With so many bodies that every state is a batch, and a chunk is full before its second ends.
+/// The run has so many bodies that every state is a batch of its own, and a chunk is full in less than one
+/// simulated second.
 #[test]
 fn the_bytes_of_a_large_recording_do_not_depend_on_the_number_of_processors() {
     let mut run = bounce(40);

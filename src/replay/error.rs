@@ -65,8 +65,8 @@ pub enum RunError {
     },
 }
 
-/// The text of an error that ended a run, as recordings store it and replays compare it. It names the key of the
-/// scene that raises a limit, which the engine does not know.
+/// Returns the text of an error that ended a run, as recordings store it and replays compare it. Adds the scene key
+/// that raises an exceeded limit; the engine itself does not depend on scenes.
 pub fn error_text(error: &StepError) -> String {
     match error {
         StepError::TooManyEvents { .. } => format!("{error}; raise run.events_per_step if this is meant"),

@@ -42,7 +42,7 @@ impl<R: BufRead> LiveEvents<R> {
     /// Handles the error of a line: counts it as skipped or returns the error.
     ///
     /// # Errors
-    /// `error`, with [`OnBadEvent::Fail`].
+    /// Returns `error` with [`OnBadEvent::Fail`].
     pub fn refuse(&mut self, error: RunError) -> Result<(), RunError> {
         match self.on_bad_event {
             OnBadEvent::Fail => Err(error),
@@ -56,7 +56,7 @@ impl<R: BufRead> LiveEvents<R> {
     /// Returns all inputs for the state `step`; waits for lines as long as there may be more of them.
     ///
     /// # Errors
-    /// If lines cannot be read, or if a line is invalid with [`OnBadEvent::Fail`].
+    /// Returns an error if lines cannot be read, or, with [`OnBadEvent::Fail`], if a line is invalid.
     pub fn due(&mut self, step: u64) -> Result<Vec<Input>, RunError> {
         let mut due = Vec::new();
         while let Some(input) = self.next_until(step)? {

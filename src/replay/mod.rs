@@ -1,4 +1,4 @@
-//! Running a scene, and running a recording again. Both drive an [`Engine`](crate::physics::Engine) step by step.
+//! Runs scenes and replays recordings. Both drive an [`Engine`](crate::physics::Engine) step by step.
 //!
 //! A [`Run`] turns the inputs of a scene into events of the engine; [`record()`] writes such a run to a recording. A
 //! [`Replayer`] applies the events of a recording and compares every state bit for bit, which gives a [`Verdict`].

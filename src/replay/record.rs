@@ -22,12 +22,12 @@ impl RecordOptions {
         RecordOptions { steps: scene.run.steps, every: 1, viewer: None }
     }
 
-    /// Ends the run after that step.
+    /// Sets the last step.
     pub const fn steps(self, steps: u64) -> RecordOptions {
         RecordOptions { steps, ..self }
     }
 
-    /// Records only every `every`-th state in full; at least 1.
+    /// Records every `every`-th state in full, the others as digests; at least 1.
     pub const fn every(self, every: u64) -> RecordOptions {
         RecordOptions { every, ..self }
     }
@@ -37,7 +37,7 @@ impl RecordOptions {
 #[non_exhaustive]
 #[derive(Debug)]
 pub struct Recorded {
-    /// The trailer of the recording.
+    /// The end record of the recording.
     pub end: Trailer,
     /// The error of the step that the engine could not complete, if any.
     pub error: Option<StepError>,
@@ -50,7 +50,7 @@ pub struct Recorded {
 /// error and all states before it.
 ///
 /// # Errors
-/// If an input is refused or the output cannot be written. Chunks that were flushed before stay readable.
+/// Returns an error if an input is refused or the output cannot be written. Chunks flushed before stay readable.
 pub fn record<W: Write + Send + 'static>(
     scene: &Scene,
     options: RecordOptions,

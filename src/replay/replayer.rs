@@ -81,7 +81,8 @@ impl Replayer<BufReader<File>> {
 impl<R: Read + Seek> Replayer<R> {
     /// Creates a replay of `recording` that compares the states of `steps`, both ends included.
     ///
-    /// It starts at the last keyframe before `steps`, and continues at the next keyframe after damage.
+    /// The replay starts at the last keyframe at or before the first of `steps`, and continues at the next
+    /// keyframe after damage.
     ///
     /// # Errors
     /// Returns an error if the file cannot be read, or if the recording was made with other engine semantics.

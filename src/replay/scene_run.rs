@@ -35,11 +35,12 @@ impl Run {
     /// Applies the inputs of the current step, those of the scene and `live` ones: deletes, then spawns,
     /// then clicks. Returns the resulting events; a click may cause none.
     ///
-    /// Names that are in use or not alive are found only here in a scene with clicks and in live events.
-    /// `on_refused` is called with the error of a live event and returns an error to end the run.
+    /// In scenes with clicks and for live events, a spawn whose name is in use and a delete of a body that is
+    /// not alive are detected only here. `on_refused` is called with the error of a live event; it returns an
+    /// error to end the run.
     ///
     /// # Errors
-    /// If an input of the scene is refused, or if `on_refused` returns an error.
+    /// Returns an error if an input of the scene is refused, or if `on_refused` returns an error.
     pub fn apply_inputs(
         &mut self,
         live: Vec<Input>,
@@ -71,7 +72,7 @@ impl Run {
     /// Advances the world by one step.
     ///
     /// # Errors
-    /// If the engine cannot complete the step; the run is then over.
+    /// Returns an error if the engine cannot complete the step; the run is then over.
     pub fn step<O: Observer>(&mut self, observer: &mut O) -> Result<(), StepError> {
         self.engine.step(observer)
     }
@@ -89,7 +90,7 @@ impl Run {
     /// ```
     ///
     /// # Errors
-    /// If an input of the scene is refused, or if the engine cannot complete a step.
+    /// Returns an error if an input of the scene is refused, or if the engine cannot complete a step.
     pub fn go_to<O: Observer>(&mut self, step: u64, observer: &mut O) -> Result<(), RunError> {
         self.apply_inputs(Vec::new(), |error| Err(error.into()))?;
         while self.engine.current_step() < step {
@@ -137,8 +138,8 @@ impl Run {
         }
     }
 
-    /// The handout's mouse click. A click that deletes a body never also spawns one: in the handout, the
-    /// event that removed a box also reached the canvas below, which created a new box.
+    /// The handout's mouse click. A click that deletes a body never also spawns one. In the handout it does:
+    /// the event that removes a box also reaches the canvas below, which creates a new box.
     fn click(&mut self, at: Vector, spawn: Option<Blueprint>) -> Result<Option<Change>, DiagnosticKind> {
         if let Some(name) = topmost_body(self.engine.world(), at) {
             return self.delete(&name).map(Some);
@@ -178,7 +179,7 @@ fn topmost_body(world: &World, point: Vector) -> Option<String> {
     hit.map(|body| body.name.clone())
 }
 
-/// The names of the bodies alive, and the number of bodies spawned, which the names `#K` count.
+/// The names of the bodies alive, and the number of spawns, from which the default names `#K` are formed.
 #[derive(Clone, Debug, Default)]
 struct Names {
     alive: BTreeMap<String, BodyId>,

@@ -17,7 +17,7 @@ pub enum Verdict {
     },
     /// A state differs.
     Diverged(Box<Divergence>),
-    /// The recording ends before its run; all states up to there are the same.
+    /// The recording ends before the end of the run; all its states are the same.
     Truncated {
         /// The step of the last recorded state, if any.
         after: Option<u64>,

@@ -11,7 +11,7 @@ pub fn all(budget: Budget) -> Vec<Case> {
     specs.into_iter().flatten().map(CaseSpec::build).collect()
 }
 
-/// The families of these cases: growth with bodies, growth with steps.
+/// The families of [`growth`]: growth with the number of bodies, and with the number of steps.
 pub const GROWTH: [&str; 2] = ["bodies", "steps"];
 
 /// Gases of 100 to 1,000,000 boxes at 60 Hz, and a bounce of 1000 to 1,000,000 steps.
@@ -238,7 +238,7 @@ fn piston() -> CaseSpec {
     }
 }
 
-/// The same at e = 0, until no gap is left.
+/// The scene of [`piston`] at e = 0, until no gap is left.
 fn crush() -> CaseSpec {
     let bodies = static_block([0.0, 0.0], [1.0, 9.0])
         + &spawn([4.0, 4.0], [1.0; 2], 1.0, [0.0; 2])
@@ -393,7 +393,7 @@ fn pile(bodies: u64) -> CaseSpec {
     }
 }
 
-/// The same pile 30 s later. Without friction, boxes keep sliding over and off each other.
+/// The scene of [`pile`] 30 s later. Without friction, boxes keep sliding over and off each other.
 fn settled(bodies: u64) -> CaseSpec {
     let name = format!("pile of {bodies} after 30 s");
     CaseSpec { family: "settled pile", name, steps: 1950, from: 1800, ..pile(bodies) }

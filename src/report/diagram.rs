@@ -6,7 +6,7 @@ use crate::picture::figures::{Curve, Diagram, Point};
 /// An error of a row, and the label of its axis as markup.
 type Measure = (fn(&Row) -> Option<f64>, &'static str);
 
-/// In the order of preference.
+/// The errors that a diagram can show, in order of preference.
 const MEASURES: [Measure; 3] = [
     (|row| row.position_error, "\"position error / m\""),
     (|row| row.worst_overlap, "\"worst overlap / m\""),

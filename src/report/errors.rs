@@ -28,7 +28,7 @@ pub struct Errors {
 /// Worlds with more bodies are tested for overlaps only at every tenth compared step.
 const OVERLAP_TEST_BODIES: usize = 2000;
 
-/// Errors below this fraction of the smallest side, or of the energy, are not remarked on.
+/// Errors below this fraction of the smallest side, or of the energy, are not mentioned in the remark.
 const NEGLIGIBLE: f64 = 0.01;
 
 impl Errors {

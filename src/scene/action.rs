@@ -9,9 +9,9 @@ use std::ops::Range;
 /// An action on the world.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Action {
-    /// Spawns one of the four walls, which are not counted in the numbers `#K`.
+    /// Spawns one of the four walls, which get no number `#K`.
     Wall(SpawnRequest),
-    /// Spawns a body: the next in the numbers `#K`, with or without a name.
+    /// Spawns a body, which gets the next number `#K` even if it has a name.
     Spawn(SpawnRequest),
     /// Deletes the body of that name, which must be alive.
     Delete {
@@ -94,13 +94,13 @@ impl Blueprint {
     }
 }
 
-/// An event as written in a text, as far as it could be read.
+/// An event as written in a text. Parts that could not be read are errors.
 pub struct Request<T> {
     /// The step and its location, if given.
     pub step: Result<Option<(u64, Range<usize>)>, Reported>,
     /// The event.
     pub event: Result<T, Reported>,
-    /// Its effect on the names alive, which is partly known even if the event could not be read.
+    /// Its effect on the names in use, which is partly known even if the event could not be read.
     pub effect: Effect,
     /// The text to underline if the event is impossible: the name that it uses, else its table.
     pub span: Range<usize>,
@@ -246,13 +246,13 @@ fn read_blueprint(table: &Table) -> (Result<Blueprint, Reported>, NameField, boo
     (blueprint(), name_field, mass == Ok(f64::INFINITY))
 }
 
-/// Reads a name that a scene may give; names such as `#1` are given by the run.
+/// Reads a name that a scene may assign; names that begin with `#` are assigned only by the run.
 fn own_name(node: &Node) -> Result<&str, &Node> {
     let name = node.text()?;
     if name.starts_with('#') { Err(node) } else { Ok(name) }
 }
 
-/// Refuses a position at which a corner of the body is not finite.
+/// Returns an error for a position at which a corner of the body is not finite.
 fn require_finite(position: &Field, request: &SpawnRequest) -> Result<(), Reported> {
     let is_finite = request.rect.origin.is_finite() && request.rect.far_corner().is_finite();
     if is_finite { Ok(()) } else { Err(position.refuse(position.node)) }

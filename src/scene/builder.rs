@@ -42,7 +42,7 @@ pub struct SceneBuilder {
     pub title: Option<String>,
     /// Visible world, walls and gravity.
     pub world: WorldTable,
-    /// Duration, sampling and solver.
+    /// Duration, rate and solver.
     pub run: RunTable,
     /// The coefficient of restitution of `"default"` and of pairs such as `"steel/wood"`.
     pub restitution: BTreeMap<String, f64>,

@@ -37,7 +37,7 @@ pub enum SceneError {
         /// The number of valid bytes before the invalid one.
         byte: usize,
     },
-    /// The scene has no place for an override.
+    /// An override cannot be applied to the scene.
     #[error("cannot apply --set to the scene {}: {diagnostics}", path.display())]
     Override {
         /// The path as given.
@@ -133,7 +133,7 @@ impl Display for Diagnostics {
 
 impl std::error::Error for Diagnostics {}
 
-/// A text as error messages show it, with its name and its position in its file.
+/// The text that an error message shows, with its name and its position in its file.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Excerpt {
     /// The name of the text.

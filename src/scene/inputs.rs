@@ -13,7 +13,7 @@ use std::{collections::BTreeMap, ops::Range};
 /// An action of a scene on the world at one step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Input {
-    /// The number of the state that it changes, before that state is recorded.
+    /// The step of the state that it changes; it is applied before that state is recorded.
     pub step: u64,
     /// The action.
     pub action: Action,
@@ -77,7 +77,8 @@ struct Reader<'a> {
     over_limit: Option<Reported>,
 }
 
-/// The rectangles of bodies when they are spawned: a scatter must not overlap those of its step before it.
+/// The rectangles of bodies when they are spawned. A scatter must not overlap walls or bodies spawned before it in its
+/// step.
 #[derive(Default)]
 struct OccupiedRects {
     walls: Vec<Rect>,
@@ -157,7 +158,7 @@ impl Reader<'_> {
         nodes.ok().flatten().unwrap_or_default()
     }
 
-    /// Adds the event of a table.
+    /// Adds the event that was read from a table.
     fn add(&mut self, node: &Node, request: Result<Request<Action>, Reported>, unreadable: impl Fn() -> Effect) {
         let Request { step, event, effect, span } =
             request.unwrap_or_else(|reported| Request::unreadable(reported, unreadable(), node.span.clone()));

@@ -1,4 +1,4 @@
-//! Checks that names are free when bodies get them and alive when bodies are deleted.
+//! Checks that a spawned body's name is not in use, and that a deleted body is alive.
 
 use super::{
     Diagnostic, DiagnosticKind,
@@ -9,7 +9,7 @@ use std::{
     ops::Range,
 };
 
-/// An event as far as its effect on the names alive is known.
+/// The step of an event and its effect on the names in use, as far as they are known.
 pub struct Entry {
     /// The step; `None` if it could not be read.
     pub step: Option<u64>,
@@ -18,7 +18,7 @@ pub struct Entry {
     pub effect: Effect,
 }
 
-/// The effect of an event on the names alive.
+/// The effect of an event on the names in use.
 pub enum Effect {
     Wall {
         name: &'static str,
@@ -54,9 +54,9 @@ pub enum NameField {
     Unreadable,
 }
 
-/// The names alive during a walk through the events in order.
+/// The names in use while the events are checked in order.
 ///
-/// The effect of a click is only known in the run: after it, a body of finite mass may be alive or
+/// The effect of a click is known only during the run: after it, a body of finite mass may be alive or
 /// not, and a click that spawns makes the numbers of later bodies uncertain. Likewise, an event with
 /// an error may spawn or delete bodies once the error is corrected. Only certain errors are reported:
 /// those of clicks are left to the run, and those that follow from another error vanish with it.
@@ -104,7 +104,7 @@ struct Lifetime {
 /// The number of names that a message lists.
 const MAX_LISTED: usize = 8;
 
-/// Reports the events whose names are in use or not alive. The entries are in the order of the run.
+/// Reports spawns of names in use and deletes of bodies that are not alive. `entries` must be in the order of the run.
 pub fn check(entries: &[Entry], reporter: &Reporter) -> Result<(), Reported> {
     let mut lifetimes = Lifetimes {
         bodies: BTreeMap::new(),
@@ -129,7 +129,7 @@ pub fn check(entries: &[Entry], reporter: &Reporter) -> Result<(), Reported> {
 }
 
 impl Lifetimes<'_> {
-    /// Takes account of an event whose step is not known.
+    /// Allows for an event of unknown step, which may take effect at any step.
     fn allow_at_any_step(&mut self, effect: &Effect) {
         match effect {
             Effect::Wall { name, .. } => {

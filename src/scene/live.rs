@@ -10,7 +10,7 @@ use super::{
 /// An event of a JSON Lines file or pipe.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LiveEvent {
-    /// The step that it names; without one it takes effect one step after the event before it.
+    /// The step at which it takes effect; if absent, one step after the previous event.
     pub step: Option<u64>,
     /// The action.
     pub action: Action,
@@ -34,7 +34,7 @@ pub fn parse_line(number: u64, line: &str) -> Result<LiveEvent, SceneError> {
     reporter.finish(event, || excerpt(number, line)).map_err(in_line)
 }
 
-/// The line without control characters, which could change the terminal that shows it.
+/// The line with control characters replaced, because they could control the terminal that shows it.
 fn excerpt(number: u64, line: &str) -> Excerpt {
     let text = line.replace(|letter: char| letter.is_ascii_control() && letter != '\t', "?");
     Excerpt { name: "events".into(), line: number, text }

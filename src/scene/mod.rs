@@ -50,7 +50,7 @@ pub struct Scene {
     pub gravity: Option<Vector>,
     /// The four walls, if the scene has them; they are also the first inputs.
     pub walls: Option<Walls>,
-    /// Duration, sampling and solver.
+    /// Duration, rate and solver.
     pub run: RunOptions,
     /// The coefficient of restitution of each pair of materials.
     pub restitution: Restitution,
@@ -113,7 +113,7 @@ pub fn load(path: &Path) -> Result<Scene, SceneError> {
 /// The source of the scene is the text with the overrides applied, so that a recording is self-contained.
 ///
 /// # Errors
-/// Those of [`load`], and [`SceneError::Override`] if the scene has no place for a value.
+/// Those of [`load`], and [`SceneError::Override`] if a value cannot be set.
 #[cfg(feature = "cli")]
 pub fn load_with(path: &Path, overrides: &[Override]) -> Result<Scene, SceneError> {
     let text = overrides::apply(path, &read_text(path)?, overrides)?;
@@ -241,12 +241,13 @@ mod tests {
     }
 
     #[test]
-    fn the_20_first_errors_are_listed_and_the_others_counted() {
+    fn the_first_20_errors_are_listed_and_the_others_counted() {
         let text = format!("[run]\nsteps = 10\n{}", "[[delete]]\nname = \"nobody\"\n".repeat(50));
         let error = parse("scene.toml", &text).unwrap_err();
         let diagnostics = error.diagnostics().unwrap();
         assert_eq!((diagnostics.listed().count(), diagnostics.omitted()), (20, 30));
     }
+
     #[test]
     fn a_file_name_contains_no_folder() {
         let named = |path: &str| SceneSource { path: path.into(), text: String::new() };

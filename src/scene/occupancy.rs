@@ -37,7 +37,7 @@ impl OccupancyGrid {
         }
     }
 
-    /// True if the rectangle overlaps none of the grid; touching is not overlapping.
+    /// Returns true if the rectangle overlaps none in the grid; touching is not overlapping.
     pub fn is_free(&self, rect: &Rect) -> bool {
         let candidates = self.cells_of(rect).flat_map(|cell| &self.cells[cell]);
         !candidates.chain(&self.oversized).any(|other| rect.overlaps(other))

@@ -19,7 +19,7 @@ pub struct WorldOptions {
     pub gravity: Result<Option<Vector>, Reported>,
 }
 
-/// Width and height of the world of a scene that gives none, m.
+/// Default width and height of the world, m.
 pub const DEFAULT_SIZE: [f64; 2] = [16.0, 9.0];
 
 const SIZE: Key = Key { name: "size", accepts: "two positive finite extents, m" };
@@ -92,7 +92,7 @@ impl Walls {
     }
 }
 
-/// The `[run]` table of a scene: duration, sampling and solver.
+/// The `[run]` table of a scene: duration, rate and solver.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RunOptions {
     /// Steps per second, Hz; finite and positive.
@@ -105,10 +105,10 @@ pub struct RunOptions {
     pub events_per_step: u64,
 }
 
-/// The rate of a scene that gives none, Hz.
+/// The default rate, Hz.
 pub const DEFAULT_RATE: f64 = 60.0;
 
-/// The solver of a scene that gives none.
+/// The default solver.
 pub const DEFAULT_SOLVER: SolverKind = SolverKind::EventDriven;
 
 /// The longest run, s: a recording stores its nanoseconds in 64 bits.
@@ -177,7 +177,7 @@ fn read_steps(table: &Table, rate: Result<f64, Reported>) -> Result<u64, Reporte
 /// The largest number of pairs: the table of a run is square in the number of materials.
 const MAX_PAIRS: usize = 1000;
 
-/// The coefficient of restitution of a scene that gives none.
+/// The default coefficient of restitution.
 pub const DEFAULT_RESTITUTION: f64 = 1.0;
 
 const COEFFICIENT: &str = "a coefficient of restitution from 0 (perfectly inelastic) to 1 (elastic)";

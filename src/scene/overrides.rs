@@ -43,7 +43,7 @@ impl fmt::Display for Override {
 /// scene reports the error.
 ///
 /// # Errors
-/// [`SceneError::Override`] with all overrides for which the scene has no place.
+/// [`SceneError::Override`] with all overrides that cannot be applied.
 pub fn apply(path: &Path, text: &str, overrides: &[Override]) -> Result<String, SceneError> {
     let Ok(mut document) = text.parse::<DocumentMut>() else { return Ok(text.to_owned()) };
     let reporter = Reporter::default();
@@ -199,7 +199,7 @@ mod tests {
     }
 
     #[test]
-    fn all_overrides_without_a_place_are_reported() {
+    fn all_overrides_that_cannot_be_applied_are_reported() {
         let error =
             with(&["spawn.b.mass=2", "run.rate=50", "spawn.c=2", "world.size.x=2", "click.1.step=2"]).unwrap_err();
         let diagnostics = error.diagnostics().unwrap();

@@ -127,7 +127,7 @@ impl Scatter {
         Ok(requests)
     }
 
-    /// Draws all properties of the next body but its position.
+    /// Draws all properties of the next body except its position.
     fn draw_body(&self, random: &mut Random) -> SpawnRequest {
         let [width, height] = self.size.map(|range| random.between(range));
         let mass = random.between(self.mass);
@@ -176,7 +176,7 @@ fn velocity_ranges(node: &Node) -> Result<[[f64; 2]; 2], &Node> {
     ordered(node, node.each(|node| node.each(Node::number))).map(ranges)
 }
 
-/// Refuses the node unless each range is ascending and of finite length.
+/// Returns an error unless each range is ascending and of finite length.
 fn ordered<'a>(node: &'a Node, corners: Result<[[f64; 2]; 2], &'a Node>) -> Result<[[f64; 2]; 2], &'a Node> {
     let [from, to] = corners?;
     let is_ascending = (0..2).all(|axis| from[axis] <= to[axis] && (to[axis] - from[axis]).is_finite());
@@ -307,7 +307,7 @@ mod tests {
     }
 
     #[test]
-    fn fractions_are_below_one_and_ranges_are_kept() {
+    fn fractions_are_below_one_and_numbers_stay_within_their_range() {
         let mut random = Random::new(7);
         for _ in 0..10_000 {
             let u = random.fraction();

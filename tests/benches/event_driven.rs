@@ -1,4 +1,4 @@
-//! Measures cost and accuracy of the exact solver: `cargo bench --bench event_driven -- SCENE.toml…`
+//! Measures cost and accuracy of the event-driven solver: `cargo bench --bench event_driven -- SCENE.toml…`
 //!
 //! Prints one line for each scene: nanoseconds per body-step, with a sample at each step but without recording;
 //! energy drift; deepest overlap; number of collisions; nanoseconds per collision, all costs included; bytes per

@@ -1,6 +1,6 @@
 //! Microbenchmarks of the inner loops: `cargo bench --bench kernels [NAME]`
 //!
-//! Private modules of the exact solver are compiled again as modules of this program. `rebond report` measures
+//! Private modules of the event-driven solver are compiled again as modules of this program. `rebond report` measures
 //! cost and error of complete runs.
 
 #![allow(dead_code, unused_imports)]

@@ -1,4 +1,4 @@
-//! Resting contacts in the exact solver.
+//! Resting contacts in the event-driven solver.
 
 use crate::world_builder::*;
 use rebond::internals::physics::{Event, Vector, invariants};

@@ -1,4 +1,4 @@
-//! Impacts in the exact solver, compared with closed forms.
+//! Impacts in the event-driven solver, compared with closed forms.
 
 use crate::world_builder::*;
 use rebond::internals::physics::{StepError, Vector, invariants};

@@ -1,4 +1,4 @@
-//! Properties of the exact solver in any world, checked on random worlds.
+//! Properties of the event-driven solver in any world, checked on random worlds.
 
 use crate::world_builder::*;
 use proptest::prelude::*;

@@ -1,4 +1,4 @@
-//! Compares the exact solver with an independent, slow simulation of 32 digits: it tests all pairs for
+//! Compares the event-driven solver with an independent, slow simulation of 32 digits, which tests all pairs for
 //! each collision and advances every position.
 
 use crate::{double_double::DoubleDouble as Number, world_builder::*};

@@ -1,4 +1,4 @@
-//! Regression tests: scenes on which the exact solver once failed. The first lines of each describe how.
+//! Regression tests: scenes on which the event-driven solver once failed. The first lines of each describe how.
 
 use rebond::internals::{
     physics::{Collision, Engine, Observer, invariants},

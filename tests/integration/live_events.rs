@@ -120,7 +120,7 @@ fn hostile_lines() -> Vec<(&'static str, Vec<u8>)> {
 }
 
 #[test]
-fn hostile_lines_are_refused_with_a_short_message_or_skipped() {
+fn hostile_lines_are_rejected_with_a_short_message_or_skipped() {
     let good = br#"{"spawn": {"step": 5, "name": "b", "at": [2.0, 5.0], "size": [1.0, 1.0], "mass": 2.0}}"#;
     let after = br#"{"delete": {"step": 11, "name": "b"}}"#;
     let mut errors = String::new();

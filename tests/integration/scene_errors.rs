@@ -35,7 +35,7 @@ fn rendered(error: SceneError) -> String {
 /// The rendered error of an invalid scene.
 fn rendered_error(text: &str) -> String {
     match scene::parse("two.toml", text) {
-        Ok(_) => panic!("the scene should be refused:\n{text}"),
+        Ok(_) => panic!("the scene should be invalid:\n{text}"),
         Err(error) => rendered(error),
     }
 }
@@ -63,7 +63,7 @@ fn the_valid_scene_is_accepted() {
 }
 
 #[test]
-fn keys() {
+fn errors_of_keys_match_their_snapshot() {
     assert_errors(
         "scene-errors-keys",
         &[
@@ -82,7 +82,7 @@ fn keys() {
 }
 
 #[test]
-fn values() {
+fn errors_of_values_match_their_snapshot() {
     assert_errors(
         "scene-errors-values",
         &[
@@ -112,7 +112,7 @@ fn values() {
 }
 
 #[test]
-fn several_errors() {
+fn several_errors_are_reported_together() {
     let bodies = "[[spawn]]\nname = \"d\"\nat = [9.0, 3.0]\nsize = [1.0, 1.0]\nmass = -1.0\n";
     let deletes = "[[delete]]\nstep = 9\nname = \"d\"\n[[delete]]\nstep = 9\nname = \"e\"\n";
     assert_errors(
@@ -125,7 +125,7 @@ fn several_errors() {
 }
 
 #[test]
-fn restitution() {
+fn errors_of_restitution_match_their_snapshot() {
     assert_errors(
         "scene-errors-restitution",
         &[
@@ -138,7 +138,7 @@ fn restitution() {
 }
 
 #[test]
-fn names_and_steps() {
+fn errors_of_names_and_steps_match_their_snapshot() {
     let body = "at = [9.0, 3.0]\nsize = [1.0, 1.0]\nmass = 2.0\n";
     assert_errors(
         "scene-errors-names",
@@ -158,7 +158,7 @@ fn names_and_steps() {
 }
 
 #[test]
-fn scatter() {
+fn errors_of_scatters_match_their_snapshot() {
     let scatter = |count: &str, region: &str, size: &str, mass: &str| {
         with_appended(&format!("[[scatter]]\ncount = {count}\nregion = {region}\nsize = {size}\nmass = {mass}"))
     };
@@ -176,7 +176,7 @@ fn scatter() {
 }
 
 #[test]
-fn lines_of_events() {
+fn errors_of_event_lines_match_their_snapshot() {
     let lines = [
         ("not JSON", r#"{"spawn": {"name": "b" "at": [2.0, 5.0]}}"#),
         ("cut short", r#"{"spawn": {"name": "b","#),
@@ -191,7 +191,7 @@ fn lines_of_events() {
     let errors: Vec<String> = lines
         .iter()
         .map(|(title, line)| match live::parse_line(17, line) {
-            Ok(event) => panic!("the line should be refused: {event:?}"),
+            Ok(event) => panic!("the line should be invalid: {event:?}"),
             Err(error) => format!("# {title}\n{}", rendered(error)),
         })
         .collect();

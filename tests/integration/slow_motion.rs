@@ -1,4 +1,4 @@
-//! Slow motion and freeze frames, which show states of the exact solver between two steps.
+//! Slow motion and freeze frames, which show states of the event-driven solver between two steps.
 
 use crate::rebond::Workplace;
 use rebond::internals::physics::{Engine, EngineConfig, Event, Rect, Restitution, SolverKind, Spawn, Vector};
@@ -44,7 +44,7 @@ fn delays(file: &[u8]) -> Vec<u16> {
 }
 
 #[test]
-fn slow_motion_of_the_exact_solver_shows_instants_between_steps() {
+fn slow_motion_of_the_event_driven_solver_shows_instants_between_steps() {
     let workplace = workplace("event-driven");
     let output = workplace.done("render run.mcap -o slow.gif --slow 0.2 --fps 10").output;
     assert_eq!(output, "slow.gif: 5 frames per step, 10 frames/s, 0.2 × real time\n");

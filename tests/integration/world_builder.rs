@@ -1,4 +1,4 @@
-//! Builds worlds for tests of the exact solver, and measures them.
+//! Builds worlds for tests of the event-driven solver, and measures them.
 
 use rebond::internals::physics::{
     Body, BodyId, Collision, CollisionCount, Engine, EngineConfig, Event, Rect, Restitution, SolverKind, Spawn, Vector,

@@ -1,7 +1,7 @@
 //! The broad phase: hierarchical cell lists, one grid of square cells per size class.
 //!
-//! The cell lists only select candidates for predictions. In which grid a box is and when it changes
-//! cells has no influence on any result.
+//! The cell lists only select candidates for predictions. The grid of a box and the times of its cell
+//! crossings influence no result.
 
 use super::axis_trajectory::closing_time;
 use super::body_state::{BodyState, Slot};
@@ -16,7 +16,7 @@ use crate::physics::Axis;
 /// never extends beyond the adjacent cells.
 const MAX_FILL: f64 = 0.87;
 
-/// A box leaves its cell when its centre is this fraction of the side outside it. So a slow box can be
+/// A box leaves its cell when its centre is outside it by this fraction of the side. So a slow box can be
 /// moved to the next cell before the step in which it would leave, and rounding cannot make it cross the
 /// same border repeatedly.
 const BORDER_SLACK: f64 = 1.0 / 16.0;
@@ -36,7 +36,7 @@ const ALL_PAIRS_LIMIT: usize = 12;
 /// The grids and the static bodies.
 #[derive(Clone, Debug)]
 pub struct CellLists {
-    /// Cell side that suits most boxes, m; those of all grids are this times a power of [`SIDE_RATIO`].
+    /// Cell side that suits most boxes, m. The cell side of each grid is this times a power of [`SIDE_RATIO`].
     base_side: f64,
     grids: Vec<SpatialHash>,
     /// By slot.
@@ -208,7 +208,8 @@ impl CellLists {
 
     /// Returns true if the grid is certainly suitable for the body; cheaper than `grid_for`.
     ///
-    /// `distance`: from the origin, m, `speed` in m/s, each the sum of both coordinates' magnitudes.
+    /// `distance` (m) is the sum of the magnitudes of both coordinates of the position, `speed` (m/s) that of the
+    /// velocity.
     fn is_suitable(&self, clock: &Clock, grid: usize, body: &BodyState, distance: f64, speed: f64) -> bool {
         let side = self.grids[grid].side;
         let size = body.size[0] + body.size[1];

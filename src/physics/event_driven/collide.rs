@@ -32,7 +32,7 @@ struct ImpactKind {
     collapse_speed: Option<f64>,
 }
 
-/// The longest delay of an impact that was predicted too early, s; another event may precede a longer one.
+/// The longest delay of an impact that was predicted too early, s. During a longer delay, another event may occur.
 const MAX_CORRECTION: f64 = 1e-10;
 
 impl ImpactPair {
@@ -165,7 +165,7 @@ impl EventDriven {
         ImpactPair { states, approach: (states[0].velocity - states[1].velocity).high, ..predicted }
     }
 
-    /// The time by which the faces touch later than predicted, s: the rounding error of the prediction.
+    /// The delay of the contact of the faces relative to the prediction, s: the rounding error of the prediction.
     ///
     /// From the gap g at the predicted instant, in double-double precision, t = 2·g/(c + √(c² + 2·b·g));
     /// g is so small that a double suffices for t. No trajectory is extended before its
@@ -196,7 +196,8 @@ impl EventDriven {
         }
     }
 
-    /// The restitution of the impact: that of the materials, or 0 where it ends an inelastic collapse.
+    /// The restitution of the impact: that of the materials, or 0 if the bodies do not approach or if the impact
+    /// ends an inelastic collapse. Updates the collapse counts of both bodies.
     fn classify_impact(&mut self, world: &World, colliding: &ImpactPair) -> ImpactKind {
         let [first, second] = colliding.slots.map(|slot| &self.params[slot as usize]);
         let restitution = world.restitution.between(first.material, second.material);

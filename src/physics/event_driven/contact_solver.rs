@@ -135,7 +135,7 @@ impl EventDriven {
         }
     }
 
-    /// Removes the contacts of these bodies whose accelerations separate them.
+    /// Removes the contacts of these bodies in which the two accelerations move the bodies apart.
     fn remove_separating_contacts(&mut self, axis: Axis, slots: &[Slot]) {
         for slot in slots {
             let own = self.states[*slot as usize].trajectory.acceleration[axis];

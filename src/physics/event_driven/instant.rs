@@ -36,10 +36,10 @@ impl Instant {
 /// at almost zero speed.
 pub const MAX_TIME_ROUNDING: f64 = 1e-7;
 
-/// The first step from which on doubles do not represent every integer. Later events are not predicted.
+/// From this step on, doubles do not represent every integer. Later events are not predicted.
 const MAX_STEP: f64 = (1u64 << 53) as f64;
 
-/// The largest integer below a positive number; infinity from [`MAX_STEP`] on.
+/// The largest integer below a positive number; infinity from [`MAX_STEP`] on and for NaN.
 fn largest_integer_below(number: f64) -> f64 {
     if number >= MAX_STEP || number.is_nan() {
         return f64::INFINITY;
@@ -77,13 +77,13 @@ impl Clock {
         (to.step - from.step) * self.period + (to.offset - from.offset)
     }
 
-    /// The last instant of a step, an integer.
+    /// The last instant of `step`, which must be an integer.
     pub fn end_of(&self, step: f64) -> Instant {
         Instant { step, offset: self.period }
     }
 
-    /// The instant a number of seconds, not negative, after another; [`Instant::NEVER`] if that is too
-    /// late to be represented.
+    /// The instant `seconds` (not negative) after `from`; [`Instant::NEVER`] if it is too late to be
+    /// represented.
     ///
     /// The end of a step belongs to that step, so that events at the instant of a sample precede it.
     pub fn after(&self, from: Instant, seconds: f64) -> Instant {

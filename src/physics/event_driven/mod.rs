@@ -1,11 +1,11 @@
-//! The exact solver: event-driven molecular dynamics of boxes. See [`EventDriven`].
+//! The event-driven solver: molecular dynamics of boxes from event to event. See [`EventDriven`].
 //!
-//! Boxes neither rotate nor rub, so between events each body follows a parabola along each axis
-//! (`axis_trajectory`, `trajectory`), and the time of impact of a pair is a root in closed form
-//! (`pair_event`). No time step is traded against accuracy: a step only determines when the state is
+//! Boxes do not rotate and have no friction, so between events each body follows a parabola along each
+//! axis (`axis_trajectory`, `trajectory`), and the time of impact of a pair has a closed form
+//! (`pair_event`). The length of a step does not affect accuracy: it only determines when the state is
 //! sampled.
 //!
-//! # Path of a step
+//! # Phases of a step
 //!
 //! 1. **Insert.** The bodies spawned since the last step enter the cell lists (`insert`), and
 //!    overlaps that they cause are removed (`separation`).
@@ -27,11 +27,11 @@
 //!
 //! Predictions are computed in `f64`, impacts and contacts in double-double arithmetic
 //! (`state_dd`, `double_double`, `f64x2`): rounding errors grow from collision to
-//! collision and would otherwise be visible after some hundred of them.
+//! collision and would otherwise be visible after a few hundred of them.
 //!
 //! # Rules
 //!
-//! Where mechanics leaves a choice:
+//! These rules apply where mechanics leaves a choice:
 //!
 //! 1. **Simultaneous impacts.** Of all pairs that approach each other at an instant, the pair lowest
 //!    in creation order collides first, then again the lowest, until no pair approaches. So bodies
@@ -53,15 +53,15 @@
 //! 6. **Faces coincide.** After an impact the body on the high side is placed exactly on the face of
 //!    the other (or the body on the low side, if the one on the high side cannot move).
 //! 7. **Touching.** Coordinates that differ by a few units in the last place touch unless the bodies
-//!    move apart. Faces that touch in this sense at the instant of a sample have collided in it.
+//!    move apart. Faces that touch in this sense at the instant of a sample collide before the sample.
 //!
 //! # Invariants
 //!
-//! 1. A prediction is a function of the trajectories of the two bodies alone: the same whichever of
-//!    the two computes it, and whenever. So cell lists and event queue, which are derived data,
+//! 1. A prediction is a function of the trajectories of the two bodies alone, regardless of which of
+//!    the two predicts and when. So the cell lists and the event queue, which are derived data,
 //!    influence no result.
-//! 2. Each body has at most one event in the queue. A predicted event is invalidated when the
-//!    generation of the partner changes; when it is due, the body predicts again.
+//! 2. Each body has at most one event in the queue. The event is invalidated when the generation of
+//!    the partner changes; when an invalidated event is due, the body predicts again.
 //! 3. Contacts along an axis lead from lower to higher coordinates, so they form no cycle and
 //!    no body supports itself.
 
@@ -114,10 +114,10 @@ use trajectory::Trajectory;
 /// that no scene hangs.
 const MAX_REPREDICTIONS_PER_BODY: u64 = 1000;
 
-/// The state of the exact solver.
+/// The state of the event-driven solver.
 ///
-/// Trajectories, contacts and pending spawns are the state proper, which a snapshot
-/// stores. Cell lists and event queue are derived from it and influence no result.
+/// A snapshot stores only trajectories, contacts and pending spawns. Cell lists and event queue are derived
+/// from them and influence no result.
 #[derive(Clone, Debug)]
 pub struct EventDriven {
     clock: Clock,
@@ -127,7 +127,7 @@ pub struct EventDriven {
     max_events: u64,
     /// By slot, in creation order; a deleted body keeps its slot until the slots are compacted.
     states: Vec<BodyState>,
-    /// The low parts of their trajectories, by slot.
+    /// The low parts of the trajectories, by slot.
     low_parts: Vec<LowParts>,
     params: Vec<BodyParams>,
     contacts: ContactGraph,
@@ -137,7 +137,7 @@ pub struct EventDriven {
     pending_spawns: Vec<Slot>,
     /// The instant reached in the present step.
     now: Instant,
-    /// The low part of its offset, s.
+    /// The low part of the offset of `now`, s.
     now_low: f64,
     cell_lists: CellLists,
     event_queue: EventQueue,
@@ -284,7 +284,7 @@ impl EventDriven {
     /// The world `offset` seconds after the start of `step`; the solver itself does not advance.
     ///
     /// # Errors
-    /// As for [`EventDriven::step`].
+    /// Returns the errors of [`EventDriven::step`].
     pub fn world_after<O: Observer>(
         &self,
         world: &World,

@@ -18,7 +18,7 @@ pub(crate) use ordered_parallel_map::ordered_parallel_map;
 
 use crate::text::counted;
 
-/// The largest number of pixels of a picture that is read, because a damaged file may declare any size.
+/// The largest number of pixels of a picture that is decoded; a damaged file may declare any size.
 const MAX_PIXELS: usize = 1 << 26;
 
 /// The metadata of a picture file: keys and values in the order in which they are written.

@@ -9,7 +9,7 @@ use crate::picture::text::Line;
 use crate::picture::{Arrow, Camera, Color, DisplayList, Metrics, Shape, Style};
 
 /// Figure 2 of the handout: (a) boxes c and b at contact; (b) their Minkowski difference s = b ⊖ c around the origin,
-/// with the vectors from the origin to its four sides, the shortest of which is the penetration vector n⃗; (c) the same
+/// with the vectors from the origin to its four sides; the shortest one is the penetration vector n⃗; (c) the same
 /// magnified, if n⃗ is too short in (b).
 pub fn minkowski(subjects: &[CollisionSubject], style: &Style) -> DisplayList {
     draw_rows(subjects, style, row)

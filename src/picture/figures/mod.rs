@@ -1,7 +1,7 @@
 //! Figures for lectures: one picture of a whole run or of a collision, for a slide or a page.
 //!
-//! Each figure is a pure function from states or collisions to a display list, which `picture` draws as PNG or
-//! writes as SVG or PDF. Figures do not use the engine. A figure of several runs shows them side by side on the same
+//! Each figure is a pure function from states or collisions to a display list, which [`super::encode`] writes as PNG,
+//! SVG or PDF. Figures do not use the engine. A figure of several runs shows them side by side on the same
 //! scales, with one legend.
 
 mod axes;

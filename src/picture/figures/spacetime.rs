@@ -88,7 +88,7 @@ fn bands(run: &FigureRun, axis: Axis, style: &Style) -> Vec<Band> {
     bands
 }
 
-/// The ranges of the two axes: all of the time, and the positions of all bodies or those in the camera's window.
+/// The ranges of the two axes: the time span of all runs, and the positions of all bodies or the camera's window.
 fn ranges(runs: &[FigureRun], bands: &[Vec<Band>], axis: Axis, style: &Style) -> Option<(Range, Range)> {
     let time = Range::of(runs.iter().flat_map(|run| &run.frames).map(|frame| frame.time))?;
     if let CameraTarget::Window(area) = &style.look.camera_target {

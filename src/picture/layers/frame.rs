@@ -12,7 +12,7 @@ pub struct Frame {
     pub time: f64,
     /// The living bodies in creation order; later ones are drawn over earlier ones.
     pub sprites: Vec<Sprite>,
-    /// The collisions of the step that led to this state, for the overlays that show them; may be empty.
+    /// The collisions since the previous frame, for the overlays that show them; may be empty.
     pub collisions: Vec<Collision>,
 }
 
@@ -25,7 +25,7 @@ pub struct Sprite {
     pub rect: Rect,
     /// Velocity, m/s.
     pub velocity: Vector,
-    /// Earlier positions of its center, m, oldest first; see [`crate::picture::Trails`]. Empty for no trail.
+    /// Earlier positions of its centre, m, oldest first; see [`crate::picture::Trails`]. Empty for no trail.
     pub trail: Vec<Vector>,
 }
 

@@ -62,7 +62,7 @@ pub struct LabelPlacer {
 /// Weight of the area of a label that is not entirely on the page.
 const OFF_PAGE_WEIGHT: f64 = 100.0;
 
-/// Width that lines count as, px; labels keep half of it clear on each side.
+/// Width attributed to lines to avoid, px; labels keep half of it clear on each side.
 const LINE_CLEARANCE: f64 = 6.0;
 
 /// Weight of the area covered by another label.
@@ -234,7 +234,7 @@ mod tests {
     }
 
     #[test]
-    fn the_length_of_a_line_within_a_rectangle() {
+    fn only_the_part_of_a_line_within_the_rectangle_counts() {
         let rect = Rect::new(Vector::new(1.0, 1.0), 2.0, 2.0);
         let length = |from: [f64; 2], to: [f64; 2]| {
             length_within(&[Vector::new(from[0], from[1]), Vector::new(to[0], to[1])], &rect)

@@ -6,9 +6,9 @@ use tiny_skia::{FillRule, Mask, Path, PathBuilder, Transform};
 
 /// The part of each pixel that a shape covers, in sixteenths.
 pub struct CoverageMask {
-    /// Leftmost column; of a glyph, relative to the pixel of its origin.
+    /// Leftmost column; for a glyph, relative to the pixel of its origin.
     pub left: i64,
-    /// Topmost row; of a glyph, relative to the pixel of its origin.
+    /// Topmost row; for a glyph, relative to the pixel of its origin.
     pub top: i64,
     /// Number of columns.
     pub width: usize,

@@ -1,11 +1,11 @@
-//! Rasterises shapes to pixels. All arithmetic on pixels is on integers, so that they are the same on every machine.
+//! Rasterises shapes to pixels. Colours are blended with integer arithmetic, so that pixels are the same on every
+//! machine.
 //!
-//! The coverage of a pixel has 16 levels: a quarter pixel along each axis for rectangles, the resolution of the path
-//! rasteriser for polygons, lines and glyphs. Finer steps are invisible, and each would add a colour for every pair of
-//! adjacent colours. With so few levels a frame usually has at most 256 colours, so that PNG and GIF are stored with a
-//! palette, which keeps them small and exact. For the same reason coverage masks are rounded to eighths, and
-//! the camera rounds positions to quarter pixels. A frame of more colours is written as RGB in PNG and reduced to 256
-//! colours in GIF.
+//! The coverage of a pixel is a number of sixteenths: the edges of rectangles are rounded to quarter pixels, and the
+//! coverage masks of polygons, lines and glyphs to eighths. Finer steps are invisible, and each would add a colour for
+//! every pair of adjacent colours. With so few levels a frame usually has at most 256 colours, so that PNG and GIF are
+//! stored with a palette, which keeps them small and exact. For the same reason the camera rounds positions to quarter
+//! pixels. A frame of more colours is written as RGB in PNG and reduced to 256 colours in GIF.
 
 pub(crate) mod canvas;
 pub(crate) mod color;

@@ -1,8 +1,8 @@
 //! Correct results of scenes, computed by code that shares nothing with the solvers.
 //!
 //! `closed_form` holds formulas; [`PreciseSimulator`] is for scenes without one: it predicts the impacts
-//! of every pair of boxes with 77 decimals ([`Fixed256`]). It is slow and simple, so that its
-//! correctness can be seen from the code.
+//! of every pair of boxes with 77 decimals ([`Fixed256`]). It is slow, but so simple that
+//! its code can be verified by reading.
 
 pub mod closed_form;
 mod fixed256;

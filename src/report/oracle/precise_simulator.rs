@@ -15,8 +15,8 @@ pub enum Unsuitable {
 /// Simulates boxes on exact parabolas that collide one pair at a time; predicts the impacts of all
 /// pairs with 77 decimals.
 ///
-/// It has no steps, no resting contacts and practically no rounding. Of simultaneous impacts the pair
-/// that is lowest in creation order goes first; then the lowest of the remaining ones, and so on.
+/// It has no steps, no resting contacts and practically no rounding. Simultaneous impacts are resolved
+/// one pair at a time, always the remaining pair that is lowest in creation order.
 pub struct PreciseSimulator {
     boxes: Vec<MovingBox>,
     /// The next impact of each box.
@@ -134,7 +134,7 @@ impl PreciseSimulator {
         self.collisions += 1;
     }
 
-    /// Predicts again the impacts of two boxes whose motion has changed, and of the boxes whose next impact
+    /// Re-predicts the impacts of two boxes whose motion has changed, and of the boxes whose next impact
     /// was with one of them.
     fn repredict(&mut self, pair: [usize; 2]) -> Result<(), Unsuitable> {
         let all = 0..self.boxes.len();

@@ -1,4 +1,4 @@
-//! Any lines are events or refusals, and a run that skips what it refuses goes on to its end.
+//! Any line is an event or an error, and a run that skips invalid lines continues to its end.
 
 use std::io;
 
@@ -8,7 +8,7 @@ use rebond::internals::{
     scene::{self, Scene, live},
 };
 
-/// Where the events happen.
+/// The scene to which the events are added.
 const SCENE: &str = r#"
 [world]
 size = [16.0, 9.0]
@@ -26,13 +26,13 @@ size = [1.0, 1.0]
 mass = 1.0
 "#;
 
-/// Reads the lines one by one, and as a run does.
+/// Parses the lines one by one, and as the live events of a run.
 pub fn read(lines: &[u8]) {
     refuse(lines);
     run(lines);
 }
 
-/// Prints what is wrong with each line.
+/// Formats the error of each invalid line.
 fn refuse(lines: &[u8]) {
     let text = String::from_utf8_lossy(lines);
     for (number, line) in (1..).zip(text.lines()) {

@@ -1,4 +1,4 @@
-//! Any bytes are a recording, a part of one, or an error: read, sought, recovered and replayed.
+//! Reads, seeks, recovers and replays any bytes as a recording, without a panic.
 
 use std::io::Cursor;
 
@@ -8,7 +8,7 @@ use rebond::internals::{
     replay::{ALL_STEPS, Replayer},
 };
 
-/// Reads the file in every way there is.
+/// Reads the file in every way that the library has.
 pub fn read(file: &[u8]) {
     let open = || Recording::read(Cursor::new(file));
     let Ok(mut recording) = open() else { return };
@@ -25,7 +25,7 @@ pub fn read(file: &[u8]) {
     }
 }
 
-/// States of a recording that is worth the time it takes to run it again.
+/// The largest number of states of a recording that is replayed, to save time.
 const SHORT: usize = 64;
 
 fn steps(recording: &mut Recording<Cursor<&[u8]>>) -> Vec<u64> {
@@ -42,7 +42,7 @@ fn steps(recording: &mut Recording<Cursor<&[u8]>>) -> Vec<u64> {
         .collect()
 }
 
-/// What is recovered is whole, and recovering it again changes nothing.
+/// Asserts that a recovered recording is complete, and that recovering it again changes nothing.
 fn recover_twice(file: &[u8]) {
     let mut recording = Recording::read(Cursor::new(file)).expect("it opened before");
     let (_, once) = recover(&mut recording, Vec::new()).expect("memory can be written");

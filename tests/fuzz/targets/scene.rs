@@ -1,8 +1,8 @@
-//! Any text is a scene or a refusal that can be printed.
+//! Any text is a scene or gives an error that can be printed.
 
 use rebond::internals::{cli::SceneReport, scene};
 
-/// Reads the text as a scene.
+/// Parses the text as a scene, and formats the error if it is invalid.
 pub fn read(text: &str) {
     if asks_for_many(text) {
         return;
@@ -15,8 +15,7 @@ pub fn read(text: &str) {
     }
 }
 
-/// A scene may scatter a million bodies, which is much honest work: here a count has three
-/// digits at most.
+/// True if the text may scatter more than 999 bodies: a valid scene may have a million, which would take too long.
 fn asks_for_many(text: &str) -> bool {
     let mut digits = 0;
     text.bytes().any(|byte| {

@@ -1,1 +1,1 @@
-//! Empty; the package exists for its tests.
+//! Empty: the package has only tests.
