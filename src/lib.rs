@@ -43,7 +43,7 @@
 //!
 //! let file = std::fs::File::create(&path)?;
 //! let recorded = record(&scene, RecordOptions::whole(&scene), NO_LIVE_EVENTS, file, |_| ())?;
-//! assert_eq!(recorded.end.steps, 600);
+//! assert_eq!(recorded.trailer.steps, 600);
 //!
 //! rebond::testing::assert_replays(&path); // in a test: panics with the step, body and field
 //! # Ok::<(), Box<dyn std::error::Error>>(())

@@ -68,7 +68,7 @@ fn record_scene(scene: &Path, path: &Path) -> Result<NewRecording, RunError> {
     let (file, temp_path) = tempfile::Builder::new().prefix("rebond-").tempfile().map_err(unwritable)?.into_parts();
     let plan = replay::RecordOptions { steps, every, viewer: None };
     let recorded = replay::record(&scene, plan, replay::NO_LIVE_EVENTS, file, |_| ())?;
-    Ok(NewRecording { file: temp_path, identity: recorded.end.identity })
+    Ok(NewRecording { file: temp_path, identity: recorded.trailer.identity })
 }
 
 /// Compares the recording at `path` with a new one. `None` if both have the same identity.

@@ -5,7 +5,7 @@
 use super::Exit;
 use super::error::CommandError;
 use crate::picture::{self, ReadExtent, ReadStatus, RenderError};
-use crate::recording::{self, Health, Overwrite, Sync};
+use crate::recording::{self, Durability, Health, Overwrite};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::{
     fs,
@@ -99,11 +99,15 @@ pub fn progress_updater(bar: &ProgressBar) -> impl FnMut(u64, u64) {
 }
 
 /// Opens the output of `record`. Unlike other outputs, this file appears at once and can be read while it grows.
-pub fn create_recording(path: &Path, overwrite: Overwrite, sync: Sync) -> Result<Box<dyn Write + Send>, CommandError> {
+pub fn create_recording(
+    path: &Path,
+    overwrite: Overwrite,
+    durability: Durability,
+) -> Result<Box<dyn Write + Send>, CommandError> {
     if is_standard_output(path) {
         return Ok(Box::new(io::stdout()));
     }
-    let file = recording::create(path, overwrite, sync).map_err(CommandError::in_recording(path))?;
+    let file = recording::create(path, overwrite, durability).map_err(CommandError::in_recording(path))?;
     Ok(Box::new(file))
 }
 

@@ -2,7 +2,7 @@ use super::arguments::RecordOptions;
 use super::error::CommandError;
 use super::{Exit, output};
 use crate::picture;
-use crate::recording::{ColorFn, Overwrite, Sync};
+use crate::recording::{ColorFn, Durability, Overwrite};
 use crate::replay::{self, LiveEvents, OnBadEvent, Recorded, RunError};
 use crate::scene::{self, Scene};
 use crate::text::counted;
@@ -28,8 +28,8 @@ pub fn run(options: &RecordOptions) -> Result<Exit, CommandError> {
     let events = options.events.as_deref().map(open_events).transpose()?;
     let mut live = events.map(|lines| LiveEvents::new(lines, on_bad_event, plan.steps));
     let overwrite = if options.force { Overwrite::Allowed } else { Overwrite::Refused };
-    let sync = if options.sync { Sync::Disk } else { Sync::Program };
-    let output = output::create_recording(&options.output, overwrite, sync)?;
+    let durability = if options.sync { Durability::Disk } else { Durability::Program };
+    let output = output::create_recording(&options.output, overwrite, durability)?;
     let recorded = record(&scene, plan, live.as_mut(), output, &options.output)?;
     print_summary(options, &recorded, live.map_or(0, |live| live.skipped()))?;
     match recorded.error {
@@ -74,7 +74,7 @@ fn print_summary(options: &RecordOptions, recorded: &Recorded, skipped: u64) -> 
     if skipped > 0 {
         output::info(format_args!("skipped {}", counted(skipped, "event line")));
     }
-    let end = &recorded.end;
+    let end = &recorded.trailer;
     let collisions = end.collisions.unwrap_or_default();
     if options.json {
         let object = serde_json::json!({

@@ -33,6 +33,7 @@ impl SolverKind {
 }
 
 /// The configuration of an engine, constant for its lifetime.
+#[non_exhaustive]
 #[derive(Clone, Debug, PartialEq)]
 pub struct EngineConfig {
     /// The solver.
@@ -45,6 +46,29 @@ pub struct EngineConfig {
     pub restitution: Restitution,
     /// The number of events allowed in a step; beyond it the step fails.
     pub events_per_step: u64,
+}
+
+impl EngineConfig {
+    /// A configuration without gravity, with e = 1 for all pairs and the default limit of events.
+    pub fn new(solver: SolverKind, rate: f64) -> EngineConfig {
+        let restitution = Restitution::new(1.0, &[]);
+        EngineConfig { solver, rate, gravity: None, restitution, events_per_step: DEFAULT_EVENTS_PER_STEP }
+    }
+
+    /// Sets the gravitational acceleration, m/s².
+    pub fn with_gravity(self, gravity: Option<Vector>) -> EngineConfig {
+        EngineConfig { gravity, ..self }
+    }
+
+    /// Sets the coefficients of restitution.
+    pub fn with_restitution(self, restitution: Restitution) -> EngineConfig {
+        EngineConfig { restitution, ..self }
+    }
+
+    /// Sets the number of events allowed in a step.
+    pub fn with_events_per_step(self, events_per_step: u64) -> EngineConfig {
+        EngineConfig { events_per_step, ..self }
+    }
 }
 
 /// The default of [`EngineConfig::events_per_step`], far above the needs of ordinary scenes. (Galperin's
@@ -225,6 +249,7 @@ pub struct SnapshotError {
 }
 
 /// The reason why a step could not be completed. The states before it remain valid.
+#[non_exhaustive]
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum StepError {
     /// A number overflowed, as in scenes with extreme values.

@@ -27,8 +27,8 @@ pub fn step<O: Observer>(world: &mut World, step: u64, dt: f64, observer: &mut O
             }
         }
         let body = &mut world.bodies[c];
-        accelerate(body, world.gravity);
-        advance(body, dt);
+        accumulate_forces(body, world.gravity);
+        integrate(body, dt);
         check_finite(body, step)?;
     }
     // A later body may have displaced an earlier one again.
@@ -43,7 +43,7 @@ fn check_finite(body: &Body, step: u64) -> Result<(), StepError> {
 }
 
 /// Adds the forces on a body to its accumulator: the constant force first, then its weight.
-fn accelerate(body: &mut Body, gravity: Option<Vector>) {
+fn accumulate_forces(body: &mut Body, gravity: Option<Vector>) {
     body.force = body.force.add(body.constant_force);
     if let (Some(gravity), false) = (gravity, body.is_infinite()) {
         body.force = body.force.add(gravity.mult(body.mass));
@@ -51,7 +51,7 @@ fn accelerate(body: &mut Body, gravity: Option<Vector>) {
 }
 
 /// Semi-implicit Euler integration: a = Σf/m, then v += a·dt, then x += v·dt with the new v.
-fn advance(body: &mut Body, dt: f64) {
+fn integrate(body: &mut Body, dt: f64) {
     let acceleration = body.force.mult(body.inverse_mass);
     body.force = Vector::ZERO;
     body.velocity = body.velocity.add(acceleration.mult(dt));

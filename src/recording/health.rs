@@ -1,6 +1,7 @@
 use std::{fmt, str::FromStr};
 
 /// The condition of a recording, known after it was read to its end.
+#[non_exhaustive]
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Health {
     /// The recording is complete and all checksums are correct.

@@ -200,7 +200,7 @@ impl<W: Write> Recorder<W> {
         self.digest.clear();
         for (row, info) in rows.iter().zip(self.table.bodies()) {
             self.digest.add(row.id, row.state);
-            if is_full && !(row.is_static && info.is_at_initial_state(row.state)) {
+            if is_full && !(row.has_infinite_mass && info.is_at_initial_state(row.state)) {
                 state.push(row.id, row.state);
             }
         }

@@ -183,7 +183,7 @@ pub enum Overwrite {
 
 /// The layer to which a flush writes the data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Sync {
+pub enum Durability {
     /// The operating system: data survives a crash of the program.
     Program,
     /// The disk: data survives a power loss (`--sync`).
@@ -194,7 +194,7 @@ pub enum Sync {
 #[derive(Debug)]
 pub struct RecordingFile {
     file: File,
-    sync: Sync,
+    durability: Durability,
 }
 
 /// Opens `path` for recording, in place, so that the file can be read during the run.
@@ -203,7 +203,7 @@ pub struct RecordingFile {
 ///
 /// # Errors
 /// Returns an error if the file exists and may not be replaced, or if it cannot be created.
-pub fn create(path: &Path, overwrite: Overwrite, sync: Sync) -> Result<RecordingFile, Error> {
+pub fn create(path: &Path, overwrite: Overwrite, durability: Durability) -> Result<RecordingFile, Error> {
     let special = path.metadata().is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir());
     let mut options = OpenOptions::new();
     options.write(true);
@@ -216,7 +216,7 @@ pub fn create(path: &Path, overwrite: Overwrite, sync: Sync) -> Result<Recording
         ErrorKind::AlreadyExists => Error::Exists { path: path.into() },
         _ => Error::Create { path: path.into(), source },
     })?;
-    Ok(RecordingFile { file, sync })
+    Ok(RecordingFile { file, durability })
 }
 
 impl Write for RecordingFile {
@@ -225,9 +225,9 @@ impl Write for RecordingFile {
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        match self.sync {
-            Sync::Program => Ok(()),
-            Sync::Disk => self.file.sync_data(),
+        match self.durability {
+            Durability::Program => Ok(()),
+            Durability::Disk => self.file.sync_data(),
         }
     }
 }

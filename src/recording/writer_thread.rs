@@ -133,7 +133,7 @@ pub struct Row {
     /// x, y (m), vx, vy (m/s).
     pub state: [f64; 4],
     /// True if the body has infinite mass.
-    pub is_static: bool,
+    pub has_infinite_mass: bool,
 }
 
 /// Bytes of a row in the file. (The size in memory differs between machines.)
@@ -162,6 +162,6 @@ impl Batch {
 
 impl Row {
     fn new(body: &Body) -> Row {
-        Row { id: body.id, state: body_state(body), is_static: body.is_infinite() }
+        Row { id: body.id, state: body_state(body), has_infinite_mass: body.is_infinite() }
     }
 }

@@ -38,7 +38,7 @@ impl RecordOptions {
 #[derive(Debug)]
 pub struct Recorded {
     /// The end record of the recording.
-    pub end: Trailer,
+    pub trailer: Trailer,
     /// The error of the step that the engine could not complete, if any.
     pub error: Option<StepError>,
 }
@@ -84,7 +84,7 @@ pub fn record<W: Write + Send + 'static>(
         }
     }
     let run_end = RunEnd { collisions: Some(collisions.0), error: error.as_ref().map(error_text) };
-    Ok(Recorded { end: writer.finish(run_end)?.trailer, error })
+    Ok(Recorded { trailer: writer.finish(run_end)?.trailer, error })
 }
 
 fn header(scene: &Scene, options: RecordOptions) -> Header {

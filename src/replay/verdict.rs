@@ -4,6 +4,7 @@ use crate::recording::Damage;
 use crate::text::counted;
 
 /// The result of a replay.
+#[non_exhaustive]
 #[derive(Clone, Debug, PartialEq)]
 pub enum Verdict {
     /// All compared states are the same.
@@ -45,6 +46,7 @@ pub struct Divergence {
 }
 
 /// A difference between a recorded and a replayed state.
+#[non_exhaustive]
 #[derive(Clone, Debug, PartialEq)]
 pub enum Difference {
     /// A value of a body differs. This is the first differing body in creation order, and its first

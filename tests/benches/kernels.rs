@@ -48,7 +48,7 @@ fn main() {
 
 fn config(solver: SolverKind) -> EngineConfig {
     let restitution = Restitution::new(1.0, &[]);
-    EngineConfig { solver, rate: 60.0, gravity: None, restitution, events_per_step: 1_000_000 }
+    EngineConfig::new(solver, 60.0).with_restitution(restitution)
 }
 
 /// Unit boxes in rows with different velocities.

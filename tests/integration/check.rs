@@ -127,7 +127,7 @@ pub fn record_with_modified_engine(workplace: &Workplace) {
         gaps: Vec::new(),
     };
     let gravity = config.gravity.map(|gravity| Vector::new(gravity.x, gravity.y.next_up()));
-    let mut engine = Engine::new(rebond::internals::physics::EngineConfig { gravity, ..config });
+    let mut engine = Engine::new(config.with_gravity(gravity));
     let mut run = replay::Run::new(&scene);
     let mut writer = Writer::new(File::create(workplace.path("scene.mcap")).unwrap(), &header).unwrap();
     for step in 0..=90 {

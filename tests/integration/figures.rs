@@ -29,7 +29,8 @@ fn run(bodies: &[BodySpec], gravity: Option<Vector>, rate: f64, steps: u64) -> R
 
 fn run_with(solver: SolverKind, bodies: &[BodySpec], gravity: Option<Vector>, rate: f64, steps: u64) -> RunStates {
     let restitution = Restitution::new(0.8, &[]);
-    let config = EngineConfig { solver, rate, gravity, restitution, events_per_step: 1000 };
+    let config =
+        EngineConfig::new(solver, rate).with_gravity(gravity).with_restitution(restitution).with_events_per_step(1000);
     let mut engine = Engine::new(config);
     let mut run = RunStates { bodies: Vec::new(), frames: Vec::new(), energy: Vec::new(), collisions: Vec::new() };
     for spec in bodies {

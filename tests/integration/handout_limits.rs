@@ -2,19 +2,16 @@
 
 use crate::snapshot::assert_text;
 use rebond::internals::physics::{
-    CollisionCount, DEFAULT_EVENTS_PER_STEP, Engine, EngineConfig, Event, Rect, Restitution, SolverKind, Spawn, Vector,
-    invariants,
+    CollisionCount, Engine, EngineConfig, Event, Rect, Restitution, SolverKind, Spawn, Vector, invariants,
 };
 use std::fmt::Write;
 
 fn engine(gravity: Option<Vector>, restitution: f64) -> Engine {
-    Engine::new(EngineConfig {
-        solver: SolverKind::Handout,
-        rate: 60.0,
-        gravity,
-        restitution: Restitution::new(restitution, &[]),
-        events_per_step: DEFAULT_EVENTS_PER_STEP,
-    })
+    Engine::new(
+        EngineConfig::new(SolverKind::Handout, 60.0)
+            .with_gravity(gravity)
+            .with_restitution(Restitution::new(restitution, &[])),
+    )
 }
 
 fn spawn(engine: &mut Engine, name: &str, at: [f64; 2], size: [f64; 2], mass: f64, velocity: [f64; 2]) {

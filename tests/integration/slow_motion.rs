@@ -119,13 +119,10 @@ fn slow_motion_and_freeze_frames_require_an_animation() {
 #[test]
 fn a_state_between_steps_agrees_with_a_finer_run_and_changes_no_bit() {
     let engine = |rate: f64| {
-        let config = EngineConfig {
-            solver: SolverKind::EventDriven,
-            rate,
-            gravity: Some(Vector::new(0.0, 10.0)),
-            restitution: Restitution::new(0.5, &[]),
-            events_per_step: 1000,
-        };
+        let config = EngineConfig::new(SolverKind::EventDriven, rate)
+            .with_gravity(Some(Vector::new(0.0, 10.0)))
+            .with_restitution(Restitution::new(0.5, &[]))
+            .with_events_per_step(1000);
         let mut engine = Engine::new(config);
         for (x, y, mass, speed) in [(0.0, 4.0, f64::INFINITY, 0.0), (0.0, 0.0, 1.0, 2.0), (0.5, 1.5, 3.0, -1.0)] {
             let size = if mass == 1.0 { 1.0 } else { 2.0 };

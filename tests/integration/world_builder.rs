@@ -57,13 +57,10 @@ pub fn walls(width: f64, height: f64) -> Vec<BodySpec> {
 }
 
 pub fn config(conditions: Conditions) -> EngineConfig {
-    EngineConfig {
-        solver: SolverKind::EventDriven,
-        rate: conditions.rate,
-        gravity: conditions.gravity.map(|[x, y]| Vector::new(x, y)),
-        restitution: Restitution::new(conditions.restitution, &[]),
-        events_per_step: conditions.events_per_step,
-    }
+    EngineConfig::new(SolverKind::EventDriven, conditions.rate)
+        .with_gravity(conditions.gravity.map(|[x, y]| Vector::new(x, y)))
+        .with_restitution(Restitution::new(conditions.restitution, &[]))
+        .with_events_per_step(conditions.events_per_step)
 }
 
 /// Creates a world with these bodies.

@@ -47,5 +47,5 @@ fn run(lines: &[u8]) {
     let options = RecordOptions::whole(&scene);
     let mut live = LiveEvents::new(lines, OnBadEvent::Skip, options.steps);
     let recorded = record(&scene, options, Some(&mut live), io::sink(), |_| ()).expect("nothing that ends a run");
-    assert!(recorded.error.is_some() || recorded.end.steps == options.steps);
+    assert!(recorded.error.is_some() || recorded.trailer.steps == options.steps);
 }
