@@ -42,7 +42,7 @@
 //! use rebond::{NO_LIVE_EVENTS, RecordOptions, record};
 //!
 //! let file = std::fs::File::create(&path)?;
-//! let recorded = record(&scene, RecordOptions::whole(&scene), NO_LIVE_EVENTS, file, |_| ())?;
+//! let recorded = record(&scene, RecordOptions::complete(&scene), NO_LIVE_EVENTS, file, |_| ())?;
 //! assert_eq!(recorded.trailer.steps, 600);
 //!
 //! rebond::testing::assert_replays(&path); // in a test: panics with the step, body and field
@@ -57,7 +57,7 @@
 //! # let folder = tempfile::tempdir()?;
 //! # let path = folder.path().join("one-box.mcap");
 //! # let file = std::fs::File::create(&path)?;
-//! # rebond::record(&scene, rebond::RecordOptions::whole(&scene), rebond::NO_LIVE_EVENTS, file, |_| ())?;
+//! # rebond::record(&scene, rebond::RecordOptions::complete(&scene), rebond::NO_LIVE_EVENTS, file, |_| ())?;
 //! use rebond::{PictureOptions, Source, StillFormat, SubjectOptions, draw_to_vec};
 //!
 //! let subject = SubjectOptions::State { step: 60, format: StillFormat::Svg };
@@ -120,10 +120,10 @@ pub use replay::{ALL_STEPS, Difference, Divergence, Replayer, Verdict};
 // Pictures.
 #[cfg(feature = "draw")]
 pub use picture::{
-    AnimationFormat, Error as PictureError, FigureChoice, Provenance, Source, StillFormat, SubjectOptions, draw_to_vec,
-    redraw,
+    AnimationFormat, Error as PictureError, FigureOptions, Provenance, Source, StillFormat, SubjectOptions,
+    draw_to_vec, redraw,
 };
-pub use picture_options::{ColorBy, Overlay, Overlays, PictureOptions, Theme, WindowOptions};
+pub use picture_options::{ColorBy, Overlay, Overlays, PictureOptions, Theme, Window};
 
 /// Modules of this crate for its own command, tests and benchmarks. They are not part of the API and may change in
 /// any version.

@@ -34,7 +34,7 @@ pub struct PictureOptions {
     /// The part of the plane to show.
     #[cfg_attr(feature = "cli", arg(long, value_name = "AREA", allow_hyphen_values = true))]
     #[cfg_attr(feature = "cli", arg(help = "Show world, bodies, or X,Y,WIDTH,HEIGHT in metres"))]
-    pub window: Option<WindowOptions>,
+    pub window: Option<Window>,
     /// The name of the body that the camera follows.
     #[cfg_attr(feature = "cli", arg(long, value_name = "NAME"))]
     #[cfg_attr(feature = "cli", arg(help = "Keep this body centred; --window WxH sets the area"))]
@@ -242,7 +242,7 @@ impl FromStr for Overlays {
 /// `WIDTHxHEIGHT`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
-pub enum WindowOptions {
+pub enum Window {
     /// The whole world.
     World,
     /// The bounding box of all bodies of finite mass over the whole run.
@@ -253,52 +253,52 @@ pub enum WindowOptions {
     Size(Vector),
 }
 
-impl fmt::Display for WindowOptions {
+impl fmt::Display for Window {
     fn fmt(&self, out: &mut fmt::Formatter) -> fmt::Result {
         match self {
-            WindowOptions::World => out.write_str("world"),
-            WindowOptions::Bodies => out.write_str("bodies"),
-            WindowOptions::Area(area) => {
+            Window::World => out.write_str("world"),
+            Window::Bodies => out.write_str("bodies"),
+            Window::Area(area) => {
                 write!(out, "{},{},{},{}", area.origin.x, area.origin.y, area.width(), area.height())
             }
-            WindowOptions::Size(size) => write!(out, "{}x{}", size.x, size.y),
+            Window::Size(size) => write!(out, "{}x{}", size.x, size.y),
         }
     }
 }
 
-impl FromStr for WindowOptions {
+impl FromStr for Window {
     type Err = String;
 
-    fn from_str(text: &str) -> Result<WindowOptions, String> {
+    fn from_str(text: &str) -> Result<Window, String> {
         let lengths =
             |separator: char| text.split(separator).map(|length| length.parse().ok()).collect::<Option<Vec<f64>>>();
         let is_size = |length: &f64| length.is_finite() && *length > 0.0;
         match (text, lengths('x').as_deref(), lengths(',').as_deref()) {
-            ("world", _, _) => Ok(WindowOptions::World),
-            ("bodies", _, _) => Ok(WindowOptions::Bodies),
+            ("world", _, _) => Ok(Window::World),
+            ("bodies", _, _) => Ok(Window::Bodies),
             (_, Some([width, height]), _) if is_size(width) && is_size(height) => {
-                Ok(WindowOptions::Size(Vector::new(*width, *height)))
+                Ok(Window::Size(Vector::new(*width, *height)))
             }
             (_, _, Some([x, y, width, height]))
                 if x.is_finite() && y.is_finite() && is_size(width) && is_size(height) =>
             {
-                Ok(WindowOptions::Area(Rect::new(Vector::new(*x, *y), *width, *height)))
+                Ok(Window::Area(Rect::new(Vector::new(*x, *y), *width, *height)))
             }
             _ => Err("expected world, bodies, X,Y,WIDTH,HEIGHT in metres, or WIDTHxHEIGHT with --follow".into()),
         }
     }
 }
 
-impl From<WindowOptions> for String {
-    fn from(window: WindowOptions) -> String {
+impl From<Window> for String {
+    fn from(window: Window) -> String {
         window.to_string()
     }
 }
 
-impl TryFrom<String> for WindowOptions {
+impl TryFrom<String> for Window {
     type Error = String;
 
-    fn try_from(text: String) -> Result<WindowOptions, String> {
+    fn try_from(text: String) -> Result<Window, String> {
         text.parse()
     }
 }
@@ -313,7 +313,7 @@ mod tests {
             size: Some([640, 360]),
             theme: Some(Theme::Dark),
             show: Some(Overlays::from([Overlay::Clock, Overlay::Velocity])),
-            window: Some(WindowOptions::Area(Rect::new(Vector::new(-1e6, 0.1), 16.0, 1e-3))),
+            window: Some(Window::Area(Rect::new(Vector::new(-1e6, 0.1), 16.0, 1e-3))),
             titles: Some(vec!["one".into()]),
             ..PictureOptions::default()
         };

@@ -124,7 +124,7 @@ impl OpenedSource {
         let unwritable = |error| replay::RunError::from(recording::Error::Write(error));
         let (file, temp_path) =
             tempfile::Builder::new().prefix("rebond-").suffix(".mcap").tempfile().map_err(unwritable)?.into_parts();
-        replay::record(&scene, replay::RecordOptions::whole(&scene), NO_LIVE_EVENTS, file, |_| ())?;
+        replay::record(&scene, replay::RecordOptions::complete(&scene), NO_LIVE_EVENTS, file, |_| ())?;
         Ok(OpenedSource { source: Source::open(&temp_path)?, _temporary: Some(temp_path) })
     }
 }

@@ -1,6 +1,6 @@
 use super::error::CommandError;
 use super::picture_arguments::FigureCommandOptions;
-use super::source::Source;
+use super::source::OpenedSource;
 use super::{Exit, output};
 use crate::picture::{self, Provenance, StillFormat, SubjectOptions};
 use std::num::NonZero;
@@ -13,8 +13,11 @@ pub fn run(options: &FigureCommandOptions) -> Result<Exit, CommandError> {
     if !output::is_standard_output(path) {
         output::refuse_existing(path, options.output.force)?;
     }
-    let sources =
-        options.sources.iter().map(|path| Source::open(path)).collect::<Result<Vec<Source>, CommandError>>()?;
+    let sources = options
+        .sources
+        .iter()
+        .map(|path| OpenedSource::open(path))
+        .collect::<Result<Vec<OpenedSource>, CommandError>>()?;
     let recordings: Vec<picture::Source> = sources.iter().map(|source| source.recording.clone()).collect();
     let bar = output::progress_bar("drawing", 0);
     let mut on_progress = output::progress_updater(&bar);

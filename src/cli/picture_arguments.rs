@@ -2,7 +2,7 @@
 
 use super::arguments::{JobOptions, OutputOptions, Shard};
 use crate::physics::Axis;
-use crate::picture::{CollisionFigure, FigureChoice, MIN_HOLD, PictureOptions, StatesFigure};
+use crate::picture::{CollisionFigure, FigureOptions, MIN_HOLD, PictureOptions, StatesFigure};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -120,19 +120,19 @@ impl FigureCommandOptions {
     }
 
     /// The figure to draw.
-    pub fn figure(&self) -> FigureChoice {
+    pub fn figure(&self) -> FigureOptions {
         let (step, pair) = (self.step, self.pair.clone());
         let axis = match self.axis {
             FigureAxis::X => Axis::X,
             FigureAxis::Y => Axis::Y,
         };
         match self.kind {
-            FigureKind::Collision => FigureChoice::Collision { figure: CollisionFigure::Stages, step, pair },
-            FigureKind::Minkowski => FigureChoice::Collision { figure: CollisionFigure::Minkowski, step, pair },
-            FigureKind::Strobe => FigureChoice::States(StatesFigure::Strobe),
-            FigureKind::Spacetime => FigureChoice::States(StatesFigure::Spacetime(axis)),
-            FigureKind::Energy => FigureChoice::Energy,
-            FigureKind::Filmstrip => FigureChoice::States(StatesFigure::Filmstrip),
+            FigureKind::Collision => FigureOptions::Collision { figure: CollisionFigure::Stages, step, pair },
+            FigureKind::Minkowski => FigureOptions::Collision { figure: CollisionFigure::Minkowski, step, pair },
+            FigureKind::Strobe => FigureOptions::States(StatesFigure::Strobe),
+            FigureKind::Spacetime => FigureOptions::States(StatesFigure::Spacetime(axis)),
+            FigureKind::Energy => FigureOptions::Energy,
+            FigureKind::Filmstrip => FigureOptions::States(StatesFigure::Filmstrip),
         }
     }
 }

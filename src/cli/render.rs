@@ -3,7 +3,7 @@ use super::arguments::Shard;
 use super::error::CommandError;
 use super::output::{self, Folder};
 use super::picture_arguments::RenderOptions;
-use super::source::Source;
+use super::source::OpenedSource;
 use super::video::{self, VideoContainer};
 use crate::picture::{self, AnimationFormat, Format, PictureOptions, Provenance, StillFormat, SubjectOptions};
 use std::path::Path;
@@ -17,7 +17,7 @@ pub fn run(options: &RenderOptions) -> Result<Exit, CommandError> {
     if let OutputKind::Video(_) = kind {
         video::require_ffmpeg(path)?;
     }
-    let source = Source::open(&options.source)?;
+    let source = OpenedSource::open(&options.source)?;
     let recording = &source.recording;
     let picture_options = options.picture_options();
     let threads = options.jobs.threads();
@@ -37,7 +37,7 @@ pub fn run(options: &RenderOptions) -> Result<Exit, CommandError> {
             video::write(clip, &provenance, container, threads, &mut on_progress, &options.output)?
         }
         OutputKind::Sequence => {
-            let Some(shard) = shard_options(picture_options, options.shard, recording.summary.last_step) else {
+            let Some(shard) = shard_options(picture_options, options.shard, recording.statistics.last_step) else {
                 Folder::create(path, force)?.finish()?;
                 return Ok(Exit::Done);
             };

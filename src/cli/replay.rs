@@ -1,9 +1,9 @@
 use super::arguments::ReplayOptions;
 use super::error::CommandError;
 use super::{Exit, output};
-use crate::physics::CollisionCount;
+use crate::physics::{CollisionCount, Observer};
 use crate::recording;
-use crate::replay::{Difference, Replayer, StateObserver, Verdict, ulps};
+use crate::replay::{Difference, Replayer, Verdict, ulps};
 use serde_json::{Value, json};
 use std::{ops::RangeInclusive, path::Path};
 
@@ -17,7 +17,7 @@ pub fn run(options: &ReplayOptions) -> Result<Exit, CommandError> {
 }
 
 /// Replays with a progress bar. Collisions are passed to the observer.
-pub fn replay_with_progress<O: StateObserver>(
+pub fn replay_with_progress<O: Observer>(
     path: &Path,
     steps: RangeInclusive<u64>,
     observer: &mut O,

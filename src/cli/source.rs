@@ -8,31 +8,31 @@ use std::{fs::File, path::Path};
 use tempfile::TempDir;
 
 /// A recording to draw, possibly a temporary one made from a scene.
-pub struct Source {
+pub struct OpenedSource {
     /// The recording, with its summary.
     pub recording: picture::Source,
     /// The folder of the temporary recording; it is removed when this is dropped.
     _temporary: Option<TempDir>,
 }
 
-impl Source {
+impl OpenedSource {
     /// Opens a recording, or records a scene and verifies that it replays the same.
-    pub fn open(path: &Path) -> Result<Source, CommandError> {
+    pub fn open(path: &Path) -> Result<OpenedSource, CommandError> {
         if picture::Source::is_recording(path).map_err(CommandError::unreadable(path))? {
-            return Ok(Source { recording: picture::Source::open(path)?, _temporary: None });
+            return Ok(OpenedSource { recording: picture::Source::open(path)?, _temporary: None });
         }
         let scene = scene::load(path)?;
         let folder = TempDir::with_prefix("rebond-").map_err(CommandError::unwritable(&std::env::temp_dir()))?;
         let recording = folder.path().join("scene.mcap");
         record_and_replay(&scene, &recording)?;
-        Ok(Source { recording: picture::Source::open(&recording)?, _temporary: Some(folder) })
+        Ok(OpenedSource { recording: picture::Source::open(&recording)?, _temporary: Some(folder) })
     }
 }
 
 /// Records a scene and replays it. A verdict other than `same` is an error.
 fn record_and_replay(scene: &Scene, path: &Path) -> Result<(), CommandError> {
     let file = File::create(path).map_err(CommandError::unwritable(path))?;
-    let plan = RecordOptions::whole(scene);
+    let plan = RecordOptions::complete(scene);
     let recorded = record::record(scene, plan, NO_LIVE_EVENTS, file, path)?;
     if let Some(error) = &recorded.error {
         output::info(format_args!("{error}; drawing the steps before it"));

@@ -5,7 +5,7 @@ use super::resolve::unknown_body;
 use super::style::appearances;
 use super::{Appearance, CollisionSelector, Error, Moment, Progress, Source, StepGrid, source};
 use crate::physics::{BodyId, Collision, Observer, larger};
-use crate::replay::{ALL_STEPS, Replayer, StateObserver, Verdict};
+use crate::replay::{ALL_STEPS, Replayer, Verdict};
 use crate::text::counted;
 use std::{collections::BTreeMap, sync::Arc};
 
@@ -36,7 +36,7 @@ pub fn find_collision(
         let [c, b] = collision.bodies.map(|id| bodies.get(&id).cloned());
         Some(CollisionSubject { title: String::new(), collision, bodies: [c?, b?] })
     });
-    let missing = pair.into_iter().flatten().find(|&name| !source.summary.names.contains(name));
+    let missing = pair.into_iter().flatten().find(|&name| !source.statistics.names.contains(name));
     if let Some(name) = missing {
         return Err(unknown_body(name, source));
     }
@@ -79,8 +79,6 @@ impl Observer for Search<'_> {
     }
 }
 
-impl StateObserver for Search<'_> {}
-
 /// The largest impulse of a run, N·s.
 pub fn max_impulse(source: &Source, progress: Progress) -> Result<f64, Error> {
     struct MaxImpulse(f64);
@@ -89,7 +87,6 @@ pub fn max_impulse(source: &Source, progress: Progress) -> Result<f64, Error> {
             self.0 = larger(collision.impulse.abs(), self.0);
         }
     }
-    impl StateObserver for MaxImpulse {}
     let mut max = MaxImpulse(0.0);
     let steps = source.header.steps;
     let recording = source::open(&source.path)?;
@@ -157,5 +154,3 @@ impl Observer for FreezeFrameFinder {
         self.pairs.push(pair);
     }
 }
-
-impl StateObserver for FreezeFrameFinder {}

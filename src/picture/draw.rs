@@ -96,7 +96,7 @@ impl Provenance {
 pub fn redraw(file: &[u8], recordings: &[Source]) -> Result<Vec<u8>, Error> {
     let provenance = Provenance::read(file)?;
     let find = |identity: &String| {
-        let found = recordings.iter().filter(|source| source.summary.identity.as_ref() == Some(identity));
+        let found = recordings.iter().filter(|source| source.statistics.identity.as_ref() == Some(identity));
         let usable = found.clone().find(|source| source.header.every <= provenance.recorded_every);
         match (usable, found.count()) {
             (Some(source), _) => Ok(source.clone()),

@@ -2,7 +2,7 @@
 //!
 //! A picture is made in these stages:
 //!
-//! 1. A [`Source`] is a recording with its scene and a [`RunSummary`].
+//! 1. A [`Source`] is a recording with its scene and [`RunStatistics`].
 //! 2. [`SubjectOptions`] name the picture and its format; [`PictureOptions`] may leave everything else open.
 //! 3. [`PictureOptions::resolve`] takes open options from the scene, then from the defaults. The result is a
 //!    [`ResolvedPicture`]: a [`Page`] or an [`Animation`], the format of its file, and a [`Look`].
@@ -31,7 +31,7 @@ pub mod raster;
 mod resimulation;
 mod resolve;
 mod resolved;
-mod run_summary;
+mod run_statistics;
 mod schedule;
 mod source;
 mod step_grid;
@@ -39,7 +39,7 @@ mod style;
 pub mod text;
 mod view;
 
-pub use crate::picture_options::{ColorBy, Overlay, Overlays, PictureOptions, Theme, WindowOptions};
+pub use crate::picture_options::{ColorBy, Overlay, Overlays, PictureOptions, Theme, Window};
 pub use camera::{Camera, CameraTarget};
 pub use draw::{Clip, Drawn, draw, draw_sequence, draw_to_vec, redraw};
 pub(crate) use encode::ordered_parallel_map;
@@ -54,14 +54,14 @@ pub use layers::{Appearance, Arrow, Frame, Sprite, Trails, compose};
 pub use provenance::{Provenance, SOFTWARE};
 pub(crate) use raster::color;
 pub use raster::{Color, DisplayList, Ink, Painter, Palette, Picture, Shape};
-pub use resolve::{FigureChoice, Sequence, SubjectOptions};
+pub use resolve::{FigureOptions, Sequence, SubjectOptions};
 pub use resolved::{Animation, CollisionFigure, CollisionSelector, Look, Page, ResolvedPicture, StatesFigure, Subject};
-pub use run_summary::RunSummary;
+pub use run_statistics::RunStatistics;
 pub use schedule::{AnimationSchedule, MIN_HOLD, Moment, Timing};
 pub use source::Source;
 pub use step_grid::{MAX_GIF_FPS, StepGrid, Thinning};
 pub use style::body_color;
-pub use view::{Metrics, Style, View};
+pub use view::{DrawingMetrics, Style, View};
 
 /// A callback that receives the number of completed work items and their total.
 pub type Progress<'a> = &'a mut dyn FnMut(u64, u64);

@@ -1,7 +1,7 @@
 use super::option_line::OptionLine;
 use super::{
     Animation, CameraTarget, CollisionFigure, CollisionSelector, Error, Format, Look, Metadata, Page, ResolvedPicture,
-    Source, StatesFigure, Subject, Timing, WindowOptions,
+    Source, StatesFigure, Subject, Timing, Window,
 };
 use crate::physics::Axis;
 use crate::picture_options::parse_size;
@@ -36,7 +36,7 @@ const UNFINISHED: &str = "none, the recording is unfinished";
 impl Provenance {
     /// The provenance of `picture` of `sources`, drawn by this program.
     pub fn new(picture: &ResolvedPicture, sources: &[Source]) -> Provenance {
-        let identity = |source: &Source| source.summary.identity.clone().unwrap_or_else(|| UNFINISHED.into());
+        let identity = |source: &Source| source.statistics.identity.clone().unwrap_or_else(|| UNFINISHED.into());
         Provenance {
             software: SOFTWARE.to_owned(),
             recordings: sources.iter().map(identity).collect(),
@@ -212,21 +212,21 @@ fn write_look(look: &Look, options: &mut OptionLine) {
     options.push("color_by", look.color_by);
     match &look.camera_target {
         CameraTarget::World => {}
-        CameraTarget::Window(area) => options.push("window", WindowOptions::Area(*area)),
+        CameraTarget::Window(area) => options.push("window", Window::Area(*area)),
         CameraTarget::Follow { name, size } => {
             options.push_strings("follow", [name]);
-            options.push("window", WindowOptions::Size(*size));
+            options.push("window", Window::Size(*size));
         }
     }
 }
 
 fn read_look(options: &OptionLine) -> Option<Look> {
     let followed = options.get_strings("follow")?.into_iter().next();
-    let window = options.get("window").map(WindowOptions::from_str).transpose().ok()?;
+    let window = options.get("window").map(Window::from_str).transpose().ok()?;
     let camera_target = match (followed, window) {
         (None, None) => CameraTarget::World,
-        (None, Some(WindowOptions::Area(area))) => CameraTarget::Window(area),
-        (Some(name), Some(WindowOptions::Size(size))) => CameraTarget::Follow { name, size },
+        (None, Some(Window::Area(area))) => CameraTarget::Window(area),
+        (Some(name), Some(Window::Size(size))) => CameraTarget::Follow { name, size },
         _ => return None,
     };
     Some(Look {

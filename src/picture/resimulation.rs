@@ -4,7 +4,7 @@ use super::{Error, Source, source};
 use crate::physics::{Body, BodyId, Collision, Engine, Observer, SolverKind, StepError, World};
 use crate::picture::{AnimationSchedule, Appearance, Frame, Moment, Sprite, Trails};
 use crate::recording::Health;
-use crate::replay::{Replayer, StateObserver, Verdict};
+use crate::replay::{Replayer, Verdict};
 use std::collections::{BTreeMap, VecDeque};
 use std::fs::File;
 use std::io::BufReader;
@@ -46,7 +46,6 @@ impl Resimulation {
             schedule,
             pending_collisions: Vec::new(),
             shown_until: 0.0,
-            failure: None,
         };
         Ok(Resimulation { path: source.path.clone(), replayer, recorder, health: Health::Complete, is_finished: false })
     }
@@ -60,12 +59,12 @@ impl Resimulation {
     fn advance(&mut self) -> Result<(), Error> {
         while self.recorder.ready.is_empty() && !self.is_finished {
             let next = self.replayer.next_state(&mut self.recorder);
-            if let Some(source) = self.recorder.failure.take() {
-                return Err(Error::Step { path: self.path.clone(), source });
-            }
             let step = next.map_err(|source| Error::Recording { path: self.path.clone(), source })?;
             if step.is_none() {
                 self.finish(self.replayer.verdict())?;
+            } else if let Some(engine) = self.replayer.engine() {
+                let recorded = self.recorder.record_state(engine);
+                recorded.map_err(|source| Error::Step { path: self.path.clone(), source })?;
             }
         }
         Ok(())
@@ -99,7 +98,7 @@ impl Iterator for Resimulation {
     }
 }
 
-/// Observes the replay and records the frames of a schedule.
+/// Receives the collisions and states of the replay and records the frames of a schedule.
 struct FrameRecorder {
     /// Frames recorded but not yet returned; at most those of one step.
     ready: VecDeque<Frame>,
@@ -114,7 +113,6 @@ struct FrameRecorder {
     pending_collisions: Vec<Collision>,
     /// Collisions of the current step up to this time after its start were shown already, s.
     shown_until: f64,
-    failure: Option<StepError>,
 }
 
 impl Observer for FrameRecorder {
@@ -125,24 +123,23 @@ impl Observer for FrameRecorder {
     }
 }
 
-impl StateObserver for FrameRecorder {
-    fn state(&mut self, engine: &Engine) {
+impl FrameRecorder {
+    /// Records the frames between a replayed state and the next step.
+    fn record_state(&mut self, engine: &Engine) -> Result<(), StepError> {
         self.shown_until = 0.0;
         let step = engine.current_step();
         let mut sprites_at_step = self.sprites(engine.world());
         if let Some(trails) = &mut self.trails {
             trails.update(step, &mut sprites_at_step);
         }
-        while self.next_frame < self.schedule.count() && self.failure.is_none() {
+        while self.next_frame < self.schedule.count() {
             let moment = self.schedule.moment(self.next_frame);
             if moment.step > step {
                 break;
             }
             if moment.step == step {
-                match self.record_frame(engine, moment, &sprites_at_step) {
-                    Ok(frame) => self.ready.push_back(frame),
-                    Err(error) => self.failure = Some(error),
-                }
+                let frame = self.record_frame(engine, moment, &sprites_at_step)?;
+                self.ready.push_back(frame);
             }
             self.next_frame += 1;
         }
@@ -150,10 +147,9 @@ impl StateObserver for FrameRecorder {
         if self.next_frame == 0 && step + self.schedule.grid.every <= self.schedule.moment(0).step {
             self.pending_collisions.clear();
         }
+        Ok(())
     }
-}
 
-impl FrameRecorder {
     /// The frame of a moment in the current step.
     fn record_frame(
         &mut self,

@@ -1,7 +1,7 @@
 use super::collisions::{collision_selector, find_collision};
 use super::{
     Animation, AnimationFormat, CameraTarget, CollisionFigure, Error, Look, Page, PictureOptions, Progress,
-    ResolvedPicture, Source, StatesFigure, StepGrid, StillFormat, Subject, Thinning, Timing, WindowOptions,
+    ResolvedPicture, Source, StatesFigure, StepGrid, StillFormat, Subject, Thinning, Timing, Window,
 };
 use crate::physics::{Rect, Vector, larger, smaller};
 use crate::text::counted;
@@ -21,7 +21,7 @@ pub enum SubjectOptions {
     /// A lecture figure.
     Figure {
         /// The figure.
-        figure: FigureChoice,
+        figure: FigureOptions,
         /// The format.
         format: StillFormat,
     },
@@ -35,7 +35,7 @@ pub enum SubjectOptions {
 /// The choice of a lecture figure.
 #[non_exhaustive]
 #[derive(Clone, Debug, PartialEq)]
-pub enum FigureChoice {
+pub enum FigureOptions {
     /// A figure of one collision of each recording.
     Collision {
         /// The kind of figure.
@@ -155,19 +155,20 @@ impl PictureOptions {
     fn camera_target(&self, sources: &[Source]) -> Result<CameraTarget, Error> {
         match (&self.follow, self.window) {
             (Some(name), window) => follow(name, window, sources),
-            (None, Some(WindowOptions::World)) => Ok(CameraTarget::World),
-            (None, Some(WindowOptions::Area(area))) => Ok(CameraTarget::Window(area)),
-            (None, Some(WindowOptions::Bodies)) => body_bounds(sources)
+            (None, Some(Window::World)) => Ok(CameraTarget::World),
+            (None, Some(Window::Area(area))) => Ok(CameraTarget::Window(area)),
+            (None, Some(Window::Bodies)) => body_bounds(sources)
                 .map(CameraTarget::Window)
                 .ok_or_else(|| Error::NothingToShow { reason: "the recording contains no body of finite mass".into() }),
-            (None, Some(WindowOptions::Size(_))) => {
+            (None, Some(Window::Size(_))) => {
                 let reason = "a window WIDTHxHEIGHT needs a body to follow: name it with --follow, or give the window as \
                               X,Y,WIDTH,HEIGHT";
                 Err(Error::Incompatible { reason: reason.into() })
             }
             // If no body ever enters the world, a picture of the world would be empty.
             (None, None) => {
-                match body_bounds(sources).filter(|_| !sources.iter().any(|source| source.summary.has_body_in_world)) {
+                match body_bounds(sources).filter(|_| !sources.iter().any(|source| source.statistics.has_body_in_world))
+                {
                     Some(bounds) => Ok(CameraTarget::Window(bounds)),
                     None => Ok(CameraTarget::World),
                 }
@@ -202,9 +203,9 @@ impl PictureOptions {
         non_empty(grid.restrict_to_every(source.header.every), source)
     }
 
-    fn figure(&self, figure: &FigureChoice, sources: &[Source], progress: Progress) -> Result<Page, Error> {
+    fn figure(&self, figure: &FigureOptions, sources: &[Source], progress: Progress) -> Result<Page, Error> {
         match figure {
-            FigureChoice::Collision { figure, step, pair } => {
+            FigureOptions::Collision { figure, step, pair } => {
                 let mut collisions = Vec::new();
                 for source in sources {
                     collisions.push(collision_selector(&find_collision(source, *step, pair.as_ref(), progress)?));
@@ -212,7 +213,7 @@ impl PictureOptions {
                 Ok(Page::Collision { figure: *figure, collisions })
             }
             // A filmstrip or strobe shows few instants; a diagram needs many for a smooth line.
-            FigureChoice::States(figure) => {
+            FigureOptions::States(figure) => {
                 let count = match figure {
                     StatesFigure::Filmstrip => 6,
                     StatesFigure::Strobe => 16,
@@ -221,7 +222,7 @@ impl PictureOptions {
                 let StepGrid { steps, every, .. } = self.common_grid(count, sources)?;
                 Ok(Page::States { figure: *figure, steps, every })
             }
-            FigureChoice::Energy => {
+            FigureOptions::Energy => {
                 let StepGrid { steps, every, .. } = self.common_grid(DIAGRAM_STATES, sources)?;
                 Ok(Page::Energy { steps, every })
             }
@@ -249,15 +250,15 @@ impl PictureOptions {
 /// The number of states in a diagram over time.
 const DIAGRAM_STATES: u64 = 2000;
 
-fn follow(name: &str, window: Option<WindowOptions>, sources: &[Source]) -> Result<CameraTarget, Error> {
-    let is_missing = |source: &&Source| !source.summary.names.iter().any(|existing| existing == name);
+fn follow(name: &str, window: Option<Window>, sources: &[Source]) -> Result<CameraTarget, Error> {
+    let is_missing = |source: &&Source| !source.statistics.names.iter().any(|existing| existing == name);
     if let Some(source) = sources.iter().find(is_missing) {
         return Err(unknown_body(name, source));
     }
     let size = match window {
-        Some(WindowOptions::Size(size)) => size,
-        Some(WindowOptions::Area(area)) => Vector::new(area.width(), area.height()),
-        Some(WindowOptions::World | WindowOptions::Bodies) | None => sources[0].world(),
+        Some(Window::Size(size)) => size,
+        Some(Window::Area(area)) => Vector::new(area.width(), area.height()),
+        Some(Window::World | Window::Bodies) | None => sources[0].world(),
     };
     Ok(CameraTarget::Follow { name: name.to_owned(), size })
 }
@@ -265,7 +266,7 @@ fn follow(name: &str, window: Option<WindowOptions>, sources: &[Source]) -> Resu
 /// The error for a body that does not exist in `source`.
 pub fn unknown_body(name: &str, source: &Source) -> Error {
     const MAX_LISTED: usize = 8;
-    let names = &source.summary.names;
+    let names = &source.statistics.names;
     let count = names.len();
     let names = names.iter().take(MAX_LISTED).map(|name| format!("{name:?}")).collect::<Vec<String>>().join(", ");
     let reason = match count {
@@ -297,7 +298,7 @@ fn state(step: u64, source: &Source) -> Result<Page, Error> {
 }
 
 fn last_step(source: &Source) -> Result<u64, Error> {
-    source.summary.last_step.ok_or_else(|| Error::NothingToShow { reason: "the recording contains no state".into() })
+    source.statistics.last_step.ok_or_else(|| Error::NothingToShow { reason: "the recording contains no state".into() })
 }
 
 /// Returns `grid` if it contains a step.
@@ -309,13 +310,13 @@ fn non_empty(grid: StepGrid, source: &Source) -> Result<StepGrid, Error> {
 }
 
 fn no_frames(from: u64, to: u64, every: u64, source: &Source) -> Error {
-    let last = source.summary.last_step.unwrap_or(0);
+    let last = source.statistics.last_step.unwrap_or(0);
     let steps = if from == to { format!("at step {from}") } else { format!("in steps {from} to {to} by {every}") };
     Error::NothingToShow { reason: format!("the recording has no state {steps}; its last step is {last}") }
 }
 
 /// The bounding box of all bodies of finite mass over all runs, with a margin of 5 %, m.
 fn body_bounds(sources: &[Source]) -> Option<Rect> {
-    let all = sources.iter().filter_map(|source| source.summary.bounds).reduce(|a, b| a.union(&b))?;
+    let all = sources.iter().filter_map(|source| source.statistics.bounds).reduce(|a, b| a.union(&b))?;
     Some(all.inset(-0.05 * larger(all.width(), all.height())))
 }

@@ -1,5 +1,5 @@
 use super::figures::EnergySample;
-use super::{Error, ReadExtent, ReadStatus, RunSummary, StepGrid};
+use super::{Error, ReadExtent, ReadStatus, RunStatistics, StepGrid};
 use crate::physics::{Body, EngineConfig, Material, Vector, World, invariants};
 use crate::recording::{self, Header, Playback, Recording, SampledBody, SampledState};
 use crate::scene::{self, Scene};
@@ -16,20 +16,20 @@ pub struct Source {
     pub header: Header,
     /// The scene stored in the recording.
     pub scene: Scene,
-    /// A summary of the whole run.
-    pub summary: RunSummary,
+    /// Statistics of the whole run.
+    pub statistics: RunStatistics,
 }
 
 impl Source {
-    /// Opens the recording at `path` and summarises it.
+    /// Opens the recording at `path` and reads statistics of its run.
     ///
     /// # Errors
     /// If the recording cannot be read or its scene is invalid.
     pub fn open(path: &Path) -> Result<Source, Error> {
         let header = open(path)?.header;
         let scene = scene::parse(&header.scene.file_name, &header.scene.text)?;
-        let summary = RunSummary::read(path, Vector::new(scene.size[0], scene.size[1]))?;
-        Ok(Source { path: path.into(), header, scene, summary })
+        let statistics = RunStatistics::read(path, Vector::new(scene.size[0], scene.size[1]))?;
+        Ok(Source { path: path.into(), header, scene, statistics })
     }
 
     /// Returns true if the file at `path` is a recording, false if it is a scene. A file is a recording if it begins

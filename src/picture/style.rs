@@ -12,7 +12,8 @@ impl Style {
     /// If the scale of impulse arrows requires a replay and that fails.
     pub fn new(look: &Look, sources: &[Source], progress: Progress) -> Result<Style, Error> {
         let top = |of: fn(&Source) -> f64| sources.iter().map(of).fold(0.0, larger);
-        let mut materials: Vec<String> = sources.iter().flat_map(|source| source.summary.materials.clone()).collect();
+        let mut materials: Vec<String> =
+            sources.iter().flat_map(|source| source.statistics.materials.clone()).collect();
         materials.sort();
         materials.dedup();
         let mut top_impulse = 0.0;
@@ -23,10 +24,10 @@ impl Style {
         }
         Ok(Style {
             look: look.clone(),
-            top_speed: top(|source| source.summary.top_speed),
-            top_force: top(|source| source.summary.top_force),
+            top_speed: top(|source| source.statistics.top_speed),
+            top_force: top(|source| source.statistics.top_force),
             top_impulse,
-            body_count: sources.iter().map(|source| source.summary.names.len() as u32).max().unwrap_or(0),
+            body_count: sources.iter().map(|source| source.statistics.names.len() as u32).max().unwrap_or(0),
             materials,
         })
     }

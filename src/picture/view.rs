@@ -22,7 +22,7 @@ impl View {
     pub fn new(world: Vector, style: Style) -> Result<View, RenderError> {
         let Look { theme, size, camera_target: target, .. } = &style.look;
         let [width, height] = size.map(f64::from);
-        let metrics = Metrics::new(*theme, *size);
+        let metrics = DrawingMetrics::new(*theme, *size);
         let [left, below] = margins(&style, &metrics, smaller(width, height));
         let viewport = Rect::new(Vector::new(left, 0.0), larger(width - left, 1.0), larger(height - below, 1.0));
         let camera = Camera::new(world, target, *size, viewport)?;
@@ -42,7 +42,7 @@ impl View {
 }
 
 /// Space reserved on the left and below, px.
-fn margins(style: &Style, metrics: &Metrics, shorter: f64) -> [f64; 2] {
+fn margins(style: &Style, metrics: &DrawingMetrics, shorter: f64) -> [f64; 2] {
     let strip = (shorter / 18.0).floor();
     let footer = if style.has_footer() { strip } else { 0.0 };
     let caption = if style.look.caption.is_empty() { 0.0 } else { strip };
@@ -101,7 +101,7 @@ impl Default for Style {
 
 /// The colours of a theme, with a font size and line width that suit the size of the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Metrics {
+pub struct DrawingMetrics {
     /// The colours of the theme.
     pub palette: Palette,
     /// Font size (height of the em), px.
@@ -110,13 +110,13 @@ pub struct Metrics {
     pub line_width: f64,
 }
 
-impl Metrics {
+impl DrawingMetrics {
     /// The metrics of a picture of `size` pixels, in proportion to its shorter side; small pictures keep a legible
     /// font.
-    pub fn new(theme: Theme, size: [u32; 2]) -> Metrics {
+    pub fn new(theme: Theme, size: [u32; 2]) -> DrawingMetrics {
         let [width, height] = size.map(f64::from);
         let unit = smaller(width, height) / 720.0;
-        Metrics {
+        DrawingMetrics {
             palette: Palette::of(theme),
             font_size: if unit < 0.6 { 12.0 } else { (21.0 * unit).round() },
             line_width: larger((2.0 * unit).round(), 1.0),

@@ -13,7 +13,7 @@ mod verdict;
 pub use error::{RunError, error_text};
 pub use live_events::{LiveEvents, NO_LIVE_EVENTS, OnBadEvent};
 pub use record::{RecordOptions, Recorded, record};
-pub use replayer::{ALL_STEPS, Replayer, StateObserver};
+pub use replayer::{ALL_STEPS, Replayer};
 pub use scene_run::{Run, engine_config};
 pub use verdict::{Difference, Divergence, Verdict, ulps};
 

@@ -18,7 +18,7 @@ pub struct RecordOptions {
 
 impl RecordOptions {
     /// The complete run of the scene, every state in full, nothing for viewers.
-    pub const fn whole(scene: &Scene) -> RecordOptions {
+    pub const fn complete(scene: &Scene) -> RecordOptions {
         RecordOptions { steps: scene.run.steps, every: 1, viewer: None }
     }
 

@@ -6,7 +6,7 @@ use std::{
 };
 
 use crate::{
-    physics::{Collision, CollisionCount, Engine, Observer, SolverSnapshot},
+    physics::{Engine, Observer, SolverSnapshot},
     recording::{
         BodyTable, Change, Error, Health, Item, Keyframe, RecordedEvent, RecordedState, Recording, SEMANTICS_VERSION,
         StateDigest, Trailer, body_state, open,
@@ -17,16 +17,6 @@ use super::{Difference, Divergence, Verdict, error_text};
 
 /// All steps of a recording.
 pub const ALL_STEPS: RangeInclusive<u64> = 0..=u64::MAX;
-
-/// An [`Observer`] that also observes the states of a replay.
-pub trait StateObserver: Observer {
-    /// Called at each compared state that is the same as recorded, before the next step.
-    fn state(&mut self, _engine: &Engine) {}
-}
-
-impl StateObserver for CollisionCount {}
-
-impl StateObserver for Vec<Collision> {}
 
 /// Runs a recording again and compares its states bit for bit.
 ///
@@ -112,7 +102,7 @@ impl<R: Read + Seek> Replayer<R> {
     ///
     /// # Errors
     /// Returns an error if the file cannot be read.
-    pub fn run<O: StateObserver>(mut self, observer: &mut O, mut progress: impl FnMut(u64)) -> Result<Verdict, Error> {
+    pub fn run<O: Observer>(mut self, observer: &mut O, mut progress: impl FnMut(u64)) -> Result<Verdict, Error> {
         while let Some(step) = self.next_state(observer)? {
             progress(step);
         }
@@ -124,7 +114,7 @@ impl<R: Read + Seek> Replayer<R> {
     ///
     /// # Errors
     /// Returns an error if the file cannot be read.
-    pub fn next_state<O: StateObserver>(&mut self, observer: &mut O) -> Result<Option<u64>, Error> {
+    pub fn next_state<O: Observer>(&mut self, observer: &mut O) -> Result<Option<u64>, Error> {
         while !self.is_finished() {
             let Some(item) = self.recording.next().transpose()? else { break };
             let step = match &item {
@@ -139,6 +129,12 @@ impl<R: Read + Seek> Replayer<R> {
             }
         }
         Ok(None)
+    }
+
+    /// Returns the engine if it is at a state that was compared and is the same as recorded.
+    pub fn engine(&self) -> Option<&Engine> {
+        let is_at_last = self.last == Some(self.engine.current_step());
+        (is_at_last && matches!(self.phase, Phase::InSync)).then_some(&self.engine)
     }
 
     /// Returns the verdict on the part replayed so far; final once [`Replayer::next_state`] has returned `None`.
@@ -164,7 +160,7 @@ impl<R: Read + Seek> Replayer<R> {
         self.last == Some(*self.steps.end())
     }
 
-    fn replay_item<O: StateObserver>(&mut self, item: Item, observer: &mut O) -> Result<(), Box<Divergence>> {
+    fn replay_item<O: Observer>(&mut self, item: Item, observer: &mut O) -> Result<(), Box<Divergence>> {
         match (item, &self.phase) {
             (Item::Keyframe(keyframe), Phase::InSync) => self.expected_solver = Some(keyframe.solver),
             (Item::Keyframe(keyframe), _) => return self.restore(&keyframe),
@@ -193,7 +189,7 @@ impl<R: Read + Seek> Replayer<R> {
         }
     }
 
-    fn apply_event<O: StateObserver>(&mut self, event: RecordedEvent, observer: &mut O) -> Result<(), Box<Divergence>> {
+    fn apply_event<O: Observer>(&mut self, event: RecordedEvent, observer: &mut O) -> Result<(), Box<Divergence>> {
         self.phase = Phase::InSync;
         self.run_to(event.step, observer)?;
         let (verb, name) = match &event.change {
@@ -208,11 +204,7 @@ impl<R: Read + Seek> Replayer<R> {
         Ok(())
     }
 
-    fn compare_state<O: StateObserver>(
-        &mut self,
-        state: &RecordedState,
-        observer: &mut O,
-    ) -> Result<(), Box<Divergence>> {
+    fn compare_state<O: Observer>(&mut self, state: &RecordedState, observer: &mut O) -> Result<(), Box<Divergence>> {
         self.phase = Phase::InSync;
         self.run_to(state.step, observer)?;
         if !self.steps.contains(&state.step) {
@@ -221,7 +213,6 @@ impl<R: Read + Seek> Replayer<R> {
         if let Some(difference) = self.difference(state) {
             return Err(self.divergence(difference));
         }
-        observer.state(&self.engine);
         let is_consecutive = self.last.is_some_and(|last| last + 1 == state.step);
         self.same_steps += u64::from(is_consecutive);
         self.last = Some(state.step);
@@ -234,7 +225,7 @@ impl<R: Read + Seek> Replayer<R> {
     }
 
     /// Checks that the replay ends with the recorded error, if there is one.
-    fn compare_error<O: StateObserver>(&mut self, trailer: Trailer, observer: &mut O) -> Result<(), Box<Divergence>> {
+    fn compare_error<O: Observer>(&mut self, trailer: Trailer, observer: &mut O) -> Result<(), Box<Divergence>> {
         let Some(recorded) = trailer.error else { return Ok(()) };
         match self.engine.step(observer) {
             Err(error) if error_text(&error) == recorded => {
@@ -249,7 +240,7 @@ impl<R: Read + Seek> Replayer<R> {
         }
     }
 
-    fn run_to<O: StateObserver>(&mut self, step: u64, observer: &mut O) -> Result<(), Box<Divergence>> {
+    fn run_to<O: Observer>(&mut self, step: u64, observer: &mut O) -> Result<(), Box<Divergence>> {
         while self.engine.current_step() < step {
             if let Err(error) = self.engine.step(observer) {
                 return Err(self.mismatch(format!("the replay ends with an error that was not recorded: {error}")));

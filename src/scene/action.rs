@@ -1,5 +1,5 @@
 use super::{
-    diagnostics::Reported,
+    diagnostics::ErrorReported,
     lifetimes::{Effect, NameField},
     tree::{Field, Key, Node, Table},
 };
@@ -97,9 +97,9 @@ impl Blueprint {
 /// An event as written in a text. Parts that could not be read are errors.
 pub struct Request<T> {
     /// The step and its location, if given.
-    pub step: Result<Option<(u64, Range<usize>)>, Reported>,
+    pub step: Result<Option<(u64, Range<usize>)>, ErrorReported>,
     /// The event.
-    pub event: Result<T, Reported>,
+    pub event: Result<T, ErrorReported>,
     /// Its effect on the names in use, which is partly known even if the event could not be read.
     pub effect: Effect,
     /// The text to underline if the event is impossible: the name that it uses, else its table.
@@ -108,7 +108,7 @@ pub struct Request<T> {
 
 impl<T> Request<T> {
     /// An event whose table could not be read at all.
-    pub fn unreadable(reported: Reported, effect: Effect, span: Range<usize>) -> Request<T> {
+    pub fn unreadable(reported: ErrorReported, effect: Effect, span: Range<usize>) -> Request<T> {
         Request { step: Err(reported), event: Err(reported), effect, span }
     }
 }
@@ -198,7 +198,7 @@ pub fn read_click(table: &Table) -> Request<Action> {
 }
 
 /// Reads the step of an event and its location.
-pub fn read_step(table: &Table) -> Result<Option<(u64, Range<usize>)>, Reported> {
+pub fn read_step(table: &Table) -> Result<Option<(u64, Range<usize>)>, ErrorReported> {
     table.get(STEP)?.map(|field| Ok((field.read(Node::count)?, field.node.span.clone()))).transpose()
 }
 
@@ -223,7 +223,7 @@ pub fn color(node: &Node) -> Result<&str, &Node> {
 
 /// Reads a body without its position; its name and whether its mass is infinite are partly known even if
 /// the body could not be read.
-fn read_blueprint(table: &Table) -> (Result<Blueprint, Reported>, NameField, bool) {
+fn read_blueprint(table: &Table) -> (Result<Blueprint, ErrorReported>, NameField, bool) {
     let name = table.optional(NAME, own_name).map(|name| name.map(String::from));
     let size = table.required(SIZE, Node::size);
     let mass = table.required(MASS, Node::mass);
@@ -253,7 +253,7 @@ fn own_name(node: &Node) -> Result<&str, &Node> {
 }
 
 /// Returns an error for a position at which a corner of the body is not finite.
-fn require_finite(position: &Field, request: &SpawnRequest) -> Result<(), Reported> {
+fn require_finite(position: &Field, request: &SpawnRequest) -> Result<(), ErrorReported> {
     let is_finite = request.rect.origin.is_finite() && request.rect.far_corner().is_finite();
     if is_finite { Ok(()) } else { Err(position.refuse(position.node)) }
 }

@@ -147,13 +147,13 @@ pub struct Excerpt {
 /// Collects the independent errors of one text while it is read.
 ///
 /// A reader reports an error and continues with the next key. The value that it could not read is
-/// then a [`Reported`], so that nothing that depends on it is checked or reported.
+/// then a [`ErrorReported`], so that nothing that depends on it is checked or reported.
 #[derive(Debug, Default)]
 pub struct Reporter(RefCell<Collected>);
 
 /// Proof that an error was reported.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Reported(());
+pub struct ErrorReported(());
 
 #[derive(Debug, Default)]
 struct Collected {
@@ -164,7 +164,7 @@ struct Collected {
 
 impl Reporter {
     /// Adds an error.
-    pub fn report(&self, diagnostic: Diagnostic) -> Reported {
+    pub fn report(&self, diagnostic: Diagnostic) -> ErrorReported {
         let Collected { listed, omitted } = &mut *self.0.borrow_mut();
         let index = listed.partition_point(|other| other.span.start <= diagnostic.span.start);
         listed.insert(index, diagnostic);
@@ -172,21 +172,21 @@ impl Reporter {
             listed.pop();
             *omitted += 1;
         }
-        Reported(())
+        ErrorReported(())
     }
 
     /// Returns `value`, or all errors if any was reported.
     pub fn finish<T>(
         self,
-        value: Result<T, Reported>,
+        value: Result<T, ErrorReported>,
         excerpt: impl FnOnce() -> Excerpt,
     ) -> Result<T, Box<Diagnostics>> {
         let Collected { listed, omitted } = self.0.into_inner();
         let mut listed = listed.into_iter();
         match (listed.next(), value) {
             (None, Ok(value)) => Ok(value),
-            (None, Err(Reported(()))) => unreachable!("a Reported comes from a report"),
-            (Some(first), Ok(_) | Err(Reported(()))) => {
+            (None, Err(ErrorReported(()))) => unreachable!("a ErrorReported comes from a report"),
+            (Some(first), Ok(_) | Err(ErrorReported(()))) => {
                 let others = listed.collect();
                 Err(Box::new(Diagnostics { excerpt: Some(excerpt()), first, others, omitted }))
             }

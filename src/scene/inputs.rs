@@ -1,7 +1,7 @@
 use super::{
     Action, Diagnostic, DiagnosticKind, Walls,
     action::{self, Request, read_click, read_delete, read_spawn},
-    diagnostics::{Reported, Reporter},
+    diagnostics::{ErrorReported, Reporter},
     lifetimes::{self, Effect, NameField},
     options::{WALL_NAMES, WorldOptions},
     scatter::{self, MAX_SCATTERED, Scatter},
@@ -44,7 +44,7 @@ pub fn read(
     world: &WorldOptions,
     last: Option<u64>,
     reporter: &Reporter,
-) -> Result<Vec<Input>, Reported> {
+) -> Result<Vec<Input>, ErrorReported> {
     let mut reader = Reader {
         last,
         reporter,
@@ -69,12 +69,12 @@ struct Reader<'a> {
     /// All events, including those with errors, for the check of names.
     entries: Vec<lifetimes::Entry>,
     /// An error of an event, if there is one.
-    refused: Option<Reported>,
+    refused: Option<ErrorReported>,
     occupied: OccupiedRects,
     /// The number of scattered bodies so far.
     scattered: u64,
     /// The error of the first scatter beyond the limit.
-    over_limit: Option<Reported>,
+    over_limit: Option<ErrorReported>,
 }
 
 /// The rectangles of bodies when they are spawned. A scatter must not overlap walls or bodies spawned before it in its
@@ -159,7 +159,7 @@ impl Reader<'_> {
     }
 
     /// Adds the event that was read from a table.
-    fn add(&mut self, node: &Node, request: Result<Request<Action>, Reported>, unreadable: impl Fn() -> Effect) {
+    fn add(&mut self, node: &Node, request: Result<Request<Action>, ErrorReported>, unreadable: impl Fn() -> Effect) {
         let Request { step, event, effect, span } =
             request.unwrap_or_else(|reported| Request::unreadable(reported, unreadable(), node.span.clone()));
         let step = self.checked_step(step);
@@ -196,7 +196,7 @@ impl Reader<'_> {
     }
 
     /// Reports the first scatter beyond the limit.
-    fn report_too_many(&mut self, count_span: Range<usize>) -> Reported {
+    fn report_too_many(&mut self, count_span: Range<usize>) -> ErrorReported {
         *self.over_limit.get_or_insert_with(|| {
             let kind = DiagnosticKind::TooMany { what: "scattered bodies", limit: MAX_SCATTERED };
             self.reporter.report(Diagnostic::new(kind, count_span))
@@ -217,7 +217,7 @@ impl Reader<'_> {
     }
 
     /// The step, 0 if none is given, unless it is after the last one.
-    fn checked_step(&self, step: Result<Option<(u64, Range<usize>)>, Reported>) -> Result<u64, Reported> {
+    fn checked_step(&self, step: Result<Option<(u64, Range<usize>)>, ErrorReported>) -> Result<u64, ErrorReported> {
         match (step?, self.last) {
             (Some((step, span)), Some(last)) if step > last => {
                 Err(self.reporter.report(Diagnostic::new(DiagnosticKind::AfterLastStep { step, last }, span)))
@@ -227,7 +227,7 @@ impl Reader<'_> {
         }
     }
 
-    fn finish(mut self) -> Result<Vec<Input>, Reported> {
+    fn finish(mut self) -> Result<Vec<Input>, ErrorReported> {
         // The sorts are stable: within a step and a kind, events keep the order of the file.
         self.entries.sort_by_key(|entry| (entry.step, effect_rank(&entry.effect)));
         lifetimes::check(&self.entries, self.reporter)?;

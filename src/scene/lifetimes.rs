@@ -2,7 +2,7 @@
 
 use super::{
     Diagnostic, DiagnosticKind,
-    diagnostics::{Reported, Reporter},
+    diagnostics::{ErrorReported, Reporter},
 };
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -105,7 +105,7 @@ struct Lifetime {
 const MAX_LISTED: usize = 8;
 
 /// Reports spawns of names in use and deletes of bodies that are not alive. `entries` must be in the order of the run.
-pub fn check(entries: &[Entry], reporter: &Reporter) -> Result<(), Reported> {
+pub fn check(entries: &[Entry], reporter: &Reporter) -> Result<(), ErrorReported> {
     let mut lifetimes = Lifetimes {
         bodies: BTreeMap::new(),
         spawned: 0,
@@ -153,7 +153,7 @@ impl Lifetimes<'_> {
         }
     }
 
-    fn apply(&mut self, step: u64, entry: &Entry) -> Result<(), Reported> {
+    fn apply(&mut self, step: u64, entry: &Entry) -> Result<(), ErrorReported> {
         let span = &entry.span;
         match &entry.effect {
             Effect::Wall { name, is_certain } => {
@@ -209,7 +209,7 @@ impl Lifetimes<'_> {
         span: &Range<usize>,
         is_infinite: bool,
         is_certain: bool,
-    ) -> Result<(), Reported> {
+    ) -> Result<(), ErrorReported> {
         if !self.numbers_are_certain {
             return Ok(());
         }
@@ -217,7 +217,7 @@ impl Lifetimes<'_> {
         self.spawn(step, Name::Number(self.spawned), lifetime)
     }
 
-    fn spawn(&mut self, step: u64, name: Name, lifetime: Lifetime) -> Result<(), Reported> {
+    fn spawn(&mut self, step: u64, name: Name, lifetime: Lifetime) -> Result<(), ErrorReported> {
         if let (Some(earlier), Name::Given(name)) = (self.bodies.get(&name), &name)
             && self.is_certainly_alive(name, earlier)
         {
@@ -231,7 +231,7 @@ impl Lifetimes<'_> {
         Ok(())
     }
 
-    fn delete(&mut self, step: u64, span: &Range<usize>, written: &str) -> Result<(), Reported> {
+    fn delete(&mut self, step: u64, span: &Range<usize>, written: &str) -> Result<(), ErrorReported> {
         let name = Name::parse(written);
         let may_be_alive = match &name {
             Name::Number(_) => !self.numbers_are_certain,
@@ -277,8 +277,8 @@ impl Uncertain {
     }
 }
 
-impl From<&Result<Option<String>, Reported>> for NameField {
-    fn from(name: &Result<Option<String>, Reported>) -> NameField {
+impl From<&Result<Option<String>, ErrorReported>> for NameField {
+    fn from(name: &Result<Option<String>, ErrorReported>) -> NameField {
         match name {
             Ok(Some(name)) => NameField::Given(name.clone()),
             Ok(None) => NameField::Absent,

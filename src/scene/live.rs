@@ -3,7 +3,7 @@
 use super::{
     Action, Diagnostic, DiagnosticKind, Excerpt, SceneError,
     action::{self, Request, read_click, read_delete, read_spawn},
-    diagnostics::{Reported, Reporter},
+    diagnostics::{ErrorReported, Reporter},
     tree::{Key, Table, Value, parse_json},
 };
 
@@ -40,7 +40,7 @@ fn excerpt(number: u64, line: &str) -> Excerpt {
     Excerpt { name: "events".into(), line: number, text }
 }
 
-fn read(line: &str, reporter: &Reporter) -> Result<LiveEvent, Reported> {
+fn read(line: &str, reporter: &Reporter) -> Result<LiveEvent, ErrorReported> {
     let root = parse_json(line).map_err(|error| reporter.report(error))?;
     let not_one_event = || Diagnostic::new(DiagnosticKind::NotOneEvent, root.span.clone());
     let Value::Table(_) = root.value else { return Err(reporter.report(not_one_event())) };

@@ -24,7 +24,7 @@ use crate::physics::{Restitution, Vector};
 use crate::recording::limits;
 use std::{fs::File, io::Read, path::Path};
 
-pub use crate::picture_options::{ColorBy, Overlay, Overlays, PictureOptions, Theme, WindowOptions};
+pub use crate::picture_options::{ColorBy, Overlay, Overlays, PictureOptions, Theme, Window};
 pub use action::{Action, Blueprint, SpawnRequest};
 pub use diagnostic::{Diagnostic, DiagnosticKind};
 pub use diagnostics::{Diagnostics, Excerpt, SceneError};
@@ -33,7 +33,7 @@ pub use options::{RunOptions, Walls};
 #[cfg(feature = "cli")]
 pub use overrides::Override;
 
-use diagnostics::{Reported, Reporter};
+use diagnostics::{ErrorReported, Reporter};
 use options::WorldOptions;
 use tree::{Field, Key, Node, Table};
 
@@ -136,7 +136,7 @@ fn read_text(path: &Path) -> Result<String, SceneError> {
         .map_err(|error| SceneError::NotText { path: path.into(), byte: error.utf8_error().valid_up_to() })
 }
 
-fn read(source: &SceneSource, reporter: &Reporter) -> Result<Scene, Reported> {
+fn read(source: &SceneSource, reporter: &Reporter) -> Result<Scene, ErrorReported> {
     let root = tree::parse_toml(&source.text).map_err(|error| reporter.report(error))?;
     let root = Table::open("", &root, &[KEYS, inputs::KEYS].concat(), reporter)?;
     let title = root.optional(TITLE, Node::text).map(|title| title.map(String::from));
@@ -168,7 +168,7 @@ fn read(source: &SceneSource, reporter: &Reporter) -> Result<Scene, Reported> {
     })
 }
 
-fn read_world(field: Result<Option<Field>, Reported>, reporter: &Reporter) -> WorldOptions {
+fn read_world(field: Result<Option<Field>, ErrorReported>, reporter: &Reporter) -> WorldOptions {
     match field.and_then(|field| {
         field.map(|field| Table::open("world", field.node, options::WORLD_KEYS, reporter)).transpose()
     }) {

@@ -2,7 +2,7 @@
 
 use super::{
     Diagnostic, DiagnosticKind, SpawnRequest, action,
-    diagnostics::{Reported, Reporter},
+    diagnostics::{ErrorReported, Reporter},
     tree::{Entry, Key, Node, Table, Value, unknown_key},
 };
 use crate::physics::{DEFAULT_EVENTS_PER_STEP, Rect, Restitution, RestitutionPair, SolverKind, Vector};
@@ -12,11 +12,11 @@ use std::{collections::BTreeMap, ops::Range};
 /// The `[world]` table of a scene. A value that could not be read is an error.
 pub struct WorldOptions {
     /// Width and height of the visible world, m.
-    pub size: Result<[f64; 2], Reported>,
+    pub size: Result<[f64; 2], ErrorReported>,
     /// The walls and the location of their key.
-    pub walls: Result<Option<(Walls, Range<usize>)>, Reported>,
+    pub walls: Result<Option<(Walls, Range<usize>)>, ErrorReported>,
     /// Gravity, m/s².
-    pub gravity: Result<Option<Vector>, Reported>,
+    pub gravity: Result<Option<Vector>, ErrorReported>,
 }
 
 /// Default width and height of the world, m.
@@ -38,7 +38,7 @@ impl Default for WorldOptions {
 
 impl WorldOptions {
     /// The options of a table that could not be read.
-    pub fn unreadable(reported: Reported) -> WorldOptions {
+    pub fn unreadable(reported: ErrorReported) -> WorldOptions {
         WorldOptions { size: Err(reported), walls: Err(reported), gravity: Err(reported) }
     }
 }
@@ -125,7 +125,7 @@ pub const RUN_KEYS: &[Key] = &[RATE, STEPS, DURATION, SOLVER, EVENTS_PER_STEP];
 
 /// Reads `[run]`. The number of steps is returned on its own because it may be known even if other options
 /// are not.
-pub fn read_run(table: &Table) -> (Result<RunOptions, Reported>, Result<u64, Reported>) {
+pub fn read_run(table: &Table) -> (Result<RunOptions, ErrorReported>, Result<u64, ErrorReported>) {
     let rate = table
         .optional(RATE, |node| node.number_where(|rate| rate > 0.0 && (1.0 / rate).is_finite()))
         .map(|rate| rate.unwrap_or(DEFAULT_RATE));
@@ -143,7 +143,7 @@ pub fn read_run(table: &Table) -> (Result<RunOptions, Reported>, Result<u64, Rep
     (options(), steps)
 }
 
-fn read_steps(table: &Table, rate: Result<f64, Reported>) -> Result<u64, Reported> {
+fn read_steps(table: &Table, rate: Result<f64, ErrorReported>) -> Result<u64, ErrorReported> {
     let fits = |steps: f64, rate: f64| steps / rate <= MAX_SECONDS && steps < u64::MAX as f64;
     match (table.get(STEPS)?, table.get(DURATION)?) {
         (Some(steps), None) => steps.read(|node| {
@@ -188,7 +188,7 @@ const PAIR: Key = Key { name: "\"a/b\" for two materials a and b", accepts: COEF
 pub const RESTITUTION_KEYS: &[Key] = &[DEFAULT, PAIR];
 
 /// Reads `[restitution]`.
-pub fn read_restitution(node: &Node, reporter: &Reporter) -> Result<Restitution, Reported> {
+pub fn read_restitution(node: &Node, reporter: &Reporter) -> Result<Restitution, ErrorReported> {
     let table = Table::with_any_keys("restitution", node, reporter)?;
     let default = table.optional(DEFAULT, coefficient);
     let mut pairs = Vec::new();
@@ -216,7 +216,7 @@ fn read_pair(
     entry: &Entry,
     seen: &mut BTreeMap<[String; 2], Range<usize>>,
     reporter: &Reporter,
-) -> Result<RestitutionPair, Reported> {
+) -> Result<RestitutionPair, ErrorReported> {
     let side = |text: &str| {
         let node = Node { span: entry.span.clone(), value: Value::Text(text.into()) };
         action::material(&node).map(String::from).ok()
@@ -256,7 +256,7 @@ const COLOR_BY: Key = Key { name: "color_by", accepts: "\"body\", \"material\" o
 pub(super) const FIGURE_KEYS: &[Key] = &[FIGURE_SIZE, THEME, FPS, SHOW, COLOR_BY];
 
 /// Reads `[figure]`.
-pub(super) fn read_figure(table: &Table) -> Result<PictureOptions, Reported> {
+pub(super) fn read_figure(table: &Table) -> Result<PictureOptions, ErrorReported> {
     let size = table.optional(FIGURE_SIZE, |node| node.each(pixels));
     let theme = table.optional(THEME, |node| Theme::named(node.text()?).ok_or(node));
     let fps = table.optional(FPS, |node| node.number_where(|fps| 0.0 < fps && fps <= 1000.0));

@@ -1,7 +1,7 @@
 use super::{
     Diagnostic, DiagnosticKind, SpawnRequest,
     action::{self, Request},
-    diagnostics::{Reported, Reporter},
+    diagnostics::{ErrorReported, Reporter},
     lifetimes::Effect,
     occupancy::OccupancyGrid,
     tree::{Key, Node, Table},
@@ -105,7 +105,7 @@ impl Scatter {
         &self,
         others: impl Iterator<Item = &'a Rect>,
         reporter: &Reporter,
-    ) -> Result<Vec<SpawnRequest>, Reported> {
+    ) -> Result<Vec<SpawnRequest>, ErrorReported> {
         let mut random = Random::new(self.seed);
         let mut occupied = OccupancyGrid::new(self.region, self.size.map(|[_, largest]| largest), self.count);
         if !self.overlap {

@@ -19,7 +19,8 @@ fn a_scene_built_in_code_is_recorded_and_replays() {
     let path = folder.path().join("builder.mcap");
     let spawn = vec![SpawnTable { at: [1.0, 1.0], velocity: [1.0, 0.25], ..SpawnTable::default() }];
     let scene = SceneBuilder { spawn, ..SceneBuilder::default() }.build("builder.toml").unwrap();
-    replay::record(&scene, RecordOptions::whole(&scene), NO_LIVE_EVENTS, File::create(&path).unwrap(), |_| ()).unwrap();
+    replay::record(&scene, RecordOptions::complete(&scene), NO_LIVE_EVENTS, File::create(&path).unwrap(), |_| ())
+        .unwrap();
     assert_replays(&path);
     let stored = rebond::internals::picture::Source::open(&path).unwrap().scene;
     assert_eq!(stored.inputs, scene.inputs, "the recording carries the scene as text");

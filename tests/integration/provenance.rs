@@ -83,7 +83,7 @@ fn info_prints_the_provenance_of_every_format() {
     let info = |name: &&str| format!("{name}\n{}", workplace.done(&format!("info {name}")).output);
     let printed = names.iter().map(info).collect::<Vec<String>>().join("\n");
     // Identities change with every version of the engine, so the snapshot does not contain them.
-    let identity = |name: &str| Source::open(&workplace.path(name)).unwrap().summary.identity.unwrap();
+    let identity = |name: &str| Source::open(&workplace.path(name)).unwrap().statistics.identity.unwrap();
     let named = printed.replace(&identity("run.mcap"), "RUN").replace(&identity("exact.mcap"), "EXACT");
     assert_text("info-of-pictures", &named);
     let json: serde_json::Value = serde_json::from_str(&workplace.done("info figure.pdf --json").output).unwrap();

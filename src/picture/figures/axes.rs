@@ -4,7 +4,7 @@ use super::panels::outline;
 use crate::physics::{Rect, Vector, larger, smaller};
 use crate::picture::number::{log10, multiples_within, nice_spacing, tick_label};
 use crate::picture::text::Line;
-use crate::picture::{Ink, Metrics, Shape};
+use crate::picture::{DrawingMetrics, Ink, Shape};
 
 /// The axes of a diagram.
 pub struct Axes {
@@ -118,7 +118,7 @@ impl Scale {
 
 impl Axes {
     /// Creates axes in `panel`, which also contains tick labels and titles, with `right` px left free on the right.
-    pub fn within(panel: &Rect, x: Scale, y: Scale, right: f64, metrics: &Metrics) -> Axes {
+    pub fn within(panel: &Rect, x: Scale, y: Scale, right: f64, metrics: &DrawingMetrics) -> Axes {
         let (below, above) = (2.4 * metrics.font_size, 1.5 * metrics.font_size);
         let height = panel.height() - above - below;
         let max_ticks = match y {
@@ -141,7 +141,7 @@ impl Axes {
     }
 
     /// Draws grid lines, tick labels, titles and the frame.
-    pub fn draw(&self, titles: &AxisTitles, metrics: &Metrics, shapes: &mut Vec<Shape>) {
+    pub fn draw(&self, titles: &AxisTitles, metrics: &DrawingMetrics, shapes: &mut Vec<Shape>) {
         let (area, far) = (self.plot_area, self.plot_area.far_corner());
         let (font_size, thin) = (metrics.font_size, (metrics.line_width / 2.0).ceil());
         let [grid, muted] = [metrics.palette.grid, metrics.palette.muted].map(Ink::from);
@@ -197,7 +197,7 @@ struct Tick {
 }
 
 impl Tick {
-    fn line(&self, metrics: &Metrics) -> Line {
+    fn line(&self, metrics: &DrawingMetrics) -> Line {
         Line::math(&self.label, 0.8 * metrics.font_size)
     }
 }

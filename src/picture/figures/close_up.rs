@@ -6,7 +6,7 @@ use crate::picture::layers::contacts::contact_center;
 use crate::picture::layers::labels::LabelPlacer;
 use crate::picture::number::{format_significant, nice_spacing};
 use crate::picture::text::Line;
-use crate::picture::{Arrow, Camera, Color, Metrics, Shape};
+use crate::picture::{Arrow, Camera, Color, DrawingMetrics, Shape};
 
 /// A close-up of the contact, magnified until the penetration is clearly visible.
 pub struct CloseUp {
@@ -20,7 +20,7 @@ pub struct CloseUp {
 
 impl CloseUp {
     /// Creates the close-up for a figure whose other panels have `scale` pixels per metre.
-    pub fn new(pair: &Pair, scale: f64, metrics: &Metrics) -> CloseUp {
+    pub fn new(pair: &Pair, scale: f64, metrics: &DrawingMetrics) -> CloseUp {
         let depth = pair.collision.penetration.norm() * scale;
         let target_length = 5.0 * metrics.font_size;
         let zoom =
@@ -62,7 +62,7 @@ impl CloseUp {
     }
 
     /// The handout's name of a box as a label on the box's side of the contact.
-    fn role_label(&self, at: usize, panel: &Rect, metrics: &Metrics) -> Shape {
+    fn role_label(&self, at: usize, panel: &Rect, metrics: &DrawingMetrics) -> Shape {
         let line = Line::math(ROLES[at], 1.4 * metrics.font_size);
         let side = self.pair.collision.normal.mult(if at == 0 { 0.4 } else { -0.4 });
         let normal = Vector::new(side.x * panel.width(), side.y * panel.height());

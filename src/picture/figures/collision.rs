@@ -7,7 +7,7 @@ use crate::picture::layers::bodies::border_color;
 use crate::picture::layers::labels::LabelPlacer;
 use crate::picture::number::format_significant;
 use crate::picture::text::Line;
-use crate::picture::{Arrow, Camera, DisplayList, Ink, Metrics, Shape, Style};
+use crate::picture::{Arrow, Camera, DisplayList, DrawingMetrics, Ink, Shape, Style};
 
 /// Figure 1 of the handout: (a) boxes c and b at contact, with their velocities; (b) a close-up of their overlap with
 /// the unit normal n̂, the penetration vector n⃗ and the share of it by which each box is displaced; (c) the boxes
@@ -70,7 +70,7 @@ fn placer(
     camera: &Camera,
     rects: &[Rect; 2],
     arrows: &[Arrow; 2],
-    metrics: &Metrics,
+    metrics: &DrawingMetrics,
 ) -> LabelPlacer {
     let mut placer = LabelPlacer::within(*panel);
     pair.names(camera, rects, arrows, metrics).iter().for_each(|name| placer.reserve(name.bounds()));
@@ -122,7 +122,7 @@ pub fn label_arrow(arrow: &Arrow, markup: &str, placer: &mut LabelPlacer, panels
 }
 
 /// Draws an arrow with a dashed shaft.
-fn draw_dashed(arrow: &Arrow, metrics: &Metrics, shapes: &mut Vec<Shape>) {
+fn draw_dashed(arrow: &Arrow, metrics: &DrawingMetrics, shapes: &mut Vec<Shape>) {
     let direction = arrow.to.sub(arrow.from);
     let length = direction.norm();
     let head = 6.0 * arrow.width;
@@ -137,7 +137,7 @@ fn draw_dashed(arrow: &Arrow, metrics: &Metrics, shapes: &mut Vec<Shape>) {
 }
 
 /// The outline of a box, dashed.
-fn dashed_outline(rect: &Rect, metrics: &Metrics) -> Vec<Shape> {
+fn dashed_outline(rect: &Rect, metrics: &DrawingMetrics) -> Vec<Shape> {
     let (near, far) = (rect.origin, rect.far_corner());
     let corners = [near, Vector::new(far.x, near.y), far, Vector::new(near.x, far.y), near];
     let ink = Ink::from(border_color(metrics.palette.muted, metrics));

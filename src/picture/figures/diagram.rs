@@ -4,7 +4,7 @@ use crate::physics::{Rect, Vector, smaller};
 use crate::picture::layers::footer::{Entry, Legend};
 use crate::picture::layers::labels::LabelPlacer;
 use crate::picture::text::Line;
-use crate::picture::{Color, DisplayList, Ink, Metrics, Shape, color};
+use crate::picture::{Color, DisplayList, DrawingMetrics, Ink, Shape, color};
 use crate::picture::{Look, PictureOptions, Theme};
 
 /// A diagram with logarithmic scales.
@@ -89,16 +89,16 @@ fn page_size(columns: usize, rows: usize) -> [u32; 2] {
     }
 }
 
-/// Metrics that suit the size of one diagram rather than of the page.
-fn metrics(theme: Theme, [width, height]: [u32; 2], columns: usize, rows: usize) -> Metrics {
+/// DrawingMetrics that suit the size of one diagram rather than of the page.
+fn metrics(theme: Theme, [width, height]: [u32; 2], columns: usize, rows: usize) -> DrawingMetrics {
     let scale_x = f64::from(width) / columns as f64 / 560.0;
     let scale_y = f64::from(height) / rows as f64 / 400.0;
     let unit = smaller(scale_x, scale_y);
     let at_least_one_pixel = |length: f64| if length < 1.0 { 1.0 } else { length.round() };
-    Metrics {
+    DrawingMetrics {
         font_size: at_least_one_pixel(19.0 * smaller(unit, 1.4)),
         line_width: at_least_one_pixel(2.0 * unit),
-        ..Metrics::new(theme, [width, height])
+        ..DrawingMetrics::new(theme, [width, height])
     }
 }
 

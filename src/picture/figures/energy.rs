@@ -4,7 +4,7 @@ use crate::physics::{Rect, Vector};
 use crate::picture::layers::footer::{Entry, Legend};
 use crate::picture::number::format_significant;
 use crate::picture::text::Line;
-use crate::picture::{Color, DisplayList, Ink, Metrics, Shape, Style, color};
+use crate::picture::{Color, DisplayList, DrawingMetrics, Ink, Shape, Style, color};
 
 /// Energy and momentum of a state.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,7 +45,7 @@ struct Series {
 pub fn energy(runs: &[EnergyRun], style: &Style) -> DisplayList {
     let all: Vec<Vec<EnergySample>> = runs.iter().map(|run| relative_to_minimum(&run.samples)).collect();
     let has_potential = all.iter().flatten().any(|sample| sample.potential != 0.0);
-    let metrics = Metrics::new(style.look.theme, style.look.size);
+    let metrics = DrawingMetrics::new(style.look.theme, style.look.size);
     let energies: Vec<Vec<Series>> = all.iter().map(|samples| energies(samples, has_potential, &metrics)).collect();
     let Some(time) = Range::of(all.iter().flatten().map(|sample| sample.time)) else {
         return Panels::new(style, &Legend::default()).finish();
@@ -85,7 +85,7 @@ fn values(samples: &[EnergySample], value: impl Fn(&EnergySample) -> f64) -> Vec
 }
 
 /// The energy curves; only the kinetic energy if there is no potential energy.
-fn energies(samples: &[EnergySample], has_potential: bool, metrics: &Metrics) -> Vec<Series> {
+fn energies(samples: &[EnergySample], has_potential: bool, metrics: &DrawingMetrics) -> Vec<Series> {
     let kinetic = Series { name: "kinetic", color: color::BODY_COLORS[5], values: values(samples, |s| s.kinetic) };
     if !has_potential {
         return vec![kinetic];

@@ -7,7 +7,7 @@ use crate::picture::layers::bodies::{draw_box, visible_rect};
 use crate::picture::layers::{self, LayoutContext};
 use crate::picture::number::format_significant;
 use crate::picture::text::Line;
-use crate::picture::{Color, DisplayList, Frame, Ink, Metrics, Shape, Sprite, Style, color};
+use crate::picture::{Color, DisplayList, DrawingMetrics, Frame, Ink, Shape, Sprite, Style, color};
 
 /// Draws several instants in one picture, earlier ones fainter, to show motion.
 pub fn strobe(runs: &[FigureRun], style: &Style) -> DisplayList {
@@ -109,7 +109,7 @@ pub fn filmstrip(runs: &[FigureRun], style: &Style) -> DisplayList {
 
 /// Draws one instant, with its time below.
 fn draw_instant(run: &FigureRun, frame: &Frame, cell: &Rect, panels: &mut Panels, style: &Style) {
-    let metrics = Metrics { font_size: (0.8 * panels.metrics.font_size).round(), ..panels.metrics };
+    let metrics = DrawingMetrics { font_size: (0.8 * panels.metrics.font_size).round(), ..panels.metrics };
     let panel = Rect::new(cell.origin, cell.width(), cell.height() - 1.6 * metrics.font_size);
     let view = world_view(&panel, metrics.line_width, run, frame, style);
     let world = view.camera.viewport.inset(metrics.line_width);

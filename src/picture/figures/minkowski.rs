@@ -6,7 +6,7 @@ use crate::picture::layers::bodies::border_color;
 use crate::picture::layers::labels::LabelPlacer;
 use crate::picture::number::{format_significant, nice_spacing};
 use crate::picture::text::Line;
-use crate::picture::{Arrow, Camera, Color, DisplayList, Metrics, Shape, Style};
+use crate::picture::{Arrow, Camera, Color, DisplayList, DrawingMetrics, Shape, Style};
 
 /// Figure 2 of the handout: (a) boxes c and b at contact; (b) their Minkowski difference s = b ⊖ c around the origin,
 /// with the vectors from the origin to its four sides; the shortest one is the penetration vector n⃗; (c) the same
@@ -68,7 +68,7 @@ const TOUCH_TOLERANCE: f64 = 1e-12;
 const MAX_EXTENT: f64 = 2.5;
 
 impl MinkowskiDifference {
-    fn new(pair: &Pair, metrics: &Metrics) -> MinkowskiDifference {
+    fn new(pair: &Pair, metrics: &DrawingMetrics) -> MinkowskiDifference {
         let [c, b] = &pair.collision.rects;
         let rect = c.minkowski_difference(b);
         let size = smaller(larger(c.width(), c.height()), larger(b.width(), b.height()));
@@ -100,7 +100,7 @@ impl MinkowskiDifference {
     }
 
     /// The magnification that makes n⃗ clearly visible; 1 if it is large enough already.
-    fn zoom(&self, scale: f64, metrics: &Metrics) -> f64 {
+    fn zoom(&self, scale: f64, metrics: &DrawingMetrics) -> f64 {
         let (length, target_length) = (self.vectors[self.shortest].norm() * scale, 5.0 * metrics.font_size);
         let is_visible = length == 0.0 || length >= 0.5 * target_length;
         if is_visible { 1.0 } else { smaller(nice_spacing(target_length / length), 1e9) }
@@ -141,7 +141,7 @@ impl MinkowskiDifference {
     }
 
     /// The four vectors with colour and line width, the shortest last and highlighted.
-    fn candidates(&self, metrics: &Metrics) -> Vec<(Vector, Color, f64)> {
+    fn candidates(&self, metrics: &DrawingMetrics) -> Vec<(Vector, Color, f64)> {
         let others = (0..4).filter(|&index| index != self.shortest);
         let mut candidates: Vec<_> =
             others.map(|index| (self.vectors[index], blue(metrics), metrics.line_width)).collect();
@@ -155,7 +155,7 @@ impl MinkowskiDifference {
         page_rect: &Rect,
         panel: &Rect,
         placer: &mut LabelPlacer,
-        metrics: &Metrics,
+        metrics: &DrawingMetrics,
         shapes: &mut Vec<Shape>,
     ) {
         let Some(visible) = page_rect.intersection(panel) else { return };
@@ -172,7 +172,7 @@ impl MinkowskiDifference {
         origin_on_page: Vector,
         scale: f64,
         placer: &mut LabelPlacer,
-        metrics: &Metrics,
+        metrics: &DrawingMetrics,
         shapes: &mut Vec<Shape>,
     ) {
         let vector = self.vectors[self.shortest];
@@ -200,7 +200,7 @@ fn shortest(vectors: &[Vector; 4]) -> usize {
 }
 
 /// The colour of the candidates, blue as in the handout.
-fn blue(metrics: &Metrics) -> Color {
+fn blue(metrics: &DrawingMetrics) -> Color {
     Color::hex(0x0072b2).mix(metrics.palette.ink, 20)
 }
 
@@ -209,7 +209,7 @@ fn draw_axes(
     origin_on_page: Vector,
     panel: &Rect,
     placer: &mut LabelPlacer,
-    metrics: &Metrics,
+    metrics: &DrawingMetrics,
     shapes: &mut Vec<Shape>,
 ) {
     let far = panel.far_corner();

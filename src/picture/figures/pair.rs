@@ -5,7 +5,7 @@ use crate::picture::layers::bodies::draw_box;
 use crate::picture::layers::contacts::contact_center;
 use crate::picture::layers::labels::{Label, LabelPlacer};
 use crate::picture::text::Line;
-use crate::picture::{Appearance, Arrow, Camera, Color, Metrics, Shape, Sprite, Style, color};
+use crate::picture::{Appearance, Arrow, Camera, Color, DrawingMetrics, Shape, Sprite, Style, color};
 use std::sync::Arc;
 
 /// The two boxes of a collision and how they are drawn.
@@ -60,7 +60,7 @@ impl Pair {
     }
 
     /// The pair in colours faded towards the background.
-    pub fn faded(&self, metrics: &Metrics) -> Pair {
+    pub fn faded(&self, metrics: &DrawingMetrics) -> Pair {
         Pair { colors: self.colors.map(|color| color.mix(metrics.palette.background, 45)), ..self.clone() }
     }
 
@@ -92,7 +92,13 @@ impl Pair {
     }
 
     /// The boxes with their names in corners without arrows.
-    pub fn named_boxes(&self, camera: &Camera, rects: &[Rect; 2], arrows: &[Arrow], metrics: &Metrics) -> Vec<Shape> {
+    pub fn named_boxes(
+        &self,
+        camera: &Camera,
+        rects: &[Rect; 2],
+        arrows: &[Arrow],
+        metrics: &DrawingMetrics,
+    ) -> Vec<Shape> {
         let mut shapes = self.boxes(camera, rects, metrics);
         for name in self.names(camera, rects, arrows, metrics) {
             name.draw_bare(&mut shapes);
@@ -101,7 +107,7 @@ impl Pair {
     }
 
     /// The names of the boxes, where they fit.
-    pub fn names(&self, camera: &Camera, rects: &[Rect; 2], arrows: &[Arrow], metrics: &Metrics) -> Vec<Label> {
+    pub fn names(&self, camera: &Camera, rects: &[Rect; 2], arrows: &[Arrow], metrics: &DrawingMetrics) -> Vec<Label> {
         let mut placer = LabelPlacer::within(camera.viewport);
         arrows.iter().for_each(|arrow| placer.avoid_line(arrow.from, arrow.to, 1.0));
         self.collision.rects.iter().for_each(|rect| placer.avoid_border(&camera.rect(rect), 1.0));
@@ -110,7 +116,7 @@ impl Pair {
     }
 
     /// The boxes, the larger one first, so that the smaller one stays visible.
-    pub fn boxes(&self, camera: &Camera, rects: &[Rect; 2], metrics: &Metrics) -> Vec<Shape> {
+    pub fn boxes(&self, camera: &Camera, rects: &[Rect; 2], metrics: &DrawingMetrics) -> Vec<Shape> {
         let mut shapes = Vec::new();
         let size = |at: usize| rects[at].width() * rects[at].height();
         let order = if size(0) > size(1) { [0, 1] } else { [1, 0] };
@@ -128,7 +134,7 @@ impl Pair {
         page_rect: &Rect,
         camera: &Camera,
         placer: &LabelPlacer,
-        metrics: &Metrics,
+        metrics: &DrawingMetrics,
     ) -> Option<Label> {
         let margin = 4.0 * metrics.line_width;
         let visible = page_rect.intersection(&camera.viewport)?.inset(margin);
@@ -152,7 +158,7 @@ impl Pair {
         rects: &[Rect; 2],
         velocities: &[Vector; 2],
         color: Color,
-        metrics: &Metrics,
+        metrics: &DrawingMetrics,
     ) -> [Arrow; 2] {
         [0, 1].map(|at| {
             let from = camera.point(visible_center(&rects[at], &self.area));
@@ -185,7 +191,7 @@ fn assign_roles<'a>(collision: &Collision, bodies: [&'a Appearance; 2]) -> (Coll
 
 /// The colour of the body, as in frames.
 fn body_color(body: &Appearance, velocity: Vector, style: &Style) -> Color {
-    let metrics = Metrics::new(style.look.theme, style.look.size);
+    let metrics = DrawingMetrics::new(style.look.theme, style.look.size);
     if body.is_wall {
         return metrics.palette.wall;
     }

@@ -2,12 +2,12 @@ use super::{CollisionSubject, FigureRun};
 use crate::physics::{Rect, Vector, smaller};
 use crate::picture::layers::footer::{Alignment, Legend};
 use crate::picture::text::Line;
-use crate::picture::{Camera, CameraTarget, DisplayList, Frame, Ink, Metrics, Shape, Style, View};
+use crate::picture::{Camera, CameraTarget, DisplayList, DrawingMetrics, Frame, Ink, Shape, Style, View};
 
 /// The page of a figure while it is being drawn: an area for panels, with a legend and a caption below.
 pub struct Panels {
     /// Colours, font size and line width.
-    pub metrics: Metrics,
+    pub metrics: DrawingMetrics,
     /// The area left for panels, px.
     pub content: Rect,
     size: [u32; 2],
@@ -21,12 +21,12 @@ pub const TITLE: f64 = 1.8;
 impl Panels {
     /// Creates a page with the caption of `options` and a legend.
     pub fn new(style: &Style, legend: &Legend) -> Panels {
-        let metrics = Metrics::new(style.look.theme, style.look.size);
+        let metrics = DrawingMetrics::new(style.look.theme, style.look.size);
         Panels::with_metrics(style.look.size, metrics, &style.look.caption, legend)
     }
 
     /// Creates a page of the given size and metrics with a caption and a legend.
-    pub fn with_metrics(size: [u32; 2], metrics: Metrics, caption: &str, legend: &Legend) -> Panels {
+    pub fn with_metrics(size: [u32; 2], metrics: DrawingMetrics, caption: &str, legend: &Legend) -> Panels {
         let [width, height] = size.map(f64::from);
         let margin = metrics.font_size.round();
         let content = Rect::new(Vector::new(margin, margin), width - 2.0 * margin, height - 2.0 * margin);
@@ -157,7 +157,7 @@ pub fn draw_rows(
 }
 
 /// The part of a cell above its caption.
-pub fn above_caption(cell: &Rect, metrics: &Metrics) -> Rect {
+pub fn above_caption(cell: &Rect, metrics: &DrawingMetrics) -> Rect {
     Rect::new(cell.origin, cell.width(), cell.height() - 2.0 * metrics.font_size)
 }
 

@@ -6,7 +6,7 @@ use crate::picture::Overlay;
 use crate::picture::figures::legend;
 use crate::picture::layers::bodies::border_color;
 use crate::picture::text::{Line, truncated};
-use crate::picture::{CameraTarget, Color, DisplayList, Ink, Metrics, Palette, Shape, Style, color};
+use crate::picture::{CameraTarget, Color, DisplayList, DrawingMetrics, Ink, Palette, Shape, Style, color};
 use std::collections::BTreeMap;
 
 /// Maximum number of labelled bodies; with more bodies there are no labels.
@@ -114,7 +114,7 @@ impl Band {
         middles.into_iter().find(|&middle| low <= middle && middle <= high)
     }
 
-    fn label(&self, metrics: &Metrics) -> Line {
+    fn label(&self, metrics: &DrawingMetrics) -> Line {
         Line::plain(&truncated(&self.name, MAX_LABEL_CHARS), 0.8 * metrics.font_size)
     }
 
@@ -176,7 +176,7 @@ struct BandLabel {
 }
 
 /// The labels of the bodies visible in the diagram, from top to bottom.
-fn labels(bands: &[Band], positions: Range, metrics: &Metrics) -> Vec<BandLabel> {
+fn labels(bands: &[Band], positions: Range, metrics: &DrawingMetrics) -> Vec<BandLabel> {
     let (low, high) = (smaller(positions.from, positions.to), larger(positions.from, positions.to));
     let named = bands.iter().filter(|band| !band.is_wall && !band.spans_axis(positions));
     let label = |band: &Band| {

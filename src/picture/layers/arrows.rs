@@ -2,7 +2,7 @@ use super::LayoutContext;
 use super::bodies::visible_rect;
 use crate::physics::Vector;
 use crate::picture::Overlay;
-use crate::picture::{Color, Frame, Ink, Metrics, Shape, Sprite};
+use crate::picture::{Color, DrawingMetrics, Frame, Ink, Shape, Sprite};
 
 /// An arrow between two points of the page, drawn with a halo that separates it from the background.
 pub struct Arrow {
@@ -19,7 +19,7 @@ pub struct Arrow {
 impl Arrow {
     /// Appends the arrow to `shapes`, on a halo in the background colour. Appends nothing if the arrow is shorter
     /// than its shaft is wide.
-    pub fn draw(&self, metrics: &Metrics, shapes: &mut Vec<Shape>) {
+    pub fn draw(&self, metrics: &DrawingMetrics, shapes: &mut Vec<Shape>) {
         let direction = self.to.sub(self.from);
         let length = direction.norm();
         // A zero vector has no direction, and an arrow of infinite length cannot be drawn.

@@ -1,7 +1,7 @@
 use super::{LayoutContext, body_labels};
 use crate::physics::{Rect, Vector, larger, smaller};
 use crate::picture::Overlay;
-use crate::picture::{Color, Frame, Ink, Metrics, Shape, Sprite, color};
+use crate::picture::{Color, DrawingMetrics, Frame, Ink, Shape, Sprite, color};
 
 /// Draws the boxes, each with a border inside its edge.
 pub fn draw(frame: &Frame, context: &LayoutContext, shapes: &mut Vec<Shape>) {
@@ -24,7 +24,7 @@ pub fn visible_rect(sprite: &Sprite, context: &LayoutContext) -> Option<Rect> {
 }
 
 /// The border colour of a box.
-pub fn border_color(fill: Color, metrics: &Metrics) -> Color {
+pub fn border_color(fill: Color, metrics: &DrawingMetrics) -> Color {
     fill.mix(metrics.palette.border, 45)
 }
 
@@ -32,7 +32,7 @@ pub fn border_color(fill: Color, metrics: &Metrics) -> Color {
 /// without one.
 ///
 /// The fill is drawn over a rectangle in the border colour: two rectangles are cheaper than four edges.
-pub fn draw_box(rect: &Rect, fill: Color, metrics: &Metrics, shapes: &mut Vec<Shape>) {
+pub fn draw_box(rect: &Rect, fill: Color, metrics: &DrawingMetrics, shapes: &mut Vec<Shape>) {
     let border = if smaller(rect.width(), rect.height()) < 8.0 * metrics.line_width { 1.0 } else { metrics.line_width };
     let rect = Rect::new(rect.origin, larger(rect.width(), 1.0), larger(rect.height(), 1.0));
     let inner = rect.inset(border);

@@ -3,7 +3,7 @@ use crate::physics::{Rect, Vector, larger, smaller};
 use crate::picture::number::{nice_spacing, tick_label};
 use crate::picture::raster::color::{self, SPEED_COLORS};
 use crate::picture::text::Line;
-use crate::picture::{Color, Frame, Ink, Metrics, Shape, Style};
+use crate::picture::{Color, DrawingMetrics, Frame, Ink, Shape, Style};
 use crate::picture::{ColorBy, Overlay};
 
 /// Draws the strips below the world: clock and scale bar on the left and the legend on the right; below them the
@@ -126,7 +126,7 @@ impl Legend {
 
     /// Draws the legend in a strip, in a smaller font if necessary. The last entries are omitted if they do not fit in
     /// the smallest font.
-    pub fn draw(&self, strip: &Rect, alignment: Alignment, metrics: &Metrics, shapes: &mut Vec<Shape>) {
+    pub fn draw(&self, strip: &Rect, alignment: Alignment, metrics: &DrawingMetrics, shapes: &mut Vec<Shape>) {
         let sizes = [0.85, 0.7, 0.6].map(|size| size * metrics.font_size);
         let largest_fitting = sizes.into_iter().find(|&size| self.width(size) <= strip.width());
         let size = largest_fitting.unwrap_or(sizes[2]);
@@ -185,7 +185,7 @@ impl Entry {
             .ceil()
     }
 
-    fn draw(&self, left: f64, size: f64, strip: &Rect, metrics: &Metrics, shapes: &mut Vec<Shape>) {
+    fn draw(&self, left: f64, size: f64, strip: &Rect, metrics: &DrawingMetrics, shapes: &mut Vec<Shape>) {
         let ink = Ink::from(metrics.palette.muted);
         let mut x = left;
         if !self.prefix.is_empty() {

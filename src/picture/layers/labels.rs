@@ -1,6 +1,6 @@
 use crate::physics::{Rect, Vector, larger, smaller};
 use crate::picture::text::Line;
-use crate::picture::{Color, Ink, Metrics, Shape};
+use crate::picture::{Color, DrawingMetrics, Ink, Shape};
 
 /// A placed line of text.
 #[derive(Clone, Debug)]
@@ -27,7 +27,7 @@ impl Label {
     }
 
     /// Appends the label to `shapes`, on a halo in the background colour that keeps it legible.
-    pub fn draw(self, metrics: &Metrics, shapes: &mut Vec<Shape>) {
+    pub fn draw(self, metrics: &DrawingMetrics, shapes: &mut Vec<Shape>) {
         let halo = Ink { color: metrics.palette.background, opacity: 255 };
         let width = metrics.line_width;
         for (x, y) in

@@ -13,7 +13,7 @@ pub use arrows::Arrow;
 pub use frame::{Appearance, Frame, Sprite, Trails};
 
 use crate::picture::Overlay;
-use crate::picture::{Camera, DisplayList, Metrics, Shape, View};
+use crate::picture::{Camera, DisplayList, DrawingMetrics, Shape, View};
 use arrows::LabeledArrow;
 
 /// Lays out `frame` as a display list.
@@ -67,12 +67,12 @@ pub struct LayoutContext<'a> {
     /// The camera of this frame.
     pub camera: Camera,
     /// Colours, font size and line width.
-    pub metrics: Metrics,
+    pub metrics: DrawingMetrics,
 }
 
 impl LayoutContext<'_> {
     /// Creates a context with the metrics of the view's theme and size.
     pub fn new(view: &View, camera: Camera) -> LayoutContext<'_> {
-        LayoutContext { view, camera, metrics: Metrics::new(view.style.look.theme, view.camera.size) }
+        LayoutContext { view, camera, metrics: DrawingMetrics::new(view.style.look.theme, view.camera.size) }
     }
 }

@@ -1,7 +1,7 @@
 use super::{Entry, Node, ReadResult, Value, shortened};
 use crate::scene::{
     Diagnostic, DiagnosticKind,
-    diagnostics::{Reported, Reporter},
+    diagnostics::{ErrorReported, Reporter},
 };
 use std::ops::Range;
 
@@ -27,7 +27,7 @@ struct UnknownKey {
     /// The key that it was probably meant to be.
     nearest: Option<&'static str>,
     is_list: bool,
-    reported: Reported,
+    reported: ErrorReported,
 }
 
 /// The value of one key of a table.
@@ -46,7 +46,7 @@ impl<'a> Table<'a> {
         node: &'a Node,
         keys: &[Key],
         reporter: &'a Reporter,
-    ) -> Result<Table<'a>, Reported> {
+    ) -> Result<Table<'a>, ErrorReported> {
         let mut table = Table::with_any_keys(name, node, reporter)?;
         for entry in table.entries.iter().filter(|entry| keys.iter().all(|key| key.name != entry.key)) {
             table.unknown.push(UnknownKey {
@@ -62,7 +62,11 @@ impl<'a> Table<'a> {
     }
 
     /// The table `name`, whose keys the author of the scene chooses.
-    pub fn with_any_keys(name: &'static str, node: &'a Node, reporter: &'a Reporter) -> Result<Table<'a>, Reported> {
+    pub fn with_any_keys(
+        name: &'static str,
+        node: &'a Node,
+        reporter: &'a Reporter,
+    ) -> Result<Table<'a>, ErrorReported> {
         let Value::Table(entries) = &node.value else {
             let kind =
                 DiagnosticKind::InvalidValue { key: name.into(), found: node.describe(), accepts: "a table of keys" };
@@ -82,7 +86,7 @@ impl<'a> Table<'a> {
     }
 
     /// The value of `key`, if given. An unknown key that is probably a misspelling of `key` is an error.
-    pub fn get(&self, key: Key) -> Result<Option<Field<'a>>, Reported> {
+    pub fn get(&self, key: Key) -> Result<Option<Field<'a>>, ErrorReported> {
         match (self.entry(key), self.misspelling(|unknown| unknown.nearest == Some(key.name))) {
             (Some(entry), _) => Ok(Some(self.field(entry, key.accepts))),
             (None, Some(reported)) => Err(reported),
@@ -93,7 +97,7 @@ impl<'a> Table<'a> {
     /// The value of `key`, which is required.
     ///
     /// It is not reported as missing if an unknown key may be a misspelling of it.
-    pub fn require(&self, key: Key) -> Result<Field<'a>, Reported> {
+    pub fn require(&self, key: Key) -> Result<Field<'a>, ErrorReported> {
         match self.get(key)? {
             Some(field) => Ok(field),
             None => Err(self.report_missing(key)),
@@ -101,7 +105,7 @@ impl<'a> Table<'a> {
     }
 
     /// Reports that the table lacks `key`, unless an unknown key may be a misspelling of it.
-    pub fn report_missing(&self, key: Key) -> Reported {
+    pub fn report_missing(&self, key: Key) -> ErrorReported {
         let misspelling = |unknown: &UnknownKey| unknown.nearest.is_none_or(|nearest| nearest == key.name);
         self.misspelling(misspelling).unwrap_or_else(|| {
             let kind = DiagnosticKind::MissingKey { key: full_name(self.name, key.name), accepts: key.accepts };
@@ -110,12 +114,12 @@ impl<'a> Table<'a> {
     }
 
     /// The error of the first unknown key, if there is one.
-    pub fn first_unknown(&self) -> Option<Reported> {
+    pub fn first_unknown(&self) -> Option<ErrorReported> {
         self.misspelling(|_| true)
     }
 
     /// The error of an unknown list of tables whose key may be a misspelling of `key`. `key` itself may be given, too.
-    pub fn misspelled_lists(&self, key: Key) -> Option<Reported> {
+    pub fn misspelled_lists(&self, key: Key) -> Option<ErrorReported> {
         self.misspelling(|unknown| match unknown.nearest {
             Some(nearest) => nearest == key.name,
             None => unknown.is_list,
@@ -132,12 +136,12 @@ impl<'a> Table<'a> {
         &self,
         key: Key,
         read: impl FnOnce(&'a Node) -> ReadResult<'a, T>,
-    ) -> Result<Option<T>, Reported> {
+    ) -> Result<Option<T>, ErrorReported> {
         self.get(key)?.map(|field| field.read(read)).transpose()
     }
 
     /// Reads the value of `key`, which is required.
-    pub fn required<T>(&self, key: Key, read: impl FnOnce(&'a Node) -> ReadResult<'a, T>) -> Result<T, Reported> {
+    pub fn required<T>(&self, key: Key, read: impl FnOnce(&'a Node) -> ReadResult<'a, T>) -> Result<T, ErrorReported> {
         self.require(key)?.read(read)
     }
 
@@ -150,7 +154,7 @@ impl<'a> Table<'a> {
         self.entries.iter().find(|entry| entry.key == key.name)
     }
 
-    fn misspelling(&self, is_misspelling: impl Fn(&UnknownKey) -> bool) -> Option<Reported> {
+    fn misspelling(&self, is_misspelling: impl Fn(&UnknownKey) -> bool) -> Option<ErrorReported> {
         self.unknown.iter().find(|unknown| is_misspelling(unknown)).map(|unknown| unknown.reported)
     }
 
@@ -166,12 +170,12 @@ impl<'a> Table<'a> {
 
 impl<'a> Field<'a> {
     /// Reads the value; an error underlines the part that is not accepted.
-    pub fn read<T>(&self, read: impl FnOnce(&'a Node) -> ReadResult<'a, T>) -> Result<T, Reported> {
+    pub fn read<T>(&self, read: impl FnOnce(&'a Node) -> ReadResult<'a, T>) -> Result<T, ErrorReported> {
         read(self.node).map_err(|part| self.refuse(part))
     }
 
     /// Reports that a part of the value, or all of it, is not accepted.
-    pub fn refuse(&self, part: &Node) -> Reported {
+    pub fn refuse(&self, part: &Node) -> ErrorReported {
         let kind = DiagnosticKind::InvalidValue {
             key: shortened(&full_name(self.table, self.key)),
             found: part.describe(),
@@ -181,7 +185,7 @@ impl<'a> Field<'a> {
     }
 
     /// Reports an error of the value.
-    pub fn report(&self, diagnostic: Diagnostic) -> Reported {
+    pub fn report(&self, diagnostic: Diagnostic) -> ErrorReported {
         self.reporter.report(diagnostic)
     }
 }

@@ -44,7 +44,7 @@ fn refuse(lines: &[u8]) {
 
 fn run(lines: &[u8]) {
     let scene: Scene = scene::parse("scene.toml", SCENE).expect("a scene");
-    let options = RecordOptions::whole(&scene);
+    let options = RecordOptions::complete(&scene);
     let mut live = LiveEvents::new(lines, OnBadEvent::Skip, options.steps);
     let recorded = record(&scene, options, Some(&mut live), io::sink(), |_| ()).expect("nothing that ends a run");
     assert!(recorded.error.is_some() || recorded.trailer.steps == options.steps);

@@ -9,7 +9,7 @@ use std::path::Path;
 /// Properties of a whole run on which every picture depends, even one of a part of the run, so that parts drawn
 /// separately have the same scales, colours and camera.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct RunSummary {
+pub struct RunStatistics {
     /// The step of the last full state; `None` if the recording contains no state.
     pub last_step: Option<u64>,
     /// The highest speed in any state, m/s.
@@ -28,32 +28,32 @@ pub struct RunSummary {
     pub identity: Option<String>,
 }
 
-impl RunSummary {
-    /// Reads the summary from the trailer and the events of a recording, or from all states if the
+impl RunStatistics {
+    /// Reads the statistics from the trailer and the events of a recording, or from all states if the
     /// trailer is missing or incomplete; both give the same result. `world` is the size of the world, m.
     ///
     /// # Errors
     /// If the recording cannot be read.
-    pub fn read(path: &Path, world: Vector) -> Result<RunSummary, Error> {
+    pub fn read(path: &Path, world: Vector) -> Result<RunStatistics, Error> {
         let read_error = |source| Error::Recording { path: path.into(), source };
         let mut recording = open(path)?;
-        let mcap_summary = recording.summary().map_err(read_error)?;
-        let state_bounds = mcap_summary.as_ref().and_then(|mcap_summary| mcap_summary.trailer.state_bounds);
-        let summary = match (mcap_summary, state_bounds) {
-            (Some(mcap_summary), Some(state_bounds)) => from_trailer(recording, &mcap_summary, &state_bounds, world),
+        let summary = recording.summary().map_err(read_error)?;
+        let state_bounds = summary.as_ref().and_then(|summary| summary.trailer.state_bounds);
+        let statistics = match (summary, state_bounds) {
+            (Some(summary), Some(state_bounds)) => from_trailer(recording, &summary, &state_bounds, world),
             (Some(_), None) | (None, _) => from_states(recording, world),
         };
-        summary.map_err(read_error)
+        statistics.map_err(read_error)
     }
 }
 
-/// The summary of a finished recording, from its trailer and events.
+/// The statistics of a finished recording, from its trailer and events.
 fn from_trailer<R: Read + Seek>(
     mut recording: Recording<R>,
-    mcap_summary: &Summary,
+    summary: &Summary,
     state_bounds: &StateBounds,
     world: Vector,
-) -> Result<RunSummary, recording::Error> {
+) -> Result<RunStatistics, recording::Error> {
     let Header { every, config, .. } = recording.header.clone();
     let mut stats = BodyStats::new(config.gravity);
     recording.for_each_event(|event| stats.add_change(&event.change))?;
@@ -61,12 +61,12 @@ fn from_trailer<R: Read + Seek>(
         Some(bounds) if overlaps_world(&bounds.rect(), world) => ever_in_world(&mut recording, world)?,
         Some(_) | None => false,
     };
-    let last_step = (mcap_summary.states > 0).then(|| mcap_summary.trailer.steps - mcap_summary.trailer.steps % every);
-    Ok(stats.summary(last_step, state_bounds, has_body_in_world, Some(mcap_summary.trailer.identity.to_string())))
+    let last_step = (summary.states > 0).then(|| summary.trailer.steps - summary.trailer.steps % every);
+    Ok(stats.statistics(last_step, state_bounds, has_body_in_world, Some(summary.trailer.identity.to_string())))
 }
 
-/// The summary from all states of a recording.
-fn from_states<R: Read + Seek>(mut recording: Recording<R>, world: Vector) -> Result<RunSummary, recording::Error> {
+/// The statistics from all states of a recording.
+fn from_states<R: Read + Seek>(mut recording: Recording<R>, world: Vector) -> Result<RunStatistics, recording::Error> {
     let mut stats = BodyStats::new(recording.header.config.gravity);
     let mut state_bounds = StateBounds::default();
     let (mut last_step, mut has_body_in_world) = (None, false);
@@ -80,7 +80,7 @@ fn from_states<R: Read + Seek>(mut recording: Recording<R>, world: Vector) -> Re
         last_step = full_state(&recording, &item).map(|state| state.step).or(last_step);
     }
     let identity = recording.trailer().map(|end| end.identity.to_string());
-    Ok(stats.summary(last_step, &state_bounds, has_body_in_world, identity))
+    Ok(stats.statistics(last_step, &state_bounds, has_body_in_world, identity))
 }
 
 /// Returns true if a body of finite mass is ever inside the world. Usually the first state decides.
@@ -175,14 +175,14 @@ impl BodyStats {
         }
     }
 
-    fn summary(
+    fn statistics(
         self,
         last_step: Option<u64>,
         state_bounds: &StateBounds,
         has_body_in_world: bool,
         identity: Option<String>,
-    ) -> RunSummary {
-        RunSummary {
+    ) -> RunStatistics {
+        RunStatistics {
             last_step,
             top_speed: state_bounds.top_speed,
             top_force: self.top_force,
@@ -245,10 +245,10 @@ name = "b"
         let scene = scene::parse("scene.toml", text).unwrap();
         let options = RecordOptions { steps: scene.run.steps, every, viewer: None };
         replay::record(&scene, options, replay::NO_LIVE_EVENTS, File::create(&path).unwrap(), |_| ()).unwrap();
-        let mcap_summary = open(&path).unwrap().summary().unwrap();
-        assert!(mcap_summary.unwrap().trailer.state_bounds.is_some(), "the trailer has no state bounds");
+        let summary = open(&path).unwrap().summary().unwrap();
+        assert!(summary.unwrap().trailer.state_bounds.is_some(), "the trailer has no state bounds");
         let world = Vector::new(scene.size[0], scene.size[1]);
-        let from_trailer = RunSummary::read(&path, world).unwrap();
+        let from_trailer = RunStatistics::read(&path, world).unwrap();
         assert_eq!(from_trailer, from_states(open(&path).unwrap(), world).unwrap());
         assert_eq!(from_trailer.has_body_in_world, expected_in_world);
         assert_eq!((from_trailer.names.len(), from_trailer.materials.join(" ").as_str()), (3, "steel stone wood"));
@@ -260,7 +260,7 @@ name = "b"
     }
 
     #[test]
-    fn the_trailer_and_the_states_give_the_same_summary() {
+    fn the_trailer_and_the_states_give_the_same_statistics() {
         compare(SCENE, 1, true);
         compare(SCENE, 7, true);
     }
