@@ -1,7 +1,7 @@
 use super::picture_arguments::{FigureCommandOptions, RenderOptions};
 use crate::picture::Theme;
 use crate::picture_options::parse_size;
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::num::NonZero;
 use std::ops::{Range, RangeInclusive};
 use std::path::PathBuf;
@@ -35,7 +35,7 @@ pub enum Command {
     Render(RenderOptions),
     /// Draw a lecture figure of scenes or recordings as PNG, SVG or PDF
     Figure(FigureCommandOptions),
-    /// Export the states of a recording as CSV or JSON Lines
+    /// Export states, collisions, energies or bodies as CSV or JSON Lines
     Export(ExportOptions),
     /// Show the contents of a recording, or the provenance of a picture
     Info(InfoOptions),
@@ -146,15 +146,28 @@ pub struct ReplayOptions {
 /// Options of `export`.
 #[derive(Args, Debug)]
 #[command(after_help = "\
-Columns: step,time,name,x,y,vx,vy. One row per body and recorded step, walls
-included. Numbers are the shortest decimals that read back to the same value.
+Tables and their columns:
+  states      step,time,name,x,y,vx,vy: one row per body and recorded step,
+              walls included
+  collisions  time,step,a,b,axis,nx,ny,e,vn_before,vn_after,impulse: one row
+              per impulse, from a replay
+  energy      step,time,kinetic,potential,total,px,py: the bodies of finite mass
+  bodies      name,id,mass,width,height,material,e_default,spawned_step,
+              deleted_step,fx,fy,color
+Several sources have a first column, source. Numbers are the shortest decimals
+that read back to the same value, in SI units.
 
 Examples:
   rebond export figure-1.mcap > figure-1.csv
-  rebond export figure-1.mcap -o figure-1.jsonl --from 60 --to 120")]
+  rebond export figure-1.mcap -o figure-1.jsonl --from 60 --to 120
+  rebond export --table energy elastic.mcap plastic.toml -o energy.csv")]
 pub struct ExportOptions {
-    /// The recording
-    pub recording: PathBuf,
+    /// Recordings (.mcap) or scenes (.toml)
+    #[arg(required = true, value_name = "SOURCE")]
+    pub sources: Vec<PathBuf>,
+    /// Export states, collisions, energy or bodies
+    #[arg(long, default_value = "states", hide_possible_values = true)]
+    pub table: Table,
     /// Write to this .csv or .jsonl file, - for CSV on standard output
     #[arg(short, long, value_name = "FILE", default_value = "-")]
     pub output: PathBuf,
@@ -170,6 +183,19 @@ pub struct ExportOptions {
     /// Export part I of N; the parts concatenate to the whole table
     #[arg(long, value_name = "I/N", default_value = "1/1", hide_default_value = true)]
     pub shard: Shard,
+}
+
+/// The table that `export` writes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Table {
+    /// Positions and velocities
+    States,
+    /// Impulses
+    Collisions,
+    /// Energy and momentum
+    Energy,
+    /// Constants of the bodies
+    Bodies,
 }
 
 /// Options of `info`.

@@ -135,6 +135,9 @@ pub enum CommandError {
         /// The supported names.
         expected: &'static str,
     },
+    /// A part of a table of several sources was requested.
+    #[error("--shard divides the table of one source; export each source on its own")]
+    ShardOfSeveral,
     /// A scene that was just recorded did not replay the same.
     #[error("the scene did not replay the same; this is a bug in rebond, please report it with the scene")]
     NotReproducible,

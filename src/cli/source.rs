@@ -4,28 +4,43 @@ use crate::physics::CollisionCount;
 use crate::picture;
 use crate::replay::{ALL_STEPS, NO_LIVE_EVENTS, RecordOptions, Verdict};
 use crate::scene::{self, Scene};
-use std::{fs::File, path::Path};
+use std::{fs::File, path::Path, path::PathBuf};
 use tempfile::TempDir;
 
-/// A recording to draw, possibly a temporary one made from a scene.
-pub struct OpenedSource {
-    /// The recording, with its summary.
-    pub recording: picture::Source,
+/// A recording given as such, or a temporary one made from a scene.
+pub struct SourceFile {
+    /// The path of the recording.
+    pub path: PathBuf,
     /// The folder of the temporary recording; it is removed when this is dropped.
     _temporary: Option<TempDir>,
 }
 
-impl OpenedSource {
-    /// Opens a recording, or records a scene and verifies that it replays the same.
-    pub fn open(path: &Path) -> Result<OpenedSource, CommandError> {
+impl SourceFile {
+    /// Takes a recording as it is, or records a scene and verifies that it replays the same.
+    pub fn open(path: &Path) -> Result<SourceFile, CommandError> {
         if picture::Source::is_recording(path).map_err(CommandError::unreadable(path))? {
-            return Ok(OpenedSource { recording: picture::Source::open(path)?, _temporary: None });
+            return Ok(SourceFile { path: path.into(), _temporary: None });
         }
         let scene = scene::load(path)?;
         let folder = TempDir::with_prefix("rebond-").map_err(CommandError::unwritable(&std::env::temp_dir()))?;
         let recording = folder.path().join("scene.mcap");
         record_and_replay(&scene, &recording)?;
-        Ok(OpenedSource { recording: picture::Source::open(&recording)?, _temporary: Some(folder) })
+        Ok(SourceFile { path: recording, _temporary: Some(folder) })
+    }
+}
+
+/// A recording to draw.
+pub struct OpenedSource {
+    /// The recording, with its summary.
+    pub recording: picture::Source,
+    _file: SourceFile,
+}
+
+impl OpenedSource {
+    /// Opens a recording, or records a scene and verifies that it replays the same.
+    pub fn open(path: &Path) -> Result<OpenedSource, CommandError> {
+        let file = SourceFile::open(path)?;
+        Ok(OpenedSource { recording: picture::Source::open(&file.path)?, _file: file })
     }
 }
 
@@ -35,7 +50,7 @@ fn record_and_replay(scene: &Scene, path: &Path) -> Result<(), CommandError> {
     let plan = RecordOptions::complete(scene);
     let recorded = record::record(scene, plan, NO_LIVE_EVENTS, file, path)?;
     if let Some(error) = &recorded.error {
-        output::info(format_args!("{error}; drawing the steps before it"));
+        output::info(format_args!("{error}; using the steps before it"));
     }
     let verdict = replay::replay_with_progress(path, ALL_STEPS, &mut CollisionCount::default())?;
     output::info(format_args!("{verdict}"));

@@ -4,13 +4,17 @@ use super::{Axis, Body, Vector, World, larger, smaller};
 
 /// The kinetic energy, Σ ½·m·v², J.
 pub fn kinetic_energy(world: &World) -> f64 {
-    finite(world).map(|body| 0.5 * body.mass * body.velocity.dot(body.velocity)).sum()
+    finite(world).fold(0.0, |sum, body| sum + 0.5 * body.mass * body.velocity.dot(body.velocity))
 }
 
-/// The potential energy of gravity and the constant forces, −Σ (m·g + F)·x at the centres, J.
+/// The potential energy of gravity and the constant forces, −Σ (m·g + F)·x at the centres, J. Exactly 0 if neither
+/// gravity nor a force acts on any body.
 pub fn potential_energy(world: &World) -> f64 {
     let gravity = world.gravity.unwrap_or(Vector::ZERO);
-    finite(world).map(|body| -gravity.mult(body.mass).add(body.constant_force).dot(body.rect.center())).sum()
+    let force = |body: &Body| gravity.mult(body.mass).add(body.constant_force);
+    // Adding to 0 instead of summing from −0, and skipping bodies without force, keeps the sum from being −0.
+    let subject = finite(world).filter(|body| force(body) != Vector::ZERO);
+    subject.fold(0.0, |sum, body| sum - force(body).dot(body.rect.center()))
 }
 
 /// The momentum, Σ m·v, kg·m/s.

@@ -48,6 +48,7 @@ pub use encode::{
     write_gif, write_png, write_png_sequence,
 };
 pub use error::Error;
+pub use figures::EnergySample;
 pub use format::{AnimationFormat, Format, StillFormat};
 pub use frames::{Frames, ReadExtent, ReadStatus};
 pub use layers::{Appearance, Arrow, Frame, Sprite, Trails, compose};
@@ -58,7 +59,7 @@ pub use resolve::{FigureOptions, Sequence, SubjectOptions};
 pub use resolved::{Animation, CollisionFigure, CollisionSelector, Look, Page, ResolvedPicture, StatesFigure, Subject};
 pub use run_statistics::RunStatistics;
 pub use schedule::{AnimationSchedule, MIN_HOLD, Moment, Timing};
-pub use source::Source;
+pub use source::{Source, recorded_world};
 pub use step_grid::{MAX_GIF_FPS, StepGrid, Thinning};
 pub use style::body_color;
 pub use view::{DrawingMetrics, Style, View};

@@ -1,6 +1,6 @@
 use super::figures::EnergySample;
 use super::{Error, ReadExtent, ReadStatus, RunStatistics, StepGrid};
-use crate::physics::{Body, EngineConfig, Material, Vector, World, invariants};
+use crate::physics::{Body, EngineConfig, Material, Vector, World};
 use crate::recording::{self, Header, Playback, Recording, SampledBody, SampledState};
 use crate::scene::{self, Scene};
 use std::fs::File;
@@ -71,7 +71,7 @@ impl Source {
                 break;
             }
             if grid.contains(state.step) {
-                samples.push(energy(&state, config));
+                samples.push(EnergySample::of(&recorded_world(&state, config), state.time));
             }
         }
         Ok((samples, ReadStatus { path: self.path.clone(), health: playback.health(), extent }))
@@ -88,31 +88,24 @@ pub fn open(path: &Path) -> Result<Recording<BufReader<File>>, Error> {
     recording::open(path).map_err(|source| Error::Recording { path: path.into(), source })
 }
 
-fn energy(state: &SampledState, config: &EngineConfig) -> EnergySample {
+/// The world in a recorded state, as far as energy and momentum depend on it: names and materials are missing.
+pub fn recorded_world(state: &SampledState, config: &EngineConfig) -> World {
+    let body = |recorded: &SampledBody| {
+        let spawn = &recorded.info.spawn;
+        let mut rect = spawn.rect;
+        rect.origin = recorded.position;
+        Body {
+            id: recorded.info.id,
+            name: String::new(),
+            rect,
+            mass: spawn.mass,
+            inverse_mass: 1.0 / spawn.mass,
+            velocity: recorded.velocity,
+            force: Vector::ZERO,
+            constant_force: spawn.force,
+            material: Material::default(),
+        }
+    };
     let bodies = state.bodies.iter().map(body).collect();
-    let world = World { bodies, gravity: config.gravity, restitution: config.restitution.clone() };
-    EnergySample {
-        time: state.time,
-        kinetic: invariants::kinetic_energy(&world),
-        potential: invariants::potential_energy(&world),
-        momentum: invariants::momentum(&world),
-    }
-}
-
-/// The recorded body as a body of the physics module, as far as energy and momentum depend on it.
-fn body(recorded: &SampledBody) -> Body {
-    let spawn = &recorded.info.spawn;
-    let mut rect = spawn.rect;
-    rect.origin = recorded.position;
-    Body {
-        id: recorded.info.id,
-        name: String::new(),
-        rect,
-        mass: spawn.mass,
-        inverse_mass: 1.0 / spawn.mass,
-        velocity: recorded.velocity,
-        force: Vector::ZERO,
-        constant_force: spawn.force,
-        material: Material::default(),
-    }
+    World { bodies, gravity: config.gravity, restitution: config.restitution.clone() }
 }

@@ -291,3 +291,105 @@ fn figures_of_every_kind_are_drawn_in_every_format() {
     assert_eq!(workplace.rebond("figure collision run.mcap -o none.png --step 90").code, 1);
     assert_eq!(workplace.rebond("figure collision run.mcap -o none.bmp").code, 1);
 }
+
+/// The rows of a CSV table as columns by name. No field of these tests is quoted.
+fn columns(table: &str) -> std::collections::BTreeMap<String, Vec<String>> {
+    let mut lines = table.lines().map(|line| line.split(',').map(str::to_owned).collect::<Vec<String>>());
+    let names = lines.next().unwrap();
+    let rows: Vec<Vec<String>> = lines.collect();
+    names.into_iter().enumerate().map(|(at, name)| (name, rows.iter().map(|row| row[at].clone()).collect())).collect()
+}
+
+#[test]
+fn the_energy_table_is_computed_from_the_states_and_has_no_potential_without_force() {
+    let workplace = recorded();
+    let states = columns(&workplace.done("export run.mcap").output);
+    let energy = columns(&workplace.done("export run.mcap --table energy").output);
+    let masses = columns(&workplace.done("export run.mcap --table bodies").output);
+    assert_eq!(energy["step"].len(), 91);
+    let number = |text: &String| text.parse::<f64>().unwrap();
+    let mass =
+        |name: &String| number(&masses["mass"][masses["name"].iter().position(|listed| listed == name).unwrap()]);
+    for (row, step) in energy["step"].iter().enumerate() {
+        let bodies = (0..states["step"].len()).filter(|&at| states["step"][at] == *step);
+        let (mut kinetic, mut px) = (0.0, 0.0);
+        for at in bodies.filter(|&at| mass(&states["name"][at]).is_finite()) {
+            let [vx, vy] = [number(&states["vx"][at]), number(&states["vy"][at])];
+            kinetic += 0.5 * mass(&states["name"][at]) * (vx * vx + vy * vy);
+            px += vx * mass(&states["name"][at]);
+        }
+        assert_eq!((number(&energy["kinetic"][row]), number(&energy["px"][row])), (kinetic, px), "step {step}");
+        assert_eq!(number(&energy["total"][row]), kinetic + number(&energy["potential"][row]), "step {step}");
+    }
+    assert!(energy["potential"].iter().any(|potential| number(potential) < 0.0), "the scene has gravity");
+    workplace.write("free.toml", &SCENE.replace("gravity = [0.0, 9.81]\n", ""));
+    let free = columns(&workplace.done("export free.toml --table energy").output);
+    assert!(free["potential"].iter().all(|potential| potential == "0.0"), "{:?}", free["potential"]);
+}
+
+#[test]
+fn the_collision_table_explains_every_change_of_velocity() {
+    let workplace = Workplace::with_scene(
+        &SCENE
+            .replace("gravity = [0.0, 9.81]\n", "")
+            .replace("handout", "event-driven")
+            .replace("steps = 90", "steps = 900"),
+    );
+    workplace.done("record scene.toml -o run.mcap");
+    let collisions = columns(&workplace.done("export run.mcap --table collisions").output);
+    let states = columns(&workplace.done("export run.mcap").output);
+    let number = |text: &String| text.parse::<f64>().unwrap();
+    assert!(collisions["time"].len() > 3);
+    for row in 0..collisions["time"].len() {
+        let of = |column: &str| number(&collisions[column][row]);
+        assert!(
+            (of("vn_after") + of("e") * of("vn_before")).abs() < 1e-12 && of("vn_before") < 0.0 && of("impulse") > 0.0
+        );
+        assert_eq!(of("nx").abs() + of("ny").abs(), 1.0);
+        assert_eq!(collisions["axis"][row], if of("nx") != 0.0 { "x" } else { "y" });
+    }
+    // Without forces only impulses change the momentum of c: j·n̂ where c is the first body, −j·n̂ where it is the second.
+    let momentum = |step: &str| {
+        let at = (0..states["step"].len()).find(|&at| states["step"][at] == step && states["name"][at] == "c").unwrap();
+        [2.0 * number(&states["vx"][at]), 2.0 * number(&states["vy"][at])]
+    };
+    let mut expected = momentum("0");
+    for row in 0..collisions["time"].len() {
+        let sign = if collisions["a"][row] == "c" { 1.0 } else { -1.0 };
+        if [&collisions["a"][row], &collisions["b"][row]].into_iter().any(|name| name == "c") {
+            expected[0] += sign * number(&collisions["impulse"][row]) * number(&collisions["nx"][row]);
+            expected[1] += sign * number(&collisions["impulse"][row]) * number(&collisions["ny"][row]);
+        }
+    }
+    let last = momentum("900");
+    assert!((0..2).all(|at| (last[at] - expected[at]).abs() < 1e-12), "{last:?} {expected:?}");
+    let part = workplace.done("export run.mcap --table collisions --from 100 --to 700").output;
+    let steps = columns(&part).remove("step").unwrap();
+    assert!(!steps.is_empty() && steps.iter().all(|step| (100..=700).contains(&step.parse::<u64>().unwrap())));
+}
+
+#[test]
+fn a_table_of_several_sources_names_the_source_of_each_row() {
+    let workplace = recorded();
+    for table in ["states", "collisions", "energy", "bodies"] {
+        let one = workplace.done(&format!("export run.mcap --table {table}")).output;
+        let two = workplace.done(&format!("export run.mcap scene.toml --table {table}")).output;
+        let (header, rows) = one.split_once('\n').unwrap();
+        let named = |source: &str| rows.lines().map(|row| format!("{source},{row}\n")).collect::<String>();
+        assert_eq!(two, format!("source,{header}\n{}{}", named("run.mcap"), named("scene.toml")), "{table}");
+        let json = workplace.done(&format!("export run.mcap --table {table} --force -o table.jsonl"));
+        assert!(json.output.is_empty());
+        let lines = String::from_utf8(workplace.read("table.jsonl")).unwrap();
+        let keys: Vec<&str> = header.split(',').collect();
+        assert_eq!(lines.lines().count(), rows.lines().count());
+        for line in lines.lines() {
+            let object: serde_json::Map<String, serde_json::Value> = serde_json::from_str(line).unwrap();
+            assert!(keys.iter().all(|key| object.contains_key(*key)) && object.len() == keys.len(), "{line}");
+        }
+    }
+    let bodies = columns(&workplace.done("export run.mcap --table bodies").output);
+    let late = bodies["name"].iter().position(|name| name == "late").unwrap();
+    assert_eq!([&bodies["spawned_step"][late], &bodies["deleted_step"][late]], ["30", "60"]);
+    assert_eq!((bodies["mass"][0].as_str(), bodies["color"][4].as_str()), ("inf", "#3366cc"));
+    assert_eq!(workplace.rebond("export run.mcap scene.toml --shard 1/2").code, 1);
+}

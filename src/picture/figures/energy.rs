@@ -1,6 +1,6 @@
 use super::axes::{Axes, AxisTitles, Range, Scale};
 use super::panels::Panels;
-use crate::physics::{Rect, Vector};
+use crate::physics::{Rect, Vector, World, invariants};
 use crate::picture::layers::footer::{Entry, Legend};
 use crate::picture::number::format_significant;
 use crate::picture::text::Line;
@@ -13,14 +13,25 @@ pub struct EnergySample {
     pub time: f64,
     /// Kinetic energy of the bodies of finite mass, J.
     pub kinetic: f64,
-    /// Their potential energy, J. Figures show it relative to its minimum.
+    /// Their potential energy, −Σ (m·g + F)·x at the centres, J. Figures show it relative to its minimum.
     pub potential: f64,
     /// Their momentum, kg·m/s.
     pub momentum: Vector,
 }
 
 impl EnergySample {
-    fn total(&self) -> f64 {
+    /// Energy and momentum of the bodies of finite mass in a world.
+    pub fn of(world: &World, time: f64) -> EnergySample {
+        EnergySample {
+            time,
+            kinetic: invariants::kinetic_energy(world),
+            potential: invariants::potential_energy(world),
+            momentum: invariants::momentum(world),
+        }
+    }
+
+    /// The sum of kinetic and potential energy, J.
+    pub fn total(&self) -> f64 {
         self.kinetic + self.potential
     }
 }
