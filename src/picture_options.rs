@@ -6,86 +6,231 @@ use std::collections::BTreeSet;
 use std::fmt;
 use std::str::FromStr;
 
-/// Options of a picture. An option that is `None` is open: `PictureOptions::resolve` takes it from the `[figure]` table
-/// of the scene, else from the defaults.
+/// Declares [`PictureOptions`] and the [`Look`] to which they are resolved, each option once.
 ///
-/// To add an option, add it here, to the resolved picture and to the provenance, and as a flag if it is to have one.
-#[non_exhaustive]
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(default, deny_unknown_fields)]
-#[cfg_attr(feature = "cli", derive(clap::Args))]
-pub struct PictureOptions {
-    /// Width and height, px.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "WxH", value_parser = parse_size))]
-    #[cfg_attr(feature = "cli", arg(help = "Set width and height in pixels"))]
-    pub size: Option<[u32; 2]>,
-    /// The colour theme.
-    #[cfg_attr(feature = "cli", arg(long, help = "Use the light or dark theme"))]
-    pub theme: Option<Theme>,
-    /// Approximate frame rate, frames per second of playback.
-    #[cfg_attr(feature = "cli", arg(skip))]
-    pub fps: Option<f64>,
-    /// The overlays drawn in addition to the bodies.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "LIST", help = SHOW_HELP))]
-    pub show: Option<Overlays>,
-    /// The property that determines the colours of bodies.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "KEY", help = "Colour bodies by body, material or speed"))]
-    pub color_by: Option<ColorBy>,
-    /// The part of the plane to show.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "AREA", allow_hyphen_values = true))]
-    #[cfg_attr(feature = "cli", arg(help = "Show world, bodies, or X,Y,WIDTH,HEIGHT in metres"))]
-    pub window: Option<Window>,
-    /// The name of the body that the camera follows.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "NAME"))]
-    #[cfg_attr(feature = "cli", arg(help = "Keep this body centred; --window WxH sets the area"))]
-    pub follow: Option<String>,
-    /// The caption below the picture.
-    #[cfg_attr(feature = "cli", arg(long, value_name = "TEXT", help = "Write this text below the picture"))]
-    pub caption: Option<String>,
-    /// The first step to draw.
-    #[cfg_attr(feature = "cli", arg(skip))]
-    pub from: Option<u64>,
-    /// The last step to draw.
-    #[cfg_attr(feature = "cli", arg(skip))]
-    pub to: Option<u64>,
-    /// Draw only steps that are a multiple of this number.
-    #[cfg_attr(feature = "cli", arg(skip))]
-    pub every: Option<u64>,
-    /// Playback speed: simulated seconds per second of playback, so 0.1 is slow motion. 1 if `None`.
-    #[cfg_attr(feature = "cli", arg(skip))]
-    pub slow: Option<f64>,
-    /// The time for which an animation freezes at each new collision, s. No freeze frames if `None`.
-    #[cfg_attr(feature = "cli", arg(skip))]
-    pub hold: Option<f64>,
-    /// A title above each recording; the recordings' own titles if `None`.
-    #[cfg_attr(feature = "cli", arg(skip))]
-    pub titles: Option<Vec<String>>,
+/// An option of `look` has a flag, a default and a text form ([`OptionText`]) in provenance; see [`Written`]. An option
+/// of `other` determines the camera, or the steps and times that are drawn; see `PictureOptions::resolve`.
+macro_rules! picture_options {
+    (
+        $(#[$options_doc:meta])* options;
+        $(#[$look_doc:meta])* look {
+            $($(#[$doc:meta])* flag($($flag:tt)*) $name:ident: $type:ty = $default:expr, $written:ident;)+
+        }
+        other { $($(#[$other_doc:meta])* flag($($other_flag:tt)*) $other:ident: $other_type:ty;)+ }
+    ) => {
+        $(#[$options_doc])*
+        pub struct PictureOptions {
+            $($(#[$doc])* #[cfg_attr(feature = "cli", arg($($flag)*))] pub $name: Option<$type>,)+
+            $($(#[$other_doc])* #[cfg_attr(feature = "cli", arg($($other_flag)*))] pub $other: Option<$other_type>,)+
+        }
+
+        impl PictureOptions {
+            /// These options, with the open ones taken from `fallback`.
+            pub fn or(self, fallback: PictureOptions) -> PictureOptions {
+                PictureOptions {
+                    $($name: self.$name.or(fallback.$name),)+
+                    $($other: self.$other.or(fallback.$other),)+
+                }
+            }
+
+            /// The look that these options describe, with defaults for the open ones.
+            #[cfg(feature = "draw")]
+            pub(crate) fn look(&self, camera_target: CameraTarget) -> Look {
+                Look { $($name: self.$name.clone().unwrap_or_else(|| $default),)+ camera_target }
+            }
+        }
+
+        $(#[$look_doc])*
+        #[cfg(feature = "draw")]
+        #[derive(Clone, Debug, PartialEq)]
+        pub struct Look {
+            $($(#[$doc])* pub $name: $type,)+
+            /// The part of the world that the camera shows.
+            pub camera_target: CameraTarget,
+        }
+
+        #[cfg(feature = "draw")]
+        impl Look {
+            /// Keys and texts of the options that provenance contains under this condition, in order.
+            pub(crate) fn texts(&self, written: Written) -> Vec<(&'static str, String)> {
+                let default = Look::default();
+                let mut texts = Vec::new();
+                $(if written == Written::$written && (written == Written::Always || self.$name != default.$name) {
+                    texts.push((stringify!($name), self.$name.to_text()));
+                })+
+                texts
+            }
+
+            /// The look whose options have the texts that `get` returns. `None` if a text cannot be parsed, or if one
+            /// that is always written is missing.
+            pub(crate) fn from_texts<'a>(
+                get: impl Fn(&str) -> Option<&'a str>,
+                camera_target: CameraTarget,
+            ) -> Option<Look> {
+                Some(Look {
+                    $($name: match (get(stringify!($name)), Written::$written) {
+                        (Some(text), _) => OptionText::from_text(text)?,
+                        (None, Written::IfChanged) => $default,
+                        (None, Written::Always) => return None,
+                    },)+
+                    camera_target,
+                })
+            }
+        }
+    };
 }
 
-#[cfg(feature = "cli")]
-const SHOW_HELP: &str = "\
-    Show these overlays: none, or a list of velocity, force, normal, impulse, penetration, trail, name, mass, grid, \
-    axes, scale, clock";
+/// The condition under which provenance contains an option.
+#[cfg(feature = "draw")]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Written {
+    /// In every picture: the options of the first version.
+    Always,
+    /// If it differs from its default. Every later option is written so, because older pictures do not contain it.
+    IfChanged,
+}
 
-impl PictureOptions {
-    /// These options, with the open ones taken from `fallback`.
-    pub fn or(self, fallback: PictureOptions) -> PictureOptions {
-        PictureOptions {
-            size: self.size.or(fallback.size),
-            theme: self.theme.or(fallback.theme),
-            fps: self.fps.or(fallback.fps),
-            show: self.show.or(fallback.show),
-            color_by: self.color_by.or(fallback.color_by),
-            window: self.window.or(fallback.window),
-            follow: self.follow.or(fallback.follow),
-            caption: self.caption.or(fallback.caption),
-            from: self.from.or(fallback.from),
-            to: self.to.or(fallback.to),
-            every: self.every.or(fallback.every),
-            slow: self.slow.or(fallback.slow),
-            hold: self.hold.or(fallback.hold),
-            titles: self.titles.or(fallback.titles),
+picture_options! {
+    /// Options of a picture. An option that is `None` is open: `PictureOptions::resolve` takes it from the `[figure]`
+    /// table of the scene, else from the defaults.
+    #[non_exhaustive]
+    #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+    #[serde(default, deny_unknown_fields)]
+    #[cfg_attr(feature = "cli", derive(clap::Args))]
+    options;
+
+    /// The appearance of a picture.
+    look {
+        /// Width and height, px.
+        flag(long, value_name = "WxH", value_parser = parse_size, help = "Set width and height in pixels")
+        size: [u32; 2] = [1280, 720], Always;
+
+        /// The colour theme.
+        flag(long, help = "Use the light or dark theme")
+        theme: Theme = Theme::Light, Always;
+
+        /// The overlays drawn in addition to the bodies.
+        flag(long, value_name = "LIST", help = Overlays::help())
+        show: Overlays = Overlays::from([Overlay::Name, Overlay::Clock]), Always;
+
+        /// The property that determines the colours of bodies.
+        flag(long, value_name = "KEY", help = "Colour bodies by body, material or speed")
+        color_by: ColorBy = ColorBy::Body, Always;
+
+        /// The caption below the picture; none if empty.
+        flag(long, value_name = "TEXT", help = "Write this text below the picture")
+        caption: String = String::new(), IfChanged;
+    }
+
+    other {
+        /// The part of the plane to show.
+        flag(
+            long, value_name = "AREA", allow_hyphen_values = true,
+            help = "Show world, bodies, or X,Y,WIDTH,HEIGHT in metres"
+        )
+        window: Window;
+
+        /// The name of the body that the camera follows.
+        flag(long, value_name = "NAME", help = "Keep this body centred; --window WxH sets the area")
+        follow: String;
+
+        /// The first step to draw.
+        flag(long, value_name = "STEP", help = "Start at this step")
+        from: u64;
+
+        /// The last step to draw.
+        flag(long, value_name = "STEP", help = "Stop after this step")
+        to: u64;
+
+        /// Draw only steps that are a multiple of this number. By default, animations have `fps` frames per second,
+        /// folders have all steps, and figures as many as suit them.
+        flag(
+            long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..),
+            help = "Draw every N-th step, counted from step 0"
+        )
+        every: u64;
+
+        /// Approximate frame rate, frames per second of playback.
+        flag(skip)
+        fps: f64;
+
+        /// Playback speed: simulated seconds per second of playback, so 0.1 is slow motion. 1 if `None`.
+        flag(skip)
+        slow: f64;
+
+        /// The time for which an animation freezes at each new collision, s. No freeze frames if `None`.
+        flag(skip)
+        hold: f64;
+
+        /// A title above each recording; the recordings' own titles if `None`.
+        flag(skip)
+        titles: Vec<String>;
+    }
+}
+
+#[cfg(feature = "draw")]
+impl Default for Look {
+    /// The defaults of all pictures: 1280 × 720 px, the light theme with names and clock, coloured by body.
+    fn default() -> Look {
+        PictureOptions::default().look(CameraTarget::World)
+    }
+}
+
+/// The part of the world that a camera shows: the options `window` and `follow`, resolved.
+#[cfg(feature = "draw")]
+#[derive(Clone, Debug, PartialEq)]
+pub enum CameraTarget {
+    /// The whole world.
+    World,
+    /// A rectangle of the plane, m. More is visible if the picture has a different aspect ratio.
+    Window(Rect),
+    /// The surroundings of a body, which stays in the middle.
+    Follow {
+        /// Name of the body.
+        name: String,
+        /// Width and height of the visible area around it, m.
+        size: Vector,
+    },
+}
+
+#[cfg(feature = "draw")]
+impl CameraTarget {
+    /// The name of the body that the camera follows, if any.
+    pub fn followed_body(&self) -> Option<&str> {
+        match self {
+            CameraTarget::Follow { name, .. } => Some(name),
+            CameraTarget::World | CameraTarget::Window(_) => None,
         }
+    }
+}
+
+/// The text form of an option in provenance, which contains no blank outside quotes.
+#[cfg(feature = "draw")]
+pub(crate) trait OptionText: Sized {
+    fn to_text(&self) -> String;
+    fn from_text(text: &str) -> Option<Self>;
+}
+
+#[cfg(feature = "draw")]
+impl OptionText for [u32; 2] {
+    fn to_text(&self) -> String {
+        let [width, height] = self;
+        format!("{width}x{height}")
+    }
+
+    fn from_text(text: &str) -> Option<[u32; 2]> {
+        parse_size(text).ok()
+    }
+}
+
+#[cfg(feature = "draw")]
+impl OptionText for String {
+    fn to_text(&self) -> String {
+        serde_json::Value::from(self.as_str()).to_string()
+    }
+
+    fn from_text(text: &str) -> Option<String> {
+        serde_json::from_str(text).ok()
     }
 }
 
@@ -98,9 +243,21 @@ pub(crate) fn parse_size(text: &str) -> Result<[u32; 2], String> {
         .ok_or_else(|| "expected WIDTHxHEIGHT, for example 1280x720".into())
 }
 
-/// Declares an enum whose values have names in scenes, in command-line options and in provenance.
+/// Joins names for a message: `"a", "b" or "c"`.
+macro_rules! listed {
+    ($word:literal, $a:literal, $b:literal) => { concat!("\"", $a, "\" ", $word, " \"", $b, "\"") };
+    ($word:literal, $first:literal, $($rest:literal),+) => {
+        concat!("\"", $first, "\", ", listed!($word, $($rest),+))
+    };
+}
+
+/// Declares an enum whose values have names in scenes, in command-line options and in provenance. `accepts` says what
+/// a scene accepts; its second part joins the last two names.
 macro_rules! named {
-    ($(#[$doc:meta])* $type:ident { $($(#[$value_doc:meta])* $value:ident = $name:literal,)+ }) => {
+    (
+        $(#[$doc:meta])* $type:ident { $($(#[$value_doc:meta])* $value:ident = $name:literal,)+ }
+        accepts($before:literal, $word:literal, $after:literal)
+    ) => {
         $(#[$doc])*
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
         pub enum $type { $($(#[$value_doc])* #[serde(rename = $name)] $value,)+ }
@@ -108,6 +265,9 @@ macro_rules! named {
         impl $type {
             /// All values, in the order of the documentation.
             pub const ALL: &'static [$type] = &[$($type::$value,)+];
+
+            /// The values that a scene accepts, for messages.
+            pub(crate) const ACCEPTED: &'static str = concat!($before, listed!($word, $($name),+), $after);
 
             /// The value with that name.
             pub fn named(name: &str) -> Option<$type> {
@@ -123,6 +283,17 @@ macro_rules! named {
         impl fmt::Display for $type {
             fn fmt(&self, out: &mut fmt::Formatter) -> fmt::Result {
                 out.write_str(self.name())
+            }
+        }
+
+        #[cfg(feature = "draw")]
+        impl OptionText for $type {
+            fn to_text(&self) -> String {
+                self.to_string()
+            }
+
+            fn from_text(text: &str) -> Option<$type> {
+                text.parse().ok()
             }
         }
 
@@ -145,6 +316,7 @@ named! {
         /// Light shapes on black, for dark rooms.
         Dark = "dark",
     }
+    accepts("", "or", "")
 }
 
 named! {
@@ -175,6 +347,15 @@ named! {
         /// The simulated time.
         Clock = "clock",
     }
+    accepts("a list of ", "and", ", each at most once")
+}
+
+impl Overlay {
+    /// Returns true if the overlay shows collisions, which only a replay finds.
+    #[cfg(feature = "draw")]
+    pub(crate) const fn shows_collisions(self) -> bool {
+        matches!(self, Overlay::Normal | Overlay::Impulse | Overlay::Penetration)
+    }
 }
 
 named! {
@@ -187,6 +368,7 @@ named! {
         /// A scale from slow to fast.
         Speed = "speed",
     }
+    accepts("", "or", "")
 }
 
 /// A set of overlays. Its text form is `none`, or names separated by commas.
@@ -203,6 +385,19 @@ impl Overlays {
     /// Returns true if `overlay` is in the set.
     pub fn contains(&self, overlay: Overlay) -> bool {
         self.0.contains(&overlay)
+    }
+
+    /// The help text of `--show`.
+    #[cfg(feature = "cli")]
+    fn help() -> String {
+        let names: Vec<&str> = Overlay::ALL.iter().map(|overlay| overlay.name()).collect();
+        format!("Show these overlays: none, or a list of {}", names.join(", "))
+    }
+
+    /// Returns true if one of the overlays shows collisions.
+    #[cfg(feature = "draw")]
+    pub(crate) fn show_collisions(&self) -> bool {
+        self.0.iter().any(|overlay| overlay.shows_collisions())
     }
 
     /// Adds an overlay. Returns false if it was in the set before.
@@ -235,6 +430,17 @@ impl FromStr for Overlays {
 
     fn from_str(text: &str) -> Result<Overlays, String> {
         if text == "none" { Ok(Overlays::default()) } else { text.split(',').map(str::parse).collect() }
+    }
+}
+
+#[cfg(feature = "draw")]
+impl OptionText for Overlays {
+    fn to_text(&self) -> String {
+        self.to_string()
+    }
+
+    fn from_text(text: &str) -> Option<Overlays> {
+        text.parse().ok()
     }
 }
 

@@ -27,17 +27,8 @@ pub struct RenderOptions {
     /// Draw only the state of this step
     #[arg(long, value_name = "STEP", conflicts_with_all = ["from", "to", "every", "fps"])]
     pub at: Option<u64>,
-    /// Start at this step
-    #[arg(long, value_name = "STEP")]
-    pub from: Option<u64>,
-    /// Stop after this step
-    #[arg(long, value_name = "STEP")]
-    pub to: Option<u64>,
-    /// Draw every N-th step, counted from step 0
-    #[arg(long, value_name = "N", conflicts_with = "fps", value_parser = clap::value_parser!(u64).range(1..))]
-    pub every: Option<u64>,
     /// Draw about this many frames per second
-    #[arg(long, value_parser = positive)]
+    #[arg(long, conflicts_with = "every", value_parser = positive)]
     pub fps: Option<f64>,
     /// Draw only part I of N of a folder of PNG files
     #[arg(long, value_name = "I/N", default_value = "1/1", hide_default_value = true, conflicts_with = "at")]
@@ -63,8 +54,7 @@ impl RenderOptions {
             HoldWord::Seconds(seconds) => Some(*seconds),
             HoldWord::At | HoldWord::Collisions => None,
         });
-        let RenderOptions { from, to, every, fps, slow, .. } = *self;
-        PictureOptions { from, to, every, fps, slow, hold, ..self.picture.clone() }
+        PictureOptions { fps: self.fps, slow: self.slow, hold, ..self.picture.clone() }
     }
 }
 
@@ -98,15 +88,6 @@ pub struct FigureCommandOptions {
     /// spacetime: draw x or y against time
     #[arg(long, default_value = "x", hide_possible_values = true)]
     pub axis: FigureAxis,
-    /// Start at this step
-    #[arg(long, value_name = "STEP")]
-    pub from: Option<u64>,
-    /// Stop after this step
-    #[arg(long, value_name = "STEP")]
-    pub to: Option<u64>,
-    /// Draw every N-th step, from step 0 [default: automatic]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
-    pub every: Option<u64>,
     /// Write this above a source; repeatable [default: scene titles]
     #[arg(long, value_name = "TEXT")]
     pub title: Vec<String>,
@@ -115,8 +96,7 @@ pub struct FigureCommandOptions {
 impl FigureCommandOptions {
     /// The options of the picture.
     pub fn picture_options(&self) -> PictureOptions {
-        let FigureCommandOptions { from, to, every, .. } = *self;
-        PictureOptions { from, to, every, titles: Some(self.title.clone()), ..self.picture.clone() }
+        PictureOptions { titles: Some(self.title.clone()), ..self.picture.clone() }
     }
 
     /// The figure to draw.

@@ -80,11 +80,7 @@ pub struct Requirements {
 impl Requirements {
     /// The requirements of the overlays in `show` and of the instants of `schedule`.
     pub fn new(show: &Overlays, schedule: &AnimationSchedule) -> Requirements {
-        let contacts = [Overlay::Normal, Overlay::Impulse, Overlay::Penetration];
-        Requirements {
-            trails: show.contains(Overlay::Trail),
-            replay: contacts.iter().any(|&overlay| show.contains(overlay)) || !schedule.is_on_grid(),
-        }
+        Requirements { trails: show.contains(Overlay::Trail), replay: show.show_collisions() || !schedule.is_on_grid() }
     }
 }
 

@@ -39,8 +39,8 @@ mod style;
 pub mod text;
 mod view;
 
-pub use crate::picture_options::{ColorBy, Overlay, Overlays, PictureOptions, Theme, Window};
-pub use camera::{Camera, CameraTarget};
+pub use crate::picture_options::{CameraTarget, ColorBy, Look, Overlay, Overlays, PictureOptions, Theme, Window};
+pub use camera::Camera;
 pub use draw::{Clip, Drawn, draw, draw_sequence, draw_to_vec, redraw};
 pub(crate) use encode::ordered_parallel_map;
 pub use encode::{
@@ -56,7 +56,7 @@ pub use provenance::{Provenance, SOFTWARE};
 pub(crate) use raster::color;
 pub use raster::{Color, DisplayList, Ink, Painter, Palette, Picture, Shape};
 pub use resolve::{FigureOptions, Sequence, SubjectOptions};
-pub use resolved::{Animation, CollisionFigure, CollisionSelector, Look, Page, ResolvedPicture, StatesFigure, Subject};
+pub use resolved::{Animation, CollisionFigure, CollisionSelector, Page, ResolvedPicture, StatesFigure, Subject};
 pub use run_statistics::RunStatistics;
 pub use schedule::{AnimationSchedule, MIN_HOLD, Moment, Timing};
 pub use source::{Source, recorded_world};

@@ -11,6 +11,11 @@ impl OptionLine {
         self.0.push((key.to_owned(), value.to_string()));
     }
 
+    /// Adds keys with their values, which contain no blank outside quotes.
+    pub fn extend(&mut self, options: Vec<(&str, String)>) {
+        self.0.extend(options.into_iter().map(|(key, value)| (key.to_owned(), value)));
+    }
+
     /// Adds a list of strings.
     pub fn push_strings<'a>(&mut self, key: &str, strings: impl IntoIterator<Item = &'a String>) {
         let quoted: Vec<String> =

@@ -4,7 +4,7 @@ use super::{
     Source, StatesFigure, Subject, Timing, Window,
 };
 use crate::physics::Axis;
-use crate::picture_options::parse_size;
+use crate::picture_options::Written;
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 
@@ -61,16 +61,15 @@ impl Provenance {
         let ResolvedPicture { subject, look, titles } = &self.picture;
         let mut options = OptionLine::default();
         write_subject(subject, &mut options);
-        write_look(look, &mut options);
+        options.extend(look.texts(Written::Always));
+        write_camera_target(&look.camera_target, &mut options);
         if self.recorded_every > 1 {
             options.push("recorded_every", self.recorded_every);
         }
         if !titles.is_empty() {
             options.push_strings("title", titles);
         }
-        if !look.caption.is_empty() {
-            options.push_strings("caption", [&look.caption]);
-        }
+        options.extend(look.texts(Written::IfChanged));
         let entry = |key: &str, value: String| (key.to_owned(), value);
         Metadata {
             entries: vec![
@@ -96,7 +95,8 @@ impl Provenance {
         let invalid = |key: &str| Error::NoProvenance { reason: format!("its {key:?} entry cannot be parsed") };
         let options = OptionLine::parse(get(OPTIONS)?).ok_or_else(|| invalid(OPTIONS))?;
         let subject = read_subject(get(STEPS)?, &options, format).ok_or_else(|| invalid(STEPS))?;
-        let look = read_look(&options).ok_or_else(|| invalid(OPTIONS))?;
+        let camera_target = read_camera_target(&options).ok_or_else(|| invalid(OPTIONS))?;
+        let look = Look::from_texts(|key| options.get(key), camera_target).ok_or_else(|| invalid(OPTIONS))?;
         let titles = options.get_strings("title").ok_or_else(|| invalid(OPTIONS))?;
         Ok(Provenance {
             software: get(DRAWN_BY)?.clone(),
@@ -204,13 +204,8 @@ fn read_collisions(steps: &str, options: &OptionLine) -> Option<Vec<CollisionSel
     (steps.len() == pairs.len()).then(|| steps.iter().zip(pairs).map(selector).collect())
 }
 
-fn write_look(look: &Look, options: &mut OptionLine) {
-    let [width, height] = look.size;
-    options.push("size", format_args!("{width}x{height}"));
-    options.push("theme", look.theme);
-    options.push("show", &look.show);
-    options.push("color_by", look.color_by);
-    match &look.camera_target {
+fn write_camera_target(target: &CameraTarget, options: &mut OptionLine) {
+    match target {
         CameraTarget::World => {}
         CameraTarget::Window(area) => options.push("window", Window::Area(*area)),
         CameraTarget::Follow { name, size } => {
@@ -220,23 +215,15 @@ fn write_look(look: &Look, options: &mut OptionLine) {
     }
 }
 
-fn read_look(options: &OptionLine) -> Option<Look> {
+fn read_camera_target(options: &OptionLine) -> Option<CameraTarget> {
     let followed = options.get_strings("follow")?.into_iter().next();
     let window = options.get("window").map(Window::from_str).transpose().ok()?;
-    let camera_target = match (followed, window) {
-        (None, None) => CameraTarget::World,
-        (None, Some(Window::Area(area))) => CameraTarget::Window(area),
-        (Some(name), Some(Window::Size(size))) => CameraTarget::Follow { name, size },
-        _ => return None,
-    };
-    Some(Look {
-        size: parse_size(options.get("size")?).ok()?,
-        theme: options.get("theme")?.parse().ok()?,
-        show: options.get("show")?.parse().ok()?,
-        color_by: options.get("color_by")?.parse().ok()?,
-        camera_target,
-        caption: options.get_strings("caption")?.into_iter().next().unwrap_or_default(),
-    })
+    match (followed, window) {
+        (None, None) => Some(CameraTarget::World),
+        (None, Some(Window::Area(area))) => Some(CameraTarget::Window(area)),
+        (Some(name), Some(Window::Size(size))) => Some(CameraTarget::Follow { name, size }),
+        _ => None,
+    }
 }
 
 #[cfg(test)]

@@ -91,7 +91,7 @@ impl PictureOptions {
                 Subject::Animation { animation, format: *format }
             }
         };
-        let look = options.look(sources)?;
+        let look = options.look(options.camera_target(sources)?);
         Ok(ResolvedPicture { subject, look, titles: options.resolved_titles(sources)? })
     }
 
@@ -106,7 +106,9 @@ impl PictureOptions {
         }
         let grid = self.grid(source, self.fps)?;
         let sources = std::slice::from_ref(source);
-        Ok(Sequence { steps: grid.steps, every: grid.every, look: self.clone().or_scene(sources)?.look(sources)? })
+        let options = self.clone().or_scene(sources)?;
+        let look = options.look(options.camera_target(sources)?);
+        Ok(Sequence { steps: grid.steps, every: grid.every, look })
     }
 
     /// Resolves a video, whose frame rate is unlimited.
@@ -116,7 +118,8 @@ impl PictureOptions {
     pub fn resolve_video(&self, source: &Source) -> Result<(Animation, Look), Error> {
         let sources = std::slice::from_ref(source);
         let options = self.clone().or_scene(sources)?;
-        Ok((options.animation(source, f64::INFINITY)?, options.look(sources)?))
+        let animation = options.animation(source, f64::INFINITY)?;
+        Ok((animation, options.look(options.camera_target(sources)?)))
     }
 
     /// These options, with the open ones taken from the scene of the first recording.
@@ -125,18 +128,6 @@ impl PictureOptions {
             Some(first) => Ok(self.or(first.scene.figure.clone())),
             None => Err(Error::NothingToShow { reason: "no recording is given".into() }),
         }
-    }
-
-    fn look(&self, sources: &[Source]) -> Result<Look, Error> {
-        let default = Look::default();
-        Ok(Look {
-            size: self.size.unwrap_or(default.size),
-            theme: self.theme.unwrap_or(default.theme),
-            show: self.show.clone().unwrap_or(default.show),
-            color_by: self.color_by.unwrap_or(default.color_by),
-            camera_target: self.camera_target(sources)?,
-            caption: self.caption.clone().unwrap_or(default.caption),
-        })
     }
 
     fn resolved_titles(&self, sources: &[Source]) -> Result<Vec<String>, Error> {

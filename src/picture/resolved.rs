@@ -1,4 +1,4 @@
-use super::{AnimationFormat, CameraTarget, ColorBy, Format, Overlay, Overlays, StillFormat, Theme, Timing};
+use super::{AnimationFormat, Format, Look, StillFormat, Timing};
 use crate::physics::Axis;
 use std::ops::RangeInclusive;
 
@@ -136,35 +136,4 @@ pub struct CollisionSelector {
     pub step: u64,
     /// The names of the two bodies, in the order of the collision.
     pub pair: [String; 2],
-}
-
-/// The appearance of a picture.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Look {
-    /// Width and height, px.
-    pub size: [u32; 2],
-    /// The colour theme.
-    pub theme: Theme,
-    /// The overlays drawn in addition to the bodies.
-    pub show: Overlays,
-    /// The property that determines the colours of bodies.
-    pub color_by: ColorBy,
-    /// The part of the world that the camera shows.
-    pub camera_target: CameraTarget,
-    /// The caption below the picture; none if empty.
-    pub caption: String,
-}
-
-impl Default for Look {
-    /// The defaults of all pictures: 1280 × 720 px, the light theme with names and clock, coloured by body.
-    fn default() -> Look {
-        Look {
-            size: [1280, 720],
-            theme: Theme::Light,
-            show: Overlays::from([Overlay::Name, Overlay::Clock]),
-            color_by: ColorBy::Body,
-            camera_target: CameraTarget::World,
-            caption: String::new(),
-        }
-    }
 }

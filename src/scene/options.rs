@@ -244,13 +244,10 @@ fn coefficient(node: &Node) -> Result<f64, &Node> {
 const MAX_PIXELS: u64 = 8192;
 
 const FIGURE_SIZE: Key = Key { name: "size", accepts: "width and height, px: two whole numbers from 1 to 8192" };
-const THEME: Key = Key { name: "theme", accepts: "\"light\" or \"dark\"" };
+const THEME: Key = Key { name: "theme", accepts: Theme::ACCEPTED };
 const FPS: Key = Key { name: "fps", accepts: "a positive number of frames per second, at most 1000" };
-const SHOW: Key = Key {
-    name: "show",
-    accepts: "a list of \"velocity\", \"force\", \"normal\", \"impulse\", \"penetration\", \"trail\", \"name\", \"mass\", \"grid\", \"axes\", \"scale\" and \"clock\", each at most once",
-};
-const COLOR_BY: Key = Key { name: "color_by", accepts: "\"body\", \"material\" or \"speed\"" };
+const SHOW: Key = Key { name: "show", accepts: Overlay::ACCEPTED };
+const COLOR_BY: Key = Key { name: "color_by", accepts: ColorBy::ACCEPTED };
 
 /// The keys of `[figure]`.
 pub(super) const FIGURE_KEYS: &[Key] = &[FIGURE_SIZE, THEME, FPS, SHOW, COLOR_BY];
