@@ -1,9 +1,8 @@
 use super::{Exit, output, scene_report::SceneReport};
 use crate::{
     picture::{self, RenderError},
-    recording,
+    recording::{self, error_text},
     replay::RunError,
-    replay::error_text,
     scene::SceneError,
 };
 use miette::{Diagnostic, MietteHandlerOpts};

@@ -2,7 +2,7 @@ use super::arguments::InfoOptions;
 use super::error::CommandError;
 use super::{Exit, output};
 use crate::picture::{Format, Provenance};
-use crate::recording::{self, Change, Header, Health, Item, Recording, Summary, Trailer, Versions};
+use crate::recording::{self, Change, Header, Health, Item, RecordedError, Recording, Summary, Trailer, Versions};
 use crate::scene;
 use serde::Serialize;
 use std::{
@@ -67,7 +67,7 @@ fn picture_info(path: &Path, json: bool) -> Result<Option<String>, CommandError>
 #[derive(Serialize)]
 struct Info {
     title: Option<String>,
-    scene: String,
+    scene: Option<String>,
     solver: &'static str,
     versions: String,
     /// Hz.
@@ -135,8 +135,8 @@ impl Info {
     fn from_header(header: &Header, bytes: u64) -> Info {
         let Versions { format, semantics } = header.versions;
         Info {
-            title: scene::parse(&header.scene.file_name, &header.scene.text).ok().and_then(|scene| scene.title),
-            scene: header.scene.file_name.clone(),
+            title: header.scene.as_ref().and_then(|text| scene::parse(&text.file_name, &text.text).ok()?.title),
+            scene: header.scene.as_ref().map(|scene| scene.file_name.clone()),
             solver: header.config.solver.name(),
             versions: format!("format {format}, semantics {semantics}"),
             rate: header.config.rate,
@@ -172,7 +172,7 @@ impl Info {
 
     fn set_trailer(&mut self, trailer: &Trailer) {
         self.collisions = trailer.collisions;
-        self.error = trailer.error.clone();
+        self.error = trailer.error.as_ref().map(RecordedError::to_string);
         self.identity = Some(trailer.identity.to_string());
     }
 

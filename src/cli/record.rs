@@ -2,7 +2,7 @@ use super::arguments::RecordOptions;
 use super::error::CommandError;
 use super::{Exit, output};
 use crate::picture;
-use crate::recording::{ColorFn, Durability, Overwrite};
+use crate::recording::{ColorFn, Durability, Overwrite, RecordedError};
 use crate::replay::{self, LiveEvents, OnBadEvent, Recorded, RunError};
 use crate::scene::{self, Scene};
 use crate::text::counted;
@@ -79,7 +79,7 @@ fn print_summary(options: &RecordOptions, recorded: &Recorded, skipped: u64) -> 
     if options.json {
         let object = serde_json::json!({
             "path": options.output.display().to_string(), "steps": end.steps, "bodies": end.bodies,
-            "collisions": collisions, "identity": end.identity.to_string(), "error": end.error,
+            "collisions": collisions, "identity": end.identity.to_string(), "error": end.error.as_ref().map(RecordedError::to_string),
         });
         return output::print_result(&options.output, &object.to_string());
     }

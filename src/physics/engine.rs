@@ -250,7 +250,8 @@ pub struct SnapshotError {
 
 /// The reason why a step could not be completed. The states before it remain valid.
 #[non_exhaustive]
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, serde::Serialize, serde::Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum StepError {
     /// A number overflowed, as in scenes with extreme values.
     #[error("step {step}: body {body:?} left the finite numbers; start it smaller or slower")]

@@ -1,6 +1,6 @@
 use crate::picture::RenderError;
-use crate::recording;
-use crate::replay::{Verdict, error_text};
+use crate::recording::{self, error_text};
+use crate::replay::Verdict;
 use crate::scene::SceneError;
 use std::path::PathBuf;
 

@@ -27,7 +27,8 @@ impl Source {
     /// If the recording cannot be read or its scene is invalid.
     pub fn open(path: &Path) -> Result<Source, Error> {
         let header = open(path)?.header;
-        let scene = scene::parse(&header.scene.file_name, &header.scene.text)?;
+        let text = header.scene.clone().unwrap_or_default();
+        let scene = scene::parse(&text.file_name, &text.text)?;
         let statistics = RunStatistics::read(path, Vector::new(scene.size[0], scene.size[1]))?;
         Ok(Source { path: path.into(), header, scene, statistics })
     }
@@ -50,7 +51,7 @@ impl Source {
 
     /// The title of the recording in a picture of several recordings: that of its scene, else the scene's file name.
     pub fn title(&self) -> &str {
-        let file = &self.header.scene.file_name;
+        let file = self.header.scene.as_ref().map_or("", |scene| &scene.file_name);
         self.scene.title.as_deref().unwrap_or(file.strip_suffix(".toml").unwrap_or(file))
     }
 

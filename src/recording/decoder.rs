@@ -27,6 +27,8 @@ pub struct Decoder {
     channels: BTreeMap<u16, Option<Topic>>,
     /// The scene update of the next state.
     scene_update: Option<Item>,
+    /// The messages of a keyframe read so far.
+    keyframe: Option<BodiesMessage>,
 }
 
 /// A location in the file.
@@ -42,7 +44,16 @@ impl Decoder {
     /// Creates a decoder at the start of a recording of this format version.
     pub fn new(validator: SequenceValidator, format: u32) -> Decoder {
         let channels = default_channels();
-        Decoder { validator, ready: VecDeque::new(), damage: None, trailer: None, format, channels, scene_update: None }
+        Decoder {
+            validator,
+            ready: VecDeque::new(),
+            damage: None,
+            trailer: None,
+            format,
+            channels,
+            scene_update: None,
+            keyframe: None,
+        }
     }
 
     /// Resets the decoder for reading at another place, with the channels of the index.
@@ -52,6 +63,7 @@ impl Decoder {
         self.damage = None;
         self.trailer = None;
         self.scene_update = None;
+        self.keyframe = None;
         self.channels = default_channels();
         for body in channels {
             // The index passed its CRC, so an unparsable channel is not one of ours.
@@ -93,6 +105,7 @@ impl Decoder {
     pub fn mark_lost(&mut self, location: Location, reason: String) {
         self.validator.mark_lost();
         self.scene_update = None;
+        self.keyframe = None;
         self.report_damage(location, reason);
     }
 
@@ -107,6 +120,9 @@ impl Decoder {
     fn decode_message(&mut self, location: Location, record: &ChunkRecord<'_>) -> Result<(), String> {
         let RawMessage { channel, log_time, data } = record.message().ok_or("a message record is damaged")?;
         let Some(topic) = self.channels.get(&channel).copied().flatten() else { return Ok(()) };
+        if topic != Topic::Bodies {
+            self.finish_keyframe()?;
+        }
         match topic {
             Topic::Events => {
                 check_length(data, limits::EVENT_BYTES)?;
@@ -117,14 +133,24 @@ impl Decoder {
             }
             Topic::Bodies => {
                 check_length(data, limits::KEYFRAME_BYTES)?;
-                let keyframe = cdr::decode::<BodiesMessage>(data)?.into_keyframe(self.format)?;
-                self.cross_gap(keyframe.step);
-                self.validator.add_keyframe(&keyframe)?;
-                self.ready.push_back(Item::Keyframe(keyframe));
+                let part = cdr::decode::<BodiesMessage>(data)?;
+                match &mut self.keyframe {
+                    Some(keyframe) => keyframe.append(part)?,
+                    None => self.keyframe = Some(part),
+                }
             }
             Topic::States => self.add_state(location, RecordedState::decode(data)?)?,
             Topic::Scene => self.scene_update = Some(Item::SceneUpdate { time: log_time, message: data.into() }),
         }
+        Ok(())
+    }
+
+    fn finish_keyframe(&mut self) -> Result<(), String> {
+        let Some(message) = self.keyframe.take() else { return Ok(()) };
+        let keyframe = message.into_keyframe(self.format)?;
+        self.cross_gap(keyframe.step);
+        self.validator.add_keyframe(&keyframe)?;
+        self.ready.push_back(Item::Keyframe(keyframe));
         Ok(())
     }
 

@@ -81,7 +81,9 @@ impl IdentityChain {
             chain.add_part(b'K', key.as_bytes());
             chain.add_part(b'V', value.as_bytes());
         }
-        chain.add_part(b'T', header.scene.text.as_bytes());
+        if let Some(scene) = &header.scene {
+            chain.add_part(b'T', scene.text.as_bytes());
+        }
         chain
     }
 

@@ -4,7 +4,7 @@ use mcap::{MAGIC, McapError, records::op};
 
 use super::{
     Error, Header, SceneText,
-    metadata::{self, HeaderError},
+    metadata::{self, HeaderError, Map},
     record_reader::{Cursor, Malformed, ReadFault, RecordHeader, RecordReader},
     resync::{self, Resync},
 };
@@ -13,8 +13,6 @@ use super::{
 pub struct HeaderSection {
     /// The settings, and the scene if it is readable.
     pub header: Header,
-    /// True if the scene is readable.
-    pub has_scene: bool,
     /// A record that was already read and belongs to the data after the header section.
     pub pending: Option<RecordHeader>,
     /// The defects found so far.
@@ -45,8 +43,9 @@ struct SectionReader {
 
 /// The settings in a metadata record.
 struct Settings {
+    offset: u64,
     header: Header,
-    library: Option<String>,
+    map: Map,
 }
 
 /// Reads all records before the first message.
@@ -68,11 +67,11 @@ pub fn read<R: Read + Seek>(records: &mut RecordReader<R>) -> Result<HeaderSecti
         Some(settings) => settings,
         None => section.find_settings(records)?,
     };
-    let crc_suspect = (section.library != settings.library)
+    let header = Header { scene: section.scene, ..settings.header };
+    section.defects.extend(settings_defect(settings.offset, &settings.map, &header));
+    let crc_suspect = (section.library.as_ref() != settings.map.get("library"))
         .then(|| Defect { offset: MAGIC.len() as u64, reason: "the header names another program".into() });
-    let has_scene = section.scene.is_some();
-    let header = Header { scene: section.scene.unwrap_or_default(), ..settings.header };
-    Ok(HeaderSection { header, has_scene, pending: section.pending, defects: section.defects, crc_suspect })
+    Ok(HeaderSection { header, pending: section.pending, defects: section.defects, crc_suspect })
 }
 
 impl SectionReader {
@@ -84,7 +83,7 @@ impl SectionReader {
         let body = &records.body;
         let result = match record.opcode {
             op::HEADER => self.set_library(body),
-            op::METADATA => self.set_settings(body),
+            op::METADATA => self.set_settings(record.offset, body),
             op::ATTACHMENT => self.set_scene(body),
             op::CHUNK | op::DATA_END => {
                 self.pending = Some(record);
@@ -108,8 +107,8 @@ impl SectionReader {
         Ok(())
     }
 
-    fn set_settings(&mut self, body: &[u8]) -> Result<(), HeaderError> {
-        if let Some(settings) = parse_settings(body)? {
+    fn set_settings(&mut self, offset: u64, body: &[u8]) -> Result<(), HeaderError> {
+        if let Some(settings) = parse_settings(offset, body)? {
             self.settings = Some(settings);
         }
         Ok(())
@@ -152,7 +151,7 @@ impl SectionReader {
         while let Some(offset) = resync::find_metadata(records.source(), from).map_err(Error::Read)? {
             records.seek(offset).map_err(Error::Read)?;
             if let Ok(Some(_)) = records.next_record()
-                && let Ok(Some(settings)) = parse_settings(&records.body)
+                && let Ok(Some(settings)) = parse_settings(offset, &records.body)
             {
                 self.seek_back(records, offset)?;
                 return Ok(settings);
@@ -191,14 +190,24 @@ impl SectionReader {
 }
 
 /// Returns the settings in a metadata record, if it is one of the two that contain them.
-fn parse_settings(body: &[u8]) -> Result<Option<Settings>, HeaderError> {
+fn parse_settings(offset: u64, body: &[u8]) -> Result<Option<Settings>, HeaderError> {
     let (name, map) = metadata::parse(body).map_err(|Malformed| "the metadata is damaged".to_string())?;
     match name {
         metadata::HEADER | metadata::TRAILER => {
-            Ok(Some(Settings { header: metadata::parse_header(&map)?, library: map.get("library").cloned() }))
+            Ok(Some(Settings { offset, header: metadata::parse_header(&map)?, map }))
         }
         _ => Ok(None),
     }
+}
+
+/// Returns a defect if the settings of `map` are not those of `header`, or do not describe its scene. The settings in
+/// the end record are compared when that is read.
+fn settings_defect(offset: u64, map: &Map, header: &Header) -> Option<Defect> {
+    if map.contains_key("identity") {
+        return None;
+    }
+    let difference = metadata::difference(map, &metadata::header_map(header), header.scene.as_ref());
+    difference.map(|reason| Defect { offset, reason })
 }
 
 /// Returns profile and library of a header record.

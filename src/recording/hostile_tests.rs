@@ -36,7 +36,7 @@ fn damage(bytes: Vec<u8>) -> String {
 /// Returns a recording whose only message is `bytes`.
 fn with_message(topic: Topic, bytes: &[u8]) -> Vec<u8> {
     let header = drop_and_delete().header;
-    let mut mcap = McapWriter::new(Vec::new(), metadata::header_map(&header), &header.scene).unwrap();
+    let mut mcap = McapWriter::new(Vec::new(), metadata::header_map(&header), header.scene.as_ref()).unwrap();
     mcap.write_message(topic, 0, bytes).unwrap();
     mcap.flush().unwrap();
     mcap.finish(metadata::Map::new()).unwrap()
@@ -107,7 +107,7 @@ fn a_newer_format_is_rejected_with_its_version() {
     let found = damage(record(&run));
     assert_eq!(
         found,
-        "the recording has format version 99, but this rebond reads versions up to 2; use a newer rebond"
+        "the recording has format version 99, but this rebond reads versions up to 3; use a newer rebond"
     );
 }
 

@@ -12,8 +12,12 @@ pub const CHUNK_BYTES: usize = 4 << 20;
 /// Bytes of one message. Added to an almost full chunk, it still fits into a record.
 pub const MESSAGE_BYTES: usize = RECORD_BYTES - CHUNK_BYTES - (1 << 20);
 
-/// Bytes of a keyframe. In memory it needs up to three times as much.
+/// Bytes of one message of a keyframe. In memory it needs up to three times as much. Larger keyframes are divided into
+/// several messages.
 pub const KEYFRAME_BYTES: usize = 28 << 20;
+
+/// Integers, and likewise numbers, of the state of a solver in a keyframe of several messages, per body.
+pub const SOLVER_NUMBERS: usize = 256;
 
 /// Bytes of an event: one body with its three strings.
 pub const EVENT_BYTES: usize = 4 * STRING_BYTES;

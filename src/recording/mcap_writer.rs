@@ -27,8 +27,8 @@ struct Channel {
 }
 
 impl<W: Write> McapWriter<W> {
-    /// Writes everything before the messages: metadata, scene and channels.
-    pub fn new(output: W, header: Map, scene: &SceneText) -> Result<McapWriter<W>, Error> {
+    /// Writes everything before the messages: metadata, the scene if there is one, and channels.
+    pub fn new(output: W, header: Map, scene: Option<&SceneText>) -> Result<McapWriter<W>, Error> {
         let mut mcap = mcap::WriteOptions::new()
             .library(LIBRARY)
             .profile("")
@@ -39,7 +39,9 @@ impl<W: Write> McapWriter<W> {
             .create(NoSeek::new(BufWriter::new(output)))
             .map_err(write_error)?;
         put_metadata(&mut mcap, metadata::HEADER, header)?;
-        mcap.attach(&attachment(scene)).map_err(write_error)?;
+        if let Some(scene) = scene {
+            mcap.attach(&attachment(scene)).map_err(write_error)?;
+        }
         mcap.flush().map_err(write_error)?;
         let mut writer = McapWriter { mcap, channels: [None; Topic::ALL.len()] };
         for topic in Topic::ALL.into_iter().filter(|topic| topic.is_mandatory()) {

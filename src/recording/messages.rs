@@ -174,6 +174,60 @@ impl BodiesMessage {
         }
     }
 
+    /// Divides a message into messages of at most `limit` bytes, whose fields continue each other.
+    pub fn split(mut self, limit: usize) -> Vec<BodiesMessage> {
+        let mut parts = Vec::new();
+        loop {
+            let mut free = limit.saturating_sub(FIXED_BYTES);
+            let bodies = self.spawned.iter().take_while(|body| take(&mut free, body.bytes())).count().max(1);
+            let bodies = bodies.min(self.spawned.len());
+            let integers = self.solver_integers.len().min(free / 8);
+            let numbers = self.solver_numbers.len().min(free / 8 - integers);
+            let front = |column: &mut Vec<f64>| split_front(column, bodies);
+            parts.push(BodiesMessage {
+                step: self.step,
+                next_id: self.next_id,
+                x: front(&mut self.x),
+                y: front(&mut self.y),
+                vx: front(&mut self.vx),
+                vy: front(&mut self.vy),
+                fx: front(&mut self.fx),
+                fy: front(&mut self.fy),
+                spawned: split_front(&mut self.spawned, bodies),
+                solver_integers: split_front(&mut self.solver_integers, integers),
+                solver_numbers: split_front(&mut self.solver_numbers, numbers),
+            });
+            if self.spawned.is_empty() && self.solver_integers.is_empty() && self.solver_numbers.is_empty() {
+                return parts;
+            }
+        }
+    }
+
+    /// Appends the next message of the same keyframe.
+    ///
+    /// # Errors
+    /// Returns a description of the problem if the messages belong to different keyframes or are too many.
+    pub fn append(&mut self, next: BodiesMessage) -> Result<(), String> {
+        if (next.step, next.next_id) != (self.step, self.next_id) {
+            return Err(format!("the parts of the keyframe of step {} do not fit together", self.step));
+        }
+        self.spawned.extend(next.spawned);
+        self.x.extend(next.x);
+        self.y.extend(next.y);
+        self.vx.extend(next.vx);
+        self.vy.extend(next.vy);
+        self.fx.extend(next.fx);
+        self.fy.extend(next.fy);
+        self.solver_integers.extend(next.solver_integers);
+        self.solver_numbers.extend(next.solver_numbers);
+        let bodies = self.spawned.len();
+        let solver = self.solver_integers.len().max(self.solver_numbers.len());
+        match bodies <= limits::BODIES && solver <= limits::SOLVER_NUMBERS * (bodies + 1) {
+            true => Ok(()),
+            false => Err(format!("the keyframe of step {} is too large", self.step)),
+        }
+    }
+
     /// Converts the message to a keyframe of a recording of this format version.
     ///
     /// # Errors
@@ -206,6 +260,33 @@ impl BodiesMessage {
             solver: SolverSnapshot { integers: self.solver_integers, numbers },
         })
     }
+}
+
+impl Spawned {
+    /// Returns the largest number of bytes that the body needs in a message.
+    fn bytes(&self) -> usize {
+        let Spawned(info) = self;
+        let color = info.color.as_ref().map_or(0, String::len);
+        const NUMBERS: usize = 4 + (9 + 6) * 8;
+        const PADDED_LENGTHS: usize = 3 * (4 + 1 + 7);
+        NUMBERS + PADDED_LENGTHS + info.spawn.name.len() + info.spawn.material.len() + color
+    }
+}
+
+/// Bytes of a keyframe without bodies: header, step, lengths and padding.
+const FIXED_BYTES: usize = 256;
+
+/// Takes `bytes` from `free`, if there are as many.
+fn take(free: &mut usize, bytes: usize) -> bool {
+    let rest = free.checked_sub(bytes);
+    *free = rest.unwrap_or(*free);
+    rest.is_some()
+}
+
+/// Removes the first elements and returns them.
+fn split_front<T>(elements: &mut Vec<T>, count: usize) -> Vec<T> {
+    let rest = elements.split_off(count);
+    std::mem::replace(elements, rest)
 }
 
 /// The first format version that stores the solver's numbers by columns.
@@ -334,6 +415,29 @@ mod tests {
             let mut bytes = Vec::new();
             cdr::encode(&BodiesMessage::new(&keyframe, format), &mut bytes);
             let decoded = cdr::decode::<BodiesMessage>(&bytes).unwrap().into_keyframe(format).unwrap();
+            prop_assert!(are_identical(&decoded, &keyframe), "{decoded:?}");
+        }
+
+        #[test]
+        fn appending_inverts_splitting_of_keyframes(
+            bodies in (body(3), body(7), body(8)),
+            integers in vec(any::<u64>(), 0..50),
+            numbers in vec(finite(), 0..50),
+            limit in 300_usize..2000,
+        ) {
+            let bodies = vec![bodies.0, bodies.1, bodies.2];
+            let keyframe = Keyframe { step: 5, next_id: 9, bodies, solver: SolverSnapshot { integers, numbers } };
+            let mut joined: Option<BodiesMessage> = None;
+            for part in BodiesMessage::new(&keyframe, FORMAT_VERSION).split(limit) {
+                let mut bytes = Vec::new();
+                cdr::encode(&part, &mut bytes);
+                prop_assert!(bytes.len() <= limit || part.spawned.len() == 1, "{} bytes", bytes.len());
+                match &mut joined {
+                    Some(joined) => joined.append(part).unwrap(),
+                    None => joined = Some(part),
+                }
+            }
+            let decoded = joined.unwrap().into_keyframe(FORMAT_VERSION).unwrap();
             prop_assert!(are_identical(&decoded, &keyframe), "{decoded:?}");
         }
 

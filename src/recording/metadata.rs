@@ -1,7 +1,7 @@
 //! The two metadata records, `rebond` at the start and `rebond_end` at the end.
 //!
 //! All values are text. A float is stored twice, as the shortest decimal that parses to it and as
-//! bits: `0.95 0x3fee666666666666`; only the bits are read. Each record has a checksum of its own,
+//! bits: `0.95 0x3fee666666666666`; both must agree. Each record has a checksum of its own,
 //! because MCAP has none for metadata. `checksum` and `format_version` keep their meaning in all
 //! future formats, so that an older program recognises a newer recording.
 
@@ -11,12 +11,12 @@ use std::{
     str::FromStr,
 };
 
-use xxhash_rust::xxh3::Xxh3;
+use xxhash_rust::xxh3::{Xxh3, xxh3_64};
 
 use crate::physics::{EngineConfig, Restitution, RestitutionPair, SolverKind, Vector};
 
 use super::{
-    Bounds, FORMAT_VERSION, Gap, Header, SceneText, StateBounds, Trailer, Versions, limits,
+    Bounds, FORMAT_VERSION, Gap, Header, RecordedError, SceneText, StateBounds, Trailer, Versions, limits,
     record_reader::{Cursor, Malformed},
 };
 
@@ -46,8 +46,22 @@ pub fn header_map(header: &Header) -> Map {
     insert(&mut map, "steps", header.steps);
     insert(&mut map, "every", header.every);
     insert(&mut map, "library", LIBRARY);
+    if let Some(SceneText { file_name, text }) = &header.scene
+        && header.versions.format >= FIRST_FORMAT_WITH_SCENE
+    {
+        let digest = format!("{:016x}", xxh3_64(text.as_bytes()));
+        for (key, value) in SCENE_KEYS.into_iter().zip([file_name.clone(), text.len().to_string(), digest]) {
+            map.insert(key.into(), value);
+        }
+    }
     with_checksum(map)
 }
+
+/// The first format version whose metadata describes the scene.
+const FIRST_FORMAT_WITH_SCENE: u32 = 3;
+
+/// File name, length in bytes and XXH3-64 of the scene.
+const SCENE_KEYS: [&str; 3] = ["scene_name", "scene_bytes", "scene_digest"];
 
 /// Returns the part of the header record that determines the run.
 pub fn settings_map(header: &Header) -> Map {
@@ -84,7 +98,7 @@ pub fn trailer_map(header: &Header, trailer: &Trailer) -> Map {
         insert(&mut map, "collisions", collisions);
     }
     if let Some(error) = &trailer.error {
-        insert(&mut map, "error", error);
+        insert(&mut map, "error", error.stored(header.versions.format));
     }
     if trailer.recovered {
         insert(&mut map, "recovered", "yes");
@@ -137,7 +151,7 @@ pub fn parse_trailer(map: &Map) -> Result<Trailer, String> {
         collisions: map.get("collisions").map(|_| parse_value(map, "collisions")).transpose()?,
         bodies: parse_value(map, "bodies")?,
         events: parse_value(map, "events")?,
-        error: map.get("error").cloned(),
+        error: map.get("error").map(|text| RecordedError::parse(text)),
         recovered: map.contains_key("recovered"),
         state_bounds: parse_state_bounds(map)?,
         identity: parse_value(map, "identity")?,
@@ -185,15 +199,15 @@ fn parse_header_fields(map: &Map, format: u32) -> Result<Header, String> {
         return Err("the rate or the value of \"every\" is not positive".into());
     }
     let config = EngineConfig {
-        solver: SolverKind::from_name(&solver).ok_or_else(|| format!("the solver {solver:?} is unknown"))?,
+        solver: SolverKind::from_name(&solver)
+            .ok_or_else(|| format!("the solver {:?} is unknown", shortened(&solver)))?,
         rate,
         gravity,
         restitution: parse_restitution(map)?,
         events_per_step: parse_value(map, "events_per_step")?,
     };
     let versions = Versions { format, semantics: parse_value(map, "semantics_version")? };
-    let scene = SceneText::default();
-    Ok(Header { versions, config, steps: parse_value(map, "steps")?, every, scene, gaps: parse_gaps(map)? })
+    Ok(Header { versions, config, steps: parse_value(map, "steps")?, every, scene: None, gaps: parse_gaps(map)? })
 }
 
 fn parse_gaps(map: &Map) -> Result<Vec<Gap>, String> {
@@ -203,8 +217,8 @@ fn parse_gaps(map: &Map) -> Result<Vec<Gap>, String> {
 fn parse_restitution(map: &Map) -> Result<Restitution, String> {
     let mut pairs = Vec::new();
     for key in map.keys().filter(|key| key.starts_with(PAIR_PREFIX)) {
-        let materials =
-            serde_json::from_str(&key[PAIR_PREFIX.len()..]).map_err(|_| format!("the key {key:?} is damaged"))?;
+        let materials = serde_json::from_str(&key[PAIR_PREFIX.len()..])
+            .map_err(|_| format!("the key {:?} is damaged", shortened(key)))?;
         pairs.push(RestitutionPair { materials, restitution: parse_finite(map, key)? });
     }
     let names: BTreeSet<&String> = pairs.iter().flat_map(|pair: &RestitutionPair| &pair.materials).collect();
@@ -235,7 +249,7 @@ fn insert(map: &mut Map, key: &str, value: impl Display) {
 
 fn parse_value<T: FromStr>(map: &Map, key: &str) -> Result<T, String> {
     let text = map.get(key).ok_or_else(|| format!("the metadata has no key {key:?}"))?;
-    text.parse().map_err(|_| format!("the metadata has the invalid value {key:?} = {text:?}"))
+    text.parse().map_err(|_| format!("the metadata has the invalid value {key:?} = {:?}", shortened(text)))
 }
 
 fn format_float(number: f64) -> String {
@@ -244,11 +258,48 @@ fn format_float(number: f64) -> String {
 
 fn parse_finite(map: &Map, key: &str) -> Result<f64, String> {
     let text: String = parse_value(map, key)?;
-    text.split_once(" 0x")
-        .and_then(|(_, bits)| u64::from_str_radix(bits, 16).ok())
-        .map(f64::from_bits)
+    parse_float(&text)
         .filter(|number| number.is_finite())
-        .ok_or_else(|| format!("the metadata has the invalid value {key:?} = {text:?}"))
+        .ok_or_else(|| format!("the metadata has the invalid value {key:?} = {:?}", shortened(&text)))
+}
+
+/// Parses a float, whose decimal and bits must agree.
+fn parse_float(text: &str) -> Option<f64> {
+    let (decimal, bits) = text.split_once(" 0x")?;
+    let number = f64::from_bits(u64::from_str_radix(bits, 16).ok()?);
+    let is_same = decimal.parse::<f64>().is_ok_and(|decimal| decimal.to_bits() == number.to_bits());
+    is_same.then_some(number)
+}
+
+/// Compares a record with the one that its contents give, and returns the first key with another value, if any. The
+/// record of the scene is compared only if the scene is known.
+pub fn difference(found: &Map, expected: &Map, scene: Option<&SceneText>) -> Option<String> {
+    let is_ignored = |key: &str| ["library", CHECKSUM].contains(&key) || scene.is_none() && SCENE_KEYS.contains(&key);
+    let is_same = |a: &String, b: &String| {
+        a == b
+            || parse_float(a)
+                .is_some_and(|number| parse_float(b).is_some_and(|other| other.to_bits() == number.to_bits()))
+    };
+    let keys: BTreeSet<&String> = found.keys().chain(expected.keys()).filter(|key| !is_ignored(key)).collect();
+    keys.into_iter().find_map(|key| match (found.get(key), expected.get(key)) {
+        (Some(found), Some(expected)) if is_same(found, expected) => None,
+        (Some(found), Some(expected)) => Some(format!(
+            "the metadata has {key:?} = {:?}, but {:?} is expected",
+            shortened(found),
+            shortened(expected)
+        )),
+        (Some(_), None) => Some(format!("the metadata has the unexpected key {:?}", shortened(key))),
+        (None, _) => Some(format!("the metadata has no key {:?}", shortened(key))),
+    })
+}
+
+/// Returns the start of a text that may be long, for messages.
+fn shortened(text: &str) -> String {
+    const CHARACTERS: usize = 200;
+    match text.char_indices().nth(CHARACTERS) {
+        Some((end, _)) => format!("{}…", &text[..end]),
+        None => text.into(),
+    }
 }
 
 const CHECKSUM: &str = "checksum";
@@ -316,7 +367,8 @@ mod tests {
             let config = EngineConfig { solver: SolverKind::EventDriven, rate, gravity, restitution, events_per_step };
             let gaps = vec![Gap { after: None, before: 7 }, Gap { after: Some(9), before: 12 }];
             let every = every.max(1);
-            let (versions, scene) = (Versions::CURRENT, SceneText::default());
+            let (versions, scene) = (Versions::CURRENT, None);
+            let error = error.map(RecordedError::Text);
             let expected = Header { versions, config, steps, every, scene, gaps };
             let trailer = Trailer { steps, collisions, bodies: 3, events: 4, error, recovered, state_bounds, identity: Identity(5) };
             for map in [header_map(&expected), trailer_map(&expected, &trailer)] {

@@ -49,8 +49,8 @@ pub use error::Error;
 pub use health::{Damage, Gap, Health};
 pub use index::Summary;
 pub use model::{
-    Change, FORMAT_VERSION, Header, Keyframe, KeyframeBody, RecordedEvent, SEMANTICS_VERSION, SceneText, Trailer,
-    Versions,
+    Change, FORMAT_VERSION, Header, Keyframe, KeyframeBody, RecordedError, RecordedEvent, SEMANTICS_VERSION, SceneText,
+    Trailer, Versions, error_text,
 };
 pub use playback::{Playback, SampledBody, SampledState};
 pub use reader::{Item, Recording, open};

@@ -1,16 +1,20 @@
 //! The contents of a recording, apart from the states.
 
-use std::sync::Arc;
+use std::{
+    fmt::{self, Display, Formatter},
+    sync::Arc,
+};
 
-use crate::physics::{Body, BodyId, EngineConfig, Event, Rect, Snapshot, SolverSnapshot, Spawn, Vector};
+use crate::physics::{Body, BodyId, EngineConfig, Event, Rect, Snapshot, SolverSnapshot, Spawn, StepError, Vector};
 
 use super::{BodyInfo, BodyTable, Gap, Identity, StateBounds};
 
 /// The version of the file format that this program writes: topics, schemas, metadata.
 ///
 /// The reader accepts every older version and rejects newer ones. Version 2 added the state bounds
-/// to the end record, and stores the solver's numbers in keyframes by columns.
-pub const FORMAT_VERSION: u32 = 2;
+/// to the end record, and stores the solver's numbers in keyframes by columns. Version 3 stores the name, length and
+/// digest of the scene in the metadata, errors by their fields, and large keyframes in several messages.
+pub const FORMAT_VERSION: u32 = 3;
 
 /// The version of the engine semantics. It is incremented whenever the same events may give different
 /// states, even by one bit.
@@ -27,8 +31,8 @@ pub struct Header {
     pub steps: u64,
     /// The state of every `every`-th step is recorded in full, the others as digests only.
     pub every: u64,
-    /// The scene's source text.
-    pub scene: SceneText,
+    /// The scene's source text; `None` if that part of the recording is lost.
+    pub scene: Option<SceneText>,
     /// The gaps of a recovered recording; empty for any other.
     pub gaps: Vec<Gap>,
 }
@@ -60,7 +64,7 @@ impl Versions {
     pub const CURRENT: Versions = Versions { format: FORMAT_VERSION, semantics: SEMANTICS_VERSION };
 }
 
-/// The scene file at the time of recording; empty if that part of the recording is lost.
+/// The scene file at the time of recording.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct SceneText {
     /// The file name without directories.
@@ -81,7 +85,7 @@ pub struct Trailer {
     /// The number of spawns and deletes.
     pub events: u64,
     /// The engine's error, if the run ended in one.
-    pub error: Option<String>,
+    pub error: Option<RecordedError>,
     /// True if the recording was recovered from a damaged or unfinished one.
     pub recovered: bool,
     /// Bounds of all states recorded in full; `None` if states are missing, if the top speed is not
@@ -89,6 +93,52 @@ pub struct Trailer {
     pub state_bounds: Option<StateBounds>,
     /// The identity of the run.
     pub identity: Identity,
+}
+
+/// The error in which a recorded run ended.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum RecordedError {
+    /// The error of the engine.
+    Step(StepError),
+    /// The text of the error, in recordings before format 3 and for errors that this program does not know.
+    Text(String),
+}
+
+impl RecordedError {
+    /// Parses an error of the end record: an object of JSON, or any text before format 3.
+    pub(super) fn parse(text: &str) -> RecordedError {
+        serde_json::from_str(text).map_or_else(|_| RecordedError::Text(text.into()), RecordedError::Step)
+    }
+
+    /// Returns the error as it is stored: its fields as JSON, or before format 3 its text.
+    pub(super) fn stored(&self, format: u32) -> String {
+        const FIRST_FORMAT_WITH_FIELDS: u32 = 3;
+        match self {
+            RecordedError::Step(error) if format >= FIRST_FORMAT_WITH_FIELDS => {
+                serde_json::to_string(error).unwrap_or_else(|_| error.to_string())
+            }
+            error => error.to_string(),
+        }
+    }
+}
+
+/// Formats the message for people.
+impl Display for RecordedError {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self {
+            RecordedError::Step(error) => f.write_str(&error_text(error)),
+            RecordedError::Text(text) => f.write_str(text),
+        }
+    }
+}
+
+/// Returns the message of an error that ended a run. Adds the scene key that raises an exceeded limit; the engine
+/// itself does not depend on scenes.
+pub fn error_text(error: &StepError) -> String {
+    match error {
+        StepError::TooManyEvents { .. } => format!("{error}; raise run.events_per_step if this is meant"),
+        StepError::NotFinite { .. } | StepError::Crushed { .. } => error.to_string(),
+    }
 }
 
 /// An event as it was applied to the engine, with all values resolved. Replay applies it again.

@@ -92,7 +92,7 @@ impl<R: Read + Seek> Recording<R> {
     pub fn read(source: R) -> Result<Recording<R>, Error> {
         let mut records = RecordReader::new(source);
         let section = header_section::read(&mut records)?;
-        let validator = SequenceValidator::new(&section.header, section.has_scene);
+        let validator = SequenceValidator::new(&section.header);
         let decoder = Decoder::new(validator, section.header.versions.format);
         let mut recording = Recording {
             header: section.header.clone(),
@@ -223,7 +223,7 @@ impl<R: Read + Seek> Recording<R> {
         self.records.rewind().map_err(Error::Read)?;
         let section = header_section::read(&mut self.records)?;
         self.decoder.reset(&[]);
-        self.decoder.validator = SequenceValidator::new(&section.header, section.has_scene);
+        self.decoder.validator = SequenceValidator::new(&section.header);
         self.chunk_count = 0;
         self.continue_after(section)
     }

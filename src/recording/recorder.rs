@@ -35,6 +35,9 @@ pub struct Recorder<W: Write> {
     bytes: Vec<u8>,
 }
 
+/// The first format version that divides large keyframes into several messages.
+const FIRST_FORMAT_WITH_SPLIT_KEYFRAMES: u32 = 3;
+
 /// The first format version whose end record stores the state bounds.
 const FIRST_FORMAT_WITH_BOUNDS: u32 = 2;
 
@@ -46,7 +49,7 @@ impl<W: Write> Recorder<W> {
     pub fn new(output: W, header: &Header) -> Result<Recorder<W>, Error> {
         Ok(Recorder {
             header: header.clone(),
-            mcap: McapWriter::new(output, metadata::header_map(header), &header.scene)?,
+            mcap: McapWriter::new(output, metadata::header_map(header), header.scene.as_ref())?,
             identity: IdentityChain::new(header),
             table: BodyTable::default(),
             steps: 0,
@@ -118,18 +121,23 @@ impl<W: Write> Recorder<W> {
         self.write_message(Topic::Events, event.step)
     }
 
-    /// Writes a keyframe. A keyframe that is too large for a record is left out; a seek then starts at
-    /// an earlier one.
+    /// Writes a keyframe, in several messages if it is too large for one. Before format 3 it is then left out, and a
+    /// seek starts at an earlier one.
     ///
     /// # Errors
     /// Returns an error if writing fails.
     pub fn write_keyframe(&mut self, keyframe: &Keyframe) -> Result<(), Error> {
         self.next_id = keyframe.next_id;
-        cdr::encode(&BodiesMessage::new(keyframe, self.header.versions.format), &mut self.bytes);
-        match self.bytes.len() <= limits::KEYFRAME_BYTES {
-            true => self.write_message(Topic::Bodies, keyframe.step),
-            false => Ok(()),
+        let format = self.header.versions.format;
+        let mut parts = BodiesMessage::new(keyframe, format).split(limits::KEYFRAME_BYTES);
+        if parts.len() > 1 && format < FIRST_FORMAT_WITH_SPLIT_KEYFRAMES {
+            return Ok(());
         }
+        for part in parts.drain(..) {
+            cdr::encode(&part, &mut self.bytes);
+            self.write_message(Topic::Bodies, keyframe.step)?;
+        }
+        Ok(())
     }
 
     /// Writes a state, and flushes at the end of each simulated second and after events.

@@ -37,13 +37,13 @@ enum ExpectedStep {
 
 impl SequenceValidator {
     /// Creates a validator at the start of a recording. Without the scene the identity is not checked.
-    pub fn new(header: &Header, has_scene: bool) -> SequenceValidator {
+    pub fn new(header: &Header) -> SequenceValidator {
         SequenceValidator {
             every: header.every,
             last_step: None,
             expected: ExpectedStep::Exactly(0),
             table: Some(BodyTable::default()),
-            identity: has_scene.then(|| IdentityChain::new(header)),
+            identity: header.scene.is_some().then(|| IdentityChain::new(header)),
             next_id: 0,
             events: 0,
             digest: StateDigest::default(),

@@ -8,7 +8,8 @@ use crate::physics::{
 };
 
 use super::{
-    Change, Finished, Header, Item, RecordedEvent, RecordedState, Recording, RunEnd, SceneText, Versions, Writer, cdr,
+    Change, Finished, Header, Item, RecordedError, RecordedEvent, RecordedState, Recording, RunEnd, SceneText,
+    Versions, Writer, cdr,
     mcap_writer::McapWriter,
     messages::{BodiesMessage, EventMessage},
     metadata,
@@ -38,7 +39,7 @@ pub fn bounce(steps: u64) -> Run {
         steps,
         every: 1,
         gaps: Vec::new(),
-        scene: SceneText { file_name: "bounce.toml".into(), text: "title = \"Bounce\"\n".into() },
+        scene: Some(SceneText { file_name: "bounce.toml".into(), text: "title = \"Bounce\"\n".into() }),
     };
     let mut events = Vec::new();
     let mut spawn = |step, spawn: Spawn, color: Option<&str>| {
@@ -105,7 +106,7 @@ pub fn record_with_processors(processors: NonZero<usize>, run: &Run) -> Vec<u8> 
             break;
         }
         if let Err(error) = engine.step(&mut collisions) {
-            run_end.error = Some(error.to_string());
+            run_end.error = Some(RecordedError::Step(error));
             break;
         }
     }
@@ -116,7 +117,7 @@ pub fn record_with_processors(processors: NonZero<usize>, run: &Run) -> Vec<u8> 
 
 /// Records a run with altered states and correct checksums.
 pub fn record_altered(run: &Run, mut alter: impl FnMut(&mut RecordedState)) -> Vec<u8> {
-    let mut mcap = McapWriter::new(Vec::new(), metadata::header_map(&run.header), &run.header.scene).unwrap();
+    let mut mcap = McapWriter::new(Vec::new(), metadata::header_map(&run.header), run.header.scene.as_ref()).unwrap();
     let mut bytes = Vec::new();
     let original = record(run);
     for item in Recording::read(Cursor::new(original)).unwrap() {

@@ -9,7 +9,7 @@ use std::{
 use crate::physics::Engine;
 
 use super::{
-    Change, Error, Header, RecordedEvent, Trailer, limits,
+    Change, Error, Header, RecordedError, RecordedEvent, Trailer, limits,
     recorder::Recorder,
     scene_update::ColorFn,
     writer_thread::{Batch, Entry, WriterThread},
@@ -38,7 +38,7 @@ pub struct RunEnd {
     /// The number of collisions with an impulse, if they were counted.
     pub collisions: Option<u64>,
     /// The engine's error, if the run ended in one.
-    pub error: Option<String>,
+    pub error: Option<RecordedError>,
 }
 
 /// The result of [`Writer::finish`].
@@ -62,8 +62,10 @@ impl<W: Write + Send + 'static> Writer<W> {
 
     /// Creates a writer for a number of processors, on which the bytes do not depend.
     pub(super) fn with_processors(processors: NonZero<usize>, output: W, header: &Header) -> Result<Writer<W>, Error> {
-        check("the size of the scene's text in bytes", header.scene.text.len(), limits::SCENE_BYTES)?;
-        check("the length of the scene's file name in bytes", header.scene.file_name.len(), limits::STRING_BYTES)?;
+        if let Some(scene) = &header.scene {
+            check("the size of the scene's text in bytes", scene.text.len(), limits::SCENE_BYTES)?;
+            check("the length of the scene's file name in bytes", scene.file_name.len(), limits::STRING_BYTES)?;
+        }
         check("the number of materials", header.config.restitution.names().len(), limits::MATERIALS)?;
         Ok(Writer {
             thread: Some(WriterThread::new(processors, Recorder::new(output, header)?)?),

@@ -1,4 +1,8 @@
-use crate::{physics::StepError, recording, scene::SceneError};
+use crate::{
+    physics::StepError,
+    recording::{self, error_text},
+    scene::SceneError,
+};
 use std::io;
 
 /// The error that ended a run or its recording.
@@ -63,13 +67,4 @@ pub enum RunError {
         /// The last step.
         last: u64,
     },
-}
-
-/// Returns the text of an error that ended a run, as recordings store it and replays compare it. Adds the scene key
-/// that raises an exceeded limit; the engine itself does not depend on scenes.
-pub fn error_text(error: &StepError) -> String {
-    match error {
-        StepError::TooManyEvents { .. } => format!("{error}; raise run.events_per_step if this is meant"),
-        StepError::NotFinite { .. } | StepError::Crushed { .. } => error.to_string(),
-    }
 }

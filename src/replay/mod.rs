@@ -10,7 +10,7 @@ mod replayer;
 mod scene_run;
 mod verdict;
 
-pub use error::{RunError, error_text};
+pub use error::RunError;
 pub use live_events::{LiveEvents, NO_LIVE_EVENTS, OnBadEvent};
 pub use record::{RecordOptions, Recorded, record};
 pub use replayer::{ALL_STEPS, Replayer};

@@ -1,6 +1,6 @@
-use super::{LiveEvents, Run, RunError, engine_config, error_text};
+use super::{LiveEvents, Run, RunError, engine_config};
 use crate::physics::{CollisionCount, StepError};
-use crate::recording::{ColorFn, Header, RunEnd, SceneText, Trailer, Versions, Writer};
+use crate::recording::{ColorFn, Header, RecordedError, RunEnd, SceneText, Trailer, Versions, Writer};
 use crate::scene::{Scene, SceneError};
 use std::io::{BufRead, Write};
 
@@ -83,7 +83,7 @@ pub fn record<W: Write + Send + 'static>(
             break;
         }
     }
-    let run_end = RunEnd { collisions: Some(collisions.0), error: error.as_ref().map(error_text) };
+    let run_end = RunEnd { collisions: Some(collisions.0), error: error.clone().map(RecordedError::Step) };
     Ok(Recorded { trailer: writer.finish(run_end)?.trailer, error })
 }
 
@@ -94,7 +94,7 @@ fn header(scene: &Scene, options: RecordOptions) -> Header {
         config: engine_config(scene),
         steps: options.steps,
         every: options.every,
-        scene: text,
+        scene: Some(text),
         gaps: Vec::new(),
     }
 }

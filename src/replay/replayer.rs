@@ -6,14 +6,14 @@ use std::{
 };
 
 use crate::{
-    physics::{Engine, Observer, SolverSnapshot},
+    physics::{Engine, Observer, SolverSnapshot, StepError},
     recording::{
-        BodyTable, Change, Error, Health, Item, Keyframe, RecordedEvent, RecordedState, Recording, SEMANTICS_VERSION,
-        StateDigest, Trailer, body_state, open,
+        BodyTable, Change, Error, Health, Item, Keyframe, RecordedError, RecordedEvent, RecordedState, Recording,
+        SEMANTICS_VERSION, StateDigest, Trailer, body_state, error_text, open,
     },
 };
 
-use super::{Difference, Divergence, Verdict, error_text};
+use super::{Difference, Divergence, Verdict};
 
 /// All steps of a recording.
 pub const ALL_STEPS: RangeInclusive<u64> = 0..=u64::MAX;
@@ -228,15 +228,15 @@ impl<R: Read + Seek> Replayer<R> {
     fn compare_error<O: Observer>(&mut self, trailer: Trailer, observer: &mut O) -> Result<(), Box<Divergence>> {
         let Some(recorded) = trailer.error else { return Ok(()) };
         match self.engine.step(observer) {
-            Err(error) if error_text(&error) == recorded => {
-                self.reproduced_error = Some(recorded);
+            Err(error) if are_same_errors(&recorded, &error) => {
+                self.reproduced_error = Some(recorded.to_string());
                 Ok(())
             }
             Err(error) => Err(self.mismatch(format!(
-                "the recorded run ends with the error {recorded:?}, the replay with \"{}\"",
+                "the recorded run ends with the error \"{recorded}\", the replay with \"{}\"",
                 error_text(&error)
             ))),
-            Ok(()) => Err(self.mismatch(format!("the replay does not reproduce the recorded error {recorded:?}"))),
+            Ok(()) => Err(self.mismatch(format!("the replay does not reproduce the recorded error \"{recorded}\""))),
         }
     }
 
@@ -290,6 +290,14 @@ impl<R: Read + Seek> Replayer<R> {
 
     fn divergence(&self, difference: Difference) -> Box<Divergence> {
         Box::new(Divergence { step: self.engine.current_step(), difference, last_event: self.last_event.clone() })
+    }
+}
+
+/// Compares a recorded error with that of a replay, by its fields if they are recorded.
+fn are_same_errors(recorded: &RecordedError, replayed: &StepError) -> bool {
+    match recorded {
+        RecordedError::Step(recorded) => recorded == replayed,
+        RecordedError::Text(text) => *text == error_text(replayed),
     }
 }
 

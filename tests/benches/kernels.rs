@@ -159,7 +159,7 @@ fn isotonic_accelerations(bencher: Bencher, bodies: usize) {
 #[divan::bench(args = [100, 10_000])]
 fn write_state(bencher: Bencher, bodies: u32) {
     let engine = engine(SolverKind::EventDriven, bodies);
-    let scene = SceneText { file_name: "bench.toml".into(), text: String::new() };
+    let scene = Some(SceneText { file_name: "bench.toml".into(), text: String::new() });
     let config = config(SolverKind::EventDriven);
     let header = Header { versions: Versions::CURRENT, config, steps: u64::MAX, every: 1, scene, gaps: Vec::new() };
     let mut writer = Writer::new(io::Cursor::new(Vec::new()), &header).expect("memory");

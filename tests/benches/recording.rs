@@ -91,7 +91,7 @@ fn header(scene: &scene::Scene, every: u64) -> Header {
         config: replay::engine_config(scene),
         steps: STEPS,
         every,
-        scene: SceneText { file_name: "gas.toml".into(), text: scene.source.text.clone() },
+        scene: Some(SceneText { file_name: "gas.toml".into(), text: scene.source.text.clone() }),
         gaps: Vec::new(),
     }
 }

@@ -87,7 +87,7 @@ fn recording(bodies: usize) {
         config: replay::engine_config(&scene),
         steps,
         every: 1,
-        scene: text,
+        scene: Some(text),
         gaps: Vec::new(),
     };
     let mut bytes = 0;

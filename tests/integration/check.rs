@@ -123,7 +123,7 @@ pub fn record_with_modified_engine(workplace: &Workplace) {
         config: config.clone(),
         steps: 90,
         every: 1,
-        scene: text,
+        scene: Some(text),
         gaps: Vec::new(),
     };
     let gravity = config.gravity.map(|gravity| Vector::new(gravity.x, gravity.y.next_up()));
