@@ -103,7 +103,7 @@ impl SectionReader {
 
     fn set_library(&mut self, body: &[u8]) -> Result<(), HeaderError> {
         let (profile, library) = parse_library(body).map_err(|Malformed| "the header is damaged".to_string())?;
-        self.library = profile.is_empty().then(|| library.into());
+        self.library = ["", "ros2"].contains(&profile).then(|| library.into());
         Ok(())
     }
 

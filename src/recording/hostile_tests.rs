@@ -10,7 +10,7 @@ use mcap::records::op;
 
 use super::{
     Change, Error, Health, Item, Playback, Recording, RunEnd, Versions, Writer, cdr, limits,
-    mcap_writer::McapWriter,
+    mcap_writer::{McapWriter, Profile},
     metadata,
     testing::{bounce, drop_and_delete, record},
     topic::Topic,
@@ -36,7 +36,8 @@ fn damage(bytes: Vec<u8>) -> String {
 /// Returns a recording whose only message is `bytes`.
 fn with_message(topic: Topic, bytes: &[u8]) -> Vec<u8> {
     let header = drop_and_delete().header;
-    let mut mcap = McapWriter::new(Vec::new(), metadata::header_map(&header), header.scene.as_ref()).unwrap();
+    let mut mcap =
+        McapWriter::new(Vec::new(), Profile::Ros2, metadata::header_map(&header), header.scene.as_ref()).unwrap();
     mcap.write_message(topic, 0, bytes).unwrap();
     mcap.flush().unwrap();
     mcap.finish(metadata::Map::new()).unwrap()
@@ -144,7 +145,7 @@ impl Write for LimitedOutput {
 /// Records a run until an error occurs.
 fn record_into(output: LimitedOutput, processors: NonZero<usize>) -> Result<(), Error> {
     let run = bounce(50);
-    let mut writer = Writer::with_processors(processors, output, &run.header)?;
+    let mut writer = Writer::with_processors(processors, output, Profile::Ros2, &run.header)?;
     let mut engine = Engine::new(run.header.config.clone());
     for step in 0..=50 {
         for event in run.events.iter().filter(|event| event.step == step) {

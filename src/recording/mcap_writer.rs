@@ -1,7 +1,4 @@
-use std::{
-    collections::BTreeMap,
-    io::{self, BufWriter, Write},
-};
+use std::io::{self, BufWriter, Write};
 
 use mcap::{Attachment, McapError, records::MessageHeader, write::NoSeek};
 
@@ -20,18 +17,37 @@ pub struct McapWriter<W: Write> {
     channels: [Option<Channel>; Topic::ALL.len()],
 }
 
+/// The MCAP profile of a recording: whether ROS 2 tools may read it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Profile {
+    /// All topics are those of ROS 2. Its tools refuse files without this profile.
+    Ros2,
+    /// There are also scene updates, whose encoding the profile `ros2` does not allow.
+    SceneUpdates,
+}
+
 #[derive(Clone, Copy)]
 struct Channel {
     id: u16,
     sequence: u32,
 }
 
+impl Profile {
+    /// The name in the MCAP header.
+    const fn name(self) -> &'static str {
+        match self {
+            Profile::Ros2 => "ros2",
+            Profile::SceneUpdates => "",
+        }
+    }
+}
+
 impl<W: Write> McapWriter<W> {
     /// Writes everything before the messages: metadata, the scene if there is one, and channels.
-    pub fn new(output: W, header: Map, scene: Option<&SceneText>) -> Result<McapWriter<W>, Error> {
+    pub fn new(output: W, profile: Profile, header: Map, scene: Option<&SceneText>) -> Result<McapWriter<W>, Error> {
         let mut mcap = mcap::WriteOptions::new()
             .library(LIBRARY)
-            .profile("")
+            .profile(profile.name())
             .compression(Some(mcap::Compression::Zstd))
             .compression_threads(0)
             .chunk_size(Some(limits::CHUNK_BYTES as u64))
@@ -63,8 +79,9 @@ impl<W: Write> McapWriter<W> {
 
     fn add_channel(&mut self, topic: Topic) -> Result<Channel, Error> {
         let schema = self.mcap.add_schema(topic.schema_name(), topic.schema_encoding(), &topic.schema());
-        let id = schema
-            .and_then(|schema| self.mcap.add_channel(schema, topic.name(), topic.message_encoding(), &BTreeMap::new()));
+        let id = schema.and_then(|schema| {
+            self.mcap.add_channel(schema, topic.name(), topic.message_encoding(), &topic.channel_metadata())
+        });
         Ok(Channel { id: id.map_err(write_error)?, sequence: 0 })
     }
 

@@ -7,7 +7,7 @@ use super::{
     Trailer, cdr,
     digest::IdentityChain,
     limits,
-    mcap_writer::McapWriter,
+    mcap_writer::{McapWriter, Profile},
     messages::{BodiesMessage, EventMessage},
     metadata,
     scene_update::{self, ColorFn},
@@ -46,10 +46,10 @@ impl<W: Write> Recorder<W> {
     ///
     /// # Errors
     /// Returns an error if writing fails.
-    pub fn new(output: W, header: &Header) -> Result<Recorder<W>, Error> {
+    pub fn new(output: W, profile: Profile, header: &Header) -> Result<Recorder<W>, Error> {
         Ok(Recorder {
             header: header.clone(),
-            mcap: McapWriter::new(output, metadata::header_map(header), header.scene.as_ref())?,
+            mcap: McapWriter::new(output, profile, metadata::header_map(header), header.scene.as_ref())?,
             identity: IdentityChain::new(header),
             table: BodyTable::default(),
             steps: 0,

@@ -7,7 +7,7 @@ use crate::text::counted;
 
 use super::{
     Error, Gap, Header, Health, Item, Keyframe, RecordedEvent, RecordedState, Recording, RunEnd, Trailer,
-    recorder::Recorder,
+    mcap_writer::Profile, recorder::Recorder,
 };
 
 /// The result of [`recover`]. `Display` prints a few lines for people.
@@ -37,7 +37,7 @@ pub struct Recovery {
 pub fn recover<R: Read + Seek, W: Write>(recording: &mut Recording<R>, output: W) -> Result<(Recovery, W), Error> {
     let scan = SalvageScan::new(recording)?;
     let header = Header { gaps: scan.gaps.clone(), ..recording.header.clone() };
-    let mut recorder = Recorder::new(output, &header)?;
+    let mut recorder = Recorder::new(output, scan.profile, &header)?;
     salvage(recording, |saved| match saved {
         Saved::Event(event) => recorder.write_event(&event),
         Saved::Keyframe(keyframe) => recorder.write_keyframe(&keyframe),
@@ -114,13 +114,20 @@ struct SalvageScan {
     last_step: Option<u64>,
     gaps: Vec<Gap>,
     trailer: Option<Trailer>,
+    profile: Profile,
     health: Health,
 }
 
 impl SalvageScan {
     fn new<R: Read + Seek>(recording: &mut Recording<R>) -> Result<SalvageScan, Error> {
-        let mut scan =
-            SalvageScan { states: 0, last_step: None, gaps: Vec::new(), trailer: None, health: Health::Complete };
+        let mut scan = SalvageScan {
+            states: 0,
+            last_step: None,
+            gaps: Vec::new(),
+            trailer: None,
+            profile: Profile::Ros2,
+            health: Health::Complete,
+        };
         salvage(recording, |saved| {
             scan.add(saved);
             Ok(())
@@ -131,7 +138,8 @@ impl SalvageScan {
 
     fn add(&mut self, saved: Saved) {
         match saved {
-            Saved::Event(_) | Saved::Keyframe(_) | Saved::SceneUpdate { .. } => {}
+            Saved::Event(_) | Saved::Keyframe(_) => {}
+            Saved::SceneUpdate { .. } => self.profile = Profile::SceneUpdates,
             Saved::State(state) => {
                 self.states += 1;
                 self.last_step = Some(state.step);

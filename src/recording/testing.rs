@@ -10,7 +10,7 @@ use crate::physics::{
 use super::{
     Change, Finished, Header, Item, RecordedError, RecordedEvent, RecordedState, Recording, RunEnd, SceneText,
     Versions, Writer, cdr,
-    mcap_writer::McapWriter,
+    mcap_writer::{McapWriter, Profile},
     messages::{BodiesMessage, EventMessage},
     metadata,
     topic::Topic,
@@ -91,7 +91,7 @@ pub fn record(run: &Run) -> Vec<u8> {
 
 /// Records a run with a number of processors.
 pub fn record_with_processors(processors: NonZero<usize>, run: &Run) -> Vec<u8> {
-    let mut writer = Writer::with_processors(processors, Vec::new(), &run.header).unwrap();
+    let mut writer = Writer::with_processors(processors, Vec::new(), Profile::Ros2, &run.header).unwrap();
     let mut engine = Engine::new(run.header.config.clone());
     let mut collisions = CollisionCount::default();
     let mut run_end = RunEnd::default();
@@ -117,7 +117,9 @@ pub fn record_with_processors(processors: NonZero<usize>, run: &Run) -> Vec<u8> 
 
 /// Records a run with altered states and correct checksums.
 pub fn record_altered(run: &Run, mut alter: impl FnMut(&mut RecordedState)) -> Vec<u8> {
-    let mut mcap = McapWriter::new(Vec::new(), metadata::header_map(&run.header), run.header.scene.as_ref()).unwrap();
+    let mut mcap =
+        McapWriter::new(Vec::new(), Profile::Ros2, metadata::header_map(&run.header), run.header.scene.as_ref())
+            .unwrap();
     let mut bytes = Vec::new();
     let original = record(run);
     for item in Recording::read(Cursor::new(original)).unwrap() {

@@ -1,4 +1,4 @@
-use super::scene_update;
+use super::{metadata::Map, scene_update};
 
 /// A topic of messages. Each topic has one channel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -67,6 +67,14 @@ impl Topic {
         match self {
             Topic::Events | Topic::States | Topic::Bodies => "cdr",
             Topic::Scene => "protobuf",
+        }
+    }
+
+    /// The metadata of the channel. ROS 2 requires the quality of service of the publishers, of which there are none.
+    pub fn channel_metadata(self) -> Map {
+        match self {
+            Topic::Events | Topic::States | Topic::Bodies => Map::from([("offered_qos_profiles".into(), "[]".into())]),
+            Topic::Scene => Map::new(),
         }
     }
 

@@ -10,6 +10,7 @@ use crate::physics::Engine;
 
 use super::{
     Change, Error, Header, RecordedError, RecordedEvent, Trailer, limits,
+    mcap_writer::Profile,
     recorder::Recorder,
     scene_update::ColorFn,
     writer_thread::{Batch, Entry, WriterThread},
@@ -56,30 +57,39 @@ impl<W: Write + Send + 'static> Writer<W> {
     /// # Errors
     /// Returns an error if writing fails or the header is too large.
     pub fn new(output: W, header: &Header) -> Result<Writer<W>, Error> {
-        // WebAssembly has no threads; there this call returns an error.
-        Writer::with_processors(thread::available_parallelism().unwrap_or(NonZero::<usize>::MIN), output, header)
+        Writer::with_processors(processors(), output, Profile::Ros2, header)
+    }
+
+    /// Creates a writer that also records the boxes of every full state for viewers such as Foxglove, in these
+    /// colours. A replay ignores them.
+    ///
+    /// # Errors
+    /// Returns an error if writing fails or the header is too large.
+    pub fn with_scene_updates(output: W, header: &Header, color: ColorFn) -> Result<Writer<W>, Error> {
+        let mut writer = Writer::with_processors(processors(), output, Profile::SceneUpdates, header)?;
+        writer.batch.entries.push(Entry::Colors(color));
+        Ok(writer)
     }
 
     /// Creates a writer for a number of processors, on which the bytes do not depend.
-    pub(super) fn with_processors(processors: NonZero<usize>, output: W, header: &Header) -> Result<Writer<W>, Error> {
+    pub(super) fn with_processors(
+        processors: NonZero<usize>,
+        output: W,
+        profile: Profile,
+        header: &Header,
+    ) -> Result<Writer<W>, Error> {
         if let Some(scene) = &header.scene {
             check("the size of the scene's text in bytes", scene.text.len(), limits::SCENE_BYTES)?;
             check("the length of the scene's file name in bytes", scene.file_name.len(), limits::STRING_BYTES)?;
         }
         check("the number of materials", header.config.restitution.names().len(), limits::MATERIALS)?;
         Ok(Writer {
-            thread: Some(WriterThread::new(processors, Recorder::new(output, header)?)?),
+            thread: Some(WriterThread::new(processors, Recorder::new(output, profile, header)?)?),
             batch: Batch::default(),
             steps_per_second: header.steps_per_second(),
             last_step: None,
             unflushed_events: false,
         })
-    }
-
-    /// From now on, records the boxes of every full state for viewers such as Foxglove, in these
-    /// colours. A replay ignores them.
-    pub fn enable_scene_updates(&mut self, color: ColorFn) {
-        self.batch.entries.push(Entry::Colors(color));
     }
 
     /// Records an event that was applied to the current step.
@@ -165,6 +175,11 @@ impl<W: Write> Drop for Writer<W> {
 /// The error of a call after an earlier write error.
 pub fn failed_earlier() -> Error {
     Error::Write(io::Error::other("an earlier write has failed"))
+}
+
+/// The number of processors; 1 on WebAssembly, which has no threads.
+fn processors() -> NonZero<usize> {
+    thread::available_parallelism().unwrap_or(NonZero::<usize>::MIN)
 }
 
 fn check(quantity: &'static str, found: usize, limit: usize) -> Result<(), Error> {

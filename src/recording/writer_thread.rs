@@ -110,7 +110,7 @@ pub struct Batch {
 /// One thing to record.
 #[derive(Debug)]
 pub enum Entry {
-    /// Record scene updates for viewers from now on, in these colours.
+    /// Record scene updates for viewers, in these colours. The first entry, if at all.
     Colors(ColorFn),
     /// An event.
     Event(RecordedEvent),

@@ -59,10 +59,11 @@ pub fn record<W: Write + Send + 'static>(
     mut progress: impl FnMut(u64),
 ) -> Result<Recorded, RunError> {
     let mut run = Run::new(scene);
-    let mut writer = Writer::new(output, &header(scene, options))?;
-    if let Some(color) = options.viewer {
-        writer.enable_scene_updates(color);
-    }
+    let header = header(scene, options);
+    let mut writer = match options.viewer {
+        None => Writer::new(output, &header)?,
+        Some(color) => Writer::with_scene_updates(output, &header, color)?,
+    };
     let mut collisions = CollisionCount::default();
     let mut error = None;
     for step in 0..=options.steps {

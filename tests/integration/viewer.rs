@@ -25,6 +25,18 @@ fn scene_updates_change_nothing_else() {
 }
 
 #[test]
+fn the_profile_is_ros2_exactly_if_there_are_no_scene_updates() {
+    let workplace = recorded();
+    workplace.done("record scene.toml -o plain.mcap");
+    for (name, profile) in [("plain.mcap", "ros2"), ("run.mcap", "")] {
+        let bytes = workplace.read(name);
+        let mut records = mcap::read::LinearReader::new(&bytes).unwrap();
+        let Some(Ok(mcap::records::Record::Header(header))) = records.next() else { panic!("{name} has no header") };
+        assert_eq!(header.profile, profile, "{name}");
+    }
+}
+
+#[test]
 fn recovery_keeps_scene_updates() {
     let workplace = recorded();
     workplace.done("recover run.mcap -o same.mcap");
