@@ -1,4 +1,4 @@
-use super::{Exit, output, scene_report::SceneReport};
+use super::{Exit, arguments::is_standard_output, scene_report::SceneReport};
 use crate::{
     picture::{self, RenderError},
     recording::{self, error_text},
@@ -173,7 +173,7 @@ impl CommandError {
     /// Returns a function that converts an error of writing to `path`, which may be standard output.
     pub fn unwritable(path: &Path) -> impl Fn(io::Error) -> CommandError {
         move |source| {
-            if output::is_standard_output(path) {
+            if is_standard_output(path) {
                 CommandError::StandardOutput(source)
             } else {
                 CommandError::Unwritable { path: path.into(), source }

@@ -1,4 +1,4 @@
-use super::arguments::{ExportOptions, Shard, Table};
+use super::arguments::{ExportOptions, Shard, Table, is_standard_output};
 use super::error::CommandError;
 use super::source::SourceFile;
 use super::{Exit, output};
@@ -16,7 +16,7 @@ use std::sync::Arc;
 /// Exports states, collisions, energies or bodies of recordings or scenes as a table.
 pub fn run(options: &ExportOptions) -> Result<Exit, CommandError> {
     let format = Format::from_path(&options.output)?;
-    if !output::is_standard_output(&options.output) {
+    if !is_standard_output(&options.output) {
         output::refuse_existing(&options.output, options.force)?;
     }
     if options.shard != Shard::WHOLE && options.sources.len() > 1 {
@@ -252,7 +252,7 @@ impl Format {
     fn from_path(path: &Path) -> Result<Format, CommandError> {
         let extension = path.extension().and_then(|extension| extension.to_str());
         match extension {
-            None if output::is_standard_output(path) => Ok(Format::Csv),
+            None if is_standard_output(path) => Ok(Format::Csv),
             Some("csv") => Ok(Format::Csv),
             Some("jsonl") => Ok(Format::JsonLines),
             None | Some(_) => Err(CommandError::UnsupportedOutput {

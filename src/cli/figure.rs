@@ -1,3 +1,4 @@
+use super::arguments::is_standard_output;
 use super::error::CommandError;
 use super::picture_arguments::FigureCommandOptions;
 use super::source::OpenedSource;
@@ -10,7 +11,7 @@ use std::path::Path;
 pub fn run(options: &FigureCommandOptions) -> Result<Exit, CommandError> {
     let path = &options.output.output;
     let subject = subject(options)?;
-    if !output::is_standard_output(path) {
+    if !is_standard_output(path) {
         output::refuse_existing(path, options.output.force)?;
     }
     let sources = options
@@ -34,7 +35,7 @@ pub fn run(options: &FigureCommandOptions) -> Result<Exit, CommandError> {
 pub fn subject(options: &FigureCommandOptions) -> Result<SubjectOptions, CommandError> {
     let path: &Path = &options.output.output;
     let format = match StillFormat::from_path(path) {
-        None if output::is_standard_output(path) => Some(StillFormat::Png),
+        None if is_standard_output(path) => Some(StillFormat::Png),
         format => format,
     };
     match format {

@@ -1,9 +1,8 @@
 //! Manifests: lists of commands that draw pictures, one per line, with paths relative to the folder of the manifest.
 
-use super::arguments::{Arguments, Command};
 use super::picture_arguments::{FigureCommandOptions, RenderOptions};
 use super::render::OutputKind;
-use super::{figure, output};
+use super::{Arguments, Command, arguments, figure};
 use crate::check::{CheckError, Recipe, ReferenceImage, normalize};
 use crate::picture::{PictureOptions, SubjectOptions};
 use clap::Parser;
@@ -90,7 +89,7 @@ fn line(
     subject: SubjectOptions,
     options: PictureOptions,
 ) -> Result<Line, String> {
-    if output::is_standard_output(output) {
+    if arguments::is_standard_output(output) {
         return Err("expected a file name after -o, not standard output".into());
     }
     Ok(Line { output: output.into(), sources, subject, options })

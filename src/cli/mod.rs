@@ -19,10 +19,60 @@ mod shell;
 mod source;
 mod video;
 
-pub use arguments::{Arguments, Command};
 pub use scene_report::SceneReport;
 
+use arguments::{
+    CheckOptions, CompletionsOptions, ExportOptions, InfoOptions, ManOptions, RecordOptions, RecoverOptions,
+    ReplayOptions, ReportOptions,
+};
+use clap::{Parser, Subcommand};
+use picture_arguments::{FigureCommandOptions, RenderOptions};
 use std::process::ExitCode;
+
+/// Deterministic 2-D physics of boxes: record, replay bit for bit, draw
+#[derive(Debug, Parser)]
+#[command(
+    version,
+    arg_required_else_help = true,
+    disable_help_subcommand = true,
+    max_term_width = 100,
+    next_line_help = false
+)]
+pub struct Arguments {
+    /// The command.
+    #[command(subcommand)]
+    pub command: Command,
+    /// Print only results and errors
+    #[arg(short, long, global = true, display_order = 900)]
+    pub quiet: bool,
+}
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Run a scene and record its events and states
+    Record(RecordOptions),
+    /// Replay a recording and compare every state bit for bit
+    Replay(ReplayOptions),
+    /// Draw a scene or recording as an animation or as pictures
+    Render(RenderOptions),
+    /// Draw a lecture figure of scenes or recordings as PNG, SVG or PDF
+    Figure(FigureCommandOptions),
+    /// Export states, collisions, energies or bodies as CSV or JSON Lines
+    Export(ExportOptions),
+    /// Show the contents of a recording, or the provenance of a picture
+    Info(InfoOptions),
+    /// Check that recordings and pictures are unchanged
+    Check(CheckOptions),
+    /// Recover the readable part of a damaged or unfinished recording
+    Recover(RecoverOptions),
+    /// Measure error and cost of both solvers on hard scenes
+    Report(ReportOptions),
+    /// Print shell completions
+    Completions(CompletionsOptions),
+    /// Write the manual pages
+    Man(ManOptions),
+}
 
 /// Runs one command, prints its error if it fails, and returns the exit code.
 pub fn run(arguments: Arguments) -> Exit {

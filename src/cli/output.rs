@@ -3,6 +3,7 @@
 //! Files appear complete or not at all: they are written to a temporary file in the same folder and renamed.
 
 use super::Exit;
+use super::arguments::is_standard_output;
 use super::error::CommandError;
 use crate::picture::{self, ReadExtent, ReadStatus, RenderError};
 use crate::recording::{self, Durability, Health, Overwrite};
@@ -14,11 +15,6 @@ use std::{
     sync::OnceLock,
 };
 use tempfile::{Builder, NamedTempFile, TempDir};
-
-/// Returns true if `path` stands for standard output.
-pub fn is_standard_output(path: &Path) -> bool {
-    path == Path::new("-")
-}
 
 /// Writes text to standard output.
 pub fn print(text: &[u8]) -> Result<(), CommandError> {

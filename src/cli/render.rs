@@ -1,5 +1,5 @@
 use super::Exit;
-use super::arguments::Shard;
+use super::arguments::{Shard, is_standard_output};
 use super::error::CommandError;
 use super::output::{self, Folder};
 use super::picture_arguments::RenderOptions;
@@ -98,8 +98,8 @@ impl OutputKind {
             }
             (Some("mp4"), _, None) => Ok(OutputKind::Video(VideoContainer::Mp4)),
             (Some("webm"), _, None) => Ok(OutputKind::Video(VideoContainer::Webm)),
-            (None, None, Some(step)) if output::is_standard_output(path) => state(step, StillFormat::Png),
-            (None, None, None) if output::is_standard_output(path) => animation(AnimationFormat::Gif),
+            (None, None, Some(step)) if is_standard_output(path) => state(step, StillFormat::Png),
+            (None, None, None) if is_standard_output(path) => animation(AnimationFormat::Gif),
             (None, None, None) => Ok(OutputKind::Sequence),
             (_, _, Some(_)) => unsupported("--at STEP draws a single picture: OUT.png, OUT.svg or OUT.pdf"),
             (Some(_), None, None) if is_folder => Ok(OutputKind::Sequence),
@@ -126,7 +126,7 @@ impl OutputKind {
     pub fn refuse_existing(&self, path: &Path, force: bool) -> Result<(), CommandError> {
         match self {
             OutputKind::Sequence => Ok(()),
-            OutputKind::File(_) if output::is_standard_output(path) => Ok(()),
+            OutputKind::File(_) if is_standard_output(path) => Ok(()),
             OutputKind::File(_) | OutputKind::Video(_) => output::refuse_existing(path, force),
         }
     }

@@ -1,9 +1,9 @@
 //! Completions and manual pages, generated from the definitions of the arguments.
 
-use super::Exit;
-use super::arguments::{Arguments, CompletionsOptions, ManOptions};
+use super::arguments::{CompletionsOptions, ManOptions};
 use super::error::CommandError;
 use super::output::{self, Folder};
+use super::{Arguments, Exit};
 use crate::picture::SOFTWARE;
 use clap::CommandFactory;
 use clap_mangen::Man;

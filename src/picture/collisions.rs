@@ -1,8 +1,6 @@
 //! Collisions of a recording, which are found by a replay.
 
 use super::figures::CollisionSubject;
-use super::resolve::unknown_body;
-use super::style::appearances;
 use super::{Appearance, CollisionSelector, Error, Moment, Progress, Source, StepGrid, source};
 use crate::physics::{BodyId, Collision, Observer, larger};
 use crate::replay::{ALL_STEPS, Replayer, Verdict};
@@ -20,7 +18,7 @@ pub fn find_collision(
     pair: Option<&[String; 2]>,
     progress: Progress,
 ) -> Result<CollisionSubject, Error> {
-    let bodies = appearances(source)?;
+    let bodies = source.appearances()?;
     let mut search = Search { step, pair, bodies: &bodies, found: None };
     let steps = source.header.steps;
     let recording = source::open(&source.path)?;
@@ -38,7 +36,7 @@ pub fn find_collision(
     });
     let missing = pair.into_iter().flatten().find(|&name| !source.statistics.names.contains(name));
     if let Some(name) = missing {
-        return Err(unknown_body(name, source));
+        return Err(source.unknown_body(name));
     }
     found.ok_or_else(|| {
         let between = pair.map_or(String::new(), |[a, b]| format!(" between {a:?} and {b:?}"));

@@ -1,11 +1,14 @@
-use super::collisions::{find_collision, freeze_frames};
+use super::collisions::{find_collision, freeze_frames, max_impulse};
 use super::encode::{write_apng, write_gif, write_png_sequence};
 use super::figures::{self, CollisionSubject, EnergyRun, FigureRun};
 use super::{
-    Animation, AnimationFormat, AnimationSchedule, CollisionFigure, DisplayList, Error, Frame, Frames, Look, Page,
-    PictureOptions, Progress, Provenance, ReadStatus, RenderError, ResolvedPicture, Sequence, Source, StatesFigure,
-    StepGrid, StillFormat, Style, Subject, SubjectOptions, Thinning, Timing, View, compose,
+    Animation, AnimationFormat, AnimationSchedule, CollisionFigure, DisplayList, Error, Frame, Frames, Look, Overlay,
+    Page, PictureOptions, Progress, Provenance, ReadStatus, RenderError, ResolvedPicture, Sequence, Source,
+    StatesFigure, StepGrid, StillFormat, Style, Subject, SubjectOptions, Thinning, Timing, View, compose,
 };
+use super::{Appearance, Palette, color};
+use crate::physics::larger;
+use crate::recording::BodyInfo;
 use std::io::Write;
 use std::num::NonZero;
 use std::ops::RangeInclusive;
@@ -201,6 +204,44 @@ impl Clip {
         let frames = Frames::new(source, &schedule, &look.show)?;
         Ok(Clip { view, schedule, frames })
     }
+}
+
+impl Style {
+    /// The style of a picture of these recordings, with scales common to all of them.
+    ///
+    /// # Errors
+    /// If the scale of impulse arrows requires a replay and that fails.
+    pub fn new(look: &Look, sources: &[Source], progress: Progress) -> Result<Style, Error> {
+        let top = |of: fn(&Source) -> f64| sources.iter().map(of).fold(0.0, larger);
+        let mut materials: Vec<String> =
+            sources.iter().flat_map(|source| source.statistics.materials.clone()).collect();
+        materials.sort();
+        materials.dedup();
+        let mut top_impulse = 0.0;
+        if look.show.contains(Overlay::Impulse) {
+            for source in sources {
+                top_impulse = larger(max_impulse(source, progress)?, top_impulse);
+            }
+        }
+        Ok(Style {
+            look: look.clone(),
+            top_speed: top(|source| source.statistics.top_speed),
+            top_force: top(|source| source.statistics.top_force),
+            top_impulse,
+            body_count: sources.iter().map(|source| source.statistics.names.len() as u32).max().unwrap_or(0),
+            materials,
+        })
+    }
+}
+
+/// The colour of a body in pictures with default options: red, green, blue.
+pub fn body_color(info: &BodyInfo) -> [u8; 3] {
+    let appearance = Appearance::new(info.id, &info.spawn, info.color.as_deref(), None);
+    let color = match appearance.is_wall {
+        true => Palette::of(Look::default().theme).wall,
+        false => color::color_by_body(&appearance),
+    };
+    [color.r, color.g, color.b]
 }
 
 /// The shapes of a page, and how completely each recording was read.

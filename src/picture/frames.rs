@@ -1,29 +1,9 @@
 use super::resimulation::Resimulation;
-use super::style::appearance;
-use super::{AnimationSchedule, Appearance, Error, Frame, Overlay, Overlays, Source, Sprite, StepGrid, Trails, source};
+use super::source::{self, ReadExtent, ReadStatus};
+use super::{AnimationSchedule, Appearance, Error, Frame, Overlay, Overlays, Source, Sprite, StepGrid, Trails};
 use crate::physics::{BodyId, Vector};
-use crate::recording::{self, Health, Playback, SampledBody};
+use crate::recording::{self, Playback, SampledBody};
 use std::{collections::BTreeMap, fs::File, io::BufReader, path::PathBuf, sync::Arc};
-
-/// The point up to which a recording was read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ReadExtent {
-    /// The end of the recording.
-    End,
-    /// The last requested step. The rest of the recording was not read.
-    LastStep,
-}
-
-/// The health of a recording, as far as it was read.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ReadStatus {
-    /// The recording.
-    pub path: PathBuf,
-    /// The damage found in the part that was read.
-    pub health: Health,
-    /// The point up to which it was read.
-    pub extent: ReadExtent,
-}
 
 /// An iterator over the frames of an animation schedule, in order. Its memory use does not depend on
 /// their number.
@@ -41,11 +21,12 @@ impl Frames {
     /// # Errors
     /// If the recording cannot be read.
     pub fn new(source: &Source, schedule: &AnimationSchedule, show: &Overlays) -> Result<Frames, Error> {
-        let requirements = Requirements::new(show, schedule);
-        match requirements.replay {
-            true => Ok(Frames::Resimulated(Box::new(Resimulation::start(source, schedule.clone(), requirements)?))),
-            false => Ok(Frames::Recorded(Box::new(RecordedFrames::new(source, &schedule.grid, requirements)?))),
+        let trails = show.contains(Overlay::Trail).then(|| Trails::of_one_second(schedule.grid.rate));
+        if show.show_collisions() || !schedule.is_on_grid() {
+            let frames = Resimulation::start(source, schedule.clone(), trails)?;
+            return Ok(Frames::Resimulated(Box::new(frames)));
         }
+        Ok(Frames::Recorded(Box::new(RecordedFrames::new(source, &schedule.grid, trails)?)))
     }
 
     /// The health of the recording as far as it was read; final after the last frame.
@@ -68,27 +49,6 @@ impl Iterator for Frames {
     }
 }
 
-/// The data that frames need in addition to the recorded states.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Requirements {
-    /// Previous positions of the bodies.
-    pub trails: bool,
-    /// A replay, for collisions or for instants between two recorded states.
-    pub replay: bool,
-}
-
-impl Requirements {
-    /// The requirements of the overlays in `show` and of the instants of `schedule`.
-    pub fn new(show: &Overlays, schedule: &AnimationSchedule) -> Requirements {
-        Requirements { trails: show.contains(Overlay::Trail), replay: show.show_collisions() || !schedule.is_on_grid() }
-    }
-}
-
-/// The length of a trail: the steps of one second, at `rate` Hz.
-pub fn trail_steps(rate: f64) -> u64 {
-    rate.ceil() as u64
-}
-
 /// Frames made from recorded states.
 pub struct RecordedFrames {
     path: PathBuf,
@@ -101,12 +61,10 @@ pub struct RecordedFrames {
 }
 
 impl RecordedFrames {
-    fn new(source: &Source, grid: &StepGrid, requirements: Requirements) -> Result<RecordedFrames, Error> {
-        let trails = requirements.trails.then(|| Trails::new(trail_steps(grid.rate)));
+    fn new(source: &Source, grid: &StepGrid, trails: Option<Trails>) -> Result<RecordedFrames, Error> {
         let mut playback = Playback::new(source::open(&source.path)?);
         // The trail of the first frame begins before that frame.
-        let trail_length = if requirements.trails { trail_steps(grid.rate) } else { 0 };
-        let first = grid.steps.start().saturating_sub(trail_length);
+        let first = grid.steps.start().saturating_sub(trails.as_ref().map_or(0, Trails::steps));
         playback.seek(first).map_err(|error| source.read_error(error))?;
         Ok(RecordedFrames {
             path: source.path.clone(),
@@ -137,7 +95,7 @@ impl RecordedFrames {
 
     fn sprite(&mut self, body: &SampledBody) -> Sprite {
         let info = &body.info;
-        let new = || Arc::new(appearance(info.id, &info.spawn, info.color.as_deref(), self.gravity));
+        let new = || Arc::new(Appearance::new(info.id, &info.spawn, info.color.as_deref(), self.gravity));
         let appearance = self.appearances.entry(info.id).or_insert_with(new).clone();
         let mut rect = info.spawn.rect;
         rect.origin = body.position;

@@ -35,13 +35,12 @@ mod run_statistics;
 mod schedule;
 mod source;
 mod step_grid;
-mod style;
 pub mod text;
 mod view;
 
 pub use crate::picture_options::{CameraTarget, ColorBy, Look, Overlay, Overlays, PictureOptions, Theme, Window};
 pub use camera::Camera;
-pub use draw::{Clip, Drawn, draw, draw_sequence, draw_to_vec, redraw};
+pub use draw::{Clip, Drawn, body_color, draw, draw_sequence, draw_to_vec, redraw};
 pub(crate) use encode::ordered_parallel_map;
 pub use encode::{
     AnimationDecoder, DecodedFrame, Metadata, RenderError, apng, compare, draw_frames, gif, pdf, png, svg, write_apng,
@@ -50,7 +49,7 @@ pub use encode::{
 pub use error::Error;
 pub use figures::EnergySample;
 pub use format::{AnimationFormat, Format, StillFormat};
-pub use frames::{Frames, ReadExtent, ReadStatus};
+pub use frames::Frames;
 pub use layers::{Appearance, Arrow, Frame, Sprite, Trails, compose};
 pub use provenance::{Provenance, SOFTWARE};
 pub(crate) use raster::color;
@@ -59,9 +58,8 @@ pub use resolve::{FigureOptions, Sequence, SubjectOptions};
 pub use resolved::{Animation, CollisionFigure, CollisionSelector, Page, ResolvedPicture, StatesFigure, Subject};
 pub use run_statistics::RunStatistics;
 pub use schedule::{AnimationSchedule, MIN_HOLD, Moment, Timing};
-pub use source::{Source, recorded_world};
+pub use source::{ReadExtent, ReadStatus, Source, recorded_world};
 pub use step_grid::{MAX_GIF_FPS, StepGrid, Thinning};
-pub use style::body_color;
 pub use view::{DrawingMetrics, Style, View};
 
 /// A callback that receives the number of completed work items and their total.

@@ -1,6 +1,5 @@
-use super::frames::{ReadExtent, ReadStatus, Requirements, trail_steps};
-use super::style::appearances;
-use super::{Error, Source, source};
+use super::source::{self, ReadExtent, ReadStatus};
+use super::{Error, Source};
 use crate::physics::{Body, BodyId, Collision, Engine, Observer, SolverKind, StepError, World};
 use crate::picture::{AnimationSchedule, Appearance, Frame, Moment, Sprite, Trails};
 use crate::recording::Health;
@@ -26,13 +25,9 @@ impl Resimulation {
     ///
     /// # Errors
     /// If the recording cannot be read.
-    pub fn start(
-        source: &Source,
-        schedule: AnimationSchedule,
-        requirements: Requirements,
-    ) -> Result<Resimulation, Error> {
+    pub fn start(source: &Source, schedule: AnimationSchedule, trails: Option<Trails>) -> Result<Resimulation, Error> {
         let rate = schedule.grid.rate;
-        let trail = if requirements.trails { trail_steps(rate) } else { 0 };
+        let trail = trails.as_ref().map_or(0, Trails::steps);
         let first = schedule.moment(0).step.saturating_sub(trail.max(schedule.grid.every));
         let steps = first..=*schedule.grid.steps.end();
         let replayer = Replayer::new(source::open(&source.path)?, steps).map_err(|error| source.read_error(error))?;
@@ -40,8 +35,8 @@ impl Resimulation {
             ready: VecDeque::new(),
             solver: source.header.config.solver,
             rate,
-            trails: requirements.trails.then(|| Trails::new(trail_steps(rate))),
-            appearances: appearances(source)?,
+            trails,
+            appearances: source.appearances()?,
             next_frame: 0,
             schedule,
             pending_collisions: Vec::new(),

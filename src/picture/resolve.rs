@@ -244,7 +244,7 @@ const DIAGRAM_STATES: u64 = 2000;
 fn follow(name: &str, window: Option<Window>, sources: &[Source]) -> Result<CameraTarget, Error> {
     let is_missing = |source: &&Source| !source.statistics.names.iter().any(|existing| existing == name);
     if let Some(source) = sources.iter().find(is_missing) {
-        return Err(unknown_body(name, source));
+        return Err(source.unknown_body(name));
     }
     let size = match window {
         Some(Window::Size(size)) => size,
@@ -252,21 +252,6 @@ fn follow(name: &str, window: Option<Window>, sources: &[Source]) -> Result<Came
         Some(Window::World | Window::Bodies) | None => sources[0].world(),
     };
     Ok(CameraTarget::Follow { name: name.to_owned(), size })
-}
-
-/// The error for a body that does not exist in `source`.
-pub fn unknown_body(name: &str, source: &Source) -> Error {
-    const MAX_LISTED: usize = 8;
-    let names = &source.statistics.names;
-    let count = names.len();
-    let names = names.iter().take(MAX_LISTED).map(|name| format!("{name:?}")).collect::<Vec<String>>().join(", ");
-    let reason = match count {
-        0 => format!("no body is named {name:?}, because the recording contains no bodies"),
-        1 => format!("no body is named {name:?}; the only body is {names}"),
-        2..=MAX_LISTED => format!("no body is named {name:?}; the bodies are {names}"),
-        _ => format!("no body is named {name:?}; the first of {} are {names}", counted(count, "body")),
-    };
-    Error::NothingToShow { reason }
 }
 
 /// The recording of a picture that shows exactly one.

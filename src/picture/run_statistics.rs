@@ -1,6 +1,6 @@
 use super::Error;
+use super::layers::force;
 use super::source::open;
-use super::style::force;
 use crate::physics::{BodyId, Rect, Spawn, Vector};
 use crate::recording::{self, BodyInfo, Change, Header, Item, RecordedState, Recording, StateBounds, Summary};
 use std::io::{Read, Seek};

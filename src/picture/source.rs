@@ -1,11 +1,14 @@
 use super::figures::EnergySample;
-use super::{Error, ReadExtent, ReadStatus, RunStatistics, StepGrid};
-use crate::physics::{Body, EngineConfig, Material, Vector, World};
-use crate::recording::{self, Header, Playback, Recording, SampledBody, SampledState};
+use super::{Appearance, Error, RunStatistics, StepGrid};
+use crate::physics::{Body, BodyId, EngineConfig, Material, Vector, World};
+use crate::recording::{self, Change, Header, Health, Playback, RecordedEvent, Recording, SampledBody, SampledState};
 use crate::scene::{self, Scene};
+use crate::text::counted;
+use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{self, BufReader, Read};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// A recording to draw.
 #[derive(Clone, Debug)]
@@ -78,10 +81,58 @@ impl Source {
         Ok((samples, ReadStatus { path: self.path.clone(), health: playback.health(), extent }))
     }
 
+    /// The appearance of every body that is ever spawned.
+    pub(super) fn appearances(&self) -> Result<BTreeMap<BodyId, Arc<Appearance>>, Error> {
+        let gravity = self.header.config.gravity;
+        let mut bodies = BTreeMap::new();
+        let add = |event: RecordedEvent| {
+            if let Change::Spawn { id, spawn, color } = &event.change {
+                bodies.insert(*id, Arc::new(Appearance::new(*id, spawn, color.as_deref(), gravity)));
+            }
+        };
+        open(&self.path)?.for_each_event(add).map_err(|error| self.read_error(error))?;
+        Ok(bodies)
+    }
+
+    /// The error for a body that does not exist in this recording.
+    pub(super) fn unknown_body(&self, name: &str) -> Error {
+        const MAX_LISTED: usize = 8;
+        let names = &self.statistics.names;
+        let count = names.len();
+        let names = names.iter().take(MAX_LISTED).map(|name| format!("{name:?}")).collect::<Vec<String>>().join(", ");
+        let reason = match count {
+            0 => format!("no body is named {name:?}, because the recording contains no bodies"),
+            1 => format!("no body is named {name:?}; the only body is {names}"),
+            2..=MAX_LISTED => format!("no body is named {name:?}; the bodies are {names}"),
+            _ => format!("no body is named {name:?}; the first of {} are {names}", counted(count, "body")),
+        };
+        Error::NothingToShow { reason }
+    }
+
     /// Adds the path of the recording to an error of reading it.
     pub(super) fn read_error(&self, source: recording::Error) -> Error {
         Error::Recording { path: self.path.clone(), source }
     }
+}
+
+/// The point up to which a recording was read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ReadExtent {
+    /// The end of the recording.
+    End,
+    /// The last requested step. The rest of the recording was not read.
+    LastStep,
+}
+
+/// The health of a recording, as far as it was read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReadStatus {
+    /// The recording.
+    pub path: PathBuf,
+    /// The damage found in the part that was read.
+    pub health: Health,
+    /// The point up to which it was read.
+    pub extent: ReadExtent,
 }
 
 /// Opens the recording at `path`.

@@ -1,4 +1,3 @@
-use super::collision::label_arrow;
 use super::pair::{Pair, ROLES};
 use super::panels::Panels;
 use crate::physics::{Axis, Rect, Vector, smaller};
@@ -117,4 +116,15 @@ impl CloseUp {
         };
         format!("\"(b) {state}\"{zoom}")
     }
+}
+
+/// Draws the label of an arrow at its tip.
+pub fn label_arrow(arrow: &Arrow, markup: &str, placer: &mut LabelPlacer, panels: &mut Panels) {
+    let direction = arrow.to.sub(arrow.from);
+    if direction.norm() < arrow.width {
+        return;
+    }
+    let line = Line::math(markup, 1.1 * panels.metrics.font_size);
+    let label = placer.place(line, arrow.to, direction, panels.metrics.font_size, arrow.color);
+    label.draw(&panels.metrics, &mut panels.shapes);
 }

@@ -1,5 +1,5 @@
 use super::CollisionSubject;
-use super::close_up::CloseUp;
+use super::close_up::{CloseUp, label_arrow};
 use super::pair::{Pair, ROLES};
 use super::panels::{Panels, above_caption, caption, dashed, draw_rows};
 use crate::physics::{Collision, Rect, Vector};
@@ -108,17 +108,6 @@ fn restitution(collision: &Collision) -> Option<f64> {
     let normal_velocity = |[c, b]: [Vector; 2]| c.sub(b).dot(collision.normal);
     let (before, after) = (normal_velocity(collision.before), normal_velocity(collision.after));
     (collision.impulse != 0.0 && before != 0.0).then(|| -after / before)
-}
-
-/// Draws the label of an arrow at its tip.
-pub fn label_arrow(arrow: &Arrow, markup: &str, placer: &mut LabelPlacer, panels: &mut Panels) {
-    let direction = arrow.to.sub(arrow.from);
-    if direction.norm() < arrow.width {
-        return;
-    }
-    let line = Line::math(markup, 1.1 * panels.metrics.font_size);
-    let label = placer.place(line, arrow.to, direction, panels.metrics.font_size, arrow.color);
-    label.draw(&panels.metrics, &mut panels.shapes);
 }
 
 /// Draws an arrow with a dashed shaft.

@@ -3,7 +3,7 @@
 use super::panels::{Panels, TITLE, outline, target_extent, world_view};
 use super::{FigureRun, legend};
 use crate::physics::{Rect, Vector};
-use crate::picture::layers::bodies::{draw_box, visible_rect};
+use crate::picture::layers::bodies::draw_box;
 use crate::picture::layers::{self, LayoutContext};
 use crate::picture::number::format_significant;
 use crate::picture::text::Line;
@@ -57,7 +57,7 @@ fn ghosts(earlier: &[Frame], last: &Frame, context: &LayoutContext) -> Shape {
     let mut shapes = Vec::new();
     for (index, frame) in earlier.iter().enumerate() {
         for sprite in frame.sprites.iter().filter(|sprite| has_moved(sprite, last)) {
-            let Some(rect) = visible_rect(sprite, context) else { continue };
+            let Some(rect) = context.visible_rect(sprite) else { continue };
             let fill = color::body_color(sprite, &context.view.style);
             draw_ghost(&rect, faded(fill, index, earlier.len(), context), context, &mut shapes);
         }

@@ -1,5 +1,4 @@
 use super::LayoutContext;
-use super::bodies::visible_rect;
 use crate::physics::Vector;
 use crate::picture::Overlay;
 use crate::picture::{Color, DrawingMetrics, Frame, Ink, Shape, Sprite};
@@ -95,7 +94,7 @@ fn from_centers(
     let width = if has_many_bodies { (line_width / 2.0).ceil() } else { line_width };
     let boxes = frame.sprites.iter().filter(|sprite| !sprite.appearance.is_wall);
     let arrow = |sprite: &Sprite| {
-        let from = visible_rect(sprite, context)?.center();
+        let from = context.visible_rect(sprite)?.center();
         Some(Arrow { from, to: from.add(vector(sprite)), width, color }.into())
     };
     boxes.filter_map(arrow).collect()

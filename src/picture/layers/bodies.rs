@@ -7,7 +7,7 @@ use crate::picture::{Color, DrawingMetrics, Frame, Ink, Shape, Sprite, color};
 pub fn draw(frame: &Frame, context: &LayoutContext, shapes: &mut Vec<Shape>) {
     let box_count = frame.sprites.iter().filter(|sprite| !sprite.appearance.is_wall).count();
     for sprite in frame.sprites.iter().filter(|sprite| !sprite.appearance.is_wall) {
-        let Some(rect) = visible_rect(sprite, context) else { continue };
+        let Some(rect) = context.visible_rect(sprite) else { continue };
         let fill = color::body_color(sprite, &context.view.style);
         draw_box(&rect, fill, &context.metrics, shapes);
         if sprite.appearance.mass == f64::INFINITY {
@@ -15,12 +15,6 @@ pub fn draw(frame: &Frame, context: &LayoutContext, shapes: &mut Vec<Shape>) {
         }
         shapes.extend(body_labels::inside(sprite, &rect, fill, box_count, context));
     }
-}
-
-/// The page rectangle of a body, px, if it intersects the viewport.
-pub fn visible_rect(sprite: &Sprite, context: &LayoutContext) -> Option<Rect> {
-    let rect = context.camera.rect(&sprite.rect);
-    rect.intersection(&context.camera.viewport).map(|_| rect)
 }
 
 /// The border colour of a box.
@@ -60,7 +54,7 @@ fn draw_bolts(rect: &Rect, color: Color, context: &LayoutContext, shapes: &mut V
 /// Draws the four walls as hatched slabs, clipped to the viewport.
 pub fn draw_walls(frame: &Frame, context: &LayoutContext, shapes: &mut Vec<Shape>) {
     let walls = frame.sprites.iter().filter(|sprite| sprite.appearance.is_wall);
-    let slabs: Vec<Rect> = walls.filter_map(|sprite| visible_rect(sprite, context)).collect();
+    let slabs: Vec<Rect> = walls.filter_map(|sprite| context.visible_rect(sprite)).collect();
     let viewport = context.camera.viewport;
     let visible: Vec<Rect> = slabs.iter().filter_map(|slab| slab.intersection(&viewport)).collect();
     shapes.extend(visible.iter().map(|&rect| Shape::Rect { rect, ink: Ink::from(context.metrics.palette.wall) }));

@@ -1,4 +1,4 @@
-use crate::physics::{BodyId, Collision, Rect, Vector};
+use crate::physics::{BodyId, Collision, Rect, Spawn, Vector};
 use crate::picture::Color;
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
@@ -48,6 +48,30 @@ pub struct Appearance {
     pub is_wall: bool,
 }
 
+impl Appearance {
+    /// The appearance of a body with these parameters.
+    pub fn new(id: BodyId, spawn: &Spawn, color: Option<&str>, gravity: Option<Vector>) -> Appearance {
+        let is_wall = spawn.mass == f64::INFINITY && spawn.name.starts_with("wall-");
+        Appearance {
+            id,
+            name: spawn.name.clone(),
+            material: spawn.material.clone(),
+            color: color.and_then(Color::parse),
+            mass: spawn.mass,
+            force: force(spawn, gravity),
+            is_wall,
+        }
+    }
+}
+
+/// The sum of weight and constant force, N; zero for an infinite mass.
+pub fn force(spawn: &Spawn, gravity: Option<Vector>) -> Vector {
+    if spawn.mass == f64::INFINITY {
+        return Vector::ZERO;
+    }
+    gravity.map_or(Vector::ZERO, |gravity| gravity.mult(spawn.mass)).add(spawn.force)
+}
+
 /// The recent positions of bodies, from which frames take their trails.
 ///
 /// Positions older than the trail length are dropped. Memory therefore does not grow with the run, and a frame does not
@@ -62,6 +86,16 @@ impl Trails {
     /// Creates trails that cover the last `steps` steps.
     pub fn new(steps: u64) -> Trails {
         Trails { steps, positions: BTreeMap::new() }
+    }
+
+    /// Creates trails that cover the steps of one second, at `rate` Hz.
+    pub fn of_one_second(rate: f64) -> Trails {
+        Trails::new(rate.ceil() as u64)
+    }
+
+    /// The number of steps that a trail covers.
+    pub fn steps(&self) -> u64 {
+        self.steps
     }
 
     /// Adds the positions of `sprites` at `step` and sets the trail of each sprite.

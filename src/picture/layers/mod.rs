@@ -10,8 +10,10 @@ pub mod grid;
 pub(crate) mod labels;
 
 pub use arrows::Arrow;
+pub(super) use frame::force;
 pub use frame::{Appearance, Frame, Sprite, Trails};
 
+use crate::physics::Rect;
 use crate::picture::Overlay;
 use crate::picture::{Camera, DisplayList, DrawingMetrics, Shape, View};
 use arrows::LabeledArrow;
@@ -74,5 +76,11 @@ impl LayoutContext<'_> {
     /// Creates a context with the metrics of the view's theme and size.
     pub fn new(view: &View, camera: Camera) -> LayoutContext<'_> {
         LayoutContext { view, camera, metrics: DrawingMetrics::new(view.style.look.theme, view.camera.size) }
+    }
+
+    /// The page rectangle of a body, px, if it intersects the viewport.
+    pub fn visible_rect(&self, sprite: &Sprite) -> Option<Rect> {
+        let rect = self.camera.rect(&sprite.rect);
+        rect.intersection(&self.camera.viewport).map(|_| rect)
     }
 }
