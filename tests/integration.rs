@@ -8,6 +8,8 @@ mod bundled;
 mod check;
 #[path = "integration/clicks.rs"]
 mod clicks;
+#[path = "integration/coincident_events.rs"]
+mod coincident_events;
 #[path = "integration/command_line.rs"]
 mod command_line;
 #[path = "integration/command_line_errors.rs"]

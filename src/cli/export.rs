@@ -103,13 +103,12 @@ fn collisions(
     options: &ExportOptions,
     rows: &mut Rows,
 ) -> Result<(Health, ReadExtent), CommandError> {
-    let rate = recording.header.config.rate;
     // A collision happens between two states: the last step needs the state after it.
     let last = steps.end().saturating_add(1).min(recording.header.steps);
     let bar = output::progress_bar("replaying", last);
     let replayed = *steps.start()..=last;
     let mut replayer = Replayer::new(recording, replayed).map_err(CommandError::in_recording(path))?;
-    let mut table = CollisionTable { steps, rate, names: BTreeMap::new(), rows, known: (0, 0), failure: None };
+    let mut table = CollisionTable { steps, names: BTreeMap::new(), rows, known: (0, 0), failure: None };
     while let Some(step) = replayer.next_state(&mut table).map_err(CommandError::in_recording(path))? {
         bar.set_position(step);
         if let Some(engine) = replayer.engine() {
@@ -136,8 +135,6 @@ fn collisions(
 /// Writes the collisions of a replay while it runs.
 struct CollisionTable<'a, 'b> {
     steps: RangeInclusive<u64>,
-    /// Hz.
-    rate: f64,
     names: BTreeMap<BodyId, String>,
     rows: &'a mut Rows<'b>,
     /// The next id and the number of bodies when the names were last updated.
@@ -148,8 +145,7 @@ struct CollisionTable<'a, 'b> {
 impl Observer for CollisionTable<'_, '_> {
     fn collision(&mut self, collision: &Collision) {
         if self.failure.is_none() && collision.impulse != 0.0 && self.steps.contains(&collision.step) {
-            let time = collision.step as f64 / self.rate + collision.time;
-            self.failure = self.rows.collision(time, collision, &self.names).err();
+            self.failure = self.rows.collision(collision, &self.names).err();
         }
     }
 }
@@ -328,20 +324,19 @@ impl Rows<'_> {
     }
 
     /// Writes a collision with its bodies in creation order and the normal from the second to the first.
-    fn collision(&mut self, time: f64, collision: &Collision, names: &BTreeMap<BodyId, String>) -> io::Result<()> {
+    fn collision(&mut self, collision: &Collision, names: &BTreeMap<BodyId, String>) -> io::Result<()> {
         let [c, b] = collision.bodies;
         let normal = if c < b { collision.normal } else { collision.normal.mult(-1.0) };
-        let [before, after] = [collision.before, collision.after].map(|[c, b]| c.sub(b).dot(collision.normal));
         let [a, b] = [c.min(b), c.max(b)].map(|id| Cell::Text(names.get(&id).map_or("", String::as_str)));
-        let axis = if normal.x != 0.0 { Axis::X } else { Axis::Y };
-        let axis = Cell::Text(match axis {
+        let axis = Cell::Text(match collision.axis {
             Axis::X => "x",
             Axis::Y => "y",
         });
         // Adding 0 turns −0 into 0.
         let [nx, ny] = [normal.x + 0.0, normal.y + 0.0].map(Cell::Number);
-        let [e, before, after, impulse] = [-after / before, before, after, collision.impulse].map(Cell::Number);
-        self.row([Cell::Number(time), Cell::Integer(collision.step), a, b, axis, nx, ny, e, before, after, impulse])
+        let Collision { instant, restitution, normal_velocity: [before, after], impulse, .. } = *collision;
+        let [time, e, before, after, impulse] = [instant, restitution, before, after, impulse].map(Cell::Number);
+        self.row([time, Cell::Integer(collision.step), a, b, axis, nx, ny, e, before, after, impulse])
     }
 
     fn body(&mut self, Lifetime { info, spawned, deleted }: &Lifetime, default_restitution: f64) -> io::Result<()> {

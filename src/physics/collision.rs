@@ -1,4 +1,4 @@
-use super::{BodyId, Rect, Vector};
+use super::{Axis, BodyId, Rect, Vector};
 
 /// A resolved collision, as an [`Observer`] receives it and figures draw it.
 #[doc(alias("impact", "contact"))]
@@ -8,7 +8,11 @@ pub struct Collision {
     pub step: u64,
     /// The time since the start of that step, s; 0 with the handout solver, which detects collisions once per step.
     pub time: f64,
-    /// The two bodies: c and b in the handout.
+    /// The seconds since step 0, independent of the rate; that of the step with the handout solver.
+    pub instant: f64,
+    /// The axis of the normal.
+    pub axis: Axis,
+    /// The two bodies, in creation order with the event-driven solver: c and b in the handout.
     pub bodies: [BodyId; 2],
     /// Their rectangles before they were displaced, m.
     pub rects: [Rect; 2],
@@ -20,6 +24,11 @@ pub struct Collision {
     pub shares: [f64; 2],
     /// The impulse j on c along the normal (and −j on b), N·s; 0 if the two were already separating.
     pub impulse: f64,
+    /// The coefficient of restitution e.
+    pub restitution: f64,
+    /// The normal component of the velocity of the first relative to the second before and after the impulse,
+    /// m/s; negative if they approach.
+    pub normal_velocity: [f64; 2],
     /// The velocities before the impulse, m/s.
     pub before: [Vector; 2],
     /// The velocities after the impulse, m/s.

@@ -79,7 +79,7 @@ pub const DEFAULT_EVENTS_PER_STEP: u64 = 1_000_000;
 ///
 /// The engine is deterministic: the same configuration and events give the same states bit for bit on
 /// every machine. It reads no clock and no file. Only [`Engine::step`], [`Engine::world_after`] and
-/// [`Engine::restore`] can fail; an error of a step ends the run.
+/// [`Engine::restore`] can fail; an error of a step ends the run: all further steps return it again.
 #[doc(alias("simulation", "event-driven molecular dynamics", "cell list", "isotonic regression"))]
 #[derive(Clone, Debug)]
 pub struct Engine {
@@ -88,6 +88,8 @@ pub struct Engine {
     next_id: BodyId,
     rate: f64,
     solver: Solver,
+    /// The error that ended the run.
+    failure: Option<StepError>,
 }
 
 #[derive(Clone, Debug)]
@@ -104,7 +106,7 @@ impl Engine {
             SolverKind::EventDriven => Solver::EventDriven(Box::new(EventDriven::new(&config))),
         };
         let world = World { bodies: Vec::new(), gravity: config.gravity, restitution: config.restitution };
-        Engine { world, step: 0, next_id: 0, rate: config.rate, solver }
+        Engine { world, step: 0, next_id: 0, rate: config.rate, solver, failure: None }
     }
 
     /// The world as sampled at the current step.
@@ -148,7 +150,12 @@ impl Engine {
         self.world.bodies.push(body);
         match &mut self.solver {
             Solver::Handout => {}
-            Solver::EventDriven(solver) => solver.add_spawned(&self.world, self.step),
+            Solver::EventDriven(solver) => {
+                if self.failure.is_none() && !spawn.rect.is_resolved() {
+                    self.failure = Some(StepError::TooThin { step: self.step, body: spawn.name.clone() });
+                }
+                solver.add_spawned(&self.world, self.step);
+            }
         }
     }
 
@@ -164,14 +171,20 @@ impl Engine {
     /// Advances the world by one step of 1/rate seconds. The observer receives the collisions.
     ///
     /// # Errors
-    /// Returns an error if the step cannot be completed. The engine must not be stepped again afterwards.
+    /// Returns an error if the step cannot be completed. From then on every step returns the same error.
     pub fn step<O: Observer>(&mut self, observer: &mut O) -> Result<(), StepError> {
-        match &mut self.solver {
-            Solver::Handout => handout::step(&mut self.world, self.step, 1.0 / self.rate, observer)?,
-            Solver::EventDriven(solver) => solver.step(&mut self.world, self.step, observer)?,
+        if let Some(failure) = &self.failure {
+            return Err(failure.clone());
         }
-        self.step += 1;
-        Ok(())
+        let result = match &mut self.solver {
+            Solver::Handout => handout::step(&mut self.world, self.step, 1.0 / self.rate, observer),
+            Solver::EventDriven(solver) => solver.step(&mut self.world, self.step, observer),
+        };
+        match &result {
+            Ok(()) => self.step += 1,
+            Err(error) => self.failure = Some(error.clone()),
+        }
+        result
     }
 
     /// Returns the world `offset` seconds (0 to 1/rate) after the current step, without advancing the
@@ -182,6 +195,9 @@ impl Engine {
     /// # Errors
     /// Returns the errors of [`Engine::step`].
     pub fn world_after<O: Observer>(&self, offset: f64, observer: &mut O) -> Result<World, StepError> {
+        if let Some(failure) = &self.failure {
+            return Err(failure.clone());
+        }
         match &self.solver {
             Solver::EventDriven(solver) if offset > 0.0 => solver.world_after(&self.world, self.step, offset, observer),
             Solver::EventDriven(_) | Solver::Handout => Ok(self.world.clone()),
@@ -249,12 +265,16 @@ pub struct SnapshotError {
 }
 
 /// The reason why a step could not be completed. The states before it remain valid.
+///
+/// Recordings store variant and fields under the names used here.
 #[non_exhaustive]
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error, serde::Serialize, serde::Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum StepError {
     /// A number overflowed, as in scenes with extreme values.
-    #[error("step {step}: body {body:?} left the finite numbers; start it smaller or slower")]
+    #[error(
+        "step {step}: the position or velocity of body {body:?} exceeds the range of numbers; start it smaller, slower or nearer to the origin"
+    )]
     NotFinite {
         /// The step that failed: from state `step` to state `step + 1`.
         step: u64,
@@ -270,6 +290,24 @@ pub enum StepError {
         body: String,
         /// Names of the two infinite masses.
         between: [String; 2],
+    },
+    /// A spawned body is thinner than a few units in the last place of its position, so its faces coincide.
+    #[error(
+        "step {step}: body {body:?} is too thin for the precision of its position; place it nearer to the origin or enlarge it"
+    )]
+    TooThin {
+        /// The step in which it was spawned.
+        step: u64,
+        /// Name of the body.
+        body: String,
+    },
+    /// Impacts at one instant repeat without loss and without end: a body at e = 1 has no room to move.
+    #[error("step {step}: bodies {:?} and {:?} collide endlessly at one instant: their restitution is 1, and there is no gap between them and their neighbours; leave a gap or choose a restitution below 1", bodies[0], bodies[1])]
+    Endless {
+        /// The step that failed.
+        step: u64,
+        /// Names of the two bodies.
+        bodies: [String; 2],
     },
     /// A step had more events than [`EngineConfig::events_per_step`] allows.
     #[error("step {step}: more than {limit} events, the last between {}", bodies.iter().map(|name| format!("{name:?}")).collect::<Vec<_>>().join(" and "))]

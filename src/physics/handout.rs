@@ -12,7 +12,7 @@
 //! - **R3** Two infinite masses never collide, at rest or not.
 //! - **R4** An infinite mass is never displaced.
 
-use super::{Body, Collision, Observer, Rect, StepError, Vector, World};
+use super::{Axis, Body, Collision, Observer, Rect, StepError, Vector, World};
 
 /// Advances the world by `dt` seconds from state `step` to the next.
 ///
@@ -23,7 +23,7 @@ pub fn step<O: Observer>(world: &mut World, step: u64, dt: f64, observer: &mut O
     for c in 0..world.bodies.len() {
         for b in 0..world.bodies.len() {
             if b != c {
-                collide(world, step, [c, b], observer);
+                collide(world, step, dt, [c, b], observer);
             }
         }
         let body = &mut world.bodies[c];
@@ -59,7 +59,7 @@ fn integrate(body: &mut Body, dt: f64) {
 }
 
 /// Resolves the collision of bodies c and b, if there is one.
-fn collide<O: Observer>(world: &mut World, step: u64, [c, b]: [usize; 2], observer: &mut O) {
+fn collide<O: Observer>(world: &mut World, step: u64, dt: f64, [c, b]: [usize; 2], observer: &mut O) {
     let Ok([c, b]) = world.bodies.get_disjoint_mut([c, b]) else { return };
     if c.is_infinite() && b.is_infinite() {
         return; // R3
@@ -77,23 +77,29 @@ fn collide<O: Observer>(world: &mut World, step: u64, [c, b]: [usize; 2], observ
     let before = [c.velocity, b.velocity];
     let approach = before[0].sub(before[1]).dot(normal);
     let mut impulse = 0.0;
+    let e = world.restitution.between(c.material, b.material);
     if approach < 0.0 {
-        let e = world.restitution.between(c.material, b.material);
         impulse = -(1.0 + e) * approach / (c.inverse_mass + b.inverse_mass);
         c.velocity = c.velocity.add(normal.mult(impulse * c.inverse_mass));
         b.velocity = b.velocity.sub(normal.mult(impulse * b.inverse_mass));
     } // else R2
     let after = [c.velocity, b.velocity];
     let bodies = [c.id, b.id];
+    let axis = if normal.x != 0.0 { Axis::X } else { Axis::Y };
+    let normal_velocity = [approach, after[0].sub(after[1]).dot(normal)];
     observer.collision(&Collision {
         step,
         time: 0.0,
+        instant: step as f64 * dt,
+        axis,
         bodies,
         rects,
         normal,
         penetration,
         shares,
         impulse,
+        restitution: e,
+        normal_velocity,
         before,
         after,
     });

@@ -27,7 +27,7 @@ fn world(bodies: Vec<Body>) -> World {
 /// Resolves c = body 0 against b = body 1 once and returns the observed collision, if any.
 fn collide_once(world: &mut World) -> Option<Collision> {
     let mut collisions: Vec<Collision> = Vec::new();
-    collide(world, 0, [0, 1], &mut collisions);
+    collide(world, 0, 1.0, [0, 1], &mut collisions);
     collisions.pop()
 }
 

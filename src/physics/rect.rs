@@ -36,6 +36,12 @@ impl Rect {
         Vector::new(self.origin.x + self.width / 2.0, self.origin.y + self.height / 2.0)
     }
 
+    /// True if both extents are more than a few units in the last place of the coordinates.
+    pub const fn is_resolved(&self) -> bool {
+        let far = self.far_corner();
+        self.width > extent_resolution(self.origin.x, far.x) && self.height > extent_resolution(self.origin.y, far.y)
+    }
+
     /// Moves the origin by `v` (the handout's `move`).
     pub const fn move_by(&mut self, v: Vector) {
         self.origin = self.origin.add(v);
@@ -105,6 +111,12 @@ impl Rect {
         let far = self.far_corner();
         self.origin.x <= p.x && p.x <= far.x && self.origin.y <= p.y && p.y <= far.y
     }
+}
+
+/// The least extent that coordinates resolve: more than what makes faces coincide, three units in the last place.
+const fn extent_resolution(near: f64, far: f64) -> f64 {
+    let (near, far) = (near.abs(), far.abs());
+    larger(near, far) * (3.0 * f64::EPSILON)
 }
 
 #[cfg(test)]

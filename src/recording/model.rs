@@ -18,7 +18,7 @@ pub const FORMAT_VERSION: u32 = 3;
 
 /// The version of the engine semantics. It is incremented whenever the same events may give different
 /// states, even by one bit.
-pub const SEMANTICS_VERSION: u32 = 1;
+pub const SEMANTICS_VERSION: u32 = 2;
 
 /// The header of a recording: settings and versions.
 #[derive(Clone, Debug, PartialEq)]
@@ -137,7 +137,7 @@ impl Display for RecordedError {
 pub fn error_text(error: &StepError) -> String {
     match error {
         StepError::TooManyEvents { .. } => format!("{error}; raise run.events_per_step if this is meant"),
-        StepError::NotFinite { .. } | StepError::Crushed { .. } => error.to_string(),
+        _ => error.to_string(),
     }
 }
 

@@ -52,7 +52,7 @@ impl Run {
             inputs.extend(self.scheduled.pop_front());
         }
         inputs.extend(live);
-        inputs.sort_by_key(|input| phase(&input.action));
+        inputs.sort_by_key(|input| input.action.phase());
         let mut events = Vec::new();
         for Input { action, location, .. } in inputs {
             match self.resolve(action) {
@@ -161,15 +161,6 @@ pub fn engine_config(scene: &Scene) -> EngineConfig {
         gravity: scene.gravity,
         restitution: scene.restitution.clone(),
         events_per_step: scene.run.events_per_step,
-    }
-}
-
-/// The order of the inputs of one step: deletes first, so that their names are free for spawns; clicks last.
-fn phase(action: &Action) -> u8 {
-    match action {
-        Action::Delete { .. } => 0,
-        Action::Wall(_) | Action::Spawn(_) => 1,
-        Action::Click { .. } => 2,
     }
 }
 

@@ -124,8 +124,18 @@ fn a_recorded_error_is_reproduced() {
     let change = Change::Spawn { id: 7, spawn, color: None };
     run.events.push(RecordedEvent { step: 30, change });
     let found = verdict(&record(&run));
-    let error = "step 31: body \"fast\" left the finite numbers; start it smaller or slower";
+    let error = "step 31: the position or velocity of body \"fast\" exceeds the range of numbers; start it smaller, slower or nearer to the origin";
     assert_eq!(found, format!("same: 31 steps, then the recorded error: {error}"));
+}
+
+#[test]
+fn a_wall_can_be_deleted_and_its_name_taken_at_step_0() {
+    let body = "name = \"wall-top\"\nat = [1.0, 2.0]\nsize = [1.0, 1.0]\nmass = 2.0";
+    let text = format!("[world]\nwalls = true\n[run]\nsteps = 10\n[[spawn]]\n{body}\n[[delete]]\nname = \"wall-top\"");
+    let mut run = Run::new(&crate::scene::parse("test.toml", &text).unwrap());
+    run.apply_inputs(Vec::new(), |error| Err(error.into())).unwrap();
+    let names: Vec<&str> = run.engine().world().bodies.iter().map(|body| body.name.as_str()).collect();
+    assert_eq!(names, ["wall-bottom", "wall-left", "wall-right", "wall-top"]);
 }
 
 #[test]

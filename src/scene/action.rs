@@ -28,6 +28,32 @@ pub enum Action {
     },
 }
 
+impl Action {
+    /// The phase of its step in which it is applied.
+    pub const fn phase(&self) -> Phase {
+        match self {
+            Action::Wall(_) => Phase::Walls,
+            Action::Delete { .. } => Phase::Deletes,
+            Action::Spawn(_) => Phase::Spawns,
+            Action::Click { .. } => Phase::Clicks,
+        }
+    }
+}
+
+/// The phases in which the inputs of a step are applied, in this order: walls exist before all other inputs, and
+/// deletes come before spawns, so that their names are free.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Phase {
+    /// The walls appear.
+    Walls,
+    /// Bodies are deleted.
+    Deletes,
+    /// Bodies are spawned.
+    Spawns,
+    /// Clicks are resolved.
+    Clicks,
+}
+
 /// A body to spawn. The run names it `#K` if it has no name.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpawnRequest {

@@ -229,33 +229,13 @@ impl Reader<'_> {
 
     fn finish(mut self) -> Result<Vec<Input>, ErrorReported> {
         // The sorts are stable: within a step and a kind, events keep the order of the file.
-        self.entries.sort_by_key(|entry| (entry.step, effect_rank(&entry.effect)));
+        self.entries.sort_by_key(|entry| (entry.step, entry.effect.phase()));
         lifetimes::check(&self.entries, self.reporter)?;
-        self.inputs.sort_by_key(|input| (input.step, rank(&input.action)));
+        self.inputs.sort_by_key(|input| (input.step, input.action.phase()));
         match self.refused {
             Some(reported) => Err(reported),
             None => Ok(self.inputs),
         }
-    }
-}
-
-/// The order of the inputs of one step.
-const fn rank(action: &Action) -> u8 {
-    match action {
-        Action::Wall(_) => 0,
-        Action::Delete { .. } => 1,
-        Action::Spawn(_) => 2,
-        Action::Click { .. } => 3,
-    }
-}
-
-/// The [`rank`] of the action of an event.
-const fn effect_rank(effect: &Effect) -> u8 {
-    match effect {
-        Effect::Wall { .. } => 0,
-        Effect::Delete { .. } => 1,
-        Effect::Spawn { .. } | Effect::Scatter { .. } => 2,
-        Effect::Click | Effect::SpawningClick { .. } => 3,
     }
 }
 

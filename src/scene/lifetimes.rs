@@ -1,7 +1,7 @@
 //! Checks that a spawned body's name is not in use, and that a deleted body is alive.
 
 use super::{
-    Diagnostic, DiagnosticKind,
+    Diagnostic, DiagnosticKind, Phase,
     diagnostics::{ErrorReported, Reporter},
 };
 use std::{
@@ -44,6 +44,18 @@ pub enum Effect {
     SpawningClick {
         name: NameField,
     },
+}
+
+impl Effect {
+    /// The phase of the action of the event.
+    pub const fn phase(&self) -> Phase {
+        match self {
+            Effect::Wall { .. } => Phase::Walls,
+            Effect::Delete { .. } => Phase::Deletes,
+            Effect::Spawn { .. } | Effect::Scatter { .. } => Phase::Spawns,
+            Effect::Click | Effect::SpawningClick { .. } => Phase::Clicks,
+        }
+    }
 }
 
 /// The name of a body to spawn.

@@ -25,7 +25,7 @@ use crate::recording::limits;
 use std::{fs::File, io::Read, path::Path};
 
 pub use crate::picture_options::{ColorBy, Overlay, Overlays, PictureOptions, Theme, Window};
-pub use action::{Action, Blueprint, SpawnRequest};
+pub use action::{Action, Blueprint, Phase, SpawnRequest};
 pub use diagnostic::{Diagnostic, DiagnosticKind};
 pub use diagnostics::{Diagnostics, Excerpt, SceneError};
 pub use inputs::{Input, InputLocation};

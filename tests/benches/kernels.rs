@@ -6,7 +6,9 @@
 #![allow(dead_code, unused_imports)]
 
 use divan::{Bencher, black_box, counter::ItemsCount};
-use physics::{CollisionCount, Engine, EngineConfig, Event, Rect, Restitution, SolverKind, Spawn, Vector, handout};
+use physics::{
+    CollisionCount, Engine, EngineConfig, Event, Rect, Restitution, Side, SolverKind, Spawn, Vector, handout,
+};
 use rebond::internals::picture::{self, Appearance, Frame, Metadata, Painter, Picture, Sprite, Style, View, png};
 use rebond::internals::recording::{Header, SceneText, Versions, Writer};
 use std::{io, sync::Arc};
@@ -25,7 +27,7 @@ mod event_driven {
     pub mod double_double;
     pub mod event_queue;
     pub mod instant;
-    pub mod isotonic;
+    pub mod least_change;
     pub mod pair_event;
     pub mod trajectory;
 }
@@ -36,9 +38,9 @@ mod lzw;
 use event_driven::axis_trajectory::AxisTrajectory;
 use event_driven::body_state::BodyState;
 use event_driven::crossing_wheel::CrossingWheel;
-use event_driven::event_queue::{EventQueue, ScheduledEvent};
+use event_driven::event_queue::{EventQueue, Precision, ScheduledEvent};
 use event_driven::instant::{Clock, Instant};
-use event_driven::isotonic::{self, ContactGroup};
+use event_driven::least_change::ContactGroup;
 use event_driven::pair_event::{Sample, predict_pair_event};
 use event_driven::trajectory::Trajectory;
 
@@ -81,7 +83,7 @@ fn handout_pair(bencher: Bencher, distance: f64) {
 }
 
 fn body(x: f64, y: f64, velocity: [f64; 2], acceleration: f64) -> BodyState {
-    let since = Instant::start_of(0);
+    let since = Instant::START;
     let along =
         |position: f64, velocity: f64, acceleration: f64| AxisTrajectory { position, velocity, acceleration, since };
     BodyState {
@@ -92,23 +94,23 @@ fn body(x: f64, y: f64, velocity: [f64; 2], acceleration: f64) -> BodyState {
         world_index: 0,
         infinite: false,
         supported: [[false; 2]; 2],
-        collapse_count: [0; 2],
+        forced: [false; 2],
     }
 }
 
 /// Predicts the event of two boxes: none, in uniform motion, in accelerated motion.
 #[divan::bench(args = ["separated", "uniform", "falling"])]
 fn pair_event(bencher: Bencher, motion: &str) {
-    let clock = Clock::new(60.0);
     let first = body(0.0, 0.0, [0.0; 2], 0.0);
     let second = match motion {
         "separated" => body(5.0, 0.3, [1.0, 0.5], 0.0),
         "uniform" => body(5.0, 0.3, [-3.0, 0.1], 0.0),
         _ => body(0.2, -5.0, [0.1, 0.0], 9.81),
     };
-    let sample = Sample::new(&clock, &first, Instant::start_of(0));
-    bencher
-        .bench_local(|| predict_pair_event(black_box(&clock), black_box(&sample), black_box(&second), f64::INFINITY));
+    let sample = Sample::new(&first, Instant::START);
+    bencher.bench_local(|| {
+        predict_pair_event(black_box(&sample), black_box(&second), Side::Low, f64::INFINITY, Instant::START)
+    });
 }
 
 /// Inserts and removes one event per body.
@@ -121,11 +123,17 @@ fn event_queue(bencher: Bencher, bodies: u32) {
         .bench_local_refs(|queue| {
             for slot in 0..bodies {
                 let offset = f64::from(slot * 7919 % bodies) / f64::from(bodies) / 60.0;
-                let at = Instant { step: 0.0, offset };
-                queue.set(slot, Some(ScheduledEvent { at, pair: [slot; 2], pair_event: None, partner_generation: 0 }));
+                let event = ScheduledEvent {
+                    at: Instant::START.after(offset),
+                    pair: [slot; 2],
+                    pair_event: None,
+                    partner_generation: 0,
+                    precision: Precision::Exact,
+                };
+                queue.set(slot, Some(event));
             }
             queue.begin_step(0);
-            while let Some(event) = queue.pop(0) {
+            while let Some(event) = queue.pop(Instant::START.after(1.0 / 60.0)) {
                 black_box(event);
             }
         });
@@ -146,13 +154,15 @@ fn crossing_wheel(bencher: Bencher, bodies: u32) {
 
 /// Solves the accelerations of a stack of boxes whose lowest has just lost its support.
 #[divan::bench(args = [2, 10, 100])]
-fn isotonic_accelerations(bencher: Bencher, bodies: usize) {
+fn least_change_accelerations(bencher: Bencher, bodies: usize) {
     let mut group = ContactGroup::default();
     for body in 0..bodies {
-        group.add(9.81 + (body % 3) as f64, 1.0, [false; 2]);
-        group.contacts.extend((body > 0).then(|| [body - 1, body]));
+        group.add((9.81 + (body % 3) as f64).into(), 1.0);
+        if body > 0 {
+            group.connect([body - 1, body]);
+        }
     }
-    bencher.counter(ItemsCount::new(bodies)).bench(|| isotonic::solve(black_box(&group)));
+    bencher.counter(ItemsCount::new(bodies)).bench(|| black_box(&group).solve());
 }
 
 /// Records one state; another thread compresses it.

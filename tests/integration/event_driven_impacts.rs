@@ -247,7 +247,8 @@ fn a_body_with_e_1_is_crushed_too() {
 
 #[test]
 fn a_collision_at_the_instant_of_a_sample_precedes_the_sample() {
-    for (speed, gap, rate) in [(5.0, 1.5, 60.0), (1.0, 0.1, 10.0), (3.0, 0.9, 10.0), (0.7, 2.1, 60.0), (1.1, 3.3, 60.0)]
+    for (speed, gap, rate) in
+        [(5.0, 1.5, 60.0), (3.0, 0.5, 60.0), (0.75, 2.25, 10.0), (7.0, 1.75, 100.0), (5.0, 0.5, 10.0)]
     {
         let bodies = [
             spec([16.0, 0.0], [1.0, 1.0], INFINITE),
@@ -264,10 +265,32 @@ fn an_error_of_too_many_events_names_the_bodies() {
     let bodies = [
         spec([0.0, 0.0], [1.0, 1.0], INFINITE),
         spec([1.0, 0.0], [1.0, 1.0], 1.0).with_velocity(1.0, 0.0),
-        spec([2.0, 0.0], [1.0, 1.0], INFINITE),
+        spec([2.000001, 0.0], [1.0, 1.0], INFINITE),
     ];
     let mut engine = world(Conditions { events_per_step: 1000, ..Conditions::default() }, &bodies);
-    let error = engine.step(&mut Vec::new()).expect_err("a step with infinitely many events");
+    let error = engine.step(&mut Vec::new()).expect_err("a step with 16,667 collisions");
     assert!(matches!(&error, StepError::TooManyEvents { limit: 1000, .. }), "{error}");
     assert!(error.to_string().contains("\"1\""));
+}
+
+#[test]
+fn a_body_at_e_1_without_room_has_endless_impacts() {
+    let bodies = [
+        spec([0.0, 0.0], [1.0, 1.0], INFINITE),
+        spec([1.0, 0.0], [1.0, 1.0], 1.0).with_velocity(1.0, 0.0),
+        spec([2.0, 0.0], [1.0, 1.0], INFINITE),
+    ];
+    let mut engine = world(Conditions::default(), &bodies);
+    let error = engine.step(&mut Vec::new()).expect_err("impacts without end");
+    assert!(matches!(&error, StepError::Endless { step: 0, .. }), "{error}");
+    assert_eq!(engine.step(&mut Vec::new()), Err(error), "a failed engine returns its error again");
+}
+
+#[test]
+fn a_body_thinner_than_the_precision_of_its_position_is_refused() {
+    let mut engine = world(Conditions::default(), &[spec([1e12, 0.0], [0.0002, 1.0], 1.0)]);
+    let error = engine.step(&mut Vec::new()).expect_err("a body of one or two ulps");
+    assert_eq!(error, StepError::TooThin { step: 0, body: "0".to_owned() });
+    let mut engine = world(Conditions::default(), &[spec([1e12, 0.0], [0.001, 1.0], 1.0)]);
+    assert_eq!(engine.step(&mut Vec::new()), Ok(()));
 }

@@ -1,6 +1,6 @@
 //! Hand-made frames, for pictures that do not depend on a solver.
 
-use rebond::internals::physics::{Collision, Rect, Vector};
+use rebond::internals::physics::{Axis, Collision, Rect, Vector};
 use rebond::internals::picture::{Appearance, ColorBy, Frame, Look, Overlay, Overlays, Sprite, Style, Theme, View};
 use std::sync::Arc;
 
@@ -113,12 +113,16 @@ fn collision_between([c, b]: [&Sprite; 2]) -> Collision {
     Collision {
         step: 74,
         time: 0.0,
+        instant: 74.0 / 60.0,
+        axis: Axis::X,
         bodies: [c.appearance.id, b.appearance.id],
         rects: [c.rect, b.rect],
         normal: Vector::new(-1.0, 0.0),
         penetration: Vector::new(c.rect.origin.x - b.rect.origin.x + c.rect.width(), 0.0).mult(-1.0),
         shares: [0.6, 0.4],
         impulse: 5.0,
+        restitution: 1.0,
+        normal_velocity: [b.velocity.x - c.velocity.x, c.velocity.x - b.velocity.x],
         before: [c.velocity, b.velocity],
         after: [b.velocity, c.velocity],
     }

@@ -15,24 +15,32 @@ pub struct AxisTrajectory {
     pub since: Instant,
 }
 
-/// The time until a gap closes, s. The gap (m) shrinks at `speed` (m/s), which increases by `acceleration` (m/s²).
+/// The time until a gap (m) closes that shrinks at `speed` (m/s), which grows by `acceleration` (m/s²); in s.
 ///
-/// For the gap g, speed c and acceleration b this is the root of g − c·t − ½·b·t² = 0 at which the gap
-/// is shrinking, or infinity if there is none. There the closing speed is s = √(c² + 2·b·g), so
-/// t = (s − c)/b. For c > 0, t is computed as 2·g/(c + s), which avoids cancellation (the stable form of
-/// the quadratic formula; Kahan, "On the cost of floating-point computation without extra-precise
-/// arithmetic", 2004). A gap of exactly 0 that shrinks or starts to shrink closes at once; a negative gap
-/// must open first.
+/// This is the root of g − c·t − ½·b·t² = 0 at which the gap is shrinking, or infinity if there is
+/// none. There the closing speed is s = √(c² + 2·b·g), so t = (s − c)/b. For c > 0 it is computed
+/// as 2·g/(c + s), which avoids cancellation (the stable form of the quadratic formula;
+/// Kahan, "On the cost of floating-point computation without extra-precise arithmetic",
+/// 2004). A gap of exactly 0 that shrinks or starts to shrink closes at once; a negative gap has
+/// to open first.
 #[inline]
 pub fn closing_time(gap: f64, speed: f64, acceleration: f64) -> f64 {
     if acceleration == 0.0 {
         return if speed > 0.0 && gap >= 0.0 { gap / speed } else { f64::INFINITY };
     }
     let square = speed * speed + 2.0 * acceleration * gap;
+    if square.abs() < SMALLEST_SQUARE || square.abs() > LARGEST_SQUARE {
+        return closing_time_scaled(gap, speed, acceleration);
+    }
     if square < 0.0 {
         return f64::INFINITY;
     }
-    let final_speed = square.sqrt();
+    closing_root(gap, speed, acceleration, square.sqrt())
+}
+
+/// The root, given the closing speed at it.
+#[inline]
+fn closing_root(gap: f64, speed: f64, acceleration: f64, final_speed: f64) -> f64 {
     if speed > 0.0 {
         if gap >= 0.0 { 2.0 * gap / (speed + final_speed) } else { f64::INFINITY }
     } else if acceleration > 0.0 {
@@ -40,6 +48,32 @@ pub fn closing_time(gap: f64, speed: f64, acceleration: f64) -> f64 {
     } else {
         f64::INFINITY
     }
+}
+
+/// Squares of speeds (m²/s²) below and above which partial results may underflow or overflow.
+const SMALLEST_SQUARE: f64 = 1e-250;
+const LARGEST_SQUARE: f64 = 1e250;
+
+/// Like [`closing_time`] where squares underflow or overflow: computed in other units of length.
+#[cold]
+fn closing_time_scaled(gap: f64, speed: f64, acceleration: f64) -> f64 {
+    let mut greatest = 0.0;
+    for number in [gap.abs(), speed.abs(), acceleration.abs()] {
+        greatest = if number > greatest { number } else { greatest };
+    }
+    if greatest == 0.0 || !greatest.is_finite() {
+        return f64::INFINITY;
+    }
+    let (mut scale, mut number) = (1.0, greatest);
+    while number < 1.0 && scale < 1e300 {
+        (scale, number) = (scale * 2.0, number * 2.0);
+    }
+    while number > 2.0 {
+        (scale, number) = (scale * 0.5, number * 0.5);
+    }
+    let [gap, speed, acceleration] = [gap, speed, acceleration].map(|number| number * scale);
+    let square = speed * speed + 2.0 * acceleration * gap;
+    if square < 0.0 { f64::INFINITY } else { closing_root(gap, speed, acceleration, square.sqrt()) }
 }
 
 #[cfg(test)]
@@ -57,6 +91,7 @@ mod tests {
         assert_eq!(closing_time(-4.0, -5.0, 2.0), 4.0, "opens at 1, closes at 4");
         assert_eq!(closing_time(-4.0, 1.0, 2.0), f64::INFINITY, "inside and going deeper");
         assert_eq!(closing_time(0.0, 0.0, 1.0), 0.0);
+        assert_eq!(closing_time(4e-200, 0.0, 2e-200), 2.0, "the squares underflow");
     }
 
     #[test]

@@ -16,7 +16,7 @@ pub struct BodyState {
     pub size: [f64; 2],
     /// The later of the two reference instants of the trajectory, from which on both axes are valid.
     pub since: Instant,
-    /// The number of changes of its trajectory and contacts, by which invalidated predictions are detected.
+    /// The number of changes of its trajectory and contacts, by which void predictions are detected.
     pub generation: u32,
     /// Its index in [`World::bodies`](crate::physics::World::bodies).
     pub world_index: u32,
@@ -24,8 +24,8 @@ pub struct BodyState {
     pub infinite: bool,
     /// For each axis and side, true if contacts on that side lead to an infinite mass.
     pub supported: [[bool; 2]; 2],
-    /// For each axis, the number of consecutive impacts without displacement between them.
-    pub collapse_count: [u8; 2],
+    /// For each axis, true if a body of its component carries a force of its own along it.
+    pub forced: [bool; 2],
 }
 
 impl BodyState {

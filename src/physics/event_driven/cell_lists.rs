@@ -1,7 +1,7 @@
 //! The broad phase: hierarchical cell lists, one grid of square cells per size class.
 //!
-//! The cell lists only select candidates for predictions. The grid of a box and the times of its cell
-//! crossings influence no result.
+//! The cell lists only select candidates for predictions. In which grid a box is and when it changes
+//! cells has no influence on any result.
 
 use super::axis_trajectory::closing_time;
 use super::body_state::{BodyState, Slot};
@@ -16,7 +16,7 @@ use crate::physics::Axis;
 /// never extends beyond the adjacent cells.
 const MAX_FILL: f64 = 0.87;
 
-/// A box leaves its cell when its centre is outside it by this fraction of the side. So a slow box can be
+/// A box leaves its cell when its centre is this fraction of the side outside it. So a slow box can be
 /// moved to the next cell before the step in which it would leave, and rounding cannot make it cross the
 /// same border repeatedly.
 const BORDER_SLACK: f64 = 1.0 / 16.0;
@@ -36,7 +36,7 @@ const ALL_PAIRS_LIMIT: usize = 12;
 /// The grids and the static bodies.
 #[derive(Clone, Debug)]
 pub struct CellLists {
-    /// Cell side that suits most boxes, m. The cell side of each grid is this times a power of [`SIDE_RATIO`].
+    /// Cell side that suits most boxes, m; those of all grids are this times a power of [`SIDE_RATIO`].
     base_side: f64,
     grids: Vec<SpatialHash>,
     /// By slot.
@@ -89,7 +89,7 @@ impl CellLists {
                 grid.insert_static(slot, corners);
             }
         } else {
-            let [position, _] = body.trajectory.at(clock, now);
+            let [position, _] = body.trajectory.at(now);
             let centre = Axis::BOTH.map(|axis| position[axis] + body.size[axis] / 2.0);
             let grid = self.grid_for(clock, body, now, centre);
             self.insert_into_grid(slot, grid, centre);
@@ -178,7 +178,7 @@ impl CellLists {
     /// its displacement in a fraction of a step, and than the resolution of its coordinates.
     fn grid_for(&mut self, clock: &Clock, body: &BodyState, now: Instant, centre: [f64; 2]) -> usize {
         let mut min_side = 0.0;
-        let [_, velocity] = body.trajectory.at(clock, now);
+        let [_, velocity] = body.trajectory.at(now);
         for axis in Axis::BOTH {
             let gain = body.trajectory.acceleration[axis].abs() * clock.period;
             let displacement = (velocity[axis].abs() + gain) * clock.period / MAX_CELLS_PER_STEP;
@@ -208,8 +208,7 @@ impl CellLists {
 
     /// Returns true if the grid is certainly suitable for the body; cheaper than `grid_for`.
     ///
-    /// `distance` (m) is the sum of the magnitudes of both coordinates of the position, `speed` (m/s) that of the
-    /// velocity.
+    /// `distance`: from the origin, m, `speed` in m/s, each the sum of both coordinates' magnitudes.
     fn is_suitable(&self, clock: &Clock, grid: usize, body: &BodyState, distance: f64, speed: f64) -> bool {
         let side = self.grids[grid].side;
         let size = body.size[0] + body.size[1];
@@ -255,7 +254,9 @@ impl CellLists {
 
     /// Moves a body to the cell that contains it halfway through the rest of the step, or, if it is fast,
     /// at the time of the sample.
-    pub fn move_to_next_cell(&mut self, clock: &Clock, slot: Slot, sample: &Sample) {
+    ///
+    /// `remaining`: the rest of the step, s.
+    pub fn move_to_next_cell(&mut self, clock: &Clock, slot: Slot, sample: &Sample, remaining: f64) {
         let node = self.nodes[slot as usize];
         let body = sample.body;
         let mut grid = node.grid as usize;
@@ -264,7 +265,6 @@ impl CellLists {
         if !self.is_suitable(clock, grid, body, centre[0].abs() + centre[1].abs(), speed) {
             grid = self.grid_for(clock, body, sample.at, centre);
         }
-        let remaining = clock.period - sample.at.offset;
         let acceleration = body.trajectory.acceleration[0].abs() + body.trajectory.acceleration[1].abs();
         if (speed + acceleration * remaining) * remaining <= BORDER_SLACK * self.grids[grid].side {
             centre = Axis::BOTH.map(|axis| centre[axis] + sample.velocity[axis] * (remaining / 2.0));

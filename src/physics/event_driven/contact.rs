@@ -2,8 +2,7 @@
 //!
 //! Along the axis of a contact both bodies have the same velocity. They stay together until an
 //! acceleration or an impact separates them, or until one slides past the edge of the other. Bodies
-//! that press on each other corner to corner are in contact along both axes, and both contacts end
-//! at the same instant.
+//! that press on each other corner to corner are in contact along the axis of the gentler approach.
 
 use super::body_state::{BodyState, Slot};
 use crate::physics::{Axis, Side};
@@ -39,9 +38,14 @@ impl ContactGraph {
         if self.count == 0 { &[] } else { &self.of[slot as usize] }
     }
 
-    /// The axis along which two bodies are in contact, if any; the mass of `slot` must be finite.
-    pub fn axis_between(&self, slot: Slot, other: Slot) -> Option<Axis> {
-        self.of(slot).iter().find(|contact| contact.other == other).map(|contact| contact.axis)
+    /// Along which axes two bodies are in contact; the mass of `slot` must be finite.
+    #[inline]
+    pub fn axes_between(&self, slot: Slot, other: Slot) -> [bool; 2] {
+        let mut axes = [false; 2];
+        for contact in self.of(slot).iter().filter(|contact| contact.other == other) {
+            axes[contact.axis] = true;
+        }
+        axes
     }
 
     /// Adds a contact; the second body lies on the high side of the first.
@@ -57,12 +61,12 @@ impl ContactGraph {
         }
     }
 
-    /// Removes the contact of two bodies, along all axes.
-    pub fn remove(&mut self, slot: Slot, other: Slot) {
+    /// Removes the contact of two bodies along an axis.
+    pub fn remove(&mut self, slot: Slot, other: Slot, axis: Axis) {
         for [own, others] in [[slot, other], [other, slot]] {
             let contacts = &mut self.of[own as usize];
             self.count -= contacts.len();
-            contacts.retain(|contact| contact.other != others);
+            contacts.retain(|contact| contact.other != others || contact.axis != axis);
             self.count += contacts.len();
         }
     }
@@ -72,19 +76,5 @@ impl ContactGraph {
         self.of(slot).iter().any(|contact| {
             contact.axis == axis && contact.side == side && states[contact.other as usize].is_immovable(axis, side)
         })
-    }
-
-    /// The bodies of finite mass connected to `slots`, directly or through others, by contacts along
-    /// the axis; in creation order.
-    pub fn connected_bodies(&self, states: &[BodyState], slots: &[Slot], axis: Axis) -> Vec<Slot> {
-        let mut connected = std::collections::BTreeSet::new();
-        let mut stack: Vec<Slot> = slots.iter().copied().filter(|slot| !states[*slot as usize].infinite).collect();
-        while let Some(slot) = stack.pop() {
-            if connected.insert(slot) {
-                let others = self.of(slot).iter().filter(|contact| contact.axis == axis).map(|contact| contact.other);
-                stack.extend(others.filter(|other| !states[*other as usize].infinite));
-            }
-        }
-        connected.into_iter().collect()
     }
 }

@@ -2,6 +2,7 @@
 
 use super::EventDriven;
 use super::body_state::Slot;
+use super::pair_event::tolerance;
 use super::swept_aabb::SweptAabb;
 use crate::physics::{Axis, Side, StepError, World};
 
@@ -11,7 +12,7 @@ impl EventDriven {
         let body = if self.states[first as usize].infinite { second } else { first };
         let between = [self.supporting_wall(first, axis, Side::Low), self.supporting_wall(second, axis, Side::High)];
         let between = between.map(|slot| self.name_of(world, slot));
-        StepError::Crushed { step: self.now.step as u64, body: self.name_of(world, body), between }
+        StepError::Crushed { step: self.step, body: self.name_of(world, body), between }
     }
 
     /// The infinite mass that supports an immovable body on a side.
@@ -32,7 +33,8 @@ impl EventDriven {
     ///
     /// A body that bounces without loss between closing walls has infinitely many impacts before it is
     /// crushed; it is reported as crushed.
-    pub(super) fn too_many_events(&self, world: &World, step: u64, pair: [Slot; 2]) -> StepError {
+    pub(super) fn too_many_events(&self, world: &World, pair: [Slot; 2]) -> StepError {
+        let step = self.step;
         let finite = pair.into_iter().find(|slot| !self.states[*slot as usize].infinite);
         if let Some(slot) = finite
             && let Some(between) = Axis::BOTH.into_iter().find_map(|axis| self.closing_walls(slot, axis))
@@ -42,6 +44,19 @@ impl EventDriven {
         }
         let bodies = pair.map(|slot| self.name_of(world, slot)).to_vec();
         StepError::TooManyEvents { step, limit: self.max_events, bodies }
+    }
+
+    /// The error of a burst without end.
+    pub(super) fn endless_error(&self, world: &World, pair: [Slot; 2]) -> StepError {
+        StepError::Endless { step: self.step, bodies: pair.map(|slot| self.name_of(world, slot)) }
+    }
+
+    /// True if two boxes overlap along an axis by more than rounding.
+    fn overlaps_along(&self, axis: Axis, slot: Slot, other: Slot) -> bool {
+        let [own, others] = [slot, other].map(|slot| self.state_dd(slot, axis).position.high);
+        let [own_size, others_size] = [slot, other].map(|slot| self.states[slot as usize].size[axis]);
+        let overlap = if others > own { own + own_size - others } else { others + others_size - own };
+        overlap > tolerance(own.abs() + others.abs() + own_size + others_size)
     }
 
     /// The two infinite masses that close in on a body along an axis within one step, if any.

@@ -80,23 +80,16 @@ impl EventDriven {
     /// [`StepError::NotFinite`] if a position or velocity is not finite.
     pub(super) fn sample(&mut self, world: &mut World, step: u64) -> Result<(), StepError> {
         let stopped = self.dirty_states.take_stopped();
-        let clock = self.clock;
-        let end = Instant::start_of(step + 1);
+        let end = self.clock.start_of(step + 1);
         let are_slots_dense = self.states.len() == world.bodies.len();
         // Four variants, so that unused fields are not read: memory access dominates the cost.
         let are_finite = match (self.gravity == [0.0; 2] && self.force_counts == [0; 2], are_slots_dense) {
-            (true, true) => {
-                self.write_states(world, &stopped, |slot, _| slot, |trajectory| trajectory.drifted(&clock, end))
-            }
+            (true, true) => self.write_states(world, &stopped, |slot, _| slot, |trajectory| trajectory.drifted(end)),
             (true, false) => {
-                self.write_states(world, &stopped, |_, index| *index, |trajectory| trajectory.drifted(&clock, end))
+                self.write_states(world, &stopped, |_, index| *index, |trajectory| trajectory.drifted(end))
             }
-            (false, true) => {
-                self.write_states(world, &stopped, |slot, _| slot, |trajectory| trajectory.at(&clock, end))
-            }
-            (false, false) => {
-                self.write_states(world, &stopped, |_, index| *index, |trajectory| trajectory.at(&clock, end))
-            }
+            (false, true) => self.write_states(world, &stopped, |slot, _| slot, |trajectory| trajectory.at(end)),
+            (false, false) => self.write_states(world, &stopped, |_, index| *index, |trajectory| trajectory.at(end)),
         };
         if are_finite {
             return Ok(());
@@ -137,7 +130,7 @@ impl EventDriven {
         for slot in &self.dirty_states.moving {
             let source = &self.states[*slot as usize];
             let body = &mut sampled.bodies[source.world_index as usize];
-            let [[x, y], [vx, vy]] = source.trajectory.at(&self.clock, instant);
+            let [[x, y], [vx, vy]] = source.trajectory.at(instant);
             body.rect.origin = Vector::new(x, y);
             body.velocity = Vector::new(vx, vy);
         }

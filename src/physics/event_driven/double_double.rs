@@ -41,6 +41,24 @@ pub struct DoubleDouble<T = f64> {
 impl DoubleDouble {
     /// The number 0.
     pub const ZERO: DoubleDouble = DoubleDouble { high: 0.0, low: 0.0 };
+
+    /// True if the number is less than `other`.
+    #[inline]
+    pub fn is_less(self, other: DoubleDouble) -> bool {
+        (self.high < other.high) | ((self.high == other.high) & (self.low < other.low))
+    }
+
+    /// The number, or 0 if its magnitude is at most `rounding`.
+    #[inline]
+    pub fn or_zero(self, rounding: f64) -> DoubleDouble {
+        if self.high.abs() <= rounding { DoubleDouble::ZERO } else { self }
+    }
+
+    /// The number times a power of two.
+    #[inline]
+    pub fn scaled(self, power_of_two: f64) -> DoubleDouble {
+        DoubleDouble { high: self.high * power_of_two, low: self.low * power_of_two }
+    }
 }
 
 impl<T: Lanes> DoubleDouble<T> {

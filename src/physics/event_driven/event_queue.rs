@@ -29,7 +29,7 @@ const STEP_BINS: u64 = 32;
 /// again.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScheduledEvent {
-    /// The time of the event.
+    /// The time of the event; the earliest possible one unless it is exact.
     pub at: Instant,
     /// The two bodies in creation order; for a cell crossing twice the same body.
     pub pair: [Slot; 2],
@@ -37,21 +37,25 @@ pub struct ScheduledEvent {
     pub pair_event: Option<PairEvent>,
     /// The partner's generation at the time of the prediction.
     pub partner_generation: u32,
+    /// How well the time is known.
+    pub precision: Precision,
+}
+
+/// How well the time of a scheduled event is known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Precision {
+    /// The event does not happen earlier.
+    LowerBound,
+    /// To the rounding of the state.
+    Exact,
 }
 
 impl ScheduledEvent {
-    /// Returns true if this event precedes `other` in the total order: by time, deferred events last,
-    /// then by the lower slot of the pair, then by the higher.
+    /// Returns true if this event precedes `other` in the total order: by time, then by the lower slot of the
+    /// pair, then by the higher.
     #[inline]
     pub fn is_before(&self, other: &ScheduledEvent) -> bool {
-        self.at.is_before(other.at)
-            || (self.at == other.at && (self.is_deferred(), self.pair) < (other.is_deferred(), other.pair))
-    }
-
-    /// Returns true if the event follows all others at the same instant, because they may invalidate
-    /// it.
-    fn is_deferred(&self) -> bool {
-        self.pair_event == Some(PairEvent::CornerPress)
+        self.at.is_before(other.at) || (self.at == other.at && self.pair < other.pair)
     }
 }
 
@@ -103,8 +107,20 @@ struct QueueEntry {
 
 const NO_BIN: u64 = u64::MAX;
 
-const NO_EVENT: ScheduledEvent =
-    ScheduledEvent { at: Instant::NEVER, pair: [NONE; 2], pair_event: None, partner_generation: 0 };
+const NO_EVENT: ScheduledEvent = ScheduledEvent {
+    at: Instant::NEVER,
+    pair: [NONE; 2],
+    pair_event: None,
+    partner_generation: 0,
+    precision: Precision::Exact,
+};
+
+/// Events are filed early by this fraction of their time, so that one at the instant of a sample is found
+/// before it.
+const EARLINESS: f64 = 1.0 - 1.0 / (1_u64 << 40) as f64;
+
+/// The last slice that is filed exactly.
+const MAX_SLICE: f64 = (1_u64 << 62) as f64;
 
 const EMPTY_ENTRY: QueueEntry = QueueEntry { event: NO_EVENT, bin: NO_BIN, stamp: 0 };
 
@@ -166,19 +182,40 @@ impl EventQueue {
         }
     }
 
-    /// Removes the first event, if it is due by the end of the step, and returns it with its body.
-    pub fn pop(&mut self, step: u64) -> Option<(Slot, ScheduledEvent)> {
-        let end = (step + 1) << self.log2_slices;
+    /// Removes the event of a body if it is one of the pair.
+    pub fn take_event_of(&mut self, slot: Slot, pair: [Slot; 2]) -> Option<ScheduledEvent> {
+        let entry = self.entries.get_mut(slot as usize)?;
+        let event = entry.event;
+        if event.pair != pair || event.pair_event.is_none() {
+            return None;
+        }
+        entry.stamp = entry.stamp.wrapping_add(1);
+        entry.event = NO_EVENT;
+        Some(event)
+    }
+
+    /// Removes the first event, if it is due by an instant of the current step, and returns it with its body.
+    pub fn pop(&mut self, until: Instant) -> Option<(Slot, ScheduledEvent)> {
+        if until.is_before(self.next_time()) {
+            return None;
+        }
+        let Reverse(first) = self.heap.pop()?;
+        self.entries[first.slot as usize].event = NO_EVENT;
+        Some((first.slot, first.event))
+    }
+
+    /// The time of the first event of the current step; [`Instant::NEVER`] if there is none.
+    pub fn next_time(&mut self) -> Instant {
+        let end = ((self.current_slice >> self.log2_slices) + 1) << self.log2_slices;
         loop {
-            while let Some(Reverse(first)) = self.heap.pop() {
-                let entry = &mut self.entries[first.slot as usize];
-                if entry.stamp == first.stamp {
-                    entry.event = NO_EVENT;
-                    return Some((first.slot, first.event));
+            while let Some(Reverse(first)) = self.heap.peek() {
+                if self.entries[first.slot as usize].stamp == first.stamp {
+                    return first.event.at;
                 }
+                self.heap.pop();
             }
             if self.current_slice + 1 >= end {
-                return None;
+                return Instant::NEVER;
             }
             self.advance();
         }
@@ -241,9 +278,9 @@ impl EventQueue {
     fn insert(&mut self, slot: Slot) {
         let entry = &mut self.entries[slot as usize];
         let last = (1 << self.log2_slices) - 1;
-        let offset = (entry.event.at.offset * self.clock.rate * f64::from(1_u32 << self.log2_slices)) as i64 as u64;
-        let step = entry.event.at.step as i64 as u64;
-        let slice = (step << self.log2_slices) + if offset < last { offset } else { last };
+        let slice = entry.event.at.high * self.clock.rate * f64::from(1_u32 << self.log2_slices) * EARLINESS;
+        let slice = if slice < MAX_SLICE { slice as u64 } else { MAX_SLICE as u64 };
+        let step = slice >> self.log2_slices;
         if slice <= self.current_slice {
             entry.bin = NO_BIN;
             let queued = HeapEntry { event: entry.event, slot, stamp: entry.stamp };
@@ -278,7 +315,8 @@ mod tests {
     use super::*;
 
     fn event(step: f64, offset: f64, pair: [Slot; 2]) -> Option<ScheduledEvent> {
-        Some(ScheduledEvent { at: Instant { step, offset }, pair, pair_event: None, partner_generation: 0 })
+        let at = Instant { high: step / 10.0 + offset, low: 0.0 };
+        Some(ScheduledEvent { at, pair, pair_event: None, partner_generation: 0, precision: Precision::Exact })
     }
 
     fn popped_order(bodies: usize) -> Vec<(u64, Slot)> {
@@ -295,7 +333,7 @@ mod tests {
         let mut order = Vec::new();
         for step in 0..=200 {
             queue.begin_step(step);
-            while let Some((slot, _)) = queue.pop(step) {
+            while let Some((slot, _)) = queue.pop(Clock::new(10.0).start_of(step + 1)) {
                 order.push((step, slot));
                 queue.set(slot, if slot == 5 && step == 3 { event(3.0, 0.03, [5, 5]) } else { None });
                 if order.len() == 6 {
@@ -316,13 +354,13 @@ mod tests {
             (0..3).for_each(|slot| queue.set(slot, event(0.0, later, [slot, slot])));
         }
         assert!(queue.heap.len() <= 2 * 100 + MIN_PURGE_LEN, "{}", queue.heap.len());
-        let order: Vec<Slot> = std::iter::from_fn(|| Some(queue.pop(0)?.0)).collect();
+        let order: Vec<Slot> = std::iter::from_fn(|| Some(queue.pop(Instant::NEVER)?.0)).collect();
         assert_eq!(order, (3..100).chain(0..3).collect::<Vec<Slot>>());
     }
 
     #[test]
     fn events_are_popped_in_their_total_order_whatever_the_width_of_a_slice() {
-        let expected = [(0, 1), (0, 0), (0, 2), (2, 3), (3, 5), (3, 5), (200, 4)];
+        let expected = [(0, 1), (0, 0), (1, 2), (2, 3), (3, 5), (3, 5), (199, 4)];
         for bodies in [1, 100, 10_000] {
             assert_eq!(popped_order(bodies), expected);
         }

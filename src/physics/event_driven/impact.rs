@@ -1,15 +1,14 @@
-//! The impact law and the criteria of inelastic collapse, as formulas.
+//! The impact law as a formula.
 
 use super::double_double::DoubleDouble;
-use super::f64x2::F64x2;
 
 /// Two clusters that collide along an axis; the one on the low side first.
 #[derive(Clone, Copy, Debug)]
 pub struct Impact {
     /// Velocities along the axis, m/s; the first is the greater one.
     pub velocity: [DoubleDouble; 2],
-    /// Masses, kg; infinite for a cluster that cannot move.
-    pub mass: [f64; 2],
+    /// Masses in any unit; infinite for a cluster that cannot move.
+    pub mass: [DoubleDouble; 2],
     /// Coefficient of restitution; 0 for a plastic impact.
     pub restitution: f64,
 }
@@ -23,10 +22,10 @@ impl Impact {
     pub fn velocities_after(&self) -> [DoubleDouble; 2] {
         let [first, second] = self.velocity;
         let e = DoubleDouble::from(self.restitution);
-        if self.mass[0] == f64::INFINITY {
+        if self.mass[0].high == f64::INFINITY {
             return [first, first + e * (first - second)];
         }
-        if self.mass[1] == f64::INFINITY {
+        if self.mass[1].high == f64::INFINITY {
             return [second - e * (first - second), second];
         }
         if self.restitution == 1.0 && self.mass[0] == self.mass[1] {
@@ -37,15 +36,22 @@ impl Impact {
             let common = first - share_first * (first - second);
             return [common; 2];
         }
-        let approach = DoubleDouble::two_sum(1.0, self.restitution) * (first - second);
-        let after = [first - share_first * approach, second + share_second * approach];
+        let change = DoubleDouble::two_sum(1.0, self.restitution) * (first - second);
+        let after = [first - share_first * change, second + share_second * change];
         if (after[0] - after[1]).high > 0.0 { [after[0]; 2] } else { after }
     }
 
-    /// The impulse from the first on the second, N·s.
+    /// The impulse from the first on the second, in units of mass × m/s.
     pub fn impulse(&self) -> f64 {
-        let approach = (1.0 + self.restitution) * (self.velocity[0] - self.velocity[1]).high;
-        approach / (1.0 / self.mass[0] + 1.0 / self.mass[1])
+        let change = (1.0 + self.restitution) * (self.velocity[0] - self.velocity[1]).high;
+        if self.mass[0].high == f64::INFINITY {
+            change * self.mass[1].high
+        } else if self.mass[1].high == f64::INFINITY {
+            change * self.mass[0].high
+        } else {
+            let sum = self.mass[0].high + self.mass[1].high;
+            change * (self.mass[0].high * (self.mass[1].high / sum))
+        }
     }
 
     /// The share of each of the two in the change of relative velocity: the mass fraction of the other.
@@ -53,43 +59,9 @@ impl Impact {
         if self.mass[0] == self.mass[1] {
             return [DoubleDouble::from(0.5); 2];
         }
-        let sum = DoubleDouble::two_sum(self.mass[0], self.mass[1]);
-        let others = DoubleDouble::from(F64x2([self.mass[1], self.mass[0]]));
-        (others / DoubleDouble::pack([sum; 2])).unpack()
+        let sum = self.mass[0] + self.mass[1];
+        [self.mass[1] / sum, self.mass[0] / sum]
     }
-}
-
-/// Displacements below this fraction of the coordinates are rounding.
-const NEGLIGIBLE: f64 = 128.0 * f64::EPSILON;
-
-/// The speed below which an impact with e < 1 is plastic, m/s.
-///
-/// A body that rebounds at this speed would rise by at most h = [`NEGLIGIBLE`] × `coordinate_scale`,
-/// v = √(2·a·h), so all further bounces would be rounding, not motion. This ends an infinite
-/// sequence of bounces; the part cut off lasts less than 2·v/(a·(1 − e)). Without acceleration,
-/// the limit is h per second, or [`NEGLIGIBLE`] × `speed_sum` if that is greater.
-///
-/// `acceleration` is the greater of the two free accelerations, m/s²; `coordinate_scale` the sum of
-/// the coordinates and sizes of the two, m; `speed_sum` the sum of their speeds, m/s.
-pub fn collapse_speed(acceleration: f64, coordinate_scale: f64, speed_sum: f64) -> f64 {
-    let limits = [
-        (2.0 * acceleration * coordinate_scale * NEGLIGIBLE).sqrt(),
-        coordinate_scale * NEGLIGIBLE,
-        speed_sum * NEGLIGIBLE,
-    ];
-    limits.into_iter().fold(0.0, |greatest, limit| if limit > greatest { limit } else { greatest })
-}
-
-/// After more consecutive impacts than this without displacement between them, e < 1 is replaced by 0.
-///
-/// A light box under a heavy falling one bounces faster and faster in a gap that shrinks to
-/// zero in finite time (inelastic collapse). Both come to rest only after infinitely many impacts, too small to
-/// resolve; their limit is one plastic impact.
-pub const COLLAPSE_LIMIT: u8 = 100;
-
-/// True if a displacement (m) is within the rounding of coordinates that add up to `coordinate_scale` (m).
-pub fn is_negligible(displacement: f64, coordinate_scale: f64) -> bool {
-    displacement <= coordinate_scale * NEGLIGIBLE
 }
 
 #[cfg(test)]
@@ -97,7 +69,7 @@ mod tests {
     use super::*;
 
     fn after(velocity: [f64; 2], mass: [f64; 2], restitution: f64) -> [f64; 2] {
-        let velocity = velocity.map(DoubleDouble::from);
+        let (velocity, mass) = (velocity.map(DoubleDouble::from), mass.map(DoubleDouble::from));
         Impact { velocity, mass, restitution }.velocities_after().map(|velocity| velocity.high)
     }
 

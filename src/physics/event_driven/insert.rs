@@ -5,55 +5,87 @@ use super::body_state::Slot;
 use super::cell_lists::CellLists;
 use super::crossing_wheel::CrossingWheel;
 use super::event_queue::EventQueue;
-use crate::physics::World;
+use crate::physics::{Axis, World};
 
 impl EventDriven {
-    /// Inserts the bodies spawned since the last step.
+    /// Inserts the bodies spawned since the last step; returns the bodies that may touch them.
     ///
     /// If the bodies have outgrown cell lists and event queue, or are few, both are rebuilt and all
     /// bodies predict again; likewise if a static body is spawned, which predicts nothing itself.
-    pub(super) fn insert_spawned(&mut self, world: &World, step: u64) {
+    pub(super) fn insert_spawned(&mut self, world: &World) -> Vec<Slot> {
         if self.pending_spawns.is_empty() {
-            return;
+            return Vec::new();
         }
         let spawned = std::mem::take(&mut self.pending_spawns);
         let is_outgrown =
             self.states.len() > 2 * self.indexed_bodies || self.states.len() > 2 * world.bodies.len() + 64;
-        if is_outgrown
+        let spawned = if is_outgrown
             || self.cell_lists.uses_all_pairs()
             || spawned.iter().any(|slot| self.states[*slot as usize].is_static())
         {
             self.pending_spawns = spawned;
             if self.states.len() > world.bodies.len() {
-                self.compact(world, step);
+                self.compact(world);
             }
             let spawned = std::mem::take(&mut self.pending_spawns);
-            self.rebuild_indices(step);
-            self.separate_overlaps(&spawned);
+            self.rebuild_indices();
             self.changed.extend((0..self.states.len() as Slot).filter(|slot| self.params[*slot as usize].alive));
+            spawned
         } else {
             for slot in &spawned {
                 self.cell_lists.insert(&self.clock, *slot, &self.states[*slot as usize], self.now);
             }
-            self.separate_overlaps(&spawned);
-            self.changed.extend(spawned);
+            self.changed.extend(&spawned);
+            spawned
+        };
+        let mut concerned = self.separate_overlaps(&spawned);
+        self.align_spawned(&spawned);
+        concerned.extend(self.neighbours_of_infinite(&spawned));
+        concerned.extend(spawned);
+        concerned
+    }
+
+    /// The bodies of finite mass near spawned bodies of infinite mass.
+    fn neighbours_of_infinite(&self, spawned: &[Slot]) -> Vec<Slot> {
+        let mut found = Vec::new();
+        for slot in spawned.iter().filter(|slot| self.states[**slot as usize].infinite) {
+            let state = &self.states[*slot as usize];
+            let low = state.trajectory.at(self.now)[0];
+            let [from, to] = [-1.0, 1.0].map(|sign| {
+                Axis::BOTH.map(|axis| {
+                    let margin = (low[axis].abs() + state.size[axis]) * (16.0 * f64::EPSILON);
+                    low[axis] + sign * margin + if sign > 0.0 { state.size[axis] } else { 0.0 }
+                })
+            });
+            self.cell_lists.visit_region(from, to, |other| {
+                let other_state = &self.states[other as usize];
+                let position = other_state.trajectory.at(self.now)[0];
+                let is_near = Axis::BOTH.into_iter().all(|axis| {
+                    let margin = (position[axis].abs() + other_state.size[axis]) * (16.0 * f64::EPSILON);
+                    position[axis] - margin <= to[axis]
+                        && position[axis] + other_state.size[axis] + margin >= from[axis]
+                });
+                if !other_state.infinite && is_near {
+                    found.push(other);
+                }
+            });
         }
-        self.predict_changed();
+        found
     }
 
     /// Removes the slots of deleted bodies.
-    fn compact(&mut self, world: &World, step: u64) {
+    fn compact(&mut self, world: &World) {
         let snapshot = self.snapshot();
-        let restored = self.deserialize(world, step, &snapshot);
+        let restored = self.deserialize(world, self.step, &snapshot);
         debug_assert_eq!(restored, Ok(()));
     }
 
     /// Rebuilds cell lists and event queue for the present number and sizes of bodies.
-    pub(super) fn rebuild_indices(&mut self, step: u64) {
+    pub(super) fn rebuild_indices(&mut self) {
         self.indexed_bodies = self.states.len();
         self.cell_lists = CellLists::new(self.typical_size());
-        self.event_queue = EventQueue::new(self.clock, step, self.states.len());
-        self.crossing_wheel = CrossingWheel::new(step);
+        self.event_queue = EventQueue::new(self.clock, self.step, self.states.len());
+        self.crossing_wheel = CrossingWheel::new(self.step);
         (0..self.states.len()).for_each(|_| self.crossing_wheel.add_body());
         for slot in 0..self.states.len() {
             if self.params[slot].alive && self.pending_spawns.binary_search(&(slot as Slot)).is_err() {

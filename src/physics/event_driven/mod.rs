@@ -1,23 +1,19 @@
-//! The event-driven solver: molecular dynamics of boxes from event to event. See [`EventDriven`].
+//! The exact solver: event-driven molecular dynamics of boxes. See [`EventDriven`].
 //!
-//! Boxes do not rotate and have no friction, so between events each body follows a parabola along each
-//! axis (`axis_trajectory`, `trajectory`), and the time of impact of a pair has a closed form
-//! (`pair_event`). The length of a step does not affect accuracy: it only determines when the state is
+//! Boxes neither rotate nor rub, so between events each body follows a parabola along each axis
+//! (`axis_trajectory`, `trajectory`), and the time of impact of a pair is a root in closed form
+//! (`pair_event`). No time step is traded against accuracy: a step only determines when the state is
 //! sampled.
 //!
-//! # Phases of a step
+//! # Path of a step
 //!
-//! 1. **Insert.** The bodies spawned since the last step enter the cell lists (`insert`), and
-//!    overlaps that they cause are removed (`separation`).
-//! 2. **Process events** in their total order (`event_queue`):
-//!    - an impact of faces or corners (`collide`, `contact_cluster`, `impact`);
-//!    - the end of a contact, when one body has slid past the edge of the other;
-//!    - a cell crossing of a fast body (`cell_lists`).
-//!
-//!    When contacts begin or end (`contact`), the accelerations are solved again (`contact_solver`,
-//!    `isotonic`). Each body whose trajectory or contacts changed predicts its next event again
-//!    (`predict`) among its neighbours (`swept_aabb`, `neighbour_buffer`, `cell_lists`,
-//!    `spatial_hash`).
+//! 1. **Insert.** The bodies spawned since the last step enter the cell lists (`insert`), overlaps that they
+//!    cause are removed (`separation`), and faces that decimal coordinates leave an ulp apart are
+//!    made to coincide (`face_alignment`). What inputs changed is an instant of its own.
+//! 2. **Process events** in the order of their times (`event_queue`): the instants at which bodies touch or
+//!    cease to (`simultaneous`), and the cell crossings of fast bodies (`cell_lists`). Each body whose
+//!    trajectory or contacts changed predicts its next event again (`predict`) among its neighbours
+//!    (`swept_aabb`, `neighbour_buffer`, `cell_lists`, `spatial_hash`).
 //! 3. **Sample.** The states of the bodies that moved are written to the world (`dirty_states`).
 //! 4. **Cross cells.** The bodies that would leave their cells in the next step are moved to their
 //!    next cells (`crossing_wheel`).
@@ -25,67 +21,71 @@
 //! A step in which nothing moves and nothing is due does none of this. `solver_snapshot` stores what
 //! is needed to continue bit for bit; `diagnose` creates the errors of a failed step.
 //!
-//! Predictions are computed in `f64`, impacts and contacts in double-double arithmetic
-//! (`state_dd`, `double_double`, `f64x2`): rounding errors grow from collision to
-//! collision and would otherwise be visible after a few hundred of them.
+//! # Time
+//!
+//! An [`Instant`] is a double-double number of seconds since step 0, so that the step and its rate influence
+//! no event. A prediction is computed in doubles and queued at the earliest time that its error bound admits
+//! (`pair_event`). When it comes first, its time is computed again in double-double arithmetic (`exact`); it is
+//! carried out if no other can be earlier. All events that touch at the same instant, to the rounding of
+//! double-double arithmetic, are one instant.
 //!
 //! # Rules
 //!
-//! These rules apply where mechanics leaves a choice:
+//! Where mechanics leaves a choice:
 //!
-//! 1. **Simultaneous impacts.** Of all pairs that approach each other at an instant, the pair lowest
-//!    in creation order collides first, then again the lowest, until no pair approaches. So bodies
-//!    that touch in a row pass an impact on from pair to pair, as in Newton's cradle.
-//! 2. **Contacts.** Two bodies are in contact if they press on each other or if a plastic impact
-//!    joined them. Bodies that merely touch are not in contact.
-//! 3. **Impacts on contacts.** Bodies in contact take an impact as one. A body supported, directly
-//!    or through others, by an infinite mass responds like that mass, with the e of the impact; a
-//!    free body responds together with all bodies that it pushes. (The alternative, to pass the
-//!    impact on from pair to pair, needs infinitely many impacts in a resting stack.)
-//! 4. **Corners.** Corners that touch exactly collide along both axes. If they are at rest against
-//!    each other afterwards, or are pressed together from rest, they are in contact along both axes
-//!    until they separate along one. Boxes whose edges only slide along the same line do not collide.
-//! 5. **Inelastic collapse.** Where e < 1, an impact is plastic if it is slower than
-//!    `impact::collapse_speed`, or if it follows more than `impact::COLLAPSE_LIMIT` impacts without
-//!    displacement between them. All bodies in contact with the two along that axis, and all that
-//!    touch them (in a slow impact: all with a relative speed of at most `collapse_speed`), move on
-//!    as one. This is the limit of infinitely many impacts between them.
-//! 6. **Faces coincide.** After an impact the body on the high side is placed exactly on the face of
-//!    the other (or the body on the low side, if the one on the high side cannot move).
-//! 7. **Touching.** Coordinates that differ by a few units in the last place touch unless the bodies
-//!    move apart. Faces that touch in this sense at the instant of a sample collide before the sample.
+//! 1. **What is 0.** A gap, an approach speed or an approach acceleration is 0 if it is below the rounding of the
+//!    numbers it was computed from (`exact`). Two boxes *touch on a face* if their gap is 0 along one axis and they
+//!    overlap on the other, *at a corner* if both gaps are 0.
+//! 2. **Corners** block only what enters them (on both axes the boxes approach, or accelerate towards each other
+//!    from rest), and only along the axis of the gentler approach; along both if they are equal.
+//! 3. **Contacts.** A touching pair without approach speed and acceleration along an axis is in contact if it was
+//!    so before, if a plastic impact or a collapse joined it, or if the accelerations of its component differ from
+//!    free fall. It ends when one slides past the edge of the other; an overlap that shrinks to 0 and grows again
+//!    ends nothing. So a supported box slides over the seams of flush faces.
+//! 4. **An instant** is processed in the order resting, impacts, resting (`simultaneous`).
+//! 5. **Impacts**: of all approaching pairs the lowest in creation order, again and again until none approaches.
+//!    On either side the body acts together with all that it pushes through contacts; if that reaches an
+//!    infinite mass, like that mass. Bodies that only touch hand the blow on. (To pass an impact on through
+//!    contacts from pair to pair would need infinitely many impacts in a resting stack.)
+//! 6. **Inelastic collapse.** An infinite sequence of impacts is replaced by its limit (`burst`).
+//! 7. **Resolution.** A bounce that does not rise by the resolution of its coordinates is plastic.
 //!
 //! # Invariants
 //!
-//! 1. A prediction is a function of the trajectories of the two bodies alone, regardless of which of
-//!    the two predicts and when. So the cell lists and the event queue, which are derived data,
+//! 1. A prediction is a function of the trajectories of the two bodies alone: the same whichever of
+//!    the two computes it, and whenever. So cell lists and event queue, which are derived data,
 //!    influence no result.
-//! 2. Each body has at most one event in the queue. The event is invalidated when the generation of
-//!    the partner changes; when an invalidated event is due, the body predicts again.
+//! 2. Each body has at most one event in the queue. A predicted event is void if the generation
+//!    of the partner has changed since; when it is due, the body predicts again.
 //! 3. Contacts along an axis lead from lower to higher coordinates, so they form no cycle and
 //!    no body supports itself.
+//! 4. No touching pair approaches after an instant.
 
 mod axis_trajectory;
 mod body_state;
+mod burst;
 mod cell_lists;
-mod collide;
 mod contact;
-mod contact_cluster;
-mod contact_solver;
 mod crossing_wheel;
 mod diagnose;
 mod dirty_states;
 mod double_double;
 mod event_queue;
-mod f64x2;
+mod exact;
+mod face_alignment;
 mod impact;
+mod impact_history;
 mod insert;
 mod instant;
-mod isotonic;
+mod isolated;
+mod least_change;
 mod neighbour_buffer;
 mod pair_event;
+mod patch;
 mod predict;
+mod resting;
 mod separation;
+mod simultaneous;
 mod solver_snapshot;
 mod spatial_hash;
 mod state_dd;
@@ -95,29 +95,35 @@ mod trajectory;
 use super::{Axis, Body, BodyId, EngineConfig, Observer, StepError, World};
 use axis_trajectory::AxisTrajectory;
 use body_state::{BodyParams, BodyState, Slot};
+use burst::Cluster;
 use cell_lists::CellLists;
 use contact::ContactGraph;
-use contact_cluster::ContactCluster;
 use crossing_wheel::CrossingWheel;
 use dirty_states::DirtyStates;
 use double_double::DoubleDouble;
-use event_queue::EventQueue;
+use event_queue::{EventQueue, Precision, ScheduledEvent};
 use instant::{Clock, Instant};
+use least_change::ContactGroup;
 use neighbour_buffer::NeighbourBuffer;
 use pair_event::PairEvent;
+use patch::Patch;
 use state_dd::{AxisLowParts, LowParts};
 use swept_aabb::SweptAabb;
 use trajectory::Trajectory;
 
-/// Repeated predictions (after cell crossings and invalidated events) allowed per body and step, beyond the
+/// Repeated predictions (after cell crossings and void events) allowed per body and step, beyond the
 /// limit of events, before the step is aborted. No speed requires nearly as many; the limit ensures
 /// that no scene hangs.
 const MAX_REPREDICTIONS_PER_BODY: u64 = 1000;
 
-/// The state of the event-driven solver.
+/// Instants that differ by this fraction of the time since step 0 are the same: in it no body moves by the
+/// rounding of its coordinates.
+const SAME_INSTANT: f64 = 1.0 / (1_u128 << 101) as f64;
+
+/// The state of the exact solver.
 ///
-/// A snapshot stores only trajectories, contacts and pending spawns. Cell lists and event queue are derived
-/// from them and influence no result.
+/// Trajectories, contacts and pending spawns are the state proper, which a snapshot
+/// stores. Cell lists and event queue are derived from it and influence no result.
 #[derive(Clone, Debug)]
 pub struct EventDriven {
     clock: Clock,
@@ -127,7 +133,7 @@ pub struct EventDriven {
     max_events: u64,
     /// By slot, in creation order; a deleted body keeps its slot until the slots are compacted.
     states: Vec<BodyState>,
-    /// The low parts of the trajectories, by slot.
+    /// The low parts of their trajectories, by slot.
     low_parts: Vec<LowParts>,
     params: Vec<BodyParams>,
     contacts: ContactGraph,
@@ -135,22 +141,30 @@ pub struct EventDriven {
     force_counts: [u32; 2],
     /// Bodies spawned since the last step, which may still overlap others.
     pending_spawns: Vec<Slot>,
-    /// The instant reached in the present step.
+    /// Bodies that lost a contact because another was deleted since the last step.
+    pending_wakes: Vec<Slot>,
+    /// The present instant.
     now: Instant,
-    /// The low part of the offset of `now`, s.
-    now_low: f64,
+    /// The present step.
+    step: u64,
+    /// The instant of the state before it.
+    step_start: Instant,
+    /// The number of events in the present step.
+    events: u64,
     cell_lists: CellLists,
     event_queue: EventQueue,
     crossing_wheel: CrossingWheel,
     dirty_states: DirtyStates,
     /// Bodies whose trajectory or contacts changed at the present instant.
     changed: Vec<Slot>,
-    /// For each axis, the bodies whose contacts along it changed since the accelerations were solved.
-    dirty_contacts: [Vec<Slot>; 2],
     /// The number of slots when cell lists and event queue were last rebuilt.
     indexed_bodies: usize,
+    /// Buffer for the bodies concerned by an instant.
+    patch: Patch,
+    /// Buffer for a component of bodies in contact.
+    contact_group: ContactGroup,
     /// Buffers for the two clusters of an impact.
-    clusters: [ContactCluster; 2],
+    clusters: [Cluster; 2],
     /// Buffer for the bodies that are due to cross a cell border.
     due: Vec<Slot>,
     /// Buffer for the neighbours of a body.
@@ -172,16 +186,20 @@ impl EventDriven {
             contacts: ContactGraph::default(),
             force_counts: [0; 2],
             pending_spawns: Vec::new(),
-            now: Instant::start_of(0),
-            now_low: 0.0,
+            pending_wakes: Vec::new(),
+            now: Instant::START,
+            step: 0,
+            step_start: Instant::START,
+            events: 0,
             cell_lists: CellLists::new(1.0),
             event_queue: EventQueue::new(clock, 0, 0),
             crossing_wheel: CrossingWheel::new(0),
             dirty_states: DirtyStates::default(),
             changed: Vec::new(),
-            dirty_contacts: [Vec::new(), Vec::new()],
             indexed_bodies: 0,
-            clusters: [ContactCluster::default(), ContactCluster::default()],
+            patch: Patch::default(),
+            contact_group: ContactGroup::default(),
+            clusters: [Cluster::default(), Cluster::default()],
             due: Vec::new(),
             neighbour_buffer: NeighbourBuffer::default(),
         }
@@ -190,7 +208,7 @@ impl EventDriven {
     /// Adds the last body of the world, which was spawned just now.
     pub fn add_spawned(&mut self, world: &World, step: u64) {
         let last = world.bodies.len() - 1;
-        let slot = self.push_body(&world.bodies[last], last, Instant::start_of(step));
+        let slot = self.push_body(&world.bodies[last], last, self.now.max(self.clock.start_of(step)));
         self.pending_spawns.push(slot);
     }
 
@@ -202,7 +220,7 @@ impl EventDriven {
         let free_acceleration = Axis::BOTH.map(|axis| match infinite {
             true => DoubleDouble::ZERO,
             false if force[axis] == 0.0 => self.gravity[axis].into(),
-            false => DoubleDouble::from(force[axis]) / body.mass.into() + self.gravity[axis].into(),
+            false => quotient(force[axis], body.mass) + self.gravity[axis].into(),
         });
         let trajectory = Trajectory::new(Axis::BOTH.map(|axis| {
             let (position, velocity) = (body.rect.origin[axis], body.velocity[axis]);
@@ -220,7 +238,7 @@ impl EventDriven {
             world_index: world_index as u32,
             infinite,
             supported: [[false; 2]; 2],
-            collapse_count: [0; 2],
+            forced: [false; 2],
         });
         let has_force = Axis::BOTH.map(|axis| !infinite && force[axis] != 0.0);
         for axis in Axis::BOTH {
@@ -237,7 +255,7 @@ impl EventDriven {
     /// Removes the body at `world_index`, before it is removed from the world.
     pub fn remove(&mut self, world: &World, world_index: usize, step: u64) {
         let Some(slot) = self.slot_of(world.bodies[world_index].id) else { return };
-        self.advance_clock(Instant::start_of(step));
+        self.begin_at(step);
         self.params[slot as usize].alive = false;
         for axis in Axis::BOTH {
             self.force_counts[axis] -= u32::from(self.params[slot as usize].has_force[axis]);
@@ -254,7 +272,9 @@ impl EventDriven {
         self.event_queue.set(slot, None);
         self.crossing_wheel.cancel(slot);
         self.dirty_states.remove(slot);
-        self.wake_dependents(slot);
+        self.pending_wakes.retain(|pending| *pending != slot);
+        let woken = self.remove_all_contacts(slot);
+        self.pending_wakes.extend(woken);
     }
 
     fn slot_of(&self, id: BodyId) -> Option<Slot> {
@@ -273,9 +293,9 @@ impl EventDriven {
             self.skip_step(step);
             return Ok(());
         }
-        self.advance_clock(Instant::start_of(step));
-        self.insert_spawned(world, step);
-        self.process_events(world, step, Instant::NEVER, observer)?;
+        self.begin_at(step);
+        self.apply_inputs(world, observer)?;
+        self.process_events(world, self.clock.start_of(step + 1), observer)?;
         self.sample(world, step)?;
         self.handle_due_crossings(step + 1);
         Ok(())
@@ -284,7 +304,7 @@ impl EventDriven {
     /// The world `offset` seconds after the start of `step`; the solver itself does not advance.
     ///
     /// # Errors
-    /// Returns the errors of [`EventDriven::step`].
+    /// As for [`EventDriven::step`].
     pub fn world_after<O: Observer>(
         &self,
         world: &World,
@@ -292,17 +312,40 @@ impl EventDriven {
         offset: f64,
         observer: &mut O,
     ) -> Result<World, StepError> {
-        let instant = Instant { step: step as f64, offset };
+        let instant = self.clock.start_of(step).after(offset);
         let mut copy = self.clone();
-        copy.now = Instant::start_of(step);
-        copy.insert_spawned(world, step);
-        copy.process_events(world, step, instant, observer)?;
+        copy.begin_at(step);
+        copy.apply_inputs(world, observer)?;
+        copy.process_events(world, instant, observer)?;
         Ok(copy.world_at(world, instant))
+    }
+
+    /// Sets the present step and instant.
+    fn begin_at(&mut self, step: u64) {
+        self.step = step;
+        self.step_start = self.clock.start_of(step);
+        self.events = 0;
+        self.advance_clock(self.step_start);
+    }
+
+    /// Inserts the bodies spawned since the last step and processes the instant for all that the inputs concern.
+    fn apply_inputs<O: Observer>(&mut self, world: &World, observer: &mut O) -> Result<(), StepError> {
+        let mut concerned = self.insert_spawned(world);
+        concerned.append(&mut self.pending_wakes);
+        concerned.sort_unstable();
+        concerned.dedup();
+        concerned.retain(|slot| self.params[*slot as usize].alive && !self.states[*slot as usize].infinite);
+        if concerned.is_empty() {
+            self.predict_changed();
+            return Ok(());
+        }
+        self.process_instant(world, &concerned, observer)
     }
 
     /// True if no body moves and nothing is due in the step.
     fn is_idle(&self, step: u64) -> bool {
         self.pending_spawns.is_empty()
+            && self.pending_wakes.is_empty()
             && self.dirty_states.is_empty()
             && self.event_queue.is_step_empty(step)
             && self.crossing_wheel.is_next_bin_empty()
@@ -312,63 +355,129 @@ impl EventDriven {
     fn skip_step(&mut self, step: u64) {
         self.event_queue.skip_step(step);
         self.crossing_wheel.skip_step();
-        self.advance_clock(Instant::start_of(step + 1));
+        self.begin_at(step + 1);
     }
 
-    /// Processes the events due in the step up to the instant `last`, in their total order.
-    fn process_events<O: Observer>(
-        &mut self,
-        world: &World,
-        step: u64,
-        last: Instant,
-        observer: &mut O,
-    ) -> Result<(), StepError> {
-        self.event_queue.begin_step(step);
-        let (mut dequeued, mut events) = (0, 0);
+    /// Processes the events up to the instant `last`, to the rounding of instants, in the order of their times.
+    fn process_events<O: Observer>(&mut self, world: &World, last: Instant, observer: &mut O) -> Result<(), StepError> {
+        self.event_queue.begin_step(self.step);
+        let mut repredictions = 0;
         let max_repredictions = self.max_events.saturating_add(MAX_REPREDICTIONS_PER_BODY * self.states.len() as u64);
-        while let Some((slot, event)) = self.event_queue.pop(step) {
-            if last.is_before(event.at) {
-                break;
-            }
-            dequeued += 1;
-            if dequeued - events > max_repredictions {
-                return Err(self.too_many_events(world, step, event.pair));
-            }
-            self.advance_clock(event.at);
-            let Some(pair_event) = event.pair_event else {
-                self.handle_cell_crossing(slot);
+        let last = last.after(last.high * SAME_INSTANT);
+        while let Some((slot, event)) = self.event_queue.pop(last) {
+            if let Some(event) = self.next_exact_event(slot, event, last) {
+                self.advance_clock(event.at);
+                self.count_event(world, event.pair)?;
+                self.changed.push(slot);
+                if self.is_alone_in_time()
+                    && let Some(PairEvent::FaceImpact(axis, side)) = event.pair_event
+                    && self.collide_isolated(world, event.pair, axis, side, observer)
+                {
+                    self.predict_changed();
+                    continue;
+                }
+                let concerned = self.collect_simultaneous(event.pair);
+                self.process_instant(world, &concerned, observer)?;
                 continue;
-            };
-            let partner = if event.pair[0] == slot { event.pair[1] } else { event.pair[0] };
-            if self.states[partner as usize].generation != event.partner_generation {
-                self.predict(slot);
-                continue;
             }
-            events += 1;
-            if events > self.max_events {
-                return Err(self.too_many_events(world, step, event.pair));
+            repredictions += 1;
+            if repredictions - self.events.min(repredictions) > max_repredictions {
+                return Err(self.too_many_events(world, event.pair));
             }
-            self.changed.push(slot);
-            self.handle_pair_event(world, event.pair, pair_event, observer)?;
         }
         Ok(())
     }
 
-    /// Handles an event of two bodies, and predicts the next events of all bodies that it changed.
-    fn handle_pair_event<O: Observer>(
-        &mut self,
-        world: &World,
-        pair: [Slot; 2],
-        event: PairEvent,
-        observer: &mut O,
-    ) -> Result<(), StepError> {
-        match event {
-            PairEvent::FaceImpact(axis) => self.collide_faces(world, pair, axis, observer)?,
-            PairEvent::CornerImpact | PairEvent::CornerPress => self.collide_corners(world, pair, observer)?,
-            PairEvent::ContactEnd(_) => self.end_contact(pair),
+    /// The event taken from the queue if it comes next and not after `last`, with its exact time; the event of the same pair that the
+    /// partner may have is then removed, and the partner among those that predict again. Otherwise the body has
+    /// predicted again, or the event is back in the queue with its exact time.
+    fn next_exact_event(&mut self, slot: Slot, event: ScheduledEvent, last: Instant) -> Option<ScheduledEvent> {
+        let Some(kind) = event.pair_event else {
+            self.advance_clock(event.at);
+            self.handle_cell_crossing(slot);
+            return None;
+        };
+        let partner = if event.pair[0] == slot { event.pair[1] } else { event.pair[0] };
+        if self.states[partner as usize].generation != event.partner_generation {
+            self.predict(slot);
+            return None;
         }
-        self.predict_changed();
-        Ok(())
+        if event.precision == Precision::Exact {
+            if self.event_queue.take_event_of(partner, event.pair).is_some() {
+                self.changed.push(partner);
+            }
+            return Some(event);
+        }
+        let exact = match kind {
+            PairEvent::FaceImpact(axis, side) => self.exact_face_impact(event.pair, axis, side).map(|at| (at, kind)),
+            PairEvent::CornerImpact(..) | PairEvent::ContactEnd(..) => self.predict_exactly(event.pair),
+        };
+        let Some((at, kind)) = exact else {
+            self.predict_to(slot, Precision::Exact);
+            return None;
+        };
+        let event = ScheduledEvent { at, pair_event: Some(kind), precision: Precision::Exact, ..event };
+        let twin = self.event_queue.take_event_of(partner, event.pair);
+        if !last.is_before(at) && at.is_before(self.event_queue.next_time()) {
+            self.changed.extend(twin.map(|_| partner));
+            return Some(event);
+        }
+        self.event_queue.set(slot, Some(event));
+        if let Some(twin) = twin {
+            self.event_queue
+                .set(partner, Some(ScheduledEvent { partner_generation: twin.partner_generation, ..event }));
+        }
+        None
+    }
+
+    /// True if no other event can be at the present instant.
+    fn is_alone_in_time(&mut self) -> bool {
+        self.end_of_instant().is_before(self.event_queue.next_time())
+    }
+
+    /// The last time that cannot be told from the present instant.
+    fn end_of_instant(&self) -> Instant {
+        self.now.after(self.now.high * SAME_INSTANT)
+    }
+
+    /// The bodies of all events at the present instant, `pair` among them.
+    fn collect_simultaneous(&mut self, pair: [Slot; 2]) -> Vec<Slot> {
+        let mut concerned = pair.to_vec();
+        let last = self.end_of_instant();
+        while let Some((other, event)) = self.event_queue.pop(last) {
+            if let Some(event) = self.next_exact_event(other, event, last) {
+                concerned.extend(event.pair);
+                self.changed.push(other);
+            }
+        }
+        concerned.sort_unstable();
+        concerned.dedup();
+        concerned
+    }
+
+    /// Counts an event against the limit of the step.
+    fn count_event(&mut self, world: &World, pair: [Slot; 2]) -> Result<(), StepError> {
+        self.events += 1;
+        if self.events > self.max_events { Err(self.too_many_events(world, pair)) } else { Ok(()) }
+    }
+
+    /// Removes all contacts of a body; returns the bodies of finite mass that rested on it
+    /// or were in contact with it.
+    fn remove_all_contacts(&mut self, slot: Slot) -> Vec<Slot> {
+        let others: Vec<Slot> = match self.states[slot as usize].infinite {
+            false => self.contacts.of(slot).iter().map(|contact| contact.other).collect(),
+            true => (0..self.states.len() as Slot)
+                .filter(|other| *other != slot && self.contacts.axes_between(*other, slot) != [false; 2])
+                .collect(),
+        };
+        let mut woken = others.clone();
+        for axis in Axis::BOTH {
+            others.iter().for_each(|other| self.contacts.remove(slot, *other, axis));
+            let unchecked = others.iter().copied().chain([slot]).collect();
+            woken.extend(self.update_supports(axis, unchecked));
+        }
+        woken.retain(|other| *other != slot && !self.states[*other as usize].infinite);
+        woken
     }
 
     /// Invalidates all predictions that involve a body of finite mass, because its trajectory or
@@ -400,4 +509,14 @@ impl EventDriven {
     fn name_of(&self, world: &World, slot: Slot) -> String {
         world.bodies[self.states[slot as usize].world_index as usize].name.clone()
     }
+}
+
+/// The quotient of a force and a mass, m/s²; in a smaller unit where the product of huge numbers would overflow.
+fn quotient(force: f64, mass: f64) -> DoubleDouble {
+    const HUGE: f64 = 1e280;
+    const UNIT: f64 = 1.0 / (1_u128 << 100) as f64;
+    if mass > HUGE || force.abs() > HUGE {
+        return DoubleDouble::from(force * UNIT) / (mass * UNIT).into();
+    }
+    DoubleDouble::from(force) / mass.into()
 }

@@ -1,41 +1,27 @@
 //! Predicts the next event of a body: the first event with another body or the next cell crossing.
 
-use super::body_state::{BodyState, Slot};
+use super::EventDriven;
+use super::body_state::Slot;
 use super::contact::Contact;
-use super::event_queue::ScheduledEvent;
-use super::instant::{Instant, MAX_TIME_ROUNDING};
+use super::event_queue::{Precision, ScheduledEvent};
+use super::instant::Instant;
 use super::neighbour_buffer::NeighbourBuffer;
-use super::pair_event::{PairEvent, Sample, predict_contact_end, predict_pair_event};
+use super::pair_event::{Prediction, Sample, predict_contact_end, predict_pair_event};
 use super::swept_aabb::SweptAabb;
-use super::{ContactGraph, EventDriven, instant::Clock};
-
-/// Replaces `first` by `event` if that is earlier. Events of one pair at one instant are ordered by kind.
-fn keep_earlier(first: &mut Option<ScheduledEvent>, event: ScheduledEvent) {
-    let is_earlier = match first {
-        None => true,
-        Some(first) => {
-            let is_same_time_and_pair = event.at == first.at && event.pair == first.pair;
-            event.is_before(first) || (is_same_time_and_pair && event.pair_event < first.pair_event)
-        }
-    };
-    if is_earlier {
-        *first = Some(event);
-    }
-}
+use crate::physics::Side;
 
 /// The pair in creation order.
-fn ordered_pair(slot: Slot, other: Slot) -> [Slot; 2] {
+pub fn ordered_pair(slot: Slot, other: Slot) -> [Slot; 2] {
     if slot < other { [slot, other] } else { [other, slot] }
 }
 
 /// Finds the first event of one body among those with its candidate partners.
 struct Predictor<'a> {
-    clock: &'a Clock,
-    states: &'a [BodyState],
-    contacts: &'a ContactGraph,
+    solver: &'a EventDriven,
     /// The contacts listed with the body.
     own_contacts: &'a [Contact],
     slot: Slot,
+    precision: Precision,
     /// The state at the later of the body's reference times.
     sample: Sample<'a>,
     /// The earliest event found so far.
@@ -44,47 +30,71 @@ struct Predictor<'a> {
     horizon: f64,
 }
 
-/// Factor by which the horizon exceeds the time to an event: more than any rounding, so that simultaneous
-/// events are compared in their total order and not cut off.
+/// The horizon is this factor beyond an event, more than any rounding, so that events at the same time
+/// are compared in their total order and not cut off.
 const HORIZON_MARGIN: f64 = 1.0 + 1e-9;
 
 impl<'a> Predictor<'a> {
-    fn new(solver: &'a EventDriven, slot: Slot) -> Predictor<'a> {
+    fn new(solver: &'a EventDriven, slot: Slot, precision: Precision) -> Predictor<'a> {
         let body = &solver.states[slot as usize];
-        let sample = Sample::new(&solver.clock, body, body.since);
-        let (clock, states, contacts) = (&solver.clock, &solver.states, &solver.contacts);
-        let own_contacts = contacts.of(slot);
-        Predictor { clock, states, contacts, own_contacts, slot, sample, first: None, horizon: f64::INFINITY }
+        let sample = Sample::new(body, body.since);
+        let own_contacts = solver.contacts.of(slot);
+        Predictor { solver, own_contacts, slot, precision, sample, first: None, horizon: f64::INFINITY }
     }
 
     /// The seconds from `now` to the horizon, at most `limit`.
     fn seconds_to_horizon(&self, now: Instant, limit: f64) -> f64 {
-        let seconds = self.horizon - self.clock.approx_seconds(self.sample.at, now);
+        let seconds = self.horizon - self.sample.at.seconds_until(now);
         if seconds < limit { seconds } else { limit }
     }
 
     /// Predicts the next event with another body; returns true if that lowered the horizon.
+    #[inline]
     fn predict_pair(&mut self, other: Slot) -> bool {
-        let partner = &self.states[other as usize];
+        let partner = &self.solver.states[other as usize];
         if self.sample.is_infinite() && partner.infinite {
             return false;
         }
         if self.is_in_contact(other) {
             return false;
         }
-        let Some((at, pair_event)) = predict_pair_event(self.clock, &self.sample, partner, self.horizon) else {
-            return false;
-        };
-        let pair = ordered_pair(self.slot, other);
-        let (pair_event, partner_generation) = (Some(pair_event), partner.generation);
-        keep_earlier(&mut self.first, ScheduledEvent { at, pair, pair_event, partner_generation });
-        self.limit_horizon(self.clock.approx_seconds(self.sample.at, at))
+        let order = if self.slot < other { Side::Low } else { Side::High };
+        match predict_pair_event(&self.sample, partner, order, self.horizon, self.solver.now) {
+            Prediction::None => false,
+            prediction => self.keep(other, prediction),
+        }
     }
 
-    /// Lowers the horizon to `seconds` after the sample, unless it is earlier; returns true if it changed.
+    /// Keeps the event of a prediction if it is the earliest; returns true if that lowered the horizon.
+    fn keep(&mut self, other: Slot, prediction: Prediction) -> bool {
+        let (at, pair_event, upper, precision) = match prediction {
+            Prediction::Event { not_before, upper, event } if self.precision == Precision::LowerBound => {
+                (not_before, event, upper, Precision::LowerBound)
+            }
+            Prediction::Event { not_before, .. } if self.first.is_some_and(|first| first.at.is_before(not_before)) => {
+                return false;
+            }
+            Prediction::None => return false,
+            Prediction::Unclear | Prediction::Event { .. } => {
+                match self.solver.predict_exactly(ordered_pair(self.slot, other)) {
+                    Some((at, event)) => (at, event, 0.0, Precision::Exact),
+                    None => return false,
+                }
+            }
+        };
+        let partner_generation = self.solver.states[other as usize].generation;
+        let pair = ordered_pair(self.slot, other);
+        let event = ScheduledEvent { at, pair, pair_event: Some(pair_event), partner_generation, precision };
+        if self.first.is_none_or(|first| event.is_before(&first)) {
+            self.first = Some(event);
+        }
+        self.limit_horizon(self.sample.at.seconds_until(at) + upper)
+    }
+
+    /// Lowers the time of the next prediction to `seconds` after the sample; returns true if it changed.
     #[inline]
     fn limit_horizon(&mut self, seconds: f64) -> bool {
-        let horizon = seconds * HORIZON_MARGIN + 2.0 * MAX_TIME_ROUNDING;
+        let horizon = seconds * HORIZON_MARGIN;
         let is_lower = horizon < self.horizon;
         if is_lower {
             self.horizon = horizon;
@@ -96,9 +106,18 @@ impl<'a> Predictor<'a> {
     #[inline]
     fn is_in_contact(&self, other: Slot) -> bool {
         if self.sample.is_infinite() {
-            self.contacts.axis_between(other, self.slot).is_some()
+            self.solver.contacts.axes_between(other, self.slot) != [false; 2]
         } else {
             self.own_contacts.iter().any(|contact| contact.other == other)
+        }
+    }
+
+    /// Keeps the first end of a contact of the body if that is the earliest event.
+    fn predict_contact_ends(&mut self) {
+        for contact in self.own_contacts {
+            let [first, second] = ordered_pair(self.slot, contact.other).map(|slot| &self.solver.states[slot as usize]);
+            let prediction = predict_contact_end(contact.axis, first, second, self.solver.now);
+            self.keep(contact.other, prediction);
         }
     }
 }
@@ -106,27 +125,32 @@ impl<'a> Predictor<'a> {
 impl EventDriven {
     /// Predicts the next event of a body among its neighbours and enters it in the queue.
     pub(super) fn predict(&mut self, slot: Slot) {
+        self.predict_to(slot, Precision::LowerBound);
+    }
+
+    /// Predicts the next event of a body, if asked for with exact times.
+    pub(super) fn predict_to(&mut self, slot: Slot, precision: Precision) {
         let mut neighbours = std::mem::take(&mut self.neighbour_buffer);
-        self.predict_with(slot, &mut neighbours);
+        self.predict_with(slot, precision, &mut neighbours);
         self.neighbour_buffer = neighbours;
     }
 
-    fn predict_with(&mut self, slot: Slot, neighbours: &mut NeighbourBuffer) {
+    fn predict_with(&mut self, slot: Slot, precision: Precision, neighbours: &mut NeighbourBuffer) {
         let body = &self.states[slot as usize];
         if body.is_static() {
-            let aabb = SweptAabb::new(&Sample::new(&self.clock, body, self.now), 0.0);
+            let aabb = SweptAabb::new(&Sample::new(body, self.now), 0.0);
             self.cell_lists.set_swept_aabb(slot, aabb);
             return;
         }
-        let mut predictor = Predictor::new(self, slot);
+        let mut predictor = Predictor::new(self, slot, precision);
         let (mut exit_time, mut swept) = (f64::INFINITY, SweptAabb::EVERYWHERE);
         if self.cell_lists.uses_all_pairs() {
             self.cell_lists.find_neighbours(slot, body, &swept, neighbours);
             neighbours.slots().iter().for_each(|other| _ = predictor.predict_pair(*other));
         } else {
-            let sample = predictor.sample.at_time(&self.clock, self.now);
+            let sample = predictor.sample.at_time(self.now);
             exit_time = self.cell_lists.cell_exit_time(slot, &sample);
-            predictor.limit_horizon(self.clock.approx_seconds(predictor.sample.at, self.now) + exit_time);
+            predictor.limit_horizon(predictor.sample.at.seconds_until(self.now) + exit_time);
             swept = SweptAabb::new(&sample, exit_time);
             self.cell_lists.find_neighbours(slot, body, &swept, neighbours);
             for other in neighbours.slots() {
@@ -135,57 +159,51 @@ impl EventDriven {
                 }
             }
         }
-        let mut first = predictor.first;
-        self.predict_contact_ends(slot, &mut first);
+        predictor.predict_contact_ends();
+        let first = predictor.first;
         self.cell_lists.set_swept_aabb(slot, swept);
         self.schedule_next(slot, first, exit_time);
     }
 
     /// Moves a body to its next cell and predicts its next event there.
     pub(super) fn handle_cell_crossing(&mut self, slot: Slot) {
-        let sample = Sample::new(&self.clock, &self.states[slot as usize], self.now);
-        self.cell_lists.move_to_next_cell(&self.clock, slot, &sample);
+        let sample = Sample::new(&self.states[slot as usize], self.now);
+        let remaining = self.clock.period - self.step_start.seconds_until(self.now);
+        self.cell_lists.move_to_next_cell(&self.clock, slot, &sample, remaining);
         self.predict(slot);
     }
 
     /// Moves the bodies that would leave their cells in `step`, which begins now, to their next cells.
     pub(super) fn handle_due_crossings(&mut self, step: u64) {
-        self.advance_clock(Instant::start_of(step));
+        self.begin_at(step);
         let mut due = std::mem::take(&mut self.due);
         self.crossing_wheel.advance(&mut due);
         due.drain(..).for_each(|slot| self.handle_cell_crossing(slot));
         self.due = due;
     }
 
-    /// Replaces `first` by the first end of a contact of the body if that is earlier.
-    fn predict_contact_ends(&self, slot: Slot, first: &mut Option<ScheduledEvent>) {
-        for contact in self.contacts.of(slot) {
-            let partner = &self.states[contact.other as usize];
-            if let Some(at) = predict_contact_end(&self.clock, contact.axis, &self.states[slot as usize], partner) {
-                let pair = ordered_pair(slot, contact.other);
-                let pair_event = Some(PairEvent::ContactEnd(contact.axis));
-                keep_earlier(first, ScheduledEvent { at, pair, pair_event, partner_generation: partner.generation });
-            }
-        }
-    }
-
     /// Schedules the next event of a body: its first pair event or the exit from its cell in `exit_time`
     /// seconds. A cell exit after the current step is left to the crossing wheel.
     fn schedule_next(&mut self, slot: Slot, pair_event: Option<ScheduledEvent>, exit_time: f64) {
-        let offset = self.now.offset + exit_time;
-        let (mut crossing, mut next_prediction_step) = (None, f64::INFINITY);
+        let offset = self.step_start.seconds_until(self.now) + exit_time;
+        let (mut crossing, mut next_prediction) = (None, f64::INFINITY);
         if offset <= self.clock.period {
-            let at = Instant { step: self.now.step, offset };
-            crossing = Some(ScheduledEvent { at, pair: [slot, slot], pair_event: None, partner_generation: 0 });
+            crossing = Some(ScheduledEvent {
+                at: self.now.after(exit_time),
+                pair: [slot, slot],
+                pair_event: None,
+                partner_generation: 0,
+                precision: Precision::Exact,
+            });
         } else if offset == f64::INFINITY {
             self.crossing_wheel.cancel(slot);
         } else {
             let steps = (offset * self.clock.rate) as u32;
             let steps = if steps > 1 { steps } else { 1 };
             self.crossing_wheel.schedule(slot, steps);
-            next_prediction_step = self.now.step + f64::from(steps);
+            next_prediction = self.step_start.high + f64::from(steps) * self.clock.period * HORIZON_MARGIN;
         }
-        let pair_event = pair_event.filter(|event| event.at.step < next_prediction_step);
+        let pair_event = pair_event.filter(|event| event.at.high <= next_prediction * HORIZON_MARGIN);
         let is_crossing_first = match (&pair_event, &crossing) {
             (Some(event), Some(crossing)) => crossing.at.is_before(event.at),
             (Some(_), None) => false,

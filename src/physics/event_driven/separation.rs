@@ -37,8 +37,10 @@ impl EventDriven {
     /// overlaps no body that is already placed. A spawned body of infinite mass stays, and the older
     /// bodies of finite mass that it overlaps move instead. The nearest position is found exactly,
     /// among all positions that touch faces of obstacles.
-    pub(super) fn separate_overlaps(&mut self, spawned: &[Slot]) {
-        let mut queue = self.displaced_by_static(spawned);
+    /// Returns the older bodies that it moved or that were in contact with these.
+    pub(super) fn separate_overlaps(&mut self, spawned: &[Slot]) -> Vec<Slot> {
+        let (mut queue, mut concerned) = self.displaced_by_static(spawned);
+        concerned.extend(&queue);
         queue.extend(spawned.iter().copied().filter(|slot| !self.states[*slot as usize].infinite));
         for index in 0..queue.len() {
             let slot = queue[index];
@@ -52,10 +54,12 @@ impl EventDriven {
                 self.cell_lists.insert(&self.clock, slot, &self.states[slot as usize], self.now);
             }
         }
+        concerned
     }
 
-    /// The older bodies of finite mass that spawned bodies of infinite mass overlap; ends their contacts.
-    fn displaced_by_static(&mut self, spawned: &[Slot]) -> Vec<Slot> {
+    /// The older bodies of finite mass that spawned bodies of infinite mass overlap, and those that were in contact
+    /// with them; ends their contacts.
+    fn displaced_by_static(&mut self, spawned: &[Slot]) -> (Vec<Slot>, Vec<Slot>) {
         let mut displaced = Vec::new();
         for slot in spawned.iter().filter(|slot| self.states[**slot as usize].infinite) {
             let aabb = self.aabb_of(*slot);
@@ -70,18 +74,15 @@ impl EventDriven {
         }
         displaced.sort_unstable();
         displaced.dedup();
-        for slot in &displaced {
-            for contact in self.contacts.of(*slot).to_vec() {
-                self.end_contact([*slot, contact.other]);
-            }
-        }
-        displaced
+        let mut woken = Vec::new();
+        displaced.iter().for_each(|slot| woken.extend(self.remove_all_contacts(*slot)));
+        (displaced, woken)
     }
 
     /// The bounding box of a body at the present instant.
     fn aabb_of(&self, slot: Slot) -> Aabb {
         let body = &self.states[slot as usize];
-        Aabb { low: body.trajectory.at(&self.clock, self.now)[0], size: body.size }
+        Aabb { low: body.trajectory.at(self.now)[0], size: body.size }
     }
 
     /// The nearest free position of a body that overlaps another; none if it overlaps none, or if
@@ -119,7 +120,7 @@ impl EventDriven {
 
 /// The free position nearest to the present one, if there is one within `radius`, m.
 ///
-/// Ties are resolved in the order left, right, top, bottom.
+/// Of equally near positions, the first in the order left, right, top, bottom.
 fn nearest_free_corner(aabb: &Aabb, obstacles: &[Aabb], radius: f64) -> Option<[f64; 2]> {
     let [xs, ys] = Axis::BOTH.map(|axis| candidate_coordinates(aabb, obstacles, axis));
     let mut best = None;
@@ -150,7 +151,7 @@ fn candidate_coordinates(aabb: &Aabb, obstacles: &[Aabb], axis: Axis) -> Vec<(f6
     let here = aabb.low[axis];
     let mut candidates = vec![(0.0, here)];
     for obstacle in obstacles {
-        let before = super::collide::largest_position_before(obstacle.low[axis], aabb.size[axis]);
+        let before = largest_position_before(obstacle.low[axis], aabb.size[axis]);
         for coordinate in [before, obstacle.low[axis] + obstacle.size[axis]] {
             candidates.push(((coordinate - here).abs(), coordinate));
         }
@@ -158,4 +159,27 @@ fn candidate_coordinates(aabb: &Aabb, obstacles: &[Aabb], axis: Axis) -> Vec<(f6
     candidates.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
     candidates.dedup();
     candidates
+}
+
+/// The largest position at which a box of size `size` does not extend beyond `face`, m.
+fn largest_position_before(face: f64, size: f64) -> f64 {
+    let mut position = face - size;
+    if position + size > face {
+        position = position.next_down();
+    }
+    position
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_box_placed_before_a_face_does_not_extend_beyond_it() {
+        for (face, size) in [(10.0, 0.1), (0.3, 0.1), (1e6, 1e-3), (-0.7, 0.3), (5.0, 1e9)] {
+            let position = largest_position_before(face, size);
+            assert!(position + size <= face);
+            assert!(position.next_up() + size >= face);
+        }
+    }
 }

@@ -1,22 +1,23 @@
 //! Serialization of the solver's state as two flat lists.
 //!
-//! - Integers: [`LAYOUT_VERSION`]; the number of bodies; for each body and axis the reference step and
-//!   the collapse count; the number of contacts; for each contact the bodies on its low and high side
-//!   and the axis (0 for x, 1 for y); the number of pending spawns, and these bodies.
-//! - Numbers: for each body and axis position, velocity, acceleration and offset of the reference
-//!   instant, then the low parts of the same four.
+//! - Integers: [`LAYOUT_VERSION`]; the number of bodies; for each body and axis 1 if a body of its component carries
+//!   a force of its own, otherwise 0; the number of contacts; for each contact the bodies on its low and high
+//!   side and the axis (0 for x, 1 for y); the number of pending spawns, and these bodies; the same for
+//!   pending wakes.
+//! - Numbers: the high and low part of the present instant; for each body and axis position, velocity,
+//!   acceleration and reference instant, then the low parts of the same four, then the low part of the size.
 //!
 //! Bodies are identified by their index in the world.
 
 use super::EventDriven;
 use super::axis_trajectory::AxisTrajectory;
 use super::body_state::Slot;
-use super::instant::{Instant, MAX_TIME_ROUNDING};
+use super::instant::Instant;
 use super::state_dd::AxisLowParts;
 use crate::physics::{Axis, Side, SnapshotError, SolverSnapshot, World};
 
-/// The version of the layout of the lists.
-const LAYOUT_VERSION: u64 = 2;
+/// Identifies the layout of the lists; changes with it.
+const LAYOUT_VERSION: u64 = 3;
 
 impl EventDriven {
     /// Returns all state that [`EventDriven::restore`] needs besides the world.
@@ -24,27 +25,31 @@ impl EventDriven {
         let mut snapshot = SolverSnapshot::default();
         let alive: Vec<usize> = (0..self.states.len()).filter(|slot| self.params[*slot].alive).collect();
         snapshot.integers.extend([LAYOUT_VERSION, alive.len() as u64]);
+        snapshot.numbers.extend([self.now.high, self.now.low]);
         let mut contacts: Vec<[u64; 3]> = Vec::new();
         for slot in alive {
             let state = &self.states[slot];
             for axis in Axis::BOTH {
                 let trajectory = state.trajectory.along(axis);
-                snapshot.integers.extend([trajectory.since.step as u64, u64::from(state.collapse_count[axis])]);
+                let since = trajectory.since;
+                let low = &self.low_parts[slot].0[axis];
+                snapshot.integers.push(u64::from(state.forced[axis]));
                 snapshot.numbers.extend([
                     trajectory.position,
                     trajectory.velocity,
                     trajectory.acceleration,
-                    trajectory.since.offset,
+                    since.high,
                 ]);
-                let low = &self.low_parts[slot].0[axis];
-                snapshot.numbers.extend([low.position, low.velocity, low.acceleration, low.offset]);
+                snapshot.numbers.extend([low.position, low.velocity, low.acceleration, since.low, low.size]);
             }
             contacts.extend(self.stored_contacts(slot));
         }
         snapshot.integers.push(contacts.len() as u64);
         snapshot.integers.extend(contacts.iter().flatten());
-        snapshot.integers.push(self.pending_spawns.len() as u64);
-        snapshot.integers.extend(self.pending_spawns.iter().map(|slot| self.world_index(*slot)));
+        for pending in [&self.pending_spawns, &self.pending_wakes] {
+            snapshot.integers.push(pending.len() as u64);
+            snapshot.integers.extend(pending.iter().map(|slot| self.world_index(*slot)));
+        }
         snapshot
     }
 
@@ -70,10 +75,10 @@ impl EventDriven {
         contacts
     }
 
-    /// Restores the state stored in `snapshot`.
+    /// Restores the state of which `snapshot` was taken.
     ///
     /// # Errors
-    /// Returns an error if the snapshot was created by another solver, does not fit the world, or is damaged.
+    /// If the snapshot was not created by this solver, does not fit the world, or is damaged.
     pub fn restore(&mut self, world: &World, step: u64, snapshot: &SolverSnapshot) -> Result<(), SnapshotError> {
         self.deserialize(world, step, snapshot).map_err(|reason| SnapshotError { step, reason })
     }
@@ -87,30 +92,32 @@ impl EventDriven {
         if reader.integer()? != world.bodies.len() as u64 {
             return Err(format!("its number of bodies is not {}", world.bodies.len()));
         }
+        let now = Instant { high: reader.number()?, low: reader.number()? };
         self.clear();
         for (index, body) in world.bodies.iter().enumerate() {
-            let slot = self.push_body(body, index, Instant::start_of(step));
+            let slot = self.push_body(body, index, now);
             let state = &mut self.states[slot as usize];
             for axis in Axis::BOTH {
-                let (trajectory, collapse_count) = reader.trajectory(step)?;
+                state.forced[axis] = reader.flag()?;
+                let (trajectory, low_parts) = reader.trajectory(now)?;
                 state.trajectory.set(axis, trajectory);
-                state.collapse_count[axis] = collapse_count;
-                self.low_parts[slot as usize].0[axis] = reader.low_parts()?;
+                self.low_parts[slot as usize].0[axis] = low_parts;
             }
             state.since = state.trajectory.latest();
         }
         self.restore_contacts(&mut reader)?;
-        for _ in 0..reader.integer()? {
-            let slot = reader.slot(self.states.len())?;
-            self.pending_spawns.push(slot);
+        for pending in [&mut self.pending_spawns, &mut self.pending_wakes] {
+            for _ in 0..reader.integer()? {
+                pending.push(reader.slot(self.states.len())?);
+            }
         }
         if !self.pending_spawns.is_sorted() {
             return Err("its pending spawns are not in creation order".to_owned());
         }
         reader.end()?;
-        self.now = Instant::start_of(step);
-        self.now_low = 0.0;
-        self.rebuild_derived_state(step);
+        self.now = now;
+        self.begin_at(step);
+        self.rebuild_derived_state();
         Ok(())
     }
 
@@ -121,6 +128,7 @@ impl EventDriven {
         self.contacts = super::ContactGraph::default();
         self.force_counts = [0; 2];
         self.pending_spawns.clear();
+        self.pending_wakes.clear();
         self.dirty_states = super::DirtyStates::default();
         self.crossing_wheel = super::CrossingWheel::new(0);
         self.changed.clear();
@@ -149,8 +157,8 @@ impl EventDriven {
     }
 
     /// Rebuilds the derived state, cell lists and event queue, from trajectories and contacts.
-    fn rebuild_derived_state(&mut self, step: u64) {
-        self.rebuild_indices(step);
+    fn rebuild_derived_state(&mut self) {
+        self.rebuild_indices();
         self.changed =
             (0..self.states.len() as Slot).filter(|slot| self.pending_spawns.binary_search(slot).is_err()).collect();
         self.predict_changed();
@@ -182,26 +190,29 @@ impl SnapshotReader<'_> {
         if index < bodies as u64 { Ok(index as Slot) } else { Err(format!("it refers to a body with index {index}")) }
     }
 
-    /// The high parts of a trajectory along an axis and the collapse count.
-    fn trajectory(&mut self, step: u64) -> Result<(AxisTrajectory, u8), String> {
-        let since = self.integer()?;
-        let collapse_count = u8::try_from(self.integer()?).map_err(|_| "a collapse count is too large")?;
-        if since > step {
-            return Err(format!("the reference step {since} of a body is in the future"));
+    fn flag(&mut self) -> Result<bool, String> {
+        match self.integer()? {
+            0 => Ok(false),
+            1 => Ok(true),
+            other => Err(format!("a flag is {other}, not 0 or 1")),
         }
-        let [position, velocity, acceleration, offset] =
-            [self.number()?, self.number()?, self.number()?, self.number()?];
-        if offset < -MAX_TIME_ROUNDING {
-            return Err(format!("the offset {offset} s of a reference instant is negative"));
-        }
-        let since = Instant { step: since as f64, offset };
-        Ok((AxisTrajectory { position, velocity, acceleration, since }, collapse_count))
     }
 
-    fn low_parts(&mut self) -> Result<AxisLowParts, String> {
-        let [position, velocity, acceleration, offset] =
-            [self.number()?, self.number()?, self.number()?, self.number()?];
-        Ok(AxisLowParts { position, velocity, acceleration, offset })
+    /// The high and low parts of a trajectory along an axis.
+    fn trajectory(&mut self, now: Instant) -> Result<(AxisTrajectory, AxisLowParts), String> {
+        let [position, velocity, acceleration, high] = [self.number()?, self.number()?, self.number()?, self.number()?];
+        let low_parts = AxisLowParts {
+            position: self.number()?,
+            velocity: self.number()?,
+            acceleration: self.number()?,
+            size: 0.0,
+        };
+        let since = Instant { high, low: self.number()? };
+        let size = self.number()?;
+        if now.is_before(since) {
+            return Err(format!("the reference instant {high} s of a body is in the future"));
+        }
+        Ok((AxisTrajectory { position, velocity, acceleration, since }, AxisLowParts { size, ..low_parts }))
     }
 
     fn end(&self) -> Result<(), String> {

@@ -1,4 +1,4 @@
-//! Swept AABBs: the axis-aligned bounding box of the area that a body sweeps until its next prediction.
+//! The axis-aligned bounding box that a body sweeps until its next prediction.
 
 use super::body_state::BodyState;
 use super::pair_event::Sample;
@@ -66,12 +66,12 @@ impl SweptAabb {
 mod tests {
     use super::*;
     use crate::physics::event_driven::axis_trajectory::AxisTrajectory;
-    use crate::physics::event_driven::instant::{Clock, Instant};
+    use crate::physics::event_driven::instant::Instant;
     use crate::physics::event_driven::trajectory::Trajectory;
 
     /// A unit box at the origin: velocity and acceleration along y.
     fn body(velocity: f64, acceleration: f64) -> BodyState {
-        let since = Instant::start_of(0);
+        let since = Instant::START;
         let along = |velocity: f64, acceleration: f64| AxisTrajectory { position: 0.0, velocity, acceleration, since };
         let trajectory = Trajectory::new([along(0.0, 0.0), along(velocity, acceleration)]);
         let supported = [[false; 2]; 2];
@@ -83,12 +83,12 @@ mod tests {
             world_index: 0,
             infinite: false,
             supported,
-            collapse_count: [0; 2],
+            forced: [false; 2],
         }
     }
 
     fn swept(body: &BodyState, seconds: f64) -> SweptAabb {
-        SweptAabb::new(&Sample::new(&Clock::new(1.0), body, Instant::start_of(0)), seconds)
+        SweptAabb::new(&Sample::new(body, Instant::START), seconds)
     }
 
     #[test]

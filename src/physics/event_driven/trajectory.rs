@@ -1,5 +1,5 @@
 use super::axis_trajectory::AxisTrajectory;
-use super::instant::{Clock, Instant};
+use super::instant::Instant;
 use crate::physics::Axis;
 
 /// The ballistic trajectory of a body along both axes.
@@ -12,10 +12,10 @@ pub struct Trajectory {
     pub position: [f64; 2],
     /// Velocities at the reference instants, m/s.
     pub velocity: [f64; 2],
-    /// The steps of the reference instants.
-    step: [f64; 2],
-    /// The offsets of the reference instants within their steps, s.
-    offset: [f64; 2],
+    /// The reference instants, s.
+    since_high: [f64; 2],
+    /// The low parts of the reference instants, s.
+    since_low: [f64; 2],
     /// Constant accelerations, m/s².
     pub acceleration: [f64; 2],
 }
@@ -26,8 +26,8 @@ impl Trajectory {
         Trajectory {
             position: axes.map(|trajectory| trajectory.position),
             velocity: axes.map(|trajectory| trajectory.velocity),
-            step: axes.map(|trajectory| trajectory.since.step),
-            offset: axes.map(|trajectory| trajectory.since.offset),
+            since_high: axes.map(|trajectory| trajectory.since.high),
+            since_low: axes.map(|trajectory| trajectory.since.low),
             acceleration: axes.map(|trajectory| trajectory.acceleration),
         }
     }
@@ -43,7 +43,7 @@ impl Trajectory {
     /// The reference instant of an axis.
     #[inline]
     pub fn since(&self, axis: Axis) -> Instant {
-        Instant { step: self.step[axis], offset: self.offset[axis] }
+        Instant { high: self.since_high[axis], low: self.since_low[axis] }
     }
 
     /// Replaces the trajectory along an axis.
@@ -52,14 +52,14 @@ impl Trajectory {
         self.position[axis] = trajectory.position;
         self.velocity[axis] = trajectory.velocity;
         self.acceleration[axis] = trajectory.acceleration;
-        self.step[axis] = trajectory.since.step;
-        self.offset[axis] = trajectory.since.offset;
+        self.since_high[axis] = trajectory.since.high;
+        self.since_low[axis] = trajectory.since.low;
     }
 
     /// Positions (m) and velocities (m/s) at an instant.
     #[inline]
-    pub fn at(&self, clock: &Clock, instant: Instant) -> [[f64; 2]; 2] {
-        let t = Axis::BOTH.map(|axis| clock.seconds_between(self.since(axis), instant));
+    pub fn at(&self, instant: Instant) -> [[f64; 2]; 2] {
+        let t = Axis::BOTH.map(|axis| self.since(axis).seconds_until(instant));
         let half = Axis::BOTH.map(|axis| 0.5 * self.acceleration[axis] * t[axis]);
         let position = Axis::BOTH.map(|axis| self.position[axis] + t[axis] * (self.velocity[axis] + half[axis]));
         [position, Axis::BOTH.map(|axis| self.velocity[axis] + self.acceleration[axis] * t[axis])]
@@ -67,8 +67,8 @@ impl Trajectory {
 
     /// Positions (m) and velocities (m/s) at an instant, for accelerations of zero.
     #[inline]
-    pub fn drifted(&self, clock: &Clock, instant: Instant) -> [[f64; 2]; 2] {
-        let t = Axis::BOTH.map(|axis| clock.seconds_between(self.since(axis), instant));
+    pub fn drifted(&self, instant: Instant) -> [[f64; 2]; 2] {
+        let t = Axis::BOTH.map(|axis| self.since(axis).seconds_until(instant));
         [Axis::BOTH.map(|axis| self.position[axis] + t[axis] * self.velocity[axis]), self.velocity]
     }
 
@@ -90,14 +90,13 @@ mod tests {
 
     #[test]
     fn a_trajectory_is_a_parabola_from_its_reference_instant() {
-        let since = Instant::start_of(2);
+        let since = Instant { high: 1.0, low: 0.0 };
         let thrown = AxisTrajectory { position: 1.0, velocity: 3.0, acceleration: -2.0, since };
         let drifting = AxisTrajectory { acceleration: 0.0, ..thrown };
-        let clock = Clock::new(2.0);
         let trajectory = Trajectory::new([thrown, drifting]);
-        assert_eq!(trajectory.at(&clock, since), [[1.0; 2], [3.0; 2]]);
-        assert_eq!(trajectory.at(&clock, Instant::start_of(4)), [[3.0, 4.0], [1.0, 3.0]]);
-        assert_eq!(trajectory.drifted(&clock, Instant::start_of(4))[0][1], 4.0);
+        assert_eq!(trajectory.at(since), [[1.0; 2], [3.0; 2]]);
+        assert_eq!(trajectory.at(Instant { high: 2.0, low: 0.0 }), [[3.0, 4.0], [1.0, 3.0]]);
+        assert_eq!(trajectory.drifted(Instant { high: 2.0, low: 0.0 })[0][1], 4.0);
         assert_eq!(trajectory.along(Axis::X), thrown);
     }
 }

@@ -1,0 +1,525 @@
+//! The impacts of one instant: of all approaching pairs the lowest in creation order, again and again.
+//!
+//! An infinite sequence (inelastic collapse) is replaced by its limit. It is recognised
+//! - by decay: the next approach is slower than [`DECAYED`] of the greatest of the burst. The speeds are sums
+//!   of numbers of that magnitude, of which double-double arithmetic keeps 2⁻¹⁰⁴, so slower motion is rounding;
+//! - by a cycle (`impact_history`): three periods hit the same pairs and scale their relative velocities by the
+//!   same factor below 1. Impacts are linear, so all further periods are copies.
+
+use super::EventDriven;
+use super::body_state::Slot;
+use super::double_double::DoubleDouble;
+use super::exact::VELOCITY_ROUNDING;
+use super::impact::Impact;
+use super::impact_history::Cycle;
+use super::least_change::MASS_UNIT;
+use super::patch::{Local, Patch, Touch, TouchKind};
+use crate::physics::{Axis, Collision, Observer, Rect, Side, StepError, Vector, World};
+
+/// Approaches below this fraction of the greatest of a burst are rounding.
+const DECAYED: f64 = 1.0 / (1_u128 << 80) as f64;
+
+/// A bounce that rises less than this fraction of the coordinates is below their resolution.
+const RESOLUTION: f64 = 1.0 / (1_u64 << 50) as f64;
+
+/// The chains between infinite masses are searched again every so many impacts.
+const SQUEEZE_INTERVAL: u64 = 64;
+
+/// One side of an impact: the body and all that it pushes.
+#[derive(Clone, Debug, Default)]
+pub struct Cluster {
+    /// Empty if the impact moves none.
+    members: Vec<Local>,
+    /// In units of [`MASS_UNIT`]; infinite if the cluster cannot move.
+    mass: DoubleDouble,
+}
+
+/// Bodies that take on one velocity, and the touches that become contacts.
+#[derive(Clone, Debug, Default)]
+struct Collapse {
+    /// Bodies of finite mass.
+    members: Vec<Local>,
+    touches: Vec<u32>,
+    /// The velocity of an infinite mass among them.
+    anchor: Option<DoubleDouble>,
+}
+
+impl EventDriven {
+    /// Carries out the impacts of the instant; returns their number.
+    pub(super) fn carry_out_impacts<O: Observer>(
+        &mut self,
+        patch: &mut Patch,
+        world: &World,
+        observer: &mut O,
+    ) -> Result<u64, StepError> {
+        let mut count = 0;
+        while let Some((_, _, index)) = patch.approaching.first().copied() {
+            if count % SQUEEZE_INTERVAL == 0 {
+                self.check_squeezed(patch, world)?;
+            }
+            count += 1;
+            let touch = patch.touches[index as usize];
+            let axes = match touch.kind {
+                TouchKind::Face(Axis::X) => [true, false],
+                TouchKind::Face(Axis::Y) => [false, true],
+                TouchKind::Corner => patch.blocked_axes(&touch, false),
+            };
+            self.count_event(world, touch.bodies.map(|body| patch.bodies[body as usize].slot))?;
+            for axis in Axis::BOTH.into_iter().filter(|axis| axes[*axis]) {
+                self.collide(patch, index, axis, world, observer)?;
+            }
+        }
+        Ok(count)
+    }
+
+    /// Carries out one impact, or the limit of the infinite sequence that it belongs to.
+    fn collide<O: Observer>(
+        &mut self,
+        patch: &mut Patch,
+        index: u32,
+        axis: Axis,
+        world: &World,
+        observer: &mut O,
+    ) -> Result<(), StepError> {
+        let touch = patch.touches[index as usize];
+        let approach = patch.approach(&touch, axis).high;
+        let root = patch.root_of_touch(&touch) as usize;
+        let greatest = &mut patch.bursts[root].greatest;
+        *greatest = if approach > *greatest { approach } else { *greatest };
+        let threshold = *greatest * DECAYED;
+        if approach <= threshold && self.take_decayed_limit(patch, index, axis, threshold, world) {
+            return Ok(());
+        }
+        let restitution = self.restitution(patch, &touch, world);
+        self.apply_impact(patch, &touch, axis, restitution, world, observer)?;
+        if restitution == 0.0 && !self.is_contact(patch, &touch, axis) {
+            self.add_contact(patch, &touch, axis);
+        }
+        self.follow_cycle(patch, index, axis, world)
+    }
+
+    fn restitution(&self, patch: &Patch, touch: &Touch, world: &World) -> f64 {
+        let [first, second] = touch.bodies.map(|body| self.params[patch.bodies[body as usize].slot as usize].material);
+        world.restitution.between(first, second)
+    }
+
+    /// Applies the impact law to the clusters on both sides of a touch.
+    fn apply_impact<O: Observer>(
+        &mut self,
+        patch: &mut Patch,
+        touch: &Touch,
+        axis: Axis,
+        restitution: f64,
+        world: &World,
+        observer: &mut O,
+    ) -> Result<(), StepError> {
+        let pair = touch.ordered(axis);
+        let mut clusters = std::mem::take(&mut self.clusters);
+        for side in Side::BOTH {
+            self.collect_cluster(patch, pair[side], axis, side, &mut clusters[side as usize]);
+        }
+        let mass = [clusters[0].mass, clusters[1].mass];
+        if mass.iter().all(|mass| mass.high == f64::INFINITY) {
+            self.clusters = clusters;
+            return Err(self.crushed_error(world, pair.map(|body| patch.bodies[body as usize].slot), axis));
+        }
+        let velocity = pair.map(|body| patch.axis(body, axis).state.velocity);
+        let impact = Impact { velocity, mass, restitution };
+        let after = impact.velocities_after();
+        let before = touch.bodies.map(|body| local_velocity(patch, body));
+        self.set_velocities(patch, &clusters, axis, after);
+        self.clusters = clusters;
+        let impulse = impact.impulse() / MASS_UNIT;
+        observer.collision(&self.collision_record(patch, touch, axis, [velocity, after], impulse, restitution, before));
+        Ok(())
+    }
+
+    /// Collects the body and all bodies that it pushes, directly or through others. If one of them is supported on
+    /// that side, the cluster is empty and its mass infinite.
+    fn collect_cluster(&self, patch: &mut Patch, struck: Local, axis: Axis, side: Side, cluster: &mut Cluster) {
+        cluster.members.clear();
+        cluster.mass = f64::INFINITY.into();
+        let slot_of = |patch: &Patch, body: Local| patch.bodies[body as usize].slot;
+        if self.states[slot_of(patch, struck) as usize].is_immovable(axis, side) {
+            return;
+        }
+        cluster.members.push(struck);
+        let mut next = 0;
+        while let Some(body) = cluster.members.get(next).copied() {
+            next += 1;
+            for contact in self.contacts.of(slot_of(patch, body)) {
+                if contact.axis == axis && contact.side == side && !self.states[contact.other as usize].infinite {
+                    let other = self.load(patch, contact.other);
+                    if !cluster.members.contains(&other) {
+                        cluster.members.push(other);
+                    }
+                }
+            }
+        }
+        if cluster.members.len() > 1 {
+            cluster.members[1..].sort_unstable_by_key(|body| slot_of(patch, *body));
+        }
+        cluster.mass = self.total_mass(patch, &cluster.members);
+    }
+
+    /// The total mass of bodies in units of [`MASS_UNIT`], summed in creation order.
+    fn total_mass(&self, patch: &Patch, members: &[Local]) -> DoubleDouble {
+        let mut slots: Vec<Slot> = members.iter().map(|body| patch.bodies[*body as usize].slot).collect();
+        slots.sort_unstable();
+        let masses = slots.iter().map(|slot| DoubleDouble::from(self.params[*slot as usize].mass * MASS_UNIT));
+        masses.reduce(|sum, mass| sum + mass).unwrap_or(DoubleDouble::ZERO)
+    }
+
+    /// Gives the clusters on both sides of an impact their velocities and ends their contacts with bodies of
+    /// other velocities.
+    fn set_velocities(&mut self, patch: &mut Patch, clusters: &[Cluster; 2], axis: Axis, after: [DoubleDouble; 2]) {
+        let members = clusters.iter().flat_map(|cluster| &cluster.members);
+        let mut speed = 0.0;
+        for body in members {
+            let magnitude = patch.axis(*body, axis).speed;
+            speed = if magnitude > speed { magnitude } else { speed };
+        }
+        for velocity in after {
+            speed = if velocity.high.abs() > speed { velocity.high.abs() } else { speed };
+        }
+        for side in Side::BOTH {
+            for body in &clusters[side as usize].members {
+                let state = patch.axis_mut(*body, axis);
+                state.state.velocity = after[side];
+                state.speed = speed;
+                state.has_changed = true;
+            }
+        }
+        for cluster in clusters {
+            self.velocities_changed(patch, &cluster.members, axis);
+        }
+    }
+
+    /// Explores the bodies whose velocities changed, and ends their contacts with bodies of other velocities.
+    fn velocities_changed(&mut self, patch: &mut Patch, members: &[Local], axis: Axis) {
+        for body in members {
+            self.explore(patch, *body);
+            Axis::BOTH.into_iter().for_each(|axis| patch.mark_dirty(*body, axis));
+            self.end_contacts_of_other_velocity(patch, *body, axis);
+            for index in 0..patch.bodies[*body as usize].touches.len() {
+                patch.refresh(patch.bodies[*body as usize].touches[index]);
+            }
+        }
+    }
+
+    fn end_contacts_of_other_velocity(&mut self, patch: &mut Patch, body: Local, axis: Axis) {
+        let slot = patch.bodies[body as usize].slot;
+        let mut next = 0;
+        while let Some(contact) = self.contacts.of(slot).get(next).copied() {
+            next += 1;
+            if contact.axis != axis {
+                continue;
+            }
+            let other = self.load(patch, contact.other);
+            let [own, others] = [body, other].map(|body| patch.axis(body, axis));
+            let rounding = (own.speed + others.speed) * VELOCITY_ROUNDING;
+            if (own.state.velocity - others.state.velocity).high.abs() > rounding {
+                self.remove_contact(patch, [body, other], axis);
+                next -= 1;
+            }
+        }
+    }
+
+    /// Replaces an approach that has decayed by its limit: the bodies connected with it by faces whose relative
+    /// speed is as small move on as one. Returns false if none of these pairs loses energy.
+    fn take_decayed_limit(&mut self, patch: &mut Patch, index: u32, axis: Axis, threshold: f64, world: &World) -> bool {
+        let touch = patch.touches[index as usize];
+        let mut collapse = Collapse { touches: vec![index], ..Collapse::default() };
+        touch.bodies.into_iter().for_each(|body| self.join_collapse(patch, body, axis, &mut collapse));
+        let mut next = 0;
+        while let Some(body) = collapse.members.get(next).copied() {
+            next += 1;
+            self.explore(patch, body);
+            for place in 0..patch.bodies[body as usize].touches.len() {
+                let index = patch.bodies[body as usize].touches[place];
+                let touch = patch.touches[index as usize];
+                let is_slow = patch.approach(&touch, axis).high.abs() <= threshold;
+                if touch.kind == TouchKind::Face(axis) && is_slow {
+                    collapse.touches.push(index);
+                    self.join_collapse(patch, touch.other(body), axis, &mut collapse);
+                }
+            }
+        }
+        collapse.touches.sort_unstable();
+        collapse.touches.dedup();
+        let is_lossy = |touch: &u32| self.restitution(patch, &patch.touches[*touch as usize], world) < 1.0;
+        if !collapse.touches.iter().any(is_lossy) {
+            return false;
+        }
+        self.unify(patch, &collapse, axis);
+        true
+    }
+
+    /// Adds a body to a collapse. An infinite mass, or a body that rests on one, only gives its velocity.
+    fn join_collapse(&self, patch: &Patch, body: Local, axis: Axis, collapse: &mut Collapse) {
+        let state = &self.states[patch.bodies[body as usize].slot as usize];
+        if state.infinite || state.supported[axis] != [false; 2] {
+            collapse.anchor = collapse.anchor.or(Some(patch.axis(body, axis).state.velocity));
+        } else if !collapse.members.contains(&body) {
+            collapse.members.push(body);
+        }
+    }
+
+    /// Gives the members of a collapse one velocity, that of its infinite mass or of its total momentum, and makes
+    /// its touches contacts.
+    fn unify(&mut self, patch: &mut Patch, collapse: &Collapse, axis: Axis) {
+        let velocity = collapse.anchor.unwrap_or_else(|| self.common_velocity(patch, &collapse.members, axis));
+        self.set_common_velocity(patch, &collapse.members, axis, velocity);
+        for index in &collapse.touches {
+            let touch = patch.touches[*index as usize];
+            if !self.is_contact(patch, &touch, axis) {
+                self.add_contact(patch, &touch, axis);
+            }
+        }
+    }
+
+    fn set_common_velocity(&mut self, patch: &mut Patch, members: &[Local], axis: Axis, velocity: DoubleDouble) {
+        for body in members {
+            let state = patch.axis_mut(*body, axis);
+            state.state.velocity = velocity;
+            state.speed = if velocity.high.abs() > state.speed { velocity.high.abs() } else { state.speed };
+            state.has_changed = true;
+        }
+        self.velocities_changed(patch, members, axis);
+    }
+
+    /// Total momentum divided by total mass, m/s; computed as the velocity of the first member plus the mean
+    /// difference from it, in creation order.
+    fn common_velocity(&self, patch: &Patch, members: &[Local], axis: Axis) -> DoubleDouble {
+        let mut members = members.to_vec();
+        members.sort_unstable_by_key(|body| patch.bodies[*body as usize].slot);
+        let first = patch.axis(members[0], axis).state.velocity;
+        let mut excess = DoubleDouble::ZERO;
+        for body in &members {
+            let difference = patch.axis(*body, axis).state.velocity - first;
+            let mass = self.params[patch.bodies[*body as usize].slot as usize].mass * MASS_UNIT;
+            excess = excess + difference * DoubleDouble::from(mass);
+        }
+        first + excess / self.total_mass(patch, &members)
+    }
+
+    /// Records an impact in the history of its component; takes the limit of a cycle that decays, and fails on
+    /// one that does not.
+    fn follow_cycle(&mut self, patch: &mut Patch, index: u32, axis: Axis, world: &World) -> Result<(), StepError> {
+        let root = patch.root_of_touch(&patch.touches[index as usize]) as usize;
+        let mut history = std::mem::take(&mut patch.bursts[root].histories[axis as usize]);
+        let cycle = history.push(index, |touch| patch.approach(&patch.touches[touch as usize], axis));
+        patch.bursts[root].histories[axis as usize] = history;
+        match cycle {
+            None => Ok(()),
+            Some((Cycle::Decays, touches)) => {
+                self.take_cycle_limit(patch, touches, axis);
+                Ok(())
+            }
+            Some((Cycle::Persists, _)) => {
+                let pair = patch.touches[index as usize].bodies.map(|body| patch.bodies[body as usize].slot);
+                Err(self.endless_error(world, pair))
+            }
+        }
+    }
+
+    /// Takes the limit of a decaying cycle, unless a body outside that touches the bodies of the cycle would be
+    /// approached in the limit.
+    fn take_cycle_limit(&mut self, patch: &mut Patch, touches: Vec<u32>, axis: Axis) {
+        let mut collapse = Collapse { touches, ..Collapse::default() };
+        for index in collapse.touches.clone() {
+            for body in patch.touches[index as usize].bodies {
+                self.join_collapse(patch, body, axis, &mut collapse);
+            }
+        }
+        if !is_connected(patch, &collapse) {
+            return;
+        }
+        let velocity = collapse.anchor.unwrap_or_else(|| self.common_velocity(patch, &collapse.members, axis));
+        if self.reaches_outsider(patch, &collapse, axis, velocity) {
+            return;
+        }
+        self.unify(patch, &collapse, axis);
+        let root = patch.root(collapse.members[0]) as usize;
+        patch.bursts[root].histories[axis as usize].restart();
+    }
+
+    /// True if a body that touches a member from outside would be approached at the common velocity.
+    fn reaches_outsider(&self, patch: &Patch, collapse: &Collapse, axis: Axis, velocity: DoubleDouble) -> bool {
+        collapse.members.iter().any(|body| {
+            patch.bodies[*body as usize].touches.iter().any(|index| {
+                let touch = &patch.touches[*index as usize];
+                let other = touch.other(*body);
+                if touch.kind != TouchKind::Face(axis)
+                    || collapse.members.contains(&other)
+                    || collapse.touches.contains(index)
+                {
+                    return false;
+                }
+                let outside = patch.axis(other, axis);
+                let rounding = (outside.speed + patch.axis(*body, axis).speed) * VELOCITY_ROUNDING;
+                let difference = match touch.side_of(*body, axis) {
+                    Side::High => velocity - outside.state.velocity,
+                    Side::Low => outside.state.velocity - velocity,
+                };
+                difference.high > rounding
+            })
+        })
+    }
+
+    /// Joins pairs that separate but would be back before they have moved by the resolution of their coordinates;
+    /// returns true if there were any.
+    pub(super) fn capture_bounces(&mut self, patch: &mut Patch) -> bool {
+        let mut has_captured = false;
+        for index in 0..patch.touches.len() {
+            let touch = patch.touches[index];
+            let TouchKind::Face(axis) = touch.kind else { continue };
+            let speed = patch.approach(&touch, axis).high;
+            let acceleration = patch.approach_acceleration(&touch, axis).high;
+            if !(speed < 0.0 && acceleration > 0.0) {
+                continue;
+            }
+            let [first, second] = touch.bodies.map(|body| patch.axis(body, axis));
+            let scale =
+                first.state.position.high.abs() + second.state.position.high.abs() + first.size.high + second.size.high;
+            if is_below_resolution(-speed, acceleration, scale) {
+                self.capture(patch, &touch, axis);
+                has_captured = true;
+            }
+        }
+        has_captured
+    }
+
+    /// Joins two bodies, each with what it pushes, as a plastic impact does.
+    fn capture(&mut self, patch: &mut Patch, touch: &Touch, axis: Axis) {
+        let pair = touch.ordered(axis);
+        let mut clusters = std::mem::take(&mut self.clusters);
+        for side in Side::BOTH {
+            self.collect_cluster(patch, pair[side], axis, side, &mut clusters[side as usize]);
+        }
+        let mass = [clusters[0].mass, clusters[1].mass];
+        if mass.iter().any(|mass| mass.high < f64::INFINITY) {
+            let velocity = pair.map(|body| patch.axis(body, axis).state.velocity);
+            let after = Impact { velocity, mass, restitution: 0.0 }.velocities_after();
+            self.set_velocities(patch, &clusters, axis, after);
+            if !self.is_contact(patch, touch, axis) {
+                self.add_contact(patch, touch, axis);
+            }
+        }
+        self.clusters = clusters;
+    }
+
+    /// Fails if a chain of touching faces lies between infinite masses that approach each other.
+    fn check_squeezed(&self, patch: &Patch, world: &World) -> Result<(), StepError> {
+        for axis in Axis::BOTH {
+            for touch in patch.touches.iter().filter(|touch| touch.kind == TouchKind::Face(axis)) {
+                let [wall, body] = touch.ordered(axis);
+                if patch.bodies[wall as usize].infinite
+                    && let Some(opposite) = squeezing_wall(patch, wall, body, axis)
+                {
+                    let slots = [body, wall, opposite].map(|body| patch.bodies[body as usize].slot);
+                    let [body, between @ ..] = slots.map(|slot| self.name_of(world, slot));
+                    return Err(StepError::Crushed { step: self.step, body, between });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The collision for the observer; inlined, so that nothing is computed for an observer that ignores it.
+    #[inline(always)]
+    #[expect(clippy::too_many_arguments, reason = "all that a collision consists of")]
+    fn collision_record(
+        &self,
+        patch: &Patch,
+        touch: &Touch,
+        axis: Axis,
+        [velocity, after]: [[DoubleDouble; 2]; 2],
+        impulse: f64,
+        restitution: f64,
+        before: [Vector; 2],
+    ) -> Collision {
+        let sign = if touch.side[axis] == Side::High { -1.0 } else { 1.0 };
+        let slots = touch.bodies.map(|body| patch.bodies[body as usize].slot);
+        let rect = |body: Local| {
+            let [x, y] = Axis::BOTH.map(|axis| patch.axis(body, axis).state.position.high);
+            let [width, height] = Axis::BOTH.map(|axis| patch.axis(body, axis).size.high);
+            Rect::new(Vector::new(x, y), width, height)
+        };
+        let offset = self.step_start.seconds_until(self.now);
+        Collision {
+            step: self.step,
+            time: offset.clamp(0.0, self.clock.period),
+            instant: self.now.high,
+            axis,
+            bodies: slots.map(|slot| self.params[slot as usize].id),
+            rects: touch.bodies.map(rect),
+            normal: Vector::along(axis, sign),
+            penetration: Vector::ZERO,
+            shares: [0.0; 2],
+            impulse,
+            restitution,
+            normal_velocity: [(velocity[1] - velocity[0]).high, (after[1] - after[0]).high],
+            before,
+            after: touch.bodies.map(|body| local_velocity(patch, body)),
+        }
+    }
+}
+
+/// True if a bounce at a speed (m/s) against an acceleration (m/s²) rises by less than the resolution of coordinates
+/// whose magnitudes add up to `scale` (m).
+pub fn is_below_resolution(speed: f64, acceleration: f64, scale: f64) -> bool {
+    speed * (speed / acceleration) <= 2.0 * scale * RESOLUTION
+}
+
+fn local_velocity(patch: &Patch, body: Local) -> Vector {
+    let [x, y] = Axis::BOTH.map(|axis| patch.axis(body, axis).state.velocity.high);
+    Vector::new(x, y)
+}
+
+/// True if the touches of a collapse connect all of its members.
+fn is_connected(patch: &Patch, collapse: &Collapse) -> bool {
+    let mut reached = vec![collapse.members.first().copied()];
+    let mut known: Vec<Local> = collapse.members.first().copied().into_iter().collect();
+    while let Some(body) = reached.pop().flatten() {
+        for index in &collapse.touches {
+            let touch = &patch.touches[*index as usize];
+            if touch.bodies.contains(&body) {
+                let other = touch.other(body);
+                if collapse.members.contains(&other) && !known.contains(&other) {
+                    known.push(other);
+                    reached.push(Some(other));
+                }
+            }
+        }
+    }
+    !known.is_empty() && known.len() == collapse.members.len()
+}
+
+/// The infinite mass on the high side that approaches `wall` through a chain of touching faces from `body` on.
+fn squeezing_wall(patch: &Patch, wall: Local, body: Local, axis: Axis) -> Option<Local> {
+    let mut reached = vec![body];
+    let mut next = 0;
+    while let Some(body) = reached.get(next).copied() {
+        next += 1;
+        for index in &patch.bodies[body as usize].touches {
+            let touch = &patch.touches[*index as usize];
+            if touch.kind != TouchKind::Face(axis) || touch.side_of(body, axis) == Side::Low {
+                continue;
+            }
+            let other = touch.other(body);
+            if !patch.bodies[other as usize].infinite {
+                if !reached.contains(&other) {
+                    reached.push(other);
+                }
+                continue;
+            }
+            let [low, high] = [wall, other].map(|body| patch.axis(body, axis));
+            let rounding = (low.speed + high.speed) * VELOCITY_ROUNDING;
+            if (low.state.velocity - high.state.velocity).high > rounding {
+                return Some(other);
+            }
+        }
+    }
+    None
+}

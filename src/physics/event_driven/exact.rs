@@ -1,0 +1,242 @@
+//! Predictions in double-double arithmetic, where doubles cannot decide.
+
+use super::EventDriven;
+use super::axis_trajectory::closing_time;
+use super::body_state::Slot;
+use super::double_double::DoubleDouble;
+use super::instant::Instant;
+use super::pair_event::PairEvent;
+use super::state_dd::StateDd;
+use crate::physics::{Axis, Side};
+
+/// The rounding of a coordinate in double-double arithmetic, as a fraction of the numbers it was computed from.
+pub const POSITION_ROUNDING: f64 = 1.0 / (1_u128 << 88) as f64;
+
+/// The rounding of a velocity, likewise.
+pub const VELOCITY_ROUNDING: f64 = 1.0 / (1_u128 << 92) as f64;
+
+/// The rounding of an acceleration, likewise.
+pub const ACCELERATION_ROUNDING: f64 = 1.0 / (1_u128 << 92) as f64;
+
+/// The fraction of the path since step 0 that counts as one of the numbers a coordinate was computed from:
+/// the rounding of the instant is 2⁻¹⁰⁶ of the time.
+const TIME_SHARE: f64 = 1.0 / (1_u64 << 12) as f64;
+
+/// A discriminant above this fraction of the square of the speed is certainly not 0.
+const CLEARLY_TURNS: f64 = 1e-12;
+
+/// Squares of speeds below this may be rounded by underflow, m²/s².
+const SMALLEST_SQUARE: f64 = 1e-250;
+
+/// The state of a body along an axis with the magnitudes of the numbers it was computed from.
+#[derive(Clone, Copy, Debug)]
+pub struct ScaledState {
+    /// The state.
+    pub state: StateDd,
+    /// Magnitude of the position, m.
+    pub length: f64,
+    /// Magnitude of the velocity, m/s.
+    pub speed: f64,
+    /// Magnitude of the acceleration, m/s².
+    pub acceleration: f64,
+}
+
+impl EventDriven {
+    /// The state of a body at an instant with its magnitudes.
+    pub(super) fn scaled_state(&self, slot: Slot, axis: Axis, at: Instant) -> ScaledState {
+        let state = self.state_at(slot, axis, at);
+        let body = &self.states[slot as usize];
+        let reference = body.trajectory.along(axis);
+        let t = reference.since.seconds_until(at);
+        let free = self.params[slot as usize].free_acceleration[axis].high.abs();
+        let acceleration = reference.acceleration.abs();
+        let speed = reference.velocity.abs() + acceleration * (t + at.high * TIME_SHARE);
+        let length = reference.position.abs() + body.size[axis] + (t + at.high * TIME_SHARE) * speed;
+        ScaledState { state, length, speed, acceleration: acceleration + free }
+    }
+}
+
+/// The second body of a pair relative to the first along an axis, at an instant.
+struct ExactAxis {
+    /// The gaps on the low and the high side of the first.
+    gaps: [DoubleDouble; 2],
+    velocity: DoubleDouble,
+    acceleration: DoubleDouble,
+    /// Gaps, speeds and accelerations up to these are 0.
+    gap_rounding: f64,
+    speed_rounding: f64,
+    acceleration_rounding: f64,
+}
+
+impl ExactAxis {
+    /// Gap on a side, approach speed and approach acceleration.
+    fn closing(&self, side: Side) -> [DoubleDouble; 3] {
+        let signed = |number: DoubleDouble| if side == Side::High { -number } else { number };
+        [self.gaps[side], signed(self.velocity), signed(self.acceleration)]
+    }
+
+    /// The same after t seconds, on the side of the greater gap; numbers below rounding are 0.
+    fn after(&self, t: DoubleDouble) -> [DoubleDouble; 3] {
+        let displacement = t * (self.velocity + t * self.acceleration.scaled(0.5));
+        let gaps = [self.gaps[0] - displacement, self.gaps[1] + displacement];
+        let velocity = self.velocity + self.acceleration * t;
+        let side = if gaps[0].is_less(gaps[1]) { Side::High } else { Side::Low };
+        let signed = |number: DoubleDouble| if side == Side::High { -number } else { number };
+        let path = t.high * (self.velocity.high.abs() + t.high * self.acceleration.high.abs());
+        [
+            gaps[side].or_zero(2.0 * self.gap_rounding + path * POSITION_ROUNDING),
+            signed(velocity).or_zero(self.speed_rounding + VELOCITY_ROUNDING * t.high * self.acceleration.high.abs()),
+            signed(self.acceleration).or_zero(self.acceleration_rounding),
+        ]
+    }
+
+    /// The seconds until a gap closes, if that is after the first `elapsed` seconds.
+    fn time_to_contact(&self, side: Side, elapsed: DoubleDouble) -> Option<DoubleDouble> {
+        let [gap, speed, acceleration] = self.closing(side);
+        self.root_after(elapsed, gap, speed, acceleration)
+    }
+
+    /// The seconds until the overlap on a side ends, if that is after the first `elapsed` seconds.
+    fn time_to_separation(&self, side: Side, elapsed: DoubleDouble) -> Option<DoubleDouble> {
+        let [gap, speed, acceleration] = self.closing(side);
+        self.root_after(elapsed, -gap, -speed, -acceleration)
+    }
+
+    /// The root of [`ExactAxis::root`], unless it is not after the first `elapsed` seconds: then the event has been
+    /// handled.
+    fn root_after(
+        &self,
+        elapsed: DoubleDouble,
+        gap: DoubleDouble,
+        speed: DoubleDouble,
+        acceleration: DoubleDouble,
+    ) -> Option<DoubleDouble> {
+        self.root(gap, speed, acceleration).filter(|root| elapsed.is_less(*root))
+    }
+
+    /// True if the gap becomes 0 to rounding just where it turns.
+    fn turns_at_contact(&self, gap: DoubleDouble, speed: DoubleDouble, acceleration: DoubleDouble) -> bool {
+        let square = speed.high * speed.high + 2.0 * acceleration.high * gap.high;
+        if square.abs() > speed.high * speed.high * CLEARLY_TURNS {
+            return false;
+        }
+        let square = speed * speed + (acceleration * gap).scaled(2.0);
+        let rounding = 2.0 * (self.speed_rounding * speed.high.abs() + acceleration.high.abs() * self.gap_rounding);
+        acceleration.high != 0.0 && speed.high != 0.0 && square.high.abs() <= rounding
+    }
+
+    /// The later root of gap − speed·t − ½·acceleration·t² at which the gap shrinks.
+    fn root(&self, gap: DoubleDouble, speed: DoubleDouble, acceleration: DoubleDouble) -> Option<DoubleDouble> {
+        let speed = speed.or_zero(self.speed_rounding);
+        let acceleration = acceleration.or_zero(self.acceleration_rounding);
+        let gap = gap.or_zero(self.gap_rounding);
+        if gap.high == 0.0 {
+            let returns = speed.high < 0.0 && acceleration.high > 0.0;
+            return returns.then(|| -(speed + speed) / acceleration);
+        }
+        if acceleration.high == 0.0 {
+            let closes = (gap.high > 0.0) & (speed.high > 0.0);
+            return closes.then(|| gap / speed);
+        }
+        if self.turns_at_contact(gap, speed, acceleration) {
+            let turning = -speed / acceleration;
+            return (turning.high > 0.0).then_some(turning);
+        }
+        let seconds = closing_time(gap.high, speed.high, acceleration.high);
+        if seconds == f64::INFINITY || seconds.is_nan() {
+            return None;
+        }
+        let mut t = DoubleDouble::from(seconds);
+        for _ in 0..4 {
+            let rest = gap - t * (speed + t * acceleration.scaled(0.5));
+            let slope = speed + acceleration * t;
+            if rest.high == 0.0 {
+                break;
+            }
+            // The stable form of the quadratic formula; where squares underflow, Newton's step suffices.
+            let square = slope.high * slope.high + 2.0 * acceleration.high * rest.high;
+            let is_regular = square > SMALLEST_SQUARE;
+            let divisor = if is_regular { 0.5 * (slope.high + square.sqrt()) } else { slope.high };
+            if !(divisor > 0.0) {
+                break;
+            }
+            t = t + (rest.high / divisor).into();
+        }
+        (t.high > 0.0 && t.high.is_finite()).then_some(t)
+    }
+}
+
+impl EventDriven {
+    fn exact_axis(&self, pair: [Slot; 2], axis: Axis, at: Instant) -> ExactAxis {
+        let [first, second] = pair.map(|slot| self.scaled_state(slot, axis, at));
+        let [first_size, second_size] = pair.map(|slot| self.size(slot, axis));
+        let offset = second.state.position - first.state.position;
+        ExactAxis {
+            gaps: [-offset - second_size, offset - first_size],
+            velocity: second.state.velocity - first.state.velocity,
+            acceleration: second.state.acceleration - first.state.acceleration,
+            gap_rounding: (first.length + second.length) * POSITION_ROUNDING,
+            speed_rounding: (first.speed + second.speed) * VELOCITY_ROUNDING,
+            acceleration_rounding: (first.acceleration + second.acceleration) * ACCELERATION_ROUNDING,
+        }
+    }
+
+    /// The instant from which the trajectories of both bodies hold.
+    fn common_reference(&self, pair: [Slot; 2]) -> Instant {
+        self.states[pair[0] as usize].since.max(self.states[pair[1] as usize].since)
+    }
+
+    /// The exact instant at which the faces of two bodies collide, known to be their next event.
+    pub(super) fn exact_face_impact(&self, pair: [Slot; 2], axis: Axis, side: Side) -> Option<Instant> {
+        let from = self.common_reference(pair);
+        let time =
+            self.exact_axis(pair, axis, from).time_to_contact(side, from.exact_seconds_until(self.end_of_instant()))?;
+        Some(from.after_exactly(time))
+    }
+
+    /// Predicts the next event of two bodies after the present instant that changes anything; exact to the
+    /// rounding of the state.
+    #[cold]
+    pub(super) fn predict_exactly(&self, pair: [Slot; 2]) -> Option<(Instant, PairEvent)> {
+        let from = self.common_reference(pair);
+        let elapsed = from.exact_seconds_until(self.end_of_instant());
+        let axes = Axis::BOTH.map(|axis| self.exact_axis(pair, axis, from));
+        let finite = if self.states[pair[0] as usize].infinite { [pair[1], pair[0]] } else { pair };
+        let contacts = self.contacts.axes_between(finite[0], finite[1]);
+        let mut first: Option<(DoubleDouble, PairEvent)> = None;
+        let mut keep = |time: DoubleDouble, event: PairEvent| {
+            if first.is_none_or(|(earliest, _)| time.is_less(earliest)) {
+                first = Some((time, event));
+            }
+        };
+        for axis in Axis::BOTH {
+            for side in [Side::High, Side::Low] {
+                if contacts[axis.other()] {
+                    if let Some(time) = axes[axis].time_to_separation(side, elapsed) {
+                        keep(time, PairEvent::ContactEnd(axis, side));
+                    }
+                } else if contacts == [false; 2]
+                    && let Some(time) = axes[axis].time_to_contact(side, elapsed)
+                    && let Some(is_face) = enters(&axes[axis.other()], time)
+                {
+                    let event = if is_face { PairEvent::FaceImpact } else { PairEvent::CornerImpact };
+                    keep(time, event(axis, side));
+                }
+            }
+        }
+        let (time, event) = first?;
+        let at = from.after_exactly(time);
+        (at != Instant::NEVER).then_some((at, event))
+    }
+}
+
+/// Whether boxes of which a gap closes at a time overlap on this axis then: `None` if they do not and will not,
+/// true if by more than a corner.
+fn enters(axis: &ExactAxis, time: DoubleDouble) -> Option<bool> {
+    let [gap, speed, acceleration] = axis.after(time);
+    if gap.high < 0.0 {
+        return Some(true);
+    }
+    let is_entering = speed.high > 0.0 || (speed.high == 0.0 && acceleration.high > 0.0);
+    (gap.high == 0.0 && is_entering).then_some(false)
+}

@@ -1,0 +1,157 @@
+//! The impacts of one instant among bodies connected by touching: when an infinite sequence has shown its limit.
+
+use super::double_double::DoubleDouble;
+
+/// The longest period that is looked for.
+const MAX_PERIOD: usize = 200;
+
+/// The history is searched for a period every so many impacts.
+const SEARCH_INTERVAL: u64 = 16;
+
+/// Directions that agree to this are the same.
+const SAME_DIRECTION: f64 = 1.0 / (1_u64 << 60) as f64;
+
+/// Lengths that agree to this are the same.
+const SAME_LENGTH: f64 = 1.0 / (1_u128 << 86) as f64;
+
+/// What a repeated period of impacts proves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cycle {
+    /// All further periods are copies, scaled by a factor below 1: the relative velocities tend to 0.
+    Decays,
+    /// All further periods are the same: the impacts never end.
+    Persists,
+}
+
+/// The impacts of an instant along one axis within one component.
+#[derive(Clone, Debug, Default)]
+pub struct ImpactHistory {
+    /// The touches hit, the latest last; only the recent ones.
+    touches: Vec<u32>,
+    count: u64,
+    probe: Option<Probe>,
+}
+
+/// The observation of a suspected cycle.
+#[derive(Clone, Debug)]
+struct Probe {
+    period: usize,
+    /// The touches hit in a period, sorted.
+    touches: Vec<u32>,
+    /// Impacts until the next record.
+    remaining: usize,
+    /// The approach speeds at the ends of the periods.
+    records: Vec<Vec<DoubleDouble>>,
+}
+
+impl ImpactHistory {
+    /// Forgets the sequence, after the limit of a cycle was taken.
+    pub fn restart(&mut self) {
+        self.touches.clear();
+        self.probe = None;
+    }
+
+    /// Records an impact; returns the touches of a cycle if it completes the proof of one. `approach` gives the
+    /// present approach speed of a touch.
+    pub fn push(&mut self, touch: u32, approach: impl Fn(u32) -> DoubleDouble) -> Option<(Cycle, Vec<u32>)> {
+        if self.touches.len() >= 8 * MAX_PERIOD {
+            self.touches.drain(..4 * MAX_PERIOD);
+        }
+        self.touches.push(touch);
+        self.count += 1;
+        self.continue_probe(&approach);
+        if self.probe.is_none() && self.count.is_multiple_of(SEARCH_INTERVAL) {
+            self.start_probe(&approach);
+        }
+        let probe = self.probe.take_if(|probe| probe.records.len() == 3)?;
+        Some((probe.verdict()?, probe.touches))
+    }
+
+    fn continue_probe(&mut self, approach: &impl Fn(u32) -> DoubleDouble) {
+        let Some(probe) = &mut self.probe else { return };
+        let last = self.touches.len() - 1;
+        if last < probe.period || self.touches[last] != self.touches[last - probe.period] {
+            self.probe = None;
+            return;
+        }
+        probe.remaining -= 1;
+        if probe.remaining == 0 {
+            probe.remaining = probe.period;
+            probe.records.push(probe.touches.iter().map(|touch| approach(*touch)).collect());
+        }
+    }
+
+    /// Starts a probe if the last three periods hit the same touches.
+    fn start_probe(&mut self, approach: &impl Fn(u32) -> DoubleDouble) {
+        let length = self.touches.len();
+        let longest = if length / 3 < MAX_PERIOD { length / 3 } else { MAX_PERIOD };
+        let repeats = |period: usize| {
+            (1..=2 * period).all(|back| self.touches[length - back] == self.touches[length - back - period])
+        };
+        let Some(period) = (2..=longest).find(|period| repeats(*period)) else { return };
+        let mut touches = self.touches[length - period..].to_vec();
+        touches.sort_unstable();
+        touches.dedup();
+        let records = vec![touches.iter().map(|touch| approach(*touch)).collect()];
+        self.probe = Some(Probe { period, touches, remaining: period, records });
+    }
+}
+
+impl Probe {
+    /// What the records at the ends of three periods prove.
+    fn verdict(&self) -> Option<Cycle> {
+        let [first, second, third] = self.records.as_slice() else { return None };
+        let mut greatest = 0;
+        for index in 0..first.len() {
+            if first[index].high.abs() > first[greatest].high.abs() {
+                greatest = index;
+            }
+        }
+        let scale = [first, second, third].map(|record| record[greatest].high.abs());
+        if scale[2] == 0.0 || scale[1] == 0.0 {
+            return None;
+        }
+        let is_same = |a: &[DoubleDouble], b: &[DoubleDouble]| {
+            a.iter().zip(b).all(|(a, b)| (*a - *b).high.abs() <= scale[0] * SAME_LENGTH)
+        };
+        if is_same(first, second) && is_same(second, third) {
+            return Some(Cycle::Persists);
+        }
+        let is_parallel = |a: &[DoubleDouble], b: &[DoubleDouble]| {
+            let ratio = b[greatest] / a[greatest];
+            let bound = b[greatest].high.abs() * SAME_DIRECTION;
+            ratio.high > 0.0 && a.iter().zip(b).all(|(a, b)| (*a * ratio - *b).high.abs() <= bound)
+        };
+        let shrinks = scale[0] > scale[1] && scale[1] > scale[2];
+        (shrinks && is_parallel(first, second) && is_parallel(second, third)).then_some(Cycle::Decays)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Pushes impacts that alternate between two touches, whose approach speeds shrink by a factor per period.
+    fn verdict(factor: f64) -> Option<Cycle> {
+        let mut history = ImpactHistory::default();
+        let mut speed = 1.0;
+        for impact in 0..100_u32 {
+            if impact % 2 == 0 {
+                speed *= factor;
+            }
+            let approach = |touch: u32| DoubleDouble::from(if touch == 0 { speed } else { -0.5 * speed });
+            if let Some((cycle, touches)) = history.push(impact % 2, approach) {
+                assert_eq!(touches, [0, 1]);
+                return Some(cycle);
+            }
+        }
+        None
+    }
+
+    #[test]
+    fn a_cycle_is_proven_after_three_equal_periods() {
+        assert_eq!(verdict(0.75), Some(Cycle::Decays));
+        assert_eq!(verdict(1.0), Some(Cycle::Persists));
+        assert_eq!(verdict(1.5), None);
+    }
+}

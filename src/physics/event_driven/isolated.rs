@@ -1,0 +1,120 @@
+//! The impact of two bodies of which those that give way touch nothing else: most impacts of a gas, and most
+//! bounces on something that rests. It computes the same numbers as `simultaneous`.
+
+use super::EventDriven;
+use super::body_state::Slot;
+use super::burst::is_below_resolution;
+use super::exact::VELOCITY_ROUNDING;
+use super::impact::Impact;
+use super::least_change::MASS_UNIT;
+use super::state_dd::StateDd;
+use crate::physics::{Axis, Collision, Observer, Rect, Side, Vector, World};
+
+impl EventDriven {
+    /// Carries out the impact of two bodies whose faces meet now, unless other bodies, contacts or limits are
+    /// involved; returns whether it did. `side` is that of the first on which the second lies.
+    pub(super) fn collide_isolated<O: Observer>(
+        &mut self,
+        world: &World,
+        pair: [Slot; 2],
+        axis: Axis,
+        side: Side,
+        observer: &mut O,
+    ) -> bool {
+        let restitution = {
+            let [first, second] = pair.map(|slot| self.params[slot as usize].material);
+            world.restitution.between(first, second)
+        };
+        let order = if side == Side::High { [0, 1] } else { [1, 0] };
+        let is_infinite = [0, 1].map(|body| {
+            let pushed = if order[0] == body { Side::Low } else { Side::High };
+            self.states[pair[body] as usize].is_immovable(axis, pushed)
+        });
+        let has_contacts = |body: usize| !is_infinite[body] && !self.contacts.of(pair[body]).is_empty();
+        if restitution == 0.0 || is_infinite == [true; 2] || has_contacts(0) || has_contacts(1) {
+            return false;
+        }
+        let scaled = pair.map(|slot| self.scaled_state(slot, axis, self.now));
+        let [low, high] = order.map(|body| scaled[body]);
+        let approach = (low.state.velocity - high.state.velocity).high;
+        if approach <= (low.speed + high.speed) * VELOCITY_ROUNDING {
+            return false;
+        }
+        let acceleration = (low.state.acceleration - high.state.acceleration).high;
+        let scale = low.state.position.high.abs()
+            + high.state.position.high.abs()
+            + self.states[pair[0] as usize].size[axis]
+            + self.states[pair[1] as usize].size[axis];
+        if acceleration > 0.0 && is_below_resolution(restitution * approach, acceleration, scale) {
+            return false;
+        }
+        if (!is_infinite[0] && !self.touches_nothing_else(pair[0], pair[1]))
+            || (!is_infinite[1] && !self.touches_nothing_else(pair[1], pair[0]))
+        {
+            return false;
+        }
+        let mass = order.map(|body| match is_infinite[body] {
+            true => f64::INFINITY.into(),
+            false => (self.params[pair[body] as usize].mass * MASS_UNIT).into(),
+        });
+        let impact = Impact { velocity: [low.state.velocity, high.state.velocity], mass, restitution };
+        let after = impact.velocities_after();
+        let before = self.rects_and_velocities(pair);
+        let mut speed = 0.0;
+        for body in [0, 1].into_iter().filter(|body| !is_infinite[*body]) {
+            speed = if scaled[body].speed > speed { scaled[body].speed } else { speed };
+        }
+        for velocity in after {
+            speed = if velocity.high.abs() > speed { velocity.high.abs() } else { speed };
+        }
+        let anchor = if is_infinite[1] { 1 } else { 0 };
+        let anchor_position = scaled[anchor].state.position;
+        for body in [0, 1].into_iter().filter(|body| !is_infinite[*body]) {
+            let place = usize::from(order[1] == body);
+            let position = match (body == anchor, place) {
+                (true, _) => anchor_position,
+                (false, 1) => anchor_position + self.size(pair[anchor], axis),
+                (false, _) => anchor_position - self.size(pair[body], axis),
+            };
+            let velocity = after[place].or_zero(speed * VELOCITY_ROUNDING);
+            self.set_trajectory(pair[body], axis, StateDd { position, velocity, ..scaled[body].state });
+        }
+        let sign = if side == Side::High { -1.0 } else { 1.0 };
+        observer.collision(&Collision {
+            step: self.step,
+            time: self.step_start.seconds_until(self.now).clamp(0.0, self.clock.period),
+            instant: self.now.high,
+            axis,
+            bodies: pair.map(|slot| self.params[slot as usize].id),
+            rects: before.map(|(rect, _)| rect),
+            normal: Vector::along(axis, sign),
+            penetration: Vector::ZERO,
+            shares: [0.0; 2],
+            impulse: impact.impulse() / MASS_UNIT,
+            restitution,
+            normal_velocity: [-approach, (after[1] - after[0]).high],
+            before: before.map(|(_, velocity)| velocity),
+            after: self.rects_and_velocities(pair).map(|(_, velocity)| velocity),
+        });
+        true
+    }
+
+    /// True if a body certainly touches none but `partner`.
+    fn touches_nothing_else(&mut self, slot: Slot, partner: Slot) -> bool {
+        let mut neighbours = std::mem::take(&mut self.neighbour_buffer);
+        self.find_touching(slot, &mut neighbours);
+        let is_free = neighbours.slots().iter().all(|other| *other == partner || !self.may_touch(slot, *other));
+        self.neighbour_buffer = neighbours;
+        is_free
+    }
+
+    /// Rectangles and velocities (m/s) of two bodies at the present instant.
+    #[inline]
+    fn rects_and_velocities(&self, pair: [Slot; 2]) -> [(Rect, Vector); 2] {
+        pair.map(|slot| {
+            let [[x, y], [vx, vy]] = self.states[slot as usize].trajectory.at(self.now);
+            let [width, height] = self.states[slot as usize].size;
+            (Rect::new(Vector::new(x, y), width, height), Vector::new(vx, vy))
+        })
+    }
+}

@@ -1,0 +1,405 @@
+//! Accelerations of bodies in contact along one axis: the least change from free fall.
+//!
+//! Gauss's principle of least constraint: minimise Σ mᵢ·(aᵢ − fᵢ)² over the accelerations aᵢ, given
+//! the free accelerations fᵢ, subject to aⱼ ≥ aᵢ for each contact of i with j on its high side, so
+//! that no box penetrates another. This is isotonic regression on a partial order.
+//!
+//! - Equal free accelerations: a body rests if contacts lead from it to an infinite mass in the direction of
+//!   its free fall; a search, O(contacts), without masses.
+//! - A chain: pool adjacent violators, O(bodies).
+//! - Otherwise recursive partitioning: if c is the best common value of a group, the group is split
+//!   along the upper set with the greatest Σ mᵢ·(fᵢ − c), provided that sum is positive, and both parts are
+//!   solved separately (Spouge, Wan and Wilbur, "Least squares isotonic regression in
+//!   two dimensions", 2003). The set is a maximum closure, found as a minimum cut (Picard, 1976) by
+//!   shortest augmenting paths (Edmonds and Karp, 1972), O(bodies × contacts²) for each of at most
+//!   2·bodies cuts.
+
+use super::double_double::DoubleDouble;
+use crate::physics::Side;
+
+/// Bodies connected by contacts along an axis, and the contacts.
+#[derive(Clone, Debug, Default)]
+pub struct ContactGroup {
+    /// The free acceleration of each body, m/s².
+    free: Vec<DoubleDouble>,
+    /// The mass of each body, in any unit.
+    mass: Vec<DoubleDouble>,
+    /// For each body and side, true if it touches an infinite mass there.
+    supported: Vec<[bool; 2]>,
+    /// Pairs of bodies in contact, the one on the low side first.
+    contacts: Vec<[usize; 2]>,
+}
+
+/// Gains smaller than this fraction of the forces involved are rounding.
+const ROUNDING: f64 = 1.0 / (1_u128 << 90) as f64;
+
+/// Masses are summed in this unit of kilograms, so that no sum overflows.
+pub const MASS_UNIT: f64 = 1.0 / (1_u64 << 24) as f64;
+
+impl ContactGroup {
+    /// Removes all bodies and contacts.
+    pub fn clear(&mut self) {
+        self.free.clear();
+        self.mass.clear();
+        self.supported.clear();
+        self.contacts.clear();
+    }
+
+    /// Adds a body: free acceleration (m/s²), mass (kg); returns its index.
+    pub fn add(&mut self, free: DoubleDouble, mass: f64) -> usize {
+        self.free.push(free);
+        self.mass.push((mass * MASS_UNIT).into());
+        self.supported.push([false; 2]);
+        self.free.len() - 1
+    }
+
+    /// Adds a contact, the body on the low side first.
+    pub fn connect(&mut self, pair: [usize; 2]) {
+        self.contacts.push(pair);
+    }
+
+    /// Adds the contact of a body with an infinite mass on a side.
+    pub fn support(&mut self, body: usize, side: Side) {
+        self.supported[body][side as usize] = true;
+    }
+
+    /// The acceleration of each body, m/s².
+    pub fn solve(&self) -> Vec<DoubleDouble> {
+        if self.free.iter().all(|free| *free == self.free[0]) {
+            return self.solve_equal();
+        }
+        match self.chain() {
+            Some(chain) => self.solve_chain(&chain),
+            None => self.solve_partial_order(),
+        }
+    }
+
+    /// The solution for equal free accelerations.
+    fn solve_equal(&self) -> Vec<DoubleDouble> {
+        let free = self.free[0];
+        let mut accelerations = vec![free; self.free.len()];
+        if free.high == 0.0 {
+            return accelerations;
+        }
+        let side = if free.high > 0.0 { Side::High } else { Side::Low };
+        let mut behind = vec![Vec::new(); self.free.len()];
+        for [low, high] in &self.contacts {
+            match side {
+                Side::High => behind[*high].push(*low),
+                Side::Low => behind[*low].push(*high),
+            }
+        }
+        let mut held: Vec<usize> = (0..self.free.len()).filter(|body| self.supported[*body][side]).collect();
+        while let Some(body) = held.pop() {
+            if accelerations[body].high != 0.0 {
+                accelerations[body] = DoubleDouble::ZERO;
+                held.extend(&behind[body]);
+            }
+        }
+        accelerations
+    }
+
+    /// The bodies from low to high if each touches at most one on either side.
+    fn chain(&self) -> Option<Vec<usize>> {
+        let mut next = vec![None; self.free.len()];
+        let mut previous = vec![None; self.free.len()];
+        for [low, high] in &self.contacts {
+            if next[*low].is_some() || previous[*high].is_some() {
+                return None;
+            }
+            next[*low] = Some(*high);
+            previous[*high] = Some(*low);
+        }
+        let blocked = |body: usize| {
+            (self.supported[body][Side::Low] && previous[body].is_some())
+                || (self.supported[body][Side::High] && next[body].is_some())
+        };
+        if (0..self.free.len()).any(blocked) {
+            return None;
+        }
+        let first = (0..self.free.len()).find(|body| previous[*body].is_none())?;
+        let chain: Vec<usize> = std::iter::successors(Some(first), |body| next[*body]).collect();
+        (chain.len() == self.free.len()).then_some(chain)
+    }
+
+    /// Pool adjacent violators; an infinite mass at an end is a pool with acceleration 0.
+    fn solve_chain(&self, chain: &[usize]) -> Vec<DoubleDouble> {
+        let mut pools: Vec<Pool> = Vec::new();
+        if self.supported[chain[0]][Side::Low] {
+            pools.push(Pool::WALL);
+        }
+        for body in chain {
+            push_pool(&mut pools, Pool::of(self.mass[*body], self.free[*body]));
+        }
+        if self.supported[chain[chain.len() - 1]][Side::High] {
+            push_pool(&mut pools, Pool::WALL);
+        }
+        let mut accelerations = vec![DoubleDouble::ZERO; self.free.len()];
+        let mut bodies = chain.iter();
+        for pool in pools {
+            for body in bodies.by_ref().take(pool.count) {
+                accelerations[*body] = pool.mean;
+            }
+        }
+        accelerations
+    }
+
+    /// The solution for any contacts.
+    fn solve_partial_order(&self) -> Vec<DoubleDouble> {
+        let mut accelerations = vec![DoubleDouble::ZERO; self.free.len()];
+        let all: Vec<usize> = (0..self.free.len()).collect();
+        if self.supported.iter().any(|supported| supported[0] || supported[1]) {
+            let zero = DoubleDouble::ZERO;
+            let (pulled_high, rest) = self.split(&all, zero, Side::High, SupportedMembers::Stay);
+            let (pulled_low, _) = self.split(&rest, zero, Side::Low, SupportedMembers::Stay);
+            self.solve_free(&pulled_high, &mut accelerations);
+            self.solve_free(&pulled_low, &mut accelerations);
+        } else {
+            self.solve_free(&all, &mut accelerations);
+        }
+        accelerations
+    }
+
+    /// Solves `members` without any support.
+    fn solve_free(&self, members: &[usize], accelerations: &mut [DoubleDouble]) {
+        let mut unsolved = vec![members.to_vec()];
+        while let Some(members) = unsolved.pop() {
+            if members.is_empty() {
+                continue;
+            }
+            let common = self.mean_acceleration(&members);
+            let (faster, slower) = self.split(&members, common, Side::High, SupportedMembers::MayLeave);
+            if faster.is_empty() || slower.is_empty() {
+                members.iter().for_each(|member| accelerations[*member] = common);
+            } else {
+                unsolved.push(faster);
+                unsolved.push(slower);
+            }
+        }
+    }
+
+    /// The common acceleration of members that move as one: total force divided by total mass, m/s².
+    fn mean_acceleration(&self, members: &[usize]) -> DoubleDouble {
+        let pools = members.iter().map(|member| Pool::of(self.mass[*member], self.free[*member]));
+        pools.reduce(Pool::merged).map_or(DoubleDouble::ZERO, |pool| pool.mean)
+    }
+
+    /// Splits off the set of members with the greatest total force towards `side`, relative to the acceleration
+    /// `level`; with each member it contains all members in contact with it on that side. Returns
+    /// the set and the rest.
+    fn split(
+        &self,
+        members: &[usize],
+        level: DoubleDouble,
+        side: Side,
+        supported_members: SupportedMembers,
+    ) -> (Vec<usize>, Vec<usize>) {
+        let mut network = FlowNetwork::new(members.len());
+        let mut forces = 0.0;
+        for (index, member) in members.iter().enumerate() {
+            let (mass, free) = (self.mass[*member], self.free[*member]);
+            forces += mass.high * (free.high.abs() + level.high.abs());
+            let force = mass * (free - level);
+            network.supply[index] = if side == Side::High { force } else { -force };
+            network.blocked[index] = supported_members == SupportedMembers::Stay && self.supported[*member][side];
+        }
+        for [low, high] in &self.contacts {
+            if let (Ok(low), Ok(high)) = (members.binary_search(low), members.binary_search(high)) {
+                let (member, successor) = match side {
+                    Side::High => (low, high),
+                    Side::Low => (high, low),
+                };
+                network.successors[member].push(successor);
+            }
+        }
+        let leaves = network.max_closure(forces * ROUNDING);
+        let (leaving, staying): (Vec<usize>, Vec<usize>) = (0..members.len()).partition(|index| leaves[*index]);
+        let to_bodies = |indices: Vec<usize>| indices.into_iter().map(|index| members[index]).collect();
+        (to_bodies(leaving), to_bodies(staying))
+    }
+}
+
+/// Adjacent bodies of a chain that move as one.
+#[derive(Clone, Copy, Debug)]
+struct Pool {
+    count: usize,
+    /// Infinite for a pool that contains an infinite mass.
+    mass: DoubleDouble,
+    mean: DoubleDouble,
+    /// The greatest magnitude of a free acceleration in it, m/s².
+    scale: f64,
+}
+
+impl Pool {
+    /// An infinite mass, which is no body of the chain.
+    const WALL: Pool =
+        Pool { count: 0, mass: DoubleDouble { high: f64::INFINITY, low: 0.0 }, mean: DoubleDouble::ZERO, scale: 0.0 };
+
+    fn of(mass: DoubleDouble, free: DoubleDouble) -> Pool {
+        Pool { count: 1, mass, mean: free, scale: free.high.abs() }
+    }
+
+    /// The two pools as one.
+    fn merged(self, other: Pool) -> Pool {
+        let scale = if self.scale > other.scale { self.scale } else { other.scale };
+        let count = self.count + other.count;
+        if self.mass.high == f64::INFINITY || other.mass.high == f64::INFINITY {
+            return Pool { count, scale, ..Pool::WALL };
+        }
+        let mass = self.mass + other.mass;
+        let mean = self.mean + (other.mean - self.mean) * (other.mass / mass);
+        Pool { count, mass, mean, scale }
+    }
+
+    /// True if the second of two adjacent pools does not outrun the first.
+    fn presses(&self, next: &Pool) -> bool {
+        let scale = if self.scale > next.scale { self.scale } else { next.scale };
+        (self.mean - next.mean).high >= -scale * ROUNDING
+    }
+}
+
+/// Appends a pool and merges it with those that press on it.
+fn push_pool(pools: &mut Vec<Pool>, mut pool: Pool) {
+    while let Some(last) = pools.last().copied()
+        && last.presses(&pool)
+    {
+        pool = last.merged(pool);
+        pools.pop();
+    }
+    pools.push(pool);
+}
+
+/// Treatment of the members that are supported on the side towards which a set is split off.
+#[derive(Clone, Copy, PartialEq)]
+enum SupportedMembers {
+    /// They cannot belong to the set.
+    Stay,
+    /// They are treated like all others.
+    MayLeave,
+}
+
+/// The flow network of a maximum closure: flow leads from members of positive supply to members of
+/// negative supply, along successor edges of unlimited capacity.
+struct FlowNetwork {
+    /// The gain of including each member in the closure; negative for a loss.
+    supply: Vec<DoubleDouble>,
+    /// Members that must not be included.
+    blocked: Vec<bool>,
+    /// The members that must be included with each member.
+    successors: Vec<Vec<usize>>,
+    /// The flow along each successor edge.
+    flow: Vec<Vec<DoubleDouble>>,
+    /// For each member, its predecessors and the indices of their edges to it.
+    predecessors: Vec<Vec<(usize, usize)>>,
+}
+
+impl FlowNetwork {
+    fn new(members: usize) -> FlowNetwork {
+        FlowNetwork {
+            supply: vec![DoubleDouble::ZERO; members],
+            blocked: vec![false; members],
+            successors: vec![Vec::new(); members],
+            flow: Vec::new(),
+            predecessors: vec![Vec::new(); members],
+        }
+    }
+
+    /// The maximum closure: the members reachable from a remaining supply once the flow is maximal.
+    fn max_closure(mut self, rounding: f64) -> Vec<bool> {
+        self.flow = self.successors.iter().map(|successors| vec![DoubleDouble::ZERO; successors.len()]).collect();
+        for member in 0..self.successors.len() {
+            for (index, successor) in self.successors[member].iter().enumerate() {
+                self.predecessors[*successor].push((member, index));
+            }
+        }
+        loop {
+            let reached = self.search(rounding);
+            let sink = (0..self.supply.len()).find(|member| {
+                reached[*member].is_some() && (self.blocked[*member] || self.supply[*member].high < -rounding)
+            });
+            match sink {
+                Some(sink) => self.augment(&reached, sink),
+                None => return reached.iter().map(Option::is_some).collect(),
+            }
+        }
+    }
+
+    /// Breadth-first search of the residual network: for each member reachable from a remaining supply, its
+    /// predecessor on the path.
+    fn search(&self, rounding: f64) -> Vec<Option<Predecessor>> {
+        let mut reached = vec![None; self.supply.len()];
+        let mut queue = Vec::new();
+        for (member, _) in self.supply.iter().enumerate().filter(|(_, supply)| supply.high > rounding) {
+            reached[member] = Some(Predecessor::Source);
+            queue.push(member);
+        }
+        let mut next = 0;
+        while let Some(member) = queue.get(next).copied() {
+            next += 1;
+            for (index, successor) in self.successors[member].iter().enumerate() {
+                if reached[*successor].is_none() {
+                    reached[*successor] = Some(Predecessor::Forward(member, index));
+                    queue.push(*successor);
+                }
+            }
+            for (from, index) in &self.predecessors[member] {
+                if reached[*from].is_none() && self.flow[*from][*index].high > rounding {
+                    reached[*from] = Some(Predecessor::Backward(member, *index));
+                    queue.push(*from);
+                }
+            }
+        }
+        reached
+    }
+
+    /// Augments the flow along the path found to `sink` by as much as possible.
+    fn augment(&mut self, reached: &[Option<Predecessor>], sink: usize) {
+        let least = |a: DoubleDouble, b: DoubleDouble| if b.is_less(a) { b } else { a };
+        let mut amount = if self.blocked[sink] { f64::INFINITY.into() } else { -self.supply[sink] };
+        let mut member = sink;
+        let source = loop {
+            match reached[member] {
+                Some(Predecessor::Forward(from, _)) => member = from,
+                Some(Predecessor::Backward(from, index)) => {
+                    amount = least(amount, self.flow[member][index]);
+                    member = from;
+                }
+                Some(Predecessor::Source) | None => break member,
+            }
+        };
+        amount = least(amount, self.supply[source]);
+        self.supply[source] = self.supply[source] - amount;
+        if !self.blocked[sink] {
+            self.supply[sink] = self.supply[sink] + amount;
+        }
+        member = sink;
+        loop {
+            match reached[member] {
+                Some(Predecessor::Forward(from, index)) => {
+                    self.flow[from][index] = self.flow[from][index] + amount;
+                    member = from;
+                }
+                Some(Predecessor::Backward(from, index)) => {
+                    self.flow[member][index] = self.flow[member][index] - amount;
+                    member = from;
+                }
+                Some(Predecessor::Source) | None => break,
+            }
+        }
+    }
+}
+
+/// The edge by which the search reached a member.
+#[derive(Clone, Copy, Debug)]
+enum Predecessor {
+    /// None: the member has supply left.
+    Source,
+    /// From the given member along its successor edge of the given index.
+    Forward(usize, usize),
+    /// From the given successor, against the flow along the member's own edge of the given index.
+    Backward(usize, usize),
+}
+
+#[cfg(test)]
+#[path = "least_change_tests.rs"]
+mod tests;

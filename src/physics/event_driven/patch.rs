@@ -1,0 +1,379 @@
+//! The neighbourhood of an instant: the bodies concerned, their exact states and who touches whom.
+
+use super::EventDriven;
+use super::body_state::Slot;
+use super::double_double::DoubleDouble;
+use super::exact::{ACCELERATION_ROUNDING, POSITION_ROUNDING, VELOCITY_ROUNDING};
+use super::impact_history::ImpactHistory;
+use super::neighbour_buffer::NeighbourBuffer;
+use super::pair_event::Sample;
+use super::spatial_hash::NONE;
+use super::state_dd::StateDd;
+use super::swept_aabb::SweptAabb;
+use crate::physics::{Axis, Side};
+use std::collections::BTreeSet;
+
+/// An index into [`Patch::bodies`].
+pub type Local = u32;
+
+/// The state of a body of a patch along one axis, with the magnitudes of the numbers it was computed from.
+#[derive(Clone, Copy, Debug)]
+pub struct LocalAxis {
+    pub state: StateDd,
+    pub size: DoubleDouble,
+    /// Magnitude of the position, m.
+    pub length: f64,
+    /// Magnitude of the velocity, m/s.
+    pub speed: f64,
+    /// Magnitude of the acceleration, m/s².
+    pub acceleration: f64,
+    /// True if velocity or acceleration changed in this instant.
+    pub has_changed: bool,
+    /// True if the body waits for its contacts along the axis to be examined.
+    pub is_dirty: bool,
+}
+
+/// A body of a patch.
+#[derive(Clone, Debug)]
+pub struct LocalBody {
+    pub slot: Slot,
+    pub infinite: bool,
+    pub axes: [LocalAxis; 2],
+    /// True once all bodies that touch it are in the patch; never for an infinite mass.
+    explored: bool,
+    /// True if its contacts changed in this instant.
+    pub contacts_changed: bool,
+    /// Its touches with others, as far as explored.
+    pub touches: Vec<u32>,
+    /// Its parent in the forest of bodies of finite mass connected by touching.
+    parent: Local,
+}
+
+/// How two boxes touch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TouchKind {
+    /// Their gap along the axis is 0, and they overlap on the other.
+    Face(Axis),
+    /// Both gaps are 0.
+    Corner,
+}
+
+/// Two boxes that touch; the first is the earlier one in creation order.
+#[derive(Clone, Copy, Debug)]
+pub struct Touch {
+    pub bodies: [Local; 2],
+    pub kind: TouchKind,
+    /// For each axis, the side of the first on which the second lies.
+    pub side: [Side; 2],
+    /// For each axis, true if the corner was found to block along it in this instant.
+    pub blocks: [bool; 2],
+}
+
+impl Touch {
+    /// The other of the two bodies.
+    pub fn other(&self, body: Local) -> Local {
+        if self.bodies[0] == body { self.bodies[1] } else { self.bodies[0] }
+    }
+
+    /// The side of `body` on which the other lies.
+    pub fn side_of(&self, body: Local, axis: Axis) -> Side {
+        if self.bodies[0] == body { self.side[axis] } else { self.side[axis].opposite() }
+    }
+
+    /// The two bodies, the one on the low side first.
+    pub fn ordered(&self, axis: Axis) -> [Local; 2] {
+        match self.side[axis] {
+            Side::High => self.bodies,
+            Side::Low => [self.bodies[1], self.bodies[0]],
+        }
+    }
+
+    /// True if it is a face or a blocking corner along the axis.
+    pub fn acts_along(&self, axis: Axis) -> bool {
+        self.kind == TouchKind::Face(axis) || self.blocks[axis]
+    }
+}
+
+/// The impacts of an instant among bodies connected by touching.
+#[derive(Clone, Debug, Default)]
+pub struct Burst {
+    /// The greatest approach speed so far, m/s.
+    pub greatest: f64,
+    /// For each axis, the sequence of impacts.
+    pub histories: [ImpactHistory; 2],
+}
+
+/// The bodies concerned by an instant and what they touch; grows as the instant is processed.
+#[derive(Clone, Debug, Default)]
+pub struct Patch {
+    pub bodies: Vec<LocalBody>,
+    pub touches: Vec<Touch>,
+    /// By slot, the local index or [`NONE`].
+    index: Vec<u32>,
+    /// The touches whose bodies approach each other, in creation order of the bodies.
+    pub approaching: BTreeSet<(Slot, Slot, u32)>,
+    /// For each axis, the bodies whose contacts must be examined.
+    pub dirty: [Vec<Local>; 2],
+    /// Spare lists of touches.
+    spare: Vec<Vec<u32>>,
+    /// By local index, for the roots of the forest: the impacts so far.
+    pub bursts: Vec<Burst>,
+}
+
+impl Patch {
+    /// Removes everything.
+    pub fn clear(&mut self) {
+        for body in self.bodies.drain(..) {
+            self.index[body.slot as usize] = NONE;
+            let mut touches = body.touches;
+            touches.clear();
+            self.spare.push(touches);
+        }
+        self.touches.clear();
+        self.approaching.clear();
+        self.dirty.iter_mut().for_each(Vec::clear);
+        self.bursts.clear();
+    }
+
+    /// The local index of a body, if it is in the patch.
+    pub fn find(&self, slot: Slot) -> Option<Local> {
+        self.index.get(slot as usize).copied().filter(|index| *index != NONE)
+    }
+
+    fn insert(&mut self, slot: Slot, infinite: bool, axes: [LocalAxis; 2]) -> Local {
+        if self.index.len() <= slot as usize {
+            self.index.resize(slot as usize + 1, NONE);
+        }
+        let local = self.bodies.len() as Local;
+        self.index[slot as usize] = local;
+        let touches = self.spare.pop().unwrap_or_default();
+        let body = LocalBody { slot, infinite, axes, explored: false, contacts_changed: false, touches, parent: local };
+        self.bodies.push(body);
+        self.bursts.push(Burst::default());
+        local
+    }
+
+    /// The state of a body along an axis.
+    pub fn axis(&self, body: Local, axis: Axis) -> &LocalAxis {
+        &self.bodies[body as usize].axes[axis]
+    }
+
+    /// The state of a body along an axis, to be changed.
+    pub fn axis_mut(&mut self, body: Local, axis: Axis) -> &mut LocalAxis {
+        &mut self.bodies[body as usize].axes[axis]
+    }
+
+    /// The speed at which two touching bodies approach along an axis, m/s; 0 if below rounding.
+    pub fn approach(&self, touch: &Touch, axis: Axis) -> DoubleDouble {
+        let [low, high] = touch.ordered(axis).map(|body| self.axis(body, axis));
+        (low.state.velocity - high.state.velocity).or_zero((low.speed + high.speed) * VELOCITY_ROUNDING)
+    }
+
+    /// The acceleration at which two touching bodies approach along an axis, m/s²; 0 if below rounding.
+    pub fn approach_acceleration(&self, touch: &Touch, axis: Axis) -> DoubleDouble {
+        let [low, high] = touch.ordered(axis).map(|body| self.axis(body, axis));
+        let rounding = (low.acceleration + high.acceleration) * ACCELERATION_ROUNDING;
+        (low.state.acceleration - high.state.acceleration).or_zero(rounding)
+    }
+
+    /// The axes along which a corner blocks: the gentler one, both if they are equal, none if it is not entered.
+    pub fn blocked_axes(&self, touch: &Touch, with_acceleration: bool) -> [bool; 2] {
+        let motions = Axis::BOTH.map(|axis| {
+            let acceleration =
+                if with_acceleration { self.approach_acceleration(touch, axis) } else { DoubleDouble::ZERO };
+            [self.approach(touch, axis), acceleration]
+        });
+        let enters = |[speed, acceleration]: [DoubleDouble; 2]| {
+            speed.high > 0.0 || (speed.high == 0.0 && acceleration.high > 0.0)
+        };
+        if !motions.into_iter().all(enters) {
+            return [false; 2];
+        }
+        let order = usize::from(motions.iter().all(|motion| motion[0].high == 0.0));
+        let [x, y] = motions.map(|motion| motion[order]);
+        let mut rounding = (x.high + y.high) * EQUAL_APPROACH;
+        if order == 0 {
+            let speeds = touch.bodies.map(|body| self.axis(body, Axis::X).speed + self.axis(body, Axis::Y).speed);
+            rounding += (speeds[0] + speeds[1]) * VELOCITY_ROUNDING;
+        }
+        let difference = (x - y).high;
+        if difference.abs() <= rounding { [true; 2] } else { [difference < 0.0, difference > 0.0] }
+    }
+
+    /// The touch of two bodies, if it is explored.
+    pub fn touch_between(&self, body: Local, other: Local) -> Option<u32> {
+        let touches = &self.bodies[body as usize].touches;
+        touches.iter().copied().find(|touch| self.touches[*touch as usize].other(body) == other)
+    }
+
+    /// The root of a body in the forest of bodies connected by touching; that of a finite neighbour for an
+    /// infinite mass.
+    pub fn root(&self, mut body: Local) -> Local {
+        while self.bodies[body as usize].parent != body {
+            body = self.bodies[body as usize].parent;
+        }
+        body
+    }
+
+    /// The root of a touch.
+    pub fn root_of_touch(&self, touch: &Touch) -> Local {
+        let [first, second] = touch.bodies;
+        self.root(if self.bodies[first as usize].infinite { second } else { first })
+    }
+
+    /// Joins the trees of two bodies of finite mass.
+    fn join(&mut self, first: Local, second: Local) {
+        let [first, second] = [self.root(first), self.root(second)];
+        if first != second {
+            let other = std::mem::take(&mut self.bursts[second as usize]);
+            let burst = &mut self.bursts[first as usize];
+            let greatest = if burst.greatest > other.greatest { burst.greatest } else { other.greatest };
+            *burst = Burst { greatest, ..Burst::default() };
+            self.bodies[second as usize].parent = first;
+        }
+    }
+
+    /// Marks a body whose contacts along an axis must be examined.
+    pub fn mark_dirty(&mut self, body: Local, axis: Axis) {
+        let is_infinite = self.bodies[body as usize].infinite;
+        let state = self.axis_mut(body, axis);
+        if !is_infinite && !state.is_dirty {
+            state.is_dirty = true;
+            self.dirty[axis].push(body);
+        }
+    }
+
+    /// Lists a touch among the approaching ones, or removes it from them.
+    pub fn refresh(&mut self, index: u32) {
+        let touch = self.touches[index as usize];
+        let approaches = match touch.kind {
+            TouchKind::Face(axis) => self.approach(&touch, axis).high > 0.0,
+            TouchKind::Corner => Axis::BOTH.into_iter().all(|axis| self.approach(&touch, axis).high > 0.0),
+        };
+        let [first, second] = touch.bodies.map(|body| self.bodies[body as usize].slot);
+        if approaches {
+            self.approaching.insert((first, second, index));
+        } else {
+            self.approaching.remove(&(first, second, index));
+        }
+    }
+}
+
+/// Approaches along two axes that differ by less than this fraction are equal.
+const EQUAL_APPROACH: f64 = 1.0 / (1_u128 << 85) as f64;
+
+/// An overlap up to this fraction of the coordinates is an accumulated rounding error.
+const DEEPEST_ROUNDING: f64 = 1.0 / (1_u64 << 44) as f64;
+
+impl EventDriven {
+    /// The local index of a body, which is added to the patch if necessary.
+    pub(super) fn load(&self, patch: &mut Patch, slot: Slot) -> Local {
+        if let Some(local) = patch.find(slot) {
+            return local;
+        }
+        let axes = Axis::BOTH.map(|axis| {
+            let scaled = self.scaled_state(slot, axis, self.now);
+            LocalAxis {
+                state: scaled.state,
+                size: self.size(slot, axis),
+                length: scaled.length,
+                speed: scaled.speed,
+                acceleration: scaled.acceleration,
+                has_changed: false,
+                is_dirty: false,
+            }
+        });
+        patch.insert(slot, self.states[slot as usize].infinite, axes)
+    }
+
+    /// Adds all bodies that touch a body of finite mass to the patch.
+    pub(super) fn explore(&mut self, patch: &mut Patch, body: Local) {
+        if patch.bodies[body as usize].infinite || patch.bodies[body as usize].explored {
+            return;
+        }
+        patch.bodies[body as usize].explored = true;
+        let mut neighbours = std::mem::take(&mut self.neighbour_buffer);
+        self.find_touching(patch.bodies[body as usize].slot, &mut neighbours);
+        for other in neighbours.slots() {
+            self.examine_neighbour(patch, body, *other);
+        }
+        self.neighbour_buffer = neighbours;
+    }
+
+    pub(super) fn find_touching(&self, slot: Slot, neighbours: &mut NeighbourBuffer) {
+        let state = &self.states[slot as usize];
+        let reach = SweptAabb::new(&Sample::new(state, self.now), 0.0);
+        self.cell_lists.find_neighbours(slot, state, &reach, neighbours);
+    }
+
+    /// Adds a neighbour to the patch if it touches the body.
+    fn examine_neighbour(&self, patch: &mut Patch, body: Local, other: Slot) {
+        if let Some(known) = patch.find(other)
+            && (patch.bodies[known as usize].explored || patch.touch_between(body, known).is_some())
+        {
+            return;
+        }
+        if !self.may_touch(patch.bodies[body as usize].slot, other) {
+            return;
+        }
+        let other = self.load(patch, other);
+        let [first, second] = if patch.bodies[body as usize].slot < patch.bodies[other as usize].slot {
+            [body, other]
+        } else {
+            [other, body]
+        };
+        let Some((kind, side)) = touch_kind(patch, first, second) else { return };
+        let index = patch.touches.len() as u32;
+        patch.touches.push(Touch { bodies: [first, second], kind, side, blocks: [false; 2] });
+        patch.bodies[first as usize].touches.push(index);
+        patch.bodies[second as usize].touches.push(index);
+        if !patch.bodies[first as usize].infinite && !patch.bodies[second as usize].infinite {
+            patch.join(first, second);
+        }
+        patch.refresh(index);
+    }
+
+    /// False if two bodies certainly do not touch now.
+    pub(super) fn may_touch(&self, slot: Slot, other: Slot) -> bool {
+        let [a, b] = [slot, other].map(|slot| &self.states[slot as usize]);
+        let [from, to] = [a, b].map(|body| body.trajectory.at(self.now)[0]);
+        Axis::BOTH.into_iter().all(|axis| {
+            let offset = to[axis] - from[axis];
+            let [ahead, behind] = [offset - a.size[axis], -offset - b.size[axis]];
+            let gap = if ahead > behind { ahead } else { behind };
+            let speeds = a.trajectory.velocity[axis].abs() + b.trajectory.velocity[axis].abs();
+            let times = a.since.seconds_until(self.now) + b.since.seconds_until(self.now);
+            let scale = from[axis].abs() + to[axis].abs() + a.size[axis] + b.size[axis] + speeds * times;
+            gap <= scale * (64.0 * f64::EPSILON)
+        })
+    }
+}
+
+/// How two bodies touch, and for each axis the side of the first on which the second lies.
+fn touch_kind(patch: &Patch, first: Local, second: Local) -> Option<(TouchKind, [Side; 2])> {
+    let gaps = Axis::BOTH.map(|axis| {
+        let [a, b] = [first, second].map(|body| patch.axis(body, axis));
+        let offset = b.state.position - a.state.position;
+        let [ahead, behind] = [offset - a.size, -offset - b.size];
+        let (gap, side) = if behind.is_less(ahead) { (ahead, Side::High) } else { (behind, Side::Low) };
+        (gap.or_zero((a.length + b.length) * POSITION_ROUNDING), side, a.length + b.length)
+    });
+    let side = [gaps[0].1, gaps[1].1];
+    let signs = [gaps[0].0.high, gaps[1].0.high];
+    if signs[0] > 0.0 || signs[1] > 0.0 {
+        return None;
+    }
+    let kind = match (signs[0] == 0.0, signs[1] == 0.0) {
+        (true, true) => TouchKind::Corner,
+        (true, false) => TouchKind::Face(Axis::X),
+        (false, true) => TouchKind::Face(Axis::Y),
+        (false, false) => {
+            let axis = if signs[0] >= signs[1] { Axis::X } else { Axis::Y };
+            if signs[axis as usize] < -gaps[axis].2 * DEEPEST_ROUNDING {
+                return None;
+            }
+            TouchKind::Face(axis)
+        }
+    };
+    Some((kind, side))
+}

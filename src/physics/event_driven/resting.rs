@@ -1,0 +1,400 @@
+//! Resting contact: which contacts begin and end, and the accelerations under them.
+//!
+//! The constraints along an axis are the pairs that touch on a face without approaching, the contacts that
+//! last, and corners that would be entered otherwise. Under the accelerations of least change
+//! (`least_change`) a constraint is a contact if it is tight and was a contact before, or if its component
+//! is carried, that is, if some acceleration differs from free fall.
+//!
+//! Where no body of a component carries a force of its own, a body is held if constraints lead from it
+//! to an infinite mass in the direction of gravity, and falls freely otherwise. The flags
+//! [`BodyState::supported`](super::body_state::BodyState::supported) tell so without visiting the component.
+
+use super::EventDriven;
+use super::body_state::Slot;
+use super::double_double::DoubleDouble;
+use super::patch::{Local, Patch, Touch, TouchKind};
+use crate::physics::{Axis, Side};
+
+/// Whether bodies of a component carry forces of their own.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Load {
+    GravityOnly,
+    OwnForces,
+}
+
+impl EventDriven {
+    /// Begins and ends contacts and solves the accelerations, from the positions and velocities of the instant.
+    pub(super) fn settle(&mut self, patch: &mut Patch) {
+        patch.touches.iter_mut().for_each(|touch| touch.blocks = [false; 2]);
+        loop {
+            for axis in Axis::BOTH {
+                while !patch.dirty[axis].is_empty() {
+                    self.settle_axis(patch, axis);
+                }
+            }
+            let has_turned = self.end_turned_contacts(patch);
+            let has_blocked = self.block_entered_corners(patch);
+            if !has_turned && !has_blocked {
+                break;
+            }
+        }
+    }
+
+    /// Examines the dirty bodies and all that depend on them.
+    fn settle_axis(&mut self, patch: &mut Patch, axis: Axis) {
+        let mut examined = Vec::new();
+        while let Some(body) = patch.dirty[axis].pop() {
+            patch.axis_mut(body, axis).is_dirty = false;
+            self.explore(patch, body);
+            self.end_lost_contacts(patch, body, axis);
+            if self.load_of(patch, body, axis) == Load::GravityOnly {
+                self.hold_by_gravity(patch, body, axis);
+            }
+            examined.push(body);
+        }
+        examined.sort_unstable();
+        examined.dedup();
+        let mut solved = Vec::new();
+        for body in &examined {
+            match self.load_of(patch, *body, axis) {
+                Load::GravityOnly => self.accelerate_by_gravity(patch, *body, axis),
+                Load::OwnForces if solved.contains(body) => {}
+                Load::OwnForces => self.solve_component(patch, *body, axis, &mut solved),
+            }
+        }
+        for body in examined {
+            self.end_separating_contacts(patch, body, axis);
+        }
+    }
+
+    /// True if a touch constrains the accelerations along an axis.
+    fn is_constraint(&self, patch: &Patch, touch: &Touch, axis: Axis) -> bool {
+        (touch.acts_along(axis) || self.is_contact(patch, touch, axis)) && patch.approach(touch, axis).high == 0.0
+    }
+
+    /// True if two touching bodies are in contact along an axis.
+    pub(super) fn is_contact(&self, patch: &Patch, touch: &Touch, axis: Axis) -> bool {
+        let [first, second] = touch.bodies.map(|body| &patch.bodies[body as usize]);
+        let [finite, other] = if first.infinite { [second.slot, first.slot] } else { [first.slot, second.slot] };
+        self.contacts.axes_between(finite, other)[axis]
+    }
+
+    /// Ends the contacts of a body that no longer touch or have another velocity.
+    fn end_lost_contacts(&mut self, patch: &mut Patch, body: Local, axis: Axis) {
+        let slot = patch.bodies[body as usize].slot;
+        let mut next = 0;
+        while let Some(contact) = self.contacts.of(slot).get(next).copied() {
+            next += 1;
+            if contact.axis != axis {
+                continue;
+            }
+            let other = self.load(patch, contact.other);
+            let lasts = patch.touch_between(body, other).is_some_and(|touch| {
+                let touch = patch.touches[touch as usize];
+                let across = match touch.kind {
+                    TouchKind::Face(face) => face == axis,
+                    TouchKind::Corner => patch.approach(&touch, axis.other()).high >= 0.0,
+                };
+                across && patch.approach(&touch, axis).high == 0.0
+            });
+            if !lasts {
+                self.remove_contact(patch, [body, other], axis);
+                next -= 1;
+            }
+        }
+    }
+
+    /// Whether a component, as far as it was known, carries forces of its own.
+    fn load_of(&self, patch: &Patch, body: Local, axis: Axis) -> Load {
+        if self.force_counts[axis] == 0 {
+            return Load::GravityOnly;
+        }
+        let is_forced = |body: Local| {
+            let slot = patch.bodies[body as usize].slot as usize;
+            self.states[slot].forced[axis] || self.params[slot].has_force[axis]
+        };
+        let reaches_forced = patch.bodies[body as usize].touches.iter().any(|touch| {
+            let touch = &patch.touches[*touch as usize];
+            is_forced(touch.other(body)) && self.is_constraint(patch, touch, axis)
+        });
+        if is_forced(body) || reaches_forced { Load::OwnForces } else { Load::GravityOnly }
+    }
+
+    /// The direction of gravity along an axis.
+    fn falling_side(&self, axis: Axis) -> Option<Side> {
+        match self.gravity[axis] {
+            0.0 => None,
+            gravity if gravity > 0.0 => Some(Side::High),
+            _ => Some(Side::Low),
+        }
+    }
+
+    /// True if a body cannot fall.
+    fn is_held(&self, patch: &Patch, body: Local, axis: Axis, side: Side) -> bool {
+        self.states[patch.bodies[body as usize].slot as usize].is_immovable(axis, side)
+    }
+
+    /// Adds contacts with the held bodies below and, if the body is held itself, with those above.
+    fn hold_by_gravity(&mut self, patch: &mut Patch, body: Local, axis: Axis) {
+        let Some(side) = self.falling_side(axis) else { return };
+        for index in 0..patch.bodies[body as usize].touches.len() {
+            let touch = patch.touches[patch.bodies[body as usize].touches[index] as usize];
+            let below = if touch.side_of(body, axis) == side { touch.other(body) } else { body };
+            if self.is_held(patch, below, axis, side)
+                && self.is_constraint(patch, &touch, axis)
+                && !self.is_contact(patch, &touch, axis)
+            {
+                self.add_contact(patch, &touch, axis);
+            }
+        }
+    }
+
+    fn accelerate_by_gravity(&mut self, patch: &mut Patch, body: Local, axis: Axis) {
+        let is_held = self.falling_side(axis).is_some_and(|side| self.is_held(patch, body, axis, side));
+        let slot = patch.bodies[body as usize].slot as usize;
+        let acceleration = if is_held { DoubleDouble::ZERO } else { self.params[slot].free_acceleration[axis] };
+        self.states[slot].forced[axis] = false;
+        set_acceleration(patch, body, axis, acceleration);
+    }
+
+    /// Solves the accelerations of a whole component, and begins and ends its contacts.
+    fn solve_component(&mut self, patch: &mut Patch, start: Local, axis: Axis, solved: &mut Vec<Local>) {
+        let (members, constraints) = self.constrained_component(patch, start, axis);
+        let accelerations = self.least_change(patch, &members, &constraints, axis);
+        let is_forced =
+            members.iter().any(|body| self.params[patch.bodies[*body as usize].slot as usize].has_force[axis]);
+        for (body, acceleration) in members.iter().zip(accelerations) {
+            self.states[patch.bodies[*body as usize].slot as usize].forced[axis] = is_forced;
+            set_acceleration(patch, *body, axis, acceleration);
+        }
+        self.keep_tight_contacts(patch, &constraints, axis);
+        solved.extend(members);
+    }
+
+    /// The bodies of finite mass connected to one by constraints along an axis, and these constraints.
+    fn constrained_component(&mut self, patch: &mut Patch, start: Local, axis: Axis) -> (Vec<Local>, Vec<u32>) {
+        let (mut members, mut constraints) = (vec![start], Vec::new());
+        let mut is_member = vec![false; patch.bodies.len()];
+        is_member[start as usize] = true;
+        let mut next = 0;
+        while let Some(body) = members.get(next).copied() {
+            next += 1;
+            self.explore(patch, body);
+            is_member.resize(patch.bodies.len(), false);
+            for index in 0..patch.bodies[body as usize].touches.len() {
+                let index = patch.bodies[body as usize].touches[index];
+                let touch = &patch.touches[index as usize];
+                if !self.is_constraint(patch, touch, axis) {
+                    continue;
+                }
+                let other = touch.other(body);
+                let is_known = is_member[other as usize];
+                if patch.bodies[other as usize].infinite || touch.bodies[0] == body || !is_known {
+                    constraints.push(index);
+                }
+                if !is_known && !patch.bodies[other as usize].infinite {
+                    is_member[other as usize] = true;
+                    members.push(other);
+                }
+            }
+        }
+        members.sort_unstable_by_key(|body| patch.bodies[*body as usize].slot);
+        constraints.sort_unstable_by_key(|touch| {
+            patch.touches[*touch as usize].bodies.map(|body| patch.bodies[body as usize].slot)
+        });
+        constraints.dedup();
+        (members, constraints)
+    }
+
+    /// The accelerations of least change of the members of a component.
+    fn least_change(&mut self, patch: &Patch, members: &[Local], constraints: &[u32], axis: Axis) -> Vec<DoubleDouble> {
+        let mut group = std::mem::take(&mut self.contact_group);
+        group.clear();
+        let mut index = vec![0; patch.bodies.len()];
+        for body in members {
+            let params = &self.params[patch.bodies[*body as usize].slot as usize];
+            index[*body as usize] = group.add(params.free_acceleration[axis], params.mass);
+        }
+        for touch in constraints {
+            let [low, high] = patch.touches[*touch as usize].ordered(axis);
+            match [low, high].map(|body| patch.bodies[body as usize].infinite) {
+                [true, _] => group.support(index[high as usize], Side::Low),
+                [_, true] => group.support(index[low as usize], Side::High),
+                _ => group.connect([index[low as usize], index[high as usize]]),
+            }
+        }
+        let accelerations = group.solve();
+        self.contact_group = group;
+        accelerations
+    }
+
+    /// Of the constraints of a solved component, makes those contacts that are tight and were contacts before or
+    /// are carried; ends all other contacts.
+    fn keep_tight_contacts(&mut self, patch: &mut Patch, constraints: &[u32], axis: Axis) {
+        let is_tight =
+            |patch: &Patch, touch: u32| patch.approach_acceleration(&patch.touches[touch as usize], axis).high == 0.0;
+        let mut carried = vec![false; patch.bodies.len()];
+        let mut links: Vec<[Local; 2]> = Vec::new();
+        let mut stack = Vec::new();
+        for touch in constraints.iter().filter(|touch| is_tight(patch, **touch)) {
+            let bodies = patch.touches[*touch as usize].bodies;
+            let is_finite = bodies.map(|body| !patch.bodies[body as usize].infinite);
+            if is_finite == [true; 2] {
+                links.extend([bodies, [bodies[1], bodies[0]]]);
+            }
+            for body in bodies.into_iter().filter(|body| !patch.bodies[*body as usize].infinite) {
+                if !carried[body as usize] && self.differs_from_free_fall(patch, body, axis) {
+                    carried[body as usize] = true;
+                    stack.push(body);
+                }
+            }
+        }
+        links.sort_unstable();
+        while let Some(body) = stack.pop() {
+            let from = links.partition_point(|link| link[0] < body);
+            for link in links[from..].iter().take_while(|link| link[0] == body) {
+                if !std::mem::replace(&mut carried[link[1] as usize], true) {
+                    stack.push(link[1]);
+                }
+            }
+        }
+        for index in constraints {
+            let touch = patch.touches[*index as usize];
+            let finite =
+                if patch.bodies[touch.bodies[0] as usize].infinite { touch.bodies[1] } else { touch.bodies[0] };
+            let was_contact = self.is_contact(patch, &touch, axis);
+            let is_contact = is_tight(patch, *index) && (was_contact || carried[finite as usize]);
+            if is_contact && !was_contact {
+                self.add_contact(patch, &touch, axis);
+            } else if was_contact && !is_contact {
+                self.remove_contact(patch, touch.bodies, axis);
+            }
+        }
+    }
+
+    fn differs_from_free_fall(&self, patch: &Patch, body: Local, axis: Axis) -> bool {
+        let state = patch.axis(body, axis);
+        let free = self.params[patch.bodies[body as usize].slot as usize].free_acceleration[axis];
+        let rounding = state.acceleration * super::exact::ACCELERATION_ROUNDING;
+        (state.state.acceleration - free).high.abs() > rounding
+    }
+
+    /// Ends the contacts of a body along an axis whose accelerations separate it.
+    fn end_separating_contacts(&mut self, patch: &mut Patch, body: Local, axis: Axis) {
+        let slot = patch.bodies[body as usize].slot;
+        let mut next = 0;
+        while let Some(contact) = self.contacts.of(slot).get(next).copied() {
+            next += 1;
+            let Some(other) = patch.find(contact.other).filter(|_| contact.axis == axis) else { continue };
+            let Some(touch) = patch.touch_between(body, other) else { continue };
+            if patch.approach_acceleration(&patch.touches[touch as usize], axis).high != 0.0 {
+                self.remove_contact(patch, [body, other], axis);
+                next -= 1;
+            }
+        }
+    }
+
+    /// Ends the contacts at corners that do not begin to overlap.
+    fn end_turned_contacts(&mut self, patch: &mut Patch) -> bool {
+        let mut has_ended = false;
+        for index in 0..patch.touches.len() {
+            let touch = patch.touches[index];
+            for axis in Axis::BOTH {
+                let across = axis.other();
+                if touch.kind == TouchKind::Corner
+                    && !touch.blocks[axis]
+                    && self.is_contact(patch, &touch, axis)
+                    && patch.approach(&touch, across).high == 0.0
+                    && patch.approach_acceleration(&touch, across).high <= 0.0
+                {
+                    self.remove_contact(patch, touch.bodies, axis);
+                    has_ended = true;
+                }
+            }
+        }
+        has_ended
+    }
+
+    /// Constrains the corners that would be entered from rest along the gentler axis.
+    fn block_entered_corners(&mut self, patch: &mut Patch) -> bool {
+        let mut blocked = Vec::new();
+        for (index, touch) in patch.touches.iter().enumerate() {
+            if touch.kind != TouchKind::Corner || touch.blocks != [false; 2] {
+                continue;
+            }
+            if Axis::BOTH.into_iter().any(|axis| self.is_contact(patch, touch, axis)) {
+                continue;
+            }
+            let axes = patch.blocked_axes(touch, true);
+            for axis in Axis::BOTH {
+                if axes[axis] && patch.approach(touch, axis).high == 0.0 {
+                    blocked.push((index, axis));
+                }
+            }
+        }
+        for (index, axis) in &blocked {
+            patch.touches[*index].blocks[*axis] = true;
+            patch.touches[*index].bodies.into_iter().for_each(|body| patch.mark_dirty(body, *axis));
+        }
+        !blocked.is_empty()
+    }
+
+    /// Begins the contact of two touching bodies.
+    pub(super) fn add_contact(&mut self, patch: &mut Patch, touch: &Touch, axis: Axis) {
+        let pair = touch.ordered(axis);
+        self.contacts.add(&self.states, pair.map(|body| patch.bodies[body as usize].slot), axis);
+        self.contact_changed(patch, pair, axis);
+    }
+
+    /// Ends the contact of two bodies along an axis.
+    pub(super) fn remove_contact(&mut self, patch: &mut Patch, pair: [Local; 2], axis: Axis) {
+        let [first, second] = pair.map(|body| patch.bodies[body as usize].slot);
+        self.contacts.remove(first, second, axis);
+        self.contact_changed(patch, pair, axis);
+    }
+
+    fn contact_changed(&mut self, patch: &mut Patch, pair: [Local; 2], axis: Axis) {
+        let slots = pair.map(|body| patch.bodies[body as usize].slot);
+        for body in pair {
+            patch.bodies[body as usize].contacts_changed = true;
+            patch.mark_dirty(body, axis);
+        }
+        for slot in self.update_supports(axis, slots.to_vec()) {
+            let body = self.load(patch, slot);
+            patch.mark_dirty(body, axis);
+        }
+    }
+
+    /// Updates which bodies are supported by an infinite mass, starting at `unchecked`; returns those for which
+    /// it changed.
+    ///
+    /// Contacts along an axis lead from lower to higher coordinates and form no cycle, so this
+    /// terminates and no body supports itself.
+    pub(super) fn update_supports(&mut self, axis: Axis, mut unchecked: Vec<Slot>) -> Vec<Slot> {
+        let mut changed = Vec::new();
+        while let Some(slot) = unchecked.pop() {
+            if self.states[slot as usize].infinite {
+                continue;
+            }
+            let supported = Side::BOTH.map(|side| self.contacts.is_supported(&self.states, slot, axis, side));
+            if supported != self.states[slot as usize].supported[axis] {
+                self.states[slot as usize].supported[axis] = supported;
+                changed.push(slot);
+                let along = self.contacts.of(slot).iter().filter(|contact| contact.axis == axis);
+                unchecked.extend(along.map(|contact| contact.other));
+            }
+        }
+        changed
+    }
+}
+
+/// Changes the acceleration of a body from the present instant on.
+fn set_acceleration(patch: &mut Patch, body: Local, axis: Axis, acceleration: DoubleDouble) {
+    let state = patch.axis_mut(body, axis);
+    if state.state.acceleration != acceleration {
+        state.state.acceleration = acceleration;
+        state.has_changed = true;
+        let magnitude = acceleration.high.abs();
+        state.acceleration = if magnitude > state.acceleration { magnitude } else { state.acceleration };
+    }
+}
