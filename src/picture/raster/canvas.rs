@@ -1,5 +1,6 @@
+use super::coverage_mask::CoverageMask;
+use super::{ClipRect, FULL_COVERAGE};
 use crate::physics::Rect;
-use crate::picture::raster::coverage_mask::CoverageMask;
 use crate::picture::{Color, Ink, Picture, color};
 
 /// A pixel buffer. Rectangles are drawn to the nearest quarter pixel.
@@ -9,18 +10,6 @@ pub struct Canvas {
     /// Drawing changes only pixels inside this rectangle.
     pub clip: ClipRect,
 }
-
-/// Columns `left..right` and rows `top..bottom`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ClipRect {
-    pub left: usize,
-    pub top: usize,
-    pub right: usize,
-    pub bottom: usize,
-}
-
-/// The coverage of a fully covered pixel.
-pub const FULL_COVERAGE: u8 = 16;
 
 impl Canvas {
     pub fn new(size: [usize; 2], background: Color) -> Canvas {

@@ -1,6 +1,5 @@
-use super::stroke;
+use super::{ClipRect, quantize_coverage, stroke};
 use crate::physics::Vector;
-use crate::picture::raster::canvas::{ClipRect, FULL_COVERAGE};
 use crate::picture::text::{Font, PathSegment, UNITS_PER_EM};
 use tiny_skia::{FillRule, Mask, Path, PathBuilder, Transform};
 
@@ -66,12 +65,6 @@ impl CoverageMask {
         coverage.iter_mut().for_each(|alpha| *alpha = quantize_coverage(f64::from(*alpha) / 255.0));
         Some(CoverageMask { left: left as i64, top: top as i64, width: width as usize, coverage })
     }
-}
-
-/// Coverage from 0 to 1 in sixteenths, rounded to eighths.
-pub fn quantize_coverage(coverage: f64) -> u8 {
-    const STEPS: u8 = FULL_COVERAGE / 2;
-    (coverage * f64::from(STEPS)).round() as u8 * 2
 }
 
 fn closed_path(points: &[Vector], offset: Vector) -> Option<Path> {

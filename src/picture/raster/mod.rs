@@ -33,3 +33,21 @@ impl Picture {
         self.pixels.chunks_exact(self.size[0] as usize)
     }
 }
+
+/// Columns `left..right` and rows `top..bottom`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct ClipRect {
+    left: usize,
+    top: usize,
+    right: usize,
+    bottom: usize,
+}
+
+/// The coverage of a fully covered pixel.
+pub(crate) const FULL_COVERAGE: u8 = 16;
+
+/// Coverage from 0 to 1 in sixteenths, rounded to eighths.
+pub(crate) fn quantize_coverage(coverage: f64) -> u8 {
+    const STEPS: u8 = FULL_COVERAGE / 2;
+    (coverage * f64::from(STEPS)).round() as u8 * 2
+}

@@ -2,9 +2,8 @@
 //! filling the outline of the stroke as a path, because no path is built and only pixels near the line are visited. The
 //! rows `lecture` of `cargo bench --bench drawing`, with arrows and a grid, measure it.
 
+use super::{ClipRect, quantize_coverage};
 use crate::physics::{Vector, larger, smaller};
-use crate::picture::raster::canvas::ClipRect;
-use crate::picture::raster::coverage_mask::quantize_coverage;
 use std::ops::Range;
 
 /// The pixels within `clip` that a line can touch, if any.
