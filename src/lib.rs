@@ -88,6 +88,8 @@ mod replay;
 #[cfg(feature = "report")]
 mod report;
 mod scene;
+#[cfg(feature = "draw")]
+mod temporary;
 pub mod testing;
 mod text;
 

@@ -39,6 +39,31 @@ pub(crate) fn csv_field(text: &str) -> Cow<'_, str> {
     text.into()
 }
 
+/// Text for a terminal. Control characters, which could control the terminal or hide parts of the text, are written as
+/// `\u001b`, as in JSON; line breaks and tabs stay.
+#[cfg(feature = "cli")]
+pub(crate) struct Printable<'a>(pub &'a str);
+
+#[cfg(feature = "cli")]
+impl Display for Printable<'_> {
+    fn fmt(&self, out: &mut Formatter) -> fmt::Result {
+        for part in self.0.split_inclusive(is_unprintable) {
+            match part.chars().next_back().filter(|&last| is_unprintable(last)) {
+                Some(last) => write!(out, "{}\\u{:04x}", &part[..part.len() - last.len_utf8()], u32::from(last))?,
+                None => out.write_str(part)?,
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Returns true for control characters and for those that change the direction of the text.
+#[cfg(feature = "cli")]
+pub(crate) fn is_unprintable(character: char) -> bool {
+    let reorders = matches!(character, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    reorders || (character.is_control() && !matches!(character, '\n' | '\t'))
+}
+
 /// Text escaped for XML and HTML, in content and in attributes. Characters that XML does not allow are omitted.
 #[cfg(feature = "draw")]
 pub(crate) struct Escaped<'a>(pub &'a str);
@@ -71,6 +96,14 @@ mod tests {
         assert_eq!(counted(2_usize, "body").to_string(), "2 bodies");
         assert_eq!(counted(3_u32, "key").to_string(), "3 keys");
         assert_eq!(counted(1.5, "box").to_string(), "1.5 boxes");
+    }
+
+    #[test]
+    #[cfg(feature = "cli")]
+    fn printable_text_has_no_control_characters_but_line_breaks_and_tabs() {
+        let text = "a\u{1b}[31mb\tc\nd\u{9b}e\u{7f}\u{202e}\r";
+        assert_eq!(Printable(text).to_string(), "a\\u001b[31mb\tc\nd\\u009be\\u007f\\u202e\\u000d");
+        assert_eq!(Printable("Größe ✓").to_string(), "Größe ✓");
     }
 
     #[test]

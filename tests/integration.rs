@@ -45,6 +45,9 @@ mod hostile_lengths;
 mod library;
 #[path = "integration/live_events.rs"]
 mod live_events;
+#[cfg(unix)]
+#[path = "integration/output_files.rs"]
+mod output_files;
 #[path = "integration/portability.rs"]
 mod portability;
 #[path = "integration/provenance.rs"]

@@ -1,4 +1,4 @@
-use super::{Mismatch, SceneMismatch};
+use super::{Mismatch, SceneMismatch, TemporaryRecording};
 use crate::recording::SEMANTICS_VERSION;
 use crate::replay::{Divergence, Verdict};
 use std::fmt::{self, Display, Formatter};
@@ -22,7 +22,7 @@ pub enum Replacement {
     /// A picture.
     Picture(Vec<u8>),
     /// A recording, in a temporary file that is removed when this is dropped.
-    Recording(tempfile::TempPath),
+    Recording(TemporaryRecording),
 }
 
 /// The outcome of checking one case.

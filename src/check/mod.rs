@@ -18,7 +18,7 @@ pub use check_result::{CheckResult, Outcome, Replacement, Severity};
 pub use find::{CheckError, Files, normalize};
 pub use mismatch::{Mismatch, mismatch};
 pub use page::Page;
-pub use recording::SceneMismatch;
+pub use recording::{SceneMismatch, TemporaryRecording};
 
 use crate::picture::ordered_parallel_map;
 use std::num::NonZero;

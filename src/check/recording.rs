@@ -5,11 +5,12 @@ use crate::physics::{CollisionCount, Spawn, Vector};
 use crate::recording::{self, BodyTable, Change, Error, Identity, Item, RecordedState, Recording};
 use crate::replay::{self, ALL_STEPS, Difference, Replayer, RunError, Verdict, ulps};
 use crate::scene;
+use crate::temporary::TemporaryFolder;
 use crate::text::counted;
 use std::fmt::{self, Display, Formatter};
-use std::io::{Read, Seek};
-use std::path::Path;
-use tempfile::TempPath;
+use std::fs::File;
+use std::io::{self, Read, Seek};
+use std::path::{Path, PathBuf};
 
 /// Checks the recording at `path`, and compares it with a new run of the scene, if one is given.
 pub fn check_recording(path: &Path, scene: Option<&Path>) -> CheckResult {
@@ -50,9 +51,28 @@ fn compare_with_scene(path: &Path, replayed: Outcome, scene: &Path) -> (Outcome,
     }
 }
 
+/// A recording in a temporary folder, which is removed when this is dropped.
+#[derive(Debug)]
+pub struct TemporaryRecording(TemporaryFolder);
+
+impl TemporaryRecording {
+    /// Creates the folder.
+    ///
+    /// # Errors
+    /// If the folder for temporary files is not writable.
+    pub fn create() -> io::Result<TemporaryRecording> {
+        TemporaryFolder::create_in_system().map(TemporaryRecording)
+    }
+
+    /// The path of the recording.
+    pub fn path(&self) -> PathBuf {
+        self.0.path().join("scene.mcap")
+    }
+}
+
 /// A recording of a new run of a scene.
 struct NewRecording {
-    file: TempPath,
+    file: TemporaryRecording,
     identity: Identity,
 }
 
@@ -65,10 +85,11 @@ fn record_scene(scene: &Path, path: &Path) -> Result<NewRecording, RunError> {
         Err(_) => (scene.run.steps, 1),
     };
     let unwritable = |error| RunError::from(Error::Write(error));
-    let (file, temp_path) = tempfile::Builder::new().prefix("rebond-").tempfile().map_err(unwritable)?.into_parts();
+    let recording = TemporaryRecording::create().map_err(unwritable)?;
+    let file = File::create_new(recording.path()).map_err(unwritable)?;
     let plan = replay::RecordOptions { steps, every, viewer: None };
     let recorded = replay::record(&scene, plan, replay::NO_LIVE_EVENTS, file, |_| ())?;
-    Ok(NewRecording { file: temp_path, identity: recorded.trailer.identity })
+    Ok(NewRecording { file: recording, identity: recorded.trailer.identity })
 }
 
 /// Compares the recording at `path` with a new one. `None` if both have the same identity.
@@ -80,7 +101,7 @@ fn compare_with(path: &Path, new_recording: &NewRecording) -> Result<Option<Scen
     if recorded.trailer().is_some_and(|end| end.identity == new_recording.identity) {
         return Ok(None);
     }
-    SceneMismatch::between(recording::open(path)?, recording::open(&new_recording.file)?).map(Some)
+    SceneMismatch::between(recording::open(path)?, recording::open(&new_recording.file.path())?).map(Some)
 }
 
 /// The difference between a recording and a new run of the scene next to it.

@@ -1,13 +1,13 @@
 //! Checking a picture: it must be redrawn the same.
 
-use super::{CheckResult, Outcome, Recipe, ReferenceImage, Replacement, Severity, mismatch};
+use super::{CheckResult, Outcome, Recipe, ReferenceImage, Replacement, Severity, TemporaryRecording, mismatch};
 use crate::picture::{Error, Format, PictureOptions, Provenance, SOFTWARE, Source, SubjectOptions};
 use crate::recording;
 use crate::replay::{self, NO_LIVE_EVENTS};
 use crate::scene;
+use std::fs::File;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
-use tempfile::TempPath;
 
 /// Checks a picture.
 ///
@@ -111,7 +111,7 @@ fn draw_embedded(provenance: &Provenance, sources: &[PathBuf], software: &str) -
 struct OpenedSource {
     source: Source,
     /// The temporary recording; it is removed when this is dropped.
-    _temporary: Option<TempPath>,
+    _temporary: Option<TemporaryRecording>,
 }
 
 impl OpenedSource {
@@ -122,9 +122,9 @@ impl OpenedSource {
         }
         let scene = scene::load(path).map_err(replay::RunError::from)?;
         let unwritable = |error| replay::RunError::from(recording::Error::Write(error));
-        let (file, temp_path) =
-            tempfile::Builder::new().prefix("rebond-").suffix(".mcap").tempfile().map_err(unwritable)?.into_parts();
+        let temporary = TemporaryRecording::create().map_err(unwritable)?;
+        let file = File::create_new(temporary.path()).map_err(unwritable)?;
         replay::record(&scene, replay::RecordOptions::complete(&scene), NO_LIVE_EVENTS, file, |_| ())?;
-        Ok(OpenedSource { source: Source::open(&temp_path)?, _temporary: Some(temp_path) })
+        Ok(OpenedSource { source: Source::open(&temporary.path())?, _temporary: Some(temporary) })
     }
 }

@@ -1,5 +1,6 @@
 use super::arguments::CheckOptions;
 use super::error::CommandError;
+use super::output_file::{OutputFile, Overwrite};
 use super::replay::difference_json;
 use super::{Exit, manifest, output};
 use crate::check::{self, Case, CheckResult, Files, Outcome, Page, Replacement, SceneMismatch, Severity};
@@ -44,7 +45,7 @@ pub fn run(options: &CheckOptions) -> Result<Exit, CommandError> {
     if options.json {
         output::info(format_args!("{}", summary.trim_end()));
     } else {
-        output::print(summary.as_bytes())?;
+        output::print(&summary)?;
     }
     Ok(match worst {
         Severity::Same => Exit::Done,
@@ -74,23 +75,23 @@ impl Session<'_> {
         let severity = if is_accepted { Severity::Same } else { result.outcome.severity() };
         self.worst = self.worst.max(severity);
         if self.options.json {
-            return output::print(json(&result, &files, is_accepted).as_bytes());
+            return output::print(&json(&result, &files, is_accepted));
         }
         if output::is_quiet() && result.outcome.severity() == Severity::Same {
             return Ok(());
         }
-        output::print(line(&result, is_accepted).as_bytes())
+        output::print(&line(&result, is_accepted))
     }
 }
 
 /// Replaces the file at `path`.
 fn accept(path: &Path, replacement: &Replacement) -> Result<(), CommandError> {
     let unwritable = CommandError::unwritable(path);
-    output::write_file(path, true, |file| match replacement {
+    OutputFile::create(path, Overwrite::Allowed, &[])?.write(|file| match replacement {
         Replacement::Picture(content) => file.write_all(content).map_err(&unwritable),
-        Replacement::Recording(temp_path) => {
-            let mut recording = File::open(temp_path).map_err(&unwritable)?;
-            io::copy(&mut recording, file).map(drop).map_err(&unwritable)
+        Replacement::Recording(recording) => {
+            let mut content = File::open(recording.path()).map_err(&unwritable)?;
+            io::copy(&mut content, file).map(drop).map_err(&unwritable)
         }
     })
 }

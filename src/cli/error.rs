@@ -1,3 +1,4 @@
+use super::output_file::Busy;
 use super::{Exit, arguments::is_standard_output, scene_report::SceneReport};
 use crate::{
     picture::{self, RenderError},
@@ -35,7 +36,7 @@ pub enum CommandError {
         /// The scene.
         path: PathBuf,
     },
-    /// A recording cannot be opened or created; the error names it.
+    /// A recording cannot be opened; the error names it.
     #[error(transparent)]
     RecordingFile(recording::Error),
     /// A frame cannot be rasterised, encoded or decoded.
@@ -60,11 +61,26 @@ pub enum CommandError {
     },
     /// Standard output cannot be written.
     #[error("cannot write to standard output: {0}")]
-    #[diagnostic(help("the reader of the pipe has exited, or the disk is full; write to a file with -o instead"))]
+    #[diagnostic(help("free some space on its disk, or write to a file with -o instead"))]
     StandardOutput(#[source] io::Error),
+    /// The reader of standard output or of a named pipe has closed it. It needs no more, so nothing is printed.
+    #[error("the reader of {} has closed it", .0.display())]
+    ReaderClosed(PathBuf),
     /// The output file already exists.
     #[error("{} already exists; choose another name, or overwrite it with --force", .0.display())]
     Exists(PathBuf),
+    /// The output is a folder.
+    #[error("cannot write {}: it is a folder; name a file in it", .0.display())]
+    IsFolder(PathBuf),
+    /// The output must be a folder and is a file.
+    #[error("cannot write files into {}: it is not a folder; choose another name", .0.display())]
+    IsNoFolder(PathBuf),
+    /// The output is one of the inputs.
+    #[error("cannot write {}: the command reads this file; choose another name", .0.display())]
+    IsInput(PathBuf),
+    /// Another process is recording to the output.
+    #[error("cannot write {}: another process is recording to it; wait for its end, or choose another name", .0.display())]
+    Busy(PathBuf),
     /// The check cannot start.
     #[error(transparent)]
     Check(#[from] crate::check::CheckError),
@@ -159,9 +175,7 @@ impl CommandError {
     /// Converts an error of reading or writing the recording at `path`, so that the message names the path once.
     fn recording(path: &Path, source: recording::Error) -> CommandError {
         match source {
-            recording::Error::Open { .. } | recording::Error::Create { .. } | recording::Error::Exists { .. } => {
-                CommandError::RecordingFile(source)
-            }
+            recording::Error::Open { .. } => CommandError::RecordingFile(source),
             recording::Error::NotARecording { .. } if path.extension().is_some_and(|extension| extension == "toml") => {
                 CommandError::SceneAsRecording { path: path.into() }
             }
@@ -172,12 +186,12 @@ impl CommandError {
 
     /// Returns a function that converts an error of writing to `path`, which may be standard output.
     pub fn unwritable(path: &Path) -> impl Fn(io::Error) -> CommandError {
-        move |source| {
-            if is_standard_output(path) {
-                CommandError::StandardOutput(source)
-            } else {
-                CommandError::Unwritable { path: path.into(), source }
-            }
+        move |source| match source.kind() {
+            io::ErrorKind::BrokenPipe => CommandError::ReaderClosed(path.into()),
+            io::ErrorKind::AlreadyExists if source.get_ref().is_none() => CommandError::Exists(path.into()),
+            _ if source.get_ref().is_some_and(|source| source.is::<Busy>()) => CommandError::Busy(path.into()),
+            _ if is_standard_output(path) => CommandError::StandardOutput(source),
+            _ => CommandError::Unwritable { path: path.into(), source },
         }
     }
 
@@ -217,6 +231,9 @@ impl From<picture::Error> for CommandError {
 /// Messages contain their causes, so these are not listed again. Lines are not wrapped, so that scripts can search
 /// them.
 pub fn report(error: CommandError) -> Exit {
+    if let CommandError::ReaderClosed(_) = error {
+        return Exit::Done;
+    }
     let handler = || MietteHandlerOpts::new().without_cause_chain().wrap_lines(false).build();
     let _ = miette::set_hook(Box::new(move |_| Box::new(handler()))); // Fails only if set before.
     let report = miette::Report::new(error);

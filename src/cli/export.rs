@@ -1,5 +1,6 @@
 use super::arguments::{ExportOptions, Shard, Table, is_standard_output};
 use super::error::CommandError;
+use super::output_file::{OutputFile, Overwrite};
 use super::source::SourceFile;
 use super::{Exit, output};
 use crate::physics::{Axis, BodyId, Collision, Engine, Observer};
@@ -10,20 +11,19 @@ use crate::text::csv_field;
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 use std::ops::RangeInclusive;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 /// Exports states, collisions, energies or bodies of recordings or scenes as a table.
 pub fn run(options: &ExportOptions) -> Result<Exit, CommandError> {
     let format = Format::from_path(&options.output)?;
-    if !is_standard_output(&options.output) {
-        output::refuse_existing(&options.output, options.force)?;
-    }
+    let inputs: Vec<&Path> = options.sources.iter().map(PathBuf::as_path).collect();
+    let output = OutputFile::create(&options.output, Overwrite::from_force(options.force), &inputs)?;
     if options.shard != Shard::WHOLE && options.sources.len() > 1 {
         return Err(CommandError::ShardOfSeveral);
     }
     let files = options.sources.iter().map(|path| SourceFile::open(path)).collect::<Result<Vec<_>, CommandError>>()?;
-    let statuses = output::write_file(&options.output, options.force, |file| {
+    let statuses = output.write(|file| {
         let mut rows = Rows { format, output: file, columns: options.table.columns(), source: None };
         let has_header = options.shard.number == 1;
         let names: Vec<String> = options.sources.iter().map(|path| path.display().to_string()).collect();

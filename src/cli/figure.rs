@@ -1,19 +1,19 @@
 use super::arguments::is_standard_output;
 use super::error::CommandError;
+use super::output_file::{OutputFile, Overwrite};
 use super::picture_arguments::FigureCommandOptions;
 use super::source::OpenedSource;
 use super::{Exit, output};
 use crate::picture::{self, Provenance, StillFormat, SubjectOptions};
 use std::num::NonZero;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Draws one lecture figure.
 pub fn run(options: &FigureCommandOptions) -> Result<Exit, CommandError> {
     let path = &options.output.output;
     let subject = subject(options)?;
-    if !is_standard_output(path) {
-        output::refuse_existing(path, options.output.force)?;
-    }
+    let inputs: Vec<&Path> = options.sources.iter().map(PathBuf::as_path).collect();
+    let output = OutputFile::create(path, Overwrite::from_force(options.output.force), &inputs)?;
     let sources = options
         .sources
         .iter()
@@ -24,7 +24,7 @@ pub fn run(options: &FigureCommandOptions) -> Result<Exit, CommandError> {
     let mut on_progress = output::progress_updater(&bar);
     let picture = options.picture_options().resolve(&subject, &recordings, &mut on_progress)?;
     let provenance = Provenance::new(&picture, &recordings);
-    let drawn = output::write_file(path, options.output.force, |output| {
+    let drawn = output.write(|output| {
         Ok(picture::draw(&provenance, &recordings, NonZero::<usize>::MIN, &mut on_progress, output)?)
     })?;
     bar.finish_and_clear();

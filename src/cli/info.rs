@@ -15,7 +15,7 @@ use std::{
 pub fn run(options: &InfoOptions) -> Result<Exit, CommandError> {
     let path = &options.file;
     if let Some(text) = picture_info(path, options.json)? {
-        output::print(text.as_bytes())?;
+        output::print(&text)?;
         return Ok(Exit::Done);
     }
     let mut recording = recording::open(path).map_err(CommandError::in_recording(path))?;
@@ -30,7 +30,7 @@ pub fn run(options: &InfoOptions) -> Result<Exit, CommandError> {
         None => Info::read(path, &mut recording, bytes)?,
     };
     let text = if options.json { info.json() } else { info.lines() };
-    output::print(text.as_bytes())?;
+    output::print(&text)?;
     Ok(exit)
 }
 

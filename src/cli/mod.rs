@@ -8,6 +8,7 @@ mod figure;
 mod info;
 mod manifest;
 mod output;
+mod output_file;
 mod picture_arguments;
 mod record;
 mod recover;
@@ -16,6 +17,7 @@ mod replay;
 mod report;
 mod scene_report;
 mod shell;
+mod signals;
 mod source;
 mod video;
 
@@ -77,6 +79,7 @@ pub enum Command {
 /// Runs one command, prints its error if it fails, and returns the exit code.
 pub fn run(arguments: Arguments) -> Exit {
     output::set_quiet(arguments.quiet);
+    signals::remove_temporary_files_on_interruption();
     let result = match &arguments.command {
         Command::Record(options) => record::run(options),
         Command::Replay(options) => replay::run(options),

@@ -1,19 +1,23 @@
 use super::arguments::RecordOptions;
 use super::error::CommandError;
+use super::output_file::{Durability, OutputFile, Overwrite};
 use super::{Exit, output};
 use crate::picture;
-use crate::recording::{ColorFn, Durability, Overwrite, RecordedError};
+use crate::recording::{ColorFn, RecordedError};
 use crate::replay::{self, LiveEvents, OnBadEvent, Recorded, RunError};
 use crate::scene::{self, Scene};
 use crate::text::counted;
 use std::{
     fs::File,
     io::{self, BufRead, BufReader, Write},
-    path::Path,
+    iter,
+    path::{Path, PathBuf},
 };
 
 /// Runs a scene and records it.
 pub fn run(options: &RecordOptions) -> Result<Exit, CommandError> {
+    let inputs: Vec<&Path> = iter::once(&options.scene).chain(&options.events).map(PathBuf::as_path).collect();
+    let output = OutputFile::create(&options.output, Overwrite::from_force(options.force), &inputs)?;
     let scene = match options.set.as_slice() {
         [] => scene::load(&options.scene)?,
         overrides => scene::load_with(&options.scene, overrides)?,
@@ -27,10 +31,8 @@ pub fn run(options: &RecordOptions) -> Result<Exit, CommandError> {
     let on_bad_event = if options.lenient { OnBadEvent::Skip } else { OnBadEvent::Fail };
     let events = options.events.as_deref().map(open_events).transpose()?;
     let mut live = events.map(|lines| LiveEvents::new(lines, on_bad_event, plan.steps));
-    let overwrite = if options.force { Overwrite::Allowed } else { Overwrite::Refused };
     let durability = if options.sync { Durability::Disk } else { Durability::Program };
-    let output = output::create_recording(&options.output, overwrite, durability)?;
-    let recorded = record(&scene, plan, live.as_mut(), output, &options.output)?;
+    let recorded = record(&scene, plan, live.as_mut(), output.record(durability)?, &options.output)?;
     print_summary(options, &recorded, live.map_or(0, |live| live.skipped()))?;
     match recorded.error {
         Some(error) => Err(CommandError::Step { path: options.output.clone(), error }),

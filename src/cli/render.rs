@@ -1,7 +1,8 @@
 use super::Exit;
 use super::arguments::{Shard, is_standard_output};
 use super::error::CommandError;
-use super::output::{self, Folder};
+use super::output;
+use super::output_file::{OutputFile, OutputFolder, Overwrite};
 use super::picture_arguments::RenderOptions;
 use super::source::OpenedSource;
 use super::video::{self, VideoContainer};
@@ -10,39 +11,33 @@ use std::path::Path;
 
 /// Draws a scene or a recording.
 pub fn run(options: &RenderOptions) -> Result<Exit, CommandError> {
-    let (path, force) = (&options.output.output, options.output.force);
+    let (path, overwrite) = (&options.output.output, Overwrite::from_force(options.output.force));
     let kind = OutputKind::from_options(options)?;
-    kind.refuse_existing(path, force)?;
     kind.refuse_shard(path, options.shard)?;
-    if let OutputKind::Video(_) = kind {
-        video::require_ffmpeg(path)?;
-    }
+    let output = kind.open(path, overwrite, &options.source)?;
     let source = OpenedSource::open(&options.source)?;
     let recording = &source.recording;
     let picture_options = options.picture_options();
     let threads = options.jobs.threads();
     let bar = output::progress_bar("drawing", 0);
     let mut on_progress = output::progress_updater(&bar);
-    let drawn = match kind {
-        OutputKind::File(subject) => {
+    let drawn = match output {
+        Output::File(subject, file) => {
             let sources = std::slice::from_ref(recording);
             let picture = picture_options.resolve(&subject, sources, &mut on_progress)?;
             let provenance = Provenance::new(&picture, sources);
-            output::write_file(path, force, |output| {
-                Ok(picture::draw(&provenance, sources, threads, &mut on_progress, output)?)
-            })?
+            file.write(|output| Ok(picture::draw(&provenance, sources, threads, &mut on_progress, output)?))?
         }
-        OutputKind::Video(container) => {
+        Output::Video(container, file) => {
             let (clip, provenance) = picture::Clip::video(&picture_options, recording, &mut on_progress)?;
-            video::write(clip, &provenance, container, threads, &mut on_progress, &options.output)?
+            video::write(clip, &provenance, container, threads, &mut on_progress, file)?
         }
-        OutputKind::Sequence => {
+        Output::Sequence(mut folder) => {
             let Some(shard) = shard_options(picture_options, options.shard, recording.statistics.last_step) else {
-                Folder::create(path, force)?.finish()?;
+                folder.finish()?;
                 return Ok(Exit::Done);
             };
             let sequence = shard.resolve_sequence(recording)?;
-            let mut folder = Folder::create(path, force)?;
             let write = |step, file: Vec<u8>| folder.write(format!("{step:06}.png"), &file);
             let drawn = picture::draw_sequence(&sequence, recording, threads, &mut on_progress, write)?;
             folder.finish()?;
@@ -79,6 +74,13 @@ pub enum OutputKind {
     Video(VideoContainer),
     /// A folder with one picture per step.
     Sequence,
+}
+
+/// An output of `render` that can be written.
+enum Output {
+    File(SubjectOptions, OutputFile),
+    Video(VideoContainer, OutputFile),
+    Sequence(OutputFolder),
 }
 
 impl OutputKind {
@@ -122,12 +124,15 @@ impl OutputKind {
         }
     }
 
-    /// Returns an error before any work is done if the output exists and may not be overwritten.
-    pub fn refuse_existing(&self, path: &Path, force: bool) -> Result<(), CommandError> {
-        match self {
-            OutputKind::Sequence => Ok(()),
-            OutputKind::File(_) if is_standard_output(path) => Ok(()),
-            OutputKind::File(_) | OutputKind::Video(_) => output::refuse_existing(path, force),
-        }
+    /// Opens the output, or returns an error before any work is done if it cannot be written.
+    fn open(self, path: &Path, overwrite: Overwrite, source: &Path) -> Result<Output, CommandError> {
+        Ok(match self {
+            OutputKind::File(subject) => Output::File(subject, OutputFile::create(path, overwrite, &[source])?),
+            OutputKind::Video(container) => {
+                video::require_ffmpeg(path)?;
+                Output::Video(container, OutputFile::create(path, overwrite, &[source])?)
+            }
+            OutputKind::Sequence => Output::Sequence(OutputFolder::create(path, overwrite)?),
+        })
     }
 }

@@ -12,7 +12,7 @@ pub fn run(options: &ReplayOptions) -> Result<Exit, CommandError> {
     let steps = options.from.unwrap_or(0)..=options.to.unwrap_or(u64::MAX);
     let verdict = replay_with_progress(&options.recording, steps, &mut CollisionCount::default())?;
     let text = if options.json { verdict_json(&verdict).to_string() } else { verdict.to_string() };
-    output::print(format!("{text}\n").as_bytes())?;
+    output::print(&format!("{text}\n"))?;
     Ok(exit_code(&verdict))
 }
 

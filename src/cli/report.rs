@@ -1,49 +1,54 @@
 use super::arguments::{ReportOptions, Shard};
 use super::error::CommandError;
+use super::output_file::{OutputFile, Overwrite};
 use super::{Exit, output};
 use crate::picture::{Metadata, PictureOptions, StillFormat, figures};
 use crate::report::{self, Budget, Case, Cost, Expectation, Row, RunSpec, cases};
 use crate::scene;
 use indicatif::ProgressBar;
-use std::{env, fs, path::Path, process::Command};
+use std::{
+    env, fs,
+    path::{Path, PathBuf},
+    process::Command,
+};
 
 /// Measures errors and costs, and prints or draws them.
 pub fn run(options: &ReportOptions) -> Result<Exit, CommandError> {
     if let Some(number) = options.cost_of {
         return print_cost_of_run(&all_cases(options)?, number);
     }
-    let format = options.plot.as_deref().map(|path| plot_format(path, options.force)).transpose()?;
+    let diagram = options.plot.as_deref().map(|path| open_plot(path, options)).transpose()?;
     let rows = if options.read.is_empty() { measure_rows(options)? } else { read_rows(options)? };
-    if let (Some(path), Some(format)) = (&options.plot, format) {
-        plot(&rows, path, format, options)?;
+    if let Some((output, format)) = diagram {
+        plot(&rows, output, format, options)?;
     }
     let text = match (options.json, options.csv) {
         (true, _) => serde_json::to_string_pretty(&rows).expect("plain values with text for keys") + "\n",
         (false, true) => csv_header(options.shard).to_owned() + &report::csv(&rows),
         (false, false) => report::table(&rows),
     };
-    output::print(text.as_bytes())?;
+    output::print(&text)?;
     Ok(Exit::Done)
 }
 
 /// Determines the format of the diagram, and returns an error before any work is done if it cannot be written.
-fn plot_format(path: &Path, force: bool) -> Result<StillFormat, CommandError> {
-    output::refuse_existing(path, force)?;
+fn open_plot(path: &Path, options: &ReportOptions) -> Result<(OutputFile, StillFormat), CommandError> {
+    let inputs: Vec<&Path> = options.scenes.iter().chain(&options.read).map(PathBuf::as_path).collect();
     match StillFormat::from_path(path) {
-        Some(format) => Ok(format),
+        Some(format) => Ok((OutputFile::create(path, Overwrite::from_force(options.force), &inputs)?, format)),
         None => Err(CommandError::UnsupportedOutput { path: path.into(), expected: "expected F.png, F.svg or F.pdf" }),
     }
 }
 
 /// Draws error against cost, or cost against the number of bodies and steps.
-fn plot(rows: &[Row], path: &Path, format: StillFormat, options: &ReportOptions) -> Result<(), CommandError> {
+fn plot(rows: &[Row], output: OutputFile, format: StillFormat, options: &ReportOptions) -> Result<(), CommandError> {
     let is_growth = |row: &Row| cases::GROWTH.contains(&row.family.as_str());
     let diagrams = if rows.iter().any(is_growth) { report::growth(rows) } else { report::work_precision(rows) };
     let (size, theme, caption) = (options.size, options.theme, options.caption.clone());
     let picture_options = PictureOptions { size, theme, caption, ..PictureOptions::default() };
     let list = figures::diagrams(&diagrams, &picture_options);
     let entries = vec![("Software".to_owned(), concat!("rebond ", env!("CARGO_PKG_VERSION")).to_owned())];
-    output::write_file(path, options.force, |file| Ok(format.write(&list, &Metadata { entries }, file)?))
+    output.write(|file| Ok(format.write(&list, &Metadata { entries }, file)?))
 }
 
 /// The header of the table. Only the first shard has one, so that the outputs can be concatenated.
@@ -154,7 +159,7 @@ fn print_cost_of_run(cases: &[Case], number: usize) -> Result<Exit, CommandError
     let Some(run) = runs.iter().flatten().find(|run| run.number == number) else { return Ok(Exit::Error) };
     let scene = run.case.scene(run.spec)?;
     let cost = Cost::measure(run.case, &scene, run.spec)?;
-    output::print(serde_json::to_string(&cost).expect("plain values with text for keys").as_bytes())?;
+    output::print(&serde_json::to_string(&cost).expect("plain values with text for keys"))?;
     Ok(Exit::Done)
 }
 

@@ -2,7 +2,8 @@
 
 use super::arguments::{CompletionsOptions, ManOptions};
 use super::error::CommandError;
-use super::output::{self, Folder};
+use super::output;
+use super::output_file::{OutputFolder, Overwrite};
 use super::{Arguments, Exit};
 use crate::picture::SOFTWARE;
 use clap::CommandFactory;
@@ -12,7 +13,7 @@ use clap_mangen::Man;
 pub fn completions(options: &CompletionsOptions) -> Result<Exit, CommandError> {
     let mut script = Vec::new();
     clap_complete::generate(options.shell, &mut Arguments::command(), "rebond", &mut script);
-    output::print(&script)?;
+    output::print(&String::from_utf8_lossy(&script))?;
     Ok(Exit::Done)
 }
 
@@ -20,7 +21,7 @@ pub fn completions(options: &CompletionsOptions) -> Result<Exit, CommandError> {
 pub fn man(options: &ManOptions) -> Result<Exit, CommandError> {
     let mut program = Arguments::command();
     program.build();
-    let mut folder = Folder::create(&options.folder, options.force)?;
+    let mut folder = OutputFolder::create(&options.folder, Overwrite::from_force(options.force))?;
     for command in std::iter::once(&program).chain(program.get_subcommands()) {
         let man = Man::new(command.clone()).source(SOFTWARE);
         let mut page = Vec::new();

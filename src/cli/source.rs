@@ -4,15 +4,15 @@ use crate::physics::CollisionCount;
 use crate::picture;
 use crate::replay::{ALL_STEPS, NO_LIVE_EVENTS, RecordOptions, Verdict};
 use crate::scene::{self, Scene};
+use crate::temporary::TemporaryFolder;
 use std::{fs::File, path::Path, path::PathBuf};
-use tempfile::TempDir;
 
 /// A recording given as such, or a temporary one made from a scene.
 pub struct SourceFile {
     /// The path of the recording.
     pub path: PathBuf,
     /// The folder of the temporary recording; it is removed when this is dropped.
-    _temporary: Option<TempDir>,
+    _temporary: Option<TemporaryFolder>,
 }
 
 impl SourceFile {
@@ -22,7 +22,7 @@ impl SourceFile {
             return Ok(SourceFile { path: path.into(), _temporary: None });
         }
         let scene = scene::load(path)?;
-        let folder = TempDir::with_prefix("rebond-").map_err(CommandError::unwritable(&std::env::temp_dir()))?;
+        let folder = TemporaryFolder::create_in_system().map_err(CommandError::unwritable(&std::env::temp_dir()))?;
         let recording = folder.path().join("scene.mcap");
         record_and_replay(&scene, &recording)?;
         Ok(SourceFile { path: recording, _temporary: Some(folder) })

@@ -1,8 +1,7 @@
 //! MP4 and WebM: frames are drawn here and compressed by the ffmpeg on the user's PATH.
 
-use super::arguments::OutputOptions;
 use super::error::CommandError;
-use super::output;
+use super::output_file::OutputFile;
 use crate::picture::{self, AnimationSchedule, Clip, Drawn, Frame, Picture, Progress, Provenance, View, draw_frames};
 use std::io::{self, BufWriter, Read, Write};
 use std::num::NonZero;
@@ -38,14 +37,15 @@ pub fn write(
     container: VideoContainer,
     threads: NonZero<usize>,
     progress: Progress,
-    options: &OutputOptions,
+    output: OutputFile,
 ) -> Result<Drawn, CommandError> {
     let Clip { view, schedule, mut frames } = clip;
-    output::write_by_path(&options.output, options.force, |temp_path| {
+    let name = output.name().to_owned();
+    output.write_by_path(|temp_path| {
         let mut ffmpeg = start(&view, &schedule, container, &provenance.metadata().to_string(), temp_path)
-            .map_err(|source| CommandError::NoFfmpeg { path: options.output.clone(), source })?;
+            .map_err(|source| CommandError::NoFfmpeg { path: name.clone(), source })?;
         let sent = send(&mut ffmpeg, frames.by_ref(), &view, &schedule, threads, progress);
-        finish(ffmpeg, sent, &options.output)
+        finish(ffmpeg, sent, &name)
     })?;
     Ok(Drawn { statuses: vec![frames.read_status()], schedule: Some(schedule) })
 }

@@ -15,20 +15,6 @@ pub enum Error {
         /// The error of the operating system.
         source: io::Error,
     },
-    /// The file cannot be created.
-    #[error("{}: cannot be created: {source}", path.display())]
-    Create {
-        /// The file.
-        path: PathBuf,
-        /// The error of the operating system.
-        source: io::Error,
-    },
-    /// The file exists and may not be overwritten.
-    #[error("{}: the file already exists; --force overwrites it", path.display())]
-    Exists {
-        /// The file.
-        path: PathBuf,
-    },
     /// Reading failed.
     #[error("the recording cannot be read: {0}")]
     Read(#[source] io::Error),

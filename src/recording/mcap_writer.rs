@@ -6,6 +6,7 @@ use super::{
     Error, SceneText, limits,
     metadata::{self, LIBRARY, Map},
     topic::Topic,
+    writer::failed_earlier,
 };
 
 /// Writes the MCAP file of a recording from front to back.
@@ -13,7 +14,8 @@ use super::{
 /// The bytes depend only on the calls, not on the machine or the clock. The library field names rebond,
 /// not the MCAP library.
 pub struct McapWriter<W: Write> {
-    mcap: mcap::Writer<NoSeek<BufWriter<W>>>,
+    /// `None` after [`McapWriter::finish`].
+    mcap: Option<mcap::Writer<NoSeek<BufWriter<W>>>>,
     channels: [Option<Channel>; Topic::ALL.len()],
 }
 
@@ -58,8 +60,7 @@ impl<W: Write> McapWriter<W> {
         if let Some(scene) = scene {
             mcap.attach(&attachment(scene)).map_err(write_error)?;
         }
-        mcap.flush().map_err(write_error)?;
-        let mut writer = McapWriter { mcap, channels: [None; Topic::ALL.len()] };
+        let mut writer = McapWriter { mcap: Some(mcap), channels: [None; Topic::ALL.len()] };
         for topic in Topic::ALL.into_iter().filter(|topic| topic.is_mandatory()) {
             writer.channels[topic as usize] = Some(writer.add_channel(topic)?);
         }
@@ -74,29 +75,47 @@ impl<W: Write> McapWriter<W> {
         };
         self.channels[topic as usize] = Some(Channel { id, sequence: sequence.wrapping_add(1) });
         let header = MessageHeader { channel_id: id, sequence, log_time, publish_time: log_time };
-        self.mcap.write_to_known_channel(&header, bytes).map_err(write_error)
+        self.mcap()?.write_to_known_channel(&header, bytes).map_err(write_error)
+    }
+
+    fn mcap(&mut self) -> Result<&mut mcap::Writer<NoSeek<BufWriter<W>>>, Error> {
+        self.mcap.as_mut().ok_or_else(failed_earlier)
     }
 
     fn add_channel(&mut self, topic: Topic) -> Result<Channel, Error> {
-        let schema = self.mcap.add_schema(topic.schema_name(), topic.schema_encoding(), &topic.schema());
+        let mcap = self.mcap()?;
+        let schema = mcap.add_schema(topic.schema_name(), topic.schema_encoding(), &topic.schema());
         let id = schema.and_then(|schema| {
-            self.mcap.add_channel(schema, topic.name(), topic.message_encoding(), &topic.channel_metadata())
+            mcap.add_channel(schema, topic.name(), topic.message_encoding(), &topic.channel_metadata())
         });
         Ok(Channel { id: id.map_err(write_error)?, sequence: 0 })
     }
 
-    /// Ends the chunk and flushes the output: the file is readable up to here.
+    /// Ends the chunk and flushes the output: the file is readable up to here. Nothing is flushed before the first
+    /// call.
     pub fn flush(&mut self) -> Result<(), Error> {
-        self.mcap.flush().map_err(write_error)
+        self.mcap()?.flush().map_err(write_error)
     }
 
     /// Writes everything after the messages, including the summary, and returns the output.
     pub fn finish(mut self, trailer: Map) -> Result<W, Error> {
-        put_metadata(&mut self.mcap, metadata::TRAILER, trailer)?;
-        self.mcap.finish().map_err(write_error)?;
-        let mut buffer = self.mcap.into_inner().into_inner();
+        let mcap = self.mcap()?;
+        put_metadata(mcap, metadata::TRAILER, trailer)?;
+        mcap.finish().map_err(write_error)?;
+        let mcap = self.mcap.take().ok_or_else(failed_earlier)?;
+        let mut buffer = mcap.into_inner().into_inner();
         buffer.flush().map_err(Error::Write)?;
         buffer.into_inner().map_err(|error| Error::Write(error.into_error()))
+    }
+}
+
+impl<W: Write> Drop for McapWriter<W> {
+    /// Leaves the file unfinished, without the summary and the flush by which [`mcap::Writer`] ends when it is dropped:
+    /// a recording without its end is truncated.
+    fn drop(&mut self) {
+        if let Some(mcap) = self.mcap.take() {
+            mcap.into_inner();
+        }
     }
 }
 

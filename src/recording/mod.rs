@@ -57,7 +57,7 @@ pub use reader::{Item, Recording, open};
 pub use recover::{Recovery, recover};
 pub use scene_update::ColorFn;
 pub use state::{Bounds, RecordedState, StateBounds, body_state};
-pub use writer::{Durability, Finished, Overwrite, RecordingFile, RunEnd, Writer, create};
+pub use writer::{Finished, RunEnd, Writer};
 
 #[cfg(test)]
 mod hostile_tests;

@@ -4,6 +4,7 @@ use assert_cmd::Command;
 use std::{
     fs,
     path::{Path, PathBuf},
+    process::{Child, Stdio},
 };
 use tempfile::TempDir;
 
@@ -73,6 +74,14 @@ impl Workplace {
     /// Runs `rebond` with `PATH` set to one folder.
     pub fn rebond_on_path(&self, line: &str, path: &Path) -> Outcome {
         self.run(self.command(line).env("PATH", path))
+    }
+
+    /// Starts `rebond` without waiting for its end.
+    pub fn start(&self, line: &str, stdin: Stdio, stdout: Stdio) -> Child {
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_rebond"));
+        command.args(line.split_whitespace()).current_dir(self.folder.path());
+        command.env("NO_COLOR", "1").env("TMPDIR", self.folder.path());
+        command.stdin(stdin).stdout(stdout).stderr(Stdio::piped()).spawn().expect("the program starts")
     }
 
     fn command(&self, line: &str) -> Command {

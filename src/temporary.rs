@@ -1,0 +1,98 @@
+//! Temporary folders, which are removed when they are dropped and when the process is interrupted.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::{fs, io, mem, process};
+
+/// The folders of this process. While it is locked, no folder is created and no file is moved out of one.
+static FOLDERS: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+fn folders() -> MutexGuard<'static, BTreeSet<PathBuf>> {
+    // A panic leaves the set as it was.
+    FOLDERS.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// A hidden folder for files that are not complete yet, or are needed only for a while.
+#[derive(Debug)]
+pub struct TemporaryFolder(PathBuf);
+
+impl TemporaryFolder {
+    /// Creates a folder in `parent`.
+    ///
+    /// # Errors
+    /// Returns an error if `parent` does not exist or is not writable.
+    pub fn create(parent: &Path) -> io::Result<TemporaryFolder> {
+        let mut folders = folders();
+        let mut number = 0_u64;
+        loop {
+            let path = parent.join(format!(".rebond-{}-{number}", process::id()));
+            match fs::create_dir(&path) {
+                Ok(()) => {
+                    folders.insert(path.clone());
+                    return Ok(TemporaryFolder(path));
+                }
+                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => number += 1,
+                Err(error) => return Err(error),
+            }
+        }
+    }
+
+    /// Creates a folder in the system's folder for temporary files.
+    ///
+    /// # Errors
+    /// Returns an error if that folder is not writable.
+    pub fn create_in_system() -> io::Result<TemporaryFolder> {
+        TemporaryFolder::create(&std::env::temp_dir())
+    }
+
+    /// The path of the folder.
+    pub fn path(&self) -> &Path {
+        &self.0
+    }
+}
+
+impl Drop for TemporaryFolder {
+    /// Removes the folder and its files. An error is ignored, because nothing depends on the removal.
+    fn drop(&mut self) {
+        let mut folders = folders();
+        let _ = fs::remove_dir_all(&self.0);
+        folders.remove(&self.0);
+    }
+}
+
+/// Calls `place`, which moves finished files to their place. An interruption waits for it, so that either all files are
+/// at their place or none. `place` must not create or drop a [`TemporaryFolder`].
+#[cfg(feature = "cli")]
+pub fn uninterrupted<T>(place: impl FnOnce() -> T) -> T {
+    let _folders = folders();
+    place()
+}
+
+/// Removes all temporary folders, and lets no other thread create one: the process is about to end.
+#[cfg(feature = "cli")]
+pub fn remove_all() {
+    let folders = folders();
+    for folder in folders.iter() {
+        // A running ffmpeg may add a file meanwhile.
+        let _ = fs::remove_dir_all(folder).or_else(|_| fs::remove_dir_all(folder));
+    }
+    mem::forget(folders);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_temporary_folder_disappears_with_its_files() {
+        let parent = tempfile::tempdir().unwrap();
+        let folders = [0, 1, 2].map(|_| TemporaryFolder::create(parent.path()).unwrap());
+        for folder in &folders {
+            fs::write(folder.path().join("part"), "half").unwrap();
+        }
+        assert_eq!(fs::read_dir(parent.path()).unwrap().count(), 3);
+        drop(folders);
+        assert_eq!(fs::read_dir(parent.path()).unwrap().count(), 0);
+    }
+}

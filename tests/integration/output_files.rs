@@ -1,0 +1,430 @@
+//! Files appear complete or not at all, whatever happens meanwhile.
+
+use crate::rebond::{Outcome, Workplace};
+use std::fs::{self, File, Permissions};
+use std::io::{BufRead, BufReader, Read, Write};
+use std::os::unix::fs::{FileTypeExt, PermissionsExt, symlink};
+use std::os::unix::process::ExitStatusExt;
+use std::process::{Child, Command, Stdio};
+use std::thread;
+use std::time::Duration;
+
+/// Two boxes of which one bounces between walls.
+const SCENE: &str = r#"
+[world]
+size = [16.0, 9.0]
+walls = true
+[run]
+steps = 120
+[[spawn]]
+name = "a"
+at = [2.0, 3.0]
+size = [1.0, 1.0]
+mass = 1.0
+velocity = [4.0, 0.0]
+[[spawn]]
+name = "b"
+at = [8.0, 3.0]
+size = [1.0, 1.0]
+mass = 1.0
+"#;
+
+/// A scene with far too many steps to finish during a test.
+fn endless() -> String {
+    SCENE.replace("steps = 120", "steps = 1000000000")
+}
+
+/// A folder with a scene, its recording and a file `old` that is not one of them.
+fn workplace() -> Workplace {
+    let workplace = Workplace::with_scene(SCENE);
+    workplace.write("endless.toml", &endless());
+    workplace.done("record scene.toml -o run.mcap");
+    workplace
+}
+
+/// One command for each kind of output. The last word is the output.
+const COMMANDS: [&str; 7] = [
+    "record scene.toml -o new.mcap",
+    "recover run.mcap -o new.mcap",
+    "export run.mcap -o new.csv",
+    "render run.mcap --every 20 -o new.gif",
+    "render run.mcap --at 3 -o new.svg",
+    "render run.mcap --at 3 --size 64x36 -o new.png",
+    "figure strobe run.mcap -o new.pdf",
+];
+
+fn output_of(command: &str) -> &str {
+    command.split(' ').next_back().expect("an output")
+}
+
+/// Waits until `condition` holds; fails after a minute.
+fn wait_until(what: &str, mut condition: impl FnMut() -> bool) {
+    for _ in 0..6000 {
+        if condition() {
+            return;
+        }
+        thread::sleep(Duration::from_millis(10));
+    }
+    panic!("not within a minute: {what}");
+}
+
+fn send(signal: &str, process: &Child) {
+    let status = Command::new("kill").args(["-s", signal, &process.id().to_string()]).status();
+    assert!(status.unwrap().success(), "kill -s {signal}");
+}
+
+/// Waits for the end and returns the number of the signal, the exit code and standard error.
+fn end_of(process: Child) -> (Option<i32>, Option<i32>, String) {
+    let output = process.wait_with_output().unwrap();
+    (output.status.signal(), output.status.code(), String::from_utf8(output.stderr).unwrap())
+}
+
+/// Runs a command on a recording that is not finished.
+fn on_unfinished(workplace: &Workplace, line: &str) -> Outcome {
+    let outcome = workplace.rebond(line);
+    assert!([0, 4].contains(&outcome.code), "{line}: {outcome:?}");
+    outcome
+}
+
+#[test]
+fn a_command_that_fails_leaves_no_file_and_keeps_the_old_one() {
+    let workplace = workplace();
+    workplace.write("bad.toml", "[run]\nsteps = -1\n");
+    workplace.write("bad.jsonl", "{\"delete\": {\"name\": \"nobody\"}}\n");
+    workplace.write("bad.mcap", "not a recording");
+    let valid = workplace.names();
+    let failing = [
+        "record bad.toml -o new.mcap",
+        "record missing.toml -o new.mcap",
+        "record scene.toml --events bad.jsonl -o new.mcap",
+        "recover bad.mcap -o new.mcap",
+        "recover missing.mcap -o new.mcap",
+        "export bad.mcap -o new.csv",
+        "render bad.mcap -o new.gif",
+        "render run.mcap --at 121 -o new.png",
+        "render run.mcap --at 3 --size 20000x20000 -o new.png",
+        "render bad.toml -o new/",
+        "figure collision run.mcap --step 119 -o new.svg",
+        "report --only nothing --plot new.png",
+    ];
+    for command in failing {
+        let outcome = workplace.rebond(command);
+        assert_ne!(outcome.code, 0, "{command}: {outcome:?}");
+        assert_eq!(workplace.names(), valid, "{command}: {outcome:?}");
+        let output = output_of(command);
+        if output.ends_with('/') {
+            continue;
+        }
+        workplace.write(output, "old");
+        let outcome = workplace.rebond(&format!("{command} --force"));
+        assert_ne!(outcome.code, 0, "{command}: {outcome:?}");
+        assert_eq!(workplace.read(output), b"old", "{command}");
+        fs::remove_file(workplace.path(output)).unwrap();
+        assert_eq!(workplace.names(), valid, "{command}: {outcome:?}");
+    }
+}
+
+#[test]
+fn an_existing_file_is_replaced_only_with_force_and_keeps_its_permissions() {
+    let workplace = workplace();
+    for command in COMMANDS {
+        let output = output_of(command);
+        workplace.write(output, "old");
+        fs::set_permissions(workplace.path(output), Permissions::from_mode(0o640)).unwrap();
+        let refused = workplace.rebond(command);
+        assert_eq!((refused.code, workplace.read(output)), (1, b"old".to_vec()), "{command}: {refused:?}");
+        assert!(refused.errors.contains("already exists"), "{command}: {refused:?}");
+        workplace.done(&format!("{command} --force"));
+        assert!(workplace.read(output).len() > 100, "{command}");
+        let mode = workplace.path(output).metadata().unwrap().permissions().mode();
+        assert_eq!(mode & 0o777, 0o640, "{command}");
+        fs::remove_file(workplace.path(output)).unwrap();
+    }
+    let names = workplace.names();
+    assert!(!names.iter().any(|name| name.starts_with('.')), "{names:?}");
+}
+
+#[test]
+fn a_symbolic_link_stays_and_the_file_behind_it_is_written() {
+    let workplace = workplace();
+    fs::create_dir(workplace.path("elsewhere")).unwrap();
+    for command in COMMANDS {
+        let output = output_of(command);
+        symlink(format!("elsewhere/{output}"), workplace.path(output)).unwrap();
+        assert_eq!(workplace.rebond(command).code, 1, "{command}: the link exists");
+        for _ in 0..2 {
+            workplace.done(&format!("{command} --force"));
+            assert!(workplace.path(output).symlink_metadata().unwrap().is_symlink(), "{command}");
+            assert!(workplace.read(&format!("elsewhere/{output}")).len() > 100, "{command}");
+        }
+        fs::remove_file(workplace.path(output)).unwrap();
+        fs::remove_file(workplace.path(&format!("elsewhere/{output}"))).unwrap();
+    }
+}
+
+#[test]
+fn an_input_is_never_the_output() {
+    let workplace = workplace();
+    symlink("run.mcap", workplace.path("link.mcap")).unwrap();
+    fs::hard_link(workplace.path("run.mcap"), workplace.path("hard.mcap")).unwrap();
+    fs::copy(workplace.path("run.mcap"), workplace.path("run.csv")).unwrap();
+    let (scene, recording) = (workplace.read("scene.toml"), workplace.read("run.mcap"));
+    for command in [
+        "record scene.toml -o scene.toml --force",
+        "record scene.toml -o ./scene.toml --force",
+        "record endless.toml --events scene.toml -o scene.toml --force",
+        "recover run.mcap -o run.mcap --force",
+        "recover run.mcap -o link.mcap --force",
+        "recover link.mcap -o hard.mcap --force",
+        "export run.csv -o run.csv --force",
+        "report scene.toml --plot scene.toml --force",
+    ] {
+        let outcome = workplace.rebond(command);
+        assert_eq!(outcome.code, 1, "{command}: {outcome:?}");
+        assert_eq!((workplace.read("scene.toml"), workplace.read("run.mcap")), (scene.clone(), recording.clone()));
+        assert!(outcome.errors.contains("reads this file") || command.starts_with("report"), "{command}: {outcome:?}");
+    }
+    let output = File::options().append(true).open(workplace.path("run.mcap")).unwrap();
+    let (_, code, errors) = end_of(workplace.start("export run.mcap", Stdio::null(), output.into()));
+    assert_eq!((code, workplace.read("run.mcap")), (Some(1), recording), "{errors}");
+}
+
+#[test]
+fn a_named_pipe_is_written_to_and_never_replaced() {
+    let workplace = workplace();
+    for (command, options) in COMMANDS.iter().flat_map(|command| [(command, ""), (command, " --force")]) {
+        let output = output_of(command);
+        let expected = {
+            workplace.done(command);
+            let content = workplace.read(output);
+            fs::remove_file(workplace.path(output)).unwrap();
+            content
+        };
+        assert!(Command::new("mkfifo").arg(workplace.path(output)).status().unwrap().success());
+        let writer = workplace.start(&format!("{command}{options}"), Stdio::null(), Stdio::null());
+        let mut content = Vec::new();
+        File::open(workplace.path(output)).unwrap().read_to_end(&mut content).unwrap();
+        let (_, code, errors) = end_of(writer);
+        assert_eq!((code, content == expected), (Some(0), true), "{command}{options}: {errors}");
+        assert!(workplace.path(output).metadata().unwrap().file_type().is_fifo(), "{command}{options}");
+        fs::remove_file(workplace.path(output)).unwrap();
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn devices_are_written_to_and_stay_devices() {
+    let workplace = workplace();
+    for (device, code) in [("/dev/null", 0), ("/dev/full", 1)] {
+        for command in ["record scene.toml", "recover run.mcap"] {
+            for options in ["", " --force"] {
+                let outcome = workplace.rebond(&format!("{command} -o {device}{options}"));
+                assert_eq!(outcome.code, code, "{command} -o {device}{options}: {outcome:?}");
+                assert!(fs::metadata(device).unwrap().file_type().is_char_device());
+            }
+        }
+    }
+    for command in ["export run.mcap", "render run.mcap -o -", "record scene.toml -o -", "info run.mcap"] {
+        let full = File::options().write(true).open("/dev/full").unwrap();
+        let (_, code, errors) = end_of(workplace.start(command, Stdio::null(), full.into()));
+        assert_eq!(code, Some(1), "{command}: {errors}");
+        assert!(errors.contains("standard output: No space left on device"), "{command}: {errors}");
+    }
+    assert_eq!(workplace.names(), ["endless.toml", "run.mcap", "scene.toml"]);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_descriptor_is_written_to_where_the_shell_has_opened_it() {
+    let workplace = workplace();
+    let table = workplace.done("export run.mcap").output;
+    let rebond = env!("CARGO_BIN_EXE_rebond");
+    // A table needs a name that ends in .csv, so links give it one.
+    symlink("/dev/stdout", workplace.path("out.csv")).unwrap();
+    symlink("/dev/fd/3", workplace.path("third.csv")).unwrap();
+    for (output, redirection) in [("out.csv", ">> log"), ("third.csv", "3>> log")] {
+        workplace.write("log", "kept\n");
+        let line = format!("{rebond} export run.mcap -o {output} {redirection}");
+        let status = Command::new("sh").args(["-c", &line]).current_dir(workplace.path("")).status();
+        assert!(status.unwrap().success(), "{line}");
+        assert_eq!(workplace.read("log"), format!("kept\n{table}").into_bytes(), "{line}");
+    }
+}
+
+#[test]
+fn a_folder_is_no_output_file_and_a_file_no_output_folder() {
+    let workplace = workplace();
+    fs::create_dir(workplace.path("folder.csv")).unwrap();
+    let outcome = workplace.rebond("export run.mcap -o folder.csv --force");
+    assert!(outcome.code == 1 && outcome.errors.contains("folder.csv: it is a folder"), "{outcome:?}");
+    let outcome = workplace.rebond("render run.mcap -o scene.toml/ --force");
+    assert!(outcome.code == 1 && outcome.errors.contains("it is not a folder"), "{outcome:?}");
+    assert_eq!(workplace.read("scene.toml"), SCENE.as_bytes());
+}
+
+#[test]
+fn pictures_of_a_folder_appear_together() {
+    let workplace = workplace();
+    workplace.done("render run.mcap --from 5 --to 9 --size 64x36 -o deep/er/frames/");
+    let first = workplace.read("deep/er/frames/000005.png");
+    let refused = workplace.rebond("render run.mcap --from 0 --to 5 --size 64x36 -o deep/er/frames/");
+    assert_eq!(refused.code, 1, "{refused:?}");
+    let names: Vec<_> =
+        fs::read_dir(workplace.path("deep/er/frames")).unwrap().map(|e| e.unwrap().file_name()).collect();
+    assert_eq!(names.len(), 5, "{names:?}");
+    workplace.done("render run.mcap --from 0 --to 5 --size 64x36 --theme dark -o deep/er/frames/ --force");
+    assert_eq!(fs::read_dir(workplace.path("deep/er/frames")).unwrap().count(), 10);
+    assert_ne!(workplace.read("deep/er/frames/000005.png"), first);
+    assert_eq!(workplace.names(), ["deep", "endless.toml", "run.mcap", "scene.toml"]);
+}
+
+#[test]
+fn an_old_recording_stays_until_states_are_written() {
+    let workplace = workplace();
+    let old = workplace.read("run.mcap");
+    let mut process =
+        workplace.start("record scene.toml -o run.mcap --events - --force", Stdio::piped(), Stdio::null());
+    let mut events = process.stdin.take().unwrap();
+    let starts = |name: &str| name.starts_with(".rebond-");
+    wait_until("the temporary file", || workplace.names().iter().any(|name| starts(name)));
+    thread::sleep(Duration::from_millis(300));
+    assert_eq!(workplace.read("run.mcap"), old);
+    writeln!(events, "{{\"delete\": {{\"name\": \"a\", \"step\": 100}}}}").unwrap();
+    events.flush().unwrap();
+    wait_until("the first second", || workplace.read("run.mcap") != old);
+    assert!(on_unfinished(&workplace, "replay run.mcap").output.starts_with("truncated after step "));
+    drop(events);
+    let (_, code, errors) = end_of(process);
+    assert_eq!(code, Some(0), "{errors}");
+    assert!(workplace.done("replay run.mcap").output.starts_with("same: 120 steps"));
+    assert_eq!(workplace.names(), ["endless.toml", "run.mcap", "scene.toml"]);
+}
+
+#[test]
+fn a_second_writer_of_a_recording_is_refused() {
+    let workplace = workplace();
+    let mut first = workplace.start("record endless.toml -o long.mcap", Stdio::null(), Stdio::null());
+    wait_until("the recording", || workplace.path("long.mcap").exists());
+    for command in ["record scene.toml -o long.mcap", "recover run.mcap -o long.mcap"] {
+        let second = workplace.rebond(&format!("{command} --force"));
+        assert_eq!(second.code, 1, "{command}: {second:?}");
+        assert!(second.errors.contains("another process is recording to it"), "{command}: {second:?}");
+    }
+    assert_eq!(workplace.rebond("info long.mcap").code, 4, "it can be read meanwhile");
+    first.kill().unwrap();
+    first.wait().unwrap();
+    workplace.done("record scene.toml -o long.mcap --force");
+}
+
+#[test]
+fn of_many_writers_that_start_together_one_wins() {
+    let workplace = workplace();
+    for round in 0..3 {
+        let mut writers: Vec<Child> = (0..6)
+            .map(|_| workplace.start("record endless.toml -o race.mcap --force", Stdio::null(), Stdio::null()))
+            .collect();
+        let mut running = 6;
+        wait_until("one writer is left", || {
+            running =
+                writers.iter_mut().filter_map(|writer| writer.try_wait().unwrap().is_none().then_some(())).count();
+            running <= 1
+        });
+        assert_eq!(running, 1, "round {round}");
+        for mut writer in writers {
+            let _ = writer.kill();
+            writer.wait().unwrap();
+        }
+    }
+    assert!(on_unfinished(&workplace, "replay race.mcap --to 30").output.contains("30 steps"));
+}
+
+#[test]
+fn an_interrupted_command_leaves_nothing_behind_and_ends_by_the_signal() {
+    let workplace = workplace();
+    workplace.write("long.toml", &SCENE.replace("steps = 120", "steps = 200000"));
+    let commands = [
+        "export long.mcap -o new.csv --force",
+        "render long.mcap --size 1280x720 -o new.gif",
+        "render long.mcap --size 640x360 -o frames/",
+        "render endless.toml -o new.gif",
+        "figure strobe endless.toml -o new.svg",
+        "record scene.toml --events - -o new.mcap",
+        "check .",
+    ];
+    workplace.done("record long.toml -o long.mcap --every 2");
+    workplace.write("new.csv", "old");
+    let names = workplace.names();
+    for (signal, number) in [("INT", 2), ("TERM", 15), ("HUP", 1)] {
+        for command in commands {
+            let process = workplace.start(command, Stdio::piped(), Stdio::null());
+            wait_until(command, || workplace.names().iter().any(|name| name.starts_with(".rebond-")));
+            thread::sleep(Duration::from_millis(100));
+            send(signal, &process);
+            let (ended_by, code, errors) = end_of(process);
+            assert_eq!((ended_by, code), (Some(number), None), "{command} after {signal}: {errors}");
+            assert_eq!(workplace.names(), names, "{command} after {signal}");
+        }
+    }
+    assert_eq!(workplace.read("new.csv"), b"old");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn signals_that_the_parent_ignores_stay_ignored() {
+    let workplace = workplace();
+    let line = format!("trap '' HUP; exec {} record scene.toml --events - -o new.mcap", env!("CARGO_BIN_EXE_rebond"));
+    let mut command = Command::new("sh");
+    command.args(["-c", &line]).current_dir(workplace.path("")).stdin(Stdio::piped()).stderr(Stdio::piped());
+    let mut process = command.spawn().unwrap();
+    wait_until("the temporary file", || workplace.names().iter().any(|name| name.starts_with(".rebond-")));
+    thread::sleep(Duration::from_millis(100));
+    send("HUP", &process);
+    thread::sleep(Duration::from_millis(200));
+    drop(process.stdin.take());
+    assert_eq!(end_of(process).1, Some(0));
+    workplace.done("replay new.mcap");
+}
+
+#[test]
+fn a_reader_that_closes_the_pipe_ends_a_command_quietly() {
+    let workplace = workplace();
+    workplace.write("long.toml", &SCENE.replace("steps = 120", "steps = 20000"));
+    workplace.done("record long.toml -o long.mcap");
+    for command in [
+        "export long.mcap",
+        "record endless.toml -o -",
+        "recover long.mcap -o -",
+        "render long.mcap -o -",
+        "render run.mcap --at 1 --size 4000x4000 -o -",
+        "figure strobe run.mcap -o -",
+        "info run.mcap",
+        "replay run.mcap",
+        "replay run.mcap --json",
+        "check run.mcap",
+        "completions bash",
+    ] {
+        // Once closed from the start, once after the first bytes.
+        for bytes in [0, 1] {
+            let mut process = workplace.start(command, Stdio::null(), Stdio::piped());
+            let mut output = BufReader::with_capacity(1, process.stdout.take().unwrap());
+            if bytes > 0 {
+                output.fill_buf().unwrap();
+            }
+            drop(output);
+            let (signal, code, errors) = end_of(process);
+            let errors = errors.lines().filter(|line| !line.contains("step")).collect::<String>();
+            assert_eq!((signal, code, errors.as_str()), (None, Some(0), ""), "{command}");
+        }
+    }
+}
+
+#[test]
+fn a_check_whose_reader_is_gone_still_ends_with_its_verdict() {
+    let workplace = workplace();
+    let mut damaged = workplace.read("run.mcap");
+    damaged.truncate(damaged.len() / 2);
+    fs::write(workplace.path("half.mcap"), damaged).unwrap();
+    let mut process = workplace.start("check run.mcap half.mcap", Stdio::null(), Stdio::piped());
+    drop(process.stdout.take());
+    assert_eq!(end_of(process).1, Some(4));
+}
