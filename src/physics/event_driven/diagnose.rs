@@ -94,4 +94,63 @@ impl EventDriven {
         };
         near.into_iter().min_by(|a, b| face(a).total_cmp(&face(b)))
     }
+
+    /// Checks the invariants between instants: no pair overlaps, none that touches approaches; in a contact nothing
+    /// changes.
+    ///
+    /// # Panics
+    /// If one does not hold.
+    #[cfg(debug_assertions)]
+    pub(super) fn assert_consistent(&self) {
+        const MOST_BODIES: usize = 40;
+        if self.states.len() > MOST_BODIES {
+            return;
+        }
+        let alive: Vec<Slot> = (0..self.states.len() as Slot)
+            .filter(|slot| self.params[*slot as usize].alive && !self.pending_spawns.contains(slot))
+            .collect();
+        for first in &alive {
+            for second in alive.iter().filter(|second| first < *second) {
+                let pair = [*first, *second];
+                if pair.iter().all(|slot| self.states[*slot as usize].infinite) {
+                    continue;
+                }
+                let finite = if self.states[*first as usize].infinite { [*second, *first] } else { pair };
+                let contacts = self.contacts.axes_between(finite[0], finite[1]);
+                for axis in Axis::BOTH.into_iter().filter(|axis| contacts[*axis]) {
+                    let [gap, speed, acceleration] = self.motion_now(pair, axis);
+                    assert!(gap == 0.0, "contact of {pair:?} along {axis:?} at {:?} with gap {gap:e}", self.now);
+                    assert!(
+                        speed == 0.0,
+                        "contact of {pair:?} along {axis:?} at {:?} with approach {speed:e}",
+                        self.now
+                    );
+                    assert!(
+                        acceleration == 0.0,
+                        "contact of {pair:?} along {axis:?} at {:?}: {acceleration:e}",
+                        self.now
+                    );
+                }
+                assert!(!self.overlaps(pair), "{pair:?} overlap at {:?}, contacts {contacts:?}", self.now);
+                if contacts == [false; 2]
+                    && let Some(event) = self.approach_now(pair)
+                {
+                    let is_queued = pair.iter().any(|slot| self.event_queue.holds(*slot, pair));
+                    assert!(is_queued, "{pair:?} approach at {:?}: {event:?}", self.now);
+                }
+            }
+        }
+    }
+
+    /// True if two boxes overlap along both axes by more than rounding.
+    #[cfg(debug_assertions)]
+    fn overlaps(&self, pair: [Slot; 2]) -> bool {
+        Axis::BOTH.into_iter().all(|axis| {
+            let [first, second] = pair.map(|slot| self.state_dd(slot, axis).position);
+            let [first_size, second_size] = pair.map(|slot| self.size(slot, axis));
+            let scale = first.high.abs() + second.high.abs() + first_size.high + second_size.high;
+            let gaps = [(second - first - first_size).high, (first - second - second_size).high];
+            gaps[0] < -scale * 1e-22 && gaps[1] < -scale * 1e-22
+        })
+    }
 }

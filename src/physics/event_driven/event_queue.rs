@@ -46,6 +46,8 @@ pub struct ScheduledEvent {
 pub enum Precision {
     /// The event does not happen earlier.
     LowerBound,
+    /// The event does not happen earlier, and another one of the body may precede it.
+    Contested,
     /// To the rounding of the state.
     Exact,
 }
@@ -180,6 +182,14 @@ impl EventQueue {
         if event != NO_EVENT {
             self.insert(slot);
         }
+    }
+
+    /// True if the body waits for an event of the pair.
+    #[cfg(debug_assertions)]
+    pub fn holds(&self, slot: Slot, pair: [Slot; 2]) -> bool {
+        self.entries
+            .get(slot as usize)
+            .is_some_and(|entry| entry.event.pair == pair && entry.event.pair_event.is_some())
     }
 
     /// Removes the event of a body if it is one of the pair.

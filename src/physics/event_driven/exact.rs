@@ -4,6 +4,7 @@ use super::EventDriven;
 use super::axis_trajectory::closing_time;
 use super::body_state::Slot;
 use super::double_double::DoubleDouble;
+use super::event_queue::ScheduledEvent;
 use super::instant::Instant;
 use super::pair_event::PairEvent;
 use super::state_dd::StateDd;
@@ -90,28 +91,16 @@ impl ExactAxis {
         ]
     }
 
-    /// The seconds until a gap closes, if that is after the first `elapsed` seconds.
-    fn time_to_contact(&self, side: Side, elapsed: DoubleDouble) -> Option<DoubleDouble> {
+    /// The seconds until a gap closes.
+    fn time_to_contact(&self, side: Side) -> Option<DoubleDouble> {
         let [gap, speed, acceleration] = self.closing(side);
-        self.root_after(elapsed, gap, speed, acceleration)
+        self.root(gap, speed, acceleration)
     }
 
-    /// The seconds until the overlap on a side ends, if that is after the first `elapsed` seconds.
-    fn time_to_separation(&self, side: Side, elapsed: DoubleDouble) -> Option<DoubleDouble> {
+    /// The seconds until the overlap on a side ends.
+    fn time_to_separation(&self, side: Side) -> Option<DoubleDouble> {
         let [gap, speed, acceleration] = self.closing(side);
-        self.root_after(elapsed, -gap, -speed, -acceleration)
-    }
-
-    /// The root of [`ExactAxis::root`], unless it is not after the first `elapsed` seconds: then the event has been
-    /// handled.
-    fn root_after(
-        &self,
-        elapsed: DoubleDouble,
-        gap: DoubleDouble,
-        speed: DoubleDouble,
-        acceleration: DoubleDouble,
-    ) -> Option<DoubleDouble> {
-        self.root(gap, speed, acceleration).filter(|root| elapsed.is_less(*root))
+        self.root(-gap, -speed, -acceleration)
     }
 
     /// True if the gap becomes 0 to rounding just where it turns.
@@ -186,37 +175,52 @@ impl EventDriven {
         self.states[pair[0] as usize].since.max(self.states[pair[1] as usize].since)
     }
 
-    /// The exact instant at which the faces of two bodies collide, known to be their next event.
+    /// The exact instant at which the faces of two bodies collide, known to be their next event; `None` if it is
+    /// not after the present one.
     pub(super) fn exact_face_impact(&self, pair: [Slot; 2], axis: Axis, side: Side) -> Option<Instant> {
         let from = self.common_reference(pair);
-        let time =
-            self.exact_axis(pair, axis, from).time_to_contact(side, from.exact_seconds_until(self.end_of_instant()))?;
-        Some(from.after_exactly(time))
+        let time = self.exact_axis(pair, axis, from).time_to_contact(side)?;
+        from.exact_seconds_until(self.now).is_less(time).then(|| from.after_exactly(time))
     }
 
-    /// Predicts the next event of two bodies after the present instant that changes anything; exact to the
-    /// rounding of the state.
+    /// True if the gap or the overlap of an event is 0 already at an instant: then it happens at that instant.
+    pub(super) fn coincides(&self, event: &ScheduledEvent, at: Instant) -> bool {
+        let Some(kind) = event.pair_event else { return false };
+        let (PairEvent::FaceImpact(axis, side)
+        | PairEvent::CornerImpact(axis, side)
+        | PairEvent::ContactEnd(axis, side)) = kind;
+        let along = self.exact_axis(event.pair, axis, at);
+        along.gaps[side].high.abs() <= along.gap_rounding
+    }
+
+    /// Predicts the next event of two bodies that changes anything; exact to the rounding of the state.
+    ///
+    /// An event that is not after the present instant has been handled, unless the bodies still approach: then it
+    /// is due now.
     #[cold]
     pub(super) fn predict_exactly(&self, pair: [Slot; 2]) -> Option<(Instant, PairEvent)> {
         let from = self.common_reference(pair);
-        let elapsed = from.exact_seconds_until(self.end_of_instant());
+        let elapsed = from.exact_seconds_until(self.now);
         let axes = Axis::BOTH.map(|axis| self.exact_axis(pair, axis, from));
         let finite = if self.states[pair[0] as usize].infinite { [pair[1], pair[0]] } else { pair };
         let contacts = self.contacts.axes_between(finite[0], finite[1]);
         let mut first: Option<(DoubleDouble, PairEvent)> = None;
+        let mut is_overdue = false;
         let mut keep = |time: DoubleDouble, event: PairEvent| {
-            if first.is_none_or(|(earliest, _)| time.is_less(earliest)) {
+            if !elapsed.is_less(time) {
+                is_overdue = true;
+            } else if first.is_none_or(|(earliest, _)| time.is_less(earliest)) {
                 first = Some((time, event));
             }
         };
         for axis in Axis::BOTH {
             for side in [Side::High, Side::Low] {
                 if contacts[axis.other()] {
-                    if let Some(time) = axes[axis].time_to_separation(side, elapsed) {
+                    if let Some(time) = axes[axis].time_to_separation(side) {
                         keep(time, PairEvent::ContactEnd(axis, side));
                     }
                 } else if contacts == [false; 2]
-                    && let Some(time) = axes[axis].time_to_contact(side, elapsed)
+                    && let Some(time) = axes[axis].time_to_contact(side)
                     && let Some(is_face) = enters(&axes[axis.other()], time)
                 {
                     let event = if is_face { PairEvent::FaceImpact } else { PairEvent::CornerImpact };
@@ -224,9 +228,47 @@ impl EventDriven {
                 }
             }
         }
+        if is_overdue
+            && contacts == [false; 2]
+            && let Some(event) = self.approach_now(pair)
+        {
+            return Some((self.now, event));
+        }
         let (time, event) = first?;
         let at = from.after_exactly(time);
         (at != Instant::NEVER).then_some((at, event))
+    }
+
+    /// Gap, approach speed and approach acceleration of two bodies along an axis now; 0 if below rounding.
+    #[cfg(debug_assertions)]
+    pub(super) fn motion_now(&self, pair: [Slot; 2], axis: Axis) -> [f64; 3] {
+        let along = self.exact_axis(pair, axis, self.now);
+        let [gap, speed, acceleration] =
+            along.closing(if along.gaps[0].is_less(along.gaps[1]) { Side::High } else { Side::Low });
+        let roundings = [along.gap_rounding, along.speed_rounding, along.acceleration_rounding];
+        [gap.or_zero(roundings[0]).high, speed.or_zero(roundings[1]).high, acceleration.or_zero(roundings[2]).high]
+    }
+
+    /// The impact of two bodies that touch now and approach.
+    pub(super) fn approach_now(&self, pair: [Slot; 2]) -> Option<PairEvent> {
+        let axes = Axis::BOTH.map(|axis| self.exact_axis(pair, axis, self.now));
+        let side = |axis: Axis| {
+            let [low, high] = axes[axis].gaps;
+            if low.is_less(high) { Side::High } else { Side::Low }
+        };
+        let gaps = Axis::BOTH.map(|axis| axes[axis].gaps[side(axis)].or_zero(axes[axis].gap_rounding).high);
+        let speeds = Axis::BOTH.map(|axis| axes[axis].closing(side(axis))[1].or_zero(axes[axis].speed_rounding).high);
+        if gaps[0] > 0.0 || gaps[1] > 0.0 {
+            return None;
+        }
+        let face = Axis::BOTH.into_iter().find(|axis| gaps[*axis] == 0.0 && gaps[axis.other()] < 0.0);
+        match face {
+            Some(axis) => (speeds[axis] > 0.0).then(|| PairEvent::FaceImpact(axis, side(axis))),
+            None if gaps == [0.0; 2] && speeds[0] > 0.0 && speeds[1] > 0.0 => {
+                Some(PairEvent::CornerImpact(Axis::X, side(Axis::X)))
+            }
+            None => None,
+        }
     }
 }
 

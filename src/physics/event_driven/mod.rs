@@ -116,9 +116,9 @@ use trajectory::Trajectory;
 /// that no scene hangs.
 const MAX_REPREDICTIONS_PER_BODY: u64 = 1000;
 
-/// Instants that differ by this fraction of the time since step 0 are the same: in it no body moves by the
-/// rounding of its coordinates.
-const SAME_INSTANT: f64 = 1.0 / (1_u128 << 101) as f64;
+/// Events within this fraction of the time since step 0 are compared by their gaps: the rounding of times in
+/// doubles.
+const COMPARED_TIMES: f64 = 1.0 / (1_u64 << 50) as f64;
 
 /// The state of the exact solver.
 ///
@@ -358,14 +358,21 @@ impl EventDriven {
         self.begin_at(step + 1);
     }
 
-    /// Processes the events up to the instant `last`, to the rounding of instants, in the order of their times.
+    /// Processes the events up to the instant `last`, and those that coincide with it, in the order of their times.
     fn process_events<O: Observer>(&mut self, world: &World, last: Instant, observer: &mut O) -> Result<(), StepError> {
         self.event_queue.begin_step(self.step);
         let mut repredictions = 0;
         let max_repredictions = self.max_events.saturating_add(MAX_REPREDICTIONS_PER_BODY * self.states.len() as u64);
-        let last = last.after(last.high * SAME_INSTANT);
-        while let Some((slot, event)) = self.event_queue.pop(last) {
-            if let Some(event) = self.next_exact_event(slot, event, last) {
+        while let Some((slot, event)) = self.event_queue.pop(end_of_vicinity(last)) {
+            if event.pair_event.is_none() {
+                self.advance_clock(if last.is_before(event.at) { last } else { event.at });
+            }
+            if let Some(event) = self.next_exact_event(slot, event, end_of_vicinity(last)) {
+                if last.is_before(event.at) && !self.coincides(&event, last) {
+                    self.event_queue.set(slot, Some(event));
+                    self.predict_changed();
+                    return Ok(());
+                }
                 self.advance_clock(event.at);
                 self.count_event(world, event.pair)?;
                 self.changed.push(slot);
@@ -378,6 +385,8 @@ impl EventDriven {
                 }
                 let concerned = self.collect_simultaneous(event.pair);
                 self.process_instant(world, &concerned, observer)?;
+                #[cfg(debug_assertions)]
+                self.assert_consistent();
                 continue;
             }
             repredictions += 1;
@@ -393,7 +402,6 @@ impl EventDriven {
     /// predicted again, or the event is back in the queue with its exact time.
     fn next_exact_event(&mut self, slot: Slot, event: ScheduledEvent, last: Instant) -> Option<ScheduledEvent> {
         let Some(kind) = event.pair_event else {
-            self.advance_clock(event.at);
             self.handle_cell_crossing(slot);
             return None;
         };
@@ -403,10 +411,13 @@ impl EventDriven {
             return None;
         }
         if event.precision == Precision::Exact {
-            if self.event_queue.take_event_of(partner, event.pair).is_some() {
-                self.changed.push(partner);
-            }
+            let twin = self.event_queue.take_event_of(partner, event.pair);
+            self.changed.extend(twin.map(|_| partner));
             return Some(event);
+        }
+        if event.precision == Precision::Contested {
+            self.predict_to(slot, Precision::Exact);
+            return None;
         }
         let exact = match kind {
             PairEvent::FaceImpact(axis, side) => self.exact_face_impact(event.pair, axis, side).map(|at| (at, kind)),
@@ -418,6 +429,11 @@ impl EventDriven {
         };
         let event = ScheduledEvent { at, pair_event: Some(kind), precision: Precision::Exact, ..event };
         let twin = self.event_queue.take_event_of(partner, event.pair);
+        if twin.is_some_and(|twin| twin.precision == Precision::Contested) {
+            self.event_queue.set(slot, Some(event));
+            self.predict_to(partner, Precision::Exact);
+            return None;
+        }
         if !last.is_before(at) && at.is_before(self.event_queue.next_time()) {
             self.changed.extend(twin.map(|_| partner));
             return Some(event);
@@ -432,22 +448,19 @@ impl EventDriven {
 
     /// True if no other event can be at the present instant.
     fn is_alone_in_time(&mut self) -> bool {
-        self.end_of_instant().is_before(self.event_queue.next_time())
-    }
-
-    /// The last time that cannot be told from the present instant.
-    fn end_of_instant(&self) -> Instant {
-        self.now.after(self.now.high * SAME_INSTANT)
+        end_of_vicinity(self.now).is_before(self.event_queue.next_time())
     }
 
     /// The bodies of all events at the present instant, `pair` among them.
     fn collect_simultaneous(&mut self, pair: [Slot; 2]) -> Vec<Slot> {
         let mut concerned = pair.to_vec();
-        let last = self.end_of_instant();
+        let last = end_of_vicinity(self.now);
         while let Some((other, event)) = self.event_queue.pop(last) {
             if let Some(event) = self.next_exact_event(other, event, last) {
-                concerned.extend(event.pair);
                 self.changed.push(other);
+                if self.coincides(&event, self.now) {
+                    concerned.extend(event.pair);
+                }
             }
         }
         concerned.sort_unstable();
@@ -509,6 +522,11 @@ impl EventDriven {
     fn name_of(&self, world: &World, slot: Slot) -> String {
         world.bodies[self.states[slot as usize].world_index as usize].name.clone()
     }
+}
+
+/// The last time that is compared with an instant by gaps.
+fn end_of_vicinity(instant: Instant) -> Instant {
+    instant.after(instant.high * COMPARED_TIMES)
 }
 
 /// The quotient of a force and a mass, m/s²; in a smaller unit where the product of huge numbers would overflow.

@@ -176,6 +176,16 @@ impl Patch {
         (low.state.acceleration - high.state.acceleration).or_zero(rounding)
     }
 
+    /// True if two bodies begin or cease to touch: along an axis whose gap is 0 they move relative to each other.
+    pub fn is_changing(&self, touch: &Touch) -> bool {
+        let moves =
+            |axis: Axis| self.approach(touch, axis).high != 0.0 || self.approach_acceleration(touch, axis).high != 0.0;
+        match touch.kind {
+            TouchKind::Face(axis) => moves(axis),
+            TouchKind::Corner => Axis::BOTH.into_iter().any(moves),
+        }
+    }
+
     /// The axes along which a corner blocks: the gentler one, both if they are equal, none if it is not entered.
     pub fn blocked_axes(&self, touch: &Touch, with_acceleration: bool) -> [bool; 2] {
         let motions = Axis::BOTH.map(|axis| {

@@ -24,8 +24,10 @@ struct Predictor<'a> {
     precision: Precision,
     /// The state at the later of the body's reference times.
     sample: Sample<'a>,
-    /// The earliest event found so far.
-    first: Option<ScheduledEvent>,
+    /// The earliest event found so far, and the seconds from the sample until it happens at the latest.
+    first: Option<(ScheduledEvent, f64)>,
+    /// The earliest time of any other event, in seconds from the sample.
+    second: f64,
     /// Seconds from the sample to the time by which the body predicts again in any case.
     horizon: f64,
 }
@@ -39,7 +41,16 @@ impl<'a> Predictor<'a> {
         let body = &solver.states[slot as usize];
         let sample = Sample::new(body, body.since);
         let own_contacts = solver.contacts.of(slot);
-        Predictor { solver, own_contacts, slot, precision, sample, first: None, horizon: f64::INFINITY }
+        Predictor {
+            solver,
+            own_contacts,
+            slot,
+            precision,
+            sample,
+            first: None,
+            second: f64::INFINITY,
+            horizon: f64::INFINITY,
+        }
     }
 
     /// The seconds from `now` to the horizon, at most `limit`.
@@ -71,7 +82,9 @@ impl<'a> Predictor<'a> {
             Prediction::Event { not_before, upper, event } if self.precision == Precision::LowerBound => {
                 (not_before, event, upper, Precision::LowerBound)
             }
-            Prediction::Event { not_before, .. } if self.first.is_some_and(|first| first.at.is_before(not_before)) => {
+            Prediction::Event { not_before, .. }
+                if self.first.is_some_and(|(first, _)| first.at.is_before(not_before)) =>
+            {
                 return false;
             }
             Prediction::None => return false,
@@ -85,10 +98,24 @@ impl<'a> Predictor<'a> {
         let partner_generation = self.solver.states[other as usize].generation;
         let pair = ordered_pair(self.slot, other);
         let event = ScheduledEvent { at, pair, pair_event: Some(pair_event), partner_generation, precision };
-        if self.first.is_none_or(|first| event.is_before(&first)) {
-            self.first = Some(event);
-        }
-        self.limit_horizon(self.sample.at.seconds_until(at) + upper)
+        let seconds = self.sample.at.seconds_until(at);
+        let latest = seconds + upper;
+        let other = match self.first {
+            Some((first, _)) if !event.is_before(&first) => seconds,
+            previous => {
+                self.first = Some((event, latest));
+                previous.map_or(f64::INFINITY, |(previous, _)| self.sample.at.seconds_until(previous.at))
+            }
+        };
+        self.second = if other < self.second { other } else { self.second };
+        self.limit_horizon(latest)
+    }
+
+    /// The earliest event.
+    fn first(&self) -> Option<ScheduledEvent> {
+        let (first, latest) = self.first?;
+        let is_contested = first.precision == Precision::LowerBound && self.second <= latest;
+        Some(if is_contested { ScheduledEvent { precision: Precision::Contested, ..first } } else { first })
     }
 
     /// Lowers the time of the next prediction to `seconds` after the sample; returns true if it changed.
@@ -160,7 +187,7 @@ impl EventDriven {
             }
         }
         predictor.predict_contact_ends();
-        let first = predictor.first;
+        let first = predictor.first();
         self.cell_lists.set_swept_aabb(slot, swept);
         self.schedule_next(slot, first, exit_time);
     }

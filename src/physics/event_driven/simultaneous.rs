@@ -40,11 +40,7 @@ impl EventDriven {
         concerned: &[Slot],
         observer: &mut O,
     ) -> Result<(), StepError> {
-        for slot in concerned {
-            let body = self.load(patch, *slot);
-            self.explore(patch, body);
-            Axis::BOTH.into_iter().for_each(|axis| patch.mark_dirty(body, axis));
-        }
+        self.load_concerned(patch, concerned);
         self.settle(patch);
         loop {
             self.carry_out_impacts(patch, world, observer)?;
@@ -55,10 +51,30 @@ impl EventDriven {
         }
     }
 
+    /// Adds the bodies concerned to the patch, and in turn each body that begins or ceases to touch one of them now:
+    /// of several such events of a body, the queue holds only one.
+    fn load_concerned(&mut self, patch: &mut Patch, concerned: &[Slot]) {
+        let mut waiting: Vec<Local> = concerned.iter().map(|slot| self.load(patch, *slot)).collect();
+        while let Some(body) = waiting.pop() {
+            Axis::BOTH.into_iter().for_each(|axis| patch.mark_dirty(body, axis));
+            self.explore(patch, body);
+            for index in &patch.bodies[body as usize].touches {
+                let touch = &patch.touches[*index as usize];
+                let other = touch.other(body);
+                if !patch.bodies[other as usize].infinite
+                    && !patch.axis(other, Axis::X).is_dirty
+                    && patch.is_changing(touch)
+                {
+                    waiting.push(other);
+                }
+            }
+        }
+    }
+
     /// Makes the instant the reference of the bodies that it changed.
     fn write_back(&mut self, patch: &mut Patch) {
         for axis in Axis::BOTH {
-            align_faces(patch, axis, |patch, touch| self.is_contact(patch, &patch.touches[touch as usize], axis));
+            align_faces(patch, axis);
             for body in 0..patch.bodies.len() as Local {
                 let state = patch.axis_mut(body, axis);
                 if !state.has_changed {
@@ -75,27 +91,20 @@ impl EventDriven {
     }
 }
 
-/// Places the changed bodies exactly on the faces that they touch, so that rounding errors do not accumulate;
-/// bodies in contact get the same velocity.
+/// Places the changed bodies exactly on the faces that they touch, so that rounding errors do not accumulate; those
+/// that do not move relative to each other get the same velocity.
 ///
-/// Unchanged bodies and, where there is none, the first changed one keep their positions.
-fn align_faces(patch: &mut Patch, axis: Axis, is_contact: impl Fn(&Patch, u32) -> bool) {
-    let changed: Vec<Local> =
+/// Unchanged bodies and, where there is none, the earliest changed one keep their positions.
+fn align_faces(patch: &mut Patch, axis: Axis) {
+    let mut changed: Vec<Local> =
         (0..patch.bodies.len() as Local).filter(|body| patch.axis(*body, axis).has_changed).collect();
-    if changed.is_empty() {
-        return;
-    }
+    changed.sort_unstable_by_key(|body| patch.bodies[*body as usize].slot);
     let mut is_placed: Vec<bool> = patch.bodies.iter().map(|body| !body.axes[axis].has_changed).collect();
     let mut queue: Vec<Local> = Vec::new();
     for body in &changed {
-        let touches = patch.bodies[*body as usize].touches.clone();
-        let anchor = touches.into_iter().find(|touch| {
-            let touch = &patch.touches[*touch as usize];
-            touch.kind == TouchKind::Face(axis) && !patch.axis(touch.other(*body), axis).has_changed
-        });
-        if let Some(touch) = anchor {
-            let other = patch.touches[touch as usize].other(*body);
-            place_on(patch, *body, other, touch, axis, is_contact(patch, touch));
+        let anchor = faces_of(patch, *body, axis).find(|(other, _)| !patch.axis(*other, axis).has_changed);
+        if let Some((other, touch)) = anchor {
+            place_on(patch, *body, other, touch, axis);
             is_placed[*body as usize] = true;
             queue.push(*body);
         }
@@ -105,34 +114,41 @@ fn align_faces(patch: &mut Patch, axis: Axis, is_contact: impl Fn(&Patch, u32) -
         loop {
             while let Some(by) = queue.get(next).copied() {
                 next += 1;
-                for touch in patch.bodies[by as usize].touches.clone() {
-                    let other = patch.touches[touch as usize].other(by);
-                    if patch.touches[touch as usize].kind == TouchKind::Face(axis) && !is_placed[other as usize] {
-                        place_on(patch, other, by, touch, axis, is_contact(patch, touch));
-                        is_placed[other as usize] = true;
+                for (other, touch) in faces_of(patch, by, axis) {
+                    if !std::mem::replace(&mut is_placed[other as usize], true) {
+                        place_on(patch, other, by, touch, axis);
                         queue.push(other);
                     }
                 }
             }
-            if is_placed[body as usize] {
+            if std::mem::replace(&mut is_placed[body as usize], true) {
                 break;
             }
-            is_placed[body as usize] = true;
             queue.push(body);
         }
     }
 }
 
+/// The bodies that touch one on a face along an axis, in creation order, with their touches.
+fn faces_of(patch: &Patch, body: Local, axis: Axis) -> impl Iterator<Item = (Local, u32)> + use<> {
+    let touches = patch.bodies[body as usize].touches.iter().copied();
+    let faces = touches.filter(|touch| patch.touches[*touch as usize].kind == TouchKind::Face(axis));
+    let mut found: Vec<(Local, u32)> = faces.map(|touch| (patch.touches[touch as usize].other(body), touch)).collect();
+    found.sort_unstable_by_key(|(other, _)| patch.bodies[*other as usize].slot);
+    found.into_iter()
+}
+
 /// Places a body on a face of another that it touches.
-fn place_on(patch: &mut Patch, body: Local, by: Local, touch: u32, axis: Axis, is_contact: bool) {
+fn place_on(patch: &mut Patch, body: Local, by: Local, touch: u32, axis: Axis) {
     let anchor = *patch.axis(by, axis);
-    let side = patch.touches[touch as usize].side_of(by, axis);
+    let touch = patch.touches[touch as usize];
+    let is_at_rest = patch.approach(&touch, axis).high == 0.0;
     let state = patch.axis_mut(body, axis);
-    state.state.position = match side {
+    state.state.position = match touch.side_of(by, axis) {
         Side::High => anchor.state.position + anchor.size,
         Side::Low => anchor.state.position - state.size,
     };
-    if is_contact {
+    if is_at_rest {
         state.state.velocity = anchor.state.velocity;
     }
 }
