@@ -180,7 +180,8 @@ impl EventDriven {
     pub(super) fn exact_face_impact(&self, pair: [Slot; 2], axis: Axis, side: Side) -> Option<Instant> {
         let from = self.common_reference(pair);
         let time = self.exact_axis(pair, axis, from).time_to_contact(side)?;
-        from.exact_seconds_until(self.now).is_less(time).then(|| from.after_exactly(time))
+        let at = from.after_exactly(time);
+        self.now.is_before(at).then_some(at)
     }
 
     /// True if the gap or the overlap of an event is 0 already at an instant: then it happens at that instant.
@@ -200,17 +201,17 @@ impl EventDriven {
     #[cold]
     pub(super) fn predict_exactly(&self, pair: [Slot; 2]) -> Option<(Instant, PairEvent)> {
         let from = self.common_reference(pair);
-        let elapsed = from.exact_seconds_until(self.now);
         let axes = Axis::BOTH.map(|axis| self.exact_axis(pair, axis, from));
         let finite = if self.states[pair[0] as usize].infinite { [pair[1], pair[0]] } else { pair };
         let contacts = self.contacts.axes_between(finite[0], finite[1]);
-        let mut first: Option<(DoubleDouble, PairEvent)> = None;
+        let mut first: Option<(Instant, PairEvent)> = None;
         let mut is_overdue = false;
         let mut keep = |time: DoubleDouble, event: PairEvent| {
-            if !elapsed.is_less(time) {
+            let at = from.after_exactly(time);
+            if !self.now.is_before(at) {
                 is_overdue = true;
-            } else if first.is_none_or(|(earliest, _)| time.is_less(earliest)) {
-                first = Some((time, event));
+            } else if at.is_before(first.map_or(Instant::NEVER, |(earliest, _)| earliest)) {
+                first = Some((at, event));
             }
         };
         for axis in Axis::BOTH {
@@ -234,9 +235,7 @@ impl EventDriven {
         {
             return Some((self.now, event));
         }
-        let (time, event) = first?;
-        let at = from.after_exactly(time);
-        (at != Instant::NEVER).then_some((at, event))
+        first
     }
 
     /// Gap, approach speed and approach acceleration of two bodies along an axis now; 0 if below rounding.

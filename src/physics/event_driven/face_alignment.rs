@@ -7,7 +7,7 @@ use super::EventDriven;
 use super::body_state::Slot;
 use super::double_double::DoubleDouble;
 use super::state_dd::StateDd;
-use crate::physics::Axis;
+use crate::physics::{Axis, Side};
 
 /// Faces that differ by at most this many units in the last place of the largest number involved coincide.
 const COINCIDING_ULPS: f64 = 2.0;
@@ -19,12 +19,28 @@ struct Faces {
     scale: f64,
 }
 
+/// A face of a body that takes part in an alignment.
+#[derive(Clone, Copy)]
+struct Face {
+    at: DoubleDouble,
+    scale: f64,
+    slot: Slot,
+    side: Side,
+}
+
 impl EventDriven {
-    /// Aligns the faces of spawned bodies, in creation order, with those of older bodies.
+    /// Aligns the faces of spawned bodies with each other and with those of the older bodies that they touch.
+    ///
+    /// Of the faces of bodies connected by touching, those that follow each other within rounding along an axis
+    /// move to the one of the earliest body. Bodies that were there before do not move.
     pub(super) fn align_spawned(&mut self, spawned: &[Slot]) {
-        for slot in spawned {
-            let older = self.older_neighbours(*slot);
-            Axis::BOTH.into_iter().for_each(|axis| self.align(*slot, &older, axis));
+        let neighbours: Vec<Vec<Slot>> = spawned.iter().map(|slot| self.older_neighbours(*slot)).collect();
+        for members in groups(spawned, &neighbours) {
+            let mut slots: Vec<Slot> = members.iter().flat_map(|index| neighbours[*index].iter().copied()).collect();
+            slots.extend(members.iter().map(|index| spawned[*index]));
+            slots.sort_unstable();
+            slots.dedup();
+            Axis::BOTH.into_iter().for_each(|axis| self.align(&slots, spawned, axis));
         }
     }
 
@@ -63,27 +79,45 @@ impl EventDriven {
         Faces { at: [position, far], scale }
     }
 
-    /// Moves each face of a body along an axis by less than the rounding of coordinates onto the first face of
-    /// others that it meets.
-    fn align(&mut self, slot: Slot, others: &[Slot], axis: Axis) {
-        let own = self.faces(slot, axis);
-        let mut aligned = [None; 2];
-        for other in others {
-            let others = self.faces(*other, axis);
-            let scale = if own.scale > others.scale { own.scale } else { others.scale };
-            let reach = scale * (COINCIDING_ULPS * f64::EPSILON);
-            for side in [0, 1] {
-                let meets = |at: &DoubleDouble| (*at - own.at[side]).high.abs() <= reach;
-                aligned[side] = aligned[side].or_else(|| others.at.into_iter().find(meets));
+    /// Makes the faces of connected bodies, given in creation order, coincide along an axis.
+    fn align(&mut self, slots: &[Slot], spawned: &[Slot], axis: Axis) {
+        let mut faces: Vec<Face> = Vec::with_capacity(2 * slots.len());
+        for slot in slots {
+            let Faces { at, scale } = self.faces(*slot, axis);
+            faces.extend(Side::BOTH.map(|side| Face { at: at[side], scale, slot: *slot, side }));
+        }
+        faces.sort_unstable_by(|a, b| {
+            let [x, y] = [a, b].map(|face| face.at);
+            x.high.total_cmp(&y.high).then(x.low.total_cmp(&y.low)).then((a.slot, a.side).cmp(&(b.slot, b.side)))
+        });
+        let mut aligned = vec![[None; 2]; slots.len()];
+        let coincide = |a: &Face, b: &Face| {
+            let scale = if a.scale > b.scale { a.scale } else { b.scale };
+            (b.at - a.at).high <= scale * (COINCIDING_ULPS * f64::EPSILON)
+        };
+        for group in faces.chunk_by(coincide).filter(|group| group.len() > 1) {
+            let Some(earliest) = group.iter().min_by_key(|face| (face.slot, face.side)) else { continue };
+            for face in group {
+                let index = slots.partition_point(|slot| *slot < face.slot);
+                aligned[index][face.side as usize] = Some(earliest.at);
             }
         }
+        for (slot, aligned) in slots.iter().zip(aligned) {
+            if spawned.binary_search(slot).is_ok() {
+                self.set_faces(*slot, axis, aligned);
+            }
+        }
+    }
+
+    /// Moves the faces of a body to where they are aligned. If that is one only, or the body is too thin for both, it
+    /// keeps its size.
+    fn set_faces(&mut self, slot: Slot, axis: Axis, aligned: [Option<DoubleDouble>; 2]) {
         let size = self.size(slot, axis);
         let (position, size) = match aligned {
-            [None, None] => return,
-            [Some(low), None] => (low, size),
-            [None, Some(high)] => (high - size, size),
             [Some(low), Some(high)] if low.is_less(high) => (low, high - low),
-            [Some(low), Some(_)] => (low, size),
+            [Some(low), _] => (low, size),
+            [None, Some(high)] => (high - size, size),
+            [None, None] => return,
         };
         let size_low = (size - self.states[slot as usize].size[axis].into()).high;
         self.low_parts[slot as usize].0[axis].size = size_low;
@@ -92,4 +126,29 @@ impl EventDriven {
             self.set_trajectory(slot, axis, StateDd { position, ..state });
         }
     }
+}
+
+/// The indices of spawned bodies that are connected by touching, in creation order.
+fn groups(spawned: &[Slot], neighbours: &[Vec<Slot>]) -> Vec<Vec<usize>> {
+    let mut parents: Vec<usize> = (0..spawned.len()).collect();
+    let root = |parents: &mut Vec<usize>, mut index: usize| {
+        while parents[index] != index {
+            parents[index] = parents[parents[index]];
+            index = parents[index];
+        }
+        index
+    };
+    for (index, others) in neighbours.iter().enumerate() {
+        for other in others.iter().filter_map(|other| spawned.binary_search(other).ok()) {
+            let [a, b] = [index, other].map(|index| root(&mut parents, index));
+            parents[if a > b { a } else { b }] = if a < b { a } else { b };
+        }
+    }
+    let mut groups: Vec<Vec<usize>> = vec![Vec::new(); spawned.len()];
+    for index in 0..spawned.len() {
+        let root = root(&mut parents, index);
+        groups[root].push(index);
+    }
+    groups.retain(|group| !group.is_empty());
+    groups
 }
