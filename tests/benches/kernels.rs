@@ -23,7 +23,6 @@ mod physics {
 mod event_driven {
     pub mod axis_trajectory;
     pub mod body_state;
-    pub mod crossing_wheel;
     pub mod double_double;
     pub mod event_queue;
     pub mod instant;
@@ -37,7 +36,6 @@ mod lzw;
 
 use event_driven::axis_trajectory::AxisTrajectory;
 use event_driven::body_state::BodyState;
-use event_driven::crossing_wheel::CrossingWheel;
 use event_driven::event_queue::{EventQueue, Precision, ScheduledEvent};
 use event_driven::instant::{Clock, Instant};
 use event_driven::least_change::ContactGroup;
@@ -93,7 +91,6 @@ fn body(x: f64, y: f64, velocity: [f64; 2], acceleration: f64) -> BodyState {
         generation: 0,
         world_index: 0,
         infinite: false,
-        supported: [[false; 2]; 2],
         forced: [false; 2],
     }
 }
@@ -132,7 +129,6 @@ fn event_queue(bencher: Bencher, bodies: u32) {
                 };
                 queue.set(slot, Some(event));
             }
-            queue.begin_step(0);
             while let Some(event) = queue.pop(Instant::START.after(1.0 / 60.0)) {
                 black_box(event);
             }
@@ -141,13 +137,12 @@ fn event_queue(bencher: Bencher, bodies: u32) {
 
 /// Schedules one cell crossing per body within eight steps and collects it.
 #[divan::bench(args = [100, 10_000])]
-fn crossing_wheel(bencher: Bencher, bodies: u32) {
+fn cell_crossings(bencher: Bencher, bodies: u32) {
     let mut due = Vec::new();
-    let mut wheel = CrossingWheel::new(0);
-    (0..bodies).for_each(|_| wheel.add_body());
+    let mut queue = EventQueue::new(Clock::new(60.0), 0, bodies as usize);
     bencher.counter(ItemsCount::new(bodies)).bench_local(move || {
-        (0..bodies).for_each(|slot| wheel.schedule(slot, 1 + slot % 8));
-        (0..8).for_each(|_| wheel.advance(&mut due));
+        (0..bodies).for_each(|slot| queue.set_crossing(slot, Some(1 + slot % 8)));
+        (0..8).for_each(|_| queue.begin_next_step(&mut due));
         due.clear();
     });
 }

@@ -1,7 +1,7 @@
 use super::double_double::DoubleDouble;
 use super::instant::Instant;
 use super::trajectory::Trajectory;
-use crate::physics::{Axis, BodyId, Material, Side};
+use crate::physics::{BodyId, Material};
 
 /// The index of a body within the solver, in creation order.
 pub type Slot = u32;
@@ -22,8 +22,6 @@ pub struct BodyState {
     pub world_index: u32,
     /// True if its mass is infinite.
     pub infinite: bool,
-    /// For each axis and side, true if contacts on that side lead to an infinite mass.
-    pub supported: [[bool; 2]; 2],
     /// For each axis, true if a body of its component carries a force of its own along it.
     pub forced: [bool; 2],
 }
@@ -32,11 +30,6 @@ impl BodyState {
     /// True if it never moves: an infinite mass at rest.
     pub fn is_static(&self) -> bool {
         self.infinite && self.trajectory.is_at_rest()
-    }
-
-    /// True if a push along the axis towards `side` cannot move it.
-    pub fn is_immovable(&self, axis: Axis, side: Side) -> bool {
-        self.infinite || self.supported[axis][side]
     }
 }
 

@@ -140,7 +140,7 @@ impl EventDriven {
         cluster.members.clear();
         cluster.mass = f64::INFINITY.into();
         let slot_of = |patch: &Patch, body: Local| patch.bodies[body as usize].slot;
-        if self.states[slot_of(patch, struck) as usize].is_immovable(axis, side) {
+        if self.contacts.is_immovable(slot_of(patch, struck), axis, side) {
             return;
         }
         cluster.members.push(struck);
@@ -257,8 +257,8 @@ impl EventDriven {
 
     /// Adds a body to a collapse. An infinite mass, or a body that rests on one, only gives its velocity.
     fn join_collapse(&self, patch: &Patch, body: Local, axis: Axis, collapse: &mut Collapse) {
-        let state = &self.states[patch.bodies[body as usize].slot as usize];
-        if state.infinite || state.supported[axis] != [false; 2] {
+        let slot = patch.bodies[body as usize].slot;
+        if Side::BOTH.into_iter().any(|side| self.contacts.is_immovable(slot, axis, side)) {
             collapse.anchor = collapse.anchor.or(Some(patch.axis(body, axis).state.velocity));
         } else if !collapse.members.contains(&body) {
             collapse.members.push(body);

@@ -10,23 +10,10 @@ impl EventDriven {
     /// The error of an impact in which neither body can move.
     pub(super) fn crushed_error(&self, world: &World, [first, second]: [Slot; 2], axis: Axis) -> StepError {
         let body = if self.states[first as usize].infinite { second } else { first };
-        let between = [self.supporting_wall(first, axis, Side::Low), self.supporting_wall(second, axis, Side::High)];
+        let between = [(first, Side::Low), (second, Side::High)];
+        let between = between.map(|(slot, side)| self.contacts.supporting_wall(slot, axis, side));
         let between = between.map(|slot| self.name_of(world, slot));
         StepError::Crushed { step: self.step, body: self.name_of(world, body), between }
-    }
-
-    /// The infinite mass that supports an immovable body on a side.
-    fn supporting_wall(&self, mut slot: Slot, axis: Axis, side: Side) -> Slot {
-        while !self.states[slot as usize].infinite {
-            let support = self.contacts.of(slot).iter().find(|contact| {
-                contact.axis == axis
-                    && contact.side == side
-                    && self.states[contact.other as usize].is_immovable(axis, side)
-            });
-            let Some(contact) = support else { break };
-            slot = contact.other;
-        }
-        slot
     }
 
     /// The error of a step that exceeds the limit of events.

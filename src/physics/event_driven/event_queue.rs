@@ -1,8 +1,9 @@
-//! The event queue: a bin for each of the next steps, bins for slices of the current step, and a
-//! binary heap for the current slice.
+//! The event queue: a timing wheel with a bin for each of the next steps, bins for slices of the current step, and
+//! a binary heap for the current slice.
 //!
-//! Each body has at most one event in the queue. The bins sort only roughly; within a slice the heap
-//! delivers events in their total order, so the width of the slices changes no result.
+//! Each body has at most one event in the queue, and at most one cell crossing after the current step. The bins
+//! sort only roughly; within a slice the heap delivers events in their total order, so the width of the slices
+//! changes no result. The order of the cell crossings of a step changes none either.
 
 use super::body_state::Slot;
 use super::instant::{Clock, Instant};
@@ -18,8 +19,8 @@ const BODIES_PER_SLICE: u64 = 32;
 /// Heap length up to which invalidated events are never removed.
 const MIN_PURGE_LEN: usize = 64;
 
-/// Number of steps that have a bin. Later events are kept in the last bin and inserted again when it
-/// is due.
+/// Number of steps that have a bin. Later events and crossings are kept in the last bin and inserted again when
+/// it is due.
 const STEP_BINS: u64 = 32;
 
 /// The next event of a body: an event of a pair or a cell crossing.
@@ -95,11 +96,13 @@ impl Ord for HeapEntry {
     }
 }
 
-/// The event of a body and the bin in which the body is listed.
+/// The event and the cell crossing of a body, and the bin in which the body is listed.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 struct QueueEntry {
     event: ScheduledEvent,
+    /// The step before which the body must be moved to its next cell; [`NEVER`] if there is none.
+    crossing: u64,
     /// The slice of the bin that lists the body: the slice itself in the current step, otherwise the
     /// first slice of the step; [`NO_BIN`] if none does.
     bin: u64,
@@ -108,6 +111,8 @@ struct QueueEntry {
 }
 
 const NO_BIN: u64 = u64::MAX;
+
+const NEVER: u64 = u64::MAX;
 
 const NO_EVENT: ScheduledEvent = ScheduledEvent {
     at: Instant::NEVER,
@@ -124,12 +129,14 @@ const EARLINESS: f64 = 1.0 - 1.0 / (1_u64 << 40) as f64;
 /// The last slice that is filed exactly.
 const MAX_SLICE: f64 = (1_u64 << 62) as f64;
 
-const EMPTY_ENTRY: QueueEntry = QueueEntry { event: NO_EVENT, bin: NO_BIN, stamp: 0 };
+const EMPTY_ENTRY: QueueEntry = QueueEntry { event: NO_EVENT, crossing: NEVER, bin: NO_BIN, stamp: 0 };
 
-/// The events of all bodies.
+/// The events and cell crossings of all bodies.
 ///
-/// A body whose event is postponed stays in its bin until the bin is due and is inserted again then.
-/// So at most one entry of a body in the bins is valid, the one that its `bin` names.
+/// Invariants: a body whose event is not in the heap is listed in a bin that is due no later than its event and its
+/// crossing. At most one entry of a body in the bins is valid, the one that its `bin` names. A body whose event or
+/// crossing is postponed stays in its bin until the bin is due and is inserted again then, so the bins do not grow
+/// however often a body predicts again.
 #[derive(Clone, Debug)]
 pub struct EventQueue {
     clock: Clock,
@@ -169,18 +176,15 @@ impl EventQueue {
 
     /// Replaces the event of a body; `None` removes it.
     pub fn set(&mut self, slot: Slot, event: Option<ScheduledEvent>) {
-        if self.entries.len() <= slot as usize {
-            self.entries.resize(slot as usize + 1, EMPTY_ENTRY);
-        }
         let event = event.unwrap_or(NO_EVENT);
-        let entry = &mut self.entries[slot as usize];
+        let entry = self.entry(slot);
         if entry.event == event {
             return;
         }
         entry.stamp = entry.stamp.wrapping_add(1);
         entry.event = event;
         if event != NO_EVENT {
-            self.insert(slot);
+            self.insert_event(slot);
         }
     }
 
@@ -190,6 +194,31 @@ impl EventQueue {
         self.entries
             .get(slot as usize)
             .is_some_and(|entry| entry.event.pair == pair && entry.event.pair_event.is_some())
+    }
+
+    /// Removes the event and the cell crossing of a body.
+    pub fn remove(&mut self, slot: Slot) {
+        self.set(slot, None);
+        self.set_crossing(slot, None);
+    }
+
+    /// Replaces the cell crossing of a body: the number of steps, at least one, after which it is due; `None` removes
+    /// it.
+    pub fn set_crossing(&mut self, slot: Slot, steps: Option<u32>) {
+        let current_step = self.current_step();
+        self.entry(slot).crossing = steps.map_or(NEVER, |steps| current_step + u64::from(steps));
+        self.insert_crossing(slot);
+    }
+
+    fn entry(&mut self, slot: Slot) -> &mut QueueEntry {
+        if self.entries.len() <= slot as usize {
+            self.entries.resize(slot as usize + 1, EMPTY_ENTRY);
+        }
+        &mut self.entries[slot as usize]
+    }
+
+    const fn current_step(&self) -> u64 {
+        self.current_slice >> self.log2_slices
     }
 
     /// Removes the event of a body if it is one of the pair.
@@ -216,7 +245,7 @@ impl EventQueue {
 
     /// The time of the first event of the current step; [`Instant::NEVER`] if there is none.
     pub fn next_time(&mut self) -> Instant {
-        let end = ((self.current_slice >> self.log2_slices) + 1) << self.log2_slices;
+        let end = (self.current_step() + 1) << self.log2_slices;
         loop {
             while let Some(Reverse(first)) = self.heap.peek() {
                 if self.entries[first.slot as usize].stamp == first.stamp {
@@ -231,24 +260,28 @@ impl EventQueue {
         }
     }
 
-    /// Begins a step: moves the bodies in its bin to the bins of its slices or to the heap.
-    pub fn begin_step(&mut self, step: u64) {
-        if self.current_slice < step << self.log2_slices {
-            self.current_slice = step << self.log2_slices;
-            let index = (step % STEP_BINS) as usize;
-            let bin = std::mem::take(&mut self.step_bins[index]);
-            self.step_bins[index] = self.redistribute(bin);
+    /// Begins the next step: moves the bodies in its bin to the bins of its slices or to the heap, and appends to
+    /// `due` those that must be moved to their next cells. These have no event any more and must predict again.
+    pub fn begin_next_step(&mut self, due: &mut Vec<Slot>) {
+        while self.binned > 0 {
+            self.advance();
         }
+        let step = self.current_step() + 1;
+        self.current_slice = step << self.log2_slices;
+        let index = (step % STEP_BINS) as usize;
+        let bin = std::mem::take(&mut self.step_bins[index]);
+        self.step_bins[index] = self.redistribute(bin, due);
     }
 
-    /// Returns true if no entry is due in `step`, the next step.
-    pub fn is_step_empty(&self, step: u64) -> bool {
-        self.heap.is_empty() && self.binned == 0 && self.step_bins[(step % STEP_BINS) as usize].is_empty()
+    /// Returns true if nothing is due in the current step, and no cell crossing at its end.
+    pub fn is_step_empty(&self) -> bool {
+        let next = (self.current_step() + 1) % STEP_BINS;
+        self.heap.is_empty() && self.binned == 0 && self.step_bins[next as usize].is_empty()
     }
 
-    /// Skips a step without entries.
-    pub fn skip_step(&mut self, step: u64) {
-        self.current_slice = ((step + 1) << self.log2_slices) - 1;
+    /// Advances to the next step from one in which [nothing is due](Self::is_step_empty), without reading its bin.
+    pub fn skip_step(&mut self) {
+        self.current_slice = (self.current_step() + 1) << self.log2_slices;
     }
 
     /// Advances to the next slice, or to the last slice of the step if all bins are empty.
@@ -258,19 +291,28 @@ impl EventQueue {
         let index = (self.current_slice & (self.slice_bins.len() as u64 - 1)) as usize;
         let bin = std::mem::take(&mut self.slice_bins[index]);
         self.binned -= bin.len();
-        self.slice_bins[index] = self.redistribute(bin);
+        self.slice_bins[index] = self.redistribute(bin, &mut Vec::new());
     }
 
-    /// Inserts again the bodies that are still listed in the current bin; returns the emptied bin.
-    fn redistribute(&mut self, mut bin: Vec<Slot>) -> Vec<Slot> {
+    /// Inserts again the bodies that are still listed in the current bin, or appends them to `due` if their crossings
+    /// are due; returns the emptied bin.
+    fn redistribute(&mut self, mut bin: Vec<Slot>, due: &mut Vec<Slot>) -> Vec<Slot> {
+        let current_step = self.current_step();
         for slot in bin.drain(..) {
             let entry = &mut self.entries[slot as usize];
-            if entry.bin == self.current_slice {
-                entry.bin = NO_BIN;
-                if entry.event != NO_EVENT {
-                    self.insert(slot);
-                }
+            if entry.bin != self.current_slice {
+                continue;
             }
+            if entry.crossing <= current_step {
+                *entry = QueueEntry { stamp: entry.stamp.wrapping_add(1), ..EMPTY_ENTRY };
+                due.push(slot);
+                continue;
+            }
+            entry.bin = NO_BIN;
+            if entry.event != NO_EVENT {
+                self.insert_event(slot);
+            }
+            self.insert_crossing(slot);
         }
         bin
     }
@@ -285,14 +327,12 @@ impl EventQueue {
     }
 
     /// Enters a body in the heap or, unless it is in an earlier bin, in the bin of its event.
-    fn insert(&mut self, slot: Slot) {
-        let entry = &mut self.entries[slot as usize];
-        let last = (1 << self.log2_slices) - 1;
+    fn insert_event(&mut self, slot: Slot) {
+        let entry = self.entries[slot as usize];
         let slice = entry.event.at.high * self.clock.rate * f64::from(1_u32 << self.log2_slices) * EARLINESS;
         let slice = if slice < MAX_SLICE { slice as u64 } else { MAX_SLICE as u64 };
         let step = slice >> self.log2_slices;
         if slice <= self.current_slice {
-            entry.bin = NO_BIN;
             let queued = HeapEntry { event: entry.event, slot, stamp: entry.stamp };
             self.heap.push(Reverse(queued));
             if self.heap.len() > self.purge_threshold {
@@ -300,23 +340,35 @@ impl EventQueue {
             }
             return;
         }
-        let current_step = self.current_slice >> self.log2_slices;
-        let bin = if step == current_step {
-            slice
-        } else {
-            let last_step = current_step + STEP_BINS - 1;
-            (if step < last_step { step } else { last_step }) << self.log2_slices
-        };
+        let is_current = step == self.current_step();
+        let bin = if is_current { slice } else { self.step_bin(step) };
         if bin >= entry.bin {
             return;
         }
-        entry.bin = bin;
-        if step == current_step {
+        self.entries[slot as usize].bin = bin;
+        if is_current {
             self.binned += 1;
+            let last = self.slice_bins.len() as u64 - 1;
             self.slice_bins[(slice & last) as usize].push(slot);
         } else {
             self.step_bins[((bin >> self.log2_slices) % STEP_BINS) as usize].push(slot);
         }
+    }
+
+    /// Enters a body, unless it is in an earlier bin, in the bin of its cell crossing.
+    fn insert_crossing(&mut self, slot: Slot) {
+        let QueueEntry { crossing, bin: present, .. } = self.entries[slot as usize];
+        let bin = self.step_bin(crossing);
+        if crossing != NEVER && bin < present {
+            self.entries[slot as usize].bin = bin;
+            self.step_bins[((bin >> self.log2_slices) % STEP_BINS) as usize].push(slot);
+        }
+    }
+
+    /// The first slice of a later step, or of the last one that has a bin.
+    fn step_bin(&self, step: u64) -> u64 {
+        let last_step = self.current_step() + STEP_BINS - 1;
+        (if step < last_step { step } else { last_step }) << self.log2_slices
     }
 }
 
@@ -342,7 +394,6 @@ mod tests {
         queue.set(3, event(2.0, 0.07, [3, 3]));
         let mut order = Vec::new();
         for step in 0..=200 {
-            queue.begin_step(step);
             while let Some((slot, _)) = queue.pop(Clock::new(10.0).start_of(step + 1)) {
                 order.push((step, slot));
                 queue.set(slot, if slot == 5 && step == 3 { event(3.0, 0.03, [5, 5]) } else { None });
@@ -350,6 +401,7 @@ mod tests {
                     queue.set(5, None);
                 }
             }
+            queue.begin_next_step(&mut Vec::new());
         }
         order
     }
@@ -357,7 +409,6 @@ mod tests {
     #[test]
     fn invalidated_events_do_not_accumulate_in_the_heap() {
         let mut queue = EventQueue::new(Clock::new(1.0), 0, 100);
-        queue.begin_step(0);
         (0..100).for_each(|slot| queue.set(slot, event(0.0, 0.0, [slot, slot])));
         for round in 1..10_000 {
             let later = 0.01 + 1e-9 * f64::from(round);
@@ -374,5 +425,77 @@ mod tests {
         for bodies in [1, 100, 10_000] {
             assert_eq!(popped_order(bodies), expected);
         }
+    }
+
+    /// The bodies whose crossings are due at the beginning of the next step.
+    fn due(queue: &mut EventQueue) -> Vec<Slot> {
+        let mut due = Vec::new();
+        queue.begin_next_step(&mut due);
+        due
+    }
+
+    #[test]
+    fn a_crossing_is_due_in_the_step_that_it_was_set_to_last() {
+        let mut queue = EventQueue::new(Clock::new(10.0), 7, 4);
+        for (slot, steps) in [(0, 1), (1, 1), (1, 3), (2, 3), (2, 2), (3, 100)] {
+            queue.set_crossing(slot, Some(steps));
+        }
+        assert_eq!(due(&mut queue), [0]);
+        assert_eq!(due(&mut queue), [2]);
+        assert_eq!(due(&mut queue), [1]);
+        assert!((11..107).all(|_| due(&mut queue).is_empty()));
+        assert_eq!(due(&mut queue), [3]);
+    }
+
+    #[test]
+    fn a_crossing_that_is_removed_is_never_due() {
+        let mut queue = EventQueue::new(Clock::new(10.0), 0, 1);
+        queue.set_crossing(0, Some(40));
+        queue.set_crossing(0, None);
+        assert!((0..100).all(|_| due(&mut queue).is_empty()));
+    }
+
+    #[test]
+    fn a_body_whose_crossing_is_due_has_no_event_until_it_predicts_again() {
+        let mut queue = EventQueue::new(Clock::new(10.0), 0, 1);
+        queue.set(0, event(2.0, 0.05, [0, 1]));
+        queue.set_crossing(0, Some(2));
+        assert!(due(&mut queue).is_empty() && !queue.is_step_empty(), "the crossing is due at the end of the step");
+        assert_eq!((due(&mut queue), queue.next_time()), (vec![0], Instant::NEVER));
+    }
+
+    #[test]
+    fn an_event_after_a_crossing_and_a_crossing_after_an_event_are_both_kept() {
+        for (event_step, steps) in [(2.0, 50), (50.0, 2), (0.0, 1)] {
+            let mut queue = EventQueue::new(Clock::new(10.0), 0, 1000);
+            queue.set_crossing(0, Some(steps));
+            queue.set(0, event(event_step, 0.05, [0, 1]));
+            let (mut popped, mut crossed) = (None, None);
+            for step in 0..100_u32 {
+                if queue.pop(Clock::new(10.0).start_of(u64::from(step) + 1)).is_some() {
+                    popped = Some(f64::from(step));
+                }
+                if !due(&mut queue).is_empty() {
+                    crossed = Some(step + 1);
+                    queue.set(0, event(event_step, 0.05, [0, 1]).filter(|_| popped.is_none()));
+                }
+            }
+            assert_eq!((popped, crossed), (Some(event_step), Some(steps)));
+        }
+    }
+
+    #[test]
+    fn a_step_is_empty_until_something_is_due_in_it_or_at_its_end() {
+        let mut queue = EventQueue::new(Clock::new(10.0), 0, 1);
+        queue.set(0, event(3.0, 0.05, [0, 1]));
+        queue.set_crossing(1, Some(5));
+        let mut skipped = 0;
+        while queue.is_step_empty() {
+            queue.skip_step();
+            skipped += 1;
+        }
+        assert_eq!(skipped, 2, "the bin of step 3 is not empty");
+        assert!(due(&mut queue).is_empty());
+        assert_eq!(queue.pop(Instant::NEVER).map(|(slot, _)| slot), Some(0));
     }
 }

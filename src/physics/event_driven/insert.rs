@@ -3,7 +3,6 @@
 use super::EventDriven;
 use super::body_state::Slot;
 use super::cell_lists::CellLists;
-use super::crossing_wheel::CrossingWheel;
 use super::event_queue::EventQueue;
 use crate::physics::{Axis, World};
 
@@ -85,8 +84,6 @@ impl EventDriven {
         self.indexed_bodies = self.states.len();
         self.cell_lists = CellLists::new(self.typical_size());
         self.event_queue = EventQueue::new(self.clock, self.step, self.states.len());
-        self.crossing_wheel = CrossingWheel::new(self.step);
-        (0..self.states.len()).for_each(|_| self.crossing_wheel.add_body());
         for slot in 0..self.states.len() {
             if self.params[slot].alive && self.pending_spawns.binary_search(&(slot as Slot)).is_err() {
                 self.cell_lists.insert(&self.clock, slot as Slot, &self.states[slot], self.now);

@@ -16,7 +16,7 @@
 //!    (`swept_aabb`, `neighbour_buffer`, `cell_lists`, `spatial_hash`).
 //! 3. **Sample.** The states of the bodies that moved are written to the world (`dirty_states`).
 //! 4. **Cross cells.** The bodies that would leave their cells in the next step are moved to their
-//!    next cells (`crossing_wheel`).
+//!    next cells (`event_queue`).
 //!
 //! A step in which nothing moves and nothing is due does none of this. `solver_snapshot` stores what
 //! is needed to continue bit for bit; `diagnose` creates the errors of a failed step.
@@ -66,7 +66,6 @@ mod body_state;
 mod burst;
 mod cell_lists;
 mod contact;
-mod crossing_wheel;
 mod diagnose;
 mod dirty_states;
 mod double_double;
@@ -98,7 +97,6 @@ use body_state::{BodyParams, BodyState, Slot};
 use burst::Cluster;
 use cell_lists::CellLists;
 use contact::ContactGraph;
-use crossing_wheel::CrossingWheel;
 use dirty_states::DirtyStates;
 use double_double::DoubleDouble;
 use event_queue::{EventQueue, Precision, ScheduledEvent};
@@ -153,7 +151,6 @@ pub struct EventDriven {
     events: u64,
     cell_lists: CellLists,
     event_queue: EventQueue,
-    crossing_wheel: CrossingWheel,
     dirty_states: DirtyStates,
     /// Bodies whose trajectory or contacts changed at the present instant.
     changed: Vec<Slot>,
@@ -193,7 +190,6 @@ impl EventDriven {
             events: 0,
             cell_lists: CellLists::new(1.0),
             event_queue: EventQueue::new(clock, 0, 0),
-            crossing_wheel: CrossingWheel::new(0),
             dirty_states: DirtyStates::default(),
             changed: Vec::new(),
             indexed_bodies: 0,
@@ -237,7 +233,6 @@ impl EventDriven {
             generation: 0,
             world_index: world_index as u32,
             infinite,
-            supported: [[false; 2]; 2],
             forced: [false; 2],
         });
         let has_force = Axis::BOTH.map(|axis| !infinite && force[axis] != 0.0);
@@ -246,9 +241,8 @@ impl EventDriven {
         }
         let (mass, material) = (body.mass, body.material);
         self.params.push(BodyParams { id: body.id, mass, material, free_acceleration, has_force, alive: true });
-        self.contacts.add_body();
+        self.contacts.add_body(body.mass);
         self.dirty_states.add_body();
-        self.crossing_wheel.add_body();
         slot
     }
 
@@ -269,12 +263,10 @@ impl EventDriven {
         }
         self.states[slot as usize].generation += 1;
         self.cell_lists.remove(slot);
-        self.event_queue.set(slot, None);
-        self.crossing_wheel.cancel(slot);
+        self.event_queue.remove(slot);
         self.dirty_states.remove(slot);
         self.pending_wakes.retain(|pending| *pending != slot);
-        let woken = self.remove_all_contacts(slot);
-        self.pending_wakes.extend(woken);
+        self.pending_wakes.extend(self.contacts.remove_all(slot));
     }
 
     fn slot_of(&self, id: BodyId) -> Option<Slot> {
@@ -289,7 +281,7 @@ impl EventDriven {
     /// [`StepError::NotFinite`] if a number overflows. In the first two cases the world still
     /// holds the state before the step.
     pub fn step<O: Observer>(&mut self, world: &mut World, step: u64, observer: &mut O) -> Result<(), StepError> {
-        if self.is_idle(step) {
+        if self.is_idle() {
             self.skip_step(step);
             return Ok(());
         }
@@ -297,7 +289,7 @@ impl EventDriven {
         self.apply_inputs(world, observer)?;
         self.process_events(world, self.clock.start_of(step + 1), observer)?;
         self.sample(world, step)?;
-        self.handle_due_crossings(step + 1);
+        self.cross_cells(step + 1);
         Ok(())
     }
 
@@ -342,25 +334,22 @@ impl EventDriven {
         self.process_instant(world, &concerned, observer)
     }
 
-    /// True if no body moves and nothing is due in the step.
-    fn is_idle(&self, step: u64) -> bool {
+    /// True if no body moves and nothing is due in the present step.
+    fn is_idle(&self) -> bool {
         self.pending_spawns.is_empty()
             && self.pending_wakes.is_empty()
             && self.dirty_states.is_empty()
-            && self.event_queue.is_step_empty(step)
-            && self.crossing_wheel.is_next_bin_empty()
+            && self.event_queue.is_step_empty()
     }
 
     /// Skips a step in which [nothing happens](Self::is_idle).
     fn skip_step(&mut self, step: u64) {
-        self.event_queue.skip_step(step);
-        self.crossing_wheel.skip_step();
+        self.event_queue.skip_step();
         self.begin_at(step + 1);
     }
 
     /// Processes the events up to the instant `last`, and those that coincide with it, in the order of their times.
     fn process_events<O: Observer>(&mut self, world: &World, last: Instant, observer: &mut O) -> Result<(), StepError> {
-        self.event_queue.begin_step(self.step);
         let mut repredictions = 0;
         let max_repredictions = self.max_events.saturating_add(MAX_REPREDICTIONS_PER_BODY * self.states.len() as u64);
         while let Some((slot, event)) = self.event_queue.pop(end_of_vicinity(last)) {
@@ -472,25 +461,6 @@ impl EventDriven {
     fn count_event(&mut self, world: &World, pair: [Slot; 2]) -> Result<(), StepError> {
         self.events += 1;
         if self.events > self.max_events { Err(self.too_many_events(world, pair)) } else { Ok(()) }
-    }
-
-    /// Removes all contacts of a body; returns the bodies of finite mass that rested on it
-    /// or were in contact with it.
-    fn remove_all_contacts(&mut self, slot: Slot) -> Vec<Slot> {
-        let others: Vec<Slot> = match self.states[slot as usize].infinite {
-            false => self.contacts.of(slot).iter().map(|contact| contact.other).collect(),
-            true => (0..self.states.len() as Slot)
-                .filter(|other| *other != slot && self.contacts.axes_between(*other, slot) != [false; 2])
-                .collect(),
-        };
-        let mut woken = others.clone();
-        for axis in Axis::BOTH {
-            others.iter().for_each(|other| self.contacts.remove(slot, *other, axis));
-            let unchecked = others.iter().copied().chain([slot]).collect();
-            woken.extend(self.update_supports(axis, unchecked));
-        }
-        woken.retain(|other| *other != slot && !self.states[*other as usize].infinite);
-        woken
     }
 
     /// Invalidates all predictions that involve a body of finite mass, because its trajectory or

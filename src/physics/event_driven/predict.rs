@@ -201,16 +201,16 @@ impl EventDriven {
     }
 
     /// Moves the bodies that would leave their cells in `step`, which begins now, to their next cells.
-    pub(super) fn handle_due_crossings(&mut self, step: u64) {
+    pub(super) fn cross_cells(&mut self, step: u64) {
         self.begin_at(step);
         let mut due = std::mem::take(&mut self.due);
-        self.crossing_wheel.advance(&mut due);
+        self.event_queue.begin_next_step(&mut due);
         due.drain(..).for_each(|slot| self.handle_cell_crossing(slot));
         self.due = due;
     }
 
     /// Schedules the next event of a body: its first pair event or the exit from its cell in `exit_time`
-    /// seconds. A cell exit after the current step is left to the crossing wheel.
+    /// seconds. A cell exit after the current step is a crossing before a later step.
     fn schedule_next(&mut self, slot: Slot, pair_event: Option<ScheduledEvent>, exit_time: f64) {
         let offset = self.step_start.seconds_until(self.now) + exit_time;
         let (mut crossing, mut next_prediction) = (None, f64::INFINITY);
@@ -223,11 +223,11 @@ impl EventDriven {
                 precision: Precision::Exact,
             });
         } else if offset == f64::INFINITY {
-            self.crossing_wheel.cancel(slot);
+            self.event_queue.set_crossing(slot, None);
         } else {
             let steps = (offset * self.clock.rate) as u32;
             let steps = if steps > 1 { steps } else { 1 };
-            self.crossing_wheel.schedule(slot, steps);
+            self.event_queue.set_crossing(slot, Some(steps));
             next_prediction = self.step_start.high + f64::from(steps) * self.clock.period * HORIZON_MARGIN;
         }
         let pair_event = pair_event.filter(|event| event.at.high <= next_prediction * HORIZON_MARGIN);

@@ -6,8 +6,8 @@
 //! is carried, that is, if some acceleration differs from free fall.
 //!
 //! Where no body of a component carries a force of its own, a body is held if constraints lead from it
-//! to an infinite mass in the direction of gravity, and falls freely otherwise. The flags
-//! [`BodyState::supported`](super::body_state::BodyState::supported) tell so without visiting the component.
+//! to an infinite mass in the direction of gravity, and falls freely otherwise. The contact graph knows so without a
+//! visit of the component.
 
 use super::EventDriven;
 use super::body_state::Slot;
@@ -131,7 +131,7 @@ impl EventDriven {
 
     /// True if a body cannot fall.
     fn is_held(&self, patch: &Patch, body: Local, axis: Axis, side: Side) -> bool {
-        self.states[patch.bodies[body as usize].slot as usize].is_immovable(axis, side)
+        self.contacts.is_immovable(patch.bodies[body as usize].slot, axis, side)
     }
 
     /// Adds contacts with the held bodies below and, if the body is held itself, with those above.
@@ -342,49 +342,26 @@ impl EventDriven {
     /// Begins the contact of two touching bodies.
     pub(super) fn add_contact(&mut self, patch: &mut Patch, touch: &Touch, axis: Axis) {
         let pair = touch.ordered(axis);
-        self.contacts.add(&self.states, pair.map(|body| patch.bodies[body as usize].slot), axis);
-        self.contact_changed(patch, pair, axis);
+        let changed = self.contacts.add(pair.map(|body| patch.bodies[body as usize].slot), axis);
+        self.contact_changed(patch, pair, axis, &changed);
     }
 
     /// Ends the contact of two bodies along an axis.
     pub(super) fn remove_contact(&mut self, patch: &mut Patch, pair: [Local; 2], axis: Axis) {
-        let [first, second] = pair.map(|body| patch.bodies[body as usize].slot);
-        self.contacts.remove(first, second, axis);
-        self.contact_changed(patch, pair, axis);
+        let changed = self.contacts.remove(pair.map(|body| patch.bodies[body as usize].slot), axis);
+        self.contact_changed(patch, pair, axis, &changed);
     }
 
-    fn contact_changed(&mut self, patch: &mut Patch, pair: [Local; 2], axis: Axis) {
-        let slots = pair.map(|body| patch.bodies[body as usize].slot);
+    /// Marks the bodies of a contact, and those whose support changed with it.
+    fn contact_changed(&mut self, patch: &mut Patch, pair: [Local; 2], axis: Axis, supports: &[Slot]) {
         for body in pair {
             patch.bodies[body as usize].contacts_changed = true;
             patch.mark_dirty(body, axis);
         }
-        for slot in self.update_supports(axis, slots.to_vec()) {
-            let body = self.load(patch, slot);
+        for slot in supports {
+            let body = self.load(patch, *slot);
             patch.mark_dirty(body, axis);
         }
-    }
-
-    /// Updates which bodies are supported by an infinite mass, starting at `unchecked`; returns those for which
-    /// it changed.
-    ///
-    /// Contacts along an axis lead from lower to higher coordinates and form no cycle, so this
-    /// terminates and no body supports itself.
-    pub(super) fn update_supports(&mut self, axis: Axis, mut unchecked: Vec<Slot>) -> Vec<Slot> {
-        let mut changed = Vec::new();
-        while let Some(slot) = unchecked.pop() {
-            if self.states[slot as usize].infinite {
-                continue;
-            }
-            let supported = Side::BOTH.map(|side| self.contacts.is_supported(&self.states, slot, axis, side));
-            if supported != self.states[slot as usize].supported[axis] {
-                self.states[slot as usize].supported[axis] = supported;
-                changed.push(slot);
-                let along = self.contacts.of(slot).iter().filter(|contact| contact.axis == axis);
-                unchecked.extend(along.map(|contact| contact.other));
-            }
-        }
-        changed
     }
 }
 

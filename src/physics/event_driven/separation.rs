@@ -75,7 +75,7 @@ impl EventDriven {
         displaced.sort_unstable();
         displaced.dedup();
         let mut woken = Vec::new();
-        displaced.iter().for_each(|slot| woken.extend(self.remove_all_contacts(*slot)));
+        displaced.iter().for_each(|slot| woken.extend(self.contacts.remove_all(*slot)));
         (displaced, woken)
     }
 

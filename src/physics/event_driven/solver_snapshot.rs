@@ -130,13 +130,11 @@ impl EventDriven {
         self.pending_spawns.clear();
         self.pending_wakes.clear();
         self.dirty_states = super::DirtyStates::default();
-        self.crossing_wheel = super::CrossingWheel::new(0);
         self.changed.clear();
     }
 
     fn restore_contacts(&mut self, reader: &mut SnapshotReader) -> Result<(), String> {
         let bodies = self.states.len();
-        let mut in_contact = [Vec::new(), Vec::new()];
         for _ in 0..reader.integer()? {
             let pair = [reader.slot(bodies)?, reader.slot(bodies)?];
             let axis = match reader.integer()? {
@@ -147,11 +145,7 @@ impl EventDriven {
             if pair[0] == pair[1] || pair.iter().all(|slot| self.states[*slot as usize].infinite) {
                 return Err("a contact is between a body and itself or between infinite masses".to_owned());
             }
-            self.contacts.add(&self.states, pair, axis);
-            in_contact[axis].extend(pair);
-        }
-        for axis in Axis::BOTH {
-            self.update_supports(axis, std::mem::take(&mut in_contact[axis]));
+            self.contacts.add(pair, axis);
         }
         Ok(())
     }

@@ -74,7 +74,6 @@ mod tests {
         let since = Instant::START;
         let along = |velocity: f64, acceleration: f64| AxisTrajectory { position: 0.0, velocity, acceleration, since };
         let trajectory = Trajectory::new([along(0.0, 0.0), along(velocity, acceleration)]);
-        let supported = [[false; 2]; 2];
         BodyState {
             trajectory,
             size: [1.0; 2],
@@ -82,7 +81,6 @@ mod tests {
             generation: 0,
             world_index: 0,
             infinite: false,
-            supported,
             forced: [false; 2],
         }
     }
