@@ -35,7 +35,7 @@ mod event_driven {
 mod lzw;
 
 use event_driven::axis_trajectory::AxisTrajectory;
-use event_driven::body_state::BodyState;
+use event_driven::body_state::{BodyState, Load};
 use event_driven::event_queue::{EventQueue, Precision, ScheduledEvent};
 use event_driven::instant::{Clock, Instant};
 use event_driven::least_change::ContactGroup;
@@ -91,7 +91,7 @@ fn body(x: f64, y: f64, velocity: [f64; 2], acceleration: f64) -> BodyState {
         generation: 0,
         world_index: 0,
         infinite: false,
-        forced: [false; 2],
+        load: [Load::GravityOnly; 2],
     }
 }
 

@@ -22,8 +22,8 @@ pub struct BodyState {
     pub world_index: u32,
     /// True if its mass is infinite.
     pub infinite: bool,
-    /// For each axis, true if a body of its component carries a force of its own along it.
-    pub forced: [bool; 2],
+    /// For each axis, the forces that its component carries.
+    pub load: [Load; 2],
 }
 
 impl BodyState {
@@ -31,6 +31,15 @@ impl BodyState {
     pub fn is_static(&self) -> bool {
         self.infinite && self.trajectory.is_at_rest()
     }
+}
+
+/// The forces on a component of bodies in contact along an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Load {
+    /// Gravity alone.
+    GravityOnly,
+    /// A body of the component carries a constant force.
+    OwnForces,
 }
 
 /// The data of a body that predictions do not read.

@@ -99,7 +99,7 @@ impl EventDriven {
     }
 
     fn restitution(&self, patch: &Patch, touch: &Touch, world: &World) -> f64 {
-        let [first, second] = touch.bodies.map(|body| self.params[patch.bodies[body as usize].slot as usize].material);
+        let [first, second] = touch.bodies.map(|body| self.bodies.params(patch.bodies[body as usize].slot).material);
         world.restitution.between(first, second)
     }
 
@@ -148,7 +148,7 @@ impl EventDriven {
         while let Some(body) = cluster.members.get(next).copied() {
             next += 1;
             for contact in self.contacts.of(slot_of(patch, body)) {
-                if contact.axis == axis && contact.side == side && !self.states[contact.other as usize].infinite {
+                if contact.axis == axis && contact.side == side && !self.bodies[contact.other].infinite {
                     let other = self.load(patch, contact.other);
                     if !cluster.members.contains(&other) {
                         cluster.members.push(other);
@@ -166,7 +166,7 @@ impl EventDriven {
     fn total_mass(&self, patch: &Patch, members: &[Local]) -> DoubleDouble {
         let mut slots: Vec<Slot> = members.iter().map(|body| patch.bodies[*body as usize].slot).collect();
         slots.sort_unstable();
-        let masses = slots.iter().map(|slot| DoubleDouble::from(self.params[*slot as usize].mass * MASS_UNIT));
+        let masses = slots.iter().map(|slot| DoubleDouble::from(self.bodies.params(*slot).mass * MASS_UNIT));
         masses.reduce(|sum, mass| sum + mass).unwrap_or(DoubleDouble::ZERO)
     }
 
@@ -297,7 +297,7 @@ impl EventDriven {
         let mut excess = DoubleDouble::ZERO;
         for body in &members {
             let difference = patch.axis(*body, axis).state.velocity - first;
-            let mass = self.params[patch.bodies[*body as usize].slot as usize].mass * MASS_UNIT;
+            let mass = self.bodies.params(patch.bodies[*body as usize].slot).mass * MASS_UNIT;
             excess = excess + difference * DoubleDouble::from(mass);
         }
         first + excess / self.total_mass(patch, &members)
@@ -452,7 +452,7 @@ impl EventDriven {
             time: offset.clamp(0.0, self.clock.period),
             instant: self.now.high,
             axis,
-            bodies: slots.map(|slot| self.params[slot as usize].id),
+            bodies: slots.map(|slot| self.bodies.params(slot).id),
             rects: touch.bodies.map(rect),
             normal: Vector::along(axis, sign),
             penetration: Vector::ZERO,

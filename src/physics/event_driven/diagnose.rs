@@ -9,7 +9,7 @@ use crate::physics::{Axis, Side, StepError, World};
 impl EventDriven {
     /// The error of an impact in which neither body can move.
     pub(super) fn crushed_error(&self, world: &World, [first, second]: [Slot; 2], axis: Axis) -> StepError {
-        let body = if self.states[first as usize].infinite { second } else { first };
+        let body = if self.bodies[first].infinite { second } else { first };
         let between = [(first, Side::Low), (second, Side::High)];
         let between = between.map(|(slot, side)| self.contacts.supporting_wall(slot, axis, side));
         let between = between.map(|slot| self.name_of(world, slot));
@@ -22,7 +22,7 @@ impl EventDriven {
     /// crushed; it is reported as crushed.
     pub(super) fn too_many_events(&self, world: &World, pair: [Slot; 2]) -> StepError {
         let step = self.step;
-        let finite = pair.into_iter().find(|slot| !self.states[*slot as usize].infinite);
+        let finite = pair.into_iter().find(|slot| !self.bodies[*slot].infinite);
         if let Some(slot) = finite
             && let Some(between) = Axis::BOTH.into_iter().find_map(|axis| self.closing_walls(slot, axis))
         {
@@ -41,7 +41,7 @@ impl EventDriven {
     /// True if two boxes overlap along an axis by more than rounding.
     fn overlaps_along(&self, axis: Axis, slot: Slot, other: Slot) -> bool {
         let [own, others] = [slot, other].map(|slot| self.state_dd(slot, axis).position.high);
-        let [own_size, others_size] = [slot, other].map(|slot| self.states[slot as usize].size[axis]);
+        let [own_size, others_size] = [slot, other].map(|slot| self.bodies[slot].size[axis]);
         let overlap = if others > own { own + own_size - others } else { others + others_size - own };
         overlap > tolerance(own.abs() + others.abs() + own_size + others_size)
     }
@@ -51,7 +51,7 @@ impl EventDriven {
         let [low, high] = Side::BOTH.map(|side| self.nearest_wall(slot, axis, side));
         let (low, high) = (low?, high?);
         let [first, second] = [low, high].map(|slot| self.state_dd(slot, axis));
-        let size = self.states[low as usize].size[axis] + self.states[slot as usize].size[axis];
+        let size = self.bodies[low].size[axis] + self.bodies[slot].size[axis];
         let room = (second.position - first.position).high - size;
         let speed = (first.velocity - second.velocity).high;
         (speed > 0.0 && room <= speed * self.clock.period).then_some([low, high])
@@ -60,11 +60,10 @@ impl EventDriven {
     /// The nearest infinite mass on a side of a body.
     fn nearest_wall(&self, slot: Slot, axis: Axis, side: Side) -> Option<Slot> {
         let own = self.state_dd(slot, axis).position.high;
-        let mut near = self.cell_lists.neighbours_of(slot, &self.states[slot as usize], &SweptAabb::EVERYWHERE);
+        let mut near = self.cell_lists.neighbours_of(slot, &self.bodies[slot], &SweptAabb::EVERYWHERE);
         near.retain(|other| {
             let position = self.state_dd(*other, axis).position.high;
-            let is_wall_beside =
-                self.states[*other as usize].infinite && self.overlaps_along(axis.other(), slot, *other);
+            let is_wall_beside = self.bodies[*other].infinite && self.overlaps_along(axis.other(), slot, *other);
             let is_on_side = match side {
                 Side::High => position > own,
                 Side::Low => position < own,
@@ -72,7 +71,7 @@ impl EventDriven {
             is_wall_beside && is_on_side
         });
         let face = |other: &Slot| {
-            let body = &self.states[*other as usize];
+            let body = &self.bodies[*other];
             let near = self.state_dd(*other, axis).position.high;
             match side {
                 Side::High => near,
@@ -90,19 +89,19 @@ impl EventDriven {
     #[cfg(debug_assertions)]
     pub(super) fn assert_consistent(&self) {
         const MOST_BODIES: usize = 40;
-        if self.states.len() > MOST_BODIES {
+        if self.bodies.len() > MOST_BODIES {
             return;
         }
-        let alive: Vec<Slot> = (0..self.states.len() as Slot)
-            .filter(|slot| self.params[*slot as usize].alive && !self.pending_spawns.contains(slot))
+        let alive: Vec<Slot> = (0..self.bodies.len() as Slot)
+            .filter(|slot| self.bodies.params(*slot).alive && !self.pending_spawns.contains(slot))
             .collect();
         for first in &alive {
             for second in alive.iter().filter(|second| first < *second) {
                 let pair = [*first, *second];
-                if pair.iter().all(|slot| self.states[*slot as usize].infinite) {
+                if pair.iter().all(|slot| self.bodies[*slot].infinite) {
                     continue;
                 }
-                let finite = if self.states[*first as usize].infinite { [*second, *first] } else { pair };
+                let finite = if self.bodies[*first].infinite { [*second, *first] } else { pair };
                 let contacts = self.contacts.axes_between(finite[0], finite[1]);
                 for axis in Axis::BOTH.into_iter().filter(|axis| contacts[*axis]) {
                     let [gap, speed, acceleration] = self.motion_now(pair, axis);
@@ -134,7 +133,7 @@ impl EventDriven {
     fn overlaps(&self, pair: [Slot; 2]) -> bool {
         Axis::BOTH.into_iter().all(|axis| {
             let [first, second] = pair.map(|slot| self.state_dd(slot, axis).position);
-            let [first_size, second_size] = pair.map(|slot| self.size(slot, axis));
+            let [first_size, second_size] = pair.map(|slot| self.bodies.size(slot, axis));
             let scale = first.high.abs() + second.high.abs() + first_size.high + second_size.high;
             let gaps = [(second - first - first_size).high, (first - second - second_size).high];
             gaps[0] < -scale * 1e-22 && gaps[1] < -scale * 1e-22

@@ -81,9 +81,9 @@ impl EventDriven {
     pub(super) fn sample(&mut self, world: &mut World, step: u64) -> Result<(), StepError> {
         let stopped = self.dirty_states.take_stopped();
         let end = self.clock.start_of(step + 1);
-        let are_slots_dense = self.states.len() == world.bodies.len();
+        let are_slots_dense = self.bodies.len() == world.bodies.len();
         // Four variants, so that unused fields are not read: memory access dominates the cost.
-        let are_finite = match (self.gravity == [0.0; 2] && self.force_counts == [0; 2], are_slots_dense) {
+        let are_finite = match (self.bodies.are_free(), are_slots_dense) {
             (true, true) => self.write_states(world, &stopped, |slot, _| slot, |trajectory| trajectory.drifted(end)),
             (true, false) => {
                 self.write_states(world, &stopped, |_, index| *index, |trajectory| trajectory.drifted(end))
@@ -112,7 +112,7 @@ impl EventDriven {
         let mut zero = 0.0;
         for slots in [self.dirty_states.moving.as_slice(), stopped] {
             for slot in slots {
-                let source = &self.states[*slot as usize];
+                let source = &self.bodies[*slot];
                 let body = &mut world.bodies[index(*slot, &source.world_index) as usize];
                 let [[x, y], [vx, vy]] = state(&source.trajectory);
                 body.rect.origin = Vector::new(x, y);
@@ -128,14 +128,14 @@ impl EventDriven {
     pub(super) fn world_at(&self, world: &World, instant: Instant) -> World {
         let mut sampled = world.clone();
         for slot in &self.dirty_states.moving {
-            let source = &self.states[*slot as usize];
+            let source = &self.bodies[*slot];
             let body = &mut sampled.bodies[source.world_index as usize];
             let [[x, y], [vx, vy]] = source.trajectory.at(instant);
             body.rect.origin = Vector::new(x, y);
             body.velocity = Vector::new(vx, vy);
         }
         for slot in &self.dirty_states.stopped {
-            let source = &self.states[*slot as usize];
+            let source = &self.bodies[*slot];
             let body = &mut sampled.bodies[source.world_index as usize];
             body.rect.origin = Vector::new(source.trajectory.position[0], source.trajectory.position[1]);
             body.velocity = Vector::ZERO;

@@ -45,11 +45,11 @@ pub struct ScaledState {
 impl EventDriven {
     /// The state of a body at an instant with its magnitudes.
     pub(super) fn scaled_state(&self, slot: Slot, axis: Axis, at: Instant) -> ScaledState {
-        let state = self.state_at(slot, axis, at);
-        let body = &self.states[slot as usize];
+        let state = self.bodies.state_at(slot, axis, at);
+        let body = &self.bodies[slot];
         let reference = body.trajectory.along(axis);
         let t = reference.since.seconds_until(at);
-        let free = self.params[slot as usize].free_acceleration[axis].high.abs();
+        let free = self.bodies.params(slot).free_acceleration[axis].high.abs();
         let acceleration = reference.acceleration.abs();
         let speed = reference.velocity.abs() + acceleration * (t + at.high * TIME_SHARE);
         let length = reference.position.abs() + body.size[axis] + (t + at.high * TIME_SHARE) * speed;
@@ -158,7 +158,7 @@ impl ExactAxis {
 impl EventDriven {
     fn exact_axis(&self, pair: [Slot; 2], axis: Axis, at: Instant) -> ExactAxis {
         let [first, second] = pair.map(|slot| self.scaled_state(slot, axis, at));
-        let [first_size, second_size] = pair.map(|slot| self.size(slot, axis));
+        let [first_size, second_size] = pair.map(|slot| self.bodies.size(slot, axis));
         let offset = second.state.position - first.state.position;
         ExactAxis {
             gaps: [-offset - second_size, offset - first_size],
@@ -172,7 +172,7 @@ impl EventDriven {
 
     /// The instant from which the trajectories of both bodies hold.
     fn common_reference(&self, pair: [Slot; 2]) -> Instant {
-        self.states[pair[0] as usize].since.max(self.states[pair[1] as usize].since)
+        self.bodies[pair[0]].since.max(self.bodies[pair[1]].since)
     }
 
     /// The exact instant at which the faces of two bodies collide, known to be their next event; `None` if it is
@@ -202,7 +202,7 @@ impl EventDriven {
     pub(super) fn predict_exactly(&self, pair: [Slot; 2]) -> Option<(Instant, PairEvent)> {
         let from = self.common_reference(pair);
         let axes = Axis::BOTH.map(|axis| self.exact_axis(pair, axis, from));
-        let finite = if self.states[pair[0] as usize].infinite { [pair[1], pair[0]] } else { pair };
+        let finite = if self.bodies[pair[0]].infinite { [pair[1], pair[0]] } else { pair };
         let contacts = self.contacts.axes_between(finite[0], finite[1]);
         let mut first: Option<(Instant, PairEvent)> = None;
         let mut is_overdue = false;

@@ -54,8 +54,8 @@ impl EventDriven {
         self.cell_lists.visit_region(from, to, |other| {
             let is_near = other < slot
                 && Axis::BOTH.into_iter().all(|axis| {
-                    let position = self.states[other as usize].trajectory.at(self.now)[0][axis as usize];
-                    let size = self.states[other as usize].size[axis as usize];
+                    let position = self.bodies[other].trajectory.at(self.now)[0][axis as usize];
+                    let size = self.bodies[other].size[axis as usize];
                     let margin = reach[axis as usize] + (position.abs() + size) * (4.0 * f64::EPSILON);
                     position - margin <= to[axis as usize] && position + size + margin >= from[axis as usize]
                 });
@@ -70,7 +70,7 @@ impl EventDriven {
 
     fn faces(&self, slot: Slot, axis: Axis) -> Faces {
         let position = self.state_dd(slot, axis).position;
-        let size = self.size(slot, axis);
+        let size = self.bodies.size(slot, axis);
         let far = position + size;
         let mut scale = size.high;
         for number in [position.high.abs(), far.high.abs()] {
@@ -112,15 +112,14 @@ impl EventDriven {
     /// Moves the faces of a body to where they are aligned. If that is one only, or the body is too thin for both, it
     /// keeps its size.
     fn set_faces(&mut self, slot: Slot, axis: Axis, aligned: [Option<DoubleDouble>; 2]) {
-        let size = self.size(slot, axis);
+        let size = self.bodies.size(slot, axis);
         let (position, size) = match aligned {
             [Some(low), Some(high)] if low.is_less(high) => (low, high - low),
             [Some(low), _] => (low, size),
             [None, Some(high)] => (high - size, size),
             [None, None] => return,
         };
-        let size_low = (size - self.states[slot as usize].size[axis].into()).high;
-        self.low_parts[slot as usize].0[axis].size = size_low;
+        self.bodies.adjust_size(slot, axis, size);
         let state = self.state_dd(slot, axis);
         if state.position != position {
             self.set_trajectory(slot, axis, StateDd { position, ..state });

@@ -17,22 +17,22 @@ impl EventDriven {
         }
         let spawned = std::mem::take(&mut self.pending_spawns);
         let is_outgrown =
-            self.states.len() > 2 * self.indexed_bodies || self.states.len() > 2 * world.bodies.len() + 64;
+            self.bodies.len() > 2 * self.indexed_bodies || self.bodies.len() > 2 * world.bodies.len() + 64;
         let spawned = if is_outgrown
             || self.cell_lists.uses_all_pairs()
-            || spawned.iter().any(|slot| self.states[*slot as usize].is_static())
+            || spawned.iter().any(|slot| self.bodies[*slot].is_static())
         {
             self.pending_spawns = spawned;
-            if self.states.len() > world.bodies.len() {
+            if self.bodies.len() > world.bodies.len() {
                 self.compact(world);
             }
             let spawned = std::mem::take(&mut self.pending_spawns);
             self.rebuild_indices();
-            self.changed.extend((0..self.states.len() as Slot).filter(|slot| self.params[*slot as usize].alive));
+            self.changed.extend(self.bodies.alive());
             spawned
         } else {
             for slot in &spawned {
-                self.cell_lists.insert(&self.clock, *slot, &self.states[*slot as usize], self.now);
+                self.cell_lists.insert(&self.clock, *slot, &self.bodies[*slot], self.now);
             }
             self.changed.extend(&spawned);
             spawned
@@ -47,8 +47,8 @@ impl EventDriven {
     /// The bodies of finite mass near spawned bodies of infinite mass.
     fn neighbours_of_infinite(&self, spawned: &[Slot]) -> Vec<Slot> {
         let mut found = Vec::new();
-        for slot in spawned.iter().filter(|slot| self.states[**slot as usize].infinite) {
-            let state = &self.states[*slot as usize];
+        for slot in spawned.iter().filter(|slot| self.bodies[**slot].infinite) {
+            let state = &self.bodies[*slot];
             let low = state.trajectory.at(self.now)[0];
             let [from, to] = [-1.0, 1.0].map(|sign| {
                 Axis::BOTH.map(|axis| {
@@ -57,7 +57,7 @@ impl EventDriven {
                 })
             });
             self.cell_lists.visit_region(from, to, |other| {
-                let other_state = &self.states[other as usize];
+                let other_state = &self.bodies[other];
                 let position = other_state.trajectory.at(self.now)[0];
                 let is_near = Axis::BOTH.into_iter().all(|axis| {
                     let margin = (position[axis].abs() + other_state.size[axis]) * (16.0 * f64::EPSILON);
@@ -81,25 +81,13 @@ impl EventDriven {
 
     /// Rebuilds cell lists and event queue for the present number and sizes of bodies.
     pub(super) fn rebuild_indices(&mut self) {
-        self.indexed_bodies = self.states.len();
-        self.cell_lists = CellLists::new(self.typical_size());
-        self.event_queue = EventQueue::new(self.clock, self.step, self.states.len());
-        for slot in 0..self.states.len() {
-            if self.params[slot].alive && self.pending_spawns.binary_search(&(slot as Slot)).is_err() {
-                self.cell_lists.insert(&self.clock, slot as Slot, &self.states[slot], self.now);
+        self.indexed_bodies = self.bodies.len();
+        self.cell_lists = CellLists::new(self.bodies.typical_size());
+        self.event_queue = EventQueue::new(self.clock, self.step, self.bodies.len());
+        for slot in self.bodies.alive() {
+            if self.pending_spawns.binary_search(&slot).is_err() {
+                self.cell_lists.insert(&self.clock, slot, &self.bodies[slot], self.now);
             }
         }
-    }
-
-    /// The longest side among the bodies of finite mass, without the outliers; m.
-    ///
-    /// A side of more than twice the 90th percentile is an outlier.
-    fn typical_size(&self) -> f64 {
-        let moving = (0..self.states.len()).filter(|slot| self.params[*slot].alive && !self.states[*slot].infinite);
-        let longer = |[width, height]: [f64; 2]| if width > height { width } else { height };
-        let mut sizes: Vec<f64> = moving.map(|slot| longer(self.states[slot].size)).collect();
-        sizes.sort_unstable_by(f64::total_cmp);
-        let Some(large) = sizes.get(sizes.len() * 9 / 10) else { return 1.0 };
-        sizes[sizes.partition_point(|size| *size <= 2.0 * large) - 1]
     }
 }

@@ -22,7 +22,7 @@ impl EventDriven {
         observer: &mut O,
     ) -> bool {
         let restitution = {
-            let [first, second] = pair.map(|slot| self.params[slot as usize].material);
+            let [first, second] = pair.map(|slot| self.bodies.params(slot).material);
             world.restitution.between(first, second)
         };
         let order = if side == Side::High { [0, 1] } else { [1, 0] };
@@ -43,8 +43,8 @@ impl EventDriven {
         let acceleration = (low.state.acceleration - high.state.acceleration).high;
         let scale = low.state.position.high.abs()
             + high.state.position.high.abs()
-            + self.states[pair[0] as usize].size[axis]
-            + self.states[pair[1] as usize].size[axis];
+            + self.bodies[pair[0]].size[axis]
+            + self.bodies[pair[1]].size[axis];
         if acceleration > 0.0 && is_below_resolution(restitution * approach, acceleration, scale) {
             return false;
         }
@@ -55,7 +55,7 @@ impl EventDriven {
         }
         let mass = order.map(|body| match is_infinite[body] {
             true => f64::INFINITY.into(),
-            false => (self.params[pair[body] as usize].mass * MASS_UNIT).into(),
+            false => (self.bodies.params(pair[body]).mass * MASS_UNIT).into(),
         });
         let impact = Impact { velocity: [low.state.velocity, high.state.velocity], mass, restitution };
         let after = impact.velocities_after();
@@ -73,8 +73,8 @@ impl EventDriven {
             let place = usize::from(order[1] == body);
             let position = match (body == anchor, place) {
                 (true, _) => anchor_position,
-                (false, 1) => anchor_position + self.size(pair[anchor], axis),
-                (false, _) => anchor_position - self.size(pair[body], axis),
+                (false, 1) => anchor_position + self.bodies.size(pair[anchor], axis),
+                (false, _) => anchor_position - self.bodies.size(pair[body], axis),
             };
             let velocity = after[place].or_zero(speed * VELOCITY_ROUNDING);
             self.set_trajectory(pair[body], axis, StateDd { position, velocity, ..scaled[body].state });
@@ -85,7 +85,7 @@ impl EventDriven {
             time: self.step_start.seconds_until(self.now).clamp(0.0, self.clock.period),
             instant: self.now.high,
             axis,
-            bodies: pair.map(|slot| self.params[slot as usize].id),
+            bodies: pair.map(|slot| self.bodies.params(slot).id),
             rects: before.map(|(rect, _)| rect),
             normal: Vector::along(axis, sign),
             penetration: Vector::ZERO,
@@ -112,8 +112,8 @@ impl EventDriven {
     #[inline]
     fn rects_and_velocities(&self, pair: [Slot; 2]) -> [(Rect, Vector); 2] {
         pair.map(|slot| {
-            let [[x, y], [vx, vy]] = self.states[slot as usize].trajectory.at(self.now);
-            let [width, height] = self.states[slot as usize].size;
+            let [[x, y], [vx, vy]] = self.bodies[slot].trajectory.at(self.now);
+            let [width, height] = self.bodies[slot].size;
             (Rect::new(Vector::new(x, y), width, height), Vector::new(vx, vy))
         })
     }

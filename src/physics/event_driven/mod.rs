@@ -62,6 +62,7 @@
 //! 4. No touching pair approaches after an instant.
 
 mod axis_trajectory;
+mod bodies;
 mod body_state;
 mod burst;
 mod cell_lists;
@@ -91,23 +92,21 @@ mod state_dd;
 mod swept_aabb;
 mod trajectory;
 
-use super::{Axis, Body, BodyId, EngineConfig, Observer, StepError, World};
-use axis_trajectory::AxisTrajectory;
-use body_state::{BodyParams, BodyState, Slot};
+use super::{Axis, Body, EngineConfig, Observer, StepError, World};
+use bodies::Bodies;
+use body_state::Slot;
 use burst::Cluster;
 use cell_lists::CellLists;
 use contact::ContactGraph;
 use dirty_states::DirtyStates;
-use double_double::DoubleDouble;
 use event_queue::{EventQueue, Precision, ScheduledEvent};
 use instant::{Clock, Instant};
 use least_change::ContactGroup;
 use neighbour_buffer::NeighbourBuffer;
 use pair_event::PairEvent;
 use patch::Patch;
-use state_dd::{AxisLowParts, LowParts};
+use state_dd::StateDd;
 use swept_aabb::SweptAabb;
-use trajectory::Trajectory;
 
 /// Repeated predictions (after cell crossings and void events) allowed per body and step, beyond the
 /// limit of events, before the step is aborted. No speed requires nearly as many; the limit ensures
@@ -125,18 +124,10 @@ const COMPARED_TIMES: f64 = 1.0 / (1_u64 << 50) as f64;
 #[derive(Clone, Debug)]
 pub struct EventDriven {
     clock: Clock,
-    /// Acceleration along x and y, m/s².
-    gravity: [f64; 2],
     /// The number of events allowed in a step.
     max_events: u64,
-    /// By slot, in creation order; a deleted body keeps its slot until the slots are compacted.
-    states: Vec<BodyState>,
-    /// The low parts of their trajectories, by slot.
-    low_parts: Vec<LowParts>,
-    params: Vec<BodyParams>,
+    bodies: Bodies,
     contacts: ContactGraph,
-    /// For each axis, the number of bodies with a constant force along it.
-    force_counts: [u32; 2],
     /// Bodies spawned since the last step, which may still overlap others.
     pending_spawns: Vec<Slot>,
     /// Bodies that lost a contact because another was deleted since the last step.
@@ -175,13 +166,9 @@ impl EventDriven {
         let gravity = config.gravity.map_or([0.0; 2], |gravity| [gravity.x, gravity.y]);
         EventDriven {
             clock,
-            gravity,
             max_events: config.events_per_step,
-            states: Vec::new(),
-            low_parts: Vec::new(),
-            params: Vec::new(),
+            bodies: Bodies::new(gravity),
             contacts: ContactGraph::default(),
-            force_counts: [0; 2],
             pending_spawns: Vec::new(),
             pending_wakes: Vec::new(),
             now: Instant::START,
@@ -210,67 +197,25 @@ impl EventDriven {
 
     /// Appends a body without contacts, whose trajectory starts at `since`.
     fn push_body(&mut self, body: &Body, world_index: usize, since: Instant) -> Slot {
-        let slot = self.states.len() as Slot;
-        let force = body.constant_force;
-        let infinite = body.is_infinite();
-        let free_acceleration = Axis::BOTH.map(|axis| match infinite {
-            true => DoubleDouble::ZERO,
-            false if force[axis] == 0.0 => self.gravity[axis].into(),
-            false => quotient(force[axis], body.mass) + self.gravity[axis].into(),
-        });
-        let trajectory = Trajectory::new(Axis::BOTH.map(|axis| {
-            let (position, velocity) = (body.rect.origin[axis], body.velocity[axis]);
-            AxisTrajectory { position, velocity, acceleration: free_acceleration[axis].high, since }
-        }));
-        let low_parts = Axis::BOTH
-            .map(|axis| AxisLowParts { acceleration: free_acceleration[axis].low, ..AxisLowParts::default() });
-        self.low_parts.push(LowParts(low_parts));
-        let size = [body.rect.width(), body.rect.height()];
-        self.states.push(BodyState {
-            trajectory,
-            size,
-            since,
-            generation: 0,
-            world_index: world_index as u32,
-            infinite,
-            forced: [false; 2],
-        });
-        let has_force = Axis::BOTH.map(|axis| !infinite && force[axis] != 0.0);
-        for axis in Axis::BOTH {
-            self.force_counts[axis] += u32::from(has_force[axis]);
-        }
-        let (mass, material) = (body.mass, body.material);
-        self.params.push(BodyParams { id: body.id, mass, material, free_acceleration, has_force, alive: true });
         self.contacts.add_body(body.mass);
         self.dirty_states.add_body();
-        slot
+        self.bodies.push(body, world_index, since)
     }
 
     /// Removes the body at `world_index`, before it is removed from the world.
     pub fn remove(&mut self, world: &World, world_index: usize, step: u64) {
-        let Some(slot) = self.slot_of(world.bodies[world_index].id) else { return };
+        let Some(slot) = self.bodies.slot_of(world.bodies[world_index].id) else { return };
         self.begin_at(step);
-        self.params[slot as usize].alive = false;
-        for axis in Axis::BOTH {
-            self.force_counts[axis] -= u32::from(self.params[slot as usize].has_force[axis]);
-        }
-        for later in &mut self.states[slot as usize + 1..] {
-            later.world_index = later.world_index.saturating_sub(1);
-        }
+        self.bodies.delete(slot);
         if let Some(index) = self.pending_spawns.iter().position(|pending| *pending == slot) {
             self.pending_spawns.remove(index);
             return;
         }
-        self.states[slot as usize].generation += 1;
         self.cell_lists.remove(slot);
         self.event_queue.remove(slot);
         self.dirty_states.remove(slot);
         self.pending_wakes.retain(|pending| *pending != slot);
         self.pending_wakes.extend(self.contacts.remove_all(slot));
-    }
-
-    fn slot_of(&self, id: BodyId) -> Option<Slot> {
-        self.params.binary_search_by_key(&id, |params| params.id).ok().map(|slot| slot as Slot)
     }
 
     /// Advances the world by one step; the module documentation lists the phases.
@@ -326,7 +271,7 @@ impl EventDriven {
         concerned.append(&mut self.pending_wakes);
         concerned.sort_unstable();
         concerned.dedup();
-        concerned.retain(|slot| self.params[*slot as usize].alive && !self.states[*slot as usize].infinite);
+        concerned.retain(|slot| self.bodies.params(*slot).alive && !self.bodies[*slot].infinite);
         if concerned.is_empty() {
             self.predict_changed();
             return Ok(());
@@ -351,7 +296,7 @@ impl EventDriven {
     /// Processes the events up to the instant `last`, and those that coincide with it, in the order of their times.
     fn process_events<O: Observer>(&mut self, world: &World, last: Instant, observer: &mut O) -> Result<(), StepError> {
         let mut repredictions = 0;
-        let max_repredictions = self.max_events.saturating_add(MAX_REPREDICTIONS_PER_BODY * self.states.len() as u64);
+        let max_repredictions = self.max_events.saturating_add(MAX_REPREDICTIONS_PER_BODY * self.bodies.len() as u64);
         while let Some((slot, event)) = self.event_queue.pop(end_of_vicinity(last)) {
             if event.pair_event.is_none() {
                 self.advance_clock(if last.is_before(event.at) { last } else { event.at });
@@ -395,7 +340,7 @@ impl EventDriven {
             return None;
         };
         let partner = if event.pair[0] == slot { event.pair[1] } else { event.pair[0] };
-        if self.states[partner as usize].generation != event.partner_generation {
+        if self.bodies[partner].generation != event.partner_generation {
             self.predict(slot);
             return None;
         }
@@ -463,12 +408,28 @@ impl EventDriven {
         if self.events > self.max_events { Err(self.too_many_events(world, pair)) } else { Ok(()) }
     }
 
+    /// The state of a body along an axis at the present instant.
+    #[inline]
+    fn state_dd(&self, slot: Slot, axis: Axis) -> StateDd {
+        self.bodies.state_at(slot, axis, self.now)
+    }
+
+    /// Sets the trajectory of a body along one axis from the present instant on, and invalidates its predictions.
+    fn set_trajectory(&mut self, slot: Slot, axis: Axis, state: StateDd) {
+        self.bodies.set_trajectory(slot, axis, state, self.now);
+        self.invalidate(slot);
+    }
+
+    /// Sets the present instant, unless the given one is in the past.
+    fn advance_clock(&mut self, instant: Instant) {
+        self.now = self.now.max(instant);
+    }
+
     /// Invalidates all predictions that involve a body of finite mass, because its trajectory or
     /// contacts changed.
     fn invalidate(&mut self, slot: Slot) {
-        let body = &mut self.states[slot as usize];
-        if !body.infinite {
-            body.generation = body.generation.wrapping_add(1);
+        if !self.bodies[slot].infinite {
+            self.bodies.invalidate(slot);
             self.cell_lists.set_swept_aabb(slot, SweptAabb::EVERYWHERE);
             self.changed.push(slot);
         }
@@ -483,28 +444,18 @@ impl EventDriven {
         changed.dedup();
         for slot in &changed {
             self.predict(*slot);
-            self.dirty_states.update(*slot, &self.states[*slot as usize]);
+            self.dirty_states.update(*slot, &self.bodies[*slot]);
         }
         changed.clear();
         self.changed = changed;
     }
 
     fn name_of(&self, world: &World, slot: Slot) -> String {
-        world.bodies[self.states[slot as usize].world_index as usize].name.clone()
+        world.bodies[self.bodies[slot].world_index as usize].name.clone()
     }
 }
 
 /// The last time that is compared with an instant by gaps.
 fn end_of_vicinity(instant: Instant) -> Instant {
     instant.after(instant.high * COMPARED_TIMES)
-}
-
-/// The quotient of a force and a mass, m/s²; in a smaller unit where the product of huge numbers would overflow.
-fn quotient(force: f64, mass: f64) -> DoubleDouble {
-    const HUGE: f64 = 1e280;
-    const UNIT: f64 = 1.0 / (1_u128 << 100) as f64;
-    if mass > HUGE || force.abs() > HUGE {
-        return DoubleDouble::from(force * UNIT) / (mass * UNIT).into();
-    }
-    DoubleDouble::from(force) / mass.into()
 }

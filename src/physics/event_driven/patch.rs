@@ -285,7 +285,7 @@ impl EventDriven {
             let scaled = self.scaled_state(slot, axis, self.now);
             LocalAxis {
                 state: scaled.state,
-                size: self.size(slot, axis),
+                size: self.bodies.size(slot, axis),
                 length: scaled.length,
                 speed: scaled.speed,
                 acceleration: scaled.acceleration,
@@ -293,7 +293,7 @@ impl EventDriven {
                 is_dirty: false,
             }
         });
-        patch.insert(slot, self.states[slot as usize].infinite, axes)
+        patch.insert(slot, self.bodies[slot].infinite, axes)
     }
 
     /// Adds all bodies that touch a body of finite mass to the patch.
@@ -311,7 +311,7 @@ impl EventDriven {
     }
 
     pub(super) fn find_touching(&self, slot: Slot, neighbours: &mut NeighbourBuffer) {
-        let state = &self.states[slot as usize];
+        let state = &self.bodies[slot];
         let reach = SweptAabb::new(&Sample::new(state, self.now), 0.0);
         self.cell_lists.find_neighbours(slot, state, &reach, neighbours);
     }
@@ -345,7 +345,7 @@ impl EventDriven {
 
     /// False if two bodies certainly do not touch now.
     pub(super) fn may_touch(&self, slot: Slot, other: Slot) -> bool {
-        let [a, b] = [slot, other].map(|slot| &self.states[slot as usize]);
+        let [a, b] = [slot, other].map(|slot| &self.bodies[slot]);
         let [from, to] = [a, b].map(|body| body.trajectory.at(self.now)[0]);
         Axis::BOTH.into_iter().all(|axis| {
             let offset = to[axis] - from[axis];

@@ -38,7 +38,7 @@ const HORIZON_MARGIN: f64 = 1.0 + 1e-9;
 
 impl<'a> Predictor<'a> {
     fn new(solver: &'a EventDriven, slot: Slot, precision: Precision) -> Predictor<'a> {
-        let body = &solver.states[slot as usize];
+        let body = &solver.bodies[slot];
         let sample = Sample::new(body, body.since);
         let own_contacts = solver.contacts.of(slot);
         Predictor {
@@ -62,7 +62,7 @@ impl<'a> Predictor<'a> {
     /// Predicts the next event with another body; returns true if that lowered the horizon.
     #[inline]
     fn predict_pair(&mut self, other: Slot) -> bool {
-        let partner = &self.solver.states[other as usize];
+        let partner = &self.solver.bodies[other];
         if self.sample.is_infinite() && partner.infinite {
             return false;
         }
@@ -95,7 +95,7 @@ impl<'a> Predictor<'a> {
                 }
             }
         };
-        let partner_generation = self.solver.states[other as usize].generation;
+        let partner_generation = self.solver.bodies[other].generation;
         let pair = ordered_pair(self.slot, other);
         let event = ScheduledEvent { at, pair, pair_event: Some(pair_event), partner_generation, precision };
         let seconds = self.sample.at.seconds_until(at);
@@ -142,7 +142,7 @@ impl<'a> Predictor<'a> {
     /// Keeps the first end of a contact of the body if that is the earliest event.
     fn predict_contact_ends(&mut self) {
         for contact in self.own_contacts {
-            let [first, second] = ordered_pair(self.slot, contact.other).map(|slot| &self.solver.states[slot as usize]);
+            let [first, second] = ordered_pair(self.slot, contact.other).map(|slot| &self.solver.bodies[slot]);
             let prediction = predict_contact_end(contact.axis, first, second, self.solver.now);
             self.keep(contact.other, prediction);
         }
@@ -163,7 +163,7 @@ impl EventDriven {
     }
 
     fn predict_with(&mut self, slot: Slot, precision: Precision, neighbours: &mut NeighbourBuffer) {
-        let body = &self.states[slot as usize];
+        let body = &self.bodies[slot];
         if body.is_static() {
             let aabb = SweptAabb::new(&Sample::new(body, self.now), 0.0);
             self.cell_lists.set_swept_aabb(slot, aabb);
@@ -194,7 +194,7 @@ impl EventDriven {
 
     /// Moves a body to its next cell and predicts its next event there.
     pub(super) fn handle_cell_crossing(&mut self, slot: Slot) {
-        let sample = Sample::new(&self.states[slot as usize], self.now);
+        let sample = Sample::new(&self.bodies[slot], self.now);
         let remaining = self.clock.period - self.step_start.seconds_until(self.now);
         self.cell_lists.move_to_next_cell(&self.clock, slot, &sample, remaining);
         self.predict(slot);

@@ -10,17 +10,10 @@
 //! visit of the component.
 
 use super::EventDriven;
-use super::body_state::Slot;
+use super::body_state::{Load, Slot};
 use super::double_double::DoubleDouble;
 use super::patch::{Local, Patch, Touch, TouchKind};
 use crate::physics::{Axis, Side};
-
-/// Whether bodies of a component carry forces of their own.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Load {
-    GravityOnly,
-    OwnForces,
-}
 
 impl EventDriven {
     /// Begins and ends contacts and solves the accelerations, from the positions and velocities of the instant.
@@ -106,12 +99,12 @@ impl EventDriven {
 
     /// Whether a component, as far as it was known, carries forces of its own.
     fn load_of(&self, patch: &Patch, body: Local, axis: Axis) -> Load {
-        if self.force_counts[axis] == 0 {
+        if !self.bodies.carry_forces(axis) {
             return Load::GravityOnly;
         }
         let is_forced = |body: Local| {
-            let slot = patch.bodies[body as usize].slot as usize;
-            self.states[slot].forced[axis] || self.params[slot].has_force[axis]
+            let slot = patch.bodies[body as usize].slot;
+            self.bodies[slot].load[axis] == Load::OwnForces || self.bodies.params(slot).has_force[axis]
         };
         let reaches_forced = patch.bodies[body as usize].touches.iter().any(|touch| {
             let touch = &patch.touches[*touch as usize];
@@ -122,7 +115,7 @@ impl EventDriven {
 
     /// The direction of gravity along an axis.
     fn falling_side(&self, axis: Axis) -> Option<Side> {
-        match self.gravity[axis] {
+        match self.bodies.gravity(axis) {
             0.0 => None,
             gravity if gravity > 0.0 => Some(Side::High),
             _ => Some(Side::Low),
@@ -151,9 +144,9 @@ impl EventDriven {
 
     fn accelerate_by_gravity(&mut self, patch: &mut Patch, body: Local, axis: Axis) {
         let is_held = self.falling_side(axis).is_some_and(|side| self.is_held(patch, body, axis, side));
-        let slot = patch.bodies[body as usize].slot as usize;
-        let acceleration = if is_held { DoubleDouble::ZERO } else { self.params[slot].free_acceleration[axis] };
-        self.states[slot].forced[axis] = false;
+        let slot = patch.bodies[body as usize].slot;
+        let acceleration = if is_held { DoubleDouble::ZERO } else { self.bodies.params(slot).free_acceleration[axis] };
+        self.bodies.set_load(slot, axis, Load::GravityOnly);
         set_acceleration(patch, body, axis, acceleration);
     }
 
@@ -161,10 +154,10 @@ impl EventDriven {
     fn solve_component(&mut self, patch: &mut Patch, start: Local, axis: Axis, solved: &mut Vec<Local>) {
         let (members, constraints) = self.constrained_component(patch, start, axis);
         let accelerations = self.least_change(patch, &members, &constraints, axis);
-        let is_forced =
-            members.iter().any(|body| self.params[patch.bodies[*body as usize].slot as usize].has_force[axis]);
+        let is_forced = |body: &Local| self.bodies.params(patch.bodies[*body as usize].slot).has_force[axis];
+        let load = if members.iter().any(is_forced) { Load::OwnForces } else { Load::GravityOnly };
         for (body, acceleration) in members.iter().zip(accelerations) {
-            self.states[patch.bodies[*body as usize].slot as usize].forced[axis] = is_forced;
+            self.bodies.set_load(patch.bodies[*body as usize].slot, axis, load);
             set_acceleration(patch, *body, axis, acceleration);
         }
         self.keep_tight_contacts(patch, &constraints, axis);
@@ -212,7 +205,7 @@ impl EventDriven {
         group.clear();
         let mut index = vec![0; patch.bodies.len()];
         for body in members {
-            let params = &self.params[patch.bodies[*body as usize].slot as usize];
+            let params = &self.bodies.params(patch.bodies[*body as usize].slot);
             index[*body as usize] = group.add(params.free_acceleration[axis], params.mass);
         }
         for touch in constraints {
@@ -274,7 +267,7 @@ impl EventDriven {
 
     fn differs_from_free_fall(&self, patch: &Patch, body: Local, axis: Axis) -> bool {
         let state = patch.axis(body, axis);
-        let free = self.params[patch.bodies[body as usize].slot as usize].free_acceleration[axis];
+        let free = self.bodies.params(patch.bodies[body as usize].slot).free_acceleration[axis];
         let rounding = state.acceleration * super::exact::ACCELERATION_ROUNDING;
         (state.state.acceleration - free).high.abs() > rounding
     }

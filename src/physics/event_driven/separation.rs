@@ -41,7 +41,7 @@ impl EventDriven {
     pub(super) fn separate_overlaps(&mut self, spawned: &[Slot]) -> Vec<Slot> {
         let (mut queue, mut concerned) = self.displaced_by_static(spawned);
         concerned.extend(&queue);
-        queue.extend(spawned.iter().copied().filter(|slot| !self.states[*slot as usize].infinite));
+        queue.extend(spawned.iter().copied().filter(|slot| !self.bodies[*slot].infinite));
         for index in 0..queue.len() {
             let slot = queue[index];
             let aabb = self.aabb_of(slot);
@@ -51,7 +51,7 @@ impl EventDriven {
                     let state = self.state_dd(slot, axis);
                     self.set_trajectory(slot, axis, StateDd { position: low[axis].into(), ..state });
                 }
-                self.cell_lists.insert(&self.clock, slot, &self.states[slot as usize], self.now);
+                self.cell_lists.insert(&self.clock, slot, &self.bodies[slot], self.now);
             }
         }
         concerned
@@ -61,13 +61,13 @@ impl EventDriven {
     /// with them; ends their contacts.
     fn displaced_by_static(&mut self, spawned: &[Slot]) -> (Vec<Slot>, Vec<Slot>) {
         let mut displaced = Vec::new();
-        for slot in spawned.iter().filter(|slot| self.states[**slot as usize].infinite) {
+        for slot in spawned.iter().filter(|slot| self.bodies[**slot].infinite) {
             let aabb = self.aabb_of(*slot);
             self.cell_lists.visit_region(aabb.low, Axis::BOTH.map(|axis| aabb.low[axis] + aabb.size[axis]), |other| {
                 displaced.push(other);
             });
             displaced.retain(|other| {
-                !self.states[*other as usize].infinite
+                !self.bodies[*other].infinite
                     && spawned.binary_search(other).is_err()
                     && aabb.overlaps(&self.aabb_of(*other))
             });
@@ -81,7 +81,7 @@ impl EventDriven {
 
     /// The bounding box of a body at the present instant.
     fn aabb_of(&self, slot: Slot) -> Aabb {
-        let body = &self.states[slot as usize];
+        let body = &self.bodies[slot];
         Aabb { low: body.trajectory.at(self.now)[0], size: body.size }
     }
 

@@ -11,7 +11,7 @@
 
 use super::EventDriven;
 use super::axis_trajectory::AxisTrajectory;
-use super::body_state::Slot;
+use super::body_state::{Load, Slot};
 use super::instant::Instant;
 use super::state_dd::AxisLowParts;
 use crate::physics::{Axis, Side, SnapshotError, SolverSnapshot, World};
@@ -23,17 +23,17 @@ impl EventDriven {
     /// Returns all state that [`EventDriven::restore`] needs besides the world.
     pub fn snapshot(&self) -> SolverSnapshot {
         let mut snapshot = SolverSnapshot::default();
-        let alive: Vec<usize> = (0..self.states.len()).filter(|slot| self.params[*slot].alive).collect();
+        let alive: Vec<Slot> = self.bodies.alive().collect();
         snapshot.integers.extend([LAYOUT_VERSION, alive.len() as u64]);
         snapshot.numbers.extend([self.now.high, self.now.low]);
         let mut contacts: Vec<[u64; 3]> = Vec::new();
         for slot in alive {
-            let state = &self.states[slot];
+            let state = &self.bodies[slot];
             for axis in Axis::BOTH {
                 let trajectory = state.trajectory.along(axis);
                 let since = trajectory.since;
-                let low = &self.low_parts[slot].0[axis];
-                snapshot.integers.push(u64::from(state.forced[axis]));
+                let low = self.bodies.low_parts(slot, axis);
+                snapshot.integers.push(u64::from(state.load[axis] == Load::OwnForces));
                 snapshot.numbers.extend([
                     trajectory.position,
                     trajectory.velocity,
@@ -54,20 +54,20 @@ impl EventDriven {
     }
 
     fn world_index(&self, slot: Slot) -> u64 {
-        u64::from(self.states[slot as usize].world_index)
+        u64::from(self.bodies[slot].world_index)
     }
 
     /// The contacts to store with a body, sorted. Each contact is stored with one of its bodies: the one on
     /// the low side, or the one of finite mass.
-    fn stored_contacts(&self, slot: usize) -> Vec<[u64; 3]> {
+    fn stored_contacts(&self, slot: Slot) -> Vec<[u64; 3]> {
         let mut contacts: Vec<[u64; 3]> = Vec::new();
-        for contact in self.contacts.of(slot as Slot) {
-            let [own, other] = [slot as Slot, contact.other].map(|slot| self.world_index(slot));
+        for contact in self.contacts.of(slot) {
+            let [own, other] = [slot, contact.other].map(|slot| self.world_index(slot));
             let pair = match contact.side {
                 Side::High => [own, other],
                 Side::Low => [other, own],
             };
-            if contact.side == Side::High || self.states[contact.other as usize].infinite {
+            if contact.side == Side::High || self.bodies[contact.other].infinite {
                 contacts.push([pair[0], pair[1], contact.axis as u64]);
             }
         }
@@ -96,19 +96,16 @@ impl EventDriven {
         self.clear();
         for (index, body) in world.bodies.iter().enumerate() {
             let slot = self.push_body(body, index, now);
-            let state = &mut self.states[slot as usize];
             for axis in Axis::BOTH {
-                state.forced[axis] = reader.flag()?;
+                let load = reader.load()?;
                 let (trajectory, low_parts) = reader.trajectory(now)?;
-                state.trajectory.set(axis, trajectory);
-                self.low_parts[slot as usize].0[axis] = low_parts;
+                self.bodies.restore(slot, axis, trajectory, low_parts, load);
             }
-            state.since = state.trajectory.latest();
         }
         self.restore_contacts(&mut reader)?;
         for pending in [&mut self.pending_spawns, &mut self.pending_wakes] {
             for _ in 0..reader.integer()? {
-                pending.push(reader.slot(self.states.len())?);
+                pending.push(reader.slot(self.bodies.len())?);
             }
         }
         if !self.pending_spawns.is_sorted() {
@@ -122,11 +119,8 @@ impl EventDriven {
     }
 
     fn clear(&mut self) {
-        self.states.clear();
-        self.low_parts.clear();
-        self.params.clear();
+        self.bodies.clear();
         self.contacts = super::ContactGraph::default();
-        self.force_counts = [0; 2];
         self.pending_spawns.clear();
         self.pending_wakes.clear();
         self.dirty_states = super::DirtyStates::default();
@@ -134,7 +128,7 @@ impl EventDriven {
     }
 
     fn restore_contacts(&mut self, reader: &mut SnapshotReader) -> Result<(), String> {
-        let bodies = self.states.len();
+        let bodies = self.bodies.len();
         for _ in 0..reader.integer()? {
             let pair = [reader.slot(bodies)?, reader.slot(bodies)?];
             let axis = match reader.integer()? {
@@ -142,7 +136,7 @@ impl EventDriven {
                 1 => Axis::Y,
                 other => return Err(format!("the axis of a contact is {other}, not 0 or 1")),
             };
-            if pair[0] == pair[1] || pair.iter().all(|slot| self.states[*slot as usize].infinite) {
+            if pair[0] == pair[1] || pair.iter().all(|slot| self.bodies[*slot].infinite) {
                 return Err("a contact is between a body and itself or between infinite masses".to_owned());
             }
             self.contacts.add(pair, axis);
@@ -154,7 +148,7 @@ impl EventDriven {
     fn rebuild_derived_state(&mut self) {
         self.rebuild_indices();
         self.changed =
-            (0..self.states.len() as Slot).filter(|slot| self.pending_spawns.binary_search(slot).is_err()).collect();
+            (0..self.bodies.len() as Slot).filter(|slot| self.pending_spawns.binary_search(slot).is_err()).collect();
         self.predict_changed();
     }
 }
@@ -184,10 +178,10 @@ impl SnapshotReader<'_> {
         if index < bodies as u64 { Ok(index as Slot) } else { Err(format!("it refers to a body with index {index}")) }
     }
 
-    fn flag(&mut self) -> Result<bool, String> {
+    fn load(&mut self) -> Result<Load, String> {
         match self.integer()? {
-            0 => Ok(false),
-            1 => Ok(true),
+            0 => Ok(Load::GravityOnly),
+            1 => Ok(Load::OwnForces),
             other => Err(format!("a flag is {other}, not 0 or 1")),
         }
     }

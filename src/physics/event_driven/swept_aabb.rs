@@ -66,6 +66,7 @@ impl SweptAabb {
 mod tests {
     use super::*;
     use crate::physics::event_driven::axis_trajectory::AxisTrajectory;
+    use crate::physics::event_driven::body_state::Load;
     use crate::physics::event_driven::instant::Instant;
     use crate::physics::event_driven::trajectory::Trajectory;
 
@@ -81,7 +82,7 @@ mod tests {
             generation: 0,
             world_index: 0,
             infinite: false,
-            forced: [false; 2],
+            load: [Load::GravityOnly; 2],
         }
     }
 

@@ -1,0 +1,294 @@
+//! The bodies of the solver.
+
+use super::axis_trajectory::AxisTrajectory;
+use super::body_state::{BodyParams, BodyState, Load, Slot};
+use super::double_double::DoubleDouble;
+use super::instant::Instant;
+use super::state_dd::{AxisLowParts, LowParts, StateDd};
+use super::trajectory::Trajectory;
+use crate::physics::{Axis, Body, BodyId};
+use std::ops::Index;
+
+/// The bodies in creation order: trajectories and sizes in double-double arithmetic, masses, free accelerations.
+///
+/// Invariants: a body keeps its slot, also after it was deleted, until all are cleared. Ids ascend. The bodies alive have
+/// the world indices 0, 1, 2 and so on. The reference of a body is the later of the reference instants of its axes. The
+/// high parts of a trajectory, which predictions read, are those of the double-double numbers.
+#[derive(Clone, Debug)]
+pub struct Bodies {
+    /// Acceleration along x and y, m/s².
+    gravity: [f64; 2],
+    /// By slot.
+    states: Vec<BodyState>,
+    /// By slot.
+    low_parts: Vec<LowParts>,
+    /// By slot.
+    params: Vec<BodyParams>,
+    /// For each axis, the number of bodies alive with a constant force along it.
+    force_counts: [u32; 2],
+}
+
+impl Bodies {
+    /// No bodies, in a gravitational acceleration, m/s².
+    pub fn new(gravity: [f64; 2]) -> Bodies {
+        Bodies { gravity, states: Vec::new(), low_parts: Vec::new(), params: Vec::new(), force_counts: [0; 2] }
+    }
+
+    /// Removes all bodies and slots.
+    pub fn clear(&mut self) {
+        *self = Bodies::new(self.gravity);
+    }
+
+    /// The number of slots.
+    pub fn len(&self) -> usize {
+        self.states.len()
+    }
+
+    /// The slots of the bodies alive, in creation order.
+    pub fn alive(&self) -> impl Iterator<Item = Slot> + '_ {
+        (0..self.states.len() as Slot).filter(|slot| self.params[*slot as usize].alive)
+    }
+
+    /// The slot of a body, alive or deleted.
+    pub fn slot_of(&self, id: BodyId) -> Option<Slot> {
+        self.params.binary_search_by_key(&id, |params| params.id).ok().map(|slot| slot as Slot)
+    }
+
+    /// The data of a body that predictions do not read.
+    pub fn params(&self, slot: Slot) -> &BodyParams {
+        &self.params[slot as usize]
+    }
+
+    /// Appends the body with the given index in the world, whose trajectory starts at `since` in free fall.
+    pub fn push(&mut self, body: &Body, world_index: usize, since: Instant) -> Slot {
+        let slot = self.states.len() as Slot;
+        let force = body.constant_force;
+        let infinite = body.is_infinite();
+        let free_acceleration = Axis::BOTH.map(|axis| match infinite {
+            true => DoubleDouble::ZERO,
+            false if force[axis] == 0.0 => self.gravity[axis].into(),
+            false => quotient(force[axis], body.mass) + self.gravity[axis].into(),
+        });
+        let trajectory = Trajectory::new(Axis::BOTH.map(|axis| {
+            let (position, velocity) = (body.rect.origin[axis], body.velocity[axis]);
+            AxisTrajectory { position, velocity, acceleration: free_acceleration[axis].high, since }
+        }));
+        let low_parts = free_acceleration
+            .map(|acceleration| AxisLowParts { acceleration: acceleration.low, ..AxisLowParts::default() });
+        let has_force = Axis::BOTH.map(|axis| !infinite && force[axis] != 0.0);
+        self.low_parts.push(LowParts(low_parts));
+        self.states.push(BodyState {
+            trajectory,
+            size: [body.rect.width(), body.rect.height()],
+            since,
+            generation: 0,
+            world_index: world_index as u32,
+            infinite,
+            load: [Load::GravityOnly; 2],
+        });
+        for axis in Axis::BOTH {
+            self.force_counts[axis] += u32::from(has_force[axis]);
+        }
+        let (mass, material) = (body.mass, body.material);
+        self.params.push(BodyParams { id: body.id, mass, material, free_acceleration, has_force, alive: true });
+        slot
+    }
+
+    /// Deletes a body alive; its slot stays.
+    pub fn delete(&mut self, slot: Slot) {
+        let params = &mut self.params[slot as usize];
+        params.alive = false;
+        for axis in Axis::BOTH {
+            self.force_counts[axis] -= u32::from(params.has_force[axis]);
+        }
+        for later in &mut self.states[slot as usize + 1..] {
+            later.world_index = later.world_index.saturating_sub(1);
+        }
+        self.invalidate(slot);
+    }
+
+    /// Invalidates the predictions that involve a body.
+    pub fn invalidate(&mut self, slot: Slot) {
+        let generation = &mut self.states[slot as usize].generation;
+        *generation = generation.wrapping_add(1);
+    }
+
+    /// The gravitational acceleration along an axis, m/s².
+    pub fn gravity(&self, axis: Axis) -> f64 {
+        self.gravity[axis]
+    }
+
+    /// Returns true if a body alive carries a constant force along an axis.
+    pub fn carry_forces(&self, axis: Axis) -> bool {
+        self.force_counts[axis] > 0
+    }
+
+    /// Returns true if neither gravity nor a constant force acts on any body.
+    pub fn are_free(&self) -> bool {
+        self.gravity == [0.0; 2] && self.force_counts == [0; 2]
+    }
+
+    /// Sets whether the component of a body carries forces of its own along an axis.
+    pub fn set_load(&mut self, slot: Slot, axis: Axis, load: Load) {
+        self.states[slot as usize].load[axis] = load;
+    }
+
+    /// The state of a body along an axis at an instant.
+    #[inline]
+    pub fn state_at(&self, slot: Slot, axis: Axis, at: Instant) -> StateDd {
+        let trajectory = &self.states[slot as usize].trajectory;
+        let low = &self.low_parts[slot as usize].0[axis];
+        let reference = StateDd {
+            position: DoubleDouble { high: trajectory.position[axis], low: low.position },
+            velocity: DoubleDouble { high: trajectory.velocity[axis], low: low.velocity },
+            acceleration: DoubleDouble { high: trajectory.acceleration[axis], low: low.acceleration },
+        };
+        let since = trajectory.since(axis);
+        if reference.is_at_rest() || since == at {
+            return reference;
+        }
+        reference.after(since.exact_seconds_until(at))
+    }
+
+    /// Sets the trajectory of a body along one axis from an instant on, which becomes its reference.
+    pub fn set_trajectory(&mut self, slot: Slot, axis: Axis, state: StateDd, since: Instant) {
+        let StateDd { position, velocity, acceleration } = state;
+        let body = &mut self.states[slot as usize];
+        let [position_high, velocity_high, acceleration_high] =
+            [position, velocity, acceleration].map(|number| number.high);
+        let trajectory =
+            AxisTrajectory { position: position_high, velocity: velocity_high, acceleration: acceleration_high, since };
+        body.trajectory.set(axis, trajectory);
+        body.since = body.trajectory.latest();
+        let low = &mut self.low_parts[slot as usize].0[axis];
+        (low.position, low.velocity, low.acceleration) = (position.low, velocity.low, acceleration.low);
+    }
+
+    /// The size of a body along an axis, m.
+    #[inline]
+    pub fn size(&self, slot: Slot, axis: Axis) -> DoubleDouble {
+        DoubleDouble { high: self.states[slot as usize].size[axis], low: self.low_parts[slot as usize].0[axis].size }
+    }
+
+    /// Changes the size of a body along an axis by less than the rounding of its coordinates.
+    pub fn adjust_size(&mut self, slot: Slot, axis: Axis, size: DoubleDouble) {
+        let high = self.states[slot as usize].size[axis];
+        self.low_parts[slot as usize].0[axis].size = (size - high.into()).high;
+    }
+
+    /// The low parts of a body along an axis, for a snapshot.
+    pub fn low_parts(&self, slot: Slot, axis: Axis) -> &AxisLowParts {
+        &self.low_parts[slot as usize].0[axis]
+    }
+
+    /// Restores the state of a body along an axis from a snapshot.
+    pub fn restore(&mut self, slot: Slot, axis: Axis, trajectory: AxisTrajectory, low_parts: AxisLowParts, load: Load) {
+        let body = &mut self.states[slot as usize];
+        body.trajectory.set(axis, trajectory);
+        body.since = body.trajectory.latest();
+        body.load[axis] = load;
+        self.low_parts[slot as usize].0[axis] = low_parts;
+    }
+
+    /// The longest side among the bodies of finite mass, without the outliers; m.
+    ///
+    /// A side of more than twice the 90th percentile is an outlier.
+    pub fn typical_size(&self) -> f64 {
+        let moving = self.alive().filter(|slot| !self[*slot].infinite);
+        let longer = |[width, height]: [f64; 2]| if width > height { width } else { height };
+        let mut sizes: Vec<f64> = moving.map(|slot| longer(self[slot].size)).collect();
+        sizes.sort_unstable_by(f64::total_cmp);
+        let Some(large) = sizes.get(sizes.len() * 9 / 10) else { return 1.0 };
+        sizes[sizes.partition_point(|size| *size <= 2.0 * large) - 1]
+    }
+}
+
+impl Index<Slot> for Bodies {
+    type Output = BodyState;
+
+    #[inline]
+    fn index(&self, slot: Slot) -> &BodyState {
+        &self.states[slot as usize]
+    }
+}
+
+/// The quotient of a force and a mass, m/s²; in a smaller unit where the product of huge numbers would overflow.
+fn quotient(force: f64, mass: f64) -> DoubleDouble {
+    const HUGE: f64 = 1e280;
+    const UNIT: f64 = 1.0 / (1_u128 << 100) as f64;
+    if mass > HUGE || force.abs() > HUGE {
+        return DoubleDouble::from(force * UNIT) / (mass * UNIT).into();
+    }
+    DoubleDouble::from(force) / mass.into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::{Engine, EngineConfig, Event, Rect, SolverKind, Spawn, Vector};
+
+    /// Boxes of 1, 2, 3 and so on kilograms in a gravity of 10 m/s² along y, the last with a force of 6 N along x.
+    fn bodies(count: u32) -> Bodies {
+        let mut engine = Engine::new(EngineConfig::new(SolverKind::Handout, 1.0));
+        for number in 0..count {
+            engine.apply(&Event::Spawn(Spawn {
+                name: number.to_string(),
+                rect: Rect::new(Vector::new(f64::from(number), 0.0), 1.0, 2.0),
+                mass: f64::from(number + 1),
+                velocity: Vector::new(0.0, -4.0),
+                force: Vector::new(if number + 1 == count { 6.0 } else { 0.0 }, 0.0),
+                material: String::new(),
+            }));
+        }
+        let mut bodies = Bodies::new([0.0, 10.0]);
+        for (index, body) in engine.world().bodies.iter().enumerate() {
+            bodies.push(body, index, Instant::START);
+        }
+        bodies
+    }
+
+    #[test]
+    fn the_bodies_alive_have_dense_world_indices() {
+        let mut bodies = bodies(5);
+        bodies.delete(1);
+        bodies.delete(3);
+        let alive: Vec<(Slot, u32)> = bodies.alive().map(|slot| (slot, bodies[slot].world_index)).collect();
+        assert_eq!(alive, [(0, 0), (2, 1), (4, 2)]);
+        assert_eq!((bodies.len(), bodies.slot_of(4), bodies.slot_of(5)), (5, Some(4), None));
+    }
+
+    #[test]
+    fn a_force_acts_until_its_body_is_deleted() {
+        let mut bodies = bodies(3);
+        assert_eq!(bodies.params(2).free_acceleration, [2.0.into(), 10.0.into()]);
+        assert!(bodies.carry_forces(Axis::X) && !bodies.carry_forces(Axis::Y) && !bodies.are_free());
+        bodies.delete(2);
+        assert!(!bodies.carry_forces(Axis::X));
+    }
+
+    #[test]
+    fn a_body_falls_freely_from_its_reference_on() {
+        let bodies = bodies(1);
+        let state = bodies.state_at(0, Axis::Y, Instant { high: 0.5, low: 0.0 });
+        assert_eq!((state.position.high, state.velocity.high), (-0.75, 1.0));
+    }
+
+    #[test]
+    fn a_new_trajectory_has_its_own_reference_and_keeps_all_digits() {
+        let mut bodies = bodies(1);
+        let (at, third) = (Instant { high: 2.0, low: 0.0 }, DoubleDouble::from(1.0) / 3.0.into());
+        let state = StateDd { position: third, velocity: third, acceleration: DoubleDouble::ZERO };
+        bodies.set_trajectory(0, Axis::X, state, at);
+        assert_eq!((bodies[0].since, bodies[0].trajectory.since(Axis::Y)), (at, Instant::START));
+        assert_eq!(bodies.state_at(0, Axis::X, at).position, third);
+        assert_eq!(bodies[0].trajectory.position[0], third.high);
+    }
+
+    #[test]
+    fn an_adjusted_size_keeps_its_high_part() {
+        let mut bodies = bodies(1);
+        let size = DoubleDouble::from(1.0) + 1e-17.into();
+        bodies.adjust_size(0, Axis::X, size);
+        assert_eq!((bodies.size(0, Axis::X), bodies[0].size), (size, [1.0, 2.0]));
+    }
+}
