@@ -15,14 +15,14 @@ pub struct AxisTrajectory {
     pub since: Instant,
 }
 
-/// The time until a gap (m) closes that shrinks at `speed` (m/s), which grows by `acceleration` (m/s²); in s.
+/// The time until a gap closes, s. The gap (m) shrinks at `speed` (m/s), which increases by `acceleration` (m/s²).
 ///
-/// This is the root of g − c·t − ½·b·t² = 0 at which the gap is shrinking, or infinity if there is
-/// none. There the closing speed is s = √(c² + 2·b·g), so t = (s − c)/b. For c > 0 it is computed
-/// as 2·g/(c + s), which avoids cancellation (the stable form of the quadratic formula;
-/// Kahan, "On the cost of floating-point computation without extra-precise arithmetic",
-/// 2004). A gap of exactly 0 that shrinks or starts to shrink closes at once; a negative gap has
-/// to open first.
+/// For the gap g, speed c and acceleration b this is the root of g − c·t − ½·b·t² = 0 at which the gap
+/// is shrinking, or infinity if there is none. There the closing speed is s = √(c² + 2·b·g), so
+/// t = (s − c)/b. For c > 0, t is computed as 2·g/(c + s), which avoids cancellation (the stable form of
+/// the quadratic formula; Kahan, "On the cost of floating-point computation without extra-precise
+/// arithmetic", 2004). A gap of exactly 0 that shrinks or starts to shrink closes at once; a negative gap
+/// must open first.
 #[inline]
 pub fn closing_time(gap: f64, speed: f64, acceleration: f64) -> f64 {
     if acceleration == 0.0 {

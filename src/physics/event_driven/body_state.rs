@@ -16,7 +16,7 @@ pub struct BodyState {
     pub size: [f64; 2],
     /// The later of the two reference instants of the trajectory, from which on both axes are valid.
     pub since: Instant,
-    /// The number of changes of its trajectory and contacts, by which void predictions are detected.
+    /// The number of changes of its trajectory and contacts, by which invalidated predictions are detected.
     pub generation: u32,
     /// Its index in [`World::bodies`](crate::physics::World::bodies).
     pub world_index: u32,

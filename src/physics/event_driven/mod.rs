@@ -1,11 +1,11 @@
-//! The exact solver: event-driven molecular dynamics of boxes. See [`EventDriven`].
+//! The event-driven solver: molecular dynamics of boxes from event to event. See [`EventDriven`].
 //!
-//! Boxes neither rotate nor rub, so between events each body follows a parabola along each axis
-//! (`axis_trajectory`, `trajectory`), and the time of impact of a pair is a root in closed form
-//! (`pair_event`). No time step is traded against accuracy: a step only determines when the state is
+//! Boxes do not rotate and have no friction, so between events each body follows a parabola along each
+//! axis (`axis_trajectory`, `trajectory`), and the time of impact of a pair has a closed form
+//! (`pair_event`). The length of a step does not affect accuracy: it only determines when the state is
 //! sampled.
 //!
-//! # Path of a step
+//! # Phases of a step
 //!
 //! 1. **Insert.** The bodies spawned since the last step enter the cell lists (`insert`), overlaps that they
 //!    cause are removed (`separation`), and faces that decimal coordinates leave an ulp apart are
@@ -23,43 +23,42 @@
 //!
 //! # Time
 //!
-//! An [`Instant`] is a double-double number of seconds since step 0, so that the step and its rate influence
-//! no event. A prediction is computed in doubles and queued at the earliest time that its error bound admits
-//! (`pair_event`). When it comes first, its time is computed again in double-double arithmetic (`exact`); it is
-//! carried out if no other can be earlier. All events that touch at the same instant, to the rounding of
-//! double-double arithmetic, are one instant.
+//! An [`Instant`] is a double-double number of seconds since step 0, so the step and its rate influence no event. A
+//! prediction is computed in doubles and queued at the earliest time that its error bound admits (`pair_event`). When
+//! it comes first, its time is computed again in double-double arithmetic (`exact`), and the event is carried out if no
+//! other can be earlier. All events that double-double arithmetic cannot separate are one instant.
 //!
 //! # Rules
 //!
-//! Where mechanics leaves a choice:
+//! These rules apply where mechanics leaves a choice:
 //!
 //! 1. **What is 0.** A gap, an approach speed or an approach acceleration is 0 if it is below the rounding of the
-//!    numbers it was computed from (`exact`). Two boxes *touch on a face* if their gap is 0 along one axis and they
-//!    overlap on the other, *at a corner* if both gaps are 0.
-//! 2. **Corners** block only what enters them (on both axes the boxes approach, or accelerate towards each other
-//!    from rest), and only along the axis of the gentler approach; along both if they are equal.
-//! 3. **Contacts.** A touching pair without approach speed and acceleration along an axis is in contact if it was
-//!    so before, if a plastic impact or a collapse joined it, or if the accelerations of its component differ from
-//!    free fall. It ends when one slides past the edge of the other; an overlap that shrinks to 0 and grows again
-//!    ends nothing. So a supported box slides over the seams of flush faces.
-//! 4. **An instant** is processed in the order resting, impacts, resting (`simultaneous`).
-//! 5. **Impacts**: of all approaching pairs the lowest in creation order, again and again until none approaches.
-//!    On either side the body acts together with all that it pushes through contacts; if that reaches an
-//!    infinite mass, like that mass. Bodies that only touch hand the blow on. (To pass an impact on through
+//!    numbers from which it was computed (`exact`). Two boxes *touch on a face* if their gap is 0 along one axis and
+//!    they overlap on the other, *at a corner* if both gaps are 0.
+//! 2. **Corners** block only what enters them (along both axes the boxes approach, or accelerate towards each other
+//!    from rest), and only along the axis of the gentler approach; along both if the approaches are equal.
+//! 3. **Contacts.** A pair that touches without approach speed and acceleration along an axis is in contact if it
+//!    already was, if a plastic impact or a collapse joined it, or if the accelerations of its component differ from
+//!    free fall. A contact ends when one body slides past the edge of the other; an overlap that shrinks to 0 and grows
+//!    again ends nothing. So a supported box slides over the seams of flush faces.
+//! 4. **Order of an instant**: resting, impacts, resting (`simultaneous`).
+//! 5. **Impacts.** Of all approaching pairs the lowest in creation order collides, again and again until none
+//!    approaches. On either side the body acts together with all bodies that it pushes through contacts; if these reach
+//!    an infinite mass, it acts like that mass. Bodies that only touch pass the impact on. (To pass an impact on through
 //!    contacts from pair to pair would need infinitely many impacts in a resting stack.)
 //! 6. **Inelastic collapse.** An infinite sequence of impacts is replaced by its limit (`burst`).
 //! 7. **Resolution.** A bounce that does not rise by the resolution of its coordinates is plastic.
 //!
 //! # Invariants
 //!
-//! 1. A prediction is a function of the trajectories of the two bodies alone: the same whichever of
-//!    the two computes it, and whenever. So cell lists and event queue, which are derived data,
-//!    influence no result.
-//! 2. Each body has at most one event in the queue. A predicted event is void if the generation
-//!    of the partner has changed since; when it is due, the body predicts again.
-//! 3. Contacts along an axis lead from lower to higher coordinates, so they form no cycle and
-//!    no body supports itself.
-//! 4. No touching pair approaches after an instant.
+//! 1. A prediction is a function of the trajectories of the two bodies alone, regardless of which of the two predicts
+//!    and when. So the cell lists and the event queue, which are derived data, influence no result.
+//! 2. Each body has at most one event in the queue. The event is invalidated when the generation of the partner
+//!    changes; when an invalidated event is due, the body predicts again.
+//! 3. No touching pair approaches after an instant.
+//!
+//! Those of its parts are stated with the types that own them: [`Bodies`], [`ContactGraph`], [`CellLists`],
+//! [`EventQueue`].
 
 mod axis_trajectory;
 mod bodies;
@@ -117,10 +116,10 @@ const MAX_REPREDICTIONS_PER_BODY: u64 = 1000;
 /// doubles.
 const COMPARED_TIMES: f64 = 1.0 / (1_u64 << 50) as f64;
 
-/// The state of the exact solver.
+/// The event-driven solver.
 ///
-/// Trajectories, contacts and pending spawns are the state proper, which a snapshot
-/// stores. Cell lists and event queue are derived from it and influence no result.
+/// A snapshot stores only trajectories, contacts, pending spawns and wakes. Cell lists and event queue are derived
+/// from them and influence no result.
 #[derive(Clone, Debug)]
 pub struct EventDriven {
     clock: Clock,
@@ -241,7 +240,7 @@ impl EventDriven {
     /// The world `offset` seconds after the start of `step`; the solver itself does not advance.
     ///
     /// # Errors
-    /// As for [`EventDriven::step`].
+    /// Returns the errors of [`EventDriven::step`].
     pub fn world_after<O: Observer>(
         &self,
         world: &World,
@@ -331,9 +330,9 @@ impl EventDriven {
         Ok(())
     }
 
-    /// The event taken from the queue if it comes next and not after `last`, with its exact time; the event of the same pair that the
-    /// partner may have is then removed, and the partner among those that predict again. Otherwise the body has
-    /// predicted again, or the event is back in the queue with its exact time.
+    /// Returns the event taken from the queue with its exact time if it comes next and not after `last`; the event of
+    /// the same pair that the partner may have is then removed, and the partner is among those that predict again.
+    /// Otherwise the body has predicted again, or the event is back in the queue with its exact time.
     fn next_exact_event(&mut self, slot: Slot, event: ScheduledEvent, last: Instant) -> Option<ScheduledEvent> {
         let Some(kind) = event.pair_event else {
             self.handle_cell_crossing(slot);

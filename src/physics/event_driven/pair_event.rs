@@ -120,8 +120,8 @@ impl Relative {
         if self.ahead[axis] > self.behind[axis] { self.ahead[axis] } else { self.behind[axis] }
     }
 
-    /// Returns true if the boxes certainly stay separated along an axis for a time. Of many boxes around
-    /// one, this excludes all but the nearest.
+    /// Returns true if the boxes certainly stay separated along an axis for `seconds`. This excludes all
+    /// but the nearest of many boxes around one.
     #[inline]
     fn stay_separated(&self, seconds: f64) -> bool {
         let positive = |number: f64| if number > 0.0 { number } else { 0.0 };

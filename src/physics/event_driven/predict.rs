@@ -32,8 +32,8 @@ struct Predictor<'a> {
     horizon: f64,
 }
 
-/// The horizon is this factor beyond an event, more than any rounding, so that events at the same time
-/// are compared in their total order and not cut off.
+/// Factor by which the horizon exceeds the time to an event: more than any rounding, so that simultaneous
+/// events are compared in their total order and not cut off.
 const HORIZON_MARGIN: f64 = 1.0 + 1e-9;
 
 impl<'a> Predictor<'a> {
@@ -118,7 +118,7 @@ impl<'a> Predictor<'a> {
         Some(if is_contested { ScheduledEvent { precision: Precision::Contested, ..first } } else { first })
     }
 
-    /// Lowers the time of the next prediction to `seconds` after the sample; returns true if it changed.
+    /// Lowers the horizon to `seconds` after the sample, unless it is earlier; returns true if it changed.
     #[inline]
     fn limit_horizon(&mut self, seconds: f64) -> bool {
         let horizon = seconds * HORIZON_MARGIN;

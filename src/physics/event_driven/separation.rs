@@ -120,7 +120,7 @@ impl EventDriven {
 
 /// The free position nearest to the present one, if there is one within `radius`, m.
 ///
-/// Of equally near positions, the first in the order left, right, top, bottom.
+/// Ties are resolved in the order left, right, top, bottom.
 fn nearest_free_corner(aabb: &Aabb, obstacles: &[Aabb], radius: f64) -> Option<[f64; 2]> {
     let [xs, ys] = Axis::BOTH.map(|axis| candidate_coordinates(aabb, obstacles, axis));
     let mut best = None;

@@ -1,4 +1,4 @@
-//! An instant: all that happens at one time among bodies that touch.
+//! An instant: all events of one time among bodies that touch.
 //!
 //! 1. Resting (`resting`): contacts that have slid off end, those that slid on or are pressed begin.
 //! 2. Impacts (`burst`), until no pair approaches.

@@ -16,7 +16,7 @@ use super::instant::Instant;
 use super::state_dd::AxisLowParts;
 use crate::physics::{Axis, Side, SnapshotError, SolverSnapshot, World};
 
-/// Identifies the layout of the lists; changes with it.
+/// The version of the layout of the lists.
 const LAYOUT_VERSION: u64 = 3;
 
 impl EventDriven {
@@ -75,10 +75,10 @@ impl EventDriven {
         contacts
     }
 
-    /// Restores the state of which `snapshot` was taken.
+    /// Restores the state stored in `snapshot`.
     ///
     /// # Errors
-    /// If the snapshot was not created by this solver, does not fit the world, or is damaged.
+    /// Returns an error if the snapshot was created by another solver, does not fit the world, or is damaged.
     pub fn restore(&mut self, world: &World, step: u64, snapshot: &SolverSnapshot) -> Result<(), SnapshotError> {
         self.deserialize(world, step, snapshot).map_err(|reason| SnapshotError { step, reason })
     }

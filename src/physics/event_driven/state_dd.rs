@@ -1,7 +1,7 @@
 //! The state of a body along one axis in double-double arithmetic, in which collisions are computed.
 //!
 //! A rounding error in one collision grows with each following one: under gravity the 16 digits of a
-//! double are used up after some hundred collisions. So trajectories are stored with 32 digits.
+//! double are used up after a few hundred collisions. So trajectories are stored with 32 digits.
 //! Predictions, far more frequent than events, use only the high parts.
 
 use super::double_double::DoubleDouble;

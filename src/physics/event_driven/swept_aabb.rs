@@ -1,4 +1,4 @@
-//! The axis-aligned bounding box that a body sweeps until its next prediction.
+//! Swept AABBs: the axis-aligned bounding box of the area that a body sweeps until its next prediction.
 
 use super::body_state::BodyState;
 use super::pair_event::Sample;
