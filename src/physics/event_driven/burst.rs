@@ -367,27 +367,15 @@ impl EventDriven {
         })
     }
 
-    /// Joins pairs that separate but would be back before they have moved by the resolution of their coordinates;
-    /// returns true if there were any.
-    pub(super) fn capture_bounces(&mut self, patch: &mut Patch) -> bool {
-        let mut has_captured = false;
-        for index in 0..patch.touches.len() {
-            let touch = patch.touches[index];
-            let TouchKind::Face(axis) = touch.kind else { continue };
-            let speed = patch.approach(&touch, axis).high;
-            let acceleration = patch.approach_acceleration(&touch, axis).high;
-            if !(speed < 0.0 && acceleration > 0.0) {
-                continue;
-            }
-            let [first, second] = touch.bodies.map(|body| patch.axis(body, axis));
-            let scale =
-                first.state.position.high.abs() + second.state.position.high.abs() + first.size.high + second.size.high;
-            if is_below_resolution(-speed, acceleration, scale) {
-                self.capture(patch, &touch, axis);
-                has_captured = true;
-            }
-        }
-        has_captured
+    /// Joins the lowest pair in creation order that separates but would be back before it has moved by the
+    /// resolution of its coordinates; returns true if there is one.
+    pub(super) fn capture_bounce(&mut self, patch: &mut Patch) -> bool {
+        let slots = |touch: &Touch| touch.bodies.map(|body| patch.bodies[body as usize].slot);
+        let returning = patch.touches.iter().filter_map(|touch| Some((touch, returning_axis(patch, touch)?)));
+        let Some((touch, axis)) = returning.min_by_key(|(touch, _)| slots(touch)) else { return false };
+        let touch = *touch;
+        self.capture(patch, &touch, axis);
+        true
     }
 
     /// Joins two bodies, each with what it pushes, as a plastic impact does.
@@ -470,6 +458,17 @@ impl EventDriven {
 /// whose magnitudes add up to `scale` (m).
 pub fn is_below_resolution(speed: f64, acceleration: f64, scale: f64) -> bool {
     speed * (speed / acceleration) <= 2.0 * scale * RESOLUTION
+}
+
+/// The axis along which two faces part so slowly that they meet again before they have moved by the resolution of their
+/// coordinates.
+fn returning_axis(patch: &Patch, touch: &Touch) -> Option<Axis> {
+    let TouchKind::Face(axis) = touch.kind else { return None };
+    let speed = patch.approach(touch, axis).high;
+    let acceleration = patch.approach_acceleration(touch, axis).high;
+    let [first, second] = touch.bodies.map(|body| patch.axis(body, axis));
+    let scale = first.state.position.high.abs() + second.state.position.high.abs() + first.size.high + second.size.high;
+    (speed < 0.0 && acceleration > 0.0 && is_below_resolution(-speed, acceleration, scale)).then_some(axis)
 }
 
 fn local_velocity(patch: &Patch, body: Local) -> Vector {

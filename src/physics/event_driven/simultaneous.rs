@@ -45,7 +45,7 @@ impl EventDriven {
         loop {
             self.carry_out_impacts(patch, world, observer)?;
             self.settle(patch);
-            if !self.capture_bounces(patch) {
+            if !self.capture_bounce(patch) {
                 return Ok(());
             }
         }
