@@ -26,7 +26,12 @@
 //! An [`Instant`] is a double-double number of seconds since step 0, so the step and its rate influence no event. A
 //! prediction is computed in doubles and queued at the earliest time that its error bound admits (`pair_event`). When
 //! it comes first, its time is computed again in double-double arithmetic (`exact`), and the event is carried out if no
-//! other can be earlier. All events that double-double arithmetic cannot separate are one instant.
+//! other can be earlier. Where the error bounds of two events of a body overlap, both are computed exactly, so no
+//! event hides an earlier one.
+//!
+//! A later event belongs to the same instant if its gap is 0 already at the time of the first (rule 1). So the window
+//! of an instant follows from coordinates and speeds and has no unit of its own. A pair that still approaches when its
+//! computed time is past is due now.
 //!
 //! # Rules
 //!
