@@ -2,7 +2,7 @@
 
 use super::{CheckResult, Outcome, Replacement};
 use crate::physics::{CollisionCount, Spawn, Vector};
-use crate::recording::{self, BodyTable, Change, Error, Identity, Item, RecordedState, Recording};
+use crate::recording::{self, BodyTable, Change, Error, Header, Identity, Item, RecordedState, Recording};
 use crate::replay::{self, ALL_STEPS, Difference, Replayer, RunError, Verdict, ulps};
 use crate::scene;
 use crate::temporary::TemporaryFolder;
@@ -101,7 +101,13 @@ fn compare_with(path: &Path, new_recording: &NewRecording) -> Result<Option<Scen
     if recorded.trailer().is_some_and(|end| end.identity == new_recording.identity) {
         return Ok(None);
     }
-    SceneMismatch::between(recording::open(path)?, recording::open(&new_recording.file.path())?).map(Some)
+    let current = recording::open(&new_recording.file.path())?;
+    let lines = |header: &Header| header.scene.as_ref().map(|scene| scene.text.replace("\r\n", "\n"));
+    let has_same_lines = lines(&recorded.header) == lines(&current.header);
+    match SceneMismatch::between(recording::open(path)?, current)? {
+        SceneMismatch::Text if has_same_lines => Ok(None),
+        mismatch => Ok(Some(mismatch)),
+    }
 }
 
 /// The difference between a recording and a new run of the scene next to it.

@@ -1,5 +1,5 @@
 use super::output_file::Busy;
-use super::{Exit, arguments::is_standard_output, scene_report::SceneReport};
+use super::{Exit, arguments::is_standard_output, error_report::ErrorReport};
 use crate::{
     picture::{self, RenderError},
     recording::{self, error_text},
@@ -17,8 +17,7 @@ use std::{
 pub enum CommandError {
     /// The scene is invalid.
     #[error(transparent)]
-    #[diagnostic(transparent)]
-    Scene(Box<SceneReport>),
+    Scene(Box<SceneError>),
     /// The run could not be recorded.
     #[error(transparent)]
     Run(RunError),
@@ -203,7 +202,7 @@ impl CommandError {
 
 impl From<SceneError> for CommandError {
     fn from(error: SceneError) -> CommandError {
-        CommandError::Scene(Box::new(error.into()))
+        CommandError::Scene(Box::new(error))
     }
 }
 
@@ -236,12 +235,16 @@ pub fn report(error: CommandError) -> Exit {
     }
     let handler = || MietteHandlerOpts::new().without_cause_chain().wrap_lines(false).build();
     let _ = miette::set_hook(Box::new(move |_| Box::new(handler()))); // Fails only if set before.
-    let report = miette::Report::new(error);
-    let exit = match report.downcast_ref() {
-        Some(CommandError::NotReproducible | CommandError::Picture(picture::Error::Diverged { .. })) => Exit::Diverged,
-        Some(CommandError::Recording { source, .. }) if source.is_damage() => Exit::Damaged,
-        Some(_) | None => Exit::Error,
+    let reports = match &error {
+        CommandError::Scene(error) => ErrorReport::of_scene(error),
+        error => vec![ErrorReport::new(error, error.help().as_deref())],
     };
-    let _ = writeln!(io::stderr(), "{report:?}");
-    exit
+    for report in reports {
+        let _ = writeln!(io::stderr(), "{:?}", miette::Report::new(report));
+    }
+    match error {
+        CommandError::NotReproducible | CommandError::Picture(picture::Error::Diverged { .. }) => Exit::Diverged,
+        CommandError::Recording { source, .. } if source.is_damage() => Exit::Damaged,
+        _ => Exit::Error,
+    }
 }

@@ -3,6 +3,7 @@
 mod arguments;
 mod check;
 mod error;
+mod error_report;
 mod export;
 mod figure;
 mod info;
@@ -15,13 +16,12 @@ mod recover;
 mod render;
 mod replay;
 mod report;
-mod scene_report;
 mod shell;
 mod signals;
 mod source;
 mod video;
 
-pub use scene_report::SceneReport;
+pub use error_report::ErrorReport;
 
 use arguments::{
     CheckOptions, CompletionsOptions, ExportOptions, InfoOptions, ManOptions, RecordOptions, RecoverOptions,

@@ -3,6 +3,7 @@
 use super::Exit;
 use super::arguments::is_standard_output;
 use super::error::CommandError;
+use super::error_report::printable;
 use crate::picture::{ReadExtent, ReadStatus};
 use crate::recording::Health;
 use crate::text::Printable;
@@ -41,7 +42,7 @@ pub fn is_quiet() -> bool {
 /// Prints a line on standard error, unless `--quiet` is given.
 pub fn info(text: std::fmt::Arguments) {
     if !is_quiet() {
-        let _ = writeln!(io::stderr(), "{}", Printable(&text.to_string()));
+        let _ = writeln!(io::stderr(), "{}", printable(&text.to_string()));
     }
 }
 

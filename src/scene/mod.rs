@@ -90,10 +90,12 @@ const KEYS: &[Key] = &[TITLE, WORLD, RUN, RESTITUTION, FIGURE];
 
 /// Parses a scene; error messages call it `path`.
 ///
+/// Line ends `\r\n` are read as `\n`, so that a recording does not depend on the system that stored the scene.
+///
 /// # Errors
 /// [`SceneError::Scene`] with all independent errors of the text.
 pub fn parse(path: &str, text: &str) -> Result<Scene, SceneError> {
-    let source = SceneSource { path: path.into(), text: text.into() };
+    let source = SceneSource { path: path.into(), text: text.replace("\r\n", "\n") };
     let reporter = Reporter::default();
     let scene = read(&source, &reporter);
     let excerpt = || Excerpt { name: source.path.clone(), line: 1, text: source.text.clone() };

@@ -316,3 +316,28 @@ fn a_folder_with_nothing_to_check_is_an_error() {
     assert_eq!(outcome.code, 1);
     assert!(outcome.errors.contains("choose another folder with --report"), "{outcome:?}");
 }
+
+#[test]
+fn line_ends_are_no_difference() {
+    let scene = "[world]\r\nwalls = true\r\n[run]\r\nsteps = 30\r\n[[spawn]]\r\nat = [2.0, 3.0]\r\nsize = [1.0, 1.0]\r\n\
+                 mass = 1.0\r\nvelocity = [4.0, 1.0]\r\n";
+    let workplace = Workplace::new();
+    workplace.write("run.toml", &scene.replace("\r\n", "\n"));
+    workplace.done("record run.toml -o run.mcap");
+    workplace.done("figure strobe run.mcap -o strobe.svg");
+    workplace.done("figure spacetime run.mcap -o listed.svg");
+    workplace.write("pictures.check", "# comment\n\nrebond figure spacetime \\\n  run.mcap -o listed.svg\n");
+    let recorded = workplace.read("run.mcap");
+    workplace.write("run.toml", scene);
+    workplace.done("record run.toml -o windows.mcap");
+    assert!(workplace.read("windows.mcap") == recorded, "the recordings have the same bytes");
+    std::fs::remove_file(workplace.path("windows.mcap")).unwrap();
+    for name in ["strobe.svg", "listed.svg", "pictures.check"] {
+        let text = String::from_utf8(workplace.read(name)).unwrap();
+        workplace.write(name, &text.replace('\n', "\r\n"));
+    }
+    let checked = workplace.done("check .");
+    assert!(checked.output.contains("run.mcap: same: 30 steps, 5 bodies; matches its scene"), "{checked:?}");
+    assert!(checked.output.contains("same: 1 recording, 2 pictures"), "{checked:?}");
+    assert!(workplace.done("info strobe.svg").output.contains("strobe"));
+}

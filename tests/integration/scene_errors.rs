@@ -3,7 +3,7 @@
 use crate::snapshot::assert_text;
 use miette::{GraphicalReportHandler, GraphicalTheme};
 use proptest::prelude::*;
-use rebond::internals::cli::SceneReport;
+use rebond::internals::cli::ErrorReport;
 use rebond::internals::scene::{self, SceneError, live};
 
 /// A valid scene, which the tests make invalid in one place.
@@ -28,7 +28,10 @@ fn rendered(error: SceneError) -> String {
     let mut text = String::new();
     let handler =
         GraphicalReportHandler::new_themed(GraphicalTheme::unicode_nocolor()).with_width(100).with_links(false);
-    handler.render_report(&mut text, &SceneReport::from(error)).expect("a report is text");
+    for (index, report) in ErrorReport::of_scene(&error).iter().enumerate() {
+        text.push_str(if index > 0 { "\n" } else { "" });
+        handler.render_report(&mut text, report).expect("a report is text");
+    }
     text
 }
 

@@ -3,7 +3,7 @@
 use std::io;
 
 use rebond::internals::{
-    cli::SceneReport,
+    cli::ErrorReport,
     replay::{LiveEvents, OnBadEvent, RecordOptions, record},
     scene::{self, Scene, live},
 };
@@ -37,7 +37,9 @@ fn refuse(lines: &[u8]) {
     let text = String::from_utf8_lossy(lines);
     for (number, line) in (1..).zip(text.lines()) {
         if let Err(error) = live::parse_line(number, line) {
-            let _ = format!("{:?}", miette::Report::new(SceneReport::from(error)));
+            for report in ErrorReport::of_scene(&error) {
+                let _ = format!("{:?}", miette::Report::new(report));
+            }
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Any text is a scene or gives an error that can be printed.
 
-use rebond::internals::{cli::SceneReport, scene};
+use rebond::internals::{cli::ErrorReport, scene};
 
 /// Parses the text as a scene, and formats the error if it is invalid.
 pub fn read(text: &str) {
@@ -8,9 +8,11 @@ pub fn read(text: &str) {
         return;
     }
     match scene::parse("scene.toml", text) {
-        Ok(scene) => assert_eq!(scene.source.text, text),
+        Ok(scene) => assert_eq!(scene.source.text, text.replace("\r\n", "\n")),
         Err(error) => {
-            let _ = format!("{:?}", miette::Report::new(SceneReport::from(error)));
+            for report in ErrorReport::of_scene(&error) {
+                let _ = format!("{:?}", miette::Report::new(report));
+            }
         }
     }
 }
