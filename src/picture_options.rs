@@ -145,7 +145,7 @@ picture_options! {
         /// Draw only steps that are a multiple of this number. By default, animations have `fps` frames per second,
         /// folders have all steps, and figures as many as suit them.
         flag(
-            long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..),
+            long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=crate::recording::limits::STEPS),
             help = "Draw every N-th step, counted from step 0"
         )
         every: u64;
@@ -234,13 +234,16 @@ impl OptionText for String {
     }
 }
 
+/// The largest width and height of a picture, px: in scenes and options, and of files that are drawn or read.
+pub(crate) const MAX_SIDE: u32 = 16_384;
+
 /// Parses a size in pixels: `1280x720`.
 #[cfg(feature = "draw")]
 pub(crate) fn parse_size(text: &str) -> Result<[u32; 2], String> {
     let sides = text.split_once('x').and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]));
     sides
-        .filter(|sides: &[u32; 2]| !sides.contains(&0))
-        .ok_or_else(|| "expected WIDTHxHEIGHT, for example 1280x720".into())
+        .filter(|sides: &[u32; 2]| sides.iter().all(|side| (1..=MAX_SIDE).contains(side)))
+        .ok_or_else(|| format!("expected WIDTHxHEIGHT of 1 to {MAX_SIDE} pixels each, for example 1280x720"))
 }
 
 /// Joins names for a message: `"a", "b" or "c"`.

@@ -43,6 +43,8 @@ mod hard_scenes;
 mod hostile_lengths;
 #[path = "integration/library.rs"]
 mod library;
+#[path = "integration/limits.rs"]
+mod limits;
 #[path = "integration/live_events.rs"]
 mod live_events;
 #[cfg(unix)]

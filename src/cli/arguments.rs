@@ -1,5 +1,6 @@
 use crate::picture::Theme;
 use crate::picture_options::parse_size;
+use crate::recording::limits;
 use clap::{Args, ValueEnum};
 use std::num::NonZero;
 use std::ops::{Range, RangeInclusive};
@@ -63,7 +64,7 @@ pub struct RecordOptions {
     #[arg(long, value_name = "N")]
     pub steps: Option<u64>,
     /// Record only every N-th state, but all digests
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..=limits::STEPS))]
     pub every: u64,
     /// Sync each flush to disk, to survive a power failure
     #[arg(long)]

@@ -56,10 +56,8 @@ impl ErrorReport {
 
     fn of_diagnostic(message: &str, diagnostic: &Diagnostic, text: Option<&ReportedText>) -> ErrorReport {
         let shown = |span| text.map_or(0..0, |text| text.shown(span));
-        let primary = LabeledSpan::new_primary_with_span(
-            Some(diagnostic.kind.label().into()),
-            shown(diagnostic.span.clone()),
-        );
+        let primary =
+            LabeledSpan::new_primary_with_span(Some(diagnostic.kind.label().into()), shown(diagnostic.span.clone()));
         let earlier = diagnostic.earlier.clone();
         let earlier = earlier.map(|span| LabeledSpan::new_with_span(Some("first here".into()), shown(span)));
         ErrorReport {

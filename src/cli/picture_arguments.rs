@@ -2,7 +2,7 @@
 
 use super::arguments::{JobOptions, OutputOptions, Shard};
 use crate::physics::Axis;
-use crate::picture::{CollisionFigure, FigureOptions, MIN_HOLD, PictureOptions, StatesFigure};
+use crate::picture::{CollisionFigure, FigureOptions, MAX_HOLD, MIN_HOLD, PictureOptions, SPEEDS, StatesFigure};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -34,7 +34,7 @@ pub struct RenderOptions {
     #[arg(long, value_name = "I/N", default_value = "1/1", hide_default_value = true, conflicts_with = "at")]
     pub shard: Shard,
     /// Play in slow motion, for example 0.1 times as fast
-    #[arg(long, value_name = "PACE", value_parser = positive)]
+    #[arg(long, value_name = "PACE", value_parser = speed)]
     pub slow: Option<f64>,
     /// Pause S seconds, for example 0.5 at collisions
     #[arg(long, num_args = 3, value_names = ["S", "at", "…"])]
@@ -143,9 +143,6 @@ pub enum FigureAxis {
     Y,
 }
 
-/// The longest pause, s. A longer one would look like the end of the animation.
-const MAX_HOLD: f64 = 60.0;
-
 /// A word of `0.5 at collisions`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum HoldWord {
@@ -176,6 +173,12 @@ impl std::str::FromStr for HoldWord {
 fn pair(text: &str) -> Result<[String; 2], String> {
     let names = text.split_once(',').filter(|(a, b)| !a.is_empty() && !b.is_empty() && !b.contains(','));
     names.map(|(a, b)| [a.to_owned(), b.to_owned()]).ok_or_else(|| "expected two names, for example c,b".into())
+}
+
+/// Parses a playback speed.
+fn speed(text: &str) -> Result<f64, String> {
+    let speed = text.parse().ok().filter(|speed| SPEEDS.contains(speed));
+    speed.ok_or_else(|| format!("expected a number from {:e} to {:e}", SPEEDS.start(), SPEEDS.end()))
 }
 
 /// Parses a number greater than 0.

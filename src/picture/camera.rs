@@ -1,5 +1,6 @@
 use crate::physics::{Rect, Vector, smaller};
 use crate::picture::{CameraTarget, RenderError};
+use crate::picture_options::MAX_SIDE;
 
 /// Maps world coordinates (m) to page coordinates (px). Metres become pixels only here.
 ///
@@ -18,9 +19,6 @@ pub struct Camera {
     /// Width and height of the world, m.
     pub world: Vector,
 }
-
-/// Maximum width and height of a picture, px.
-const MAX_SIDE: u32 = 16_384;
 
 impl Camera {
     /// Returns the camera that shows `target`, in a world of `world` metres, in the `viewport` of a picture of `size`

@@ -57,7 +57,7 @@ pub use raster::{Color, DisplayList, Ink, Painter, Palette, Picture, Shape};
 pub use resolve::{FigureOptions, Sequence, SubjectOptions};
 pub use resolved::{Animation, CollisionFigure, CollisionSelector, Page, ResolvedPicture, StatesFigure, Subject};
 pub use run_statistics::RunStatistics;
-pub use schedule::{AnimationSchedule, MIN_HOLD, Moment, Timing};
+pub use schedule::{AnimationSchedule, MAX_FRAMES_PER_STEP, MAX_HOLD, MIN_HOLD, Moment, SPEEDS, Timing};
 pub use source::{ReadExtent, ReadStatus, Source, recorded_world};
 pub use step_grid::{MAX_GIF_FPS, StepGrid, Thinning};
 pub use view::{DrawingMetrics, Style, View};

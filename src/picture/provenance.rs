@@ -3,8 +3,10 @@ use super::{
     Animation, CameraTarget, CollisionFigure, CollisionSelector, Error, Format, Look, Metadata, Page, ResolvedPicture,
     Source, StatesFigure, Subject, Timing, Window,
 };
+use super::{MAX_FRAMES_PER_STEP, MAX_HOLD, MIN_HOLD, SPEEDS};
 use crate::physics::Axis;
 use crate::picture_options::Written;
+use crate::recording::limits;
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 
@@ -101,7 +103,10 @@ impl Provenance {
         Ok(Provenance {
             software: get(DRAWN_BY)?.clone(),
             recordings: get(RECORDING)?.split("; ").map(str::to_owned).collect(),
-            recorded_every: options.parsed_or("recorded_every", 1).unwrap_or(1),
+            recorded_every: options
+                .get("recorded_every")
+                .map_or(Some(1), read_interval)
+                .ok_or_else(|| invalid(OPTIONS))?,
             picture: ResolvedPicture { subject, look, titles },
         })
     }
@@ -163,7 +168,10 @@ fn read_subject(steps: &str, options: &OptionLine, format: Format) -> Option<Sub
                 frames_per_step: options.parsed_or("parts", 1)?,
                 hold: options.parsed_or("hold", 0.0)?,
             };
-            Some(Subject::Animation { animation: Animation { steps, every, timing }, format })
+            let is_accepted = SPEEDS.contains(&timing.slow)
+                && (1..=MAX_FRAMES_PER_STEP).contains(&timing.frames_per_step)
+                && (timing.hold == 0.0 || (MIN_HOLD..=MAX_HOLD).contains(&timing.hold));
+            is_accepted.then_some(Subject::Animation { animation: Animation { steps, every, timing }, format })
         }
         Format::Animation(_) => None,
         Format::Still(format) => Some(Subject::Page { page: read_page(steps, options)?, format }),
@@ -176,7 +184,7 @@ fn read_page(steps: &str, options: &OptionLine) -> Option<Page> {
     match options.get("figure") {
         None => {
             let (step, every) = steps.split_once(" every ").unwrap_or((steps, "1"));
-            Some(Page::State { step: step.parse().ok()?, every: every.parse().ok()? })
+            Some(Page::State { step: read_step(step)?, every: read_interval(every)? })
         }
         Some("collision") => collision(CollisionFigure::Stages),
         Some("minkowski") => collision(CollisionFigure::Minkowski),
@@ -193,12 +201,22 @@ fn read_page(steps: &str, options: &OptionLine) -> Option<Page> {
 fn read_range(steps: &str) -> Option<(RangeInclusive<u64>, u64)> {
     let (first, rest) = steps.split_once(" to ")?;
     let (last, every) = rest.split_once(" every ")?;
-    Some((first.parse().ok()?..=last.parse().ok()?, every.parse().ok()?))
+    Some((read_step(first)?..=read_step(last)?, read_interval(every)?))
+}
+
+/// A step of a recording.
+fn read_step(text: &str) -> Option<u64> {
+    text.parse().ok().filter(|&step| step <= limits::STEPS)
+}
+
+/// A number of steps from one picture to the next.
+fn read_interval(text: &str) -> Option<u64> {
+    read_step(text).filter(|&every| every > 0)
 }
 
 fn read_collisions(steps: &str, options: &OptionLine) -> Option<Vec<CollisionSelector>> {
     let names = options.get_strings("pair")?;
-    let steps: Vec<u64> = steps.split(", ").map(|step| step.parse().ok()).collect::<Option<_>>()?;
+    let steps: Vec<u64> = steps.split(", ").map(read_step).collect::<Option<_>>()?;
     let (pairs, []) = names.as_chunks::<2>() else { return None };
     let selector = |(&step, pair): (&u64, &[String; 2])| CollisionSelector { step, pair: pair.clone() };
     (steps.len() == pairs.len()).then(|| steps.iter().zip(pairs).map(selector).collect())
@@ -308,6 +326,32 @@ mod tests {
         assert!(Provenance::parse(&clip, Format::Still(StillFormat::Pdf)).is_err());
         let still = provenance(page(Page::State { step: 7, every: 1 }), CameraTarget::World).metadata();
         assert!(Provenance::parse(&still, Format::Animation(AnimationFormat::Gif)).is_err());
+    }
+
+    #[test]
+    fn values_that_no_option_accepts_are_not_read() {
+        let clip = animation(0..=600, 2, Timing { frames_per_step: 5, slow: 0.5, hold: 0.5 });
+        let text = provenance(clip, CameraTarget::World).metadata().to_string();
+        let parse = |text: &str| Provenance::parse(&Metadata::parse(text), Format::Animation(AnimationFormat::Gif));
+        assert!(parse(&text).is_ok());
+        for (valid, invalid) in [
+            ("0 to 600", "0 to 18446744073709551615"),
+            ("every 2", "every 0"),
+            ("every 2", "every 9007199254740993"),
+            ("slow=0.5", "slow=0"),
+            ("slow=0.5", "slow=NaN"),
+            ("slow=0.5", "slow=1e-300"),
+            ("parts=5", "parts=0"),
+            ("parts=5", "parts=18446744073709551615"),
+            ("hold=0.5", "hold=1e9"),
+            ("hold=0.5", "hold=-1"),
+            ("size=640x360", "size=16385x360"),
+            ("size=640x360", "size=640x0"),
+            ("recorded_every=5", "recorded_every=0"),
+        ] {
+            assert!(text.contains(valid), "{valid}");
+            assert!(parse(&text.replace(valid, invalid)).is_err(), "{invalid}");
+        }
     }
 
     #[test]

@@ -1,3 +1,4 @@
+use super::MAX_FRAMES_PER_STEP;
 use super::collisions::{collision_selector, find_collision};
 use super::{
     Animation, AnimationFormat, CameraTarget, CollisionFigure, Error, Look, Page, PictureOptions, Progress,
@@ -175,8 +176,11 @@ impl PictureOptions {
         let grid = non_empty(grid.restrict_to_every(source.header.every), source)?;
         let is_subdivided = self.every.is_none() && grid.every == 1 && source.header.config.solver.is_continuous();
         let desired = smaller(desired, max);
-        let frames_per_step =
-            if is_subdivided { ((desired / rate).round() as u64).min((max / rate) as u64).max(1) } else { 1 };
+        let frames_per_step = if is_subdivided {
+            ((desired / rate).round() as u64).min((max / rate) as u64).clamp(1, MAX_FRAMES_PER_STEP)
+        } else {
+            1
+        };
         let timing = Timing { slow, frames_per_step, hold: self.hold.unwrap_or(0.0) };
         Ok(Animation { steps: grid.steps, every: grid.every, timing })
     }

@@ -1,6 +1,7 @@
 use crate::picture::StepGrid;
 use crate::picture::encode::apng::Delay;
 use crate::text::counted;
+use std::ops::RangeInclusive;
 
 /// An instant of a run: a step and a time after it.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
@@ -29,6 +30,15 @@ impl Timing {
 
 /// The shortest freeze, s. A viewer would not notice a shorter one.
 pub const MIN_HOLD: f64 = 0.05;
+
+/// The longest freeze, s. A longer one would look like the end of the animation.
+pub const MAX_HOLD: f64 = 60.0;
+
+/// The slowest and the fastest playback, simulated seconds per second of playback.
+pub const SPEEDS: RangeInclusive<f64> = 1e-6..=1e6;
+
+/// The largest number of frames per step.
+pub const MAX_FRAMES_PER_STEP: u64 = 1 << 20;
 
 /// The shortest delay of a GIF frame that browsers respect, 1/100 s.
 const MIN_GIF_DELAY: u64 = 2;

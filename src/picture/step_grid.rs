@@ -50,8 +50,12 @@ impl StepGrid {
     /// every `recorded`-th state. 0 is treated as 1.
     pub fn restrict_to_every(self, recorded: u64) -> StepGrid {
         let recorded = recorded.max(1);
-        let factor = (1..=recorded).find(|factor| (self.every.saturating_mul(*factor)).is_multiple_of(recorded));
-        StepGrid { every: self.every.saturating_mul(factor.unwrap_or(recorded)), ..self }
+        // The least common multiple, by Euclid's algorithm.
+        let (mut divisor, mut rest) = (self.every, recorded);
+        while rest != 0 {
+            (divisor, rest) = (rest, divisor % rest);
+        }
+        StepGrid { every: self.every.saturating_mul(recorded / divisor), ..self }
     }
 
     /// Returns true if `step` becomes a frame.
@@ -66,7 +70,7 @@ impl StepGrid {
         }
         let first = self.steps.start().div_ceil(self.every);
         let last = self.steps.end() / self.every;
-        (last + 1).saturating_sub(first)
+        last.saturating_add(1).saturating_sub(first)
     }
 }
 
@@ -108,6 +112,15 @@ mod tests {
     fn a_gif_shows_at_most_50_frames_per_second() {
         let every = |rate| StepGrid::new(0..=10, rate, Thinning::All).limit_fps(MAX_GIF_FPS).every;
         assert_eq!([every(50.0), every(60.0), every(100.0), every(120.0), every(24.0)], [1, 2, 2, 3, 1]);
+    }
+
+    #[test]
+    fn large_intervals_cost_nothing() {
+        let every =
+            |every, recorded| StepGrid::new(0..=90, 60.0, Thinning::Every(every)).restrict_to_every(recorded).every;
+        assert_eq!(every(2, 100_000_000_003), 200_000_000_006);
+        assert_eq!(every(100_000_000_004, 6), 300_000_000_012);
+        assert_eq!(every(u64::MAX, u64::MAX - 1), u64::MAX);
     }
 
     #[test]

@@ -34,6 +34,9 @@ pub const BODIES: usize = 1_000_000;
 /// The last step of the longest run. Larger step numbers are not exact as f64.
 pub const STEPS: u64 = 1 << 53;
 
+/// The longest run, s: a recording stores its nanoseconds in 64 bits.
+pub const SECONDS: f64 = 18_446_744_073.0;
+
 /// Materials in the restitution table.
 pub const MATERIALS: usize = 256;
 

@@ -147,7 +147,7 @@ impl From<String> for HeaderError {
 pub fn parse_trailer(map: &Map) -> Result<Trailer, String> {
     verify_checksum(map)?;
     Ok(Trailer {
-        steps: parse_value(map, "steps_taken")?,
+        steps: parse_step(map, "steps_taken")?,
         collisions: map.get("collisions").map(|_| parse_value(map, "collisions")).transpose()?,
         bodies: parse_value(map, "bodies")?,
         events: parse_value(map, "events")?,
@@ -194,7 +194,7 @@ fn parse_header_fields(map: &Map, format: u32) -> Result<Header, String> {
         false => None,
     };
     let rate = parse_finite(map, "rate")?;
-    let every = parse_value(map, "every")?;
+    let every = parse_step(map, "every")?;
     if rate <= 0.0 || every == 0 {
         return Err("the rate or the value of \"every\" is not positive".into());
     }
@@ -207,7 +207,7 @@ fn parse_header_fields(map: &Map, format: u32) -> Result<Header, String> {
         events_per_step: parse_value(map, "events_per_step")?,
     };
     let versions = Versions { format, semantics: parse_value(map, "semantics_version")? };
-    Ok(Header { versions, config, steps: parse_value(map, "steps")?, every, scene: None, gaps: parse_gaps(map)? })
+    Ok(Header { versions, config, steps: parse_step(map, "steps")?, every, scene: None, gaps: parse_gaps(map)? })
 }
 
 fn parse_gaps(map: &Map) -> Result<Vec<Gap>, String> {
@@ -250,6 +250,15 @@ fn insert(map: &mut Map, key: &str, value: impl Display) {
 fn parse_value<T: FromStr>(map: &Map, key: &str) -> Result<T, String> {
     let text = map.get(key).ok_or_else(|| format!("the metadata has no key {key:?}"))?;
     text.parse().map_err(|_| format!("the metadata has the invalid value {key:?} = {:?}", shortened(text)))
+}
+
+/// Parses a step or a number of steps.
+fn parse_step(map: &Map, key: &str) -> Result<u64, String> {
+    let step = parse_value(map, key)?;
+    match step <= limits::STEPS {
+        true => Ok(step),
+        false => Err(format!("the metadata has {key:?} = {step}, but steps go up to {}", limits::STEPS)),
+    }
 }
 
 fn format_float(number: f64) -> String {
@@ -359,14 +368,14 @@ mod tests {
             gravity in gravity(),
             default in 0.0..=1.0,
             pairs in vec(pair(), 0..4),
-            (events_per_step, steps, every) in any::<(u64, u64, u64)>(),
+            events_per_step in any::<u64>(),
+            (steps, every) in (0..=limits::STEPS, 1..=limits::STEPS),
             (collisions, error, recovered) in any::<(Option<u64>, Option<String>, bool)>(),
             state_bounds in state_bounds(),
         ) {
             let restitution = Restitution::new(default, &pairs);
             let config = EngineConfig { solver: SolverKind::EventDriven, rate, gravity, restitution, events_per_step };
             let gaps = vec![Gap { after: None, before: 7 }, Gap { after: Some(9), before: 12 }];
-            let every = every.max(1);
             let (versions, scene) = (Versions::CURRENT, None);
             let error = error.map(RecordedError::Text);
             let expected = Header { versions, config, steps, every, scene, gaps };

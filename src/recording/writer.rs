@@ -80,6 +80,13 @@ impl<W: Write + Send + 'static> Writer<W> {
             check("the size of the scene's text in bytes", scene.text.len(), limits::SCENE_BYTES)?;
             check("the length of the scene's file name in bytes", scene.file_name.len(), limits::STRING_BYTES)?;
         }
+        let Header { steps, every, config, .. } = header;
+        check_step("the number of steps", *steps)?;
+        check_step("the number of steps between two full states", *every)?;
+        if *steps as f64 / config.rate > limits::SECONDS {
+            let (found, limit) = ((*steps as f64 / config.rate) as u64, limits::SECONDS as u64);
+            return Err(Error::TooLarge { quantity: "the simulated time in seconds", found, limit });
+        }
         check("the number of materials", header.config.restitution.names().len(), limits::MATERIALS)?;
         Ok(Writer {
             thread: Some(WriterThread::new(processors, Recorder::new(output, profile, header)?)?),
@@ -144,9 +151,7 @@ impl<W: Write + Send + 'static> Writer<W> {
         if step != expected {
             return Err(Error::OutOfOrder { expected, found: step });
         }
-        if step > limits::STEPS {
-            return Err(Error::TooLarge { quantity: "the number of steps", found: step, limit: limits::STEPS });
-        }
+        check_step("the number of steps", step)?;
         self.last_step = Some(step);
         Ok(())
     }
@@ -178,6 +183,13 @@ pub fn failed_earlier() -> Error {
 /// The number of processors; 1 on WebAssembly, which has no threads.
 fn processors() -> NonZero<usize> {
     thread::available_parallelism().unwrap_or(NonZero::<usize>::MIN)
+}
+
+fn check_step(quantity: &'static str, found: u64) -> Result<(), Error> {
+    match found <= limits::STEPS {
+        true => Ok(()),
+        false => Err(Error::TooLarge { quantity, found, limit: limits::STEPS }),
+    }
 }
 
 fn check(quantity: &'static str, found: usize, limit: usize) -> Result<(), Error> {

@@ -6,8 +6,12 @@ use super::{
     tree::{Entry, Key, Node, Table, Value, unknown_key},
 };
 use crate::physics::{DEFAULT_EVENTS_PER_STEP, Rect, Restitution, RestitutionPair, SolverKind, Vector};
-use crate::picture_options::{ColorBy, Overlay, Overlays, PictureOptions, Theme};
-use std::{collections::BTreeMap, ops::Range};
+use crate::picture_options::{ColorBy, MAX_SIDE, Overlay, Overlays, PictureOptions, Theme};
+use crate::recording::limits;
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    ops::Range,
+};
 
 /// The `[world]` table of a scene. A value that could not be read is an error.
 pub struct WorldOptions {
@@ -111,9 +115,6 @@ pub const DEFAULT_RATE: f64 = 60.0;
 /// The default solver.
 pub const DEFAULT_SOLVER: SolverKind = SolverKind::EventDriven;
 
-/// The longest run, s: a recording stores its nanoseconds in 64 bits.
-const MAX_SECONDS: f64 = 18_446_744_073.0;
-
 const RATE: Key = Key { name: "rate", accepts: "a positive number of steps per second" };
 const STEPS: Key = Key { name: "steps", accepts: "a whole number of steps, at most 584 simulated years" };
 const DURATION: Key = Key { name: "duration", accepts: "a number of seconds, 0 or more and at most 584 years" };
@@ -144,7 +145,7 @@ pub fn read_run(table: &Table) -> (Result<RunOptions, ErrorReported>, Result<u64
 }
 
 fn read_steps(table: &Table, rate: Result<f64, ErrorReported>) -> Result<u64, ErrorReported> {
-    let fits = |steps: f64, rate: f64| steps / rate <= MAX_SECONDS && steps < u64::MAX as f64;
+    let fits = |steps: f64, rate: f64| steps <= limits::STEPS as f64 && steps / rate <= limits::SECONDS;
     match (table.get(STEPS)?, table.get(DURATION)?) {
         (Some(steps), None) => steps.read(|node| {
             let count = node.count()?;
@@ -174,9 +175,6 @@ fn read_steps(table: &Table, rate: Result<f64, ErrorReported>) -> Result<u64, Er
     }
 }
 
-/// The largest number of pairs: the table of a run is square in the number of materials.
-const MAX_PAIRS: usize = 1000;
-
 /// The default coefficient of restitution.
 pub const DEFAULT_RESTITUTION: f64 = 1.0;
 
@@ -194,14 +192,18 @@ pub fn read_restitution(node: &Node, reporter: &Reporter) -> Result<Restitution,
     let mut pairs = Vec::new();
     let mut refused = None;
     let mut seen = BTreeMap::new();
+    let mut materials = BTreeSet::new();
     for entry in table.entries().iter().filter(|entry| entry.key != DEFAULT.name) {
-        if seen.len() == MAX_PAIRS {
-            let kind = DiagnosticKind::TooMany { what: "pairs of materials", limit: MAX_PAIRS as u64 };
-            return Err(reporter.report(Diagnostic::new(kind, entry.span.clone())));
-        }
         match read_pair(&table, entry, &mut seen, reporter) {
-            Ok(pair) => pairs.push(pair),
+            Ok(pair) => {
+                materials.extend(pair.materials.clone());
+                pairs.push(pair);
+            }
             Err(reported) => refused = Some(reported),
+        }
+        if materials.len() > limits::MATERIALS {
+            let kind = DiagnosticKind::TooMany { what: "materials in [restitution]", limit: limits::MATERIALS as u64 };
+            return Err(reporter.report(Diagnostic::new(kind, entry.span.clone())));
         }
     }
     match refused {
@@ -240,10 +242,7 @@ fn coefficient(node: &Node) -> Result<f64, &Node> {
     node.number_where(|e| (0.0..=1.0).contains(&e))
 }
 
-/// The largest width and height of a picture, px.
-const MAX_PIXELS: u64 = 8192;
-
-const FIGURE_SIZE: Key = Key { name: "size", accepts: "width and height, px: two whole numbers from 1 to 8192" };
+const FIGURE_SIZE: Key = Key { name: "size", accepts: "width and height, px: two whole numbers from 1 to 16384" };
 const THEME: Key = Key { name: "theme", accepts: Theme::ACCEPTED };
 const FPS: Key = Key { name: "fps", accepts: "a positive number of frames per second, at most 1000" };
 const SHOW: Key = Key { name: "show", accepts: Overlay::ACCEPTED };
@@ -270,7 +269,7 @@ pub(super) fn read_figure(table: &Table) -> Result<PictureOptions, ErrorReported
 }
 
 fn pixels(node: &Node) -> Result<u32, &Node> {
-    node.count_in(1..=MAX_PIXELS).map(|count| count as u32)
+    node.count_in(1..=u64::from(MAX_SIDE)).map(|count| count as u32)
 }
 
 fn overlays(node: &Node) -> Result<Overlays, &Node> {

@@ -16,10 +16,12 @@ pub use animation::{draw_frames, write_apng, write_gif, write_png, write_png_seq
 pub use decode::{AnimationDecoder, DecodedFrame};
 pub(crate) use ordered_parallel_map::ordered_parallel_map;
 
+use crate::picture_options::MAX_SIDE;
 use crate::text::counted;
 
-/// The largest number of pixels of a picture that is decoded; a damaged file may declare any size.
-const MAX_PIXELS: usize = 1 << 26;
+/// The largest number of pixels of a picture that is decoded, that of the largest picture that is drawn. A damaged file
+/// may declare any size.
+const MAX_PIXELS: usize = (MAX_SIDE as usize).pow(2);
 
 /// The metadata of a picture file: keys and values in the order in which they are written.
 ///
