@@ -149,7 +149,7 @@ fn read_steps(table: &Table, rate: Result<f64, ErrorReported>) -> Result<u64, Er
     match (table.get(STEPS)?, table.get(DURATION)?) {
         (Some(steps), None) => steps.read(|node| {
             let count = node.count()?;
-            let is_accepted = rate.map_or(true, |rate| fits(count as f64, rate));
+            let is_accepted = count <= limits::STEPS && rate.map_or(true, |rate| fits(count as f64, rate));
             if is_accepted { Ok(count) } else { Err(node) }
         }),
         (None, Some(duration)) => {
