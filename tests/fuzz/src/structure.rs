@@ -3,7 +3,7 @@
 use std::{collections::BTreeMap, io::Cursor};
 
 use rebond::internals::recording::{Item, Recording, StateDigest};
-use xxhash_rust::xxh3::{Xxh3, xxh3_64};
+use xxhash_rust::xxh3::Xxh3;
 
 /// Opcodes of MCAP records.
 mod op {
@@ -86,9 +86,9 @@ impl Structure {
             match record.opcode {
                 op::METADATA => with_checksum(&mut record.fields),
                 op::ATTACHMENT => {
-                    let end = record.fields.len().saturating_sub(4);
-                    let crc = crc32fast::hash(&record.fields[..end]);
-                    record.fields[end..].copy_from_slice(&crc.to_le_bytes()[..record.fields.len() - end]);
+                    if let Some((fields, crc)) = record.fields.split_last_chunk_mut::<4>() {
+                        *crc = crc32fast::hash(fields).to_le_bytes();
+                    }
                 }
                 op::MESSAGE if states.is_some_and(|channel| record.channel() == Some(channel)) => {
                     let step = record.fields.get(STEP..DIGEST).map(u64_at_start);
