@@ -1,0 +1,191 @@
+//! The accelerations of resting bodies, compared with the formula for the optimum of the quadratic program.
+
+use super::{
+    Law, check,
+    kinds::random_touching_scene,
+    run::larger,
+    scene::Scene,
+};
+use crate::world_builder::{BodySpec, INFINITE};
+
+/// Two bodies that touch, the one behind first, and the axis.
+type Pair = (usize, usize, usize);
+
+/// The most lower sets of a component that the formula is evaluated for.
+const MOST_SETS: usize = 200;
+
+#[test]
+fn contact_accelerations_minimise_the_change_from_free_fall() {
+    check("contact accelerations", random_touching_scene, |scene| {
+        let mut scene = scene.clone();
+        scene.bodies.retain(|body| body.step == 0);
+        scene.deletes.clear();
+        scene.bodies.iter_mut().for_each(|body| body.spec.velocity = [0.0; 2]);
+        (scene.rate, scene.steps) = (1024.0 * 1024.0, 1);
+        let Some(expected) = accelerations(&scene) else { return Ok(Law::DoesNotApply) };
+        let run = scene.run();
+        if let Some(error) = run.error {
+            return Err(error);
+        }
+        let scale = scene.acceleration();
+        for (state, expected) in run.states[1].iter().zip(expected) {
+            let found = state.velocity.map(|v| v * scene.rate);
+            if (0..2).any(|k| (found[k] - expected[k]).abs() > 1e-9 * scale) {
+                return Err(format!("body {}: {found:?} m/s², expected {expected:?}", state.id));
+            }
+        }
+        if !run.collisions.is_empty() {
+            return Err(format!("{} collisions of bodies at rest", run.collisions.len()));
+        }
+        Ok(Law::Holds)
+    });
+}
+
+/// The accelerations of the bodies of a scene at rest, m/s²; `None` if a component is too large.
+///
+/// Faces that touch must not approach. A corner that would then be entered on both axes is blocked along the axis of
+/// the gentler approach, along both if they are equal.
+fn accelerations(scene: &Scene) -> Option<Vec<[f64; 2]>> {
+    let bodies: Vec<&BodySpec> = scene.bodies.iter().map(|body| &body.spec).collect();
+    let tiny = 1e-12 * scene.extent();
+    let (mut faces, mut corners) = (Vec::new(), Vec::new());
+    for (i, a) in bodies.iter().enumerate() {
+        for (j, b) in bodies.iter().enumerate().filter(|(j, b)| *j != i && (a.mass != INFINITE || b.mass != INFINITE)) {
+            // The gap along each axis with `a` behind, and the larger one of both orders.
+            let gaps = [0, 1].map(|k| b.at[k] - a.at[k] - a.size[k]);
+            let distance = [0, 1].map(|k| larger(gaps[k], a.at[k] - b.at[k] - b.size[k]));
+            for k in 0..2 {
+                if gaps[k].abs() <= tiny && distance[1 - k] < -tiny {
+                    faces.push((i, j, k));
+                }
+            }
+            if i < j && distance.iter().all(|gap| gap.abs() <= tiny) {
+                let pair = |k: usize| if gaps[k].abs() <= tiny { (i, j, k) } else { (j, i, k) };
+                corners.push([pair(0), pair(1)]);
+            }
+        }
+    }
+    loop {
+        let found = least_change(scene, &bodies, &faces)?;
+        let approach = |(behind, ahead, k): Pair| found[behind][k] - found[ahead][k];
+        let blocked: Vec<Pair> = corners
+            .iter()
+            .filter(|corner| !corner.iter().any(|pair| faces.contains(pair)))
+            .flat_map(|corner| {
+                let [x, y] = corner.map(approach);
+                let rounding = 1e-12 * scene.acceleration();
+                let is_entered = x > rounding && y > rounding;
+                let is_equal = (x - y).abs() <= rounding;
+                let takes = [is_entered && (x < y || is_equal), is_entered && (y < x || is_equal)];
+                corner.iter().zip(takes).filter(|(_, takes)| *takes).map(|(pair, _)| *pair).collect::<Vec<_>>()
+            })
+            .collect();
+        if blocked.is_empty() {
+            return Some(found);
+        }
+        faces.extend(blocked);
+    }
+}
+
+/// Accelerations of least change from free fall, Σ m·(a − f)², with a(behind) ≤ a(ahead) for each pair.
+fn least_change(scene: &Scene, bodies: &[&BodySpec], pairs: &[Pair]) -> Option<Vec<[f64; 2]>> {
+    let mut found = vec![[0.0; 2]; bodies.len()];
+    for k in 0..2 {
+        let pairs: Vec<Pair> = pairs.iter().filter(|pair| pair.2 == k).copied().collect();
+        let mut is_done: Vec<bool> = bodies.iter().map(|body| body.mass == INFINITE).collect();
+        for first in 0..bodies.len() {
+            if is_done[first] {
+                continue;
+            }
+            let component = component(first, bodies, &pairs);
+            let free_fall = |id: usize| scene.gravity[k] + bodies[id].force[k] / bodies[id].mass;
+            let terms: Vec<[f64; 2]> = component.iter().map(|&id| [bodies[id].mass, free_fall(id)]).collect();
+            let accelerations = Order::new(&component, bodies, &pairs).optimum(&terms)?;
+            for (&id, a) in component.iter().zip(accelerations) {
+                (found[id][k], is_done[id]) = (a, true);
+            }
+        }
+    }
+    Some(found)
+}
+
+/// The finite masses connected with one by pairs. Infinite masses do not connect.
+fn component(first: usize, bodies: &[&BodySpec], pairs: &[Pair]) -> Vec<usize> {
+    let mut members = vec![first];
+    let mut next = 0;
+    while next < members.len() {
+        let neighbours = pairs.iter().filter_map(|&(a, b, _)| match members[next] {
+            id if id == a => Some(b),
+            id if id == b => Some(a),
+            _ => None,
+        });
+        let new: Vec<usize> = neighbours.filter(|&id| bodies[id].mass != INFINITE && !members.contains(&id)).collect();
+        new.into_iter().for_each(|id| if !members.contains(&id) { members.push(id) });
+        next += 1;
+    }
+    members
+}
+
+/// The partial order of a component: for each element, the mask of those directly behind it. The last two elements are
+/// all infinite masses behind, and all of them ahead.
+struct Order(Vec<u32>);
+
+impl Order {
+    fn new(component: &[usize], bodies: &[&BodySpec], pairs: &[Pair]) -> Order {
+        let place = |id: usize| component.iter().position(|&member| member == id);
+        let mut behind = vec![0; component.len() + 2];
+        for &(a, b, _) in pairs {
+            match (place(a), place(b)) {
+                (Some(a), Some(b)) => behind[b] |= 1 << a,
+                (None, Some(b)) if bodies[a].mass == INFINITE => behind[b] |= 1 << component.len(),
+                (Some(a), None) if bodies[b].mass == INFINITE => behind[component.len() + 1] |= 1 << a,
+                _ => {}
+            }
+        }
+        Order(behind)
+    }
+
+    /// The values of least weighted squared change, by the max–min formula (Robertson, Wright, Dykstra, "Order
+    /// restricted statistical inference", 1988, theorem 1.4.4): the maximum over the upper sets with the element of
+    /// the minimum over the lower sets with it of the average over their intersection.
+    fn optimum(&self, terms: &[[f64; 2]]) -> Option<Vec<f64>> {
+        let sets = self.lower_sets()?;
+        let everything = (1_u32 << self.0.len()) - 1;
+        let average = |set: u32| {
+            if set >> terms.len() != 0 {
+                return 0.0;
+            }
+            let members = || terms.iter().enumerate().filter(move |(n, _)| set >> n & 1 == 1).map(|(_, term)| term);
+            members().map(|[mass, value]| mass * value).sum::<f64>() / members().map(|[mass, _]| mass).sum::<f64>()
+        };
+        let value = |element: usize| {
+            let has = |set: &u32| set >> element & 1 == 1;
+            let minima = sets.iter().map(|lower| everything & !lower).filter(has).map(|upper| {
+                let averages = sets.iter().filter(|lower| has(lower)).map(|lower| average(lower & upper));
+                averages.fold(f64::INFINITY, |least, average| if average < least { average } else { least })
+            });
+            minima.fold(f64::NEG_INFINITY, larger)
+        };
+        Some((0..terms.len()).map(value).collect())
+    }
+
+    /// All sets that contain, with an element, everything behind it; `None` if there are too many.
+    fn lower_sets(&self) -> Option<Vec<u32>> {
+        let mut sets = vec![0];
+        let mut next = 0;
+        while next < sets.len() {
+            let set: u32 = sets[next];
+            for (element, behind) in self.0.iter().enumerate() {
+                let larger = set | 1 << element;
+                if larger != set && behind & !set == 0 && !sets.contains(&larger) {
+                    sets.push(larger);
+                }
+            }
+            if sets.len() > MOST_SETS || self.0.len() > 31 {
+                return None;
+            }
+            next += 1;
+        }
+        Some(sets)
+    }
+}

@@ -1,0 +1,212 @@
+//! Bursts: touching rows and columns hit a wall. The impacts of the one instant are compared with integer arithmetic of
+//! a thousand bits.
+
+use crate::world_builder::{BodySpec, Conditions, INFINITE, config, spec, world};
+use num_bigint::{BigInt, Sign};
+use rebond::internals::physics::{BodyId, Collision};
+
+/// The bits after the binary point.
+const BITS: u64 = 1000;
+
+/// An infinite burst is carried out until its approach speeds are 2^−`DECAY` of the greatest.
+const DECAY: u64 = 400;
+
+/// Boxes in a line, from the wall outwards, which all approach it at 1 m/s.
+struct Line {
+    /// kg; all boxes touch, the first one touches the wall.
+    masses: Vec<u32>,
+    restitution: f64,
+    /// The position in the order of creation, of the wall and then of each box.
+    order: Vec<BodyId>,
+}
+
+/// The impacts of a burst.
+struct Burst {
+    /// The places in the line of the inner one of each pair: 0 is the wall.
+    impacts: Vec<usize>,
+    /// After the burst, of the wall and each box, m/s.
+    velocities: Vec<f64>,
+    /// True if the burst was infinite and was ended by its limit.
+    is_infinite: bool,
+}
+
+/// A number as an integer times 2^−1000, rounded down. Orders are decided by signs: a number below the sum of all
+/// rounding errors counts as 0.
+fn fixed(number: f64) -> BigInt {
+    let (bits, exponent) = (number.abs().to_bits(), (number.abs().to_bits() >> 52) as i64);
+    if number == 0.0 {
+        return BigInt::from(0);
+    }
+    let magnitude = BigInt::from((bits & ((1 << 52) - 1)) | (1 << 52)) << (BITS as i64 + exponent - 1075) as usize;
+    if number < 0.0 { -magnitude } else { magnitude }
+}
+
+fn to_f64(number: &BigInt) -> f64 {
+    let shortened = number >> (BITS as usize - 62);
+    let (sign, digits) = shortened.to_u64_digits();
+    let magnitude = digits.first().copied().unwrap_or(0) as f64 / (1_u64 << 62) as f64;
+    if sign == Sign::Minus { -magnitude } else { magnitude }
+}
+
+impl Line {
+    /// The impacts in the documented order: of all approaching pairs the lowest in creation order, again and again.
+    fn burst(&self) -> Burst {
+        let count = self.masses.len() + 1;
+        let mut v: Vec<BigInt> = (0..count).map(|place| fixed(if place == 0 { 0.0 } else { -1.0 })).collect();
+        let mut joined = vec![false; count - 1];
+        let mut burst = Burst { impacts: Vec::new(), velocities: Vec::new(), is_infinite: false };
+        let (mut top, mut error) = (BigInt::from(0), BigInt::from(0));
+        let bounce = fixed(1.0 + self.restitution);
+        assert_eq!(1.0 + self.restitution - 1.0, self.restitution, "1 + e is exact");
+        loop {
+            let approach = |place: usize| &v[place] - &v[place + 1];
+            let approaching = (0..count - 1).filter(|&place| approach(place) > error);
+            let Some(place) = approaching.min_by_key(|&place| self.pair(place)) else { break };
+            let c = approach(place);
+            top = if c > top { c.clone() } else { top };
+            if self.restitution < 1.0 && c <= &top >> DECAY as usize {
+                burst.is_infinite = true;
+                self.take_limit(&mut v, &mut joined, place, &(&top >> DECAY as usize));
+                continue;
+            }
+            let (inner, outer) = (pushed(&joined, place, -1), pushed(&joined, place + 1, 1));
+            let [inner_mass, outer_mass] = [&inner, &outer].map(|places| self.mass(places));
+            // ΔV of the inner side is −(1 + e)·c·M/(m + M); that of a side with the wall is 0.
+            let change = (&bounce * &c) >> BITS as usize;
+            let (inner_change, outer_change) = match (inner_mass, outer_mass) {
+                (Some(inner), Some(outer)) => (&change * outer / (inner + outer), &change * inner / (inner + outer)),
+                (None, _) => (BigInt::from(0), change),
+                (_, None) => unreachable!("there is one wall"),
+            };
+            inner.iter().for_each(|&place| v[place] -= &inner_change);
+            outer.iter().for_each(|&place| v[place] += &outer_change);
+            error += 4;
+            burst.impacts.push(place);
+            for place in 0..count - 1 {
+                joined[place] &= v[place] == v[place + 1];
+            }
+            joined[place] |= self.restitution == 0.0;
+        }
+        burst.velocities = v.iter().map(to_f64).collect();
+        burst
+    }
+
+    /// The pair of a box and the next one outwards, in the order of creation.
+    fn pair(&self, place: usize) -> [BodyId; 2] {
+        let mut pair = [self.order[place], self.order[place + 1]];
+        pair.sort_unstable();
+        pair
+    }
+
+    /// The mass of boxes in the line; `None` if the wall is among them.
+    fn mass(&self, places: &[usize]) -> Option<u32> {
+        (!places.contains(&0)).then(|| places.iter().map(|place| self.masses[place - 1]).sum())
+    }
+
+    /// Gives the boxes joined by approaches of at most `slow` their common velocity.
+    fn take_limit(&self, v: &mut [BigInt], joined: &mut [bool], place: usize, slow: &BigInt) {
+        let is_slow = |v: &[BigInt], place: usize| {
+            let c = &v[place] - &v[place + 1];
+            &c <= slow && &-c <= slow
+        };
+        let (mut first, mut last) = (place, place + 1);
+        while first > 0 && is_slow(v, first - 1) {
+            first -= 1;
+        }
+        while last + 1 < v.len() && is_slow(v, last) {
+            last += 1;
+        }
+        let places: Vec<usize> = (first..=last).collect();
+        let common = self.mass(&places).map_or(BigInt::from(0), |mass| {
+            places.iter().map(|&place| &v[place] * self.masses[place - 1]).sum::<BigInt>() / mass
+        });
+        places.iter().for_each(|&place| v[place] = common.clone());
+        (first..last).for_each(|place| joined[place] = true);
+    }
+
+    /// The bodies in the order of creation, along x or y.
+    fn bodies(&self, axis: usize) -> Vec<BodySpec> {
+        let mut bodies = vec![spec([-1.0; 2], [1.0; 2], INFINITE); self.order.len()];
+        for (place, &id) in self.order.iter().enumerate() {
+            let mass = if place == 0 { INFINITE } else { f64::from(self.masses[place - 1]) };
+            let mut body = spec([0.0; 2], [1.0; 2], mass);
+            body.at[axis] = place as f64;
+            body.velocity[axis] = if place == 0 { 0.0 } else { -1.0 };
+            bodies[id as usize] = body;
+        }
+        bodies
+    }
+
+    fn check(&self, axis: usize) {
+        let about = format!("masses {:?}, e = {}, axis {axis}, order {:?}", self.masses, self.restitution, self.order);
+        let expected = self.burst();
+        let conditions = Conditions { restitution: self.restitution, rate: 4.0, ..Conditions::default() };
+        let mut engine = world(conditions, &self.bodies(axis));
+        assert_eq!(config(conditions).rate, 4.0);
+        let mut collisions: Vec<Collision> = Vec::new();
+        engine.step(&mut collisions).unwrap_or_else(|error| panic!("{about}: {error}"));
+        let found: Vec<usize> = collisions.iter().map(|collision| self.place_of(collision.bodies)).collect();
+        let common = found.iter().zip(&expected.impacts).take_while(|(a, b)| a == b).count();
+        // An infinite burst may be ended earlier or later, so that only its first impacts are compared.
+        if !expected.is_infinite {
+            assert_eq!((common, found.len()), (expected.impacts.len(), expected.impacts.len()), "impacts of {about}");
+        }
+        for (place, &id) in self.order.iter().enumerate() {
+            let velocity = engine.world().bodies[id as usize].velocity;
+            let (found, expected) = ([velocity.x, velocity.y][axis], expected.velocities[place]);
+            assert!((found - expected).abs() <= 1e-9, "{about}: box {place} leaves at {found} m/s, expected {expected}");
+        }
+    }
+
+    fn place_of(&self, pair: [BodyId; 2]) -> usize {
+        (0..self.masses.len()).find(|&place| self.pair(place) == pair).expect("a pair of neighbours")
+    }
+}
+
+/// The places of the boxes that a push on one reaches through contacts in a direction, itself included.
+fn pushed(joined: &[bool], place: usize, direction: isize) -> Vec<usize> {
+    let mut places = vec![place];
+    let mut next = place as isize;
+    loop {
+        let contact = if direction < 0 { next - 1 } else { next };
+        if contact < 0 || contact as usize >= joined.len() || !joined[contact as usize] {
+            return places;
+        }
+        next += direction;
+        places.push(next as usize);
+    }
+}
+
+const COEFFICIENTS: [f64; 6] = [0.5, 0.9, 0.95, 0.99, 0.999, 1.0];
+
+/// Equal boxes, and equal boxes behind which a heavy one follows, created from the wall outwards or inwards.
+fn check(count: usize, restitution: f64) {
+    for heavy in [1, 100] {
+        for is_reversed in [false, true] {
+            let mut masses = vec![1; count];
+            masses[count - 1] = heavy;
+            let mut order: Vec<BodyId> = (0..=count as BodyId).collect();
+            if is_reversed {
+                order.reverse();
+            }
+            let line = Line { masses, restitution, order };
+            (0..2).for_each(|axis| line.check(axis));
+        }
+    }
+}
+
+#[test]
+fn rows_and_columns_that_hit_a_wall_leave_as_in_rational_arithmetic() {
+    for restitution in COEFFICIENTS {
+        (1..=16).for_each(|count| check(count, restitution));
+    }
+    check(30, 0.99);
+}
+
+#[test]
+#[ignore = "many rows of up to 110 boxes"]
+fn long_rows_and_columns_that_hit_a_wall_leave_as_in_rational_arithmetic() {
+    for restitution in COEFFICIENTS {
+        (17..=40).chain((50..=110).step_by(10)).for_each(|count| check(count, restitution));
+    }
+}

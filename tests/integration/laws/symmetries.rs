@@ -1,0 +1,178 @@
+//! Transformations of a scene that transform its run, to the bit or in the last digits only.
+
+use super::{
+    Law, check,
+    kinds::{Random, random_scene},
+    run::{Impact, Outcome, State, larger},
+    scene::Scene,
+};
+use crate::world_builder::{INFINITE, spec};
+use rebond::internals::physics::Engine;
+
+fn outcome(scene: &Scene) -> Outcome {
+    Outcome::of(scene, scene.run())
+}
+
+fn to_the_bit(expected: &Outcome, found: &Outcome) -> Result<Law, String> {
+    expected.difference_to_the_bit(found).map_or(Ok(Law::Holds), Err)
+}
+
+/// Compares a run with that of a transformed scene, transformed back.
+fn to_the_last_digits(scene: &Scene, expected: &Outcome, other: &Scene, found: &Outcome) -> Result<Law, String> {
+    if expected.is_beyond_the_horizon(scene) {
+        return Ok(Law::DoesNotApply);
+    }
+    expected.difference(found, scene, larger(scene.extent(), other.extent())).map_or(Ok(Law::Holds), Err)
+}
+
+#[test]
+fn exchanging_the_axes_exchanges_the_results() {
+    check("exchanged axes", random_scene, |scene| {
+        let turned = scene.with_axes_exchanged();
+        let turn = |state: &mut State| [&mut state.at, &mut state.velocity].map(|pair| pair.swap(0, 1));
+        let found = outcome(&turned).map(|_, state| _ = turn(state), |impact| impact.axis = 1 - impact.axis);
+        to_the_bit(&outcome(scene).with_sorted_corners(), &found.with_sorted_corners())
+    });
+}
+
+/// Runs a scene in other units, and multiplies the results back.
+fn in_units(scene: &Scene, [length, mass, time]: [f64; 3]) -> Result<Law, String> {
+    let (speed, impulse) = (length / time, mass * length / time);
+    let state = |_: u64, state: &mut State| {
+        state.at = state.at.map(|x| x / length);
+        state.velocity = state.velocity.map(|v| v / speed);
+    };
+    let impact = |impact: &mut Impact| {
+        impact.instant /= time;
+        (impact.before, impact.after) = (impact.before / speed, impact.after / speed);
+        impact.impulse /= impulse;
+    };
+    to_the_bit(&outcome(scene), &outcome(&scene.scaled(length, mass, time)).map(state, impact))
+}
+
+/// 2^k for a k of the scene, between −60 and 60.
+fn power_of_two(scene: &Scene) -> f64 {
+    let mut random = Random::new(scene.seed + 1);
+    let power = (1_u64 << random.pick(&[1, 2, 7, 20, 60])) as f64;
+    if random.chance(50) { power } else { 1.0 / power }
+}
+
+#[test]
+fn lengths_times_a_power_of_two_multiply_the_results() {
+    check("lengths", random_scene, |scene| in_units(scene, [power_of_two(scene), 1.0, 1.0]));
+}
+
+#[test]
+fn masses_times_a_power_of_two_multiply_the_impulses() {
+    check("masses", random_scene, |scene| in_units(scene, [1.0, power_of_two(scene), 1.0]));
+}
+
+#[test]
+fn times_times_a_power_of_two_multiply_the_results() {
+    check("times", random_scene, |scene| in_units(scene, [1.0, 1.0, power_of_two(scene)]));
+}
+
+#[test]
+fn a_rate_times_a_power_of_two_only_adds_samples() {
+    check("rates", random_scene, |scene| {
+        let factor = Random::new(scene.seed).pick(&[2, 2, 4, 8, 16]);
+        to_the_bit(&outcome(scene), &outcome(&scene.at_rate_times(factor)).every(factor as usize))
+    });
+}
+
+#[test]
+fn a_rate_times_15_changes_the_last_digits_only() {
+    check("rate times 15", random_scene, |scene| {
+        let (expected, faster) = (outcome(scene), scene.at_rate_times(15));
+        to_the_last_digits(scene, &expected, &faster, &outcome(&faster).every(15))
+    });
+}
+
+#[test]
+fn distant_bodies_change_nothing() {
+    check("distant bodies", random_scene, |scene| {
+        let mut random = Random::new(scene.seed);
+        let far = random.pick(&[16384.0, -16384.0, 1048576.0]);
+        let mass = random.pick(&[0.25, 1.0, 1e6]);
+        let at = |x: f64, y: f64, mass: f64| spec([far + x, far + y], [1.0; 2], mass);
+        let others = match random.below(4) {
+            0 => vec![at(0.0, 0.0, INFINITE)],
+            1 => vec![at(0.0, 0.0, INFINITE), at(0.5, -1.0, mass), at(0.0, -2.0, mass), at(0.5, -3.5, mass)],
+            2 => vec![at(0.0, 0.0, INFINITE), at(2.0, 0.0, mass).with_velocity(-1.5, 0.25), at(3.0, 0.0, mass)],
+            _ => vec![
+                at(0.0, 0.0, mass).with_force(3.0, 1.0),
+                at(1.0, 0.0, 1.0).with_force(-7.0, 0.5),
+                at(1.0, 1.0, 1.0).with_force(0.0, -20.0),
+            ],
+        };
+        let mut found = outcome(&scene.with_others(&others, random.chance(50)));
+        let is_near = |label: usize| label < scene.bodies.len();
+        found.states.iter_mut().for_each(|states| states.retain(|state| is_near(state.id)));
+        found.impacts.retain(|impact| is_near(impact.bodies[0]));
+        to_the_bit(&outcome(scene), &found)
+    });
+}
+
+#[test]
+fn an_engine_restored_at_every_step_continues_bit_for_bit() {
+    check("restored", random_scene, |scene| {
+        let restore = |engine: &mut Engine| {
+            *engine = Engine::restore(scene.config(), engine.snapshot()).unwrap_or_else(|error| panic!("{error}"));
+        };
+        to_the_bit(&outcome(scene), &Outcome::of(scene, scene.run_with(restore)))
+    });
+}
+
+#[test]
+fn a_mirrored_scene_has_a_mirrored_run() {
+    check("mirror", random_scene, |scene| {
+        if !scene.is_dyadic {
+            return Ok(Law::DoesNotApply);
+        }
+        let expected = outcome(scene);
+        for axis in 0..2 {
+            let mirrored = scene.mirrored(axis);
+            let size_of = |id: usize| scene.bodies.iter().find(|body| body.label == id).expect("a body").spec.size;
+            let state = |_: u64, state: &mut State| {
+                state.at[axis] = -state.at[axis] - size_of(state.id)[axis];
+                state.velocity[axis] = -state.velocity[axis];
+            };
+            let found = outcome(&mirrored).map(state, |_| {});
+            to_the_last_digits(scene, &expected, &mirrored, &found).map_err(|text| format!("axis {axis}, {text}"))?;
+        }
+        Ok(Law::Holds)
+    });
+}
+
+#[test]
+fn an_exact_translation_moves_the_run() {
+    check("translation", random_scene, |scene| {
+        if !scene.is_dyadic {
+            return Ok(Law::DoesNotApply);
+        }
+        let mut random = Random::new(scene.seed);
+        let by = [0, 1].map(|_| random.pick(&[0.0, 0.25, -3.0, 17.0, 1024.0, -4096.5, 1048576.0, 0.015625]));
+        let moved = scene.moved(by, [0.0; 2]);
+        let back = |_: u64, state: &mut State| (0..2).for_each(|k| state.at[k] -= by[k]);
+        to_the_last_digits(scene, &outcome(scene), &moved, &outcome(&moved).map(back, |_| {}))
+    });
+}
+
+#[test]
+fn another_inertial_frame_moves_the_run() {
+    check("inertial frame", random_scene, |scene| {
+        if !scene.is_dyadic {
+            return Ok(Law::DoesNotApply);
+        }
+        let mut random = Random::new(scene.seed);
+        let by = [0, 1].map(|_| random.pick(&[0.0, 0.5, -1.0, 3.0, -8.0, 0.125]));
+        let moving = scene.moved([0.0; 2], by);
+        let back = |step: u64, state: &mut State| {
+            for (k, speed) in by.into_iter().enumerate() {
+                state.at[k] -= speed * (step as f64 / scene.rate);
+                state.velocity[k] -= speed;
+            }
+        };
+        to_the_last_digits(scene, &outcome(scene), &moving, &outcome(&moving).map(back, |_| {}))
+    });
+}
