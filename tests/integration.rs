@@ -41,6 +41,8 @@ mod hard_scenes;
 #[cfg(target_os = "linux")]
 #[path = "integration/hostile_lengths.rs"]
 mod hostile_lengths;
+#[path = "integration/laws/mod.rs"]
+mod laws;
 #[path = "integration/library.rs"]
 mod library;
 #[path = "integration/limits.rs"]

@@ -197,7 +197,18 @@ impl Lattice {
         let material = self.random.pick(self.materials);
         let force = if mass == INFINITE { [0.0; 2] } else { motion.force };
         let Motion { velocity, step, .. } = motion;
-        self.cells.push(Cell { at, size, mass, velocity, force, step, delete: None, nanometres: 0.0, material, exact: None });
+        self.cells.push(Cell {
+            at,
+            size,
+            mass,
+            velocity,
+            force,
+            step,
+            delete: None,
+            nanometres: 0.0,
+            material,
+            exact: None,
+        });
         true
     }
 
@@ -251,10 +262,11 @@ impl Lattice {
                 (body.at, body.size, body.velocity, body.force) = (at, size, velocity, cell.force);
             }
             if by_ulps && cell.step == 0 {
-                body.at = body.at.map(|x| match self.random.below(3) {
-                    0 => x.next_up(),
-                    1 => x.next_down(),
-                    _ => x,
+                // Ulps of coordinates near 0 are no rounding of a face.
+                body.at = [0, 1].map(|k| match (self.random.below(3), body.at[k]) {
+                    (0, x) if x.abs() >= size[k] => x.next_up(),
+                    (1, x) if x.abs() >= size[k] => x.next_down(),
+                    (_, x) => x,
                 });
             }
             self.scene.deletes.extend(cell.delete.filter(|step| *step > cell.step).map(|step| (step, label)));
@@ -533,9 +545,8 @@ fn corner(b: &mut Lattice) {
             continue;
         }
         let far = [x + width, y + height];
-        let at = [0, 1].map(|k| {
-            if sign[k] > 0 { far[k] + velocity[k] * time } else { [x, y][k] - other[k] - velocity[k] * time }
-        });
+        let at = [0, 1]
+            .map(|k| if sign[k] > 0 { far[k] + velocity[k] * time } else { [x, y][k] - other[k] - velocity[k] * time });
         let approach = moving(-sign[0] * velocity[0], -sign[1] * velocity[1]);
         let force = b.some_force(10);
         b.add(at, other, approach.pushed(force));

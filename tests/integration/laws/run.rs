@@ -52,9 +52,10 @@ impl Outcome {
             after: collision.normal_velocity[1],
             impulse: collision.impulse,
         };
-        let states = run.states.into_iter().map(|states| {
-            states.into_iter().map(|state| State { id: label(state.id), ..state }).collect()
-        });
+        let states = run
+            .states
+            .into_iter()
+            .map(|states| states.into_iter().map(|state| State { id: label(state.id), ..state }).collect());
         let error = run.error.map(|error| error.chars().filter(|c| c.is_alphabetic() || *c == ' ').collect());
         Outcome { states: states.collect(), impacts: run.collisions.iter().map(impact).collect(), error }
     }

@@ -78,6 +78,19 @@ impl Scene {
         run
     }
 
+    /// Runs the scene until it has more collisions.
+    pub fn has_more_collisions_than(&self, most: usize) -> bool {
+        let mut engine = Engine::new(self.config().with_events_per_step(4 * most as u64));
+        let mut collisions: Vec<Collision> = Vec::new();
+        self.apply_events(0, &mut engine);
+        (1..=self.steps).any(|step| {
+            // An error of the run is the business of the law.
+            let is_stopped = engine.step(&mut collisions).is_err_and(|error| error.to_string().contains("more than"));
+            self.apply_events(step, &mut engine);
+            is_stopped || collisions.len() > most
+        })
+    }
+
     fn apply_events(&self, step: u64, engine: &mut Engine) {
         for (_, label) in self.deletes.iter().filter(|(at, _)| *at == step) {
             let id = self.bodies.iter().position(|body| body.label == *label).expect("the label of a body");
