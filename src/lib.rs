@@ -60,7 +60,7 @@
 //! # rebond::record(&scene, rebond::RecordOptions::complete(&scene), rebond::NO_LIVE_EVENTS, file, |_| ())?;
 //! use rebond::{PictureOptions, Source, StillFormat, SubjectOptions, draw_to_vec};
 //!
-//! let subject = SubjectOptions::State { step: 60, format: StillFormat::Svg };
+//! let subject = SubjectOptions::State { step: 60.into(), format: StillFormat::Svg };
 //! let mut options = PictureOptions::default();
 //! options.size = Some([640, 360]);
 //! let svg = draw_to_vec(&subject, &options, &[Source::open(&path)?])?;
@@ -125,7 +125,7 @@ pub use picture::{
     AnimationFormat, Error as PictureError, FigureOptions, Provenance, Source, StillFormat, SubjectOptions,
     draw_to_vec, redraw,
 };
-pub use picture_options::{ColorBy, Overlay, Overlays, PictureOptions, Theme, Window};
+pub use picture_options::{ColorBy, Overlay, Overlays, PictureOptions, StepOrTime, Theme, Window};
 
 /// Modules of this crate for its own command, tests and benchmarks. They are not part of the API and may change in
 /// any version.

@@ -135,12 +135,12 @@ picture_options! {
         follow: String;
 
         /// The first step to draw.
-        flag(long, value_name = "STEP", help = "Start at this step")
-        from: u64;
+        flag(long, value_name = "STEP", help = "Start at this step, or at a time such as 1.5s")
+        from: StepOrTime;
 
         /// The last step to draw.
-        flag(long, value_name = "STEP", help = "Stop after this step")
-        to: u64;
+        flag(long, value_name = "STEP", help = "Stop after this step or time")
+        to: StepOrTime;
 
         /// Draw only steps that are a multiple of this number. By default, animations have `fps` frames per second,
         /// folders have all steps, and figures as many as suit them.
@@ -236,6 +236,80 @@ impl OptionText for String {
 
 /// The largest width and height of a picture, px: in scenes and options, and of files that are drawn or read.
 pub(crate) const MAX_SIDE: u32 = 16_384;
+
+/// A state of a run: its step, or a time since step 0. Its text form is `90`, respectively `1.5s`, `20ms` or `3us`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(into = "String", try_from = "String")]
+pub enum StepOrTime {
+    /// The step.
+    Step(u64),
+    /// Seconds since step 0.
+    Time(f64),
+}
+
+impl StepOrTime {
+    /// The step, or the one nearest to the time, in a run at `rate` Hz.
+    pub fn step(self, rate: f64) -> u64 {
+        match self {
+            StepOrTime::Step(step) => step,
+            StepOrTime::Time(time) => (time * rate).round() as u64,
+        }
+    }
+
+    /// The step, or the last one that is not after the time, in a run at `rate` Hz.
+    pub fn step_before(self, rate: f64) -> u64 {
+        match self {
+            StepOrTime::Step(step) => step,
+            // A time that is a step up to rounding is that step.
+            StepOrTime::Time(time) => (time * rate * (1.0 + 1e-12)).floor() as u64,
+        }
+    }
+}
+
+impl From<u64> for StepOrTime {
+    fn from(step: u64) -> StepOrTime {
+        StepOrTime::Step(step)
+    }
+}
+
+impl fmt::Display for StepOrTime {
+    fn fmt(&self, out: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            StepOrTime::Step(step) => write!(out, "{step}"),
+            StepOrTime::Time(time) => write!(out, "{time}s"),
+        }
+    }
+}
+
+impl FromStr for StepOrTime {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<StepOrTime, String> {
+        let seconds = |number: &str, unit: f64| number.trim_end().parse::<f64>().ok().map(|number| number * unit);
+        let units = [("ms", 1e-3), ("us", 1e-6), ("µs", 1e-6), ("s", 1.0)];
+        let time =
+            units.iter().find_map(|(name, unit)| text.strip_suffix(name).and_then(|number| seconds(number, *unit)));
+        match (text.parse(), time) {
+            (Ok(step), _) => Ok(StepOrTime::Step(step)),
+            (Err(_), Some(time)) if time.is_finite() && time >= 0.0 => Ok(StepOrTime::Time(time)),
+            (Err(_), _) => Err("expected a step such as 90, or a time such as 1.5s or 20ms".into()),
+        }
+    }
+}
+
+impl From<StepOrTime> for String {
+    fn from(point: StepOrTime) -> String {
+        point.to_string()
+    }
+}
+
+impl TryFrom<String> for StepOrTime {
+    type Error = String;
+
+    fn try_from(text: String) -> Result<StepOrTime, String> {
+        text.parse()
+    }
+}
 
 /// Parses a size in pixels: `1280x720`.
 #[cfg(feature = "draw")]
@@ -530,6 +604,19 @@ mod tests {
         assert_eq!(toml::from_str::<PictureOptions>(&text).unwrap(), options, "{text}");
         assert_eq!(toml::from_str::<PictureOptions>("").unwrap(), PictureOptions::default());
         assert!(toml::from_str::<PictureOptions>("shows = []").is_err());
+    }
+
+    #[test]
+    fn times_are_the_nearest_steps() {
+        let step = |text: &str, rate| text.parse::<StepOrTime>().map(|point| point.step(rate));
+        assert_eq!(step("90", 60.0), Ok(90));
+        assert_eq!([step("1.5s", 60.0), step("20ms", 1000.0), step("3us", 1e6)], [Ok(90), Ok(20), Ok(3)]);
+        assert_eq!(step("0.1 s", 30.0), Ok(3));
+        for wrong in ["", "s", "-1", "-1s", "1.5", "1e400s", "nans", "5m"] {
+            assert!(step(wrong, 60.0).is_err(), "{wrong}");
+        }
+        assert_eq!("0.3s".parse::<StepOrTime>().unwrap().step_before(10.0), 3);
+        assert_eq!("0.39s".parse::<StepOrTime>().unwrap().to_string(), "0.39s");
     }
 
     #[test]

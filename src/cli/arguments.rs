@@ -1,5 +1,5 @@
 use crate::picture::Theme;
-use crate::picture_options::parse_size;
+use crate::picture_options::{StepOrTime, parse_size};
 use crate::recording::limits;
 use clap::{Args, ValueEnum};
 use std::num::NonZero;
@@ -134,12 +134,12 @@ pub struct ExportOptions {
     /// Overwrite an existing table
     #[arg(short, long)]
     pub force: bool,
-    /// Start at this step
+    /// Start at this step, or at a time such as 1.5s
     #[arg(long, value_name = "STEP")]
-    pub from: Option<u64>,
-    /// Stop after this step
+    pub from: Option<StepOrTime>,
+    /// Stop after this step or time
     #[arg(long, value_name = "STEP")]
-    pub to: Option<u64>,
+    pub to: Option<StepOrTime>,
     /// Export part I of N; the parts concatenate to the whole table
     #[arg(long, value_name = "I/N", default_value = "1/1", hide_default_value = true)]
     pub shard: Shard,

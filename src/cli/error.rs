@@ -149,6 +149,17 @@ pub enum CommandError {
         /// The supported names.
         expected: &'static str,
     },
+    /// A clip would be very long.
+    #[error(
+        "the clip would have {frames} frames and last {seconds:.0} s; draw a part with --from and --to, fewer frames with \
+         --fps or --every, or allow it with --long"
+    )]
+    LongClip {
+        /// The number of frames.
+        frames: u64,
+        /// Its duration, s.
+        seconds: f64,
+    },
     /// A part of a table of several sources was requested.
     #[error("--shard divides the table of one source; export each source on its own")]
     ShardOfSeveral,

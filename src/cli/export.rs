@@ -5,6 +5,7 @@ use super::source::SourceFile;
 use super::{Exit, output};
 use crate::physics::{Axis, BodyId, Collision, Engine, Observer};
 use crate::picture::{self, EnergySample, ReadExtent, ReadStatus, recorded_world};
+use crate::picture_options::StepOrTime;
 use crate::recording::{self, BodyInfo, Change, Health, Item, Playback, SampledState};
 use crate::replay::{Replayer, Verdict};
 use crate::text::csv_field;
@@ -51,7 +52,8 @@ fn export(
 ) -> Result<(Health, ReadExtent), CommandError> {
     let recording = recording::open(file).map_err(CommandError::in_recording(path))?;
     let last = recording.header.steps;
-    let (from, to) = (options.from.unwrap_or(0), options.to.unwrap_or(last).min(last));
+    let step = |point: StepOrTime| point.step(recording.header.config.rate);
+    let (from, to) = (options.from.map_or(0, step), options.to.map_or(last, step).min(last));
     if options.table == Table::Bodies {
         return bodies(path, recording, from..=to, options, rows);
     }

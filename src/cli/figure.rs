@@ -28,6 +28,7 @@ pub fn run(options: &FigureCommandOptions) -> Result<Exit, CommandError> {
         Ok(picture::draw(&provenance, &recordings, NonZero::<usize>::MIN, &mut on_progress, output)?)
     })?;
     bar.finish_and_clear();
+    drawn.warnings.iter().for_each(|warning| output::info(format_args!("{warning}")));
     Ok(output::warn_of_damage(&drawn.statuses))
 }
 

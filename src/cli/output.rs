@@ -9,9 +9,10 @@ use crate::recording::Health;
 use crate::text::Printable;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::{
-    io::{self, Write},
+    io::{self, IsTerminal, Write},
     path::Path,
     sync::OnceLock,
+    time::{Duration, Instant},
 };
 
 /// Writes text to standard output, with its control characters escaped except line breaks and tabs.
@@ -81,7 +82,7 @@ pub fn warn_of_damage(statuses: &[ReadStatus]) -> Exit {
 
 /// Creates a progress bar on standard error, which is hidden if standard error is not a terminal.
 pub fn progress_bar(label: &'static str, total: u64) -> ProgressBar {
-    let style = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len} {eta}")
+    let style = ProgressStyle::with_template("{msg} {wide_bar} {pos}/{len}, {eta} left")
         .expect("the template is a constant that parses");
     let target = if is_quiet() { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr_with_hz(10) };
     let bar = ProgressBar::with_draw_target(Some(total), target);
@@ -90,10 +91,16 @@ pub fn progress_bar(label: &'static str, total: u64) -> ProgressBar {
     bar
 }
 
-/// Returns a callback that sets the position and length of a bar.
+/// Returns a callback that sets the position and length of a bar. Without a terminal, a line is printed now and then.
 pub fn progress_updater(bar: &ProgressBar) -> impl FnMut(u64, u64) {
+    const INTERVAL: Duration = Duration::from_secs(10);
+    let (is_terminal, mut reported) = (io::stderr().is_terminal(), Instant::now());
     move |done, total| {
         bar.set_length(total);
         bar.set_position(done);
+        if !is_terminal && reported.elapsed() >= INTERVAL {
+            reported = Instant::now();
+            info(format_args!("{}: {done} of {total}, {} s left", bar.message(), bar.eta().as_secs()));
+        }
     }
 }

@@ -3,6 +3,7 @@
 use super::arguments::{JobOptions, OutputOptions, Shard};
 use crate::physics::Axis;
 use crate::picture::{CollisionFigure, FigureOptions, MAX_HOLD, MIN_HOLD, PictureOptions, SPEEDS, StatesFigure};
+use crate::picture_options::StepOrTime;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -24,9 +25,9 @@ pub struct RenderOptions {
     /// The output file or folder.
     #[command(flatten)]
     pub output: OutputOptions,
-    /// Draw only the state of this step
+    /// Draw only the state of this step, or at a time such as 1.5s
     #[arg(long, value_name = "STEP", conflicts_with_all = ["from", "to", "every", "fps"])]
-    pub at: Option<u64>,
+    pub at: Option<StepOrTime>,
     /// Draw about this many frames per second
     #[arg(long, conflicts_with = "every", value_parser = positive)]
     pub fps: Option<f64>,
@@ -39,6 +40,9 @@ pub struct RenderOptions {
     /// Pause S seconds, for example 0.5 at collisions
     #[arg(long, num_args = 3, value_names = ["S", "at", "…"])]
     pub hold: Option<Vec<HoldWord>>,
+    /// Allow more than an hour or 100,000 frames
+    #[arg(long)]
+    pub long: bool,
     /// The appearance.
     #[command(flatten)]
     pub picture: PictureOptions,
@@ -79,9 +83,9 @@ pub struct FigureCommandOptions {
     /// The appearance.
     #[command(flatten)]
     pub picture: PictureOptions,
-    /// collision, minkowski: first collision from this step on
-    #[arg(long, value_name = "STEP", default_value_t = 0)]
-    pub step: u64,
+    /// collision, minkowski: first collision from this step or time on
+    #[arg(long, value_name = "STEP", default_value = "0")]
+    pub step: StepOrTime,
     /// collision, minkowski: only collisions of these bodies
     #[arg(long, value_name = "A,B", value_parser = pair)]
     pub pair: Option<[String; 2]>,

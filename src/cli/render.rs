@@ -6,7 +6,9 @@ use super::output_file::{OutputFile, OutputFolder, Overwrite};
 use super::picture_arguments::RenderOptions;
 use super::source::OpenedSource;
 use super::video::{self, VideoContainer};
-use crate::picture::{self, AnimationFormat, Format, PictureOptions, Provenance, StillFormat, SubjectOptions};
+use crate::picture::{self, AnimationFormat, Format, PictureOptions, Provenance, StillFormat, Subject, SubjectOptions};
+use crate::picture_options::StepOrTime;
+use crate::text::counted;
 use std::path::Path;
 
 /// Draws a scene or a recording.
@@ -19,25 +21,34 @@ pub fn run(options: &RenderOptions) -> Result<Exit, CommandError> {
     let recording = &source.recording;
     let picture_options = options.picture_options();
     let threads = options.jobs.threads();
-    let bar = output::progress_bar("drawing", 0);
+    let bar = output::progress_bar("drawing frames", 0);
     let mut on_progress = output::progress_updater(&bar);
     let drawn = match output {
         Output::File(subject, file) => {
             let sources = std::slice::from_ref(recording);
             let picture = picture_options.resolve(&subject, sources, &mut on_progress)?;
+            if let Subject::Animation { animation, .. } = &picture.subject {
+                let schedule = animation.schedule(recording);
+                refuse_long(schedule.count(), schedule.start_time(schedule.count()), options)?;
+            }
             let provenance = Provenance::new(&picture, sources);
             file.write(|output| Ok(picture::draw(&provenance, sources, threads, &mut on_progress, output)?))?
         }
         Output::Video(container, file) => {
             let (clip, provenance) = picture::Clip::video(&picture_options, recording, &mut on_progress)?;
+            if let Subject::Animation { animation, .. } = &provenance.picture.subject {
+                let schedule = animation.schedule(recording);
+                refuse_long(schedule.count(), schedule.start_time(schedule.count()), options)?;
+            }
             video::write(clip, &provenance, container, threads, &mut on_progress, file)?
         }
         Output::Sequence(mut folder) => {
-            let Some(shard) = shard_options(picture_options, options.shard, recording.statistics.last_step) else {
+            let Some(shard) = shard_options(picture_options, options.shard, recording) else {
                 folder.finish()?;
                 return Ok(Exit::Done);
             };
             let sequence = shard.resolve_sequence(recording)?;
+            refuse_long((sequence.steps.end() - sequence.steps.start()) / sequence.every, 0.0, options)?;
             let write = |step, file: Vec<u8>| folder.write(format!("{step:06}.png"), &file);
             let drawn = picture::draw_sequence(&sequence, recording, threads, &mut on_progress, write)?;
             folder.finish()?;
@@ -45,24 +56,39 @@ pub fn run(options: &RenderOptions) -> Result<Exit, CommandError> {
         }
     };
     let exit = output::warn_of_damage(&drawn.statuses);
+    drawn.warnings.iter().for_each(|warning| output::info(format_args!("{warning}")));
     bar.finish_and_clear();
     // The message names the steps shown, because an animation may skip steps.
     let shown = match (drawn.schedule, options.at) {
-        (Some(schedule), _) => schedule.to_string(),
-        (None, step) => format!("step {}", step.unwrap_or_default()),
+        (Some(schedule), _) => format!("{}, {schedule}", counted(schedule.count(), "frame")),
+        (None, at) => format!("step {}", at.map_or(0, |at| at.step(recording.header.config.rate))),
     };
     output::print_result(path, &format!("{}: {shown}", path.display()))?;
     Ok(exit)
 }
 
+/// The longest clip that needs no confirmation, s, and its largest number of frames.
+const MAX_CLIP: (f64, u64) = (3600.0, 100_000);
+
+/// Returns an error for a long clip, which is usually a mistake, unless it is allowed.
+fn refuse_long(frames: u64, seconds: f64, options: &RenderOptions) -> Result<(), CommandError> {
+    let (max_seconds, max_frames) = MAX_CLIP;
+    match frames > max_frames || seconds > max_seconds {
+        true if !options.long => Err(CommandError::LongClip { frames, seconds }),
+        true | false => Ok(()),
+    }
+}
+
 /// Restricts the options to the steps of one shard. Returns `None` if the shard has no steps.
-fn shard_options(options: PictureOptions, shard: Shard, last_step: Option<u64>) -> Option<PictureOptions> {
+fn shard_options(options: PictureOptions, shard: Shard, recording: &picture::Source) -> Option<PictureOptions> {
     if shard == Shard::WHOLE {
         return Some(options);
     }
-    let end = last_step.unwrap_or(0);
-    let steps = shard.steps(options.from.unwrap_or(0), options.to.unwrap_or(end).min(end))?;
-    Some(PictureOptions { from: Some(*steps.start()), to: Some(*steps.end()), ..options })
+    let (rate, end) = (recording.header.config.rate, recording.statistics.last_step.unwrap_or(0));
+    let (from, to) = (options.from.map_or(0, |from| from.step(rate)), options.to.map_or(end, |to| to.step(rate)));
+    let steps = shard.steps(from, to.min(end))?;
+    let (from, to) = (StepOrTime::Step(*steps.start()), StepOrTime::Step(*steps.end()));
+    Some(PictureOptions { from: Some(from), to: Some(to), ..options })
 }
 
 /// The kind of output of `render`.

@@ -39,7 +39,7 @@ pub fn write(
     progress: Progress,
     output: OutputFile,
 ) -> Result<Drawn, CommandError> {
-    let Clip { view, schedule, mut frames } = clip;
+    let Clip { view, schedule, mut frames, warnings } = clip;
     let name = output.name().to_owned();
     output.write_by_path(|temp_path| {
         let mut ffmpeg = start(&view, &schedule, container, &provenance.metadata().to_string(), temp_path)
@@ -47,7 +47,7 @@ pub fn write(
         let sent = send(&mut ffmpeg, frames.by_ref(), &view, &schedule, threads, progress);
         finish(ffmpeg, sent, &name)
     })?;
-    Ok(Drawn { statuses: vec![frames.read_status()], schedule: Some(schedule) })
+    Ok(Drawn { statuses: vec![frames.read_status()], schedule: Some(schedule), warnings })
 }
 
 /// Starts ffmpeg, which reads raw RGBA frames on its standard input.

@@ -7,8 +7,9 @@ use crate::replay::{ALL_STEPS, Replayer, Verdict};
 use crate::text::counted;
 use std::{collections::BTreeMap, sync::Arc};
 
-/// Finds the first collision with an impulse in or after `step`, between the bodies of `pair` if given,
-/// by replaying the recording.
+/// Finds the first collision with an impulse in or after `step`, between the bodies of `pair` if given, by replaying the
+/// recording. If no later collision has an impulse, finds the first one without: bodies that overlap at rest or while
+/// they separate, which the handout's solver displaces.
 ///
 /// # Errors
 /// If there is no such collision, or the recording cannot be read or diverges.
@@ -18,8 +19,16 @@ pub fn find_collision(
     pair: Option<&[String; 2]>,
     progress: Progress,
 ) -> Result<CollisionSubject, Error> {
+    let is_wanted = |found: &&CollisionSubject| {
+        let selector = collision_selector(found);
+        selector.step == step && pair == Some(&selector.pair)
+    };
+    let cached = source.found_collisions.lock().ok().and_then(|found| found.iter().find(is_wanted).cloned());
+    if let Some(found) = cached {
+        return Ok(found);
+    }
     let bodies = source.appearances()?;
-    let mut search = Search { step, pair, bodies: &bodies, found: None };
+    let mut search = Search { step, pair, bodies: &bodies, found: None, without_impulse: None };
     let steps = source.header.steps;
     let recording = source::open(&source.path)?;
     let mut replayer = Replayer::new(recording, step..=u64::MAX).map_err(|error| source.read_error(error))?;
@@ -30,13 +39,16 @@ pub fn find_collision(
     if let verdict @ Verdict::Diverged(_) = replayer.verdict() {
         return Err(Error::Diverged { path: source.path.clone(), verdict: Box::new(verdict) });
     }
-    let found = search.found.and_then(|collision| {
+    let found = search.found.or(search.without_impulse).and_then(|collision| {
         let [c, b] = collision.bodies.map(|id| bodies.get(&id).cloned());
         Some(CollisionSubject { title: String::new(), collision, bodies: [c?, b?] })
     });
     let missing = pair.into_iter().flatten().find(|&name| !source.statistics.names.contains(name));
     if let Some(name) = missing {
         return Err(source.unknown_body(name));
+    }
+    if let (Some(found), Ok(mut cache)) = (&found, source.found_collisions.lock()) {
+        cache.push(found.clone());
     }
     found.ok_or_else(|| {
         let between = pair.map_or(String::new(), |[a, b]| format!(" between {a:?} and {b:?}"));
@@ -56,6 +68,7 @@ struct Search<'a> {
     pair: Option<&'a [String; 2]>,
     bodies: &'a BTreeMap<BodyId, Arc<Appearance>>,
     found: Option<Collision>,
+    without_impulse: Option<Collision>,
 }
 
 impl Search<'_> {
@@ -65,14 +78,16 @@ impl Search<'_> {
             let names = names();
             names == [Some(a.as_str()), Some(b)] || names == [Some(b.as_str()), Some(a)]
         };
-        collision.step >= self.step && collision.impulse != 0.0 && self.pair.is_none_or(is_pair)
+        collision.step >= self.step && self.pair.is_none_or(is_pair)
     }
 }
 
 impl Observer for Search<'_> {
     fn collision(&mut self, collision: &Collision) {
-        if self.found.is_none() && self.matches(collision) {
-            self.found = Some(collision.clone());
+        let place = if collision.impulse != 0.0 { &self.found } else { &self.without_impulse };
+        if place.is_none() && self.matches(collision) {
+            let place = if collision.impulse != 0.0 { &mut self.found } else { &mut self.without_impulse };
+            *place = Some(collision.clone());
         }
     }
 }

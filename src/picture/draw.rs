@@ -1,14 +1,20 @@
 use super::collisions::{find_collision, freeze_frames, max_impulse};
 use super::encode::{write_apng, write_gif, write_png_sequence};
-use super::figures::{self, CollisionSubject, EnergyRun, FigureRun};
+use super::figures::{self, CollisionSubject, EnergyRun, FigureRun, Range, SpacetimeRun, Timeline};
+use super::number::TimeFormat;
+use super::resimulation::Resimulation;
+use super::text::Font;
+use super::trace::trace;
 use super::{
-    Animation, AnimationFormat, AnimationSchedule, CollisionFigure, DisplayList, Error, Frame, Frames, Look, Overlay,
-    Page, PictureOptions, Progress, Provenance, ReadStatus, RenderError, ResolvedPicture, Sequence, Source,
-    StatesFigure, StepGrid, StillFormat, Style, Subject, SubjectOptions, Thinning, Timing, View, compose,
+    Animation, AnimationFormat, AnimationSchedule, CollisionFigure, ColorBy, DisplayList, EnergySample, Error, Frame,
+    Frames, Look, Overlay, Page, PictureOptions, Progress, Provenance, ReadStatus, RenderError, ResolvedPicture,
+    Sequence, Source, Sprite, StatesFigure, StepGrid, StepRange, StillFormat, Style, Subject, SubjectOptions, Thinning,
+    Timing, Trails, View, compose,
 };
 use super::{Appearance, Palette, color};
 use crate::physics::larger;
 use crate::recording::BodyInfo;
+use std::collections::BTreeSet;
 use std::io::Write;
 use std::num::NonZero;
 use std::ops::RangeInclusive;
@@ -20,6 +26,8 @@ pub struct Drawn {
     pub statuses: Vec<ReadStatus>,
     /// The steps and times shown by an animation or a sequence.
     pub schedule: Option<AnimationSchedule>,
+    /// Sentences about contents that cannot be drawn as they are.
+    pub warnings: Vec<String>,
 }
 
 /// Draws the picture described by `provenance` and writes it to `output` with the provenance.
@@ -40,10 +48,11 @@ pub fn draw(
         Subject::Page { page, format } => {
             let (list, statuses) = compose_page(page, picture, sources, progress)?;
             format.write(&list, &metadata, output)?;
-            Ok(Drawn { statuses, schedule: None })
+            Ok(Drawn { statuses, schedule: None, warnings: warnings(picture, sources) })
         }
         Subject::Animation { animation, format } => {
-            let Clip { view, schedule, mut frames } = Clip::new(animation, &picture.look, &sources[0], progress)?;
+            let Clip { view, schedule, mut frames, warnings } =
+                Clip::new(animation, &picture.look, &sources[0], progress)?;
             let mut done = 0;
             let observed_frames = frames.by_ref().inspect(|_| {
                 done += 1;
@@ -53,7 +62,7 @@ pub fn draw(
                 AnimationFormat::Gif => write_gif(observed_frames, &view, &schedule, &metadata, threads, output)?,
                 AnimationFormat::Apng => write_apng(observed_frames, &view, &schedule, &metadata, threads, output)?,
             }
-            Ok(Drawn { statuses: vec![frames.read_status()], schedule: Some(schedule) })
+            Ok(Drawn { statuses: vec![frames.read_status()], schedule: Some(schedule), warnings })
         }
     }
 }
@@ -64,7 +73,7 @@ pub fn draw(
 /// use rebond::{PictureOptions, Source, StillFormat, SubjectOptions, draw_to_vec};
 ///
 /// let source = Source::open("cradle.mcap".as_ref())?;
-/// let subject = SubjectOptions::State { step: 60, format: StillFormat::Png };
+/// let subject = SubjectOptions::State { step: 60.into(), format: StillFormat::Png };
 /// let png = draw_to_vec(&subject, &PictureOptions::default(), &[source])?;
 /// std::fs::write("cradle.png", png)?;
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -129,7 +138,7 @@ pub fn draw_sequence<E: From<Error>>(
 ) -> Result<Drawn, E> {
     let Sequence { steps, every, look } = sequence;
     let animation = Animation { steps: steps.clone(), every: *every, timing: Timing::REAL_TIME };
-    let Clip { view, schedule, mut frames } = Clip::new(&animation, look, source, progress)?;
+    let Clip { view, schedule, mut frames, warnings } = Clip::new(&animation, look, source, progress)?;
     let metadata = |step| {
         let subject = Subject::Page { page: Page::State { step, every: *every }, format: StillFormat::Png };
         let picture = ResolvedPicture { subject, look: look.clone(), titles: Vec::new() };
@@ -148,7 +157,7 @@ pub fn draw_sequence<E: From<Error>>(
         },
     );
     match result {
-        Ok(()) => Ok(Drawn { statuses: vec![frames.read_status()], schedule: Some(schedule) }),
+        Ok(()) => Ok(Drawn { statuses: vec![frames.read_status()], schedule: Some(schedule), warnings }),
         Err(Failure::Drawing(error)) => Err(error.into()),
         Err(Failure::Output(error)) => Err(error),
     }
@@ -174,6 +183,8 @@ pub struct Clip {
     pub schedule: AnimationSchedule,
     /// The frames, with the data that the overlays need.
     pub frames: Frames,
+    /// Sentences about contents that cannot be drawn as they are.
+    pub warnings: Vec<String>,
 }
 
 impl Clip {
@@ -196,13 +207,17 @@ impl Clip {
     /// If the recording cannot be read, if the picture is too small for its content, or if the scale of impulse arrows
     /// or freeze frames require a replay and that fails.
     pub fn new(animation: &Animation, look: &Look, source: &Source, progress: Progress) -> Result<Clip, Error> {
-        let view = View::new(source.world(), Style::new(look, std::slice::from_ref(source), progress)?)?;
+        let style = Style::new(look, std::slice::from_ref(source), progress)?;
+        let interval = 1.0 / (source.header.config.rate * animation.timing.frames_per_step as f64);
+        let time_format = TimeFormat::new(interval, source.duration());
+        let view = View::new(source.world(), Style { time_format, ..style })?;
         let grid = grid(&animation.steps, animation.every, source);
         let has_freeze_frames = animation.timing.hold > 0.0;
         let moments = if has_freeze_frames { freeze_frames(source, &grid, progress)? } else { Vec::new() };
         let schedule = AnimationSchedule::new(grid, animation.timing, &moments);
         let frames = Frames::new(source, &schedule, &look.show)?;
-        Ok(Clip { view, schedule, frames })
+        let warnings = text_warnings(look, &[], std::slice::from_ref(source), BodyNames::IfOverlay);
+        Ok(Clip { view, schedule, frames, warnings })
     }
 }
 
@@ -212,25 +227,33 @@ impl Style {
     /// # Errors
     /// If the scale of impulse arrows requires a replay and that fails.
     pub fn new(look: &Look, sources: &[Source], progress: Progress) -> Result<Style, Error> {
-        let top = |of: fn(&Source) -> f64| sources.iter().map(of).fold(0.0, larger);
-        let mut materials: Vec<String> =
-            sources.iter().flat_map(|source| source.statistics.materials.clone()).collect();
-        materials.sort();
-        materials.dedup();
         let mut top_impulse = 0.0;
         if look.show.contains(Overlay::Impulse) {
             for source in sources {
                 top_impulse = larger(max_impulse(source, progress)?, top_impulse);
             }
         }
-        Ok(Style {
+        Ok(Style::with_top_impulse(look, sources, top_impulse))
+    }
+
+    /// The style of a picture of these recordings, whose largest impulse is known, N·s.
+    fn with_top_impulse(look: &Look, sources: &[Source], top_impulse: f64) -> Style {
+        let top = |of: fn(&Source) -> f64| sources.iter().map(of).fold(0.0, larger);
+        let mut materials: Vec<String> =
+            sources.iter().flat_map(|source| source.statistics.materials.clone()).collect();
+        materials.sort();
+        materials.dedup();
+        // The shortest step of all runs, and the longest run.
+        let rate = top(|source| source.header.config.rate);
+        Style {
             look: look.clone(),
             top_speed: top(|source| source.statistics.top_speed),
             top_force: top(|source| source.statistics.top_force),
             top_impulse,
             body_count: sources.iter().map(|source| source.statistics.names.len() as u32).max().unwrap_or(0),
+            time_format: TimeFormat::new(1.0 / rate, top(Source::duration)),
             materials,
-        })
+        }
     }
 }
 
@@ -242,6 +265,13 @@ pub fn body_color(info: &BodyInfo) -> [u8; 3] {
         false => color::color_by_body(&appearance),
     };
     [color.r, color.g, color.b]
+}
+
+impl Animation {
+    /// The schedule of this animation of a recording, without freeze frames.
+    pub fn schedule(&self, source: &Source) -> AnimationSchedule {
+        AnimationSchedule::new(grid(&self.steps, self.every, source), self.timing, &[])
+    }
 }
 
 /// The shapes of a page, and how completely each recording was read.
@@ -266,11 +296,35 @@ fn compose_page(
             };
             Ok((list, Vec::new()))
         }
-        Page::States { figure, steps, every } => {
+        Page::States { figure: StatesFigure::Spacetime(axis), steps } => {
+            let (mut runs, mut statuses) = (Vec::new(), Vec::new());
+            let style = Style::new(&picture.look, sources, progress)?;
+            for ((source, title), grid) in sources.iter().zip(titles(picture, sources)).zip(grids(steps, sources)) {
+                let bodies = source.appearances()?;
+                let column = column(&grid, &style);
+                let mut run = SpacetimeRun::new(title, source.world(), *axis, column);
+                let trace = trace(source, &grid, column, progress, |point| {
+                    if point.is_after_gap {
+                        run.lift();
+                    }
+                    for body in &point.world.bodies {
+                        if let Some(appearance) = bodies.get(&body.id).cloned() {
+                            let (rect, velocity) = (body.rect, body.velocity);
+                            run.push(point.time, &Sprite { appearance, rect, velocity, trail: Vec::new() }, &style);
+                        }
+                    }
+                })?;
+                run.timeline = Timeline { changes: trace.changes, gaps: trace.gaps };
+                runs.push(run);
+                statuses.push(trace.status);
+            }
+            Ok((figures::spacetime(&runs, time_range(steps, sources), *axis, &style), statuses))
+        }
+        Page::States { figure, steps } => {
             let style = Style::new(&picture.look, sources, progress)?;
             let (mut runs, mut statuses) = (Vec::new(), Vec::new());
-            for (source, title) in sources.iter().zip(titles(picture, sources)) {
-                let schedule = AnimationSchedule::from(grid(steps, *every, source));
+            for ((source, title), grid) in sources.iter().zip(titles(picture, sources)).zip(grids(steps, sources)) {
+                let schedule = AnimationSchedule::from(grid);
                 let mut frames = Frames::new(source, &schedule, &picture.look.show)?;
                 let drawn = frames.by_ref().collect::<Result<Vec<Frame>, Error>>()?;
                 runs.push(FigureRun { title, world: source.world(), frames: drawn });
@@ -278,24 +332,35 @@ fn compose_page(
             }
             let list = match figure {
                 StatesFigure::Strobe => figures::strobe(&runs, &style),
-                StatesFigure::Spacetime(axis) => figures::spacetime(&runs, *axis, &style),
-                StatesFigure::Filmstrip => figures::filmstrip(&runs, &style),
+                StatesFigure::Filmstrip | StatesFigure::Spacetime(_) => figures::filmstrip(&runs, &style),
             };
             Ok((list, statuses))
         }
-        Page::Energy { steps, every } => {
+        Page::Energy { steps } => {
             let style = Style::new(&picture.look, sources, progress)?;
             let (mut runs, mut statuses) = (Vec::new(), Vec::new());
-            for (source, title) in sources.iter().zip(titles(picture, sources)) {
-                let (samples, status) = source.energies(&grid(steps, *every, source))?;
-                runs.push(EnergyRun { title, samples });
-                statuses.push(status);
+            for ((source, title), grid) in sources.iter().zip(titles(picture, sources)).zip(grids(steps, sources)) {
+                let column = column(&grid, &style);
+                let mut run = EnergyRun::new(title, column, source.statistics.top_force > 0.0);
+                let trace = trace(source, &grid, column, progress, |point| {
+                    if point.is_after_gap {
+                        run.lift();
+                    }
+                    if point.is_after_gap || point.is_after_change {
+                        run.restart_account();
+                    }
+                    run.push(&EnergySample::of(point.world, point.time));
+                })?;
+                run.timeline = Timeline { changes: trace.changes, gaps: trace.gaps };
+                runs.push(run);
+                statuses.push(trace.status);
             }
-            Ok((figures::energy(&runs, &style), statuses))
+            Ok((figures::energy(&runs, time_range(steps, sources), &style), statuses))
         }
     }
 }
 
+/// The shapes of one state. The recording is replayed at most once.
 fn state(
     step: u64,
     every: u64,
@@ -303,13 +368,89 @@ fn state(
     source: &Source,
     progress: Progress,
 ) -> Result<(DisplayList, Vec<ReadStatus>), Error> {
+    let missing = || Error::NothingToShow { reason: "the step is not recorded".into() };
+    if look.show.contains(Overlay::Impulse) {
+        // The scale of the arrows needs all impulses of the run, so the frame comes from the same replay.
+        let schedule = AnimationSchedule::from(grid(&(step..=step), every, source));
+        let trails = look.show.contains(Overlay::Trail).then(|| Trails::of_one_second(schedule.grid.rate));
+        let mut run = Resimulation::of_whole_run(source, schedule, trails)?;
+        let frame = run.next().transpose()?.ok_or_else(missing)?;
+        let top_impulse = run.finish_run()?;
+        let style = Style::with_top_impulse(look, std::slice::from_ref(source), top_impulse);
+        return Ok((compose(&frame, &View::new(source.world(), style)?), vec![run.read_status()]));
+    }
     let animation = Animation { steps: step..=step, every, timing: Timing::REAL_TIME };
     let Clip { view, mut frames, .. } = Clip::new(&animation, look, source, progress)?;
-    let frame = frames.next().transpose()?;
-    let frame = frame.ok_or_else(|| Error::NothingToShow { reason: "the step is not recorded".into() })?;
+    let frame = frames.next().transpose()?.ok_or_else(missing)?;
     // Damage directly after this state is found only by reading on.
     frames.next().transpose()?;
     Ok((compose(&frame, &view), vec![frames.read_status()]))
+}
+
+/// Sentences about the contents of a picture that cannot be drawn as they are.
+fn warnings(picture: &ResolvedPicture, sources: &[Source]) -> Vec<String> {
+    let is_of_pair = matches!(&picture.subject, Subject::Page { page: Page::Collision { .. }, .. });
+    let titles = if sources.len() > 1 { titles(picture, sources) } else { Vec::new() };
+    text_warnings(&picture.look, &titles, sources, if is_of_pair { BodyNames::Shown } else { BodyNames::IfOverlay })
+}
+
+/// The names of bodies in a picture.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum BodyNames {
+    /// Shown with the overlay `name`.
+    IfOverlay,
+    /// Always shown.
+    Shown,
+}
+
+/// Warns of characters in the texts of a picture that the font lacks.
+fn text_warnings(look: &Look, titles: &[String], sources: &[Source], names: BodyNames) -> Vec<String> {
+    let mut missing: BTreeSet<char> = BTreeSet::new();
+    let mut add = |text: &str| {
+        let is_missing = |character: &char| !character.is_whitespace() && Font::embedded().glyph(*character) == 0;
+        missing.extend(text.chars().filter(is_missing));
+    };
+    add(&look.caption);
+    titles.iter().for_each(|title| add(title));
+    for source in sources {
+        if names == BodyNames::Shown || look.show.contains(Overlay::Name) {
+            source.statistics.names.iter().for_each(|name| add(name));
+        }
+        if look.color_by == ColorBy::Material {
+            source.statistics.materials.iter().for_each(|material| add(material));
+        }
+    }
+    if missing.is_empty() {
+        return Vec::new();
+    }
+    const MAX_LISTED: usize = 30;
+    let listed: String = missing.iter().take(MAX_LISTED).collect();
+    let more = missing.len().saturating_sub(MAX_LISTED);
+    let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+    vec![format!(
+        "the font has no glyphs for {listed:?}{more}; each is drawn as an empty box: use Latin or Greek names"
+    )]
+}
+
+/// The columns of the curves of a figure, s: half a pixel of the page.
+fn column(grid: &StepGrid, style: &Style) -> f64 {
+    (grid.steps.end() - grid.steps.start()) as f64 / grid.rate / (2.0 * f64::from(style.look.size[0]))
+}
+
+/// The time of all runs, s.
+fn time_range(steps: &[StepRange], sources: &[Source]) -> Range {
+    let times = grids(steps, sources)
+        .flat_map(|grid| [*grid.steps.start(), *grid.steps.end()].map(|step| step as f64 / grid.rate));
+    Range::of(times).unwrap_or(Range { from: 0.0, to: 1.0 })
+}
+
+/// The grid of each recording.
+fn grids<'a>(steps: &'a [StepRange], sources: &'a [Source]) -> impl Iterator<Item = StepGrid> + 'a {
+    let range = |at: usize| steps.get(at).or(steps.first());
+    sources
+        .iter()
+        .enumerate()
+        .filter_map(move |(at, source)| range(at).map(|range| grid(&range.steps, range.every, source)))
 }
 
 fn grid(steps: &RangeInclusive<u64>, every: u64, source: &Source) -> StepGrid {

@@ -36,6 +36,7 @@ mod schedule;
 mod source;
 mod step_grid;
 pub mod text;
+mod trace;
 mod view;
 
 pub use crate::picture_options::{CameraTarget, ColorBy, Look, Overlay, Overlays, PictureOptions, Theme, Window};
@@ -55,11 +56,14 @@ pub use provenance::{Provenance, SOFTWARE};
 pub(crate) use raster::color;
 pub use raster::{Color, DisplayList, Ink, Painter, Palette, Picture, Shape};
 pub use resolve::{FigureOptions, Sequence, SubjectOptions};
-pub use resolved::{Animation, CollisionFigure, CollisionSelector, Page, ResolvedPicture, StatesFigure, Subject};
+pub use resolved::{
+    Animation, CollisionFigure, CollisionSelector, Page, ResolvedPicture, StatesFigure, StepRange, Subject,
+};
 pub use run_statistics::RunStatistics;
 pub use schedule::{AnimationSchedule, MAX_FRAMES_PER_STEP, MAX_HOLD, MIN_HOLD, Moment, SPEEDS, Timing};
 pub use source::{ReadExtent, ReadStatus, Source, recorded_world};
 pub use step_grid::{MAX_GIF_FPS, StepGrid, Thinning};
+pub use trace::TraceGap;
 pub use view::{DrawingMetrics, Style, View};
 
 /// A callback that receives the number of completed work items and their total.

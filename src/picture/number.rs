@@ -1,4 +1,4 @@
-//! Numbers as text, and the round numbers at which axes and grids have their ticks.
+//! Numbers and units as text, and the round numbers at which axes and grids have their ticks.
 
 /// Formats `value` with `digits` significant digits, without trailing zeros, as markup for
 /// [`crate::picture::text::Line::math`]: `9.81`, `0.0032`, `1.2·10^{-7}`.
@@ -9,11 +9,16 @@ pub fn format_significant(value: f64, digits: usize) -> String {
     match exponent.parse::<i32>() {
         Ok(exponent @ -3..=5) => {
             let decimals = (digits as i32 - exponent).max(0) as usize;
-            trim_zeros(&format!("{value:.decimals$}"))
+            with_minus(&trim_zeros(&format!("{value:.decimals$}")))
         }
-        Ok(exponent) => format!("{}·10^{{{exponent}}}", trim_zeros(mantissa)),
+        Ok(exponent) => with_minus(&format!("{}·10^{{{exponent}}}", trim_zeros(mantissa))),
         Err(_) => scientific,
     }
+}
+
+/// Replaces hyphens by minus signs.
+fn with_minus(number: &str) -> String {
+    number.replace('-', "−")
 }
 
 /// Removes trailing zeros after the decimal point, and the sign of zero.
@@ -79,7 +84,116 @@ pub fn tick_label(value: f64, spacing: f64) -> String {
         unit /= 10.0;
         decimals += 1;
     }
-    format!("{value:.decimals$}")
+    with_minus(&format!("{value:.decimals$}"))
+}
+
+/// A unit of measurement, with the prefixes that are usual for it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Unit {
+    symbol: &'static str,
+    /// The powers of ten of its smallest and largest prefix, multiples of 3.
+    prefixes: [i32; 2],
+}
+
+impl Unit {
+    /// Time.
+    pub const SECOND: Unit = Unit { symbol: "s", prefixes: [-18, 0] };
+    /// Length.
+    pub const METRE: Unit = Unit { symbol: "m", prefixes: [-18, 3] };
+    /// Speed.
+    pub const METRE_PER_SECOND: Unit = Unit { symbol: "m/s", prefixes: [-18, 3] };
+    /// Energy.
+    pub const JOULE: Unit = Unit { symbol: "J", prefixes: [-18, 18] };
+    /// Impulse.
+    pub const NEWTON_SECOND: Unit = Unit { symbol: "N·s", prefixes: [-18, 18] };
+    /// Momentum.
+    pub const MOMENTUM: Unit = Unit { symbol: "(kg·m/s)", prefixes: [0, 0] };
+
+    /// The unit with the prefix for quantities of this size: none from 0.01 to 100 000.
+    pub fn for_size(self, size: f64) -> ScaledUnit {
+        let mut exponent = 0;
+        if size.is_finite() && size > 0.0 && !(0.01..1e5).contains(&size) {
+            let size_of = |exponent| ScaledUnit { unit: self, exponent }.scaled(size);
+            while size_of(exponent) < 1.0 && exponent > self.prefixes[0] {
+                exponent -= 3;
+            }
+            while size_of(exponent) >= 1000.0 && exponent < self.prefixes[1] {
+                exponent += 3;
+            }
+        }
+        ScaledUnit { unit: self, exponent }
+    }
+
+    /// Formats a quantity with `digits` significant digits and its unit, as markup for
+    /// [`crate::picture::text::Line::math`]: `9.81 "m/s"`, `20 "µm"`.
+    pub fn format(self, value: f64, digits: usize) -> String {
+        let unit = self.for_size(value.abs());
+        format!("{} \"{unit}\"", format_significant(unit.scaled(value), digits))
+    }
+}
+
+/// A unit with a prefix.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ScaledUnit {
+    unit: Unit,
+    /// The power of ten of the prefix, a multiple of 3.
+    exponent: i32,
+}
+
+impl ScaledUnit {
+    /// The number of these units in a quantity in SI units.
+    pub fn scaled(self, value: f64) -> f64 {
+        let power = (0..self.exponent.unsigned_abs() / 3).fold(1.0, |power, _| power * 1000.0);
+        if self.exponent < 0 { value * power } else { value / power }
+    }
+}
+
+impl std::fmt::Display for ScaledUnit {
+    fn fmt(&self, out: &mut std::fmt::Formatter) -> std::fmt::Result {
+        let prefixes = ["a", "f", "p", "n", "µ", "m", "", "k", "M", "G", "T", "P", "E"];
+        write!(out, "{}{}", prefixes[(self.exponent / 3 + 6) as usize], self.unit.symbol)
+    }
+}
+
+/// The format of simulated times: the unit suits the whole run, the decimals suit the time between two frames.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TimeFormat {
+    unit: ScaledUnit,
+    decimals: usize,
+}
+
+impl TimeFormat {
+    /// The format of times up to `duration` with differences of `interval`, both s.
+    pub fn new(interval: f64, duration: f64) -> TimeFormat {
+        let unit = Unit::SECOND.for_size(duration);
+        let (mut decimals, mut place) = (0, 1.0);
+        while unit.scaled(interval) < place * (1.0 - 1e-9) && decimals < 9 {
+            (decimals, place) = (decimals + 1, place / 10.0);
+        }
+        TimeFormat { unit, decimals }
+    }
+
+    /// The format with `more` additional decimals.
+    pub fn finer(self, more: usize) -> TimeFormat {
+        TimeFormat { decimals: self.decimals + more, ..self }
+    }
+
+    /// The time without its unit.
+    pub fn number(self, time: f64) -> String {
+        with_minus(&format!("{:.*}", self.decimals, self.unit.scaled(time)))
+    }
+
+    /// The unit.
+    pub fn unit(self) -> ScaledUnit {
+        self.unit
+    }
+}
+
+impl Default for TimeFormat {
+    /// The format for the default rate, 60 Hz.
+    fn default() -> TimeFormat {
+        TimeFormat::new(1.0 / 60.0, 1.0)
+    }
 }
 
 /// A page coordinate or length rounded to 1/100 px, displayed without trailing zeros.
@@ -103,9 +217,48 @@ mod tests {
             .map(|&value| format_significant(value, 3))
             .collect();
         let expected =
-            ["9.81", "0.00321", "123456", "1.23·10^{6}", "1.25·10^{-7}", "0", "0", "-2", "1·10^{300}", "0.3"];
+            ["9.81", "0.00321", "123456", "1.23·10^{6}", "1.25·10^{−7}", "0", "0", "−2", "1·10^{300}", "0.3"];
         assert_eq!(written, expected);
         assert_eq!(format_significant(f64::NAN, 3), "NaN");
+    }
+
+    #[test]
+    fn units_have_a_prefix_if_their_number_would_have_many_digits() {
+        let lengths: Vec<String> =
+            [0.0, 1.6e-5, 2e-6, 0.0099, 0.01, 4.25, 99_999.0, 123_456.0, 1e7, -3e-9, 1e-30, f64::INFINITY]
+                .map(|length| Unit::METRE.format(length, 3).replace('"', ""))
+                .into();
+        let expected = [
+            "0 m",
+            "16 µm",
+            "2 µm",
+            "9.9 mm",
+            "0.01 m",
+            "4.25 m",
+            "99999 m",
+            "123 km",
+            "10000 km",
+            "−3 nm",
+            "1·10^{−12} am",
+            "inf m",
+        ];
+        assert_eq!(lengths, expected);
+        assert_eq!(Unit::SECOND.format(86_400.0, 6), "86400 \"s\"");
+        assert_eq!(Unit::JOULE.format(7.5e12, 3), "7.5 \"TJ\"");
+    }
+
+    #[test]
+    fn times_have_the_decimals_of_a_step() {
+        let text = |rate: f64, duration: f64, time: f64| {
+            let format = TimeFormat::new(1.0 / rate, duration);
+            format!("{} {}", format.number(time), format.unit())
+        };
+        assert_eq!(text(60.0, 10.0, 1.25), "1.25 s");
+        assert_eq!(text(5.0, 10.0, 1.2), "1.2 s");
+        assert_eq!(text(1.0, 86_400.0, 86_399.0), "86399 s");
+        assert_eq!(text(1000.0, 2.0, 0.5), "0.500 s");
+        assert_eq!(text(1e6, 3e-4, 1.2e-5), "12 µs");
+        assert_eq!(text(1e7, 3e-4, -1.25e-5), "−12.5 µs");
     }
 
     #[test]

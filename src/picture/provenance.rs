@@ -1,7 +1,7 @@
 use super::option_line::OptionLine;
 use super::{
     Animation, CameraTarget, CollisionFigure, CollisionSelector, Error, Format, Look, Metadata, Page, ResolvedPicture,
-    Source, StatesFigure, Subject, Timing, Window,
+    Source, StatesFigure, StepRange, Subject, Timing, Window,
 };
 use super::{MAX_FRAMES_PER_STEP, MAX_HOLD, MIN_HOLD, SPEEDS};
 use crate::physics::Axis;
@@ -120,7 +120,9 @@ fn steps(subject: &Subject) -> String {
         Subject::Page { page, .. } => match page {
             Page::State { step, every: 1 } => step.to_string(),
             Page::State { step, every } => format!("{step} every {every}"),
-            Page::States { steps, every, .. } | Page::Energy { steps, every } => range(steps, *every),
+            Page::States { steps, .. } | Page::Energy { steps } => {
+                steps.iter().map(|one| range(&one.steps, one.every)).collect::<Vec<String>>().join(", ")
+            }
             Page::Collision { collisions, .. } => {
                 collisions.iter().map(|selector| selector.step.to_string()).collect::<Vec<String>>().join(", ")
             }
@@ -179,7 +181,11 @@ fn read_subject(steps: &str, options: &OptionLine, format: Format) -> Option<Sub
 }
 
 fn read_page(steps: &str, options: &OptionLine) -> Option<Page> {
-    let states = |figure| read_range(steps).map(|(steps, every)| Page::States { figure, steps, every });
+    let ranges = || {
+        let range = |text| read_range(text).map(|(steps, every)| StepRange { steps, every });
+        steps.split(", ").map(range).collect::<Option<Vec<StepRange>>>()
+    };
+    let states = |figure| ranges().map(|steps| Page::States { figure, steps });
     let collision = |figure| Some(Page::Collision { figure, collisions: read_collisions(steps, options)? });
     match options.get("figure") {
         None => {
@@ -193,7 +199,7 @@ fn read_page(steps: &str, options: &OptionLine) -> Option<Page> {
             states(StatesFigure::Spacetime(if options.get("axis")? == "x" { Axis::X } else { Axis::Y }))
         }
         Some("filmstrip") => states(StatesFigure::Filmstrip),
-        Some("energy") => read_range(steps).map(|(steps, every)| Page::Energy { steps, every }),
+        Some("energy") => ranges().map(|steps| Page::Energy { steps }),
         Some(_) => None,
     }
 }
@@ -282,7 +288,8 @@ mod tests {
             CollisionSelector { step: 3, pair: pair("c", "b b") },
             CollisionSelector { step: 4, pair: pair("x", "\"") },
         ];
-        let states = |figure| page(Page::States { figure, steps: 0..=60, every: 3 });
+        let steps = vec![StepRange { steps: 0..=60, every: 3 }, StepRange { steps: 0..=120, every: 6 }];
+        let states = |figure| page(Page::States { figure, steps: steps.clone() });
         let collision = |figure| page(Page::Collision { figure, collisions: collisions.clone() });
         let subjects = [
             page(Page::State { step: 7, every: 1 }),
@@ -292,7 +299,7 @@ mod tests {
             states(StatesFigure::Strobe),
             states(StatesFigure::Spacetime(Axis::Y)),
             states(StatesFigure::Filmstrip),
-            page(Page::Energy { steps: 0..=60, every: 3 }),
+            page(Page::Energy { steps: steps[..1].to_vec() }),
             collision(CollisionFigure::Stages),
             collision(CollisionFigure::Minkowski),
         ];

@@ -1,12 +1,14 @@
+use super::layers::contacts::contact_center;
 use super::source::{self, ReadExtent, ReadStatus};
 use super::{Error, Source};
-use crate::physics::{Body, BodyId, Collision, Engine, Observer, SolverKind, StepError, World};
+use crate::physics::{Axis, Body, BodyId, Collision, Engine, Observer, SolverKind, StepError, Vector, World, larger};
 use crate::picture::{AnimationSchedule, Appearance, Frame, Moment, Sprite, Trails};
 use crate::recording::Health;
-use crate::replay::{Replayer, Verdict};
-use std::collections::{BTreeMap, VecDeque};
+use crate::replay::{ALL_STEPS, Replayer, Verdict};
+use std::collections::{BTreeMap, VecDeque, btree_map::Entry};
 use std::fs::File;
 use std::io::BufReader;
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -26,10 +28,31 @@ impl Resimulation {
     /// # Errors
     /// If the recording cannot be read.
     pub fn start(source: &Source, schedule: AnimationSchedule, trails: Option<Trails>) -> Result<Resimulation, Error> {
-        let rate = schedule.grid.rate;
         let trail = trails.as_ref().map_or(0, Trails::steps);
         let first = schedule.moment(0).step.saturating_sub(trail.max(schedule.grid.every));
         let steps = first..=*schedule.grid.steps.end();
+        Resimulation::of_steps(steps, source, schedule, trails)
+    }
+
+    /// Prepares a replay of the whole run, which also finds the largest impulse; see [`Resimulation::finish_run`].
+    ///
+    /// # Errors
+    /// If the recording cannot be read.
+    pub fn of_whole_run(
+        source: &Source,
+        schedule: AnimationSchedule,
+        trails: Option<Trails>,
+    ) -> Result<Resimulation, Error> {
+        Resimulation::of_steps(ALL_STEPS, source, schedule, trails)
+    }
+
+    fn of_steps(
+        steps: RangeInclusive<u64>,
+        source: &Source,
+        schedule: AnimationSchedule,
+        trails: Option<Trails>,
+    ) -> Result<Resimulation, Error> {
+        let rate = schedule.grid.rate;
         let replayer = Replayer::new(source::open(&source.path)?, steps).map_err(|error| source.read_error(error))?;
         let recorder = FrameRecorder {
             ready: VecDeque::new(),
@@ -39,10 +62,20 @@ impl Resimulation {
             appearances: source.appearances()?,
             next_frame: 0,
             schedule,
-            pending_collisions: Vec::new(),
+            pending_collisions: PendingCollisions::new(source.world()),
             shown_until: 0.0,
+            max_impulse: 0.0,
         };
         Ok(Resimulation { path: source.path.clone(), replayer, recorder, health: Health::Complete, is_finished: false })
+    }
+
+    /// Replays the rest of the steps and returns the largest impulse of all of them, N·s.
+    ///
+    /// # Errors
+    /// If the recording cannot be read or diverges.
+    pub fn finish_run(&mut self) -> Result<f64, Error> {
+        while self.next().transpose()?.is_some() {}
+        Ok(self.recorder.max_impulse)
     }
 
     /// The health of the recording as far as it was read; final after the last frame.
@@ -93,6 +126,49 @@ impl Iterator for Resimulation {
     }
 }
 
+/// The collisions to be shown in the next frame. Of those of one pair that are indistinguishable on any page, only the
+/// one with the largest impulse is kept, so memory is bounded by the page and not by the number of collisions.
+struct PendingCollisions {
+    collisions: Vec<Collision>,
+    /// The index of the collision of a pair, along an axis, at a place in cells.
+    index: BTreeMap<([BodyId; 2], Axis, [i64; 2]), usize>,
+    /// Width of a cell, m.
+    cell: f64,
+}
+
+/// The number of cells along the longer side of the world: the largest size of a page, px.
+const CELLS: f64 = 16_384.0;
+
+impl PendingCollisions {
+    fn new(world: Vector) -> PendingCollisions {
+        PendingCollisions { collisions: Vec::new(), index: BTreeMap::new(), cell: larger(world.x, world.y) / CELLS }
+    }
+
+    fn take(&mut self) -> Vec<Collision> {
+        self.index.clear();
+        std::mem::take(&mut self.collisions)
+    }
+}
+
+impl Observer for PendingCollisions {
+    fn collision(&mut self, collision: &Collision) {
+        let at = contact_center(&collision.rects);
+        let place = [at.x, at.y].map(|at| (at / self.cell).floor() as i64);
+        match self.index.entry((collision.bodies, collision.axis, place)) {
+            Entry::Occupied(kept) => {
+                let kept = &mut self.collisions[*kept.get()];
+                if collision.impulse.abs() > kept.impulse.abs() {
+                    *kept = collision.clone();
+                }
+            }
+            Entry::Vacant(free) => {
+                free.insert(self.collisions.len());
+                self.collisions.push(collision.clone());
+            }
+        }
+    }
+}
+
 /// Receives the collisions and states of the replay and records the frames of a schedule.
 struct FrameRecorder {
     /// Frames recorded but not yet returned; at most those of one step.
@@ -105,15 +181,33 @@ struct FrameRecorder {
     next_frame: u64,
     schedule: AnimationSchedule,
     /// Collisions since the last frame.
-    pending_collisions: Vec<Collision>,
+    pending_collisions: PendingCollisions,
     /// Collisions of the current step up to this time after its start were shown already, s.
     shown_until: f64,
+    /// The largest impulse so far, N·s.
+    max_impulse: f64,
 }
 
 impl Observer for FrameRecorder {
     fn collision(&mut self, collision: &Collision) {
+        self.max_impulse = larger(collision.impulse.abs(), self.max_impulse);
+        if self.next_frame < self.schedule.count() {
+            Unseen { shown_until: self.shown_until, pending: &mut self.pending_collisions }.collision(collision);
+        }
+    }
+}
+
+/// Keeps the collisions of a step that no frame has shown.
+struct Unseen<'a> {
+    /// Collisions up to this time after the start of the step were shown, s.
+    shown_until: f64,
+    pending: &'a mut PendingCollisions,
+}
+
+impl Observer for Unseen<'_> {
+    fn collision(&mut self, collision: &Collision) {
         if collision.time > self.shown_until || self.shown_until == 0.0 {
-            self.pending_collisions.push(collision.clone());
+            self.pending.collision(collision);
         }
     }
 }
@@ -140,7 +234,7 @@ impl FrameRecorder {
         }
         // The first frame shows the collisions of one frame interval, as every other frame does.
         if self.next_frame == 0 && step + self.schedule.grid.every <= self.schedule.moment(0).step {
-            self.pending_collisions.clear();
+            self.pending_collisions.take();
         }
         Ok(())
     }
@@ -152,13 +246,9 @@ impl FrameRecorder {
         moment: Moment,
         sprites_at_step: &[Sprite],
     ) -> Result<Frame, StepError> {
-        let mut collisions = std::mem::take(&mut self.pending_collisions);
         let sprites = if moment.offset > 0.0 {
-            let mut upcoming = Vec::new();
-            let world = engine.world_after(moment.offset, &mut upcoming)?;
-            collisions.extend(
-                upcoming.into_iter().filter(|collision| collision.time > self.shown_until || self.shown_until == 0.0),
-            );
+            let mut unseen = Unseen { shown_until: self.shown_until, pending: &mut self.pending_collisions };
+            let world = engine.world_after(moment.offset, &mut unseen)?;
             self.shown_until = moment.offset;
             let mut sprites = self.sprites(&world);
             if let Some(trails) = &self.trails {
@@ -166,9 +256,12 @@ impl FrameRecorder {
             }
             sprites
         } else {
-            self.add_detected(engine, &mut collisions)?;
             sprites_at_step.to_vec()
         };
+        let mut collisions = self.pending_collisions.take();
+        if moment.offset == 0.0 {
+            self.add_detected(engine, &mut collisions)?;
+        }
         let time = moment.step as f64 / self.rate + moment.offset;
         Ok(Frame { step: moment.step, time, sprites, collisions })
     }

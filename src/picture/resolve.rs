@@ -2,9 +2,10 @@ use super::MAX_FRAMES_PER_STEP;
 use super::collisions::{collision_selector, find_collision};
 use super::{
     Animation, AnimationFormat, CameraTarget, CollisionFigure, Error, Look, Page, PictureOptions, Progress,
-    ResolvedPicture, Source, StatesFigure, StepGrid, StillFormat, Subject, Thinning, Timing, Window,
+    ResolvedPicture, Source, StatesFigure, StepGrid, StepRange, StillFormat, Subject, Thinning, Timing, Window,
 };
 use crate::physics::{Rect, Vector, larger, smaller};
+use crate::picture_options::StepOrTime;
 use crate::text::counted;
 use std::ops::RangeInclusive;
 
@@ -14,8 +15,8 @@ use std::ops::RangeInclusive;
 pub enum SubjectOptions {
     /// One state.
     State {
-        /// The step of the state.
-        step: u64,
+        /// The step of the state, or the state nearest to a time.
+        step: StepOrTime,
         /// The format.
         format: StillFormat,
     },
@@ -42,7 +43,7 @@ pub enum FigureOptions {
         /// The kind of figure.
         figure: CollisionFigure,
         /// Shows the first collision in or after this step.
-        step: u64,
+        step: StepOrTime,
         /// The names of the two bodies; any pair if `None`.
         pair: Option<[String; 2]>,
     },
@@ -82,7 +83,8 @@ impl PictureOptions {
         let options = self.clone().or_scene(sources)?;
         let subject = match subject {
             SubjectOptions::State { step, format } => {
-                Subject::Page { page: state(*step, only_source(sources)?)?, format: *format }
+                let source = only_source(sources)?;
+                Subject::Page { page: state(step.step(source.header.config.rate), source)?, format: *format }
             }
             SubjectOptions::Figure { figure, format } => {
                 Subject::Page { page: options.figure(figure, sources, progress)?, format: *format }
@@ -193,8 +195,10 @@ impl PictureOptions {
             (None, None) => Thinning::All,
         };
         let last = last_step(source)?;
-        let to = self.to.map_or(last, |to| to.min(last));
-        let grid = StepGrid::new(self.from.unwrap_or(0)..=to, source.header.config.rate, thinning);
+        let rate = source.header.config.rate;
+        let (from, to) =
+            (self.from.map_or(0, |from| from.step(rate)), self.to.map_or(last, |to| to.step(rate).min(last)));
+        let grid = StepGrid::new(from..=to, rate, thinning);
         non_empty(grid.restrict_to_every(source.header.every), source)
     }
 
@@ -203,47 +207,55 @@ impl PictureOptions {
             FigureOptions::Collision { figure, step, pair } => {
                 let mut collisions = Vec::new();
                 for source in sources {
-                    collisions.push(collision_selector(&find_collision(source, *step, pair.as_ref(), progress)?));
+                    let step = step.step_before(source.header.config.rate);
+                    collisions.push(collision_selector(&find_collision(source, step, pair.as_ref(), progress)?));
                 }
                 Ok(Page::Collision { figure: *figure, collisions })
             }
-            // A filmstrip or strobe shows few instants; a diagram needs many for a smooth line.
+            // A filmstrip or strobe shows few instants; a diagram keeps all states that its page can show.
             FigureOptions::States(figure) => {
-                let count = match figure {
-                    StatesFigure::Filmstrip => 6,
-                    StatesFigure::Strobe => 16,
-                    StatesFigure::Spacetime(_) => DIAGRAM_STATES,
+                let steps = match figure {
+                    StatesFigure::Filmstrip => self.common_steps(Some(6), sources),
+                    StatesFigure::Strobe => self.common_steps(Some(16), sources),
+                    StatesFigure::Spacetime(_) => self.common_steps(None, sources),
                 };
-                let StepGrid { steps, every, .. } = self.common_grid(count, sources)?;
-                Ok(Page::States { figure: *figure, steps, every })
+                Ok(Page::States { figure: *figure, steps: steps? })
             }
-            FigureOptions::Energy => {
-                let StepGrid { steps, every, .. } = self.common_grid(DIAGRAM_STATES, sources)?;
-                Ok(Page::Energy { steps, every })
-            }
+            FigureOptions::Energy => Ok(Page::Energy { steps: self.common_steps(None, sources)? }),
         }
     }
 
-    /// About `count` steps that all recordings contain, unless `every` is given.
-    fn common_grid(&self, count: u64, sources: &[Source]) -> Result<StepGrid, Error> {
-        // Runs shown side by side end with the shortest one.
-        let mut last = u64::MAX;
+    /// The steps of each recording in the time that all of them contain: all steps, or about `count` at common
+    /// instants, unless `every` is given. Returns one range if it applies to all.
+    fn common_steps(&self, count: Option<u64>, sources: &[Source]) -> Result<Vec<StepRange>, Error> {
+        // Runs shown side by side end with the one that is the shortest in time.
+        let [mut from, mut to] = [0.0, f64::INFINITY];
         for source in sources {
-            last = last_step(source)?.min(last);
+            let (rate, last) = (source.header.config.rate, last_step(source)?);
+            from = larger(self.from.map_or(0, |from| from.step(rate)) as f64 / rate, from);
+            to = smaller(self.to.map_or(last, |to| to.step(rate).min(last)) as f64 / rate, to);
         }
-        let from = self.from.unwrap_or(0);
-        let to = self.to.map_or(last, |to| to.min(last));
-        let every = to.saturating_sub(from).div_ceil(count - 1).max(1);
-        let mut grid = StepGrid::new(from..=to, 1.0, Thinning::Every(self.every.unwrap_or(every)));
+        let slowest = sources.iter().map(|source| source.header.config.rate).fold(f64::INFINITY, smaller);
+        let interval = |count: u64| ((to - from) * slowest / (count - 1) as f64 - 1e-9).ceil().max(1.0) / slowest;
+        let mut ranges = Vec::new();
         for source in sources {
-            grid = grid.restrict_to_every(source.header.every);
+            let rate = source.header.config.rate;
+            let steps = (from * rate - 1e-9).ceil() as u64..=(to * rate * (1.0 + 1e-12) + 1e-9) as u64;
+            let every = match (self.every, count) {
+                (Some(every), _) => every,
+                (None, Some(count)) => (interval(count) * rate).round() as u64,
+                (None, None) => 1,
+            };
+            let grid = StepGrid::new(steps, rate, Thinning::Every(every)).restrict_to_every(source.header.every);
+            let StepGrid { steps, every, .. } = non_empty(grid, source)?;
+            ranges.push(StepRange { steps, every });
         }
-        non_empty(grid, &sources[0])
+        if ranges.iter().all(|range| *range == ranges[0]) {
+            ranges.truncate(1);
+        }
+        Ok(ranges)
     }
 }
-
-/// The number of states in a diagram over time.
-const DIAGRAM_STATES: u64 = 2000;
 
 fn follow(name: &str, window: Option<Window>, sources: &[Source]) -> Result<CameraTarget, Error> {
     let is_missing = |source: &&Source| !source.statistics.names.iter().any(|existing| existing == name);

@@ -63,18 +63,23 @@ pub enum Page {
     States {
         /// The kind of figure.
         figure: StatesFigure,
-        /// The first and the last step that may be shown.
-        steps: RangeInclusive<u64>,
-        /// Steps from one state to the next.
-        every: u64,
+        /// The steps of each recording, or of all of them if there is one range only.
+        steps: Vec<StepRange>,
     },
     /// Energy and momentum against time.
     Energy {
-        /// The first and the last step that may be shown.
-        steps: RangeInclusive<u64>,
-        /// Steps from one state to the next.
-        every: u64,
+        /// The steps of each recording, or of all of them if there is one range only.
+        steps: Vec<StepRange>,
     },
+}
+
+/// The steps of a recording that a figure shows.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct StepRange {
+    /// The first and the last step that may be shown.
+    pub steps: RangeInclusive<u64>,
+    /// Steps from one state to the next; only steps that are a multiple of it are shown.
+    pub every: u64,
 }
 
 /// The steps and times that an animation, a video or a sequence of pictures shows.

@@ -1,14 +1,14 @@
-use super::figures::EnergySample;
-use super::{Appearance, Error, RunStatistics, StepGrid};
+use super::figures::CollisionSubject;
+use super::{Appearance, Error, RunStatistics};
 use crate::physics::{Body, BodyId, EngineConfig, Material, Vector, World};
-use crate::recording::{self, Change, Header, Health, Playback, RecordedEvent, Recording, SampledBody, SampledState};
+use crate::recording::{self, Change, Header, Health, RecordedEvent, Recording, SampledBody, SampledState};
 use crate::scene::{self, Scene};
 use crate::text::counted;
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{self, BufReader, Read};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 /// A recording to draw.
 #[derive(Clone, Debug)]
@@ -21,6 +21,8 @@ pub struct Source {
     pub scene: Scene,
     /// Statistics of the whole run.
     pub statistics: RunStatistics,
+    /// Collisions that were found by a replay, so that drawing needs no second one.
+    pub(super) found_collisions: Arc<Mutex<Vec<CollisionSubject>>>,
 }
 
 impl Source {
@@ -33,7 +35,7 @@ impl Source {
         let text = header.scene.clone().unwrap_or_default();
         let scene = scene::parse(&text.file_name, &text.text)?;
         let statistics = RunStatistics::read(path, Vector::new(scene.size[0], scene.size[1]))?;
-        Ok(Source { path: path.into(), header, scene, statistics })
+        Ok(Source { path: path.into(), header, scene, statistics, found_collisions: Arc::default() })
     }
 
     /// Returns true if the file at `path` is a recording, false if it is a scene. A file is a recording if it begins
@@ -52,33 +54,15 @@ impl Source {
         Vector::new(self.scene.size[0], self.scene.size[1])
     }
 
+    /// The time of the last state, s.
+    pub fn duration(&self) -> f64 {
+        self.statistics.last_step.unwrap_or(0) as f64 / self.header.config.rate
+    }
+
     /// The title of the recording in a picture of several recordings: that of its scene, else the scene's file name.
     pub fn title(&self) -> &str {
         let file = self.header.scene.as_ref().map_or("", |scene| &scene.file_name);
         self.scene.title.as_deref().unwrap_or(file.strip_suffix(".toml").unwrap_or(file))
-    }
-
-    /// Energy and momentum of the recorded states on `grid`, and the health of the recording.
-    ///
-    /// # Errors
-    /// If the recording cannot be read.
-    pub(super) fn energies(&self, grid: &StepGrid) -> Result<(Vec<EnergySample>, ReadStatus), Error> {
-        let mut playback = Playback::new(open(&self.path)?);
-        playback.seek(*grid.steps.start()).map_err(|error| self.read_error(error))?;
-        let config = &self.header.config;
-        let mut samples = Vec::new();
-        let mut extent = ReadExtent::End;
-        for state in playback.by_ref() {
-            let state = state.map_err(|error| self.read_error(error))?;
-            if state.step > *grid.steps.end() {
-                extent = ReadExtent::LastStep;
-                break;
-            }
-            if grid.contains(state.step) {
-                samples.push(EnergySample::of(&recorded_world(&state, config), state.time));
-            }
-        }
-        Ok((samples, ReadStatus { path: self.path.clone(), health: playback.health(), extent }))
     }
 
     /// The appearance of every body that is ever spawned.

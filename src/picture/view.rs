@@ -1,4 +1,6 @@
 use crate::physics::{Rect, Vector, larger, smaller};
+use crate::picture::layers::footer::strip_heights;
+use crate::picture::number::TimeFormat;
 use crate::picture::raster::color::Palette;
 use crate::picture::{Camera, ColorBy, Frame, Look, Overlay, RenderError, Theme};
 
@@ -23,7 +25,7 @@ impl View {
         let Look { theme, size, camera_target: target, .. } = &style.look;
         let [width, height] = size.map(f64::from);
         let metrics = DrawingMetrics::new(*theme, *size);
-        let [left, below] = margins(&style, &metrics, smaller(width, height));
+        let [left, below] = margins(&style, &metrics);
         let viewport = Rect::new(Vector::new(left, 0.0), larger(width - left, 1.0), larger(height - below, 1.0));
         let camera = Camera::new(world, target, *size, viewport)?;
         let follow = target.followed_body().map(str::to_owned);
@@ -42,15 +44,13 @@ impl View {
 }
 
 /// Space reserved on the left and below, px.
-fn margins(style: &Style, metrics: &DrawingMetrics, shorter: f64) -> [f64; 2] {
-    let strip = (shorter / 18.0).floor();
-    let footer = if style.has_footer() { strip } else { 0.0 };
-    let caption = if style.look.caption.is_empty() { 0.0 } else { strip };
+fn margins(style: &Style, metrics: &DrawingMetrics) -> [f64; 2] {
+    let [info, caption] = strip_heights(style, metrics);
     let [left, axis] = match style.shows(Overlay::Axes) {
         true => [(3.2 * metrics.font_size).round(), (1.6 * metrics.font_size).round()],
         false => [0.0, 0.0],
     };
-    [left, footer + caption + axis]
+    [left, info + caption + axis]
 }
 
 /// The style of a picture, the same for every frame of an animation.
@@ -69,6 +69,8 @@ pub struct Style {
     pub top_impulse: f64,
     /// Number of bodies of the whole run; velocity and force arrows are shorter if there are many.
     pub body_count: u32,
+    /// The format of simulated times, common to all frames.
+    pub time_format: TimeFormat,
     /// The materials of the run in the order of the legend and of the palette colours.
     pub materials: Vec<String>,
 }
@@ -94,6 +96,7 @@ impl Default for Style {
             top_force: 10.0,
             top_impulse: 10.0,
             body_count: 0,
+            time_format: TimeFormat::default(),
             materials: Vec::new(),
         }
     }

@@ -2,9 +2,11 @@
 
 use crate::reference_image::assert_reference_image;
 use rebond::internals::physics::{
-    Collision, Engine, EngineConfig, Event, Rect, Restitution, SolverKind, Spawn, Vector, invariants,
+    Collision, Engine, EngineConfig, Event, Rect, Restitution, SolverKind, Spawn, Vector,
 };
-use rebond::internals::picture::figures::{self, Axis, CollisionSubject, EnergyRun, EnergySample, FigureRun};
+use rebond::internals::picture::figures::{
+    self, Axis, CollisionSubject, EnergyRun, EnergySample, FigureRun, Range, SpacetimeRun,
+};
 use rebond::internals::picture::{
     Appearance, CameraTarget, DisplayList, Frame, Look, Metadata, Overlay, Painter, Shape, Sprite, Style, Theme, svg,
 };
@@ -78,8 +80,7 @@ impl RunStates {
         };
         let sprites = world.bodies.iter().map(sprite).collect();
         self.frames.push(Frame { step, time, sprites, collisions: Vec::new() });
-        let (kinetic, potential) = (invariants::kinetic_energy(world), invariants::potential_energy(world));
-        self.energy.push(EnergySample { time, kinetic, potential, momentum: invariants::momentum(world) });
+        self.energy.push(EnergySample::of(world, time));
     }
 
     /// Every `steps`-th frame.
@@ -88,7 +89,22 @@ impl RunStates {
     }
 
     fn energies(&self) -> EnergyRun {
-        EnergyRun { title: String::new(), samples: self.energy.clone() }
+        let has_potential = self.energy.iter().any(|sample| sample.potential != 0.0);
+        let mut run = EnergyRun::new(String::new(), 0.0, has_potential);
+        self.energy.iter().for_each(|sample| run.push(sample));
+        run
+    }
+
+    fn spacetime(&self, axis: Axis) -> SpacetimeRun {
+        let mut run = SpacetimeRun::new(String::new(), WORLD, axis, 0.0);
+        for frame in &self.frames {
+            frame.sprites.iter().for_each(|sprite| run.push(frame.time, sprite, &Style::default()));
+        }
+        run
+    }
+
+    fn time(&self) -> Range {
+        Range { from: 0.0, to: self.frames.last().unwrap().time }
     }
 
     /// The first collision with an impulse, and its bodies.
@@ -137,9 +153,9 @@ fn figures(theme: Theme) -> Vec<(&'static str, DisplayList)> {
         ("minkowski-close", figures::minkowski(&fall_subjects, &captioned)),
         ("strobe", figures::strobe(&[fall.every_nth(6)], &captioned)),
         ("filmstrip", figures::filmstrip(&[fall.every_nth(20)], &captioned)),
-        ("spacetime-x", figures::spacetime(&[fall.every_nth(1)], Axis::X, &plain)),
-        ("spacetime-y", figures::spacetime(&[fall.every_nth(1)], Axis::Y, &captioned)),
-        ("energy", figures::energy(&[fall.energies()], &captioned)),
+        ("spacetime-x", figures::spacetime(&[fall.spacetime(Axis::X)], fall.time(), Axis::X, &plain)),
+        ("spacetime-y", figures::spacetime(&[fall.spacetime(Axis::Y)], fall.time(), Axis::Y, &captioned)),
+        ("energy", figures::energy(&[fall.energies()], fall.time(), &captioned)),
     ]
 }
 
@@ -152,7 +168,17 @@ fn side_by_side(theme: Theme) -> Vec<(&'static str, DisplayList)> {
     let both = solvers.map(|(title, solver)| (title.to_owned(), run_with(solver, &bodies, None, 20.0, 12)));
     let runs = both.each_ref().map(|(title, run)| FigureRun { title: title.clone(), ..run.every_nth(1) });
     let strips = both.each_ref().map(|(title, run)| FigureRun { title: title.clone(), ..run.every_nth(4) });
-    let energies = both.each_ref().map(|(title, run)| EnergyRun { title: title.clone(), ..run.energies() });
+    let energies = both.each_ref().map(|(title, run)| {
+        let mut energies = run.energies();
+        energies.title.clone_from(title);
+        energies
+    });
+    let bands = both.each_ref().map(|(title, run)| {
+        let mut bands = run.spacetime(Axis::X);
+        bands.title.clone_from(title);
+        bands
+    });
+    let time = both[0].1.time();
     let subjects =
         both.each_ref().map(|(title, run)| CollisionSubject { title: title.clone(), ..run.first_collision() });
     let options = options(theme, "One shot, two solvers");
@@ -161,8 +187,8 @@ fn side_by_side(theme: Theme) -> Vec<(&'static str, DisplayList)> {
         ("minkowski", figures::minkowski(&subjects, &options)),
         ("strobe", figures::strobe(&runs, &options)),
         ("filmstrip", figures::filmstrip(&strips, &options)),
-        ("spacetime", figures::spacetime(&runs, Axis::X, &options)),
-        ("energy", figures::energy(&energies, &options)),
+        ("spacetime", figures::spacetime(&bands, time, Axis::X, &options)),
+        ("energy", figures::energy(&energies, time, &options)),
     ]
 }
 
@@ -250,8 +276,8 @@ fn figures_without_data_have_only_a_caption() {
         figures::minkowski(&[], &options),
         figures::strobe(&[], &options),
         figures::filmstrip(&[], &options),
-        figures::spacetime(&[], Axis::X, &options),
-        figures::energy(&[], &options),
+        figures::spacetime(&[], Range { from: 0.0, to: 1.0 }, Axis::X, &options),
+        figures::energy(&[], Range { from: 0.0, to: 1.0 }, &options),
     ] {
         assert_eq!(list.leaves().count(), 1, "{list}");
     }
@@ -272,16 +298,20 @@ fn extreme_coordinates_do_not_crash_a_figure() {
         let mut frame = run.frames[0].clone();
         frame.sprites[3].rect.origin = vector;
         let sample = EnergySample { time: coordinate, kinetic: coordinate, potential: -coordinate, momentum: vector };
-        let runs = [FigureRun { title: String::new(), world: WORLD, frames: vec![frame.clone(), frame] }];
-        let samples = [EnergyRun { title: String::new(), samples: vec![sample, sample] }];
+        let runs = [FigureRun { title: String::new(), world: WORLD, frames: vec![frame.clone(), frame.clone()] }];
+        let mut energy = EnergyRun::new(String::new(), 0.0, true);
+        (0..2).for_each(|_| energy.push(&sample));
+        let mut bands = SpacetimeRun::new(String::new(), WORLD, Axis::Y, 0.0);
+        frame.sprites.iter().for_each(|sprite| bands.push(coordinate, sprite, &Style::default()));
+        let time = Range { from: 0.0, to: coordinate };
         let (subjects, options) = ([extreme], options(Theme::Dark, ""));
         for list in [
             figures::collision(&subjects, &options),
             figures::minkowski(&subjects, &options),
             figures::strobe(&runs, &options),
             figures::filmstrip(&runs, &options),
-            figures::spacetime(&runs, Axis::Y, &options),
-            figures::energy(&samples, &options),
+            figures::spacetime(&[bands], time, Axis::Y, &options),
+            figures::energy(&[energy], time, &options),
         ] {
             Painter::new().draw(&list);
         }

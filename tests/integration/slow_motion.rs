@@ -47,7 +47,11 @@ fn delays(file: &[u8]) -> Vec<u16> {
 fn slow_motion_of_the_event_driven_solver_shows_instants_between_steps() {
     let workplace = workplace("event-driven");
     let output = workplace.done("render run.mcap -o slow.gif --slow 0.2 --fps 10").output;
-    assert_eq!(output, "slow.gif: 5 frames per step, 10 frames/s, 0.2 × real time\n");
+    assert!(
+        output.starts_with("slow.gif: ")
+            && output.ends_with(" frames, 5 frames per step, 10 frames/s, 0.2 × real time\n"),
+        "{output}"
+    );
     assert_eq!(delays(&workplace.read("slow.gif")), [10; 61], "12 steps of 5 frames each and the last state");
 }
 
@@ -55,7 +59,10 @@ fn slow_motion_of_the_event_driven_solver_shows_instants_between_steps() {
 fn slow_motion_of_the_handout_solver_shows_each_state_longer() {
     let workplace = workplace("handout");
     let output = workplace.done("render run.mcap -o slow.gif --slow 0.2 --fps 10").output;
-    assert_eq!(output, "slow.gif: every step, 2 frames/s, 0.2 × real time\n");
+    assert!(
+        output.starts_with("slow.gif: ") && output.ends_with(" frames, every step, 2 frames/s, 0.2 × real time\n"),
+        "{output}"
+    );
     assert_eq!(delays(&workplace.read("slow.gif")), [50; 13]);
 }
 
@@ -63,7 +70,11 @@ fn slow_motion_of_the_handout_solver_shows_each_state_longer() {
 fn an_animation_freezes_at_the_instant_of_an_impact() {
     let workplace = workplace("event-driven");
     let output = workplace.done("render run.mcap -o held.gif --hold 0.5 at collisions --fps 10").output;
-    assert_eq!(output, "held.gif: every step, 10 frames/s, 1 freeze frame of 0.5 s\n");
+    assert!(
+        output.starts_with("held.gif: ")
+            && output.ends_with(" frames, every step, 10 frames/s, 1 freeze frame of 0.5 s\n"),
+        "{output}"
+    );
     let delays = delays(&workplace.read("held.gif"));
     // The impact is 0.025 s after step 4. Its frame is shown for the rest of the step and another 0.5 s.
     assert_eq!(delays, [10, 10, 10, 10, 3, 57, 10, 10, 10, 10, 10, 10, 10, 10]);
@@ -100,7 +111,11 @@ fn a_freeze_frame_of_the_handout_solver_is_at_a_state() {
         SCENE.replace("event-driven", "handout").replace("rate = 10", "rate = 100").replace("steps = 12", "steps = 60");
     let workplace = Workplace::with_scene(&scene);
     let output = workplace.done("render scene.toml -o held.gif --hold 0.5 at collisions --fps 50").output;
-    assert_eq!(output, "held.gif: every 2nd step, 50 frames/s, 1 freeze frame of 0.5 s\n");
+    assert!(
+        output.starts_with("held.gif: ")
+            && output.ends_with(" frames, every 2nd step, 50 frames/s, 1 freeze frame of 0.5 s\n"),
+        "{output}"
+    );
     let longest = delays(&workplace.read("held.gif")).into_iter().max();
     assert!(longest.is_some_and(|longest| (51..=52).contains(&longest)), "{longest:?}");
 }

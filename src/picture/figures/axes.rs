@@ -2,7 +2,7 @@
 
 use super::panels::outline;
 use crate::physics::{Rect, Vector, larger, smaller};
-use crate::picture::number::{log10, multiples_within, nice_spacing, tick_label};
+use crate::picture::number::{ScaledUnit, Unit, log10, multiples_within, nice_spacing, tick_label};
 use crate::picture::text::Line;
 use crate::picture::{DrawingMetrics, Ink, Shape};
 
@@ -20,7 +20,12 @@ pub struct Axes {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Scale {
     /// Equal differences have equal lengths.
-    Linear(Range),
+    Linear {
+        /// The values at both ends, in SI units.
+        range: Range,
+        /// The unit of the labels.
+        unit: ScaledUnit,
+    },
     /// Equal ratios have equal lengths.
     Log {
         /// The exponents of ten at both ends.
@@ -82,6 +87,19 @@ pub struct AxisTitles<'a> {
 const ZERO_FRACTION: f64 = 0.12;
 
 impl Scale {
+    /// The linear scale of a quantity, with the prefix of its unit that suits the range.
+    pub fn linear(range: Range, unit: Unit) -> Scale {
+        Scale::Linear { range, unit: unit.for_size(larger(range.from.abs(), range.to.abs())) }
+    }
+
+    /// The title of an axis: the symbol of its quantity, divided by the unit of a linear scale.
+    pub fn title(self, symbol: &str) -> String {
+        match self {
+            Scale::Linear { unit, .. } => format!("{symbol} / \"{unit}\""),
+            Scale::Log { .. } => symbol.to_owned(),
+        }
+    }
+
     /// The logarithmic scale of the whole decades that contain the positive values, at least two decades long.
     pub fn log(values: impl Iterator<Item = f64> + Clone) -> Scale {
         let has_zero = values.clone().any(|value| value == 0.0);
@@ -96,7 +114,7 @@ impl Scale {
     /// The position of a value between the ends, 0 to 1.
     fn fraction(self, value: f64) -> f64 {
         match self {
-            Scale::Linear(range) => range.fraction(value),
+            Scale::Linear { range, .. } => range.fraction(value),
             Scale::Log { decades, has_zero } => {
                 let start = if has_zero { ZERO_FRACTION } else { 0.0 };
                 if value == 0.0 { start / 2.0 } else { start + (1.0 - start) * decades.fraction(log10(value)) }
@@ -107,7 +125,7 @@ impl Scale {
     /// Ticks at round values, approximately `max_count` at most.
     fn ticks(self, max_count: f64) -> Vec<Tick> {
         match self {
-            Scale::Linear(range) => linear_ticks(range, max_count),
+            Scale::Linear { range, unit } => linear_ticks(range, unit, max_count),
             Scale::Log { decades, has_zero } => {
                 let zero = has_zero.then(|| Tick { value: 0.0, label: "0".to_owned() });
                 zero.into_iter().chain(decade_ticks(decades, max_count)).collect()
@@ -122,7 +140,7 @@ impl Axes {
         let (below, above) = (2.4 * metrics.font_size, 1.5 * metrics.font_size);
         let height = panel.height() - above - below;
         let max_ticks = match y {
-            Scale::Linear(_) => height,
+            Scale::Linear { .. } => height,
             Scale::Log { .. } => panel.height(),
         } / (TICK_HEIGHT * metrics.font_size);
         let widths = y.ticks(max_ticks).into_iter().map(|tick| tick.line(metrics).width);
@@ -131,6 +149,12 @@ impl Axes {
         let far = near.add(Vector::new(panel.width() - left - right - 0.5 * metrics.font_size, height));
         let near = Vector::new(near.x.round(), near.y.round());
         Axes { plot_area: Rect::new(near, far.x.round() - near.x, far.y.round() - near.y), x, y }
+    }
+
+    /// The axes with the left border of the plot area moved to `left`, px.
+    pub fn from_left(self, left: f64) -> Axes {
+        let (near, far) = (Vector::new(left, self.plot_area.origin.y), self.plot_area.far_corner());
+        Axes { plot_area: Rect::new(near, far.x - near.x, far.y - near.y), ..self }
     }
 
     /// The page position of a point, px.
@@ -147,7 +171,7 @@ impl Axes {
         let [grid, muted] = [metrics.palette.grid, metrics.palette.muted].map(Ink::from);
         // Powers of ten are narrower than decimal numbers, and the titles of logarithmic axes are longer.
         let (tick_width, title_size) = match self.x {
-            Scale::Linear(_) => (5.0, 0.9 * font_size),
+            Scale::Linear { .. } => (5.0, 0.9 * font_size),
             Scale::Log { .. } => (4.0, 0.85 * font_size),
         };
         for tick in self.x.ticks(area.width() / (tick_width * font_size)) {
@@ -174,16 +198,10 @@ impl Axes {
         shapes.push(Shape::Text { line, at: above, ink });
     }
 
-    /// A curve through points, clipped to the plot area. Points closer than half a pixel to the one before are dropped.
+    /// A curve through points, clipped to the plot area.
     pub fn curve(&self, points: impl Iterator<Item = [f64; 2]>, width: f64, ink: Ink) -> Shape {
-        let mut vertices: Vec<Vector> = Vec::new();
-        for [x, y] in points {
-            let at = self.point(x, y);
-            let is_distinct = vertices.last().is_none_or(|last| at.sub(*last).norm() >= 0.5);
-            if is_distinct && at.is_finite() {
-                vertices.push(at);
-            }
-        }
+        let mut vertices: Vec<Vector> = points.map(|[x, y]| self.point(x, y)).filter(|at| at.is_finite()).collect();
+        vertices.dedup();
         Shape::Clip { window: self.plot_area, shapes: vec![Shape::Polyline { points: vertices, width, ink }] }
     }
 }
@@ -203,11 +221,16 @@ impl Tick {
 }
 
 /// Ticks at multiples of 1, 2 or 5 × 10ⁿ within a range.
-fn linear_ticks(range: Range, max_count: f64) -> Vec<Tick> {
+fn linear_ticks(range: Range, unit: ScaledUnit, max_count: f64) -> Vec<Tick> {
     let (low, high) = (smaller(range.from, range.to), larger(range.from, range.to));
-    let spacing = nice_spacing((high - low) / larger(max_count, 2.0));
-    let power = PowerOfTen::of(larger(low.abs(), high.abs()), spacing);
-    let tick = |value| Tick { value, label: power.label(value, spacing) };
+    let mut spacing = nice_spacing((high - low) / larger(max_count, 2.0));
+    // One tick gives no scale. Within a range there are always two multiples of a quarter of it.
+    while multiples_within([low, high], spacing, 0.0).nth(1).is_none() && spacing > (high - low) / 4.0 {
+        spacing = nice_spacing(spacing / 2.5);
+    }
+    let scaled_spacing = unit.scaled(spacing);
+    let power = PowerOfTen::of(unit.scaled(larger(low.abs(), high.abs())), scaled_spacing);
+    let tick = |value| Tick { value, label: power.label(unit.scaled(value), scaled_spacing) };
     multiples_within([low, high], spacing, 0.0).take(100).map(tick).collect()
 }
 
@@ -215,8 +238,10 @@ fn linear_ticks(range: Range, max_count: f64) -> Vec<Tick> {
 fn decade_ticks(decades: Range, max_count: f64) -> impl Iterator<Item = Tick> {
     let length = decades.to - decades.from;
     let spacing = [1.0, 2.0, 3.0, 5.0, 10.0, 20.0, 50.0].into_iter().find(|spacing| length / spacing <= max_count);
-    let exponents = multiples_within([decades.from, decades.to], spacing.unwrap_or(100.0), 0.0);
-    exponents.map(|exponent| Tick { value: power_of_ten(exponent), label: power_label(exponent) })
+    let exponents: Vec<f64> = multiples_within([decades.from, decades.to], spacing.unwrap_or(100.0), 0.0).collect();
+    // One tick gives no scale.
+    let exponents = if exponents.len() < 2 { vec![decades.from, decades.to] } else { exponents };
+    exponents.into_iter().map(|exponent| Tick { value: power_of_ten(exponent), label: power_label(exponent) })
 }
 
 fn power_label(exponent: f64) -> String {

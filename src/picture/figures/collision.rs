@@ -5,7 +5,7 @@ use super::panels::{Panels, above_caption, caption, dashed, draw_rows};
 use crate::physics::{Collision, Rect, Vector};
 use crate::picture::layers::bodies::border_color;
 use crate::picture::layers::labels::LabelPlacer;
-use crate::picture::number::format_significant;
+use crate::picture::number::{TimeFormat, Unit, format_significant};
 use crate::picture::text::Line;
 use crate::picture::{Arrow, Camera, DisplayList, DrawingMetrics, Ink, Shape, Style};
 
@@ -19,7 +19,7 @@ pub fn collision(subjects: &[CollisionSubject], style: &Style) -> DisplayList {
 /// Draws the three panels of one collision, with its values below.
 fn row(subject: &CollisionSubject, panels: &mut Panels, style: &Style) {
     let pair = Pair::new(subject, style);
-    let values = Line::math(&values(&pair.collision), 0.9 * panels.metrics.font_size);
+    let values = Line::math(&values(&pair.collision, style.time_format.finer(2)), 0.9 * panels.metrics.font_size);
     let bottom = Vector::new(panels.content.center().x, panels.content.far_corner().y);
     panels.centered(values, bottom, panels.metrics.palette.ink.into());
     panels.split_bottom(1.8 * panels.metrics.font_size);
@@ -88,26 +88,22 @@ fn placer(
 }
 
 /// The values of the collision in one line, as markup.
-fn values(collision: &Collision) -> String {
-    let [share_c, share_b] = collision.shares.map(|share| format_significant(share, 3));
-    let mut values = vec![format!("\"step\" {}", collision.step)];
+fn values(collision: &Collision, format: TimeFormat) -> String {
+    let time = format!("t = {} \"{}\"", format.number(collision.instant), format.unit());
+    let mut values = vec![format!("\"step\" {}", collision.step), time];
     if collision.penetration != Vector::ZERO {
-        values.push(format!("|n⃗| = {} \"m\"", format_significant(collision.penetration.norm(), 3)));
-        values.push(format!("N_c = {share_c}"));
-        values.push(format!("N_b = {share_b}"));
+        values.push(format!("|n⃗| = {}", Unit::METRE.format(collision.penetration.norm(), 3)));
+        let shares = ["N_c", "N_b"].into_iter().zip(collision.shares);
+        values.extend(shares.map(|(symbol, share)| format!("{symbol} = {}", format_significant(share, 3))));
     }
-    if let Some(restitution) = restitution(collision) {
-        values.push(format!("e = {}", format_significant(restitution, 3)));
+    if collision.impulse == 0.0 {
+        let is_at_rest = collision.before.iter().all(|velocity| *velocity == Vector::ZERO);
+        values.push(if is_at_rest { "|v⃗_c| = |v⃗_b| = 0".to_owned() } else { "\"no impulse\"".to_owned() });
+    } else {
+        values.push(format!("e = {}", format_significant(collision.restitution, 3)));
+        values.push(format!("j = {}", Unit::NEWTON_SECOND.format(collision.impulse, 3)));
     }
-    values.push(format!("j = {} \"N·s\"", format_significant(collision.impulse, 3)));
     values.join(",   ")
-}
-
-/// The coefficient of restitution: the negative ratio of the relative normal velocities after and before.
-fn restitution(collision: &Collision) -> Option<f64> {
-    let normal_velocity = |[c, b]: [Vector; 2]| c.sub(b).dot(collision.normal);
-    let (before, after) = (normal_velocity(collision.before), normal_velocity(collision.after));
-    (collision.impulse != 0.0 && before != 0.0).then(|| -after / before)
 }
 
 /// Draws an arrow with a dashed shaft.

@@ -1,8 +1,10 @@
+use super::TimeCurve;
 use super::axes::{Axes, AxisTitles, Range, Scale};
 use super::panels::Panels;
-use crate::physics::{Rect, Vector, World, invariants};
+use super::timeline::{Timeline, draw_timeline, timeline_legend};
+use crate::physics::{Rect, Vector, World, invariants, larger, smaller};
 use crate::picture::layers::footer::{Entry, Legend};
-use crate::picture::number::format_significant;
+use crate::picture::number::{Unit, format_significant};
 use crate::picture::text::Line;
 use crate::picture::{Color, DisplayList, DrawingMetrics, Ink, Shape, Style, color};
 
@@ -36,109 +38,180 @@ impl EnergySample {
     }
 }
 
-/// Energy and momentum of one run over time.
+/// Energy and momentum of one run over time. Memory is bounded by the width of the page.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EnergyRun {
     /// Title, shown if there are several runs.
     pub title: String,
-    /// Samples in the order of time.
-    pub samples: Vec<EnergySample>,
+    /// Spawns, deletes and gaps.
+    pub timeline: Timeline,
+    /// Kinetic, potential and total energy, J.
+    energies: [TimeCurve; 3],
+    /// The components of the momentum, kg·m/s.
+    momenta: [TimeCurve; 2],
+    has_potential: bool,
+    /// The least potential energy, J.
+    least_potential: f64,
+    /// The time of the first sample, s.
+    start: Option<f64>,
+    since_change: Option<Account>,
 }
 
-/// A curve of a diagram.
+/// The energy since the last spawn or delete.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Account {
+    first: EnergySample,
+    last: EnergySample,
+    /// The least potential energy since `first`, J.
+    least_potential: f64,
+}
+
+impl EnergyRun {
+    /// Creates a run without samples, for curves with columns of `column` seconds. `has_potential` is false if neither
+    /// gravity nor a force acts, so there is no potential energy to show.
+    pub fn new(title: String, column: f64, has_potential: bool) -> EnergyRun {
+        let curve = || TimeCurve::new(column);
+        EnergyRun {
+            title,
+            timeline: Timeline::default(),
+            energies: [curve(), curve(), curve()],
+            momenta: [curve(), curve()],
+            has_potential,
+            least_potential: f64::INFINITY,
+            start: None,
+            since_change: None,
+        }
+    }
+
+    /// Adds a sample; times must not decrease.
+    pub fn push(&mut self, sample: &EnergySample) {
+        let values = [sample.kinetic, sample.potential, sample.total()];
+        self.energies.iter_mut().zip(values).for_each(|(curve, value)| curve.push(sample.time, value));
+        let values = [sample.momentum.x, sample.momentum.y];
+        self.momenta.iter_mut().zip(values).for_each(|(curve, value)| curve.push(sample.time, value));
+        self.least_potential = smaller(sample.potential, self.least_potential);
+        self.start = self.start.or(Some(sample.time));
+        self.since_change = Some(match self.since_change {
+            Some(Account { first, least_potential, .. }) => {
+                Account { first, last: *sample, least_potential: smaller(sample.potential, least_potential) }
+            }
+            None => Account { first: *sample, last: *sample, least_potential: sample.potential },
+        });
+    }
+
+    /// Interrupts all curves: the next sample is not joined to the last one.
+    pub fn lift(&mut self) {
+        self.energies.iter_mut().chain(&mut self.momenta).for_each(TimeCurve::lift);
+    }
+
+    /// Measures the drift of the energy from the next sample on, because bodies were or may have been spawned or deleted.
+    pub fn restart_account(&mut self) {
+        self.since_change = None;
+    }
+
+    /// The energy curves, J; only the kinetic energy if there is no potential energy. Potential energy is counted from
+    /// its least value, because its zero is arbitrary; so the total is the energy available in the run.
+    fn energy_series(&self, metrics: &DrawingMetrics) -> Vec<Series> {
+        let [kinetic, potential, total] = &self.energies;
+        let series = |name, color, curve: &TimeCurve, zero| Series { name, color, parts: curve.parts(), zero };
+        let kinetic = series("kinetic", color::BODY_COLORS[5], kinetic, 0.0);
+        if !self.has_potential {
+            return vec![kinetic];
+        }
+        let zero = self.least_potential;
+        let potential = series("potential", color::BODY_COLORS[0], potential, zero);
+        // The total is drawn first and wider, so that it stays visible where it equals another curve.
+        vec![series("total", metrics.palette.muted, total, zero), kinetic, potential]
+    }
+
+    fn momentum_series(&self) -> Vec<Series> {
+        let series = |name, color, curve: &TimeCurve| Series { name, color, parts: curve.parts(), zero: 0.0 };
+        let [x, y] = &self.momenta;
+        vec![series("p_x", color::BODY_COLORS[6], x), series("p_y", color::BODY_COLORS[2], y)]
+    }
+
+    /// The change of the total energy since the last spawn or delete as a label, relative if the energy was not 0.
+    fn drift(&self) -> String {
+        let Some(Account { first, last, least_potential }) = self.since_change else { return String::new() };
+        let zero = if self.has_potential { least_potential } else { 0.0 };
+        let (change, size) = (last.total() - first.total(), (first.total() - zero).abs());
+        let drift = match size {
+            0.0 => format!("ΔE = {}", Unit::JOULE.format(change, 3)),
+            size => format!("ΔE/E = {}", format_significant(change / size, 3)),
+        };
+        match self.start == Some(first.time) {
+            true => drift,
+            false => format!("{drift} \" since \" t = {}", Unit::SECOND.format(first.time, 4)),
+        }
+    }
+}
+
+/// A curve of a diagram, in parts without gaps.
 struct Series {
     name: &'static str,
     color: Color,
-    values: Vec<[f64; 2]>,
+    parts: Vec<Vec<[f64; 2]>>,
+    /// Subtracted from the values.
+    zero: f64,
 }
 
-/// Draws energy and momentum over time, labelled with the drift of the total energy. Several runs have the same scales.
-pub fn energy(runs: &[EnergyRun], style: &Style) -> DisplayList {
-    let all: Vec<Vec<EnergySample>> = runs.iter().map(|run| relative_to_minimum(&run.samples)).collect();
-    let has_potential = all.iter().flatten().any(|sample| sample.potential != 0.0);
+impl Series {
+    fn values(&self) -> impl Iterator<Item = f64> {
+        self.parts.iter().flatten().map(|point| point[1] - self.zero)
+    }
+}
+
+/// Draws energy and momentum over `time` (s), labelled with the drift of the total energy. Several runs have the same
+/// scales.
+pub fn energy(runs: &[EnergyRun], time: Range, style: &Style) -> DisplayList {
     let metrics = DrawingMetrics::new(style.look.theme, style.look.size);
-    let energies: Vec<Vec<Series>> = all.iter().map(|samples| energies(samples, has_potential, &metrics)).collect();
-    let Some(time) = Range::of(all.iter().flatten().map(|sample| sample.time)) else {
-        return Panels::new(style, &Legend::default()).finish();
-    };
-    let momenta: Vec<Vec<Series>> = all.iter().map(|samples| momenta(samples)).collect();
-    let mut panels = Panels::new(style, &legend(&energies, &momenta));
+    let energies: Vec<Vec<Series>> = runs.iter().map(|run| run.energy_series(&metrics)).collect();
+    let momenta: Vec<Vec<Series>> = runs.iter().map(EnergyRun::momentum_series).collect();
+    let mut panels = Panels::new(style, &legend(&energies, &momenta, runs, &metrics));
     let titles: Vec<&str> = runs.iter().map(|run| run.title.as_str()).collect();
     let panel_areas = panels.titled_cells(&titles, runs.len());
+    let time = Scale::linear(time, Unit::SECOND);
+    let [e, p] =
+        [(&energies, Unit::JOULE), (&momenta, Unit::MOMENTUM)].map(|(series, unit)| Scale::linear(range(series), unit));
     for (at, panel) in panel_areas.iter().enumerate() {
         let upper = (panel.height() * 0.6).round();
         let above = Rect::new(panel.origin, panel.width(), upper);
         let below = Rect::new(panel.origin.add(Vector::new(0.0, upper)), panel.width(), panel.height() - upper);
-        let [e, p] = [&energies, &momenta].map(|series| range(series));
-        diagram(&energies[at], &above, [time, e], "E / \"J\"", Some(drift(&all[at])), &mut panels);
-        diagram(&momenta[at], &below, [time, p], "p / \"(kg·m/s)\"", None, &mut panels);
+        let [e, p] =
+            [(above, e), (below, p)].map(|(panel, scale)| Axes::within(&panel, time, scale, 0.0, &panels.metrics));
+        // The frames are aligned, so that an instant is at the same place in both.
+        let left = larger(e.plot_area.origin.x, p.plot_area.origin.x);
+        let timeline = &runs[at].timeline;
+        let [e, p] = [e.from_left(left), p.from_left(left)];
+        draw_diagram(&energies[at], ("E", &e), timeline, Some(runs[at].drift()), &mut panels);
+        draw_diagram(&momenta[at], ("p", &p), timeline, None, &mut panels);
     }
     panels.finish()
 }
 
 /// The range of all values and zero, with a margin.
 fn range(series: &[Vec<Series>]) -> Range {
-    let all = series.iter().flatten().flat_map(|series| series.values.iter().map(|value| value[1]));
+    let all = series.iter().flatten().flat_map(Series::values);
     Range::of(all).unwrap_or(Range { from: 0.0, to: 1.0 }).including(0.0).widened(0.08)
 }
 
-/// Shifts potential energy so that its minimum is 0. Its zero is arbitrary; relative to the minimum, the total is the
-/// energy available in the run, so that a relative drift is meaningful.
-fn relative_to_minimum(samples: &[EnergySample]) -> Vec<EnergySample> {
-    let minimum = Range::of(samples.iter().map(|sample| sample.potential)).map_or(0.0, |range| range.from);
-    let is_constant = samples.iter().all(|sample| sample.potential == minimum);
-    let shifted = |sample: &EnergySample| if is_constant { 0.0 } else { sample.potential - minimum };
-    samples.iter().map(|sample| EnergySample { potential: shifted(sample), ..*sample }).collect()
-}
-
-fn values(samples: &[EnergySample], value: impl Fn(&EnergySample) -> f64) -> Vec<[f64; 2]> {
-    samples.iter().map(|sample| [sample.time, value(sample)]).collect()
-}
-
-/// The energy curves; only the kinetic energy if there is no potential energy.
-fn energies(samples: &[EnergySample], has_potential: bool, metrics: &DrawingMetrics) -> Vec<Series> {
-    let kinetic = Series { name: "kinetic", color: color::BODY_COLORS[5], values: values(samples, |s| s.kinetic) };
-    if !has_potential {
-        return vec![kinetic];
-    }
-    let potential =
-        Series { name: "potential", color: color::BODY_COLORS[0], values: values(samples, |s| s.potential) };
-    let total = Series { name: "total", color: metrics.palette.muted, values: values(samples, EnergySample::total) };
-    // The total is drawn first and wider, so that it stays visible where it equals another curve.
-    vec![total, kinetic, potential]
-}
-
-fn momenta(samples: &[EnergySample]) -> Vec<Series> {
-    vec![
-        Series { name: "p_x", color: color::BODY_COLORS[6], values: values(samples, |s| s.momentum.x) },
-        Series { name: "p_y", color: color::BODY_COLORS[2], values: values(samples, |s| s.momentum.y) },
-    ]
-}
-
-/// The change of the total energy from first to last sample as a label, relative if the first is not 0.
-fn drift(samples: &[EnergySample]) -> String {
-    let (Some(first), Some(last)) = (samples.first(), samples.last()) else { return String::new() };
-    let (change, size) = (last.total() - first.total(), first.total().abs());
-    match size {
-        0.0 => format!("ΔE = {} \"J\"", format_significant(change, 3)),
-        size => format!("ΔE/E = {}", format_significant(change / size, 3)),
-    }
-}
-
-fn diagram(
+fn draw_diagram(
     series: &[Series],
-    panel: &Rect,
-    [time, range]: [Range; 2],
-    title: &str,
+    (symbol, axes): (&str, &Axes),
+    timeline: &Timeline,
     note: Option<String>,
     panels: &mut Panels,
 ) {
-    let axes = Axes::within(panel, Scale::Linear(time), Scale::Linear(range), 0.0, &panels.metrics);
-    axes.draw(&AxisTitles { x: "t / \"s\"", y: title }, &panels.metrics, &mut panels.shapes);
+    let titles = AxisTitles { x: &axes.x.title("t"), y: &axes.y.title(symbol) };
+    axes.draw(&titles, &panels.metrics, &mut panels.shapes);
+    draw_timeline(timeline, axes, panels);
     for series in series {
         let ink = Ink::from(series.color);
         let width = if series.name == "total" { 3.0 } else { 1.25 };
-        panels.shapes.push(axes.curve(series.values.iter().copied(), width * panels.metrics.line_width, ink));
+        for part in &series.parts {
+            let points = part.iter().map(|[time, value]| [*time, value - series.zero]);
+            panels.shapes.push(axes.curve(points, width * panels.metrics.line_width, ink));
+        }
     }
     if let Some(note) = note {
         let line = Line::math(&note, 0.9 * panels.metrics.font_size);
@@ -148,9 +221,11 @@ fn diagram(
     }
 }
 
-/// The common legend of all diagrams.
-fn legend(energies: &[Vec<Series>], momenta: &[Vec<Series>]) -> Legend {
-    let series = energies.first().into_iter().chain(momenta.first()).flatten();
+/// The common legend of all diagrams: the curves that any of them has, changes and gaps.
+fn legend(energies: &[Vec<Series>], momenta: &[Vec<Series>], runs: &[EnergyRun], metrics: &DrawingMetrics) -> Legend {
+    let widest = energies.iter().max_by_key(|series| series.len());
+    let series = widest.into_iter().chain(momenta.first()).flatten();
     let entry = |series: &Series| Entry { name: series.name.to_owned(), ..Entry::new(series.color, "") };
-    Legend { entries: series.map(entry).collect() }
+    let timelines = runs.iter().map(|run| &run.timeline);
+    Legend { entries: series.map(entry).chain(timeline_legend(timelines, metrics)).collect() }
 }

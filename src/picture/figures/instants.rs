@@ -5,7 +5,7 @@ use super::{FigureRun, legend};
 use crate::physics::{Rect, Vector};
 use crate::picture::layers::bodies::draw_box;
 use crate::picture::layers::{self, LayoutContext};
-use crate::picture::number::format_significant;
+use crate::picture::number::{TimeFormat, Unit};
 use crate::picture::text::Line;
 use crate::picture::{Color, DisplayList, DrawingMetrics, Frame, Ink, Shape, Sprite, Style, color};
 
@@ -33,21 +33,21 @@ fn draw_strobe(run: &FigureRun, cell: &Rect, panels: &mut Panels, style: &Style)
     }
     panels.shapes.push(ghosts(earlier, last, &context));
     panels.shapes.push(layers::foreground(last, &context));
-    let times = Line::math(&time_label(&run.frames), panels.metrics.font_size);
+    let times = Line::math(&time_label(&run.frames, style.time_format), panels.metrics.font_size);
     let viewport = view.camera.viewport;
     let at = Vector::new(viewport.center().x, viewport.far_corner().y + 1.2 * panels.metrics.font_size);
     panels.centered(times, at, panels.metrics.palette.ink.into());
 }
 
 /// The label with the times of first and last frame and the time between frames.
-fn time_label(frames: &[Frame]) -> String {
+fn time_label(frames: &[Frame], format: TimeFormat) -> String {
     match frames {
         [] => String::new(),
-        [only] => format!("t = {:.2} \"s\"", only.time),
+        [only] => format!("t = {} \"{}\"", format.number(only.time), format.unit()),
         [first, .., last] => {
             let interval = (last.time - first.time) / (frames.len() - 1) as f64;
-            let interval = format_significant(interval, 2);
-            format!("t = {:.2} … {:.2} \"s\",  Δt = {interval} \"s\"", first.time, last.time)
+            let [from, to] = [first, last].map(|frame| format.number(frame.time));
+            format!("t = {from} … {to} \"{}\",  Δt = {}", format.unit(), Unit::SECOND.format(interval, 2))
         }
     }
 }
@@ -56,7 +56,7 @@ fn time_label(frames: &[Frame]) -> String {
 fn ghosts(earlier: &[Frame], last: &Frame, context: &LayoutContext) -> Shape {
     let mut shapes = Vec::new();
     for (index, frame) in earlier.iter().enumerate() {
-        for sprite in frame.sprites.iter().filter(|sprite| has_moved(sprite, last)) {
+        for sprite in frame.sprites.iter().filter(|sprite| !sprite.appearance.is_wall && has_moved(sprite, last)) {
             let Some(rect) = context.visible_rect(sprite) else { continue };
             let fill = color::body_color(sprite, &context.view.style);
             draw_ghost(&rect, faded(fill, index, earlier.len(), context), context, &mut shapes);
@@ -117,7 +117,7 @@ fn draw_instant(run: &FigureRun, frame: &Frame, cell: &Rect, panels: &mut Panels
     panels.shapes.push(layers::backdrop(frame, &context));
     panels.shapes.push(layers::foreground(frame, &context));
     panels.shapes.extend(outline(&world, metrics.line_width, metrics.palette.wall_edge.into()));
-    let time = Line::math(&format!("t = {:.2} \"s\"", frame.time), metrics.font_size);
+    let time = Line::math(&time_label(std::slice::from_ref(frame), style.time_format), metrics.font_size);
     panels.centered(
         time,
         Vector::new(world.center().x, world.far_corner().y + 1.3 * metrics.font_size),

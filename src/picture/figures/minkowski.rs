@@ -4,7 +4,7 @@ use super::panels::{Panels, above_caption, caption, dashed, draw_rows, outline};
 use crate::physics::{Rect, Vector, larger, smaller};
 use crate::picture::layers::bodies::border_color;
 use crate::picture::layers::labels::LabelPlacer;
-use crate::picture::number::{format_significant, nice_spacing};
+use crate::picture::number::{Unit, format_significant, nice_spacing};
 use crate::picture::text::Line;
 use crate::picture::{Arrow, Camera, Color, DisplayList, DrawingMetrics, Shape, Style};
 
@@ -176,7 +176,7 @@ impl MinkowskiDifference {
         shapes: &mut Vec<Shape>,
     ) {
         let vector = self.vectors[self.shortest];
-        let line = Line::math(&format!("|n⃗| = {} \"m\"", format_significant(vector.norm(), 3)), metrics.font_size);
+        let line = Line::math(&format!("|n⃗| = {}", Unit::METRE.format(vector.norm(), 3)), metrics.font_size);
         let normal = Vector::new(vector.y, -vector.x);
         let middle = origin_on_page.add(vector.mult(scale / 2.0));
         placer.place(line, middle, normal, metrics.font_size, metrics.palette.penetration).draw(metrics, shapes);

@@ -14,19 +14,24 @@ mod minkowski;
 mod pair;
 mod panels;
 mod spacetime;
+mod time_curve;
+mod timeline;
 
 pub use crate::physics::Axis;
+pub use axes::Range;
 pub use collision::collision;
 pub use diagram::{Curve, Diagram, Point, diagrams};
 pub use energy::{EnergyRun, EnergySample, energy};
 pub use instants::{filmstrip, strobe};
 pub use minkowski::minkowski;
-pub use spacetime::spacetime;
+pub use spacetime::{SpacetimeRun, spacetime};
+pub use time_curve::TimeCurve;
+pub use timeline::Timeline;
 
 use crate::physics::{BodyId, Collision, Vector};
 use crate::picture::ColorBy;
 use crate::picture::layers::footer::{Entry, Legend};
-use crate::picture::{Appearance, CameraTarget, Frame, Sprite, Style, color};
+use crate::picture::{Appearance, CameraTarget, Color, Frame, Sprite, Style, color};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -58,16 +63,24 @@ const MAX_IN_LEGEND: usize = 12;
 /// The common legend of all panels: the meaning of the colours or, if bodies are coloured individually and there are
 /// several panels, the names of the visible bodies.
 pub fn legend(runs: &[FigureRun], style: &Style) -> Legend {
-    if style.look.color_by != ColorBy::Body || runs.len() < 2 {
+    let sprites = runs.iter().flat_map(|run| &run.frames).flat_map(|frame| &frame.sprites);
+    let visible = sprites.filter(|sprite| is_visible(sprite, &style.look.camera_target));
+    let bodies = visible.map(|sprite| (&*sprite.appearance, color::body_color(sprite, style)));
+    legend_of_bodies(bodies, runs.len(), style)
+}
+
+/// The legend of [`legend`] for bodies in their colours.
+fn legend_of_bodies<'a>(
+    visible: impl Iterator<Item = (&'a Appearance, Color)>,
+    run_count: usize,
+    style: &Style,
+) -> Legend {
+    if style.look.color_by != ColorBy::Body || run_count < 2 {
         return Legend::of(style);
     }
     let mut bodies: BTreeMap<(BodyId, &str), Entry> = BTreeMap::new();
-    for sprite in runs.iter().flat_map(|run| &run.frames).flat_map(|frame| &frame.sprites) {
-        let body = &*sprite.appearance;
-        if !body.is_wall && is_visible(sprite, &style.look.camera_target) {
-            let entry = || Entry::new(color::body_color(sprite, style), &body.name);
-            bodies.entry((body.id, &body.name)).or_insert_with(entry);
-        }
+    for (body, color) in visible.filter(|(body, _)| !body.is_wall) {
+        bodies.entry((body.id, &body.name)).or_insert_with(|| Entry::new(color, &body.name));
     }
     let entries: Vec<Entry> = if bodies.len() > MAX_IN_LEGEND { Vec::new() } else { bodies.into_values().collect() };
     Legend { entries }

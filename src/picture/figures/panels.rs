@@ -1,6 +1,6 @@
 use super::{CollisionSubject, FigureRun};
 use crate::physics::{Rect, Vector, smaller};
-use crate::picture::layers::footer::{Alignment, Legend};
+use crate::picture::layers::footer::{Alignment, Caption, Legend};
 use crate::picture::text::Line;
 use crate::picture::{Camera, CameraTarget, DisplayList, DrawingMetrics, Frame, Ink, Shape, Style, View};
 
@@ -36,24 +36,26 @@ impl Panels {
         panels
     }
 
-    fn caption(&mut self, caption: &str) {
-        if caption.is_empty() {
+    fn caption(&mut self, text: &str) {
+        if text.is_empty() {
             return;
         }
-        let line = Line::fitting(caption, self.title_sizes(), self.content.width());
-        let strip = self.split_bottom(1.5 * self.metrics.font_size);
+        let [width, height] = self.size.map(f64::from);
+        let caption = Caption::new(text, [width - self.metrics.font_size, height], self.metrics.font_size);
+        let below = caption.additional_height();
+        let strip = self.split_bottom(1.5 * self.metrics.font_size + below);
         let ink = self.metrics.palette.ink.into();
-        self.centered(line, Vector::new(strip.center().x, strip.far_corner().y), ink);
+        caption.draw(strip.center().x, strip.far_corner().y - below, ink, &mut self.shapes);
     }
 
     fn legend(&mut self, legend: &Legend) {
         if !legend.entries.is_empty() {
-            let strip = self.split_bottom(1.5 * self.metrics.font_size);
-            let legend_strip = Rect::new(
-                strip.origin.add(Vector::new(0.0, 0.5 * self.metrics.font_size)),
-                strip.width(),
-                self.metrics.font_size,
-            );
+            let is_one_row = legend.fits(self.content.width(), &self.metrics);
+            let rows =
+                if is_one_row { self.metrics.font_size } else { legend.height(self.content.width(), &self.metrics) };
+            let strip = self.split_bottom(rows + 0.5 * self.metrics.font_size);
+            let legend_strip =
+                Rect::new(strip.origin.add(Vector::new(0.0, 0.5 * self.metrics.font_size)), strip.width(), rows);
             legend.draw(&legend_strip, Alignment::Center, &self.metrics, &mut self.shapes);
         }
     }

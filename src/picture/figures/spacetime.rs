@@ -1,167 +1,213 @@
-use super::FigureRun;
 use super::axes::{Axes, AxisTitles, Range, Scale};
 use super::panels::Panels;
+use super::timeline::{Timeline, draw_timeline, timeline_legend};
+use super::{TimeCurve, legend_of_bodies};
 use crate::physics::{Axis, BodyId, Rect, Vector, larger, smaller};
-use crate::picture::Overlay;
-use crate::picture::figures::legend;
 use crate::picture::layers::bodies::border_color;
+use crate::picture::number::Unit;
 use crate::picture::text::{Line, truncated};
-use crate::picture::{CameraTarget, Color, DisplayList, DrawingMetrics, Ink, Palette, Shape, Style, color};
+use crate::picture::{
+    Appearance, CameraTarget, Color, DisplayList, DrawingMetrics, Ink, Overlay, Palette, Shape, Sprite,
+};
+use crate::picture::{Style, color};
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// Maximum number of labelled bodies; with more bodies there are no labels.
 const MAX_LABELS: usize = 24;
 
-/// Draws the position of each body along an axis over time, as a band as wide as the body: bands touch where bodies
-/// touch. The y axis points downwards, as in the world. Several runs have the same scales.
-pub fn spacetime(runs: &[FigureRun], axis: Axis, style: &Style) -> DisplayList {
-    let mut panels = Panels::new(style, &legend(runs, style));
-    let bands: Vec<Vec<Band>> = runs.iter().map(|run| bands(run, axis, style)).collect();
-    let Some((time, positions)) = ranges(runs, &bands, axis, style) else { return panels.finish() };
-    let (positions, titles) = match axis {
-        Axis::X => (positions, AxisTitles { x: "t / \"s\"", y: "x / \"m\"" }),
-        Axis::Y => (Range { from: positions.to, to: positions.from }, AxisTitles { x: "t / \"s\"", y: "y / \"m\"" }),
+/// The positions of the bodies of one run along an axis over time. Memory is bounded by the width of the page.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SpacetimeRun {
+    /// Title, shown if there are several runs.
+    pub title: String,
+    /// Spawns, deletes and gaps.
+    pub timeline: Timeline,
+    /// Width and height of the world, m.
+    world: Vector,
+    axis: Axis,
+    /// Width of the columns of curves, s.
+    column: f64,
+    bands: BTreeMap<BodyId, Band>,
+}
+
+/// The band of one body during its lifetime.
+#[derive(Clone, Debug, PartialEq)]
+struct Band {
+    appearance: Arc<Appearance>,
+    /// Extent of the body along the axis, m.
+    size: f64,
+    /// Parts of one colour: the positions of the lower end, m. Each part extends to the start of the next one.
+    parts: Vec<(Color, TimeCurve)>,
+    /// Time of the start of the last part and of the last position, s, and that position, m.
+    started: f64,
+    last: [f64; 2],
+}
+
+impl SpacetimeRun {
+    /// Creates a run without positions in a world of `world` metres, for curves with columns of `column` seconds.
+    pub fn new(title: String, world: Vector, axis: Axis, column: f64) -> SpacetimeRun {
+        SpacetimeRun { title, timeline: Timeline::default(), world, axis, column, bands: BTreeMap::new() }
+    }
+
+    /// Adds the position of a body; times must not decrease.
+    pub fn push(&mut self, time: f64, sprite: &Sprite, style: &Style) {
+        let wall = Palette::of(style.look.theme).wall;
+        let color = if sprite.appearance.is_wall { wall } else { color::body_color(sprite, style) };
+        let [from, to] = sprite.rect.along(self.axis);
+        let band = self.bands.entry(sprite.appearance.id).or_insert_with(|| Band {
+            appearance: sprite.appearance.clone(),
+            size: to - from,
+            parts: Vec::new(),
+            started: f64::NEG_INFINITY,
+            last: [time, from],
+        });
+        band.push(time, from, color, self.column);
+    }
+
+    /// Interrupts all bands: the next positions are not joined to the last ones.
+    pub fn lift(&mut self) {
+        self.bands.values_mut().for_each(|band| band.started = f64::NEG_INFINITY);
+    }
+
+    /// The bands that are drawn: static ones first, so that moving bodies are drawn over them, and no wall that spans
+    /// the world.
+    fn drawn(&self) -> Vec<&Band> {
+        let bounds_world = |band: &&Band| !band.appearance.is_wall || band.bounds_world(self.world[self.axis]);
+        let mut bands: Vec<&Band> = self.bands.values().filter(bounds_world).collect();
+        bands.sort_by_key(|band| !band.is_static());
+        bands
+    }
+}
+
+/// Draws the position of each body along an axis over `time` (s), as a band as wide as the body: bands touch where
+/// bodies touch. The y axis points downwards, as in the world. Several runs have the same scales.
+pub fn spacetime(runs: &[SpacetimeRun], time: Range, axis: Axis, style: &Style) -> DisplayList {
+    let bands: Vec<Vec<&Band>> = runs.iter().map(SpacetimeRun::drawn).collect();
+    let metrics = DrawingMetrics::new(style.look.theme, style.look.size);
+    let positions = position_range(runs, &bands, axis, style);
+    let visible = bands.iter().flatten().filter(|band| band.last_within(positions).is_some());
+    let bodies = visible.filter_map(|band| Some((&*band.appearance, band.parts.first()?.0)));
+    let mut legend = legend_of_bodies(bodies, runs.len(), style);
+    legend.entries.extend(timeline_legend(runs.iter().map(|run| &run.timeline), &metrics));
+    let mut panels = Panels::new(style, &legend);
+    let (positions, symbol) = match axis {
+        Axis::X => (positions, "x"),
+        Axis::Y => (Range { from: positions.to, to: positions.from }, "y"),
     };
+    let [x, y] = [Scale::linear(time, Unit::SECOND), Scale::linear(positions, Unit::METRE)];
     let names: Vec<&str> = runs.iter().map(|run| run.title.as_str()).collect();
     // Figures of several runs have a legend instead.
     let has_labels = style.shows(Overlay::Name) && runs.len() == 1;
-    for (panel, bands) in panels.titled_cells(&names, runs.len()).iter().zip(&bands) {
+    for ((panel, bands), run) in panels.titled_cells(&names, runs.len()).iter().zip(&bands).zip(runs) {
         let labels = if has_labels { labels(bands, positions, &panels.metrics) } else { Vec::new() };
         let right = labels.iter().map(|label| label.line.width + 2.0 * panels.metrics.font_size).fold(0.0, larger);
-        let axes = Axes::within(panel, Scale::Linear(time), Scale::Linear(positions), right.ceil(), &panels.metrics);
-        axes.draw(&titles, &panels.metrics, &mut panels.shapes);
+        let axes = Axes::within(panel, x, y, right.ceil(), &panels.metrics);
+        axes.draw(&AxisTitles { x: &x.title("t"), y: &y.title(symbol) }, &panels.metrics, &mut panels.shapes);
         let shapes: Vec<Shape> = bands
             .iter()
             .filter(|band| !band.spans_axis(positions))
             .flat_map(|band| band.draw(&axes, &panels))
             .collect();
         panels.shapes.push(Shape::Clip { window: axes.plot_area, shapes });
+        draw_timeline(&run.timeline, &axes, &mut panels);
         draw_labels(labels, &axes, &mut panels);
     }
     panels.finish()
 }
 
-/// The band of one body during its lifetime.
-struct Band {
-    name: String,
-    color: Color,
-    is_wall: bool,
-    /// True for static bodies (of infinite mass).
-    is_static: bool,
-    samples: Vec<BandSample>,
-}
-
-/// The extent of a body at one instant.
-#[derive(Clone, Copy)]
-struct BandSample {
-    /// Simulated time, s.
-    time: f64,
-    /// Lower end, m.
-    from: f64,
-    /// Upper end, m.
-    to: f64,
-    /// The colour of the band from this instant on.
-    color: Color,
-}
-
-fn bands(run: &FigureRun, axis: Axis, style: &Style) -> Vec<Band> {
-    let wall = Palette::of(style.look.theme).wall;
-    let mut bands: BTreeMap<BodyId, Band> = BTreeMap::new();
-    for frame in &run.frames {
-        for sprite in &frame.sprites {
-            let band = bands.entry(sprite.appearance.id).or_insert_with(|| Band {
-                name: sprite.appearance.name.clone(),
-                color: if sprite.appearance.is_wall { wall } else { color::body_color(sprite, style) },
-                is_wall: sprite.appearance.is_wall,
-                is_static: sprite.appearance.mass == f64::INFINITY,
-                samples: Vec::new(),
-            });
-            let [from, to] = sprite.rect.along(axis);
-            let color = if band.is_wall { wall } else { color::body_color(sprite, style) };
-            band.samples.push(BandSample { time: frame.time, from, to, color });
-        }
-    }
-    let mut bands: Vec<Band> =
-        bands.into_values().filter(|band| !band.is_wall || band.bounds_world(run, axis)).collect();
-    // Moving bodies are drawn over static ones.
-    bands.sort_by_key(|band| !band.is_static);
-    bands
-}
-
-/// The ranges of the two axes: the time span of all runs, and the positions of all bodies or the camera's window.
-fn ranges(runs: &[FigureRun], bands: &[Vec<Band>], axis: Axis, style: &Style) -> Option<(Range, Range)> {
-    let time = Range::of(runs.iter().flat_map(|run| &run.frames).map(|frame| frame.time))?;
+/// The positions of all bodies, or the camera's window.
+fn position_range(runs: &[SpacetimeRun], bands: &[Vec<&Band>], axis: Axis, style: &Style) -> Range {
     if let CameraTarget::Window(area) = &style.look.camera_target {
         let [from, to] = area.along(axis);
-        return Some((time, Range { from, to }));
+        return Range { from, to };
     }
     let of = |is_static: bool| {
-        let bands = bands.iter().flatten().filter(move |band| band.is_static == is_static);
-        Range::of(bands.flat_map(|band| band.samples.iter().flat_map(|sample| [sample.from, sample.to])))
+        let bands = bands.iter().flatten().filter(move |band| band.is_static() == is_static);
+        Range::of(bands.flat_map(|band| band.positions().flat_map(|from| [from, from + band.size])))
     };
-    let all_positions = of(false).or(of(true))?;
     let world = runs.iter().map(|run| run.world[axis]).fold(0.0, larger);
+    let all_positions = of(false).or(of(true)).unwrap_or(Range { from: 0.0, to: larger(world, 1.0) });
     // Bodies that have left the world do not extend the range, which would shrink the others to lines.
     let within_world = Range { from: larger(all_positions.from, 0.0), to: smaller(all_positions.to, world) };
     let positions = if within_world.from < within_world.to { within_world } else { all_positions };
-    Some((time, positions.widened(0.05)))
+    positions.widened(0.05)
 }
 
 impl Band {
-    /// The last position of the body's middle between two positions, m.
-    fn last_within(&self, low: f64, high: f64) -> Option<f64> {
-        let middles = self.samples.iter().rev().map(|sample| (sample.from + sample.to) / 2.0);
-        middles.into_iter().find(|&middle| low <= middle && middle <= high)
+    fn push(&mut self, time: f64, from: f64, color: Color, column: f64) {
+        // A colour lasts for a column at least, so that the number of parts is bounded.
+        let is_new_color = self.parts.last().is_none_or(|(last, _)| *last != color) && time - self.started >= column;
+        if is_new_color || self.started == f64::NEG_INFINITY {
+            let mut curve = TimeCurve::new(column);
+            if let Some((_, part)) = self.parts.last_mut().filter(|_| self.started != f64::NEG_INFINITY) {
+                part.push(time, from);
+            }
+            curve.push(time, from);
+            self.parts.push((color, curve));
+            self.started = time;
+        } else if let Some((_, curve)) = self.parts.last_mut() {
+            curve.push(time, from);
+        }
+        self.last = [time, from];
+    }
+
+    /// Returns true for a static body (of infinite mass).
+    fn is_static(&self) -> bool {
+        self.appearance.mass == f64::INFINITY
+    }
+
+    /// The positions of the lower end, m.
+    fn positions(&self) -> impl Iterator<Item = f64> {
+        self.parts.iter().flat_map(|(_, curve)| curve.values())
+    }
+
+    /// The last position of the body's middle within a range, m.
+    fn last_within(&self, positions: Range) -> Option<f64> {
+        let (low, high) = (smaller(positions.from, positions.to), larger(positions.from, positions.to));
+        let is_within = |from: f64| low <= from + self.size / 2.0 && from + self.size / 2.0 <= high;
+        let within = Some(self.last[1]).filter(|&from| is_within(from));
+        within.or_else(|| self.positions().filter(|&from| is_within(from)).last()).map(|from| from + self.size / 2.0)
     }
 
     fn label(&self, metrics: &DrawingMetrics) -> Line {
-        Line::plain(&truncated(&self.name, MAX_LABEL_CHARS), 0.8 * metrics.font_size)
+        Line::plain(&truncated(&self.appearance.name, MAX_LABEL_CHARS), 0.8 * metrics.font_size)
     }
 
-    /// Returns true if a wall bounds the world along the axis rather than spanning it.
-    fn bounds_world(&self, run: &FigureRun, axis: Axis) -> bool {
-        self.samples.iter().all(|sample| sample.to <= 0.0 || sample.from >= run.world[axis])
+    /// Returns true if a wall bounds a world of `extent` metres along the axis rather than spanning it.
+    fn bounds_world(&self, extent: f64) -> bool {
+        self.positions().all(|from| from + self.size <= 0.0 || from >= extent)
     }
 
     /// Returns true for a static body that spans most of the axis, such as a floor along x.
     fn spans_axis(&self, positions: Range) -> bool {
         let (low, high) = (smaller(positions.from, positions.to), larger(positions.from, positions.to));
-        let covered = |from: f64, to: f64| smaller(to, high) - larger(from, low);
-        self.is_static && self.samples.iter().all(|sample| covered(sample.from, sample.to) > (high - low) / 2.0)
+        let covered = |from: f64| smaller(from + self.size, high) - larger(from, low);
+        self.is_static() && self.positions().all(|from| covered(from) > (high - low) / 2.0)
     }
 
     fn draw(&self, axes: &Axes, panels: &Panels) -> Vec<Shape> {
         let mut shapes = Vec::new();
-        let mut rest = &self.samples[..];
-        // One polygon per colour, which extends to the start of the next one.
-        while let Some(first) = rest.first() {
-            let count = rest.iter().take_while(|sample| sample.color == first.color).count();
-            let section = &rest[..(count + 1).min(rest.len())];
-            let (lower, upper) = (edge(section, |sample| sample.from, axes), edge(section, |sample| sample.to, axes));
-            let points = lower.into_iter().chain(upper.into_iter().rev()).collect();
-            shapes.push(Shape::Polygon { points, ink: Ink { color: first.color, opacity: 150 } });
-            rest = &rest[count..];
+        let edge = |part: &[[f64; 2]], offset: f64| {
+            let points = part.iter().map(|[time, from]| axes.point(*time, from + offset));
+            let mut points: Vec<Vector> = points.filter(|at| at.is_finite()).collect();
+            points.dedup();
+            points
+        };
+        let parts: Vec<(Color, Vec<[f64; 2]>)> =
+            self.parts.iter().flat_map(|(color, curve)| curve.parts().into_iter().map(|part| (*color, part))).collect();
+        for (color, part) in &parts {
+            let points = edge(part, 0.0).into_iter().chain(edge(part, self.size).into_iter().rev()).collect();
+            shapes.push(Shape::Polygon { points, ink: Ink { color: *color, opacity: 150 } });
         }
-        let border = border_color(self.color, &panels.metrics).into();
-        let line = |points| Shape::Polyline { points, width: 0.75 * panels.metrics.line_width, ink: border };
-        shapes.extend([
-            line(edge(&self.samples, |sample| sample.from, axes)),
-            line(edge(&self.samples, |sample| sample.to, axes)),
-        ]);
+        let color = self.parts.first().map_or(panels.metrics.palette.muted, |(color, _)| *color);
+        let ink = border_color(color, &panels.metrics).into();
+        for (_, part) in &parts {
+            let line = |points| Shape::Polyline { points, width: 0.75 * panels.metrics.line_width, ink };
+            shapes.extend([line(edge(part, 0.0)), line(edge(part, self.size))]);
+        }
         shapes
     }
-}
-
-/// One edge of a band. Points closer than half a pixel to the one before are dropped.
-fn edge(samples: &[BandSample], side: impl Fn(&BandSample) -> f64, axes: &Axes) -> Vec<Vector> {
-    let points = samples.iter().map(|sample| axes.point(sample.time, side(sample)));
-    let mut vertices: Vec<Vector> = Vec::new();
-    for at in points.filter(|at| at.is_finite()) {
-        if vertices.last().is_none_or(|last| at.sub(*last).norm() >= 0.5) {
-            vertices.push(at);
-        }
-    }
-    vertices
 }
 
 /// Maximum number of characters of a label.
@@ -176,11 +222,11 @@ struct BandLabel {
 }
 
 /// The labels of the bodies visible in the diagram, from top to bottom.
-fn labels(bands: &[Band], positions: Range, metrics: &DrawingMetrics) -> Vec<BandLabel> {
-    let (low, high) = (smaller(positions.from, positions.to), larger(positions.from, positions.to));
-    let named = bands.iter().filter(|band| !band.is_wall && !band.spans_axis(positions));
-    let label = |band: &Band| {
-        Some(BandLabel { at: band.last_within(low, high)?, color: band.color, line: band.label(metrics) })
+fn labels(bands: &[&Band], positions: Range, metrics: &DrawingMetrics) -> Vec<BandLabel> {
+    let named = bands.iter().filter(|band| !band.appearance.is_wall && !band.spans_axis(positions));
+    let label = |band: &&Band| {
+        let color = band.parts.first()?.0;
+        Some(BandLabel { at: band.last_within(positions)?, color, line: band.label(metrics) })
     };
     let mut labels: Vec<BandLabel> = named.filter_map(label).collect();
     if labels.len() > MAX_LABELS {

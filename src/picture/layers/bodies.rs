@@ -1,20 +1,55 @@
 use super::{LayoutContext, body_labels};
 use crate::physics::{Rect, Vector, larger, smaller};
-use crate::picture::Overlay;
 use crate::picture::{Color, DrawingMetrics, Frame, Ink, Shape, Sprite, color};
+use crate::picture::{ColorBy, Overlay, Style};
 
-/// Draws the boxes, each with a border inside its edge.
+/// Draws the boxes, each with a border inside its edge. A few boxes that are hardly visible are marked by rings.
 pub fn draw(frame: &Frame, context: &LayoutContext, shapes: &mut Vec<Shape>) {
     let box_count = frame.sprites.iter().filter(|sprite| !sprite.appearance.is_wall).count();
     for sprite in frame.sprites.iter().filter(|sprite| !sprite.appearance.is_wall) {
         let Some(rect) = context.visible_rect(sprite) else { continue };
         let fill = color::body_color(sprite, &context.view.style);
         draw_box(&rect, fill, &context.metrics, shapes);
+        if let Some(visible) = rect.intersection(&context.camera.viewport) {
+            Hatching::of_body(sprite, &context.view.style).draw(&visible, fill, &context.metrics, shapes);
+        }
+        if is_tiny(&rect) && box_count <= MAX_RINGS {
+            shapes.push(ring(&rect, border_color(fill, &context.metrics), context));
+        }
         if sprite.appearance.mass == f64::INFINITY {
             draw_bolts(&rect, border_color(fill, &context.metrics), context, shapes);
         }
         shapes.extend(body_labels::inside(sprite, &rect, fill, box_count, context));
     }
+}
+
+/// The smallest box, px: a smaller one is drawn with this size.
+pub const MIN_SIZE: f64 = 3.0;
+
+/// With more boxes than this, tiny ones have no rings: a crowd of dots is visible, and rings would cover it.
+const MAX_RINGS: usize = 40;
+
+/// Returns true if a box was enlarged to the smallest size.
+fn is_tiny(rect: &Rect) -> bool {
+    rect.width() <= MIN_SIZE && rect.height() <= MIN_SIZE
+}
+
+/// The part of the page that a box occupies with its mark, px.
+pub fn marked_rect(rect: &Rect, context: &LayoutContext) -> Rect {
+    if is_tiny(rect) { rect.inset(-RING_RADIUS * context.metrics.font_size) } else { *rect }
+}
+
+/// Radius of the ring around a tiny box, in font sizes.
+const RING_RADIUS: f64 = 0.4;
+
+/// An octagon around the middle of a tiny box.
+fn ring(rect: &Rect, color: Color, context: &LayoutContext) -> Shape {
+    const NEAR: f64 = std::f64::consts::SQRT_2 - 1.0;
+    let corners = [(1.0, NEAR), (NEAR, 1.0), (-NEAR, 1.0), (-1.0, NEAR), (-1.0, -NEAR), (-NEAR, -1.0), (NEAR, -1.0)];
+    let radius = RING_RADIUS * context.metrics.font_size;
+    let around = corners.into_iter().chain([(1.0, -NEAR), (1.0, NEAR)]);
+    let points = around.map(|(x, y)| rect.center().add(Vector::new(x * radius, y * radius))).collect();
+    Shape::Polyline { points, width: context.metrics.line_width / 2.0, ink: Ink::from(color) }
 }
 
 /// The border colour of a box.
@@ -36,6 +71,87 @@ pub fn draw_box(rect: &Rect, fill: Color, metrics: &DrawingMetrics, shapes: &mut
     }
     shapes.push(Shape::Rect { rect, ink: Ink::from(border_color(fill, metrics)) });
     shapes.push(Shape::Rect { rect: inner, ink: Ink::from(fill) });
+}
+
+/// The hatching of a box, which distinguishes materials of the same colour.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Hatching {
+    /// No lines.
+    None,
+    /// Lines from lower left to upper right.
+    Rising,
+    /// Lines from upper left to lower right.
+    Falling,
+    /// Horizontal lines.
+    Horizontal,
+    /// Vertical lines.
+    Vertical,
+    /// Rising and falling lines.
+    Crossed,
+    /// Horizontal and vertical lines.
+    Grid,
+}
+
+impl Hatching {
+    const ALL: [Hatching; 7] = [
+        Hatching::None,
+        Hatching::Rising,
+        Hatching::Falling,
+        Hatching::Horizontal,
+        Hatching::Vertical,
+        Hatching::Crossed,
+        Hatching::Grid,
+    ];
+
+    /// The hatching of a body in `style`.
+    pub fn of_body(sprite: &Sprite, style: &Style) -> Hatching {
+        match style.look.color_by {
+            ColorBy::Material => Hatching::of_material(&sprite.appearance.material, style),
+            ColorBy::Body | ColorBy::Speed => Hatching::None,
+        }
+    }
+
+    /// The hatching of a material: none for the first ones, which have different colours.
+    pub fn of_material(material: &str, style: &Style) -> Hatching {
+        let index = style.materials.iter().position(|listed| listed == material).unwrap_or(0);
+        Hatching::ALL[index / color::BODY_COLORS.len() % Hatching::ALL.len()]
+    }
+
+    /// Draws the lines over a rectangle filled with a colour.
+    pub fn draw(self, rect: &Rect, fill: Color, metrics: &DrawingMetrics, shapes: &mut Vec<Shape>) {
+        let (near, width, height) = (rect.origin, rect.width(), rect.height());
+        let gap = larger(4.0 * metrics.line_width, 4.0);
+        if self == Hatching::None || !(width.is_finite() && height.is_finite()) || smaller(width, height) < gap {
+            return;
+        }
+        let ink = Ink::from(color::contrasting(fill));
+        let thin = larger(metrics.line_width / 2.0, 1.0);
+        let mut line = |from: [f64; 2], to: [f64; 2]| {
+            let points = [from, to].map(|[x, y]| near.add(Vector::new(x, y))).to_vec();
+            shapes.push(Shape::Polyline { points, width: thin, ink });
+        };
+        let count = |length: f64| (length / gap).ceil().clamp(0.0, 1000.0) as u32;
+        let at = |number: u32| f64::from(number) * gap;
+        if matches!(self, Hatching::Horizontal | Hatching::Grid) {
+            (1..count(height)).for_each(|number| line([0.0, at(number)], [width, at(number)]));
+        }
+        if matches!(self, Hatching::Vertical | Hatching::Grid) {
+            (1..count(width)).for_each(|number| line([at(number), 0.0], [at(number), height]));
+        }
+        if matches!(self, Hatching::Rising | Hatching::Falling | Hatching::Crossed) {
+            for number in 1..count(width + height) {
+                // The diagonal on which the distances from the left and from the upper or lower side sum to this.
+                let sum = at(number);
+                let (left, right) = (larger(sum - height, 0.0), smaller(sum, width));
+                if self != Hatching::Falling {
+                    line([left, sum - left], [right, sum - right]);
+                }
+                if self != Hatching::Rising {
+                    line([left, height - (sum - left)], [right, height - (sum - right)]);
+                }
+            }
+        }
+    }
 }
 
 /// Marks a static body with a bolt in each corner.

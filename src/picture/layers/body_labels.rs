@@ -1,3 +1,4 @@
+use super::bodies::marked_rect;
 use super::footer::quoted;
 use super::{LabeledArrow, LayoutContext};
 use crate::physics::{Rect, Vector, smaller};
@@ -48,7 +49,7 @@ fn has_labels(context: &LayoutContext) -> bool {
 
 fn visible_boxes<'a>(frame: &'a Frame, context: &LayoutContext) -> Vec<(&'a Sprite, Rect)> {
     let named = frame.sprites.iter().filter(|sprite| !sprite.appearance.is_wall);
-    named.filter_map(|sprite| Some((sprite, context.visible_rect(sprite)?))).collect()
+    named.filter_map(|sprite| Some((sprite, marked_rect(&context.visible_rect(sprite)?, context)))).collect()
 }
 
 /// Maximum number of characters of a name next to a box.

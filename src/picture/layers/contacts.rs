@@ -2,7 +2,7 @@ use super::arrows::to_arrow;
 use super::{LabeledArrow, LayoutContext};
 use crate::physics::{Axis, Collision, Rect, Vector, larger, smaller};
 use crate::picture::Overlay;
-use crate::picture::number::format_significant;
+use crate::picture::number::Unit;
 use crate::picture::{Arrow, Frame, Ink, Shape};
 
 /// Draws the overlap of the boxes of each collision of the frame.
@@ -72,7 +72,7 @@ fn impulses(collision: &Collision, is_labeled: bool, context: &LayoutContext) ->
         Arrow { from, to: from.add(vector), width: 1.5 * context.metrics.line_width, color }
     };
     let label =
-        if is_labeled { format!("j = {} \"N·s\"", format_significant(collision.impulse, 3)) } else { String::new() };
+        if is_labeled { format!("j = {}", Unit::NEWTON_SECOND.format(collision.impulse, 3)) } else { String::new() };
     [LabeledArrow { arrow: arrow(along), label }, LabeledArrow::from(arrow(along.mult(-1.0)))]
 }
 

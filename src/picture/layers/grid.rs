@@ -1,7 +1,7 @@
 use super::LayoutContext;
-use crate::physics::{Axis, Rect, Vector};
+use crate::physics::{Axis, Rect, Vector, larger};
 use crate::picture::Overlay;
-use crate::picture::number::{multiples_within, nice_spacing, tick_label};
+use crate::picture::number::{Unit, multiples_within, nice_spacing, tick_label};
 use crate::picture::text::Line;
 use crate::picture::{Camera, Ink, Shape};
 
@@ -56,8 +56,8 @@ fn grid_line(context: &LayoutContext, area: &Rect, axis: Axis, at: f64) -> Shape
 
 /// The label of a grid line, inside the area at its upper or left border. The last label includes the unit.
 fn label(context: &LayoutContext, area: &Rect, axis: Axis, at: f64, spacing: f64) -> Shape {
-    let unit = if at + spacing > area.along(axis)[1] + 1e-9 * spacing { " m" } else { "" };
-    let line = Line::plain(&format!("{}{unit}", tick_label(at, spacing)), 0.7 * context.metrics.font_size);
+    let is_last = at + spacing > area.along(axis)[1] + 1e-9 * spacing;
+    let line = coordinate(at, if is_last { WithUnit::Shown } else { WithUnit::Hidden }, context);
     let (near, point) = (context.camera.point(area.origin), context.camera.point(Vector::new(at, at)));
     let gap = 2.0 * context.metrics.line_width;
     let baseline = match axis {
@@ -99,7 +99,7 @@ pub fn draw_axes(context: &LayoutContext, shapes: &mut Vec<Shape>) {
 fn label_below(at: f64, x: f64, context: &LayoutContext, shapes: &mut Vec<Shape>) {
     let far = context.camera.viewport.far_corner();
     let is_last = x + grid_spacing(context) * context.camera.scale > far.x;
-    let line = unit_label(at, if is_last { " m" } else { "" }, context);
+    let line = coordinate(at, if is_last { WithUnit::Shown } else { WithUnit::Hidden }, context);
     let baseline = Vector::new((x - line.width / 2.0).round(), (far.y + 1.15 * context.metrics.font_size).round());
     if baseline.x >= context.camera.viewport.origin.x - context.metrics.font_size
         && baseline.x + line.width <= f64::from(context.camera.size[0])
@@ -112,7 +112,7 @@ fn label_below(at: f64, x: f64, context: &LayoutContext, shapes: &mut Vec<Shape>
 fn label_left(at: f64, y: f64, context: &LayoutContext, shapes: &mut Vec<Shape>) {
     let viewport = context.camera.viewport;
     let is_topmost = y - grid_spacing(context) * context.camera.scale < viewport.origin.y;
-    let line = unit_label(at, if is_topmost { " m" } else { "" }, context);
+    let line = coordinate(at, if is_topmost { WithUnit::Shown } else { WithUnit::Hidden }, context);
     let baseline = Vector::new(
         (viewport.origin.x - 0.5 * context.metrics.font_size - line.width).round(),
         (y + line.height() / 2.0).round(),
@@ -122,9 +122,19 @@ fn label_left(at: f64, y: f64, context: &LayoutContext, shapes: &mut Vec<Shape>)
     }
 }
 
-fn unit_label(at: f64, unit: &str, context: &LayoutContext) -> Line {
-    Line::plain(
-        &format!("{}{unit}", tick_label(at, grid_spacing(context))).replace('-', "−"),
-        0.7 * context.metrics.font_size,
-    )
+/// The unit after a coordinate.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum WithUnit {
+    Shown,
+    Hidden,
+}
+
+/// A coordinate in a unit that suits the visible area, m.
+fn coordinate(at: f64, with_unit: WithUnit, context: &LayoutContext) -> Line {
+    let area = grid_area(&context.camera);
+    let ends = [area.origin, area.far_corner()].map(|corner| larger(corner.x.abs(), corner.y.abs()));
+    let unit = Unit::METRE.for_size(larger(ends[0], ends[1]));
+    let number = tick_label(unit.scaled(at), unit.scaled(grid_spacing(context)));
+    let suffix = if with_unit == WithUnit::Shown { format!(" {unit}") } else { String::new() };
+    Line::plain(&format!("{number}{suffix}"), 0.7 * context.metrics.font_size)
 }

@@ -13,7 +13,7 @@ pub use arrows::Arrow;
 pub(super) use frame::force;
 pub use frame::{Appearance, Frame, Sprite, Trails};
 
-use crate::physics::Rect;
+use crate::physics::{Rect, Vector, larger};
 use crate::picture::Overlay;
 use crate::picture::{Camera, DisplayList, DrawingMetrics, Shape, View};
 use arrows::LabeledArrow;
@@ -78,9 +78,16 @@ impl LayoutContext<'_> {
         LayoutContext { view, camera, metrics: DrawingMetrics::new(view.style.look.theme, view.camera.size) }
     }
 
-    /// The page rectangle of a body, px, if it intersects the viewport.
+    /// The page rectangle of a body, px, if it intersects the viewport. A body that is tiny on the page is enlarged
+    /// around its middle, so that it does not vanish.
     pub fn visible_rect(&self, sprite: &Sprite) -> Option<Rect> {
-        let rect = self.camera.rect(&sprite.rect);
+        let exact = self.camera.rect(&sprite.rect);
+        let is_tiny = exact.width() < bodies::MIN_SIZE && exact.height() < bodies::MIN_SIZE;
+        let min = if is_tiny { bodies::MIN_SIZE } else { 1.0 };
+        let (width, height) = (larger(exact.width(), min), larger(exact.height(), min));
+        let is_exact = (width, height) == (exact.width(), exact.height());
+        let near = exact.center().sub(Vector::new(width / 2.0, height / 2.0));
+        let rect = if is_exact { exact } else { Rect::new(near, width, height) };
         rect.intersection(&self.camera.viewport).map(|_| rect)
     }
 }

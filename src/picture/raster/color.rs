@@ -188,6 +188,12 @@ pub fn color_by_material(material: &str, style: &Style) -> Color {
     }
 }
 
+/// Black or white, whichever contrasts more with `fill`, mixed with it.
+pub const fn contrasting(fill: Color) -> Color {
+    let line = if fill.luma() > 128 { Color::hex(0x000000) } else { Color::hex(0xffffff) };
+    line.mix(fill, 25)
+}
+
 fn cycle_body_colors(index: u64) -> Color {
     BODY_COLORS[(index % BODY_COLORS.len() as u64) as usize]
 }

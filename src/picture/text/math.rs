@@ -30,6 +30,110 @@ impl Line {
     }
 }
 
+/// Lays out running text, such as a caption, in lines of at most `width` px. Line breaks of the text are kept.
+///
+/// Text between `$` is a formula in the markup of [`Line::math`]. So is, without `$`, a word with a sub- or superscript
+/// after a single letter or a number (`v_c`, `10^{−7}`), with an accent (`v⃗`) or a Greek capital (`ΔE`), and a single
+/// letter next to a relation (`e = 0.8`). Everything else is upright text.
+pub fn wrapped(text: &str, size: f64, width: f64) -> Vec<Line> {
+    let mut lines = Vec::new();
+    for paragraph in text.lines() {
+        let pieces: Vec<&str> = pieces(paragraph).into_iter().flat_map(|piece| broken(piece, size, width)).collect();
+        let mut line: Option<Line> = None;
+        for (at, piece) in pieces.iter().enumerate() {
+            let neighbours = [at.checked_sub(1), Some(at + 1)].map(|at| at.and_then(|at| pieces.get(at)).copied());
+            let word = set_piece(piece, neighbours, size);
+            line = Some(match line {
+                None => word,
+                Some(line) => {
+                    let joined = line.followed_by(&word);
+                    if joined.width <= width {
+                        joined
+                    } else {
+                        lines.push(line);
+                        word
+                    }
+                }
+            });
+        }
+        lines.push(line.unwrap_or_else(|| Line::plain("", size)));
+    }
+    lines
+}
+
+/// The words and formulas of a paragraph. A formula keeps its `$` and its blanks.
+fn pieces(paragraph: &str) -> Vec<&str> {
+    let (mut pieces, mut rest) = (Vec::new(), paragraph.trim());
+    while !rest.is_empty() {
+        let formula_end = rest.strip_prefix('$').and_then(|rest| rest.find('$')).map(|end| end + 2);
+        let from = formula_end.unwrap_or(0);
+        let end = rest[from..].find(char::is_whitespace).map_or(rest.len(), |end| from + end);
+        pieces.push(&rest[..end]);
+        rest = rest[end..].trim_start();
+    }
+    pieces
+}
+
+/// Breaks a word that is wider than a line between its characters.
+fn broken(word: &str, size: f64, width: f64) -> Vec<&str> {
+    let (mut parts, mut rest) = (Vec::new(), word);
+    while !word.starts_with('$') && Line::plain(rest, size).width > width {
+        let ends = rest.char_indices().map(|(at, character)| at + character.len_utf8());
+        let fitting = ends.take_while(|&end| Line::plain(&rest[..end], size).width <= width).last();
+        // A line has one character at least.
+        let end = fitting.or(rest.chars().next().map(char::len_utf8)).unwrap_or(rest.len());
+        parts.push(&rest[..end]);
+        rest = &rest[end..];
+    }
+    parts.push(rest);
+    parts.retain(|part| !part.is_empty());
+    parts
+}
+
+/// Lays out a word or formula. Its neighbours decide if a single letter is a variable.
+fn set_piece(piece: &str, neighbours: [Option<&str>; 2], size: f64) -> Line {
+    let is_relation = |word: &str| matches!(word, "=" | "≠" | "<" | ">" | "≤" | "≥" | "≈" | "→" | "∝" | "×" | "·");
+    let mut letters = piece.chars();
+    let is_letter = letters.next().is_some_and(char::is_alphabetic) && letters.next().is_none();
+    if let Some((formula, rest)) = piece.strip_prefix('$').and_then(|rest| rest.split_once('$')) {
+        let (formula, rest) = (Line::math(formula, size), Line::plain(rest, size));
+        return formula.joined(&rest);
+    }
+    let is_variable = is_letter && neighbours.into_iter().flatten().any(is_relation);
+    if is_variable || is_formula(piece) { Line::math(piece, size) } else { Line::plain(&true_minus(piece), size) }
+}
+
+/// Returns true for a word that is typeset as a formula even without `$`.
+fn is_formula(word: &str) -> bool {
+    let characters: Vec<char> = word.chars().collect();
+    let is_base = |at: usize| {
+        let run = characters[..at].iter().rev().take_while(|character| character.is_alphanumeric()).count();
+        let base = &characters[at - run..at];
+        match base {
+            [] => at > 0 && matches!(characters[at - 1], ')' | '}' | '\u{20d7}' | '\u{302}' | '′'),
+            [_] => true,
+            digits => digits.iter().all(char::is_ascii_digit),
+        }
+    };
+    let has_script = |at: usize| at + 1 < characters.len() && is_base(at);
+    let is_relation = |at: usize| at == 1 && characters[0].is_alphabetic() && characters.len() > 2;
+    (0..characters.len()).any(|at| match characters[at] {
+        '_' | '^' => has_script(at),
+        '\u{20d7}' | '\u{302}' => true,
+        'Δ' | 'Σ' | 'Ω' => characters.len() > 1,
+        '=' | '<' | '>' | '≤' | '≥' | '≈' => is_relation(at),
+        _ => false,
+    })
+}
+
+/// Replaces the hyphen before a number by a minus sign.
+fn true_minus(word: &str) -> String {
+    match word.strip_prefix('-') {
+        Some(number) if number.starts_with(|first: char| first.is_ascii_digit()) => format!("−{number}"),
+        Some(_) | None => word.to_owned(),
+    }
+}
+
 /// Font size and position of the baseline, px.
 #[derive(Clone, Copy)]
 struct Level {
@@ -202,6 +306,33 @@ mod tests {
         assert_eq!((accent.0, accent.2), ('⃗', 0));
         let high = laid_out("N⃗")[1];
         assert!(high.2 < 0, "the accent is raised above a capital");
+    }
+
+    #[test]
+    fn running_text_is_wrapped_and_keeps_its_line_breaks() {
+        let texts =
+            |text, width| -> Vec<String> { wrapped(text, 10.0, width).into_iter().map(|line| line.text).collect() };
+        assert_eq!(texts("one two\nthree", 1000.0), ["one two", "three"]);
+        assert_eq!(texts("one two three", Line::plain("one two", 10.0).width + 1.0), ["one two", "three"]);
+        assert_eq!(texts("one\n\ntwo", 1000.0), ["one", "", "two"]);
+        assert_eq!(texts("aaaaaa", 3.0 * Line::plain("a", 10.0).width + 0.1), ["aaa", "aaa"]);
+        assert_eq!(texts("ab", 1.0), ["a", "b"]);
+        for line in wrapped(&"a long caption of many words ".repeat(20), 10.0, 200.0) {
+            assert!(line.width <= 200.0, "{line:?}");
+        }
+    }
+
+    #[test]
+    fn running_text_contains_formulas() {
+        let font = Font::embedded();
+        let glyphs =
+            |text: &str| -> Vec<u16> { wrapped(text, 10.0, 1e6)[0].glyphs.iter().map(|glyph| glyph.id).collect() };
+        let plain = |text: &str| -> Vec<u16> { text.chars().map(|character| font.glyph(character)).collect() };
+        assert_eq!(glyphs("a box with e = 0.8"), plain("a box with 𝑒 = 0.8"));
+        assert_eq!(glyphs("v_c of run_1.mcap"), plain("𝑣𝑐 of run_1.mcap"));
+        assert_eq!(glyphs("$a b$, 10^{-7} and ΔE"), plain("𝑎 𝑏, 10−7 and Δ𝐸"));
+        assert_eq!(glyphs("x=-3 or -3 or well-known \"so\""), plain("𝑥=−3 or −3 or well-known \"so\""));
+        assert_eq!(glyphs("5 $"), plain("5 $"));
     }
 
     #[test]

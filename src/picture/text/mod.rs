@@ -7,6 +7,7 @@ mod font;
 mod math;
 
 pub use font::{Bounds, Font, PathSegment, UNITS_PER_EM};
+pub use math::wrapped;
 
 /// A line of text with the positions of its glyphs.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,6 +58,24 @@ impl Line {
         let lines = sizes.map(|size| Line::plain(text, size));
         let fitting = lines.iter().find(|line| line.width <= width).or(lines.last());
         fitting.expect("at least one size").clone()
+    }
+
+    /// This line, a blank and another line.
+    fn followed_by(&self, next: &Line) -> Line {
+        let blank = Line::plain(" ", self.size);
+        self.joined(&blank).joined(next)
+    }
+
+    /// This line and directly after it another one.
+    fn joined(&self, next: &Line) -> Line {
+        let start = self.width;
+        let shifted = next.glyphs.iter().map(|glyph| Glyph { x: start + glyph.x, ..*glyph });
+        Line {
+            text: format!("{}{}", self.text, next.text),
+            glyphs: self.glyphs.iter().copied().chain(shifted).collect(),
+            width: start + next.width,
+            size: self.size,
+        }
     }
 
     /// Height of the capitals, px.

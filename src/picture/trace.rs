@@ -1,0 +1,243 @@
+use super::{Error, Progress, ReadExtent, ReadStatus, Source, StepGrid, recorded_world, source};
+use crate::physics::{Collision, CollisionCount, Engine, Observer, World};
+use crate::recording::{Change, Error as RecordingError, Health, Playback};
+use crate::replay::{Replayer, Verdict};
+use std::collections::BTreeSet;
+use std::ops::RangeInclusive;
+
+/// The world at one instant of a [`trace`].
+pub struct TracePoint<'a> {
+    /// Seconds since step 0.
+    pub time: f64,
+    /// The bodies. If the world is read from the recording, they have no names and materials.
+    pub world: &'a World,
+    /// True if states are missing between the last point and this one.
+    pub is_after_gap: bool,
+    /// True if bodies were spawned or deleted since the last state.
+    pub is_after_change: bool,
+}
+
+/// Properties of the traced part of a run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Trace {
+    /// How completely the recording was read.
+    pub status: ReadStatus,
+    /// The times of spawns and deletes after the first state, s, in ascending order. Of several in one column only the
+    /// last is listed.
+    pub changes: Vec<f64>,
+    /// The states that the recording lacks.
+    pub gaps: Vec<TraceGap>,
+}
+
+/// A part of a run that is missing in its recording.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TraceGap {
+    /// The missing steps.
+    pub steps: RangeInclusive<u64>,
+    /// The time of the last state before and of the first state after the gap, s.
+    pub times: [f64; 2],
+    /// The reason, in words.
+    pub reason: &'static str,
+}
+
+/// Passes the world in each state of `grid` to `visit`, in the order of time, and between two states the world before and
+/// after each collision at its exact instant, and before spawns and deletes.
+///
+/// The exact instants require a replay. They are omitted if steps are shorter than a column, `column` seconds, because
+/// then no picture can show them; of several collisions in one column only the first is an instant. So both time and
+/// memory are bounded by the number of columns, beyond reading the recording. A recording of another version of the
+/// engine, which cannot be replayed, is traced by its states alone.
+///
+/// # Errors
+/// If the recording cannot be read or diverges.
+pub fn trace(
+    source: &Source,
+    grid: &StepGrid,
+    column: f64,
+    progress: Progress,
+    mut visit: impl FnMut(TracePoint),
+) -> Result<Trace, Error> {
+    let changes = ChangeSteps::read(source, grid, column)?;
+    let is_wide = grid.every == 1 && 1.0 / grid.rate >= column;
+    let has_instants = source.header.config.solver.is_continuous() || !changes.0.is_empty();
+    let mut tracer =
+        Tracer { source, grid, column, changes: &changes.0, last: None, gaps: Vec::new(), visit: &mut visit };
+    let replayer = match is_wide && has_instants {
+        true => match Replayer::new(source::open(&source.path)?, grid.steps.clone()) {
+            Ok(replayer) => Some(replayer),
+            Err(RecordingError::OtherSemantics { .. }) => None,
+            Err(error) => return Err(source.read_error(error)),
+        },
+        false => None,
+    };
+    let (health, extent) = match replayer {
+        Some(replayer) => tracer.replay(replayer, progress)?,
+        None => tracer.play_back(progress)?,
+    };
+    let gaps = tracer.gaps;
+    let changes = changes.0.iter().map(|&step| step as f64 / grid.rate).collect();
+    Ok(Trace { status: ReadStatus { path: source.path.clone(), health, extent }, changes, gaps })
+}
+
+/// The steps of a grid, without the first, at which bodies were spawned or deleted.
+struct ChangeSteps(BTreeSet<u64>);
+
+impl ChangeSteps {
+    fn read(source: &Source, grid: &StepGrid, column: f64) -> Result<ChangeSteps, Error> {
+        let mut steps: BTreeSet<u64> = BTreeSet::new();
+        let first = grid.steps.start().div_ceil(grid.every) * grid.every;
+        source::open(&source.path)?
+            .for_each_event(|event| {
+                if event.step <= first || event.step > *grid.steps.end() {
+                    return;
+                }
+                let (Change::Spawn { .. } | Change::Delete { .. }) = event.change;
+                // Events are in ascending order of their steps.
+                let last = steps.last().copied().filter(|last| ((event.step - last) as f64) < column * grid.rate);
+                if let Some(last) = last {
+                    steps.remove(&last);
+                }
+                steps.insert(event.step);
+            })
+            .map_err(|error| source.read_error(error))?;
+        Ok(ChangeSteps(steps))
+    }
+}
+
+struct Tracer<'a> {
+    source: &'a Source,
+    grid: &'a StepGrid,
+    column: f64,
+    changes: &'a BTreeSet<u64>,
+    /// The last state.
+    last: Option<u64>,
+    gaps: Vec<TraceGap>,
+    visit: &'a mut dyn FnMut(TracePoint),
+}
+
+impl Tracer<'_> {
+    /// Traces the recorded states.
+    fn play_back(&mut self, progress: Progress) -> Result<(Health, ReadExtent), Error> {
+        let mut playback = Playback::new(source::open(&self.source.path)?);
+        playback.seek(*self.grid.steps.start()).map_err(|error| self.source.read_error(error))?;
+        for state in playback.by_ref() {
+            let state = state.map_err(|error| self.source.read_error(error))?;
+            if state.step > *self.grid.steps.end() {
+                return Ok((playback.health(), ReadExtent::LastStep));
+            }
+            if self.grid.contains(state.step) {
+                self.state(state.step, &recorded_world(&state, &self.source.header.config));
+                progress(state.step, *self.grid.steps.end());
+            }
+        }
+        Ok((playback.health(), ReadExtent::End))
+    }
+
+    /// Traces a replay, with the exact instants between its states.
+    fn replay<R: std::io::Read + std::io::Seek>(
+        &mut self,
+        mut replayer: Replayer<R>,
+        progress: Progress,
+    ) -> Result<(Health, ReadExtent), Error> {
+        let mut instants = CollisionInstants { step: 0, column: self.column, offsets: Vec::new() };
+        let mut before: Option<Engine> = None;
+        loop {
+            let next = replayer.next_state(&mut instants).map_err(|error| self.source.read_error(error))?;
+            let Some(step) = next else { break };
+            if let Some(engine) = replayer.engine() {
+                if let Some(before) = before.take().filter(|before| before.current_step() + 1 == step) {
+                    self.within_step(before, &instants.offsets)?;
+                }
+                self.state(step, engine.world());
+                before = Some(engine.clone());
+            }
+            instants = CollisionInstants { step, offsets: Vec::new(), ..instants };
+            progress(step, *self.grid.steps.end());
+        }
+        match replayer.verdict() {
+            Verdict::Same { .. } => Ok((Health::Complete, ReadExtent::End)),
+            Verdict::Truncated { after, .. } => Ok((Health::Truncated { after }, ReadExtent::End)),
+            Verdict::Corrupt { damage, .. } => Ok((Health::Corrupt(damage), ReadExtent::End)),
+            verdict @ Verdict::Diverged(_) => {
+                Err(Error::Diverged { path: self.source.path.clone(), verdict: Box::new(verdict) })
+            }
+        }
+    }
+
+    /// A state, and the gap before it if states are missing.
+    fn state(&mut self, step: u64, world: &World) {
+        let (rate, every) = (self.grid.rate, self.grid.every);
+        let first = self.grid.steps.start().div_ceil(every) * every;
+        let expected = self.last.map_or(first, |last| last + every);
+        let is_after_gap = step > expected;
+        if is_after_gap {
+            let mut recovered = self.source.header.gaps.iter();
+            let is_recovered = recovered.any(|gap| gap.first_missing() <= step && gap.before >= expected);
+            let reason = if is_recovered { "lost in a damaged recording" } else { "unreadable" };
+            let from = self.last.unwrap_or(first) as f64 / rate;
+            self.gaps.push(TraceGap { steps: expected..=step - 1, times: [from, step as f64 / rate], reason });
+        }
+        let is_after_change = self.last.is_some_and(|last| self.changes.range(last + 1..=step).next().is_some());
+        (self.visit)(TracePoint { time: step as f64 / rate, world, is_after_gap, is_after_change });
+        self.last = Some(step);
+    }
+
+    /// The instants between the state of `engine` and the next one.
+    fn within_step(&mut self, engine: Engine, collisions: &[f64]) -> Result<(), Error> {
+        let (step, duration) = (engine.current_step(), 1.0 / self.grid.rate);
+        let failed = |source| Error::Step { path: self.source.path.clone(), source };
+        let (start, mut ignored) = (step as f64 / self.grid.rate, CollisionCount::default());
+        let mut visit = |offset: f64, world: &World| {
+            (self.visit)(TracePoint { time: start + offset, world, is_after_gap: false, is_after_change: false });
+        };
+        if self.source.header.config.solver.is_continuous() {
+            // Under a force the curves between two instants are not straight.
+            let parts = match self.source.statistics.top_force > 0.0 {
+                true => (duration / (SMOOTH_COLUMNS * self.column)).ceil().clamp(1.0, 1e4) as u32,
+                false => 1,
+            };
+            let mut between = (1..parts).map(|part| f64::from(part) * duration / f64::from(parts)).peekable();
+            for &collision in collisions {
+                while let Some(offset) = between.next_if(|&offset| offset < collision) {
+                    visit(offset, &engine.world_after(offset, &mut ignored).map_err(failed)?);
+                }
+                // Before and after the collision, whose instant is rounded like a time since step 0.
+                let margin = 4.0 * f64::EPSILON * (start + duration);
+                for offset in [collision - margin, collision + margin] {
+                    if offset > 0.0 && offset < duration {
+                        visit(collision, &engine.world_after(offset, &mut ignored).map_err(failed)?);
+                    }
+                }
+            }
+            for offset in between {
+                visit(offset, &engine.world_after(offset, &mut ignored).map_err(failed)?);
+            }
+        }
+        if self.changes.contains(&(step + 1)) {
+            let mut end = engine;
+            end.step(&mut ignored).map_err(failed)?;
+            let time = (step + 1) as f64 / self.grid.rate;
+            (self.visit)(TracePoint { time, world: end.world(), is_after_gap: false, is_after_change: false });
+        }
+        Ok(())
+    }
+}
+
+/// The distance of points on curves that are not straight, in columns.
+const SMOOTH_COLUMNS: f64 = 8.0;
+
+/// The first instant of a collision in each column of a step, s after its start.
+struct CollisionInstants {
+    step: u64,
+    column: f64,
+    offsets: Vec<f64>,
+}
+
+impl Observer for CollisionInstants {
+    fn collision(&mut self, collision: &Collision) {
+        let is_new = self.offsets.last().is_none_or(|last| collision.time - last >= self.column);
+        if collision.step == self.step && collision.impulse != 0.0 && is_new {
+            self.offsets.push(collision.time);
+        }
+    }
+}
