@@ -204,6 +204,28 @@ impl Engine {
         }
     }
 
+    /// Returns a copy of the engine that rounds at random from now on, with numbers that follow from `seed`;
+    /// `None` with the handout solver.
+    pub(super) fn with_random_rounding(&self, seed: u64) -> Option<Engine> {
+        let mut copy = self.clone();
+        match &mut copy.solver {
+            Solver::Handout => return None,
+            Solver::EventDriven(solver) => solver.round_at_random(seed),
+        }
+        Some(copy)
+    }
+
+    /// The greatest difference between the positions of the bodies along an axis in this engine and in `other`, m;
+    /// infinite if bodies, step or solver differ.
+    pub(super) fn distance_to(&self, other: &Engine) -> f64 {
+        match (&self.solver, &other.solver) {
+            (Solver::EventDriven(one), Solver::EventDriven(two)) if self.step == other.step => {
+                one.distance_to(two, self.step)
+            }
+            _ => f64::INFINITY,
+        }
+    }
+
     /// Returns a snapshot from which [`Engine::restore`] continues bit for bit.
     pub fn snapshot(&self) -> Snapshot {
         let solver = match &self.solver {

@@ -6,6 +6,7 @@
 //! All input is an [`Event`], applied by [`Engine::apply`]. [`Engine::step`] advances the world by
 //! 1/rate seconds, and [`Engine::world`] returns it. An [`Observer`] receives the collisions.
 
+mod accuracy;
 mod axis;
 mod collision;
 mod engine;
@@ -18,6 +19,7 @@ mod restitution;
 mod vector;
 mod world;
 
+pub use accuracy::{Accuracy, AccuracyProbe};
 pub use axis::{Axis, Side};
 pub use collision::{Collision, CollisionCount, Observer};
 pub use engine::{

@@ -4,6 +4,7 @@ use super::axis_trajectory::AxisTrajectory;
 use super::body_state::{BodyParams, BodyState, Load, Slot};
 use super::double_double::DoubleDouble;
 use super::instant::Instant;
+use super::random_rounding::RandomRounding;
 use super::state_dd::{AxisLowParts, LowParts, StateDd};
 use super::trajectory::Trajectory;
 use crate::physics::{Axis, Body, BodyId};
@@ -26,17 +27,37 @@ pub struct Bodies {
     params: Vec<BodyParams>,
     /// For each axis, the number of bodies alive with a constant force along it.
     force_counts: [u32; 2],
+    /// Random rounding, by which the accuracy of a run is estimated; usually none.
+    rounding: RandomRounding,
 }
 
 impl Bodies {
     /// No bodies, in a gravitational acceleration, m/s².
     pub fn new(gravity: [f64; 2]) -> Bodies {
-        Bodies { gravity, states: Vec::new(), low_parts: Vec::new(), params: Vec::new(), force_counts: [0; 2] }
+        Bodies {
+            gravity,
+            states: Vec::new(),
+            low_parts: Vec::new(),
+            params: Vec::new(),
+            force_counts: [0; 2],
+            rounding: RandomRounding::default(),
+        }
     }
 
     /// Removes all bodies and slots.
     pub fn clear(&mut self) {
-        *self = Bodies::new(self.gravity);
+        *self = Bodies { rounding: self.rounding, ..Bodies::new(self.gravity) };
+    }
+
+    /// The rounding of computed numbers.
+    #[inline]
+    pub fn rounding(&self) -> RandomRounding {
+        self.rounding
+    }
+
+    /// Rounds at random from now on, with numbers that follow from `seed`.
+    pub fn round_at_random(&mut self, seed: u64) {
+        self.rounding = RandomRounding::new(seed);
     }
 
     /// The number of slots.
@@ -147,7 +168,8 @@ impl Bodies {
         if reference.is_at_rest() || since == at {
             return reference;
         }
-        reference.after(since.exact_seconds_until(at))
+        let t = since.exact_seconds_until(at);
+        self.rounding.state(reference, t, reference.after(t))
     }
 
     /// Sets the trajectory of a body along one axis from an instant on, which becomes its reference.

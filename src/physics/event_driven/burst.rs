@@ -125,7 +125,7 @@ impl EventDriven {
         }
         let velocity = pair.map(|body| patch.axis(body, axis).state.velocity);
         let impact = Impact { velocity, mass, restitution };
-        let after = impact.velocities_after();
+        let after = self.bodies.rounding().velocities(&impact, impact.velocities_after());
         let before = touch.bodies.map(|body| local_velocity(patch, body));
         self.set_velocities(patch, &clusters, axis, after);
         self.clusters = clusters;
@@ -388,7 +388,8 @@ impl EventDriven {
         let mass = [clusters[0].mass, clusters[1].mass];
         if mass.iter().any(|mass| mass.high < f64::INFINITY) {
             let velocity = pair.map(|body| patch.axis(body, axis).state.velocity);
-            let after = Impact { velocity, mass, restitution: 0.0 }.velocities_after();
+            let impact = Impact { velocity, mass, restitution: 0.0 };
+            let after = self.bodies.rounding().velocities(&impact, impact.velocities_after());
             self.set_velocities(patch, &clusters, axis, after);
             if !self.is_contact(patch, touch, axis) {
                 self.add_contact(patch, touch, axis);

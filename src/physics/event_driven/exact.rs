@@ -7,6 +7,7 @@ use super::double_double::DoubleDouble;
 use super::event_queue::ScheduledEvent;
 use super::instant::Instant;
 use super::pair_event::PairEvent;
+use super::random_rounding::is_exact_path;
 use super::state_dd::StateDd;
 use crate::physics::{Axis, Side};
 
@@ -103,6 +104,13 @@ impl ExactAxis {
         self.root(-gap, -speed, -acceleration)
     }
 
+    /// True if `time`, at which a gap closes or opens, needed no rounding.
+    fn has_exact_root(&self, side: Side, time: DoubleDouble) -> bool {
+        let [gap, speed, acceleration] = self.closing(side);
+        let path = time * (speed + time * acceleration.half());
+        path == gap && is_exact_path(speed, acceleration, time)
+    }
+
     /// True if the gap becomes 0 to rounding just where it turns.
     fn turns_at_contact(&self, gap: DoubleDouble, speed: DoubleDouble, acceleration: DoubleDouble) -> bool {
         let square = speed.high * speed.high + 2.0 * acceleration.high * gap.high;
@@ -179,8 +187,9 @@ impl EventDriven {
     /// not after the present one.
     pub(super) fn exact_face_impact(&self, pair: [Slot; 2], axis: Axis, side: Side) -> Option<Instant> {
         let from = self.common_reference(pair);
-        let time = self.exact_axis(pair, axis, from).time_to_contact(side)?;
-        let at = from.after_exactly(time);
+        let relative = self.exact_axis(pair, axis, from);
+        let time = relative.time_to_contact(side)?;
+        let at = self.bodies.rounding().instant(from, time, || relative.has_exact_root(side, time));
         self.now.is_before(at).then_some(at)
     }
 
@@ -207,7 +216,12 @@ impl EventDriven {
         let mut first: Option<(Instant, PairEvent)> = None;
         let mut is_overdue = false;
         let mut keep = |time: DoubleDouble, event: PairEvent| {
-            let at = from.after_exactly(time);
+            let at = self.bodies.rounding().instant(from, time, || {
+                let (PairEvent::FaceImpact(axis, side)
+                | PairEvent::CornerImpact(axis, side)
+                | PairEvent::ContactEnd(axis, side)) = event;
+                axes[axis].has_exact_root(side, time)
+            });
             if !self.now.is_before(at) {
                 is_overdue = true;
             } else if at.is_before(first.map_or(Instant::NEVER, |(earliest, _)| earliest)) {

@@ -54,8 +54,18 @@ impl Impact {
         }
     }
 
+    /// True if the [shares](Self::shares) need no rounding.
+    pub fn has_exact_shares(&self) -> bool {
+        if self.mass[0] == self.mass[1] || self.mass.map(|mass| mass.high).contains(&f64::INFINITY) {
+            return true;
+        }
+        let sum = self.mass[0] + self.mass[1];
+        let shares = self.shares();
+        [0, 1].iter().all(|side| shares[*side].low == 0.0 && shares[*side] * sum == self.mass[1 - side])
+    }
+
     /// The share of each of the two in the change of relative velocity: the mass fraction of the other.
-    fn shares(&self) -> [DoubleDouble; 2] {
+    pub fn shares(&self) -> [DoubleDouble; 2] {
         if self.mass[0] == self.mass[1] {
             return [DoubleDouble::from(0.5); 2];
         }

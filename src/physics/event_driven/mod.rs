@@ -87,6 +87,7 @@ mod neighbour_buffer;
 mod pair_event;
 mod patch;
 mod predict;
+mod random_rounding;
 mod resting;
 mod separation;
 mod simultaneous;
@@ -96,7 +97,7 @@ mod state_dd;
 mod swept_aabb;
 mod trajectory;
 
-use super::{Axis, Body, EngineConfig, Observer, StepError, World};
+use super::{Axis, Body, EngineConfig, Observer, StepError, World, larger};
 use bodies::Bodies;
 use body_state::Slot;
 use burst::Cluster;
@@ -259,6 +260,28 @@ impl EventDriven {
         copy.apply_inputs(world, observer)?;
         copy.process_events(world, instant, observer)?;
         Ok(copy.world_at(world, instant))
+    }
+
+    /// Rounds at random from now on, with numbers that follow from `seed`.
+    pub fn round_at_random(&mut self, seed: u64) {
+        self.bodies.round_at_random(seed);
+    }
+
+    /// The greatest difference between the positions of the bodies along an axis here and in `other` in the state of
+    /// `step`, m, in double-double precision; infinite if the bodies are not the same.
+    pub fn distance_to(&self, other: &EventDriven, step: u64) -> f64 {
+        let at = self.clock.start_of(step);
+        let [slots, other_slots] = [self, other].map(|solver| solver.bodies.alive().collect::<Vec<Slot>>());
+        if slots.len() != other_slots.len() {
+            return f64::INFINITY;
+        }
+        let distances = slots.into_iter().zip(other_slots).flat_map(|(slot, other_slot)| {
+            Axis::BOTH.map(|axis| {
+                let position = self.bodies.state_at(slot, axis, at).position;
+                (position - other.bodies.state_at(other_slot, axis, at).position).high.abs()
+            })
+        });
+        distances.fold(0.0, larger)
     }
 
     /// Sets the present step and instant.

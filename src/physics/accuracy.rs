@@ -1,0 +1,118 @@
+use super::{BodyId, Collision, Engine, Event, Observer, larger};
+
+/// Positions are called accurate if they differ by at most this fraction of the largest side of a finite body.
+pub const ACCURACY: f64 = 1e-10;
+
+/// The distances whose first step is noted, as fractions of the largest side of a finite body.
+const LEVELS: [f64; 10] = [1e-28, 1e-26, 1e-24, 1e-22, 1e-20, 1e-18, 1e-16, 1e-14, 1e-12, ACCURACY];
+
+/// The part of a run in which rounding cannot have moved a position noticeably or changed the order of collisions.
+///
+/// It is an estimate, not a bound: the runs that are compared may err alike.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Accuracy {
+    /// The last step at which all positions are accurate to [`ACCURACY`]; `None` if they are throughout the run.
+    pub until: Option<u64>,
+}
+
+/// Estimates the accuracy of a run of the event-driven solver while it goes on.
+///
+/// Two copies of the engine make the same run, but move the last digit of each rounded result at random. As long as
+/// all three agree, rounding does not matter (random rounding, J. Vignes 1993; three runs as in the library CADNA).
+#[derive(Clone, Debug)]
+pub struct AccuracyProbe {
+    copies: [Engine; 2],
+    /// The collisions of the last step in the copies.
+    collisions: [CollisionSequence; 2],
+    accuracy: Accuracy,
+    /// The largest side of a finite body so far, m.
+    extent: f64,
+    /// The first step at which the distance exceeds each of [`LEVELS`].
+    first_beyond: [Option<u64>; LEVELS.len()],
+}
+
+impl AccuracyProbe {
+    /// Starts at the present state of `engine`; `None` with the handout solver, whose accuracy depends on the step.
+    pub fn new(engine: &Engine) -> Option<AccuracyProbe> {
+        let copies = [engine.with_random_rounding(1)?, engine.with_random_rounding(2)?];
+        Some(AccuracyProbe {
+            copies,
+            collisions: Default::default(),
+            accuracy: Accuracy::default(),
+            extent: 0.0,
+            first_beyond: [None; LEVELS.len()],
+        })
+    }
+
+    /// Applies an event, as it was applied to the engine.
+    pub fn apply(&mut self, event: &Event) {
+        if let Event::Spawn(spawn) = event
+            && spawn.mass.is_finite()
+        {
+            self.extent = larger(self.extent, larger(spawn.rect.width(), spawn.rect.height()));
+        }
+        if self.accuracy.until.is_none() {
+            self.copies.iter_mut().for_each(|copy| copy.apply(event));
+        }
+    }
+
+    /// Makes the step that `engine` has made, in which `collisions` happened, and compares.
+    pub fn step(&mut self, engine: &Engine, collisions: &CollisionSequence) {
+        if self.accuracy.until.is_some() {
+            return;
+        }
+        let before = self.copies[0].current_step();
+        for (copy, sequence) in self.copies.iter_mut().zip(&mut self.collisions) {
+            // An error leaves the copy a step behind: the engines then differ.
+            let _ = copy.step(sequence);
+        }
+        let distance = self.copies.iter().map(|copy| engine.distance_to(copy)).fold(0.0, larger);
+        let step = engine.current_step();
+        for (level, first) in LEVELS.into_iter().zip(&mut self.first_beyond) {
+            if first.is_none() && distance > level * self.extent {
+                *first = Some(step);
+            }
+        }
+        let have_same_collisions = self.collisions.iter().all(|sequence| sequence == collisions);
+        if !(distance <= ACCURACY * self.extent) || !have_same_collisions {
+            self.accuracy.until = Some(before);
+        }
+    }
+
+    /// The accuracy so far.
+    pub fn accuracy(&self) -> Accuracy {
+        self.accuracy
+    }
+
+    /// The growth of the rounding error: pairs of a distance, as a fraction of the largest side of a finite body, and
+    /// the first step at which it is exceeded.
+    pub fn growth(&self) -> impl Iterator<Item = (f64, u64)> + '_ {
+        LEVELS.into_iter().zip(self.first_beyond).filter_map(|(level, step)| Some((level, step?)))
+    }
+}
+
+/// The sequence of the collisions of a run, without impacts so slow that rounding may decide how many there are.
+///
+/// The last bounces of an infinite sequence are such impacts: they move nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct CollisionSequence {
+    count: u64,
+    digest: u64,
+    /// The greatest normal velocity so far, m/s.
+    greatest: f64,
+}
+
+impl Observer for CollisionSequence {
+    fn collision(&mut self, collision: &Collision) {
+        let speed = collision.normal_velocity[0].abs();
+        self.greatest = larger(self.greatest, speed);
+        if !(speed > ACCURACY * self.greatest) {
+            return;
+        }
+        self.count += 1;
+        let [first, second] = collision.bodies.map(|id: BodyId| u64::from(id));
+        for number in [first, second, collision.axis as u64] {
+            self.digest = (self.digest ^ number).wrapping_mul(0x0000_0100_0000_01b3).rotate_left(29);
+        }
+    }
+}
