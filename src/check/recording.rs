@@ -80,14 +80,17 @@ struct NewRecording {
 /// cannot be read.
 fn record_scene(scene: &Path, path: &Path) -> Result<NewRecording, RunError> {
     let scene = scene::load(scene)?;
-    let (steps, every) = match recording::open(path) {
-        Ok(recording) => (recording.header.steps, recording.header.every),
-        Err(_) => (scene.run.steps, 1),
+    let (steps, every, estimates_accuracy) = match recording::open(path) {
+        Ok(recording) => {
+            let header = &recording.header;
+            (header.steps, header.every, header.estimates_accuracy)
+        }
+        Err(_) => (scene.run.steps, 1, false),
     };
     let unwritable = |error| RunError::from(Error::Write(error));
     let recording = TemporaryRecording::create().map_err(unwritable)?;
     let file = File::create_new(recording.path()).map_err(unwritable)?;
-    let plan = replay::RecordOptions { steps, every, viewer: None };
+    let plan = replay::RecordOptions { steps, every, estimates_accuracy, viewer: None };
     let recorded = replay::record(&scene, plan, replay::NO_LIVE_EVENTS, file, |_| ())?;
     Ok(NewRecording { file: recording, identity: recorded.trailer.identity })
 }

@@ -72,6 +72,9 @@ pub struct RecordOptions {
     /// Add the topic /scene for Foxglove and Lichtblick
     #[arg(long)]
     pub viewer: bool,
+    /// Estimate from which step on rounding errors matter; takes about four times as long
+    #[arg(long)]
+    pub accuracy: bool,
     /// Skip invalid or late event lines instead of failing
     #[arg(long)]
     pub lenient: bool,

@@ -90,6 +90,9 @@ struct Info {
     chunks: u64,
     bytes: u64,
     error: Option<String>,
+    /// The steps in which rounding errors do not matter.
+    accuracy: Option<String>,
+    accuracy_method: Option<&'static str>,
     identity: Option<String>,
     health: String,
 }
@@ -152,6 +155,8 @@ impl Info {
             chunks: 0,
             bytes,
             error: None,
+            accuracy: (!header.estimates_accuracy).then(|| "not computed".into()),
+            accuracy_method: header.estimates_accuracy.then_some("estimate by random rounding"),
             identity: None,
             health: String::new(),
         }
@@ -173,6 +178,9 @@ impl Info {
     fn set_trailer(&mut self, trailer: &Trailer) {
         self.collisions = trailer.collisions;
         self.error = trailer.error.as_ref().map(RecordedError::to_string);
+        if let Some(accuracy) = &trailer.accuracy {
+            self.accuracy = Some(accuracy.to_string());
+        }
         self.identity = Some(trailer.identity.to_string());
     }
 
@@ -187,7 +195,7 @@ impl Info {
         let mut lines = String::new();
         for (key, value) in value.as_object().into_iter().flatten() {
             let text = match value {
-                serde_json::Value::Null if key == "title" || key == "error" => continue,
+                serde_json::Value::Null if ["title", "error", "accuracy_method"].contains(&key.as_str()) => continue,
                 serde_json::Value::Null => "unknown: the end of the run was not recorded".into(),
                 serde_json::Value::String(text) => text.clone(),
                 serde_json::Value::Number(number) => without_trailing_zero(number),

@@ -25,6 +25,7 @@ pub fn run(options: &RecordOptions) -> Result<Exit, CommandError> {
     let plan = replay::RecordOptions {
         steps: options.steps.unwrap_or(scene.run.steps),
         every: options.every,
+        estimates_accuracy: options.accuracy,
         viewer: options.viewer.then_some(picture::body_color as ColorFn),
     };
     warn_of_unreached_inputs(&scene, plan.steps);
@@ -81,12 +82,13 @@ fn print_summary(options: &RecordOptions, recorded: &Recorded, skipped: u64) -> 
     if options.json {
         let object = serde_json::json!({
             "path": options.output.display().to_string(), "steps": end.steps, "bodies": end.bodies,
-            "collisions": collisions, "identity": end.identity.to_string(), "error": end.error.as_ref().map(RecordedError::to_string),
+            "collisions": collisions, "identity": end.identity.to_string(), "accuracy": end.accuracy.map(|accuracy| accuracy.to_string()), "error": end.error.as_ref().map(RecordedError::to_string),
         });
         return output::print_result(&options.output, &object.to_string());
     }
+    let accuracy = end.accuracy.map(|accuracy| format!(", accuracy {accuracy}")).unwrap_or_default();
     let line = format!(
-        "{}: {}, {}, {}, identity {}",
+        "{}: {}, {}, {}{accuracy}, identity {}",
         options.output.display(),
         counted(end.steps, "step"),
         counted(end.bodies, "body"),

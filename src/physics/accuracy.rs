@@ -1,4 +1,5 @@
 use super::{BodyId, Collision, Engine, Event, Observer, larger};
+use std::fmt::{self, Display, Formatter};
 
 /// Positions are called accurate if they differ by at most this fraction of the largest side of a finite body.
 pub const ACCURACY: f64 = 1e-10;
@@ -15,6 +16,16 @@ pub struct Accuracy {
     pub until: Option<u64>,
 }
 
+/// Formats as `1e-10 throughout` or `1e-10 until step 64`.
+impl Display for Accuracy {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        match self.until {
+            None => write!(f, "{ACCURACY:e} throughout"),
+            Some(step) => write!(f, "{ACCURACY:e} until step {step}"),
+        }
+    }
+}
+
 /// Estimates the accuracy of a run of the event-driven solver while it goes on.
 ///
 /// Two copies of the engine make the same run, but move the last digit of each rounded result at random. As long as
@@ -22,8 +33,8 @@ pub struct Accuracy {
 #[derive(Clone, Debug)]
 pub struct AccuracyProbe {
     copies: [Engine; 2],
-    /// The collisions of the last step in the copies.
-    collisions: [CollisionSequence; 2],
+    /// The collisions so far in the engine and in the copies.
+    collisions: [CollisionSequence; 3],
     accuracy: Accuracy,
     /// The largest side of a finite body so far, m.
     extent: f64,
@@ -56,14 +67,15 @@ impl AccuracyProbe {
         }
     }
 
-    /// Makes the step that `engine` has made, in which `collisions` happened, and compares.
-    pub fn step(&mut self, engine: &Engine, collisions: &CollisionSequence) {
+    /// Makes the step that `engine` has made, and compares. The probe has observed the collisions of the engine.
+    pub fn follow(&mut self, engine: &Engine) {
         if self.accuracy.until.is_some() {
             return;
         }
         let before = self.copies[0].current_step();
-        for (copy, sequence) in self.copies.iter_mut().zip(&mut self.collisions) {
-            // An error leaves the copy a step behind: the engines then differ.
+        let [collisions, copied @ ..] = &mut self.collisions;
+        for (copy, sequence) in self.copies.iter_mut().zip(copied.iter_mut()) {
+            // After an error the copy stays a step behind: unless the engine failed too, they differ.
             let _ = copy.step(sequence);
         }
         let distance = self.copies.iter().map(|copy| engine.distance_to(copy)).fold(0.0, larger);
@@ -73,8 +85,9 @@ impl AccuracyProbe {
                 *first = Some(step);
             }
         }
-        let have_same_collisions = self.collisions.iter().all(|sequence| sequence == collisions);
-        if !(distance <= ACCURACY * self.extent) || !have_same_collisions {
+        let have_same_collisions = copied.iter().all(|sequence| sequence.is_same(collisions));
+        let is_accurate = distance <= ACCURACY * self.extent;
+        if !is_accurate || !have_same_collisions {
             self.accuracy.until = Some(before);
         }
     }
@@ -91,15 +104,29 @@ impl AccuracyProbe {
     }
 }
 
+/// Observes the collisions of the engine that the probe follows.
+impl Observer for AccuracyProbe {
+    fn collision(&mut self, collision: &Collision) {
+        self.collisions[0].collision(collision);
+    }
+}
+
 /// The sequence of the collisions of a run, without impacts so slow that rounding may decide how many there are.
 ///
 /// The last bounces of an infinite sequence are such impacts: they move nothing.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct CollisionSequence {
+struct CollisionSequence {
     count: u64,
     digest: u64,
     /// The greatest normal velocity so far, m/s.
     greatest: f64,
+}
+
+impl CollisionSequence {
+    /// True if the same pairs collided in the same order.
+    fn is_same(&self, other: &CollisionSequence) -> bool {
+        (self.count, self.digest) == (other.count, other.digest)
+    }
 }
 
 impl Observer for CollisionSequence {

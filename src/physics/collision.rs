@@ -53,6 +53,21 @@ impl Observer for CollisionCount {
     }
 }
 
+impl<O: Observer> Observer for Option<O> {
+    fn collision(&mut self, collision: &Collision) {
+        if let Some(observer) = self {
+            observer.collision(collision);
+        }
+    }
+}
+
+impl<A: Observer, B: Observer> Observer for (A, B) {
+    fn collision(&mut self, collision: &Collision) {
+        self.0.collision(collision);
+        self.1.collision(collision);
+    }
+}
+
 impl Observer for Vec<Collision> {
     fn collision(&mut self, collision: &Collision) {
         self.push(collision.clone());

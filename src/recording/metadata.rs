@@ -13,7 +13,7 @@ use std::{
 
 use xxhash_rust::xxh3::{Xxh3, xxh3_64};
 
-use crate::physics::{EngineConfig, Restitution, RestitutionPair, SolverKind, Vector};
+use crate::physics::{Accuracy, EngineConfig, Restitution, RestitutionPair, SolverKind, Vector};
 
 use super::{
     Bounds, FORMAT_VERSION, Gap, Header, RecordedError, SceneText, StateBounds, Trailer, Versions, limits,
@@ -53,6 +53,9 @@ pub fn header_map(header: &Header) -> Map {
         for (key, value) in SCENE_KEYS.into_iter().zip([file_name.clone(), text.len().to_string(), digest]) {
             map.insert(key.into(), value);
         }
+    }
+    if header.estimates_accuracy {
+        insert(&mut map, "accuracy", "estimated");
     }
     with_checksum(map)
 }
@@ -99,6 +102,9 @@ pub fn trailer_map(header: &Header, trailer: &Trailer) -> Map {
     }
     if let Some(error) = &trailer.error {
         insert(&mut map, "error", error.stored(header.versions.format));
+    }
+    if let Some(accuracy) = &trailer.accuracy {
+        insert(&mut map, "accurate_until", accuracy.until.map_or("throughout".into(), |step| step.to_string()));
     }
     if trailer.recovered {
         insert(&mut map, "recovered", "yes");
@@ -152,6 +158,11 @@ pub fn parse_trailer(map: &Map) -> Result<Trailer, String> {
         bodies: parse_value(map, "bodies")?,
         events: parse_value(map, "events")?,
         error: map.get("error").map(|text| RecordedError::parse(text)),
+        accuracy: match map.get("accurate_until").map(String::as_str) {
+            None => None,
+            Some("throughout") => Some(Accuracy { until: None }),
+            Some(_) => Some(Accuracy { until: Some(parse_step(map, "accurate_until")?) }),
+        },
         recovered: map.contains_key("recovered"),
         state_bounds: parse_state_bounds(map)?,
         identity: parse_value(map, "identity")?,
@@ -207,7 +218,15 @@ fn parse_header_fields(map: &Map, format: u32) -> Result<Header, String> {
         events_per_step: parse_value(map, "events_per_step")?,
     };
     let versions = Versions { format, semantics: parse_value(map, "semantics_version")? };
-    Ok(Header { versions, config, steps: parse_step(map, "steps")?, every, scene: None, gaps: parse_gaps(map)? })
+    Ok(Header {
+        versions,
+        config,
+        steps: parse_step(map, "steps")?,
+        every,
+        estimates_accuracy: map.contains_key("accuracy"),
+        scene: None,
+        gaps: parse_gaps(map)?,
+    })
 }
 
 fn parse_gaps(map: &Map) -> Result<Vec<Gap>, String> {
@@ -371,6 +390,7 @@ mod tests {
             events_per_step in any::<u64>(),
             (steps, every) in (0..=limits::STEPS, 1..=limits::STEPS),
             (collisions, error, recovered) in any::<(Option<u64>, Option<String>, bool)>(),
+            accuracy in any::<Option<Option<u64>>>(),
             state_bounds in state_bounds(),
         ) {
             let restitution = Restitution::new(default, &pairs);
@@ -378,8 +398,11 @@ mod tests {
             let gaps = vec![Gap { after: None, before: 7 }, Gap { after: Some(9), before: 12 }];
             let (versions, scene) = (Versions::CURRENT, None);
             let error = error.map(RecordedError::Text);
-            let expected = Header { versions, config, steps, every, scene, gaps };
-            let trailer = Trailer { steps, collisions, bodies: 3, events: 4, error, recovered, state_bounds, identity: Identity(5) };
+            let estimates_accuracy = accuracy.is_some();
+            let accuracy = accuracy.map(|until| Accuracy { until });
+            let expected = Header { versions, config, steps, every, estimates_accuracy, scene, gaps };
+            let identity = Identity(5);
+            let trailer = Trailer { steps, collisions, bodies: 3, events: 4, error, accuracy, recovered, state_bounds, identity };
             for map in [header_map(&expected), trailer_map(&expected, &trailer)] {
                 let found = parse_header(&map).unwrap();
                 prop_assert_eq!(format!("{found:?}"), format!("{expected:?}"), "compares the text, which distinguishes -0.0 from 0.0");

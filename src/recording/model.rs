@@ -5,7 +5,9 @@ use std::{
     sync::Arc,
 };
 
-use crate::physics::{Body, BodyId, EngineConfig, Event, Rect, Snapshot, SolverSnapshot, Spawn, StepError, Vector};
+use crate::physics::{
+    Accuracy, Body, BodyId, EngineConfig, Event, Rect, Snapshot, SolverSnapshot, Spawn, StepError, Vector,
+};
 
 use super::{BodyInfo, BodyTable, Gap, Identity, StateBounds};
 
@@ -31,6 +33,8 @@ pub struct Header {
     pub steps: u64,
     /// The state of every `every`-th step is recorded in full, the others as digests only.
     pub every: u64,
+    /// True if the accuracy of the run is estimated; the end record contains it.
+    pub estimates_accuracy: bool,
     /// The scene's source text; `None` if that part of the recording is lost.
     pub scene: Option<SceneText>,
     /// The gaps of a recovered recording; empty for any other.
@@ -86,6 +90,8 @@ pub struct Trailer {
     pub events: u64,
     /// The engine's error, if the run ended in one.
     pub error: Option<RecordedError>,
+    /// The accuracy of the run, if it was estimated.
+    pub accuracy: Option<Accuracy>,
     /// True if the recording was recovered from a damaged or unfinished one.
     pub recovered: bool,
     /// Bounds of all states recorded in full; `None` if states are missing, if the top speed is not

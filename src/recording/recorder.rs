@@ -97,6 +97,7 @@ impl<W: Write> Recorder<W> {
             bodies: self.next_id.into(),
             events: self.events,
             error: run_end.error,
+            accuracy: run_end.accuracy,
             recovered,
             state_bounds: self.state_bounds,
             identity: self.identity.identity(),

@@ -153,7 +153,7 @@ impl SalvageScan {
     fn run_end(&self) -> RunEnd {
         match &self.trailer {
             Some(trailer) if Some(trailer.steps) == self.last_step => {
-                RunEnd { collisions: trailer.collisions, error: trailer.error.clone() }
+                RunEnd { collisions: trailer.collisions, error: trailer.error.clone(), accuracy: None }
             }
             Some(_) | None => RunEnd::default(),
         }

@@ -38,6 +38,7 @@ pub fn bounce(steps: u64) -> Run {
         },
         steps,
         every: 1,
+        estimates_accuracy: false,
         gaps: Vec::new(),
         scene: Some(SceneText { file_name: "bounce.toml".into(), text: "title = \"Bounce\"\n".into() }),
     };

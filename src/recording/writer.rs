@@ -4,7 +4,7 @@ use std::{
     thread,
 };
 
-use crate::physics::Engine;
+use crate::physics::{Accuracy, Engine};
 
 use super::{
     Change, Error, Header, RecordedError, RecordedEvent, Trailer, limits,
@@ -38,6 +38,8 @@ pub struct RunEnd {
     pub collisions: Option<u64>,
     /// The engine's error, if the run ended in one.
     pub error: Option<RecordedError>,
+    /// The accuracy, if it was estimated.
+    pub accuracy: Option<Accuracy>,
 }
 
 /// The result of [`Writer::finish`].

@@ -1,5 +1,5 @@
 use super::{LiveEvents, Run, RunError, engine_config};
-use crate::physics::{CollisionCount, StepError};
+use crate::physics::{AccuracyProbe, CollisionCount, SolverKind, StepError};
 use crate::recording::{ColorFn, Header, RecordedError, RunEnd, SceneText, Trailer, Versions, Writer};
 use crate::scene::{Scene, SceneError};
 use std::io::{BufRead, Write};
@@ -12,6 +12,8 @@ pub struct RecordOptions {
     pub steps: u64,
     /// Every `every`-th state is recorded in full, the others as digests; at least 1.
     pub every: u64,
+    /// True to estimate the accuracy of the run, which takes about four times as long.
+    pub estimates_accuracy: bool,
     /// The colours of bodies in viewers such as Foxglove; `None` records nothing for viewers.
     pub viewer: Option<ColorFn>,
 }
@@ -19,12 +21,18 @@ pub struct RecordOptions {
 impl RecordOptions {
     /// The complete run of the scene, every state in full, nothing for viewers.
     pub const fn complete(scene: &Scene) -> RecordOptions {
-        RecordOptions { steps: scene.run.steps, every: 1, viewer: None }
+        RecordOptions { steps: scene.run.steps, every: 1, estimates_accuracy: false, viewer: None }
     }
 
     /// Sets the last step.
     pub const fn steps(self, steps: u64) -> RecordOptions {
         RecordOptions { steps, ..self }
+    }
+
+    /// Estimates the accuracy of the run, which takes about four times as long. The handout solver has none to
+    /// estimate.
+    pub const fn estimate_accuracy(self) -> RecordOptions {
+        RecordOptions { estimates_accuracy: true, ..self }
     }
 
     /// Records every `every`-th state in full, the others as digests; at least 1.
@@ -64,7 +72,8 @@ pub fn record<W: Write + Send + 'static>(
         None => Writer::new(output, &header)?,
         Some(color) => Writer::with_scene_updates(output, &header, color)?,
     };
-    let mut collisions = CollisionCount::default();
+    let probe = if options.estimates_accuracy { AccuracyProbe::new(run.engine()) } else { None };
+    let mut observers = (CollisionCount::default(), probe);
     let mut error = None;
     for step in 0..=options.steps {
         let due = live.as_mut().map(|live| live.due(step)).transpose()?;
@@ -74,17 +83,24 @@ pub fn record<W: Write + Send + 'static>(
         };
         for event in run.apply_inputs(due.unwrap_or_default(), on_refused)? {
             writer.write_event(&event)?;
+            observers.1.iter_mut().for_each(|probe| probe.apply(&event.change.event()));
         }
         writer.write_state(run.engine())?;
         progress(step);
         if step < options.steps {
-            error = run.step(&mut collisions).err();
+            error = run.step(&mut observers).err();
+            observers.1.iter_mut().for_each(|probe| probe.follow(run.engine()));
         }
         if error.is_some() {
             break;
         }
     }
-    let run_end = RunEnd { collisions: Some(collisions.0), error: error.clone().map(RecordedError::Step) };
+    let (collisions, probe) = observers;
+    let run_end = RunEnd {
+        collisions: Some(collisions.0),
+        error: error.clone().map(RecordedError::Step),
+        accuracy: probe.map(|probe| probe.accuracy()),
+    };
     Ok(Recorded { trailer: writer.finish(run_end)?.trailer, error })
 }
 
@@ -95,6 +111,7 @@ fn header(scene: &Scene, options: RecordOptions) -> Header {
         config: engine_config(scene),
         steps: options.steps,
         every: options.every,
+        estimates_accuracy: options.estimates_accuracy && scene.run.solver == SolverKind::EventDriven,
         scene: Some(text),
         gaps: Vec::new(),
     }

@@ -166,7 +166,15 @@ fn write_state(bencher: Bencher, bodies: u32) {
     let engine = engine(SolverKind::EventDriven, bodies);
     let scene = Some(SceneText { file_name: "bench.toml".into(), text: String::new() });
     let config = config(SolverKind::EventDriven);
-    let header = Header { versions: Versions::CURRENT, config, steps: u64::MAX, every: 1, scene, gaps: Vec::new() };
+    let header = Header {
+        versions: Versions::CURRENT,
+        config,
+        steps: u64::MAX,
+        every: 1,
+        estimates_accuracy: false,
+        scene,
+        gaps: Vec::new(),
+    };
     let mut writer = Writer::new(io::Cursor::new(Vec::new()), &header).expect("memory");
     bencher.counter(ItemsCount::new(bodies)).bench_local(move || writer.write_state(&engine).expect("memory"));
 }

@@ -91,6 +91,7 @@ fn header(scene: &scene::Scene, every: u64) -> Header {
         config: replay::engine_config(scene),
         steps: STEPS,
         every,
+        estimates_accuracy: false,
         scene: Some(SceneText { file_name: "gas.toml".into(), text: scene.source.text.clone() }),
         gaps: Vec::new(),
     }

@@ -87,6 +87,7 @@ fn recording(bodies: usize) {
         config: replay::engine_config(&scene),
         steps,
         every: 1,
+        estimates_accuracy: false,
         scene: Some(text),
         gaps: Vec::new(),
     };

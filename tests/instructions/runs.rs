@@ -63,8 +63,15 @@ fn recording(scene: &scene::Scene) {
     let mut run = start(scene);
     let text = SceneText { file_name: "fixed.toml".into(), text: scene.source.text.clone() };
     let (versions, steps) = (Versions::CURRENT, scene.run.steps);
-    let header =
-        Header { versions, config: replay::engine_config(scene), steps, every: 1, scene: Some(text), gaps: Vec::new() };
+    let header = Header {
+        versions,
+        config: replay::engine_config(scene),
+        steps,
+        every: 1,
+        estimates_accuracy: false,
+        scene: Some(text),
+        gaps: Vec::new(),
+    };
     let mut writer = Writer::new(io::Cursor::new(Vec::new()), &header).expect("memory");
     for _ in 0..steps {
         writer.write_state(run.engine()).expect("memory");
