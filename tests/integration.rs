@@ -1,5 +1,7 @@
 //! All integration tests, in one binary because linking takes most of their time.
 
+#[path = "integration/accuracy.rs"]
+mod accuracy;
 #[path = "integration/animations.rs"]
 mod animations;
 #[path = "integration/bundled.rs"]

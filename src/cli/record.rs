@@ -2,6 +2,7 @@ use super::arguments::RecordOptions;
 use super::error::CommandError;
 use super::output_file::{Durability, OutputFile, Overwrite};
 use super::{Exit, output};
+use crate::physics::SolverKind;
 use crate::picture;
 use crate::recording::{ColorFn, RecordedError};
 use crate::replay::{self, LiveEvents, OnBadEvent, Recorded, RunError};
@@ -29,6 +30,9 @@ pub fn run(options: &RecordOptions) -> Result<Exit, CommandError> {
         viewer: options.viewer.then_some(picture::body_color as ColorFn),
     };
     warn_of_unreached_inputs(&scene, plan.steps);
+    if plan.estimates_accuracy && scene.run.solver == SolverKind::Handout {
+        output::info(format_args!("the accuracy is not estimated: --accuracy needs the event-driven solver"));
+    }
     let on_bad_event = if options.lenient { OnBadEvent::Skip } else { OnBadEvent::Fail };
     let events = options.events.as_deref().map(open_events).transpose()?;
     let mut live = events.map(|lines| LiveEvents::new(lines, on_bad_event, plan.steps));

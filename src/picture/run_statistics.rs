@@ -243,7 +243,7 @@ name = "b"
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("run.mcap");
         let scene = scene::parse("scene.toml", text).unwrap();
-        let options = RecordOptions { steps: scene.run.steps, every, viewer: None };
+        let options = RecordOptions { every, ..RecordOptions::complete(&scene) };
         replay::record(&scene, options, replay::NO_LIVE_EVENTS, File::create(&path).unwrap(), |_| ()).unwrap();
         let summary = open(&path).unwrap().summary().unwrap();
         assert!(summary.unwrap().trailer.state_bounds.is_some(), "the trailer has no state bounds");

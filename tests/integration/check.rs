@@ -123,6 +123,7 @@ pub fn record_with_modified_engine(workplace: &Workplace) {
         config: config.clone(),
         steps: 90,
         every: 1,
+        estimates_accuracy: false,
         scene: Some(text),
         gaps: Vec::new(),
     };
@@ -141,7 +142,7 @@ pub fn record_with_modified_engine(workplace: &Workplace) {
             engine.step(&mut CollisionCount::default()).unwrap();
         }
     }
-    writer.finish(RunEnd { collisions: None, error: None }).unwrap();
+    writer.finish(RunEnd::default()).unwrap();
 }
 
 #[test]
