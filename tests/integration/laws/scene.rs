@@ -142,6 +142,22 @@ impl Scene {
         !self.deletes.is_empty() || self.bodies.iter().any(|body| body.step > 0)
     }
 
+    /// Returns true if a body is spawned into another one. Such bodies are separated in the step after it.
+    pub fn has_overlapping_spawns(&self) -> bool {
+        let mut overlaps = false;
+        if self.bodies.iter().any(|body| body.step > 0) {
+            self.run_with(|engine| {
+                let bodies = &engine.world().bodies;
+                let new = |id: BodyId| self.bodies[id as usize].step == engine.current_step();
+                overlaps |= bodies
+                    .iter()
+                    .filter(|a| new(a.id))
+                    .any(|a| bodies.iter().any(|b| a.id != b.id && a.rect.overlaps(&b.rect)));
+            });
+        }
+        overlaps
+    }
+
     // Transformations.
 
     fn with_bodies(&self, change: impl Fn(&mut SceneBody)) -> Scene {

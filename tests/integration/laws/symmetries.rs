@@ -28,6 +28,10 @@ fn to_the_last_digits(scene: &Scene, expected: &Outcome, other: &Scene, found: &
 #[test]
 fn exchanging_the_axes_exchanges_the_results() {
     check("exchanged axes", random_scene, |scene| {
+        // A body in the middle of another one leaves it along one of the two axes.
+        if scene.has_overlapping_spawns() {
+            return Ok(Law::DoesNotApply);
+        }
         let turned = scene.with_axes_exchanged();
         let turn = |state: &mut State| [&mut state.at, &mut state.velocity].map(|pair| pair.swap(0, 1));
         let found = outcome(&turned).map(|_, state| _ = turn(state), |impact| impact.axis = 1 - impact.axis);
@@ -126,7 +130,8 @@ fn an_engine_restored_at_every_step_continues_bit_for_bit() {
 #[test]
 fn a_mirrored_scene_has_a_mirrored_run() {
     check("mirror", random_scene, |scene| {
-        if !scene.is_dyadic {
+        // A body in the middle of another one leaves it to one of the two sides.
+        if !scene.is_dyadic || scene.has_overlapping_spawns() {
             return Ok(Law::DoesNotApply);
         }
         let expected = outcome(scene);
