@@ -70,6 +70,10 @@ impl OutputFile {
                 return Ok(OutputFile { name, destination: Destination::Special });
             }
             Ok(_) => refuse_input(Handle::from_path(path).map_err(CommandError::unwritable(path))?, path, inputs)?,
+            // Devices of Windows, such as NUL, can be opened but have no metadata.
+            Err(error) if cfg!(windows) && error.kind() != ErrorKind::NotFound && open_special(path).is_ok() => {
+                return Ok(OutputFile { name, destination: Destination::Special });
+            }
             Err(_) => {}
         }
         if overwrite == Overwrite::Refused && path.symlink_metadata().is_ok() {
@@ -359,6 +363,9 @@ impl OldFile {
                 Err(error) => match error.kind() {
                     ErrorKind::NotFound => return Ok(None),
                     ErrorKind::PermissionDenied => return Ok(Some(OldFile { lock: None })),
+                    _ if cfg!(windows) && error.raw_os_error() == Some(SHARING_VIOLATION) => {
+                        return Err(io::Error::new(ErrorKind::ResourceBusy, Busy));
+                    }
                     _ => return Err(error),
                 },
             };
@@ -385,6 +392,9 @@ impl OldFile {
 #[derive(Debug, thiserror::Error)]
 #[error("another process is writing it")]
 pub struct Busy;
+
+/// The error of Windows for a file that another process has opened for itself.
+const SHARING_VIOLATION: i32 = 32;
 
 /// Locks a file against other processes of this program, as far as its file system has locks.
 #[cfg(not(windows))]
