@@ -118,7 +118,8 @@ Tables and their columns:
   bodies      name,id,mass,width,height,material,e_default,spawned_step,
               deleted_step,fx,fy,color
 Several sources have a first column, source. Numbers are the shortest decimals
-that read back to the same value, in SI units.
+that read back to the same value, in SI units. FILE.mcap has one topic per body,
+for plots in Foxglove or PlotJuggler.
 
 Examples:
   rebond export figure-1.mcap > figure-1.csv
@@ -131,7 +132,7 @@ pub struct ExportOptions {
     /// Export states, collisions, energy or bodies
     #[arg(long, default_value = "states", hide_possible_values = true)]
     pub table: Table,
-    /// Write to this .csv or .jsonl file, - for CSV on standard output
+    /// Write to this .csv, .jsonl or .mcap file, - for CSV on standard output
     #[arg(short, long, value_name = "FILE", default_value = "-")]
     pub output: PathBuf,
     /// Overwrite an existing table

@@ -1,4 +1,5 @@
 use super::arguments::{ExportOptions, Shard, Table, is_standard_output};
+use super::body_topics::BodyTopics;
 use super::error::CommandError;
 use super::output_file::{OutputFile, Overwrite};
 use super::source::SourceFile;
@@ -17,6 +18,9 @@ use std::sync::Arc;
 
 /// Exports states, collisions, energies or bodies of recordings or scenes as a table.
 pub fn run(options: &ExportOptions) -> Result<Exit, CommandError> {
+    if options.output.extension().is_some_and(|extension| extension == "mcap") {
+        return export_topics(options);
+    }
     let format = Format::from_path(&options.output)?;
     let inputs: Vec<&Path> = options.sources.iter().map(PathBuf::as_path).collect();
     let output = OutputFile::create(&options.output, Overwrite::from_force(options.force), &inputs)?;
@@ -41,6 +45,30 @@ pub fn run(options: &ExportOptions) -> Result<Exit, CommandError> {
         Ok(statuses)
     })?;
     Ok(output::warn_of_damage(&statuses))
+}
+
+/// Writes the states of one source as an MCAP file with one topic per body.
+fn export_topics(options: &ExportOptions) -> Result<Exit, CommandError> {
+    let ([path], Table::States, Shard::WHOLE) = (&options.sources[..], options.table, options.shard) else {
+        return Err(CommandError::UnsupportedOutput {
+            path: options.output.clone(),
+            expected: "an .mcap file has the states of one source, without --table and --shard",
+        });
+    };
+    let output = OutputFile::create(&options.output, Overwrite::from_force(options.force), &[path])?;
+    let file = SourceFile::open(path)?;
+    let recording = recording::open(&file.path).map_err(CommandError::in_recording(path))?;
+    let header = recording.header.clone();
+    let step = |point: StepOrTime| point.step(header.config.rate);
+    let steps = options.from.map_or(0, step)..=options.to.map_or(header.steps, step);
+    let unwritable = CommandError::unwritable(&options.output);
+    let (health, extent) = output.write(|file| {
+        let mut topics = BodyTopics::new(file).map_err(&unwritable)?;
+        let read = states(path, recording, steps, &options.output, |state| topics.write(state, &header))?;
+        topics.finish().map_err(&unwritable)?;
+        Ok(read)
+    })?;
+    Ok(output::warn_of_damage(&[ReadStatus { path: path.clone(), health, extent }]))
 }
 
 /// Writes the rows of one recording, the file `file` of the source `path`.
@@ -255,7 +283,7 @@ impl Format {
             Some("jsonl") => Ok(Format::JsonLines),
             None | Some(_) => Err(CommandError::UnsupportedOutput {
                 path: path.into(),
-                expected: "expected F.csv or F.jsonl, or - for CSV on standard output",
+                expected: "expected F.csv, F.jsonl or F.mcap, or - for CSV on standard output",
             }),
         }
     }

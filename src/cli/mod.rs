@@ -1,6 +1,7 @@
 //! The command line: one file per command. Errors are printed here and nowhere else.
 
 mod arguments;
+mod body_topics;
 mod check;
 mod error;
 mod error_report;

@@ -49,3 +49,38 @@ fn recovery_keeps_scene_updates() {
     let fixed = workplace.read("fixed.mcap");
     assert!(fixed.windows(6).any(|window| window == b"/scene"), "the index contains the topic");
 }
+
+/// Plots refer to a body by its topic, whichever bodies are spawned and deleted.
+#[test]
+fn an_exported_topic_has_the_states_of_one_body_throughout_the_run() {
+    let workplace = Workplace::with_scene(
+        "[run]\nsteps = 20\n\
+         [[spawn]]\nname = \"a b\"\nat = [1.0, 1.0]\nsize = [1.0, 1.0]\nmass = 1.0\nvelocity = [1.0, 0.5]\n\
+         [[spawn]]\nname = \"a-b\"\nat = [5.0, 1.0]\nsize = [1.0, 1.0]\nmass = 1.0\nvelocity = [0.1, 0.5]\n\
+         [[delete]]\nname = \"a b\"\nstep = 7\n\
+         [[spawn]]\nname = \"a b\"\nstep = 9\nat = [9.0, 1.0]\nsize = [1.0, 1.0]\nmass = 2.0\nvelocity = [0.0, -0.5]\n",
+    );
+    workplace.done("export scene.toml -o plot.mcap");
+    let table = workplace.done("export scene.toml").output;
+    let file = workplace.read("plot.mcap");
+    let mut found: Vec<String> = Vec::new();
+    let mut topics = std::collections::BTreeMap::new();
+    for message in mcap::MessageStream::new(&file).unwrap() {
+        let message = message.unwrap();
+        let numbers: Vec<String> = message.data[4..]
+            .chunks(8)
+            .map(|bytes| format!("{:?}", f64::from_le_bytes(bytes.try_into().unwrap())))
+            .collect();
+        *topics.entry(message.channel.topic.clone()).or_insert(0) += 1;
+        found.push(format!("{},{}", message.channel.metadata["name"], numbers.join(",")));
+    }
+    let expected: Vec<String> =
+        table.lines().skip(1).map(|row| row.splitn(3, ',').nth(2).expect("name and numbers").to_owned()).collect();
+    assert_eq!(found, expected);
+    let topics: Vec<(String, u32)> = topics.into_iter().collect();
+    let expected = [("/body/a_b", 7), ("/body/a_b_id1", 21), ("/body/a_b_id2", 12)];
+    assert_eq!(topics, expected.map(|(topic, count)| (topic.to_owned(), count)));
+    for refused in ["export scene.toml scene.toml -o two.mcap", "export scene.toml --table energy -o e.mcap"] {
+        assert_eq!(workplace.rebond(refused).code, 1, "{refused}");
+    }
+}
