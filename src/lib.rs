@@ -5,24 +5,22 @@
 //! ([`parse_scene`]), or from code:
 //!
 //! ```
-//! use rebond::{SceneBuilder, SpawnTable, WorldTable};
+//! use rebond::{BlueprintTable, SceneBuilder, SpawnTable, WorldTable};
 //!
 //! // One box of 2 kg at 4 m/s between four walls; lengths are in metres, y points down.
-//! let scene = SceneBuilder {
-//!     world: WorldTable { size: [16.0, 9.0], walls: true, ..WorldTable::default() },
-//!     spawn: vec![SpawnTable { at: [2.0, 3.0], mass: 2.0, velocity: [4.0, 0.0], ..SpawnTable::default() }],
-//!     ..SceneBuilder::default()
-//! }
-//! .build("one-box.toml")?;
+//! let scene = SceneBuilder::new()
+//!     .world(WorldTable::new().size([16.0, 9.0]).walls(true))
+//!     .spawn(SpawnTable::new([2.0, 3.0], BlueprintTable::new().mass(2.0).velocity([4.0, 0.0])))
+//!     .build("one-box.toml")?;
 //! # Ok::<(), rebond::SceneError>(())
 //! ```
 //!
 //! A [`Run`] steps a scene and gives access to the world in between:
 //!
 //! ```
-//! # let mut builder = rebond::SceneBuilder::default();
-//! # builder.spawn = vec![rebond::SpawnTable { at: [2.0, 3.0], velocity: [4.0, 0.0], ..Default::default() }];
-//! # let scene = builder.build("one-box.toml")?;
+//! # let blueprint = rebond::BlueprintTable::new().velocity([4.0, 0.0]);
+//! # let spawn = rebond::SpawnTable::new([2.0, 3.0], blueprint);
+//! # let scene = rebond::SceneBuilder::new().spawn(spawn).build("one-box.toml")?;
 //! use rebond::{Collision, Run};
 //!
 //! let mut run = Run::new(&scene);
@@ -36,7 +34,7 @@
 //! [`record`] writes a recording, which can be replayed. [`testing`] does so in tests:
 //!
 //! ```
-//! # let scene = rebond::SceneBuilder::default().build("one-box.toml")?;
+//! # let scene = rebond::SceneBuilder::new().build("one-box.toml")?;
 //! # let folder = tempfile::tempdir()?;
 //! # let path = folder.path().join("one-box.mcap");
 //! use rebond::{NO_LIVE_EVENTS, RecordOptions, record};
@@ -53,7 +51,7 @@
 //!
 #![cfg_attr(feature = "draw", doc = "```")]
 #![cfg_attr(not(feature = "draw"), doc = "```ignore")]
-//! # let scene = rebond::SceneBuilder::default().build("one-box.toml")?;
+//! # let scene = rebond::SceneBuilder::new().build("one-box.toml")?;
 //! # let folder = tempfile::tempdir()?;
 //! # let path = folder.path().join("one-box.mcap");
 //! # let file = std::fs::File::create(&path)?;
@@ -110,11 +108,18 @@ pub use physics::{
     RestitutionPair, SolverKind, Spawn, StepError, Vector, World,
 };
 
-// Reading recordings.
-pub use recording::{
-    Error as RecordingError, Header, Health, Playback, Recording, Recovery, SampledBody, SampledState, Trailer,
-    open as open_recording, recover,
-};
+/// Reading recordings.
+///
+/// [`open`](recordings::open) gives a [`Recording`](recordings::Recording), whose metadata, events and states are read
+/// strictly; [`Playback`](recordings::Playback) iterates over full states. [`recover`](recordings::recover) copies all
+/// that is intact from a damaged file to a new one.
+pub mod recordings {
+    pub use crate::recording::{
+        BodyInfo, Change, Damage, Error, Gap, Header, Health, Identity, Item, Keyframe, Playback, RecordedEvent,
+        RecordedState, Recording, Recovery, SampledBody, SampledState, SceneText, StateDigest, Trailer, Versions, open,
+        recover,
+    };
+}
 
 // Replaying recordings.
 pub use replay::{ALL_STEPS, Difference, Divergence, Replayer, Verdict};

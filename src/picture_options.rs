@@ -336,6 +336,7 @@ macro_rules! named {
         accepts($before:literal, $word:literal, $after:literal)
     ) => {
         $(#[$doc])*
+        #[non_exhaustive]
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
         pub enum $type { $($(#[$value_doc])* #[serde(rename = $name)] $value,)+ }
 
@@ -523,6 +524,7 @@ impl OptionText for Overlays {
 
 /// The part of the plane that a picture shows. Its text form is `world`, `bodies`, `X,Y,WIDTH,HEIGHT` or
 /// `WIDTHxHEIGHT`.
+#[non_exhaustive]
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
 pub enum Window {

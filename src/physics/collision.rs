@@ -1,6 +1,7 @@
 use super::{Axis, BodyId, Rect, Vector};
 
 /// A resolved collision, as an [`Observer`] receives it and figures draw it.
+#[non_exhaustive]
 #[doc(alias("impact", "contact"))]
 #[derive(Clone, Debug, PartialEq)]
 pub struct Collision {

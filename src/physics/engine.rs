@@ -1,6 +1,7 @@
 use super::{Body, BodyId, Event, Observer, Restitution, Spawn, Vector, World, event_driven::EventDriven, handout};
 
 /// The solver that moves the world.
+#[non_exhaustive]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SolverKind {
     /// The algorithm of the handout, as printed.

@@ -1,6 +1,7 @@
 use super::{BodyId, Rect, Vector};
 
 /// An input to the world. Only events and steps change the world.
+#[non_exhaustive]
 #[derive(Clone, Debug, PartialEq)]
 pub enum Event {
     /// Creates a body.
@@ -10,6 +11,7 @@ pub enum Event {
 }
 
 /// The constants of a new body and its initial position and velocity.
+#[non_exhaustive]
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spawn {
     /// Name, unique among the bodies alive.
@@ -27,6 +29,27 @@ pub struct Spawn {
 }
 
 impl Spawn {
+    /// A body at rest, without a force and without a material.
+    pub fn new(name: impl Into<String>, rect: Rect, mass: f64) -> Spawn {
+        let (velocity, force) = (Vector::ZERO, Vector::ZERO);
+        Spawn { name: name.into(), rect, mass, velocity, force, material: String::new() }
+    }
+
+    /// Sets the initial velocity, m/s.
+    pub fn with_velocity(self, velocity: Vector) -> Spawn {
+        Spawn { velocity, ..self }
+    }
+
+    /// Sets the constant force, N.
+    pub fn with_force(self, force: Vector) -> Spawn {
+        Spawn { force, ..self }
+    }
+
+    /// Sets the material.
+    pub fn with_material(self, material: impl Into<String>) -> Spawn {
+        Spawn { material: material.into(), ..self }
+    }
+
     /// Returns true if all numbers are valid: only the mass may be infinite, and none may be NaN, whose bits
     /// differ between processors.
     pub fn is_valid(&self) -> bool {

@@ -1,6 +1,7 @@
 use super::{Material, Rect, Restitution, Vector};
 
 /// The bodies alive, gravity and restitution.
+#[non_exhaustive]
 #[derive(Clone, Debug)]
 pub struct World {
     /// The bodies in creation order, which is also the order of their ids.
@@ -31,6 +32,7 @@ pub type BodyId = u32;
 /// A box: a rectangle with a mass, a velocity and a force.
 ///
 /// The fields that change in every step lie in one cache line.
+#[non_exhaustive]
 #[doc(alias("box", "rigid body"))]
 #[derive(Clone, Debug, PartialEq)]
 #[repr(C, align(64))]

@@ -23,6 +23,7 @@ pub const FORMAT_VERSION: u32 = 3;
 pub const SEMANTICS_VERSION: u32 = 2;
 
 /// The header of a recording: settings and versions.
+#[non_exhaustive]
 #[derive(Clone, Debug, PartialEq)]
 pub struct Header {
     /// The versions of the program that recorded.
@@ -42,6 +43,17 @@ pub struct Header {
 }
 
 impl Header {
+    /// A header of the present versions for `steps` steps, each recorded in full.
+    pub fn new(config: EngineConfig, steps: u64, scene: SceneText) -> Header {
+        let (versions, every, estimates_accuracy) = (Versions::CURRENT, 1, false);
+        Header { versions, config, steps, every, estimates_accuracy, scene: Some(scene), gaps: Vec::new() }
+    }
+
+    /// Sets the distance of the states that are recorded in full, in steps.
+    pub fn with_every(self, every: u64) -> Header {
+        Header { every, ..self }
+    }
+
     /// Returns the log time of the messages of `step`: the simulated time in nanoseconds since the start of the run.
     pub fn log_time(&self, step: u64) -> u64 {
         nanoseconds(step, self.config.rate)
@@ -78,6 +90,7 @@ pub struct SceneText {
 }
 
 /// The end record of a finished recording (metadata `rebond_end`): how the run ended.
+#[non_exhaustive]
 #[derive(Clone, Debug, PartialEq)]
 pub struct Trailer {
     /// The number of steps, which is also the step of the last state.

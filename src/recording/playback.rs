@@ -17,6 +17,7 @@ pub struct Playback<R> {
 }
 
 /// One state of a [`Playback`].
+#[non_exhaustive]
 #[derive(Clone, Debug, PartialEq)]
 pub struct SampledState {
     /// The step of the state.
@@ -28,6 +29,7 @@ pub struct SampledState {
 }
 
 /// A body in a [`SampledState`].
+#[non_exhaustive]
 #[derive(Clone, Debug, PartialEq)]
 pub struct SampledBody {
     /// The constants and the initial state.

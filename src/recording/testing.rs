@@ -3,13 +3,12 @@
 use std::{io::Cursor, num::NonZero};
 
 use crate::physics::{
-    CollisionCount, DEFAULT_EVENTS_PER_STEP, Engine, EngineConfig, Rect, Restitution, RestitutionPair, SolverKind,
-    Spawn, Vector,
+    CollisionCount, Engine, EngineConfig, Rect, Restitution, RestitutionPair, SolverKind, Spawn, Vector,
 };
 
 use super::{
-    Change, Finished, Header, Item, RecordedError, RecordedEvent, RecordedState, Recording, RunEnd, SceneText,
-    Versions, Writer, cdr,
+    Change, Finished, Header, Item, RecordedError, RecordedEvent, RecordedState, Recording, RunEnd, SceneText, Writer,
+    cdr,
     mcap_writer::{McapWriter, Profile},
     messages::{BodiesMessage, EventMessage},
     metadata,
@@ -27,21 +26,11 @@ pub struct Run {
 pub fn bounce(steps: u64) -> Run {
     let restitution =
         Restitution::new(0.9, &[RestitutionPair { materials: ["steel".into(), "wood".into()], restitution: 0.7 }]);
-    let header = Header {
-        versions: Versions::CURRENT,
-        config: EngineConfig {
-            solver: SolverKind::Handout,
-            rate: 20.0,
-            gravity: Some(Vector::new(0.0, 9.81)),
-            restitution,
-            events_per_step: DEFAULT_EVENTS_PER_STEP,
-        },
-        steps,
-        every: 1,
-        estimates_accuracy: false,
-        gaps: Vec::new(),
-        scene: Some(SceneText { file_name: "bounce.toml".into(), text: "title = \"Bounce\"\n".into() }),
-    };
+    let config = EngineConfig::new(SolverKind::Handout, 20.0)
+        .with_gravity(Some(Vector::new(0.0, 9.81)))
+        .with_restitution(restitution);
+    let scene = SceneText { file_name: "bounce.toml".into(), text: "title = \"Bounce\"\n".into() };
+    let header = Header::new(config, steps, scene);
     let mut events = Vec::new();
     let mut spawn = |step, spawn: Spawn, color: Option<&str>| {
         let id = events.len() as u32;

@@ -1,6 +1,6 @@
 use super::{LiveEvents, Run, RunError, engine_config};
 use crate::physics::{AccuracyProbe, CollisionCount, SolverKind, StepError};
-use crate::recording::{ColorFn, Header, RecordedError, RunEnd, SceneText, Trailer, Versions, Writer};
+use crate::recording::{ColorFn, Header, RecordedError, RunEnd, SceneText, Trailer, Writer};
 use crate::scene::{Scene, SceneError};
 use std::io::{BufRead, Write};
 
@@ -107,12 +107,8 @@ pub fn record<W: Write + Send + 'static>(
 fn header(scene: &Scene, options: RecordOptions) -> Header {
     let text = SceneText { file_name: scene.source.file_name().to_owned(), text: scene.source.text.clone() };
     Header {
-        versions: Versions::CURRENT,
-        config: engine_config(scene),
-        steps: options.steps,
         every: options.every,
         estimates_accuracy: options.estimates_accuracy && scene.run.solver == SolverKind::EventDriven,
-        scene: Some(text),
-        gaps: Vec::new(),
+        ..Header::new(engine_config(scene), options.steps, text)
     }
 }

@@ -111,13 +111,13 @@ impl Run {
     }
 
     fn spawn_wall(&mut self, request: SpawnRequest) -> Result<Change, DiagnosticKind> {
-        let name = request.name.clone().unwrap_or_default();
+        let name = request.blueprint.name.clone().unwrap_or_default();
         self.spawn_named(name, request)
     }
 
     fn spawn(&mut self, request: SpawnRequest) -> Result<Change, DiagnosticKind> {
         let number = self.names.count_spawn();
-        let name = request.name.clone().unwrap_or_else(|| format!("#{number}"));
+        let name = request.blueprint.name.clone().unwrap_or_else(|| format!("#{number}"));
         self.spawn_named(name, request)
     }
 
@@ -127,7 +127,7 @@ impl Run {
         if !self.names.claim(&name, id) {
             return Err(DiagnosticKind::NameTaken { name, step });
         }
-        Ok(Change::Spawn { id, color: request.color.clone(), spawn: request.spawn(name) })
+        Ok(Change::Spawn { id, color: request.blueprint.color.clone(), spawn: request.spawn(name) })
     }
 
     fn delete(&mut self, name: &str) -> Result<Change, DiagnosticKind> {

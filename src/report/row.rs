@@ -109,13 +109,13 @@ impl Row {
 /// The bodies of finite mass spawned at step 0.
 fn finite_spawns(scene: &Scene) -> impl Iterator<Item = &SpawnRequest> {
     scene.inputs.iter().filter(|input| input.step == 0).filter_map(|input| match &input.action {
-        Action::Spawn(request) if request.mass < f64::INFINITY => Some(request),
+        Action::Spawn(request) if request.blueprint.mass < f64::INFINITY => Some(request),
         Action::Spawn(_) | Action::Wall(_) | Action::Delete { .. } | Action::Click { .. } => None,
     })
 }
 
 /// The smallest side of the bodies of finite mass spawned at step 0, m; infinite if there are none.
 fn smallest_side(scene: &Scene) -> f64 {
-    let sides = finite_spawns(scene).flat_map(|request| [request.rect.width(), request.rect.height()]);
+    let sides = finite_spawns(scene).flat_map(|request| request.blueprint.size);
     sides.fold(f64::INFINITY, |least, side| smaller(side, least))
 }

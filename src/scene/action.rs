@@ -54,43 +54,34 @@ pub enum Phase {
     Clicks,
 }
 
-/// A body to spawn. The run names it `#K` if it has no name.
+/// A body to spawn.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpawnRequest {
-    /// Unique among the bodies alive; does not begin with `#`.
-    pub name: Option<String>,
-    /// Initial position and constant size, m; extents positive, corners finite.
-    pub rect: Rect,
-    /// Mass, kg; positive, infinite for a body that nothing can push.
-    pub mass: f64,
-    /// Initial velocity, m/s.
-    pub velocity: Vector,
-    /// Constant force, N.
-    pub force: Vector,
-    /// Name of the material; empty for none.
-    pub material: String,
-    /// Colour in pictures, `#rrggbb`.
-    pub color: Option<String>,
+    /// The upper-left corner, m; all corners of the body are finite.
+    pub origin: Vector,
+    /// Everything else about the body.
+    pub blueprint: Blueprint,
 }
 
 impl SpawnRequest {
+    /// Initial position and size, m.
+    pub fn rect(&self) -> Rect {
+        let [width, height] = self.blueprint.size;
+        Rect::new(self.origin, width, height)
+    }
+
     /// Converts the request to a spawn event of the physics under the given name.
     pub fn spawn(&self, name: String) -> Spawn {
-        Spawn {
-            name,
-            rect: self.rect,
-            mass: self.mass,
-            velocity: self.velocity,
-            force: self.force,
-            material: self.material.clone(),
-        }
+        let rect = self.rect();
+        let Blueprint { mass, velocity, force, ref material, .. } = self.blueprint;
+        Spawn { name, rect, mass, velocity, force, material: material.clone() }
     }
 }
 
-/// A body without a position, which a click spawns.
+/// A body without a position.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Blueprint {
-    /// Unique among the bodies alive; does not begin with `#`.
+    /// Unique among the bodies alive; does not begin with `#`. The run names a body without a name `#K`.
     pub name: Option<String>,
     /// Width and height, m; positive.
     pub size: [f64; 2],
@@ -107,10 +98,9 @@ pub struct Blueprint {
 }
 
 impl Blueprint {
-    /// Places the upper-left corner at `corner`.
-    pub fn placed_at(self, corner: Vector) -> SpawnRequest {
-        let Blueprint { name, size: [width, height], mass, velocity, force, material, color } = self;
-        SpawnRequest { name, rect: Rect::new(corner, width, height), mass, velocity, force, material, color }
+    /// Places the upper-left corner at `origin`.
+    pub fn placed_at(self, origin: Vector) -> SpawnRequest {
+        SpawnRequest { origin, blueprint: self }
     }
 
     /// Places the centre at `point`.
@@ -280,7 +270,7 @@ fn own_name(node: &Node) -> Result<&str, &Node> {
 
 /// Returns an error for a position at which a corner of the body is not finite.
 fn require_finite(position: &Field, request: &SpawnRequest) -> Result<(), ErrorReported> {
-    let is_finite = request.rect.origin.is_finite() && request.rect.far_corner().is_finite();
+    let is_finite = request.origin.is_finite() && request.rect().far_corner().is_finite();
     if is_finite { Ok(()) } else { Err(position.refuse(position.node)) }
 }
 
@@ -304,7 +294,7 @@ mod tests {
             color: None,
         };
         let request = blueprint.centered_on(Vector::new(4.0, 5.0));
-        assert_eq!(request.rect, Rect::new(Vector::new(3.5, 4.0), 1.0, 2.0));
-        assert_eq!(request.rect.center(), Vector::new(4.0, 5.0));
+        assert_eq!(request.rect(), Rect::new(Vector::new(3.5, 4.0), 1.0, 2.0));
+        assert_eq!(request.rect().center(), Vector::new(4.0, 5.0));
     }
 }

@@ -1,13 +1,11 @@
 //! Building scenes in code.
 //!
-//! A [`SceneBuilder`] has the tables and keys of a scene file, with the same names and units.
-//! [`SceneBuilder::build`] writes such a file and parses it, so that a scene from code is checked like a
+//! A [`SceneBuilder`] has the tables of a scene file; each table has a method for each of its keys, with the same name
+//! and unit. [`SceneBuilder::build`] writes such a file and parses it, so that a scene from code is checked like a
 //! scene from a file, and a recording contains it as text.
 //!
-//! Write the tables with `..Default::default()`: a later version may add keys to them.
-//!
 //! Optional keys have the defaults of the file. Keys that a file must give have a default here, too: 600 steps,
-//! bodies of 1 m × 1 m and 1 kg at the origin.
+//! bodies of 1 m × 1 m and 1 kg.
 
 use super::{
     PictureOptions, Scene, SceneError,
@@ -18,217 +16,266 @@ use crate::physics::{DEFAULT_EVENTS_PER_STEP, SolverKind};
 use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 
+/// Declares a table of the scene file, each key once: the method that sets it, its type and its default.
+macro_rules! table {
+    ($(#[$table_doc:meta])* $table:ident {
+        $($(#[doc = $doc:literal])* $(#[serde($($serde:tt)*)])? $key:ident($given:ty): $type:ty = $default:expr;)+
+    }) => {
+        $(#[$table_doc])*
+        #[must_use]
+        #[derive(Clone, Debug, PartialEq, Serialize)]
+        pub struct $table { $($(#[serde($($serde)*)])? $key: $type,)+ }
+
+        impl $table {
+            $($(#[doc = $doc])* pub fn $key(self, $key: $given) -> $table {
+                $table { $key: $key.into(), ..self }
+            })+
+        }
+
+        impl Default for $table {
+            fn default() -> $table {
+                $table { $($key: $default,)+ }
+            }
+        }
+    };
+}
+
+/// Declares a method that creates a table with the defaults.
+macro_rules! new_table {
+    ($($table:ident)+) => {
+        $(impl $table {
+            /// The table with its defaults.
+            pub fn new() -> $table {
+                $table::default()
+            }
+        })+
+    };
+}
+
 /// The tables of a scene file.
 ///
 /// ```
-/// use rebond::{SceneBuilder, SpawnTable, WorldTable};
+/// use rebond::{BlueprintTable, SceneBuilder, SpawnTable, WorldTable};
 ///
-/// let scene = SceneBuilder {
-///     world: WorldTable { walls: true, gravity: Some([0.0, 9.81]), ..WorldTable::default() },
-///     spawn: vec![
-///         SpawnTable { name: Some("c".into()), at: [2.0, 3.0], mass: 2.0, velocity: [4.0, 0.0], ..SpawnTable::default() },
-///         SpawnTable { at: [8.0, 3.0], size: [2.0, 1.0], ..SpawnTable::default() },
-///     ],
-///     restitution: [("default".into(), 0.5)].into(),
-///     ..SceneBuilder::default()
-/// }
-/// .build("two-boxes.toml")?;
+/// let scene = SceneBuilder::new()
+///     .world(WorldTable::new().walls(true).gravity([0.0, 9.81]))
+///     .restitution("default", 0.5)
+///     .spawn(SpawnTable::new([2.0, 3.0], BlueprintTable::new().name("c").mass(2.0).velocity([4.0, 0.0])))
+///     .spawn(SpawnTable::new([8.0, 3.0], BlueprintTable::new().size([2.0, 1.0])).step(60))
+///     .build("two-boxes.toml")?;
 /// assert_eq!(scene.run.steps, 600);
 /// # Ok::<(), rebond::SceneError>(())
 /// ```
+#[must_use]
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct SceneBuilder {
-    /// The title.
-    pub title: Option<String>,
-    /// Visible world, walls and gravity.
-    pub world: WorldTable,
-    /// Duration, rate and solver.
-    pub run: RunTable,
-    /// The coefficient of restitution of `"default"` and of pairs such as `"steel/wood"`.
-    pub restitution: BTreeMap<String, f64>,
-    /// Bodies to spawn; those of one step are spawned in this order.
-    pub spawn: Vec<SpawnTable>,
-    /// Bodies to delete.
-    pub delete: Vec<DeleteTable>,
-    /// Mouse clicks.
-    pub click: Vec<ClickTable>,
-    /// Groups of random bodies.
-    pub scatter: Vec<ScatterTable>,
-    /// Defaults of pictures: only the keys of `[figure]`.
-    pub figure: PictureOptions,
+    #[serde(skip_serializing_if = "String::is_empty")]
+    title: String,
+    world: WorldTable,
+    run: RunTable,
+    restitution: BTreeMap<String, f64>,
+    spawn: Vec<SpawnTable>,
+    delete: Vec<DeleteTable>,
+    click: Vec<ClickTable>,
+    scatter: Vec<ScatterTable>,
+    figure: PictureOptions,
 }
 
-/// `[world]`: by default 16 m × 9 m, without walls and gravity.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct WorldTable {
-    /// Width and height of the visible world, which the walls enclose, m.
-    pub size: [f64; 2],
-    /// True for four static walls just outside the world.
-    pub walls: bool,
-    /// The material of the walls.
-    pub wall_material: Option<String>,
-    /// Gravity, m/s², y down. If absent, no weight is computed at all.
-    pub gravity: Option<[f64; 2]>,
+table! {
+    /// `[world]`: by default 16 m × 9 m, without walls and gravity.
+    WorldTable {
+        /// Sets width and height of the visible world, which the walls enclose, m.
+        size([f64; 2]): [f64; 2] = DEFAULT_SIZE;
+        /// Adds four static walls just outside the world.
+        walls(bool): bool = false;
+        /// Sets the material of the walls.
+        #[serde(skip_serializing_if = "String::is_empty")]
+        wall_material(impl Into<String>): String = String::new();
+        /// Sets gravity, m/s², y down. Without it, no weight is computed at all.
+        gravity([f64; 2]): Option<[f64; 2]> = None;
+    }
 }
 
-/// `[run]`: by default 600 steps at 60 Hz with the event-driven solver.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct RunTable {
-    /// Steps per second, Hz.
-    pub rate: f64,
-    /// The number of steps.
-    pub steps: u64,
-    /// The solver.
-    #[serde(serialize_with = "solver_name")]
-    pub solver: SolverKind,
-    /// The largest number of events within one step; the run ends with an error beyond it.
-    pub events_per_step: u64,
+table! {
+    /// `[run]`: by default 600 steps at 60 Hz with the event-driven solver.
+    RunTable {
+        /// Sets the steps per second, Hz.
+        rate(f64): f64 = DEFAULT_RATE;
+        /// Sets the number of steps.
+        steps(u64): u64 = 600;
+        /// Sets the solver.
+        #[serde(serialize_with = "solver_name")]
+        solver(SolverKind): SolverKind = DEFAULT_SOLVER;
+        /// Sets the largest number of events within one step; the run ends with an error beyond it.
+        events_per_step(u64): u64 = DEFAULT_EVENTS_PER_STEP;
+    }
 }
 
-/// `[[spawn]]`: by default a body of 1 m × 1 m and 1 kg, at rest at the origin, spawned at step 0.
+table! {
+    /// The keys of a body in `[[spawn]]` and `[[click]]`, except its position: by default 1 m × 1 m and 1 kg, at rest.
+    BlueprintTable {
+        /// Sets the name, unique among the bodies alive; a body without a name is called `#K`, the K-th spawned in the
+        /// run.
+        #[serde(skip_serializing_if = "String::is_empty")]
+        name(impl Into<String>): String = String::new();
+        /// Sets width and height, m.
+        size([f64; 2]): [f64; 2] = [1.0, 1.0];
+        /// Sets the mass, kg; infinite for a body that nothing can push.
+        mass(f64): f64 = 1.0;
+        /// Sets the initial velocity, m/s.
+        velocity([f64; 2]): [f64; 2] = [0.0, 0.0];
+        /// Sets the constant force, N.
+        force([f64; 2]): [f64; 2] = [0.0, 0.0];
+        /// Sets the material.
+        #[serde(skip_serializing_if = "String::is_empty")]
+        material(impl Into<String>): String = String::new();
+        /// Sets the colour in pictures, `#rrggbb`.
+        #[serde(skip_serializing_if = "String::is_empty")]
+        color(impl Into<String>): String = String::new();
+    }
+}
+
+/// `[[spawn]]`.
+#[must_use]
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct SpawnTable {
-    /// Unique among the bodies alive; a body without a name is called `#K`, the K-th spawned in the run.
-    pub name: Option<String>,
-    /// The first state that contains the body.
-    pub step: u64,
-    /// Upper-left corner, m.
-    pub at: [f64; 2],
-    /// Width and height, m.
-    pub size: [f64; 2],
-    /// Mass, kg; infinite for a body that nothing can push.
-    pub mass: f64,
-    /// Initial velocity, m/s.
-    pub velocity: [f64; 2],
-    /// Constant force, N.
-    pub force: [f64; 2],
-    /// The material.
-    pub material: Option<String>,
-    /// Colour in pictures, `#rrggbb`.
-    pub color: Option<String>,
+    step: u64,
+    at: [f64; 2],
+    #[serde(flatten)]
+    blueprint: BlueprintTable,
 }
 
 /// `[[delete]]`.
+#[must_use]
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct DeleteTable {
-    /// The first state without the body.
-    pub step: u64,
-    /// Its name.
-    pub name: String,
+    step: u64,
+    name: String,
 }
 
 /// `[[click]]`.
+#[must_use]
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ClickTable {
-    /// The state that the click changes.
-    pub step: u64,
-    /// The point, m.
-    pub at: [f64; 2],
-    /// The body spawned around the point if the click deletes none.
-    pub spawn: Option<BlueprintTable>,
+    step: u64,
+    at: [f64; 2],
+    spawn: Option<BlueprintTable>,
 }
 
-/// The body that a click spawns: the keys of [`SpawnTable`] without position and step.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct BlueprintTable {
-    /// Unique among the bodies alive.
-    pub name: Option<String>,
-    /// Width and height, m.
-    pub size: [f64; 2],
-    /// Mass, kg; infinite for a body that nothing can push.
-    pub mass: f64,
-    /// Initial velocity, m/s.
-    pub velocity: [f64; 2],
-    /// Constant force, N.
-    pub force: [f64; 2],
-    /// The material.
-    pub material: Option<String>,
-    /// Colour in pictures, `#rrggbb`.
-    pub color: Option<String>,
-}
-
-/// `[[scatter]]`: random bodies in a region; by default one body of 0.2 m × 0.2 m and 1 kg at rest.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct ScatterTable {
-    /// The first state that contains the bodies.
-    pub step: u64,
-    /// The number of bodies.
-    pub count: u64,
-    /// The seed: the same seed gives the same bodies.
-    pub seed: u64,
-    /// x, y, width and height of the region, m.
-    pub region: [f64; 4],
-    /// The smallest and the largest width and height, m.
-    pub size: [[f64; 2]; 2],
-    /// The smallest and the largest mass, kg.
-    pub mass: [f64; 2],
-    /// The lowest and the highest velocity along each axis, m/s.
-    pub velocity: [[f64; 2]; 2],
-    /// True if bodies may overlap when they are spawned.
-    pub overlap: bool,
-    /// Constant force, N.
-    pub force: [f64; 2],
-    /// The material.
-    pub material: Option<String>,
-    /// Colour in pictures, `#rrggbb`.
-    pub color: Option<String>,
-}
-
-impl Default for WorldTable {
-    fn default() -> WorldTable {
-        WorldTable { size: DEFAULT_SIZE, walls: false, wall_material: None, gravity: None }
+table! {
+    /// `[[scatter]]`: random bodies in a region; by default one body of 0.2 m × 0.2 m and 1 kg at rest.
+    ScatterTable {
+        /// Sets the first state that contains the bodies.
+        step(u64): u64 = 0;
+        /// Sets the number of bodies.
+        count(u64): u64 = 1;
+        /// Sets the seed: the same seed gives the same bodies.
+        seed(u64): u64 = 0;
+        /// Sets x, y, width and height of the region, m.
+        region([f64; 4]): [f64; 4] = [0.0, 0.0, DEFAULT_SIZE[0], DEFAULT_SIZE[1]];
+        /// Sets the smallest and the largest width and height, m.
+        size([[f64; 2]; 2]): [[f64; 2]; 2] = [[0.2, 0.2]; 2];
+        /// Sets the smallest and the largest mass, kg.
+        mass([f64; 2]): [f64; 2] = [1.0, 1.0];
+        /// Sets the lowest and the highest velocity along each axis, m/s.
+        velocity([[f64; 2]; 2]): [[f64; 2]; 2] = [[0.0, 0.0]; 2];
+        /// Allows bodies to overlap when they are spawned.
+        overlap(bool): bool = false;
+        /// Sets the constant force, N.
+        force([f64; 2]): [f64; 2] = [0.0, 0.0];
+        /// Sets the material.
+        #[serde(skip_serializing_if = "String::is_empty")]
+        material(impl Into<String>): String = String::new();
+        /// Sets the colour in pictures, `#rrggbb`.
+        #[serde(skip_serializing_if = "String::is_empty")]
+        color(impl Into<String>): String = String::new();
     }
 }
 
-impl Default for RunTable {
-    fn default() -> RunTable {
-        let events_per_step = DEFAULT_EVENTS_PER_STEP;
-        RunTable { rate: DEFAULT_RATE, steps: 600, solver: DEFAULT_SOLVER, events_per_step }
+new_table! { SceneBuilder WorldTable RunTable BlueprintTable ScatterTable }
+
+impl SpawnTable {
+    /// Spawns a body at step 0 with its upper-left corner at `at`, m.
+    pub fn new(at: [f64; 2], blueprint: BlueprintTable) -> SpawnTable {
+        SpawnTable { step: 0, at, blueprint }
+    }
+
+    /// Sets the first state that contains the body.
+    pub fn step(self, step: u64) -> SpawnTable {
+        SpawnTable { step, ..self }
     }
 }
 
-impl Default for SpawnTable {
-    fn default() -> SpawnTable {
-        SpawnTable {
-            name: None,
-            step: 0,
-            at: [0.0, 0.0],
-            size: [1.0, 1.0],
-            mass: 1.0,
-            velocity: [0.0, 0.0],
-            force: [0.0, 0.0],
-            material: None,
-            color: None,
-        }
+impl DeleteTable {
+    /// Deletes the body of that name; `step` is the first state without it.
+    pub fn new(step: u64, name: impl Into<String>) -> DeleteTable {
+        DeleteTable { step, name: name.into() }
     }
 }
 
-impl Default for BlueprintTable {
-    fn default() -> BlueprintTable {
-        let SpawnTable { name, size, mass, velocity, force, material, color, .. } = SpawnTable::default();
-        BlueprintTable { name, size, mass, velocity, force, material, color }
+impl ClickTable {
+    /// A click on the point `at`, m, which changes the state `step`.
+    pub fn new(step: u64, at: [f64; 2]) -> ClickTable {
+        ClickTable { step, at, spawn: None }
     }
-}
 
-impl Default for ScatterTable {
-    fn default() -> ScatterTable {
-        ScatterTable {
-            step: 0,
-            count: 1,
-            seed: 0,
-            region: [0.0, 0.0, DEFAULT_SIZE[0], DEFAULT_SIZE[1]],
-            size: [[0.2, 0.2]; 2],
-            mass: [1.0, 1.0],
-            velocity: [[0.0, 0.0]; 2],
-            overlap: false,
-            force: [0.0, 0.0],
-            material: None,
-            color: None,
-        }
+    /// Sets the body that is spawned around the point if the click deletes none.
+    pub fn spawn(self, blueprint: BlueprintTable) -> ClickTable {
+        ClickTable { spawn: Some(blueprint), ..self }
     }
 }
 
 impl SceneBuilder {
+    /// Sets the title.
+    pub fn title(self, title: impl Into<String>) -> SceneBuilder {
+        SceneBuilder { title: title.into(), ..self }
+    }
+
+    /// Sets visible world, walls and gravity.
+    pub fn world(self, world: WorldTable) -> SceneBuilder {
+        SceneBuilder { world, ..self }
+    }
+
+    /// Sets duration, rate and solver.
+    pub fn run(self, run: RunTable) -> SceneBuilder {
+        SceneBuilder { run, ..self }
+    }
+
+    /// Sets the coefficient of restitution of `"default"` or of a pair such as `"steel/wood"`.
+    pub fn restitution(mut self, pair: impl Into<String>, coefficient: f64) -> SceneBuilder {
+        self.restitution.insert(pair.into(), coefficient);
+        self
+    }
+
+    /// Adds a body; those of one step are spawned in the order of these calls.
+    pub fn spawn(mut self, spawn: SpawnTable) -> SceneBuilder {
+        self.spawn.push(spawn);
+        self
+    }
+
+    /// Adds the deletion of a body.
+    pub fn delete(mut self, delete: DeleteTable) -> SceneBuilder {
+        self.delete.push(delete);
+        self
+    }
+
+    /// Adds a mouse click.
+    pub fn click(mut self, click: ClickTable) -> SceneBuilder {
+        self.click.push(click);
+        self
+    }
+
+    /// Adds a group of random bodies.
+    pub fn scatter(mut self, scatter: ScatterTable) -> SceneBuilder {
+        self.scatter.push(scatter);
+        self
+    }
+
+    /// Sets defaults of pictures: only the keys of `[figure]`.
+    pub fn figure(self, figure: PictureOptions) -> SceneBuilder {
+        SceneBuilder { figure, ..self }
+    }
+
     /// Builds the scene; errors and recordings show `path` as the path of its file.
     ///
     /// # Errors
@@ -273,57 +320,45 @@ mod tests {
     fn numbers_are_kept_to_the_bit() {
         let numbers = [0.1 + 0.2, 5e-324, -1.7976931348623157e308, 1e17, 123_456_789.123_456_79, -0.0];
         for number in numbers {
-            let spawn = SpawnTable { velocity: [number, 0.0], mass: f64::INFINITY, ..SpawnTable::default() };
-            let spawn = SpawnTable { mass: 1.0, ..spawn };
-            let scene = SceneBuilder { spawn: vec![spawn], ..SceneBuilder::default() }.build("numbers").unwrap();
+            let spawn = SpawnTable::new([0.0, 0.0], BlueprintTable::new().velocity([number, 0.0]));
+            let scene = SceneBuilder::new().spawn(spawn).build("numbers").unwrap();
             let Action::Spawn(request) = &scene.inputs[0].action else { panic!("a spawn") };
-            assert_eq!(request.velocity.x.to_bits(), number.to_bits(), "{number}");
+            assert_eq!(request.blueprint.velocity.x.to_bits(), number.to_bits(), "{number}");
         }
     }
 
     #[test]
     fn every_table_is_written_and_read() {
-        let builder = SceneBuilder {
-            title: Some("All \"of\" it".into()),
-            world: WorldTable {
-                walls: true,
-                wall_material: Some("steel".into()),
-                gravity: Some([0.0, 9.81]),
-                ..WorldTable::default()
-            },
-            restitution: [("default".into(), 0.5), ("steel/steel".into(), 0.95)].into(),
-            spawn: vec![SpawnTable {
-                name: Some("c".into()),
-                mass: f64::INFINITY,
-                color: Some("#3366cc".into()),
-                ..SpawnTable::default()
-            }],
-            delete: vec![DeleteTable { step: 3, name: "c".into() }],
-            click: vec![
-                ClickTable { step: 4, at: [9.0, 5.0], spawn: Some(BlueprintTable::default()) },
-                ClickTable { step: 5, at: [0.0, 0.0], spawn: None },
-            ],
-            scatter: vec![ScatterTable { count: 10, seed: 7, region: [2.0, 2.0, 5.0, 5.0], ..ScatterTable::default() }],
-            figure: PictureOptions {
-                size: Some([320, 180]),
-                theme: Some(Theme::Dark),
-                fps: Some(25.0),
-                show: Some([Overlay::Clock].into()),
-                color_by: Some(ColorBy::Speed),
-                ..PictureOptions::default()
-            },
-            ..SceneBuilder::default()
-        };
+        let blueprint = BlueprintTable::new().name("c").mass(f64::INFINITY).color("#3366cc");
+        let mut figure = PictureOptions::default();
+        figure.size = Some([320, 180]);
+        figure.theme = Some(Theme::Dark);
+        figure.fps = Some(25.0);
+        figure.show = Some([Overlay::Clock].into());
+        figure.color_by = Some(ColorBy::Speed);
+        let builder = SceneBuilder::new()
+            .title("All \"of\" it")
+            .world(WorldTable::new().walls(true).wall_material("steel").gravity([0.0, 9.81]))
+            .run(RunTable::new().rate(100.0).steps(20).solver(SolverKind::Handout).events_per_step(7))
+            .restitution("default", 0.5)
+            .restitution("steel/steel", 0.95)
+            .spawn(SpawnTable::new([0.0, 0.0], blueprint).step(1))
+            .delete(DeleteTable::new(3, "c"))
+            .click(ClickTable::new(4, [9.0, 5.0]).spawn(BlueprintTable::new().material("wood").force([1.0, 0.0])))
+            .click(ClickTable::new(5, [0.0, 0.0]))
+            .scatter(ScatterTable::new().count(10).seed(7).region([2.0, 2.0, 5.0, 5.0]))
+            .figure(figure);
         let scene = builder.build("all").unwrap();
         assert_eq!(scene.inputs.len(), 4 + 1 + 1 + 2 + 10);
         assert_eq!(scene.figure, builder.figure);
         assert_eq!(scene.restitution.pairs().len(), 1);
+        assert_eq!((scene.run.rate, scene.run.steps, scene.run.events_per_step), (100.0, 20, 7));
     }
 
     #[test]
     fn errors_are_those_of_a_file() {
-        let spawn = vec![SpawnTable { mass: -1.0, ..SpawnTable::default() }];
-        let error = SceneBuilder { spawn, ..SceneBuilder::default() }.build("wrong").unwrap_err();
+        let spawn = SpawnTable::new([0.0, 0.0], BlueprintTable::new().mass(-1.0));
+        let error = SceneBuilder::new().spawn(spawn).build("wrong").unwrap_err();
         assert_eq!(error.to_string(), "`spawn.mass` cannot be -1.0");
     }
 }

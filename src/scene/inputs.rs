@@ -1,5 +1,5 @@
 use super::{
-    Action, Diagnostic, DiagnosticKind, Walls,
+    Action, Diagnostic, DiagnosticKind, SpawnRequest, Walls,
     action::{self, Request, read_click, read_delete, read_spawn},
     diagnostics::{ErrorReported, Reporter},
     lifetimes::{self, Effect, NameField},
@@ -104,7 +104,7 @@ impl Reader<'_> {
 
     fn add_walls(&mut self, walls: &Walls, size: [f64; 2], span: Range<usize>) {
         for request in walls.spawn_requests(size) {
-            self.occupied.walls.push(request.rect);
+            self.occupied.walls.push(request.rect());
             let location = InputLocation::Scene(span.clone());
             self.inputs.push(Input { step: 0, action: Action::Wall(request), location });
         }
@@ -167,7 +167,7 @@ impl Reader<'_> {
         match (step, event) {
             (Ok(step), Ok(action)) => {
                 if let Action::Spawn(request) = &action {
-                    self.occupied.by_step.entry(step).or_default().push(request.rect);
+                    self.occupied.by_step.entry(step).or_default().push(request.rect());
                 }
                 self.inputs.push(Input { step, action, location: InputLocation::Scene(span) });
             }
@@ -207,7 +207,7 @@ impl Reader<'_> {
         let others = self.occupied.walls.iter().chain(self.occupied.by_step.get(&step).into_iter().flatten());
         match scatter.expand(others, self.reporter) {
             Ok(requests) => {
-                self.occupied.by_step.entry(step).or_default().extend(requests.iter().map(|request| request.rect));
+                self.occupied.by_step.entry(step).or_default().extend(requests.iter().map(SpawnRequest::rect));
                 let location = InputLocation::Scene(span.clone());
                 let input = |request| Input { step, action: Action::Spawn(request), location: location.clone() };
                 self.inputs.extend(requests.into_iter().map(input));
@@ -254,8 +254,12 @@ mod tests {
     /// A short description of each input, in order.
     fn summary(scene: &Scene) -> Vec<String> {
         let short = |input: &Input| match &input.action {
-            Action::Wall(request) => format!("{} wall {}", input.step, request.name.as_deref().unwrap_or_default()),
-            Action::Spawn(request) => format!("{} spawn {}", input.step, request.name.as_deref().unwrap_or("-")),
+            Action::Wall(request) => {
+                format!("{} wall {}", input.step, request.blueprint.name.as_deref().unwrap_or_default())
+            }
+            Action::Spawn(request) => {
+                format!("{} spawn {}", input.step, request.blueprint.name.as_deref().unwrap_or("-"))
+            }
             Action::Delete { name } => format!("{} delete {name}", input.step),
             Action::Click { at, .. } => format!("{} click {}", input.step, at.x),
         };
@@ -295,8 +299,8 @@ mod tests {
 
     fn rect(input: &Input) -> [f64; 4] {
         let (Action::Wall(request) | Action::Spawn(request)) = &input.action else { panic!("a body") };
-        assert_eq!((request.mass, request.material.as_str()), (f64::INFINITY, "steel"));
-        let rect = request.rect;
+        assert_eq!((request.blueprint.mass, request.blueprint.material.as_str()), (f64::INFINITY, "steel"));
+        let rect = request.rect();
         [rect.origin.x, rect.origin.y, rect.width(), rect.height()]
     }
 
@@ -308,7 +312,7 @@ mod tests {
         let scene = parse("test.toml", &format!("{text}{body}{scatter}")).unwrap();
         for input in &scene.inputs[5..] {
             let Action::Spawn(request) = &input.action else { panic!("a body") };
-            assert!(request.rect.origin.x >= 3.0 && request.rect.origin.y >= 0.0, "{:?}", request.rect);
+            assert!(request.origin.x >= 3.0 && request.origin.y >= 0.0, "{:?}", request.origin);
         }
     }
 }

@@ -66,9 +66,12 @@ mod tests {
         let LiveEvent { step, action: Action::Spawn(request) } = parse_line(1, line).unwrap() else {
             panic!("a spawn")
         };
-        assert_eq!((step, request.name.as_deref(), request.mass), (Some(30), Some("b"), f64::INFINITY));
-        assert!(request.velocity.x.is_sign_positive(), "the velocity of an infinite mass has no −0");
-        assert_eq!(request.rect.origin, Vector::new(2.0, 5.0));
+        assert_eq!(
+            (step, request.blueprint.name.as_deref(), request.blueprint.mass),
+            (Some(30), Some("b"), f64::INFINITY)
+        );
+        assert!(request.blueprint.velocity.x.is_sign_positive(), "the velocity of an infinite mass has no −0");
+        assert_eq!(request.origin, Vector::new(2.0, 5.0));
     }
 
     #[test]

@@ -1,11 +1,11 @@
 //! The tables of a scene that hold no events: `[world]`, `[run]`, `[restitution]` and `[figure]`.
 
 use super::{
-    Diagnostic, DiagnosticKind, SpawnRequest, action,
+    Blueprint, Diagnostic, DiagnosticKind, SpawnRequest, action,
     diagnostics::{ErrorReported, Reporter},
     tree::{Entry, Key, Node, Table, Value, unknown_key},
 };
-use crate::physics::{DEFAULT_EVENTS_PER_STEP, Rect, Restitution, RestitutionPair, SolverKind, Vector};
+use crate::physics::{DEFAULT_EVENTS_PER_STEP, Restitution, RestitutionPair, SolverKind, Vector};
 use crate::picture_options::{ColorBy, MAX_SIDE, Overlay, Overlays, PictureOptions, Theme};
 use crate::recording::limits;
 use std::{
@@ -76,23 +76,24 @@ impl Walls {
     pub fn spawn_requests(&self, [width, height]: [f64; 2]) -> [SpawnRequest; 4] {
         let [top, bottom, left, right] = WALL_NAMES;
         [
-            self.request(top, Rect::new(Vector::new(-1.0, -1.0), width + 2.0, 1.0)),
-            self.request(bottom, Rect::new(Vector::new(-1.0, height), width + 2.0, 1.0)),
-            self.request(left, Rect::new(Vector::new(-1.0, 0.0), 1.0, height)),
-            self.request(right, Rect::new(Vector::new(width, 0.0), 1.0, height)),
+            self.request(top, Vector::new(-1.0, -1.0), [width + 2.0, 1.0]),
+            self.request(bottom, Vector::new(-1.0, height), [width + 2.0, 1.0]),
+            self.request(left, Vector::new(-1.0, 0.0), [1.0, height]),
+            self.request(right, Vector::new(width, 0.0), [1.0, height]),
         ]
     }
 
-    fn request(&self, name: &str, rect: Rect) -> SpawnRequest {
-        SpawnRequest {
+    fn request(&self, name: &str, origin: Vector, size: [f64; 2]) -> SpawnRequest {
+        let blueprint = Blueprint {
             name: Some(name.into()),
-            rect,
+            size,
             mass: f64::INFINITY,
             velocity: Vector::ZERO,
             force: Vector::ZERO,
             material: self.material.clone().unwrap_or_default(),
             color: None,
-        }
+        };
+        blueprint.placed_at(origin)
     }
 }
 

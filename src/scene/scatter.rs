@@ -1,5 +1,5 @@
 use super::{
-    Diagnostic, DiagnosticKind, SpawnRequest,
+    Blueprint, Diagnostic, DiagnosticKind, SpawnRequest,
     action::{self, Request},
     diagnostics::{ErrorReported, Reporter},
     lifetimes::Effect,
@@ -113,14 +113,14 @@ impl Scatter {
         }
         let mut requests = Vec::new();
         for fitted in 0..self.count {
-            let mut request = self.draw_body(&mut random);
-            let Some(origin) = self.find_position(&request.rect, &occupied, &mut random) else {
+            let blueprint = self.draw_blueprint(&mut random);
+            let Some(origin) = self.find_position(blueprint.size, &occupied, &mut random) else {
                 let kind = DiagnosticKind::NoRoom { fitted, count: self.count, tries: MAX_TRIES };
                 return Err(reporter.report(Diagnostic::new(kind, self.count_span.clone())));
             };
-            request.rect.origin = origin;
+            let request = blueprint.placed_at(origin);
             if !self.overlap {
-                occupied.insert(request.rect);
+                occupied.insert(request.rect());
             }
             requests.push(request);
         }
@@ -128,13 +128,13 @@ impl Scatter {
     }
 
     /// Draws all properties of the next body except its position.
-    fn draw_body(&self, random: &mut Random) -> SpawnRequest {
-        let [width, height] = self.size.map(|range| random.between(range));
+    fn draw_blueprint(&self, random: &mut Random) -> Blueprint {
+        let size = self.size.map(|range| random.between(range));
         let mass = random.between(self.mass);
         let [vx, vy] = self.velocity.map(|range| random.between(range));
-        SpawnRequest {
+        Blueprint {
             name: None,
-            rect: Rect::new(self.region.origin, width, height),
+            size,
             mass,
             velocity: action::canonical_velocity(mass, Vector::new(vx, vy)),
             force: self.force,
@@ -144,13 +144,18 @@ impl Scatter {
     }
 
     /// Draws a position for the body in the region at which it overlaps no occupied rectangle.
-    fn find_position(&self, body: &Rect, occupied: &OccupancyGrid, random: &mut Random) -> Option<Vector> {
+    fn find_position(
+        &self,
+        [width, height]: [f64; 2],
+        occupied: &OccupancyGrid,
+        random: &mut Random,
+    ) -> Option<Vector> {
         let (near, far) = (self.region.origin, self.region.far_corner());
-        let slack = [self.region.width() - body.width(), self.region.height() - body.height()];
+        let slack = [self.region.width() - width, self.region.height() - height];
         (0..MAX_TRIES).find_map(|_| {
             let x = near.x + slack[0] * random.fraction();
             let y = near.y + slack[1] * random.fraction();
-            let rect = Rect::new(Vector::new(x, y), body.width(), body.height());
+            let rect = Rect::new(Vector::new(x, y), width, height);
             // Rounding can move a body past the border of a tight region by one ulp.
             let is_inside = rect.far_corner().x <= far.x && rect.far_corner().y <= far.y;
             (is_inside && (self.overlap || occupied.is_free(&rect))).then_some(rect.origin)
@@ -261,7 +266,7 @@ mod tests {
         fn scattered_bodies_lie_in_the_region_and_overlap_nothing(seed: u64, count in 1_u64..150) {
             let wall = Rect::new(Vector::new(4.0, -10.0), 1.0, 100.0);
             let scatter = sparse(seed >> 1, count);
-            let rects: Vec<Rect> = bodies(&scatter, [&wall].into_iter()).iter().map(|body| body.rect).collect();
+            let rects: Vec<Rect> = bodies(&scatter, [&wall].into_iter()).iter().map(SpawnRequest::rect).collect();
             prop_assert_eq!(rects.len() as u64, count);
             for (index, rect) in rects.iter().enumerate() {
                 let far = rect.far_corner();
@@ -285,7 +290,8 @@ mod tests {
     #[test]
     fn seed_7_gives_the_expected_body() {
         let [body] = bodies(&sparse(7, 1), [].iter()).try_into().unwrap();
-        let numbers = [body.rect.origin.x, body.rect.origin.y, body.rect.width(), body.rect.height(), body.mass];
+        let numbers =
+            [body.origin.x, body.origin.y, body.blueprint.size[0], body.blueprint.size[1], body.blueprint.mass];
         let expected =
             [4.1970825164984085, -0.6773401233888623, 0.1779659496782543, 0.10503648835844684, 2.8015213612137666];
         assert_eq!(numbers, expected);
@@ -296,7 +302,7 @@ mod tests {
         let scatter =
             scatter("count = 1\nregion = [0.1, 0.2, 1.0, 1.0]\nsize = [[1.0, 1.0], [1.0, 1.0]]\nmass = [inf, inf]");
         let [body] = bodies(&scatter, [].iter()).try_into().unwrap();
-        assert_eq!((body.rect.origin, body.mass), (Vector::new(0.1, 0.2), f64::INFINITY));
+        assert_eq!((body.origin, body.blueprint.mass), (Vector::new(0.1, 0.2), f64::INFINITY));
     }
 
     #[test]

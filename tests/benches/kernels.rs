@@ -57,14 +57,8 @@ fn engine(solver: SolverKind, bodies: u32) -> Engine {
     for number in 0..bodies {
         let at = Vector::new(f64::from(number % 32) * 2.0, f64::from(number / 32) * 2.0);
         let component = |prime: u32| f64::from(number * prime % 97) / 97.0 - 0.5;
-        engine.apply(&Event::Spawn(Spawn {
-            name: format!("#{number}"),
-            rect: Rect::new(at, 1.0, 1.0),
-            mass: 1.0,
-            velocity: Vector::new(component(31), component(57)),
-            force: Vector::ZERO,
-            material: String::new(),
-        }));
+        let spawn = Spawn::new(format!("#{number}"), Rect::new(at, 1.0, 1.0), 1.0);
+        engine.apply(&Event::Spawn(spawn.with_velocity(Vector::new(component(31), component(57)))));
     }
     engine
 }
@@ -164,17 +158,8 @@ fn least_change_accelerations(bencher: Bencher, bodies: usize) {
 #[divan::bench(args = [100, 10_000])]
 fn write_state(bencher: Bencher, bodies: u32) {
     let engine = engine(SolverKind::EventDriven, bodies);
-    let scene = Some(SceneText { file_name: "bench.toml".into(), text: String::new() });
-    let config = config(SolverKind::EventDriven);
-    let header = Header {
-        versions: Versions::CURRENT,
-        config,
-        steps: u64::MAX,
-        every: 1,
-        estimates_accuracy: false,
-        scene,
-        gaps: Vec::new(),
-    };
+    let scene = SceneText { file_name: "bench.toml".into(), text: String::new() };
+    let header = Header::new(config(SolverKind::EventDriven), u64::MAX, scene);
     let mut writer = Writer::new(io::Cursor::new(Vec::new()), &header).expect("memory");
     bencher.counter(ItemsCount::new(bodies)).bench_local(move || writer.write_state(&engine).expect("memory"));
 }

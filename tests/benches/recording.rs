@@ -5,7 +5,7 @@
 
 use rebond::internals::{
     physics::{CollisionCount, Engine},
-    recording::{Header, RecordedEvent, RunEnd, SceneText, Versions, Writer},
+    recording::{Header, RecordedEvent, RunEnd, SceneText, Writer},
     replay, scene,
 };
 use std::{
@@ -86,13 +86,6 @@ fn time(work: impl FnOnce()) -> Duration {
 }
 
 fn header(scene: &scene::Scene, every: u64) -> Header {
-    Header {
-        versions: Versions::CURRENT,
-        config: replay::engine_config(scene),
-        steps: STEPS,
-        every,
-        estimates_accuracy: false,
-        scene: Some(SceneText { file_name: "gas.toml".into(), text: scene.source.text.clone() }),
-        gaps: Vec::new(),
-    }
+    let text = SceneText { file_name: "gas.toml".into(), text: scene.source.text.clone() };
+    Header::new(replay::engine_config(scene), STEPS, text).with_every(every)
 }

@@ -4,7 +4,7 @@
 
 use rebond::internals::{
     physics::{CollisionCount, Engine, invariants},
-    recording::{Header, RecordedEvent, RunEnd, SceneText, Versions, Writer},
+    recording::{Header, RecordedEvent, RunEnd, SceneText, Writer},
     replay, scene,
 };
 use std::{io, time::Instant};
@@ -82,15 +82,7 @@ fn recording(bodies: usize) {
         states.push(engine);
     }
     let text = SceneText { file_name: "gas.toml".into(), text: scene.source.text.clone() };
-    let header = Header {
-        versions: Versions::CURRENT,
-        config: replay::engine_config(&scene),
-        steps,
-        every: 1,
-        estimates_accuracy: false,
-        scene: Some(text),
-        gaps: Vec::new(),
-    };
+    let header = Header::new(replay::engine_config(&scene), steps, text);
     let mut bytes = 0;
     let cost = measure(|| {
         let mut finished = None;

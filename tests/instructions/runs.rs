@@ -3,7 +3,7 @@
 use rebond::internals::{
     physics::CollisionCount,
     picture::{self, Metadata, Painter, View, png},
-    recording::{Header, RunEnd, SceneText, Versions, Writer},
+    recording::{Header, RunEnd, SceneText, Writer},
     replay, scene,
 };
 use std::io;
@@ -62,16 +62,8 @@ fn run_scene(scene: &scene::Scene) -> replay::Run {
 fn recording(scene: &scene::Scene) {
     let mut run = start(scene);
     let text = SceneText { file_name: "fixed.toml".into(), text: scene.source.text.clone() };
-    let (versions, steps) = (Versions::CURRENT, scene.run.steps);
-    let header = Header {
-        versions,
-        config: replay::engine_config(scene),
-        steps,
-        every: 1,
-        estimates_accuracy: false,
-        scene: Some(text),
-        gaps: Vec::new(),
-    };
+    let steps = scene.run.steps;
+    let header = Header::new(replay::engine_config(scene), steps, text);
     let mut writer = Writer::new(io::Cursor::new(Vec::new()), &header).expect("memory");
     for _ in 0..steps {
         writer.write_state(run.engine()).expect("memory");

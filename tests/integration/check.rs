@@ -4,7 +4,7 @@ use crate::command_line::SCENE;
 use crate::rebond::{Outcome, Workplace};
 use rebond::internals::physics::{CollisionCount, Engine, Vector};
 use rebond::internals::picture::png;
-use rebond::internals::recording::{Header, RunEnd, SceneText, Versions, Writer};
+use rebond::internals::recording::{Header, RunEnd, SceneText, Writer};
 use rebond::internals::{replay, scene};
 use std::fs::{self, File};
 use std::io::Cursor;
@@ -118,15 +118,7 @@ pub fn record_with_modified_engine(workplace: &Workplace) {
     let scene = scene::load(&workplace.path("scene.toml")).unwrap();
     let config = replay::engine_config(&scene);
     let text = SceneText { file_name: "scene.toml".into(), text: scene.source.text.clone() };
-    let header = Header {
-        versions: Versions::CURRENT,
-        config: config.clone(),
-        steps: 90,
-        every: 1,
-        estimates_accuracy: false,
-        scene: Some(text),
-        gaps: Vec::new(),
-    };
+    let header = Header::new(config.clone(), 90, text);
     let gravity = config.gravity.map(|gravity| Vector::new(gravity.x, gravity.y.next_up()));
     let mut engine = Engine::new(config.with_gravity(gravity));
     let mut run = replay::Run::new(&scene);

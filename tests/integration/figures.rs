@@ -48,14 +48,8 @@ fn run_with(solver: SolverKind, bodies: &[BodySpec], gravity: Option<Vector>, ra
 }
 
 fn spawn((name, [x, y, width, height], [vx, vy]): &BodySpec) -> Spawn {
-    Spawn {
-        name: (*name).into(),
-        rect: Rect::new(Vector::new(*x, *y), *width, *height),
-        mass: mass(name),
-        velocity: Vector::new(*vx, *vy),
-        force: Vector::ZERO,
-        material: String::new(),
-    }
+    let rect = Rect::new(Vector::new(*x, *y), *width, *height);
+    Spawn::new(*name, rect, mass(name)).with_velocity(Vector::new(*vx, *vy))
 }
 
 fn appearance(id: u32, (name, _, _): &BodySpec) -> Appearance {

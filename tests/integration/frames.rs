@@ -1,6 +1,6 @@
 //! Hand-made frames, for pictures that do not depend on a solver.
 
-use rebond::internals::physics::{Axis, Collision, Rect, Vector};
+use rebond::internals::physics::{Axis, Collision, Engine, EngineConfig, Event, Rect, SolverKind, Spawn, Vector};
 use rebond::internals::picture::{Appearance, ColorBy, Frame, Look, Overlay, Overlays, Sprite, Style, Theme, View};
 use std::sync::Arc;
 
@@ -110,20 +110,32 @@ fn trail(sprite: &Sprite) -> Vec<Vector> {
 }
 
 fn collision_between([c, b]: [&Sprite; 2]) -> Collision {
-    Collision {
-        step: 74,
-        time: 0.0,
-        instant: 74.0 / 60.0,
-        axis: Axis::X,
-        bodies: [c.appearance.id, b.appearance.id],
-        rects: [c.rect, b.rect],
-        normal: Vector::new(-1.0, 0.0),
-        penetration: Vector::new(c.rect.origin.x - b.rect.origin.x + c.rect.width(), 0.0).mult(-1.0),
-        shares: [0.6, 0.4],
-        impulse: 5.0,
-        restitution: 1.0,
-        normal_velocity: [b.velocity.x - c.velocity.x, c.velocity.x - b.velocity.x],
-        before: [c.velocity, b.velocity],
-        after: [b.velocity, c.velocity],
+    let mut collision = any_collision();
+    collision.step = 74;
+    collision.time = 0.0;
+    collision.instant = 74.0 / 60.0;
+    collision.axis = Axis::X;
+    collision.bodies = [c.appearance.id, b.appearance.id];
+    collision.rects = [c.rect, b.rect];
+    collision.normal = Vector::new(-1.0, 0.0);
+    collision.penetration = Vector::new(c.rect.origin.x - b.rect.origin.x + c.rect.width(), 0.0).mult(-1.0);
+    collision.shares = [0.6, 0.4];
+    collision.impulse = 5.0;
+    collision.restitution = 1.0;
+    collision.normal_velocity = [b.velocity.x - c.velocity.x, c.velocity.x - b.velocity.x];
+    collision.before = [c.velocity, b.velocity];
+    collision.after = [b.velocity, c.velocity];
+    collision
+}
+
+/// The first collision of two boxes that approach, in the handout solver.
+fn any_collision() -> Collision {
+    let mut engine = Engine::new(EngineConfig::new(SolverKind::Handout, 60.0));
+    for (name, x, vx) in [("a", 0.0, 1.0), ("b", 1.0, -1.0)] {
+        let spawn = Spawn::new(name, Rect::new(Vector::new(x, 0.0), 1.0, 1.0), 1.0);
+        engine.apply(&Event::Spawn(spawn.with_velocity(Vector::new(vx, 0.0))));
     }
+    let mut collisions = Vec::new();
+    engine.step(&mut collisions).expect("finite numbers");
+    collisions.remove(0)
 }

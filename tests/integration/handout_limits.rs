@@ -15,14 +15,9 @@ fn engine(gravity: Option<Vector>, restitution: f64) -> Engine {
 }
 
 fn spawn(engine: &mut Engine, name: &str, at: [f64; 2], size: [f64; 2], mass: f64, velocity: [f64; 2]) {
-    engine.apply(&Event::Spawn(Spawn {
-        name: name.into(),
-        rect: Rect::new(Vector::new(at[0], at[1]), size[0], size[1]),
-        mass,
-        velocity: Vector::new(velocity[0], velocity[1]),
-        force: Vector::ZERO,
-        material: String::new(),
-    }));
+    let rect = Rect::new(Vector::new(at[0], at[1]), size[0], size[1]);
+    let spawn = Spawn::new(name, rect, mass);
+    engine.apply(&Event::Spawn(spawn.with_velocity(Vector::new(velocity[0], velocity[1]))));
 }
 
 fn advance(engine: &mut Engine, steps: u64) {

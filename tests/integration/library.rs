@@ -3,7 +3,7 @@
 use crate::check::{lecture_folder, record_with_modified_engine};
 use rebond::internals::replay::{self, NO_LIVE_EVENTS, RecordOptions};
 use rebond::testing::assert_replays;
-use rebond::{SceneBuilder, SpawnTable};
+use rebond::{BlueprintTable, SceneBuilder, SpawnTable};
 use std::fs::File;
 use std::panic::catch_unwind;
 use std::path::Path;
@@ -17,8 +17,8 @@ fn panic_message(path: &Path) -> String {
 fn a_scene_built_in_code_is_recorded_and_replays() {
     let folder = tempfile::TempDir::new().unwrap();
     let path = folder.path().join("builder.mcap");
-    let spawn = vec![SpawnTable { at: [1.0, 1.0], velocity: [1.0, 0.25], ..SpawnTable::default() }];
-    let scene = SceneBuilder { spawn, ..SceneBuilder::default() }.build("builder.toml").unwrap();
+    let spawn = SpawnTable::new([1.0, 1.0], BlueprintTable::new().velocity([1.0, 0.25]));
+    let scene = SceneBuilder::new().spawn(spawn).build("builder.toml").unwrap();
     replay::record(&scene, RecordOptions::complete(&scene), NO_LIVE_EVENTS, File::create(&path).unwrap(), |_| ())
         .unwrap();
     assert_replays(&path);

@@ -141,14 +141,8 @@ fn a_state_between_steps_agrees_with_a_finer_run_and_changes_no_bit() {
         let mut engine = Engine::new(config);
         for (x, y, mass, speed) in [(0.0, 4.0, f64::INFINITY, 0.0), (0.0, 0.0, 1.0, 2.0), (0.5, 1.5, 3.0, -1.0)] {
             let size = if mass == 1.0 { 1.0 } else { 2.0 };
-            engine.apply(&Event::Spawn(Spawn {
-                name: format!("{mass}"),
-                rect: Rect::new(Vector::new(x, y), size, 1.0),
-                mass,
-                velocity: Vector::new(speed, 0.0),
-                force: Vector::ZERO,
-                material: String::new(),
-            }));
+            let spawn = Spawn::new(format!("{mass}"), Rect::new(Vector::new(x, y), size, 1.0), mass);
+            engine.apply(&Event::Spawn(spawn.with_velocity(Vector::new(speed, 0.0))));
         }
         engine
     };

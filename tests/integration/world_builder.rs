@@ -72,14 +72,9 @@ pub fn world(conditions: Conditions, bodies: &[BodySpec]) -> Engine {
 
 pub fn spawn(engine: &mut Engine, body: &BodySpec) {
     let vector = |[x, y]: [f64; 2]| Vector::new(x, y);
-    engine.apply(&Event::Spawn(Spawn {
-        name: format!("{}", engine.next_id()),
-        rect: Rect::new(vector(body.at), body.size[0], body.size[1]),
-        mass: body.mass,
-        velocity: vector(body.velocity),
-        force: vector(body.force),
-        material: String::new(),
-    }));
+    let rect = Rect::new(vector(body.at), body.size[0], body.size[1]);
+    let spawn = Spawn::new(format!("{}", engine.next_id()), rect, body.mass);
+    engine.apply(&Event::Spawn(spawn.with_velocity(vector(body.velocity)).with_force(vector(body.force))));
 }
 
 /// Advances the engine and returns the collisions.
