@@ -26,7 +26,7 @@ pub const ALL_STEPS: RangeInclusive<u64> = 0..=u64::MAX;
 /// let replayer = Replayer::open("lecture.mcap".as_ref(), ALL_STEPS)?;
 /// let verdict = replayer.run(&mut CollisionCount::default(), |_| ())?;
 /// println!("{verdict}");
-/// # Ok::<(), rebond::RecordingError>(())
+/// # Ok::<(), rebond::recordings::Error>(())
 /// ```
 #[doc(alias("verify", "determinism", "checksum", "digest"))]
 pub struct Replayer<R> {

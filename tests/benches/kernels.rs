@@ -33,6 +33,8 @@ mod event_driven {
 
 #[path = "../../src/picture/encode/lzw.rs"]
 mod lzw;
+#[path = "../../src/picture/encode/quantize.rs"]
+mod quantize;
 
 use event_driven::axis_trajectory::AxisTrajectory;
 use event_driven::body_state::{BodyState, Load};
@@ -208,4 +210,32 @@ fn png_encode(bencher: Bencher) {
 fn lzw_compress(bencher: Bencher) {
     let pixels: Vec<u8> = (0..1280 * 720_usize).map(|index| (index / 40 % 7) as u8).collect();
     bencher.counter(divan::counter::BytesCount::of_slice(&pixels)).bench(|| lzw::compress(black_box(&pixels)));
+}
+
+/// Boxes with antialiased edges in 1668 colours, 960×540 pixels.
+fn many_colors() -> Vec<[u8; 4]> {
+    let color = |run: usize| {
+        let number = if run % 8 == 0 { run % 1668 } else { run % 8 };
+        [number as u8, (number >> 3) as u8, (number / 7) as u8, 255]
+    };
+    (0..960 * 540_usize).map(|index| color(index / 14)).collect()
+}
+
+/// Chooses 256 of many colours, as for GIF.
+#[divan::bench]
+fn quantize(bencher: Bencher) {
+    let pixels = many_colors();
+    bencher.bench(|| quantize::IndexedImage::quantized(black_box(&pixels)));
+}
+
+/// The same with the quantiser of the gif crate, at its best quality that is usual for GIF.
+#[divan::bench]
+fn neuquant(bencher: Bencher) {
+    const SAMPLING: i32 = 10;
+    let pixels = many_colors();
+    let bytes = pixels.as_flattened();
+    bencher.bench(|| {
+        let colors = color_quant::NeuQuant::new(SAMPLING, 256, black_box(bytes));
+        pixels.iter().map(|pixel| colors.index_of(pixel)).sum::<usize>()
+    });
 }
