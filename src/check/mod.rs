@@ -7,15 +7,13 @@
 
 mod case;
 mod check_result;
-mod find;
 mod mismatch;
 mod page;
 mod recording;
 mod reference_image;
 
-pub use case::{Case, Recipe, ReferenceImage};
+pub use case::{Case, CheckError, Files, Recipe, ReferenceImage, normalize};
 pub use check_result::{CheckResult, Outcome, Replacement, Severity};
-pub use find::{CheckError, Files, normalize};
 pub use mismatch::{Mismatch, mismatch};
 pub use page::Page;
 pub use recording::{SceneMismatch, TemporaryRecording};

@@ -1,4 +1,4 @@
-use super::find::CACHE_TAG;
+use super::case::CACHE_TAG;
 use super::{CheckResult, Mismatch, Outcome, Replacement, Severity};
 use crate::picture::{AnimationFormat, Format, StillFormat};
 use crate::picture::{Metadata, RenderError, png};

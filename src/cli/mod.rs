@@ -18,12 +18,12 @@ mod render;
 mod replay;
 mod report;
 mod shell;
-mod signals;
 mod source;
 mod video;
 
 pub use error_report::ErrorReport;
 
+use crate::temporary;
 use arguments::{
     CheckOptions, CompletionsOptions, ExportOptions, InfoOptions, ManOptions, RecordOptions, RecoverOptions,
     ReplayOptions, ReportOptions,
@@ -80,7 +80,7 @@ pub enum Command {
 /// Runs one command, prints its error if it fails, and returns the exit code.
 pub fn run(arguments: Arguments) -> Exit {
     output::set_quiet(arguments.quiet);
-    signals::remove_temporary_files_on_interruption();
+    temporary::remove_all_on_interruption();
     let result = match &arguments.command {
         Command::Record(options) => record::run(options),
         Command::Replay(options) => replay::run(options),

@@ -15,7 +15,6 @@
 //!
 //! A [`Sequence`] of still pictures and a [`Clip`] for an external video encoder follow the same stages.
 
-mod camera;
 mod collisions;
 mod draw;
 pub mod encode;
@@ -25,7 +24,6 @@ mod format;
 mod frames;
 pub(crate) mod layers;
 pub(crate) mod number;
-mod option_line;
 mod provenance;
 pub mod raster;
 mod resimulation;
@@ -40,7 +38,6 @@ mod trace;
 mod view;
 
 pub use crate::picture_options::{CameraTarget, ColorBy, Look, Overlay, Overlays, PictureOptions, Theme, Window};
-pub use camera::Camera;
 pub use draw::{Clip, Drawn, body_color, draw, draw_sequence, draw_to_vec, redraw};
 pub(crate) use encode::ordered_parallel_map;
 pub use encode::{
@@ -64,7 +61,7 @@ pub use schedule::{AnimationSchedule, MAX_FRAMES_PER_STEP, MAX_HOLD, MIN_HOLD, M
 pub use source::{ReadExtent, ReadStatus, Source, recorded_world};
 pub use step_grid::{MAX_GIF_FPS, StepGrid, Thinning};
 pub use trace::TraceGap;
-pub use view::{DrawingMetrics, Style, View};
+pub use view::{Camera, DrawingMetrics, Style, View};
 
 /// A callback that receives the number of completed work items and their total.
 pub type Progress<'a> = &'a mut dyn FnMut(u64, u64);

@@ -12,7 +12,6 @@ mod cost;
 mod diagram;
 mod errors;
 pub mod oracle;
-mod row;
 mod table;
 
 pub use case::{Case, RunSpec};
@@ -21,8 +20,7 @@ pub use cost::Cost;
 pub use diagram::{growth, work_precision};
 pub use errors::Errors;
 pub use oracle::{Expectation, Oracle};
-pub use row::Row;
-pub use table::{CSV_HEADER, csv, table};
+pub use table::{CSV_HEADER, Row, csv, table};
 
 /// The time that a report may take.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,5 +1,5 @@
 use super::{
-    diagnostics::ErrorReported,
+    diagnostic::ErrorReported,
     lifetimes::{Effect, NameField},
     tree::{Field, Key, Node, Table},
 };

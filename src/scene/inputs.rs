@@ -1,7 +1,7 @@
 use super::{
     Action, Diagnostic, DiagnosticKind, SpawnRequest, Walls,
     action::{self, Request, read_click, read_delete, read_spawn},
-    diagnostics::{ErrorReported, Reporter},
+    diagnostic::{ErrorReported, Reporter},
     lifetimes::{self, Effect, NameField},
     options::{WALL_NAMES, WorldOptions},
     scatter::{self, MAX_SCATTERED, Scatter},

@@ -2,7 +2,7 @@
 
 use super::{
     Diagnostic, DiagnosticKind, Phase,
-    diagnostics::{ErrorReported, Reporter},
+    diagnostic::{ErrorReported, Reporter},
 };
 use std::{
     collections::{BTreeMap, BTreeSet},

@@ -3,7 +3,7 @@
 use super::{
     Action, Diagnostic, DiagnosticKind, Excerpt, SceneError,
     action::{self, Request, read_click, read_delete, read_spawn},
-    diagnostics::{ErrorReported, Reporter},
+    diagnostic::{ErrorReported, Reporter},
     tree::{Key, Table, Value, parse_json},
 };
 

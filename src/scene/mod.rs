@@ -7,7 +7,6 @@
 mod action;
 pub mod builder;
 mod diagnostic;
-mod diagnostics;
 #[cfg(test)]
 mod guide_tests;
 mod inputs;
@@ -26,14 +25,13 @@ use std::{fs::File, io::Read, path::Path};
 
 pub use crate::picture_options::{ColorBy, Overlay, Overlays, PictureOptions, Theme, Window};
 pub use action::{Action, Blueprint, Phase, SpawnRequest};
-pub use diagnostic::{Diagnostic, DiagnosticKind};
-pub use diagnostics::{Diagnostics, Excerpt, SceneError};
+pub use diagnostic::{Diagnostic, DiagnosticKind, Diagnostics, Excerpt, SceneError};
 pub use inputs::{Input, InputLocation};
 pub use options::{RunOptions, Walls};
 #[cfg(feature = "cli")]
 pub use overrides::Override;
 
-use diagnostics::{ErrorReported, Reporter};
+use diagnostic::{ErrorReported, Reporter};
 use options::WorldOptions;
 use tree::{Field, Key, Node, Table};
 

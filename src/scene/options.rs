@@ -2,7 +2,7 @@
 
 use super::{
     Blueprint, Diagnostic, DiagnosticKind, SpawnRequest, action,
-    diagnostics::{ErrorReported, Reporter},
+    diagnostic::{ErrorReported, Reporter},
     tree::{Entry, Key, Node, Table, Value, unknown_key},
 };
 use crate::physics::{DEFAULT_EVENTS_PER_STEP, Restitution, RestitutionPair, SolverKind, Vector};
@@ -287,7 +287,7 @@ fn overlays(node: &Node) -> Result<Overlays, &Node> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{diagnostics::Reporter, tree::parse_toml};
+    use crate::scene::{diagnostic::Reporter, tree::parse_toml};
 
     fn run(keys: &str) -> RunOptions {
         read_run(&Table::open("run", &parse_toml(keys).unwrap(), RUN_KEYS, &Reporter::default()).unwrap()).0.unwrap()

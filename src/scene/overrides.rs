@@ -1,4 +1,4 @@
-use super::{Diagnostic, DiagnosticKind, Excerpt, SceneError, diagnostics::Reporter, inputs};
+use super::{Diagnostic, DiagnosticKind, Excerpt, SceneError, diagnostic::Reporter, inputs};
 use std::{fmt, ops::Range, path::Path, str::FromStr};
 use toml_edit::{DocumentMut, Item, Key, Table, TableLike, Value};
 

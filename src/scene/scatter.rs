@@ -1,7 +1,7 @@
 use super::{
     Blueprint, Diagnostic, DiagnosticKind, SpawnRequest,
     action::{self, Request},
-    diagnostics::{ErrorReported, Reporter},
+    diagnostic::{ErrorReported, Reporter},
     lifetimes::Effect,
     occupancy::OccupancyGrid,
     tree::{Key, Node, Table},

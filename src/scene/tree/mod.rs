@@ -2,12 +2,10 @@
 //!
 //! Scenes and live events have the same keys, so one reader serves both.
 
-mod json;
+mod parse;
 mod table;
-mod toml;
 
-pub use self::toml::parse_toml;
-pub use json::parse_json;
+pub use parse::{parse_json, parse_toml};
 pub use table::{Field, Key, Table, unknown_key};
 
 use crate::physics::Vector;

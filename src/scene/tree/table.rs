@@ -1,7 +1,7 @@
 use super::{Entry, Node, ReadResult, Value, shortened};
 use crate::scene::{
     Diagnostic, DiagnosticKind,
-    diagnostics::{ErrorReported, Reporter},
+    diagnostic::{ErrorReported, Reporter},
 };
 use std::ops::Range;
 

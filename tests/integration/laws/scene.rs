@@ -99,14 +99,12 @@ impl Scene {
         for (index, body) in self.bodies.iter().enumerate().filter(|(_, body)| body.step == step) {
             assert_eq!(engine.next_id(), index as BodyId, "bodies are sorted by step");
             let BodySpec { at, size, mass, velocity, force } = body.spec;
-            engine.apply(&Event::Spawn(Spawn {
-                name: format!("b{}", body.label),
-                rect: Rect::new(vector(at), size[0], size[1]),
-                mass,
-                velocity: vector(velocity),
-                force: vector(force),
-                material: body.material.to_owned(),
-            }));
+            let rect = Rect::new(vector(at), size[0], size[1]);
+            let spawn = Spawn::new(format!("b{}", body.label), rect, mass)
+                .with_velocity(vector(velocity))
+                .with_force(vector(force))
+                .with_material(body.material);
+            engine.apply(&Event::Spawn(spawn));
         }
     }
 
