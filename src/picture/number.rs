@@ -113,11 +113,11 @@ impl Unit {
     pub fn for_size(self, size: f64) -> ScaledUnit {
         let mut exponent = 0;
         if size.is_finite() && size > 0.0 && !(0.01..1e5).contains(&size) {
-            let size_of = |exponent| ScaledUnit { unit: self, exponent }.scaled(size);
-            while size_of(exponent) < 1.0 && exponent > self.prefixes[0] {
+            let scaled_by = |exponent| ScaledUnit { unit: self, exponent }.scaled(size);
+            while scaled_by(exponent) < 1.0 && exponent > self.prefixes[0] {
                 exponent -= 3;
             }
-            while size_of(exponent) >= 1000.0 && exponent < self.prefixes[1] {
+            while scaled_by(exponent) >= 1000.0 && exponent < self.prefixes[1] {
                 exponent += 3;
             }
         }

@@ -31,8 +31,10 @@ struct Face {
 impl EventDriven {
     /// Aligns the faces of spawned bodies with each other and with those of the older bodies that they touch.
     ///
-    /// Of the faces of bodies connected by touching, those that follow each other within rounding along an axis
-    /// move to the one of the earliest body. Bodies that were there before do not move.
+    /// The faces of bodies connected by touching that follow each other within rounding along an axis move to one of
+    /// them: to that of the earliest body that was there before; otherwise to the given position of the earliest body
+    /// whose low face it is; otherwise to the earliest high face. So positions stay as they are given, unless two that
+    /// differ coincide, and sizes take up the rounding.
     pub(super) fn align_spawned(&mut self, spawned: &[Slot]) {
         let neighbours: Vec<Vec<Slot>> = spawned.iter().map(|slot| self.older_neighbours(*slot)).collect();
         for members in groups(spawned, &neighbours) {
@@ -96,10 +98,14 @@ impl EventDriven {
             (b.at - a.at).high <= scale * (COINCIDING_ULPS * f64::EPSILON)
         };
         for group in faces.chunk_by(coincide).filter(|group| group.len() > 1) {
-            let Some(earliest) = group.iter().min_by_key(|face| (face.slot, face.side)) else { continue };
+            let rank = |face: &&Face| {
+                let is_spawned = spawned.binary_search(&face.slot).is_ok();
+                (is_spawned, is_spawned && face.side == Side::High, face.slot, face.side)
+            };
+            let Some(anchor) = group.iter().min_by_key(rank) else { continue };
             for face in group {
                 let index = slots.partition_point(|slot| *slot < face.slot);
-                aligned[index][face.side as usize] = Some(earliest.at);
+                aligned[index][face.side as usize] = Some(anchor.at);
             }
         }
         for (slot, aligned) in slots.iter().zip(aligned) {
@@ -109,13 +115,15 @@ impl EventDriven {
         }
     }
 
-    /// Moves the faces of a body to where they are aligned. If that is one only, or the body is too thin for both, it
-    /// keeps its size.
+    /// Moves the faces of a body to where they are aligned. It keeps its position if only the high face is aligned, and
+    /// its size if only the low one is, or if it is too thin for both.
     fn set_faces(&mut self, slot: Slot, axis: Axis, aligned: [Option<DoubleDouble>; 2]) {
         let size = self.bodies.size(slot, axis);
+        let position = self.state_dd(slot, axis).position;
         let (position, size) = match aligned {
             [Some(low), Some(high)] if low.is_less(high) => (low, high - low),
             [Some(low), _] => (low, size),
+            [None, Some(high)] if position.is_less(high) => (position, high - position),
             [None, Some(high)] => (high - size, size),
             [None, None] => return,
         };
