@@ -390,7 +390,7 @@ mod tests {
             events_per_step in any::<u64>(),
             (steps, every) in (0..=limits::STEPS, 1..=limits::STEPS),
             (collisions, error, recovered) in any::<(Option<u64>, Option<String>, bool)>(),
-            accuracy in any::<Option<Option<u64>>>(),
+            accuracy in prop::option::of(prop::option::of(0..=limits::STEPS)),
             state_bounds in state_bounds(),
         ) {
             let restitution = Restitution::new(default, &pairs);
