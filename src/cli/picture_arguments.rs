@@ -25,7 +25,7 @@ pub struct RenderOptions {
     /// The output file or folder.
     #[command(flatten)]
     pub output: OutputOptions,
-    /// Draw only the state of this step, or at a time such as 1.5s
+    /// Draw only the state of this step or time (1.5s)
     #[arg(long, value_name = "STEP", conflicts_with_all = ["from", "to", "every", "fps"])]
     pub at: Option<StepOrTime>,
     /// Draw about this many frames per second
