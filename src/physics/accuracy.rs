@@ -133,7 +133,7 @@ impl Observer for CollisionSequence {
     fn collision(&mut self, collision: &Collision) {
         let speed = collision.normal_velocity[0].abs();
         self.greatest = larger(self.greatest, speed);
-        if !(speed > ACCURACY * self.greatest) {
+        if speed <= ACCURACY * self.greatest {
             return;
         }
         self.count += 1;

@@ -236,7 +236,10 @@ impl PictureOptions {
             to = smaller(self.to.map_or(last, |to| to.step(rate).min(last)) as f64 / rate, to);
         }
         let slowest = sources.iter().map(|source| source.header.config.rate).fold(f64::INFINITY, smaller);
-        let interval = |count: u64| ((to - from) * slowest / (count - 1) as f64 - 1e-9).ceil().max(1.0) / slowest;
+        let interval = |count: u64| {
+            let steps = ((to - from) * slowest / (count - 1) as f64 - 1e-9).ceil();
+            larger(steps, 1.0) / slowest
+        };
         let mut ranges = Vec::new();
         for source in sources {
             let rate = source.header.config.rate;

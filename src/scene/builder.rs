@@ -330,12 +330,14 @@ mod tests {
     #[test]
     fn every_table_is_written_and_read() {
         let blueprint = BlueprintTable::new().name("c").mass(f64::INFINITY).color("#3366cc");
-        let mut figure = PictureOptions::default();
-        figure.size = Some([320, 180]);
-        figure.theme = Some(Theme::Dark);
-        figure.fps = Some(25.0);
-        figure.show = Some([Overlay::Clock].into());
-        figure.color_by = Some(ColorBy::Speed);
+        let figure = PictureOptions {
+            size: Some([320, 180]),
+            theme: Some(Theme::Dark),
+            fps: Some(25.0),
+            show: Some([Overlay::Clock].into()),
+            color_by: Some(ColorBy::Speed),
+            ..PictureOptions::default()
+        };
         let builder = SceneBuilder::new()
             .title("All \"of\" it")
             .world(WorldTable::new().walls(true).wall_material("steel").gravity([0.0, 9.81]))

@@ -215,7 +215,7 @@ fn lzw_compress(bencher: Bencher) {
 /// Boxes with antialiased edges in 1668 colours, 960×540 pixels.
 fn many_colors() -> Vec<[u8; 4]> {
     let color = |run: usize| {
-        let number = if run % 8 == 0 { run % 1668 } else { run % 8 };
+        let number = if run.is_multiple_of(8) { run % 1668 } else { run % 8 };
         [number as u8, (number >> 3) as u8, (number / 7) as u8, 255]
     };
     (0..960 * 540_usize).map(|index| color(index / 14)).collect()

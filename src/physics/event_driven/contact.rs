@@ -221,7 +221,7 @@ mod tests {
     #[test]
     fn supports_equal_a_search_after_any_changes() {
         let mut graph = ContactGraph::default();
-        let infinite = |slot: Slot| slot % 7 == 0;
+        let infinite = |slot: Slot| slot.is_multiple_of(7);
         (0..30).for_each(|slot| graph.add_body(if infinite(slot) { f64::INFINITY } else { 1.0 }));
         let mut contacts: Vec<[Slot; 2]> = Vec::new();
         let mut random = 1_u32;

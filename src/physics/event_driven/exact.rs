@@ -154,7 +154,7 @@ impl ExactAxis {
             let square = slope.high * slope.high + 2.0 * acceleration.high * rest.high;
             let is_regular = square > SMALLEST_SQUARE;
             let divisor = if is_regular { 0.5 * (slope.high + square.sqrt()) } else { slope.high };
-            if !(divisor > 0.0) {
+            if divisor.is_nan() || divisor <= 0.0 {
                 break;
             }
             t = t + (rest.high / divisor).into();

@@ -152,7 +152,7 @@ impl Axes {
     }
 
     /// The axes with the left border of the plot area moved to `left`, px.
-    pub fn from_left(self, left: f64) -> Axes {
+    pub fn with_left(self, left: f64) -> Axes {
         let (near, far) = (Vector::new(left, self.plot_area.origin.y), self.plot_area.far_corner());
         Axes { plot_area: Rect::new(near, far.x - near.x, far.y - near.y), ..self }
     }

@@ -182,7 +182,7 @@ pub fn energy(runs: &[EnergyRun], time: Range, style: &Style) -> DisplayList {
         // The frames are aligned, so that an instant is at the same place in both.
         let left = larger(e.plot_area.origin.x, p.plot_area.origin.x);
         let timeline = &runs[at].timeline;
-        let [e, p] = [e.from_left(left), p.from_left(left)];
+        let [e, p] = [e.with_left(left), p.with_left(left)];
         draw_diagram(&energies[at], ("E", &e), timeline, Some(runs[at].drift()), &mut panels);
         draw_diagram(&momenta[at], ("p", &p), timeline, None, &mut panels);
     }

@@ -119,6 +119,7 @@ fn is_straight(start: [f64; 2], middle: [f64; 2], end: [f64; 2]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::physics::smaller;
 
     fn curve(column_width: f64, points: &[[f64; 2]]) -> Vec<Vec<[f64; 2]>> {
         let mut curve = TimeCurve::new(column_width);
@@ -136,7 +137,7 @@ mod tests {
             let within = |point: &&[f64; 2]| (point[0] / 0.01).floor() == f64::from(column);
             let extremes = |points: &[[f64; 2]]| {
                 let values = points.iter().filter(within).map(|point| point[1]);
-                (values.clone().fold(f64::INFINITY, f64::min), values.fold(0.0, f64::max))
+                (values.clone().fold(f64::INFINITY, smaller), values.fold(0.0, larger))
             };
             assert_eq!(extremes(&parts[0]), extremes(&wave), "column {column}");
         }
