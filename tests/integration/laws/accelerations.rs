@@ -61,11 +61,8 @@ fn accelerations(scene: &Scene) -> Option<Vec<[f64; 2]>> {
             // The gap along each axis with `a` behind, and the larger one of both orders.
             let gaps = [0, 1].map(|k| b.at[k] - a.at[k] - a.size[k]);
             let distance = [0, 1].map(|k| larger(gaps[k], a.at[k] - b.at[k] - b.size[k]));
-            for k in 0..2 {
-                if gaps[k].abs() <= tiny && distance[1 - k] < -tiny {
-                    faces.push((i, j, k));
-                }
-            }
+            let touches = |k: &usize| gaps[*k].abs() <= tiny && distance[1 - k] < -tiny;
+            faces.extend((0..2).filter(touches).map(|k| (i, j, k)));
             if i < j && distance.iter().all(|gap| gap.abs() <= tiny) {
                 let pair = |k: usize| if gaps[k].abs() <= tiny { (i, j, k) } else { (j, i, k) };
                 corners.push([pair(0), pair(1)]);
@@ -97,7 +94,7 @@ fn accelerations(scene: &Scene) -> Option<Vec<[f64; 2]>> {
 /// Accelerations of least change from free fall, Σ m·(a − f)², with a(behind) ≤ a(ahead) for each pair.
 fn least_change(scene: &Scene, bodies: &[&BodySpec], pairs: &[Pair]) -> Option<Vec<[f64; 2]>> {
     let mut found = vec![[0.0; 2]; bodies.len()];
-    for k in 0..2 {
+    for (k, gravity) in scene.gravity.into_iter().enumerate() {
         let pairs: Vec<Pair> = pairs.iter().filter(|pair| pair.2 == k).copied().collect();
         let mut is_done: Vec<bool> = bodies.iter().map(|body| body.mass == INFINITE).collect();
         for first in 0..bodies.len() {
@@ -105,7 +102,7 @@ fn least_change(scene: &Scene, bodies: &[&BodySpec], pairs: &[Pair]) -> Option<V
                 continue;
             }
             let component = component(first, bodies, &pairs);
-            let free_fall = |id: usize| scene.gravity[k] + bodies[id].force[k] / bodies[id].mass;
+            let free_fall = |id: usize| gravity + bodies[id].force[k] / bodies[id].mass;
             let terms: Vec<[f64; 2]> = component.iter().map(|&id| [bodies[id].mass, free_fall(id)]).collect();
             let accelerations = Order::new(&component, bodies, &pairs).optimum(&terms)?;
             for (&id, a) in component.iter().zip(accelerations) {

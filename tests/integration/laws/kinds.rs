@@ -46,8 +46,11 @@ impl Random {
 
 pub const COEFFICIENTS: [f64; 8] = [0.0, 0.2, 0.5, 0.9, 0.95, 0.99, 0.999, 1.0];
 
+/// Fills a lattice with the boxes of a kind.
+type Fill = fn(&mut Lattice);
+
 /// The kinds of scenes, by name.
-const KINDS: [(&str, fn(&mut Lattice)); 14] = [
+const KINDS: [(&str, Fill); 14] = [
     ("grid", grid),
     ("tower", tower),
     ("row", row),
