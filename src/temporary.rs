@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
-use std::{fs, io, mem, process};
+use std::{fs, io, process};
 
 /// The folders of this process. While it is locked, no folder is created and no file is moved out of one.
 static FOLDERS: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
@@ -71,13 +71,13 @@ pub fn uninterrupted<T>(place: impl FnOnce() -> T) -> T {
 
 /// Removes all temporary folders, and lets no other thread create one: the process is about to end.
 #[cfg(feature = "cli")]
-pub fn remove_all() {
+fn remove_all() {
     let folders = folders();
     for folder in folders.iter() {
         // A running ffmpeg may add a file meanwhile.
         let _ = fs::remove_dir_all(folder).or_else(|_| fs::remove_dir_all(folder));
     }
-    mem::forget(folders);
+    std::mem::forget(folders);
 }
 
 /// Removes temporary files on SIGINT, SIGTERM and SIGHUP, and then ends the process by the same signal, so that shells
