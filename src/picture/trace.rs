@@ -241,3 +241,101 @@ impl Observer for CollisionInstants {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::invariants;
+    use crate::picture::Thinning;
+    use crate::replay::{self, ALL_STEPS, RecordOptions};
+    use crate::scene;
+    use std::fs::File;
+
+    /// Two boxes between walls, and a third that comes and goes, at `rate` Hz for four seconds.
+    fn source(folder: &std::path::Path, rate: u64, e: f64) -> Source {
+        let body = |name: &str, x: f64, y: f64, velocity: f64| {
+            format!(
+                "[[spawn]]\nname = \"{name}\"\nat = [{x:?}, {y:?}]\nsize = [1.0, 1.0]\nmass = 1.0\nvelocity = [{velocity:?}, 0.0]\n"
+            )
+        };
+        let text = format!(
+            "[world]\nsize = [16.0, 9.0]\nwalls = true\n[run]\nrate = {rate}\nsteps = {}\n[restitution]\ndefault = {e:?}\n{}{}{}\
+             step = {rate}\n[[delete]]\nstep = {}\nname = \"late\"\n",
+            4 * rate,
+            body("a", 3.0, 1.0, 7.0),
+            body("b", 8.0, 1.0, -5.0),
+            body("late", 8.0, 5.0, 3.0),
+            rate + rate / 2,
+        );
+        let path = folder.join(format!("{rate}.mcap"));
+        let scene = scene::parse("scene.toml", &text).unwrap();
+        replay::record(
+            &scene,
+            RecordOptions::complete(&scene),
+            replay::NO_LIVE_EVENTS,
+            File::create(&path).unwrap(),
+            |_| (),
+        )
+        .unwrap();
+        Source::open(&path).unwrap()
+    }
+
+    /// Time, kinetic energy, and the flags of each point.
+    fn points(source: &Source, column: f64) -> (Vec<(f64, f64, bool)>, Trace) {
+        let grid = StepGrid::new(0..=source.header.steps, source.header.config.rate, Thinning::All);
+        let mut points = Vec::new();
+        let visit = |point: TracePoint| {
+            points.push((point.time, invariants::kinetic_energy(point.world), point.is_after_change));
+        };
+        let trace = trace(source, &grid, column, &mut |_, _| (), visit).unwrap();
+        (points, trace)
+    }
+
+    #[test]
+    fn collisions_are_vertical_steps_at_their_instants_at_every_rate() {
+        let folder = tempfile::tempdir().unwrap();
+        for rate in [4, 20, 64] {
+            let source = source(folder.path(), rate, 0.9);
+            let (points, _) = points(&source, 1e-6);
+            let mut collisions: Vec<Collision> = Vec::new();
+            let recording = source::open(&source.path).unwrap();
+            Replayer::new(recording, ALL_STEPS).unwrap().run(&mut collisions, |_| ()).unwrap();
+            collisions.retain(|collision| collision.impulse != 0.0);
+            assert!(collisions.len() > 3, "{} collisions at {rate} Hz", collisions.len());
+            let mut lost = 0.0;
+            for collision in &collisions {
+                let at = |&(time, ..): &(f64, f64, bool)| (time - collision.instant).abs() < 1e-12;
+                let energies: Vec<f64> = points.iter().filter(|point| at(point)).map(|point| point.1).collect();
+                let [before, .., after] = energies[..] else {
+                    panic!("{} at {rate} Hz: {energies:?}", collision.instant)
+                };
+                assert!(after < before, "{} at {rate} Hz: {energies:?}", collision.instant);
+                lost += before - after;
+            }
+            // Between collisions, spawns and deletes nothing changes: there are no ramps.
+            let jumps = points.windows(2).filter(|pair| pair[0].0 == pair[1].0);
+            let (all, vertical) =
+                (points.windows(2).map(|pair| pair[1].1 - pair[0].1), jumps.map(|pair| pair[1].1 - pair[0].1));
+            assert!((all.sum::<f64>() - vertical.sum::<f64>()).abs() < 1e-9 && lost > 1.0, "at {rate} Hz");
+        }
+    }
+
+    #[test]
+    fn spawns_and_deletes_are_vertical_steps_and_are_listed() {
+        let folder = tempfile::tempdir().unwrap();
+        let (points, trace) = points(&source(folder.path(), 20, 1.0), 1e-6);
+        assert_eq!((trace.changes, trace.gaps.len()), (vec![1.0, 1.5], 0));
+        for time in [1.0, 1.5] {
+            let energies: Vec<f64> = points.iter().filter(|point| point.0 == time).map(|point| point.1).collect();
+            assert_eq!(energies, if time == 1.0 { [37.0, 41.5] } else { [41.5, 37.0] });
+        }
+        assert_eq!(points.iter().filter(|point| point.2).map(|point| point.0).collect::<Vec<f64>>(), [1.0, 1.5]);
+    }
+
+    #[test]
+    fn wide_columns_need_no_replay_and_show_the_states_alone() {
+        let folder = tempfile::tempdir().unwrap();
+        let (points, trace) = points(&source(folder.path(), 64, 0.5), 0.1);
+        assert_eq!((points.len(), trace.changes.len()), (257, 2));
+    }
+}
