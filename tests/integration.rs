@@ -2,6 +2,8 @@
 
 #[path = "integration/accuracy.rs"]
 mod accuracy;
+#[path = "integration/altered_recordings.rs"]
+mod altered_recordings;
 #[path = "integration/animations.rs"]
 mod animations;
 #[path = "integration/bundled.rs"]
@@ -32,6 +34,8 @@ mod event_driven_laws;
 mod event_driven_oracle;
 #[path = "integration/figures.rs"]
 mod figures;
+#[path = "integration/forge.rs"]
+mod forge;
 #[path = "integration/frames.rs"]
 mod frames;
 #[path = "integration/fuzz_corpus.rs"]

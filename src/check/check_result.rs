@@ -94,7 +94,7 @@ impl Outcome {
             | Outcome::Differs(_)
             | Outcome::Missing
             | Outcome::Orphaned { .. } => Severity::Different,
-            Outcome::Replayed { verdict: Verdict::Truncated { .. } | Verdict::Corrupt { .. }, .. }
+            Outcome::Replayed { verdict: Verdict::Incomplete { .. } | Verdict::Corrupt { .. }, .. }
             | Outcome::Damaged(_) => Severity::Damaged,
             Outcome::Unrenderable { severity, .. } => *severity,
             Outcome::Failed(_) => Severity::Failed,
@@ -106,7 +106,7 @@ impl Outcome {
         match self {
             Outcome::Replayed { verdict: Verdict::Same { .. }, .. } | Outcome::Identical => "same",
             Outcome::Replayed { verdict: Verdict::Diverged(_), .. } | Outcome::Diverged(_) => "diverged",
-            Outcome::Replayed { verdict: Verdict::Truncated { .. }, .. } => "truncated",
+            Outcome::Replayed { verdict: Verdict::Incomplete { .. }, .. } => "incomplete",
             Outcome::Replayed { verdict: Verdict::Corrupt { .. }, .. } => "corrupt",
             Outcome::OtherSemantics { .. } => "other semantics",
             Outcome::Drifted(_) => "drifted",

@@ -87,7 +87,7 @@ pub struct RecordOptions {
 #[derive(Args, Debug)]
 #[command(after_help = "\
 The last line of standard output is the verdict.
-Exit codes: 0 same, 1 error, 3 diverged, 4 truncated or corrupt.
+Exit codes: 0 same, 1 error, 3 diverged, 4 incomplete or corrupt.
 
 Examples:
   rebond replay recordings/figure-1.mcap
@@ -191,7 +191,7 @@ new run of that scene. A picture drawn by rebond must be redrawn the same. More
 pictures are listed in a manifest NAME.check, one command per line, with paths
 relative to its folder:
   rebond figure strobe fall.mcap -o fall.svg
-Exit codes: 0 same, 3 something differs, 4 a recording is truncated or corrupt,
+Exit codes: 0 same, 3 something differs, 4 a recording is incomplete or corrupt,
 1 a check failed. If several apply: 1 before 4 before 3.
 
 Examples:

@@ -8,7 +8,7 @@ use crate::physics::{Axis, BodyId, Collision, Engine, Observer};
 use crate::picture::{self, EnergySample, ReadExtent, ReadStatus, recorded_world};
 use crate::picture_options::StepOrTime;
 use crate::recording::{self, BodyInfo, Change, Health, Item, Playback, SampledState};
-use crate::replay::{Replayer, Verdict};
+use crate::replay::Replayer;
 use crate::text::csv_field;
 use std::collections::BTreeMap;
 use std::io::{self, Write};
@@ -152,13 +152,10 @@ fn collisions(
     if let Some(error) = table.failure.take() {
         return Err(CommandError::unwritable(&options.output)(error));
     }
-    match replayer.verdict() {
-        Verdict::Same { .. } => Ok((Health::Complete, ReadExtent::End)),
-        Verdict::Truncated { after, .. } => Ok((Health::Truncated { after }, ReadExtent::End)),
-        Verdict::Corrupt { damage, .. } => Ok((Health::Corrupt(damage), ReadExtent::End)),
-        verdict @ Verdict::Diverged(_) => {
-            Err(picture::Error::Diverged { path: path.into(), verdict: Box::new(verdict) }.into())
-        }
+    let verdict = replayer.verdict();
+    match verdict.health() {
+        Some(health) => Ok((health, ReadExtent::End)),
+        None => Err(picture::Error::Diverged { path: path.into(), verdict: Box::new(verdict) }.into()),
     }
 }
 

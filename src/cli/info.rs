@@ -1,8 +1,11 @@
 use super::arguments::InfoOptions;
 use super::error::CommandError;
+use super::replay::missing_json;
 use super::{Exit, output};
 use crate::picture::{Format, Provenance};
-use crate::recording::{self, Change, Header, Health, Item, RecordedError, Recording, Summary, Trailer, Versions};
+use crate::recording::{
+    self, Change, Damage, Header, Health, Item, RecordedError, RecordedEvent, Recording, Summary, Trailer, Versions,
+};
 use crate::scene;
 use serde::Serialize;
 use std::{
@@ -25,10 +28,11 @@ pub fn run(options: &InfoOptions) -> Result<Exit, CommandError> {
     } else {
         recording.summary().map_err(CommandError::in_recording(path))?
     };
-    let (info, exit) = match summary {
-        Some(summary) => (Info::from_index(&recording.header, summary, bytes), Exit::Done),
+    let info = match summary {
+        Some(summary) => Info::from_index(&recording.header, summary, bytes),
         None => Info::read(path, &mut recording, bytes)?,
     };
+    let (info, exit) = info.with_health(&recording.health());
     let text = if options.json { info.json() } else { info.lines() };
     output::print(&text)?;
     Ok(exit)
@@ -74,16 +78,18 @@ struct Info {
     rate: f64,
     /// The number of the last state.
     steps: Option<u64>,
+    /// The last step that was planned.
+    planned_steps: u64,
     /// Simulated time of the last state, s.
     duration: Option<f64>,
     /// Full states are recorded every `every` steps.
     every: u64,
     /// Bodies that ever existed, walls included.
-    bodies: u64,
+    bodies: Option<u64>,
     /// Spawns and deletes, walls included.
-    events: u64,
-    spawns: u64,
-    deletes: u64,
+    events: Option<u64>,
+    spawns: Option<u64>,
+    deletes: Option<u64>,
     /// Unknown until the run has ended.
     collisions: Option<u64>,
     keyframes: u64,
@@ -94,24 +100,28 @@ struct Info {
     accuracy: Option<String>,
     accuracy_method: Option<&'static str>,
     identity: Option<String>,
-    health: String,
+    /// `whole`, `incomplete` or `corrupt`.
+    health: &'static str,
+    damage: Option<String>,
+    missing: Option<serde_json::Value>,
+    /// The health with its details.
+    #[serde(skip)]
+    condition: String,
 }
 
 impl Info {
     /// Reads and verifies the whole recording.
-    fn read<R: Read + Seek>(
-        path: &Path,
-        recording: &mut Recording<R>,
-        bytes: u64,
-    ) -> Result<(Info, Exit), CommandError> {
+    fn read<R: Read + Seek>(path: &Path, recording: &mut Recording<R>, bytes: u64) -> Result<Info, CommandError> {
         let mut info = Info::from_header(&recording.header, bytes);
         for item in recording.by_ref() {
             info.count(&item.map_err(CommandError::in_recording(path))?);
         }
         info.chunks = recording.chunk_count();
-        info.health = health(&recording.health());
-        let exit = if recording.health() == Health::Complete { Exit::Done } else { Exit::Damaged };
-        Ok((info.with_totals(), exit))
+        // Ids are consecutive, and keyframes know the next one, so lost events can be counted, too.
+        let alive = recording.table().map(|table| table.bodies().len() as u64);
+        info.spawns = alive.and(info.spawns);
+        info.deletes = alive.zip(info.spawns).map(|(alive, spawns)| spawns.saturating_sub(alive));
+        Ok(info.with_totals())
     }
 
     /// Takes the information from the trailer and the index of a finished recording.
@@ -119,20 +129,36 @@ impl Info {
         let Summary { trailer, states, keyframes, chunks } = summary;
         let mut info = Info::from_header(header, bytes);
         info.steps = (states > 0).then_some(trailer.steps);
-        info.spawns = trailer.bodies;
-        info.deletes = trailer.events.saturating_sub(trailer.bodies);
+        info.spawns = Some(trailer.bodies);
+        let is_counted = header.gaps.is_empty();
+        info.deletes = is_counted.then(|| trailer.events.saturating_sub(trailer.bodies));
         info.keyframes = keyframes;
         info.chunks = chunks;
-        info.health = "finished; chunks not verified, verify them with --verify".into();
+        info.condition = "finished; chunks not verified, verify them with --verify".into();
         info.set_trailer(&trailer);
         info.with_totals()
     }
 
     fn with_totals(mut self) -> Info {
         self.duration = self.steps.map(|steps| steps as f64 / self.rate);
-        self.events = self.spawns + self.deletes;
+        self.events = self.spawns.zip(self.deletes).map(|(spawns, deletes)| spawns + deletes);
         self.bodies = self.spawns;
         self
+    }
+
+    /// Adds the health, and returns the exit code.
+    fn with_health(mut self, health: &Health) -> (Info, Exit) {
+        self.health = health.word();
+        self.damage = health.damage().map(Damage::to_string);
+        self.missing = health.missing().map(missing_json);
+        if *health == Health::Whole {
+            if self.condition.is_empty() {
+                self.condition = health.to_string();
+            }
+            return (self, Exit::Done);
+        }
+        self.condition = health.to_string();
+        (self, Exit::Damaged)
     }
 
     fn from_header(header: &Header, bytes: u64) -> Info {
@@ -144,12 +170,13 @@ impl Info {
             versions: format!("format {format}, semantics {semantics}"),
             rate: header.config.rate,
             steps: None,
+            planned_steps: header.steps,
             duration: None,
             every: header.every,
-            bodies: 0,
-            events: 0,
-            spawns: 0,
-            deletes: 0,
+            bodies: None,
+            events: None,
+            spawns: Some(0),
+            deletes: None,
             collisions: None,
             keyframes: 0,
             chunks: 0,
@@ -158,18 +185,24 @@ impl Info {
             accuracy: (!header.estimates_accuracy).then(|| "not computed".into()),
             accuracy_method: header.estimates_accuracy.then_some("estimate by random rounding"),
             identity: None,
-            health: String::new(),
+            health: "",
+            damage: None,
+            missing: None,
+            condition: String::new(),
         }
     }
 
     fn count(&mut self, item: &Item) {
         match item {
-            Item::Event(event) => match event.change {
-                Change::Spawn { .. } => self.spawns += 1,
-                Change::Delete { .. } => self.deletes += 1,
-            },
+            Item::Event(RecordedEvent { change: Change::Spawn { id, .. }, .. }) => {
+                self.spawns = Some(u64::from(*id) + 1);
+            }
+            Item::Event(_) => {}
             Item::State(state) | Item::SuspectState(state) => self.steps = Some(state.step),
-            Item::Keyframe(_) => self.keyframes += 1,
+            Item::Keyframe(keyframe) => {
+                self.keyframes += 1;
+                self.spawns = Some(keyframe.next_id.into());
+            }
             Item::SceneUpdate { .. } | Item::Damaged(_) | Item::Gap(_) => {}
             Item::Trailer(trailer) => self.set_trailer(trailer),
         }
@@ -196,7 +229,9 @@ impl Info {
         for (key, value) in value.as_object().into_iter().flatten() {
             let text = match value {
                 serde_json::Value::Null if ["title", "error", "accuracy_method"].contains(&key.as_str()) => continue,
-                serde_json::Value::Null => "unknown: the end of the run was not recorded".into(),
+                _ if key == "damage" || key == "missing" => continue,
+                _ if key == "health" => self.condition.clone(),
+                serde_json::Value::Null => "unknown".into(),
                 serde_json::Value::String(text) => text.clone(),
                 serde_json::Value::Number(number) => without_trailing_zero(number),
                 value => value.to_string(),
@@ -211,13 +246,4 @@ impl Info {
 fn without_trailing_zero(number: &serde_json::Number) -> String {
     let text = number.to_string();
     text.strip_suffix(".0").map_or(text.clone(), str::to_owned)
-}
-
-fn health(health: &Health) -> String {
-    match health {
-        Health::Complete => "whole".into(),
-        Health::Truncated { after: Some(step) } => format!("truncated after step {step}"),
-        Health::Truncated { after: None } => "truncated before the first state".into(),
-        Health::Corrupt(damage) => format!("corrupt {damage}"),
-    }
 }

@@ -4,7 +4,7 @@ use super::Exit;
 use super::arguments::is_standard_output;
 use super::error::CommandError;
 use super::error_report::printable;
-use crate::picture::{ReadExtent, ReadStatus};
+use crate::picture::ReadStatus;
 use crate::recording::Health;
 use crate::text::Printable;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -60,22 +60,14 @@ pub fn print_result(path: &Path, text: &str) -> Result<(), CommandError> {
     print(&format!("{text}\n"))
 }
 
-/// Warns about each recording that is corrupt, or truncated before the last requested step. Returns the exit code.
+/// Warns about each recording that is incomplete or corrupt. Returns the exit code.
 pub fn warn_of_damage(statuses: &[ReadStatus]) -> Exit {
     let mut exit = Exit::Done;
-    for ReadStatus { path, health, extent } in statuses {
-        let path = path.display();
-        match (health, extent) {
-            (Health::Complete, _) | (Health::Truncated { .. }, ReadExtent::LastStep) => continue,
-            (Health::Truncated { after: Some(step) }, ReadExtent::End) => {
-                info(format_args!("{path} is truncated after step {step}"));
-            }
-            (Health::Truncated { after: None }, ReadExtent::End) => {
-                info(format_args!("{path} is truncated before its first state"));
-            }
-            (Health::Corrupt(damage), _) => info(format_args!("{path} is corrupt: {damage}")),
+    for ReadStatus { path, health, .. } in statuses {
+        if *health != Health::Whole {
+            info(format_args!("{} is {health}", path.display()));
+            exit = Exit::Damaged;
         }
-        exit = Exit::Damaged;
     }
     exit
 }

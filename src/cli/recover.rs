@@ -4,7 +4,8 @@ use super::output_file::{OutputFile, Overwrite};
 use super::{Exit, output};
 use crate::recording::{self, Error};
 
-/// Writes the readable part of a damaged recording to a new one, and prints what was lost.
+/// Writes the readable part of a damaged recording to a new one, and prints what was lost. The exit code says whether
+/// anything was.
 pub fn run(options: &RecoverOptions) -> Result<Exit, CommandError> {
     let path = &options.recording;
     let overwrite = Overwrite::from_force(options.output.force);
@@ -16,5 +17,5 @@ pub fn run(options: &RecoverOptions) -> Result<Exit, CommandError> {
         Err(error) => Err(CommandError::in_recording(path)(error)),
     })?;
     output::print_result(&options.output.output, &recovery.to_string())?;
-    Ok(Exit::Done)
+    Ok(if recovery.is_everything() { Exit::Done } else { Exit::Damaged })
 }

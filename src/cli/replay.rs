@@ -2,7 +2,7 @@ use super::arguments::ReplayOptions;
 use super::error::CommandError;
 use super::{Exit, output};
 use crate::physics::{CollisionCount, Observer};
-use crate::recording;
+use crate::recording::{self, Health, Missing};
 use crate::replay::{Difference, Replayer, Verdict, ulps};
 use serde_json::{Value, json};
 use std::{ops::RangeInclusive, path::Path};
@@ -35,23 +35,31 @@ fn exit_code(verdict: &Verdict) -> Exit {
     match verdict {
         Verdict::Same { .. } => Exit::Done,
         Verdict::Diverged(_) => Exit::Diverged,
-        Verdict::Truncated { .. } | Verdict::Corrupt { .. } => Exit::Damaged,
+        Verdict::Incomplete { .. } | Verdict::Corrupt { .. } => Exit::Damaged,
     }
 }
 
 /// A verdict as JSON, including its line of text.
 fn verdict_json(verdict: &Verdict) -> Value {
-    let (word, steps) = match verdict {
-        Verdict::Same { steps, .. } => ("same", Some(steps)),
-        Verdict::Diverged(_) => ("diverged", None),
-        Verdict::Truncated { steps, .. } => ("truncated", Some(steps)),
-        Verdict::Corrupt { steps, .. } => ("corrupt", Some(steps)),
+    let (steps, divergence) = match verdict {
+        Verdict::Same { steps, .. } | Verdict::Incomplete { steps, .. } | Verdict::Corrupt { steps, .. } => {
+            (Some(steps), None)
+        }
+        Verdict::Diverged(divergence) => (None, Some(difference_json(divergence.step, &divergence.difference))),
     };
-    let divergence = match verdict {
-        Verdict::Diverged(divergence) => Some(difference_json(divergence.step, &divergence.difference)),
-        Verdict::Same { .. } | Verdict::Truncated { .. } | Verdict::Corrupt { .. } => None,
-    };
-    json!({ "verdict": word, "same_steps": steps, "divergence": divergence, "what": verdict.to_string() })
+    let health = verdict.health();
+    let missing = health.as_ref().and_then(Health::missing).map(missing_json);
+    json!({
+        "verdict": verdict.word(), "same_steps": steps, "divergence": divergence,
+        "health": health.as_ref().map(Health::word), "missing": missing, "what": verdict.to_string(),
+    })
+}
+
+/// The missing parts of a recording as JSON.
+pub fn missing_json(missing: &Missing) -> Value {
+    let steps: Vec<Value> = missing.steps().into_iter().map(|(from, to)| json!({ "from": from, "to": to })).collect();
+    let end = missing.end.map(|end| json!({ "after": end.after, "last": end.last, "cut": end.is_cut }));
+    json!({ "steps": steps, "end": end, "scene": missing.scene, "recovered": missing.recovered, "what": missing.to_string() })
 }
 
 /// A difference as JSON, with the step where it was found.

@@ -56,7 +56,7 @@ fn record_and_replay(scene: &Scene, path: &Path) -> Result<(), CommandError> {
     output::info(format_args!("{verdict}"));
     match verdict {
         Verdict::Same { .. } => Ok(()),
-        Verdict::Diverged(_) | Verdict::Truncated { .. } | Verdict::Corrupt { .. } => {
+        Verdict::Diverged(_) | Verdict::Incomplete { .. } | Verdict::Corrupt { .. } => {
             Err(CommandError::NotReproducible)
         }
     }

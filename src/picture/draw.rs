@@ -294,7 +294,8 @@ fn compose_page(
                 CollisionFigure::Stages => figures::collision(&subjects, &style),
                 CollisionFigure::Minkowski => figures::minkowski(&subjects, &style),
             };
-            Ok((list, Vec::new()))
+            let statuses = sources.iter().map(Source::declared_health).collect::<Result<_, Error>>()?;
+            Ok((list, statuses))
         }
         Page::States { figure: StatesFigure::Spacetime(axis), steps } => {
             let (mut runs, mut statuses) = (Vec::new(), Vec::new());

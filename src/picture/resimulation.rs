@@ -1,7 +1,9 @@
 use super::layers::contacts::contact_center;
 use super::source::{self, ReadExtent, ReadStatus};
 use super::{Error, Source};
-use crate::physics::{Axis, Body, BodyId, Collision, Engine, Observer, SolverKind, StepError, Vector, World, larger};
+use crate::physics::{
+    Axis, Body, BodyId, Collision, Engine, Observer, SolverKind, Spawn, StepError, Vector, World, larger,
+};
 use crate::picture::{AnimationSchedule, Appearance, Frame, Moment, Sprite, Trails};
 use crate::recording::Health;
 use crate::replay::{ALL_STEPS, Replayer, Verdict};
@@ -66,7 +68,7 @@ impl Resimulation {
             shown_until: 0.0,
             max_impulse: 0.0,
         };
-        Ok(Resimulation { path: source.path.clone(), replayer, recorder, health: Health::Complete, is_finished: false })
+        Ok(Resimulation { path: source.path.clone(), replayer, recorder, health: Health::Whole, is_finished: false })
     }
 
     /// Replays the rest of the steps and returns the largest impulse of all of them, N·s.
@@ -100,15 +102,13 @@ impl Resimulation {
 
     fn finish(&mut self, verdict: Verdict) -> Result<(), Error> {
         self.is_finished = true;
-        match verdict {
-            Verdict::Same { .. } => {}
-            Verdict::Truncated { after, .. } => self.health = Health::Truncated { after },
-            Verdict::Corrupt { damage, .. } => self.health = Health::Corrupt(damage),
-            Verdict::Diverged(_) => {
-                return Err(Error::Diverged { path: self.path.clone(), verdict: Box::new(verdict) });
+        match verdict.health() {
+            Some(health) => {
+                self.health = health;
+                Ok(())
             }
+            None => Err(Error::Diverged { path: self.path.clone(), verdict: Box::new(verdict) }),
         }
-        Ok(())
     }
 }
 
@@ -277,9 +277,23 @@ impl FrameRecorder {
 
     fn sprites(&self, world: &World) -> Vec<Sprite> {
         let sprite = |body: &Body| {
-            let appearance = self.appearances.get(&body.id)?.clone();
-            Some(Sprite { appearance, rect: body.rect, velocity: body.velocity, trail: Vec::new() })
+            // Every body is in an event or a keyframe.
+            let appearance = self.appearances.get(&body.id).cloned().unwrap_or_else(|| Arc::new(unknown(body)));
+            Sprite { appearance, rect: body.rect, velocity: body.velocity, trail: Vec::new() }
         };
-        world.bodies.iter().filter_map(sprite).collect()
+        world.bodies.iter().map(sprite).collect()
     }
+}
+
+/// The appearance of a body as far as the engine knows it.
+fn unknown(body: &Body) -> Appearance {
+    let spawn = Spawn {
+        name: body.name.clone(),
+        rect: body.rect,
+        mass: body.mass,
+        velocity: body.velocity,
+        force: body.constant_force,
+        material: String::new(),
+    };
+    Appearance::new(body.id, &spawn, None, None)
 }

@@ -3,6 +3,7 @@ use super::layers::force;
 use super::source::open;
 use crate::physics::{BodyId, Rect, Spawn, Vector};
 use crate::recording::{self, BodyInfo, Change, Header, Item, RecordedState, Recording, StateBounds, Summary};
+use std::collections::BTreeMap;
 use std::io::{Read, Seek};
 use std::path::Path;
 
@@ -56,7 +57,7 @@ fn from_trailer<R: Read + Seek>(
 ) -> Result<RunStatistics, recording::Error> {
     let Header { every, config, .. } = recording.header.clone();
     let mut stats = BodyStats::new(config.gravity);
-    recording.for_each_event(|event| stats.add_change(&event.change))?;
+    recording.for_each_event(|item| stats.add_item(&item))?;
     let has_body_in_world = match &state_bounds.bounds {
         Some(bounds) if overlaps_world(&bounds.rect(), world) => ever_in_world(&mut recording, world)?,
         Some(_) | None => false,
@@ -128,21 +129,23 @@ fn overlaps_world(rect: &Rect, world: Vector) -> bool {
 /// Constant properties of all bodies that ever exist.
 struct BodyStats {
     gravity: Option<Vector>,
-    next_id: BodyId,
     top_force: f64,
     materials: Vec<String>,
-    names: Vec<String>,
+    names: BTreeMap<BodyId, String>,
 }
 
 impl BodyStats {
     fn new(gravity: Option<Vector>) -> BodyStats {
-        BodyStats { gravity, next_id: 0, top_force: 0.0, materials: Vec::new(), names: Vec::new() }
+        BodyStats { gravity, top_force: 0.0, materials: Vec::new(), names: BTreeMap::new() }
     }
 
     /// Keyframes count too, because the spawn events may be lost.
     fn add_item(&mut self, item: &Item) {
         match item {
-            Item::Event(event) => self.add_change(&event.change),
+            Item::Event(event) => match &event.change {
+                Change::Spawn { id, spawn, .. } => self.add_body(*id, spawn),
+                Change::Delete { .. } => {}
+            },
             Item::Keyframe(keyframe) => {
                 keyframe.bodies.iter().for_each(|body| self.add_body(body.info.id, &body.info.spawn));
             }
@@ -151,23 +154,14 @@ impl BodyStats {
         }
     }
 
-    fn add_change(&mut self, change: &Change) {
-        match change {
-            Change::Spawn { id, spawn, .. } => self.add_body(*id, spawn),
-            Change::Delete { .. } => {}
-        }
-    }
-
     fn add_body(&mut self, id: BodyId, spawn: &Spawn) {
-        if id < self.next_id {
+        if self.names.insert(id, spawn.name.clone()).is_some() {
             return;
         }
-        self.next_id = id.saturating_add(1);
         let force = force(spawn, self.gravity).norm();
         if force > self.top_force {
             self.top_force = force;
         }
-        self.names.push(spawn.name.clone());
         if let Err(place) = self.materials.binary_search(&spawn.material)
             && !spawn.material.is_empty()
         {
@@ -187,7 +181,7 @@ impl BodyStats {
             top_speed: state_bounds.top_speed,
             top_force: self.top_force,
             materials: self.materials,
-            names: self.names,
+            names: self.names.into_values().collect(),
             bounds: state_bounds.bounds.map(|bounds| bounds.rect()),
             has_body_in_world,
             identity,

@@ -1,7 +1,9 @@
 use super::figures::CollisionSubject;
 use super::{Appearance, Error, RunStatistics};
 use crate::physics::{Body, BodyId, EngineConfig, Material, Vector, World};
-use crate::recording::{self, Change, Header, Health, RecordedEvent, Recording, SampledBody, SampledState};
+use crate::recording::{
+    self, BodyInfo, Change, Header, Health, Item, Playback, RecordedEvent, Recording, SampledBody, SampledState,
+};
 use crate::scene::{self, Scene};
 use crate::text::counted;
 use std::collections::BTreeMap;
@@ -32,8 +34,10 @@ impl Source {
     /// If the recording cannot be read or its scene is invalid.
     pub fn open(path: &Path) -> Result<Source, Error> {
         let header = open(path)?.header;
-        let text = header.scene.clone().unwrap_or_default();
-        let scene = scene::parse(&text.file_name, &text.text)?;
+        let scene = match &header.scene {
+            Some(text) => scene::parse(&text.file_name, &text.text)?,
+            None => scene_of_states(path)?,
+        };
         let statistics = RunStatistics::read(path, Vector::new(scene.size[0], scene.size[1]))?;
         Ok(Source { path: path.into(), header, scene, statistics, found_collisions: Arc::default() })
     }
@@ -69,13 +73,27 @@ impl Source {
     pub(super) fn appearances(&self) -> Result<BTreeMap<BodyId, Arc<Appearance>>, Error> {
         let gravity = self.header.config.gravity;
         let mut bodies = BTreeMap::new();
-        let add = |event: RecordedEvent| {
-            if let Change::Spawn { id, spawn, color } = &event.change {
-                bodies.insert(*id, Arc::new(Appearance::new(*id, spawn, color.as_deref(), gravity)));
-            }
+        let mut add = |info: &BodyInfo| {
+            let new = || Arc::new(Appearance::new(info.id, &info.spawn, info.color.as_deref(), gravity));
+            bodies.entry(info.id).or_insert_with(new);
         };
-        open(&self.path)?.for_each_event(add).map_err(|error| self.read_error(error))?;
+        // The spawn of a body may be lost; keyframes have it, too.
+        let visit = |item: Item| match item {
+            Item::Event(RecordedEvent { change: Change::Spawn { id, spawn, color }, .. }) => {
+                add(&BodyInfo { id, spawn, color });
+            }
+            Item::Keyframe(keyframe) => keyframe.bodies.iter().for_each(|body| add(&body.info)),
+            _ => {}
+        };
+        open(&self.path)?.for_each_event(visit).map_err(|error| self.read_error(error))?;
         Ok(bodies)
+    }
+
+    /// The health of the recording as far as its metadata tell: gaps, the end, the scene.
+    pub(super) fn declared_health(&self) -> Result<ReadStatus, Error> {
+        let mut recording = open(&self.path)?;
+        recording.read_index().map_err(|error| self.read_error(error))?;
+        Ok(ReadStatus { path: self.path.clone(), health: recording.health(), extent: ReadExtent::LastStep })
     }
 
     /// The error for a body that does not exist in this recording.
@@ -117,6 +135,25 @@ pub struct ReadStatus {
     pub health: Health,
     /// The point up to which it was read.
     pub extent: ReadExtent,
+}
+
+/// A scene for a recording that has lost the text of its own: the world reaches to the walls or, without walls, as far
+/// as the bodies come.
+fn scene_of_states(path: &Path) -> Result<Scene, Error> {
+    let default = scene::parse("", "[run]\nsteps = 1\n")?;
+    let reach = RunStatistics::read(path, Vector::new(default.size[0], default.size[1]))?.bounds;
+    let first = Playback::new(open(path)?).next().transpose();
+    let first = first.map_err(|source| Error::Recording { path: path.into(), source })?;
+    let wall = |name: &str| {
+        let bodies = first.iter().flat_map(|state| &state.bodies);
+        bodies.filter(|body| body.info.spawn.name == name).map(|body| body.position).next()
+    };
+    let far = reach.map(|reach| reach.far_corner());
+    let width = wall("wall-right").map(|position| position.x).or(far.map(|far| far.x));
+    let height = wall("wall-bottom").map(|position| position.y).or(far.map(|far| far.y));
+    let (Some(width), Some(height)) = (width, height) else { return Ok(default) };
+    let text = format!("[world]\nsize = [{width:?}, {height:?}]\n[run]\nsteps = 1\n");
+    Ok(scene::parse("", &text).unwrap_or(default))
 }
 
 /// Opens the recording at `path`.

@@ -1,7 +1,7 @@
 use super::{Error, Progress, ReadExtent, ReadStatus, Source, StepGrid, recorded_world, source};
 use crate::physics::{Collision, CollisionCount, Engine, Observer, World};
-use crate::recording::{Change, Error as RecordingError, Health, Playback};
-use crate::replay::{Replayer, Verdict};
+use crate::recording::{Change, Error as RecordingError, Health, Item, Playback};
+use crate::replay::Replayer;
 use std::collections::BTreeSet;
 use std::ops::RangeInclusive;
 
@@ -87,7 +87,8 @@ impl ChangeSteps {
         let mut steps: BTreeSet<u64> = BTreeSet::new();
         let first = grid.steps.start().div_ceil(grid.every) * grid.every;
         source::open(&source.path)?
-            .for_each_event(|event| {
+            .for_each_event(|item| {
+                let Item::Event(event) = item else { return };
                 if event.step <= first || event.step > *grid.steps.end() {
                     return;
                 }
@@ -154,13 +155,10 @@ impl Tracer<'_> {
             instants = CollisionInstants { step, offsets: Vec::new(), ..instants };
             progress(step, *self.grid.steps.end());
         }
-        match replayer.verdict() {
-            Verdict::Same { .. } => Ok((Health::Complete, ReadExtent::End)),
-            Verdict::Truncated { after, .. } => Ok((Health::Truncated { after }, ReadExtent::End)),
-            Verdict::Corrupt { damage, .. } => Ok((Health::Corrupt(damage), ReadExtent::End)),
-            verdict @ Verdict::Diverged(_) => {
-                Err(Error::Diverged { path: self.source.path.clone(), verdict: Box::new(verdict) })
-            }
+        let verdict = replayer.verdict();
+        match verdict.health() {
+            Some(health) => Ok((health, ReadExtent::End)),
+            None => Err(Error::Diverged { path: self.source.path.clone(), verdict: Box::new(verdict) }),
         }
     }
 

@@ -1,23 +1,19 @@
-use std::collections::BTreeMap;
+use std::{collections::BTreeMap, io::Read};
 
-use mcap::{
-    McapError,
-    records::op,
-    sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions},
-};
+use mcap::records::op;
 
 use super::{
     limits,
     record_reader::{Cursor, Malformed, PREFIX_BYTES},
+    tally::ChunkSummary,
 };
 
 /// Reads the records of one chunk after another. The checksum of a chunk is verified before its first
 /// record is returned.
 pub struct ChunkReader {
-    /// Reused from chunk to chunk, because creating one costs as much as reading a small chunk.
-    reader: LinearReader,
-    /// True if the reader has failed and cannot read another chunk.
-    has_failed: bool,
+    decompressor: Option<zstd::bulk::Decompressor<'static>>,
+    /// The uncompressed records of the open chunk. Reused from chunk to chunk.
+    records: Vec<u8>,
     chunk: Option<Chunk>,
 }
 
@@ -28,10 +24,13 @@ struct Chunk {
     /// The time range of the messages read so far.
     found: Option<TimeRange>,
     /// The offset of the next record in the uncompressed chunk.
-    position: u64,
+    position: usize,
     /// The messages read so far, by channel.
     index: BTreeMap<u16, Vec<IndexEntry>>,
     is_exhausted: bool,
+    /// True if part of the chunk could not be read.
+    has_failed: bool,
+    summary: ChunkSummary,
 }
 
 /// The first and last log time of a chunk, in simulated nanoseconds.
@@ -45,6 +44,7 @@ struct TimeRange {
 type IndexEntry = (u64, u64);
 
 /// A record inside a chunk.
+#[derive(Clone, Copy)]
 pub struct ChunkRecord<'a> {
     /// The kind of record.
     pub opcode: u8,
@@ -58,6 +58,8 @@ pub struct RawMessage<'a> {
     pub channel: u16,
     /// The log time, in simulated nanoseconds.
     pub log_time: u64,
+    /// The time of publication, in simulated nanoseconds.
+    pub publish_time: u64,
     /// The message, encoded as its channel declares.
     pub data: &'a [u8],
 }
@@ -65,84 +67,139 @@ pub struct RawMessage<'a> {
 impl ChunkReader {
     /// Creates a reader without an open chunk.
     pub fn new() -> ChunkReader {
-        ChunkReader { reader: strict_reader(), has_failed: false, chunk: None }
+        ChunkReader { decompressor: None, records: Vec::new(), chunk: None }
     }
 
-    /// Opens the chunk whose record has this body.
+    /// Opens the chunk whose record starts at `offset` and has this body, and verifies its checksum.
     ///
     /// # Errors
-    /// Returns a description of the damage if the header is invalid. The checksum is verified by the
-    /// first call of [`ChunkReader::next_record`].
-    pub fn open(&mut self, body: &[u8]) -> Result<(), String> {
+    /// Returns a description of the damage if the chunk cannot be decompressed or does not match its checksum.
+    pub fn open(&mut self, offset: u64, body: &[u8]) -> Result<(), String> {
         self.close();
-        let (declared, compression, data) = parse_header(body).map_err(|Malformed| "the chunk header is damaged")?;
-        if compression.is_empty() && !ends_with_a_record(data) {
-            return Err("the last record of the chunk is incomplete".into());
+        let header = ChunkHeader::parse(body).map_err(|Malformed| "the chunk header is damaged")?;
+        let declared = TimeRange { first: header.first_time, last: header.last_time };
+        let summary = ChunkSummary {
+            first_time: header.first_time,
+            last_time: header.last_time,
+            offset,
+            length: (PREFIX_BYTES + body.len()) as u64,
+            message_indexes: BTreeMap::new(),
+            message_index_length: 0,
+            compression: header.compression.into(),
+            compressed_size: header.data.len() as u64,
+            uncompressed_size: header.uncompressed_size,
+        };
+        self.chunk = Some(Chunk {
+            declared,
+            found: None,
+            position: 0,
+            index: BTreeMap::new(),
+            is_exhausted: false,
+            has_failed: false,
+            summary,
+        });
+        let opened = self.decompress(&header);
+        if let (Err(_), Some(chunk)) = (&opened, &mut self.chunk) {
+            (chunk.is_exhausted, chunk.has_failed) = (true, true);
         }
-        let space = self.reader.insert(PREFIX_BYTES + body.len());
-        space[0] = op::CHUNK;
-        space[1..PREFIX_BYTES].copy_from_slice(&(body.len() as u64).to_le_bytes());
-        space[PREFIX_BYTES..][..body.len()].copy_from_slice(body);
-        self.reader.notify_read(PREFIX_BYTES + body.len());
-        self.chunk = Some(Chunk { declared, found: None, position: 0, index: BTreeMap::new(), is_exhausted: false });
-        Ok(())
+        opened
     }
 
-    /// Closes the open chunk.
-    pub fn close(&mut self) {
-        let is_unread = self.chunk.take().is_some_and(|chunk| !chunk.is_exhausted);
-        if is_unread || self.has_failed {
-            self.reader = strict_reader();
-            self.has_failed = false;
+    fn decompress(&mut self, header: &ChunkHeader<'_>) -> Result<(), String> {
+        let size = header.uncompressed_size;
+        if size > limits::RECORD_BYTES as u64 {
+            return Err(format!(
+                "the chunk has {size} bytes uncompressed, but at most {} are allowed",
+                limits::RECORD_BYTES
+            ));
         }
+        self.records.clear();
+        let is_readable = match header.compression {
+            "" => {
+                self.records.extend_from_slice(header.data);
+                true
+            }
+            "zstd" => self.decompress_zstd(header.data, size as usize),
+            "lz4" => {
+                let frame = lz4_flex::frame::FrameDecoder::new(header.data);
+                frame.take(size + 1).read_to_end(&mut self.records).is_ok()
+            }
+            other => {
+                let name: String = other.chars().take(32).collect();
+                return Err(format!("the chunk has the compression {name:?}, but only zstd and lz4 can be read"));
+            }
+        };
+        let is_same = |checksum| checksum == 0 || checksum == crc32fast::hash(&self.records);
+        if !is_readable || self.records.len() as u64 != size || !is_same(header.checksum) {
+            return Err("the chunk does not match its checksum".into());
+        }
+        match ends_with_a_record(&self.records) {
+            true => Ok(()),
+            false => Err("the last record of the chunk is incomplete".into()),
+        }
+    }
+
+    fn decompress_zstd(&mut self, data: &[u8], size: usize) -> bool {
+        if self.decompressor.is_none() {
+            self.decompressor = zstd::bulk::Decompressor::new().ok();
+        }
+        self.records.reserve(size);
+        let Some(decompressor) = &mut self.decompressor else { return false };
+        decompressor.decompress_to_buffer(data, &mut self.records).is_ok()
+    }
+
+    /// Closes the open chunk and returns its entry in the summary, unless it was damaged.
+    pub fn close(&mut self) -> Option<ChunkSummary> {
+        let chunk = self.chunk.take()?;
+        (chunk.is_exhausted && !chunk.has_failed).then_some(chunk.summary)
     }
 
     /// Returns the next record of the open chunk, or `None` after the last one.
     ///
     /// # Errors
-    /// Returns a description of the damage if the chunk does not match its checksum or its header.
-    /// The rest of the chunk is then unreadable.
+    /// Returns a description of the damage if the messages do not match the header of the chunk.
     pub fn next_record(&mut self) -> Result<Option<ChunkRecord<'_>>, String> {
         let Some(chunk) = self.chunk.as_mut().filter(|chunk| !chunk.is_exhausted) else { return Ok(None) };
-        match self.reader.next_event() {
-            Some(Ok(LinearReadEvent::Record { opcode, data })) => {
-                let record = ChunkRecord { opcode, body: data };
+        match record_at(&self.records, chunk.position) {
+            Some(record) => {
                 chunk.add_record(&record);
                 Ok(Some(record))
             }
-            Some(Err(error)) => {
+            None => {
                 chunk.is_exhausted = true;
-                self.has_failed = true;
-                Err(describe(&error, chunk.position == 0))
-            }
-            None | Some(Ok(LinearReadEvent::ReadRequest(_))) => {
-                chunk.is_exhausted = true;
-                chunk.check_time_range()?;
-                Ok(None)
+                chunk.check_time_range().map(|()| None)
             }
         }
     }
 
-    /// Compares a message index record with the messages of the chunk before it.
+    /// Compares a message index record at `offset` with the messages of the chunk before it.
     ///
     /// # Errors
     /// Returns a description of the damage if they differ.
-    pub fn check_message_index(&self, body: &[u8]) -> Result<(), String> {
-        let Some(chunk) = &self.chunk else { return Err("a message index does not follow a chunk".into()) };
-        if self.has_failed {
+    pub fn check_message_index(&mut self, offset: u64, body: &[u8]) -> Result<(), String> {
+        let Some(chunk) = &mut self.chunk else { return Err("a message index does not follow a chunk".into()) };
+        if chunk.has_failed {
             return Ok(()); // The damage of the chunk was already reported.
         }
-        match parse_message_index(body) {
-            Ok((channel, entries)) if chunk.index.get(&channel).is_some_and(|found| *found == entries) => Ok(()),
-            Ok(_) | Err(Malformed) => Err("the message index does not match its chunk".into()),
+        let Ok((channel, mut entries)) = parse_message_index(body) else {
+            return Err("the message index is damaged".into());
+        };
+        chunk.summary.message_indexes.insert(channel, offset);
+        chunk.summary.message_index_length += (PREFIX_BYTES + body.len()) as u64;
+        let mut found = chunk.index.get(&channel).cloned().unwrap_or_default();
+        found.sort_unstable();
+        entries.sort_unstable();
+        match found == entries {
+            true => Ok(()),
+            false => Err("the message index does not match its chunk".into()),
         }
     }
 }
 
 impl Chunk {
     fn add_record(&mut self, record: &ChunkRecord<'_>) {
-        let offset = self.position;
-        self.position += (PREFIX_BYTES + record.body.len()) as u64;
+        let offset = self.position as u64;
+        self.position += PREFIX_BYTES + record.body.len();
         let Some(message) = record.message() else { return };
         let RawMessage { channel, log_time, .. } = message;
         let TimeRange { first, last } = self.found.unwrap_or(TimeRange { first: log_time, last: log_time });
@@ -172,58 +229,50 @@ impl<'a> RawMessage<'a> {
         let mut fields = Cursor::new(body);
         let channel = fields.u16()?;
         let _sequence = fields.u32()?;
-        let log_time = fields.u64()?;
-        let _publish_time = fields.u64()?;
-        Ok(RawMessage { channel, log_time, data: fields.rest() })
+        let (log_time, publish_time) = (fields.u64()?, fields.u64()?);
+        Ok(RawMessage { channel, log_time, publish_time, data: fields.rest() })
     }
 }
 
-/// Describes why a chunk cannot be read.
-///
-/// How many damaged bytes are decompressed before the error is detected depends on the processor;
-/// the description does not.
-fn describe(error: &McapError, is_at_start: bool) -> String {
-    match error {
-        McapError::BadChunkCrc { .. } | McapError::DecompressionError(_) => {
-            "the chunk does not match its checksum".into()
-        }
-        McapError::UnexpectedEoc if is_at_start => "the chunk does not match its checksum".into(),
-        error => error.to_string(),
+/// The fields of a chunk record. Fields that later versions of MCAP may add are ignored.
+struct ChunkHeader<'a> {
+    first_time: u64,
+    last_time: u64,
+    uncompressed_size: u64,
+    checksum: u32,
+    compression: &'a str,
+    data: &'a [u8],
+}
+
+impl<'a> ChunkHeader<'a> {
+    fn parse(body: &'a [u8]) -> Result<ChunkHeader<'a>, Malformed> {
+        let mut fields = Cursor::new(body);
+        let (first_time, last_time, uncompressed_size) = (fields.u64()?, fields.u64()?, fields.u64()?);
+        let (checksum, compression) = (fields.u32()?, fields.text()?);
+        let compressed_size = fields.u64()?;
+        let data = fields.bytes(compressed_size)?;
+        Ok(ChunkHeader { first_time, last_time, uncompressed_size, checksum, compression, data })
     }
 }
 
-fn strict_reader() -> LinearReader {
-    let options = LinearReaderOptions::default()
-        .with_skip_start_magic(true)
-        .with_skip_end_magic(true)
-        .with_prevalidate_chunk_crcs(true)
-        .with_record_length_limit(limits::RECORD_BYTES);
-    LinearReader::new_with_options(options)
+/// Returns the record at `position`, or `None` at the end.
+fn record_at(records: &[u8], position: usize) -> Option<ChunkRecord<'_>> {
+    let mut fields = Cursor::new(records.get(position..)?);
+    let opcode = *fields.bytes(1).ok()?.first()?;
+    let length = fields.u64().ok()?;
+    Some(ChunkRecord { opcode, body: fields.bytes(length).ok()? })
 }
 
-/// Returns time range, compression and data of a chunk record, which must end with its data.
-fn parse_header(body: &[u8]) -> Result<(TimeRange, &str, &[u8]), Malformed> {
-    let mut fields = Cursor::new(body);
-    let declared = TimeRange { first: fields.u64()?, last: fields.u64()? };
-    let _uncompressed_size = fields.u64()?;
-    let _checksum = fields.u32()?;
-    let compression = fields.text()?;
-    let compressed_size = fields.u64()?;
-    let data = fields.bytes(compressed_size)?;
-    fields.finish()?;
-    Ok((declared, compression, data))
-}
-
-/// Returns true if an uncompressed chunk ends at the end of a record, which the `mcap` crate does not check.
+/// Returns true if the data ends at the end of a record.
 fn ends_with_a_record(data: &[u8]) -> bool {
     let mut fields = Cursor::new(data);
-    loop {
-        match (fields.bytes(1), fields.u64()) {
-            (Err(Malformed), _) => return true,
-            (Ok(_), Ok(length)) if fields.bytes(length).is_ok() => {}
-            (Ok(_), _) => return false,
+    while !fields.is_empty() {
+        let record = fields.bytes(1).and_then(|_| fields.u64()).and_then(|length| fields.bytes(length));
+        if record.is_err() {
+            return false;
         }
     }
+    true
 }
 
 fn parse_message_index(body: &[u8]) -> Result<(u16, Vec<IndexEntry>), Malformed> {
@@ -235,6 +284,5 @@ fn parse_message_index(body: &[u8]) -> Result<(u16, Vec<IndexEntry>), Malformed>
     while !records.is_empty() {
         entries.push((records.u64()?, records.u64()?));
     }
-    fields.finish()?;
     Ok((channel, entries))
 }

@@ -3,12 +3,13 @@ use std::collections::{BTreeMap, VecDeque};
 use mcap::records::op;
 
 use super::{
-    Damage, Item, RecordedState, Trailer, cdr,
+    Damage, Header, Item, RecordedEvent, RecordedState, Trailer, cdr,
     chunk_reader::{ChunkRecord, RawMessage},
     limits,
     messages::{BodiesMessage, EventMessage},
     metadata,
     record_reader::{Cursor, Malformed},
+    scene_update,
     sequence_validator::SequenceValidator,
     topic::Topic,
 };
@@ -23,16 +24,21 @@ pub struct Decoder {
     pub damage: Option<Damage>,
     /// The end record, once decoded.
     pub trailer: Option<Trailer>,
-    format: u32,
+    header: Header,
+    /// The topics that each schema fits.
+    schemas: BTreeMap<u16, Vec<Topic>>,
     channels: BTreeMap<u16, Option<Topic>>,
-    /// The scene update of the next state.
-    scene_update: Option<Item>,
-    /// The messages of a keyframe read so far.
-    keyframe: Option<BodiesMessage>,
+    step: OpenStep,
+    /// The message or damage after the items in `ready`: it changes the living bodies, which belong to these items.
+    deferred: Option<(Location, Deferred)>,
+    /// The offset of the last record, if it has fields that are unknown: then its length may be damaged.
+    pub padded: Option<u64>,
+    /// The colours in the last scene update.
+    colors: scene_update::Colors,
 }
 
 /// A location in the file.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Location {
     /// The number of the chunk, counted from 1; `None` outside of chunks.
     pub chunk: Option<u64>,
@@ -40,149 +46,358 @@ pub struct Location {
     pub offset: u64,
 }
 
+/// The messages of the current step that follow its events, until a message of another step arrives. So their order in
+/// the file does not matter.
+#[derive(Default)]
+struct OpenStep {
+    location: Location,
+    /// The log time, in simulated nanoseconds; `None` before the first message.
+    time: Option<u64>,
+    /// The step, if a message other than a scene update was read.
+    number: Option<u64>,
+    keyframe: Option<BodiesMessage>,
+    scene_update: Option<Vec<u8>>,
+    state: Option<RecordedState>,
+}
+
+impl OpenStep {
+    /// Returns true if a message with this time belongs to the step. A scene update has no number.
+    fn is_same(&self, time: u64, number: Option<u64>) -> bool {
+        self.time == Some(time) && (number.is_none() || self.number.is_none() || number == self.number)
+    }
+}
+
+enum Deferred {
+    Message(Message),
+    Lost(String),
+}
+
+/// A decoded message.
+struct Message {
+    log_time: u64,
+    publish_time: u64,
+    content: Content,
+}
+
+enum Content {
+    Event(RecordedEvent, Vec<u8>),
+    Keyframe(BodiesMessage),
+    State(RecordedState),
+    SceneUpdate(Vec<u8>),
+}
+
+impl Content {
+    /// Returns the step and what it is; a scene update has only a time.
+    fn step(&self) -> Option<(u64, &'static str)> {
+        match self {
+            Content::Event(event, _) => Some((event.step, "an event")),
+            Content::Keyframe(part) => Some((part.step(), "a keyframe")),
+            Content::State(state) => Some((state.step, "a state")),
+            Content::SceneUpdate(_) => None,
+        }
+    }
+}
+
 impl Decoder {
-    /// Creates a decoder at the start of a recording of this format version.
-    pub fn new(validator: SequenceValidator, format: u32) -> Decoder {
-        let channels = default_channels();
+    /// Creates a decoder at the start of a recording.
+    pub fn new(header: &Header) -> Decoder {
         Decoder {
-            validator,
+            validator: SequenceValidator::new(header),
             ready: VecDeque::new(),
             damage: None,
             trailer: None,
-            format,
-            channels,
-            scene_update: None,
-            keyframe: None,
+            header: header.clone(),
+            schemas: BTreeMap::new(),
+            channels: default_channels(),
+            step: OpenStep::default(),
+            deferred: None,
+            padded: None,
+            colors: scene_update::Colors::new(),
         }
     }
 
-    /// Resets the decoder for reading at another place, with the channels of the index.
-    pub fn reset(&mut self, channels: &[Vec<u8>]) {
+    /// Resets the decoder for reading at another place, with the schemas and channels of the index.
+    pub fn reset(&mut self, definitions: &[(u8, Vec<u8>)]) {
         self.validator.reset();
         self.ready.clear();
         self.damage = None;
         self.trailer = None;
-        self.scene_update = None;
-        self.keyframe = None;
+        self.step = OpenStep::default();
+        self.deferred = None;
+        self.padded = None;
+        self.colors.clear();
+        self.schemas.clear();
         self.channels = default_channels();
-        for body in channels {
-            // The index passed its CRC, so an unparsable channel is not one of ours.
-            let _ = self.add_channel(body);
+        for (opcode, body) in definitions {
+            // What the index defines is compared with the data section when that is read.
+            let _ = match *opcode {
+                op::SCHEMA => self.add_schema(body),
+                _ => self.add_channel(body),
+            };
         }
     }
 
-    /// Decodes a record of a chunk.
-    pub fn decode_chunk_record(&mut self, location: Location, record: &ChunkRecord<'_>) {
-        let result = match record.opcode {
-            op::MESSAGE => self.decode_message(location, record),
-            op::CHANNEL => self.add_channel(record.body),
-            op::SCHEMA => Ok(()),
-            other => Err(format!("a record with opcode {other:#04x} is not allowed in a chunk")),
-        };
-        if let Err(reason) = result {
-            self.mark_lost(location, reason);
-        }
-    }
-
-    /// Decodes a metadata record.
-    pub fn decode_metadata(&mut self, location: Location, body: &[u8]) {
-        match metadata::parse(body) {
-            Ok((metadata::TRAILER, map)) => match metadata::parse_trailer(&map)
-                .and_then(|trailer| self.validator.check_trailer(&trailer).map(|()| trailer))
-            {
-                Ok(trailer) => {
-                    self.trailer = Some(trailer.clone());
-                    self.ready.push_back(Item::Trailer(trailer));
+    /// Decodes a record of the data section, inside or outside of a chunk.
+    pub fn decode_record(&mut self, location: Location, record: &ChunkRecord<'_>) {
+        let added = match record.opcode {
+            op::MESSAGE => {
+                match self.decode_message(record) {
+                    Ok(Some(message)) => self.add_message(location, message),
+                    Ok(None) => {}
+                    Err(reason) => self.mark_lost(location, reason),
                 }
-                Err(reason) => self.report_damage(location, reason),
-            },
-            Ok(_) => {}
-            Err(Malformed) => self.report_damage(location, "the metadata is damaged".into()),
+                Ok(())
+            }
+            op::SCHEMA => self.add_schema(record.body),
+            op::CHANNEL => self.add_channel(record.body),
+            0x80.. => Ok(()), // Private records of other programs.
+            other => {
+                self.mark_lost(location, format!("a record with opcode {other:#04x} is not allowed in a chunk"));
+                Ok(())
+            }
+        };
+        if let Err(reason) = added {
+            self.report_damage(location, reason);
+        }
+    }
+
+    /// Continues after the items in `ready` were returned. Returns false if there was nothing to do.
+    pub fn resume(&mut self) -> bool {
+        let Some((location, deferred)) = self.deferred.take() else { return false };
+        match deferred {
+            Deferred::Message(message) => self.add_message(location, message),
+            Deferred::Lost(reason) => self.mark_lost(location, reason),
+        }
+        true
+    }
+
+    /// Decodes a metadata record of the data section.
+    pub fn decode_metadata(&mut self, location: Location, body: &[u8], settings_offset: u64) {
+        let Ok((name, map)) = metadata::parse(body) else {
+            return self.report_damage(location, "the metadata is damaged".into());
+        };
+        match name {
+            metadata::HEADER if location.offset != settings_offset => {
+                self.report_damage(location, format!("a second metadata record {name:?}"));
+            }
+            metadata::TRAILER => self.decode_trailer(location, &map),
+            _ => {}
+        }
+    }
+
+    fn decode_trailer(&mut self, location: Location, map: &metadata::Map) {
+        self.finish_step();
+        if self.trailer.is_some() {
+            return self.report_damage(location, format!("a second metadata record {:?}", metadata::TRAILER));
+        }
+        let trailer = match metadata::parse_trailer(map) {
+            Ok(trailer) => trailer,
+            Err(reason) => return self.report_damage(location, reason),
+        };
+        let expected = metadata::trailer_map(&self.header, &trailer);
+        let difference = metadata::difference(map, &expected, self.header.scene.as_ref());
+        let checked = difference.map_or_else(|| self.validator.check_trailer(&trailer), Err);
+        self.trailer = Some(trailer.clone());
+        match checked {
+            Ok(()) => self.ready.push_back(Item::Trailer(trailer)),
+            Err(reason) => self.report_damage(location, reason),
         }
     }
 
     /// Reports damage through which messages were lost.
     pub fn mark_lost(&mut self, location: Location, reason: String) {
+        self.finish_step();
+        if self.ready.is_empty() {
+            self.lose(location, reason);
+        } else {
+            self.deferred = Some((location, Deferred::Lost(reason)));
+        }
+    }
+
+    fn lose(&mut self, location: Location, reason: String) {
         self.validator.mark_lost();
-        self.scene_update = None;
-        self.keyframe = None;
         self.report_damage(location, reason);
     }
 
     /// Reports damage through which no message was lost.
-    pub fn report_damage(&mut self, location: Location, reason: String) {
-        let Location { chunk, offset } = location;
+    pub fn report_damage(&mut self, location: Location, mut reason: String) {
+        const REASON_BYTES: usize = 2000;
+        if reason.len() > REASON_BYTES {
+            let end = (0..=REASON_BYTES).rev().find(|end| reason.is_char_boundary(*end)).unwrap_or(0);
+            reason.truncate(end);
+            reason.push('…');
+        }
+        let Location { chunk, offset } = self.padded.map_or(location, |offset| Location { chunk: None, offset });
         let damage = Damage { chunk, offset, reason, after: self.validator.last_step() };
         self.damage.get_or_insert_with(|| damage.clone());
         self.ready.push_back(Item::Damaged(damage));
     }
 
-    fn decode_message(&mut self, location: Location, record: &ChunkRecord<'_>) -> Result<(), String> {
-        let RawMessage { channel, log_time, data } = record.message().ok_or("a message record is damaged")?;
-        let Some(topic) = self.channels.get(&channel).copied().flatten() else { return Ok(()) };
-        if topic != Topic::Bodies {
-            self.finish_keyframe()?;
+    /// Returns the items of the current step. No message of it follows.
+    pub fn finish_step(&mut self) {
+        let step = std::mem::take(&mut self.step);
+        let location = step.location;
+        if let Err(reason) = self.emit_step(step) {
+            self.lose(location, reason);
         }
-        match topic {
+    }
+
+    fn emit_step(&mut self, step: OpenStep) -> Result<(), String> {
+        let OpenStep { location, time, keyframe, scene_update, state, .. } = step;
+        let Some(state) = state else {
+            if scene_update.is_some() && step.number.is_none() {
+                self.report_damage(location, "a scene update belongs to no state".into());
+            }
+            return Ok(()); // The rest of the step is missing, which the next state shows.
+        };
+        if let Some(message) = keyframe {
+            let keyframe = message.into_keyframe(self.header.versions.format)?;
+            self.validator.add_keyframe(&keyframe)?;
+            match self.validator.compare_keyframe(&keyframe, &state) {
+                None => self.ready.push_back(Item::Keyframe(keyframe)),
+                Some(reason) => self.report_damage(location, reason),
+            }
+        }
+        if let Some(reason) = self.validator.add_state(&state)? {
+            self.ready.push_back(Item::SuspectState(state));
+            self.report_damage(location, reason);
+            return Ok(());
+        }
+        let problem = self.validator.table().and_then(|table| {
+            let time = self.header.log_time(state.step);
+            let colors = &mut self.colors;
+            scene_update.as_ref().and_then(|message| scene_update::difference(message, time, table, &state, colors))
+        });
+        let problem = problem.or_else(|| self.validator.check_presence(scene_update.is_some(), &state));
+        if let (Some(time), Some(message)) = (time, scene_update) {
+            self.ready.push_back(Item::SceneUpdate { time, message });
+        }
+        self.ready.push_back(Item::State(state));
+        if let Some(reason) = problem {
+            self.report_damage(location, reason);
+        }
+        Ok(())
+    }
+
+    /// Decodes a message, if its topic is one of rebond.
+    fn decode_message(&self, record: &ChunkRecord<'_>) -> Result<Option<Message>, String> {
+        let RawMessage { channel, log_time, publish_time, data } =
+            record.message().ok_or("a message record is damaged")?;
+        let Some(topic) = self.channels.get(&channel).copied().flatten() else { return Ok(None) };
+        let content = match topic {
             Topic::Events => {
                 check_length(data, limits::EVENT_BYTES)?;
-                let event = cdr::decode::<EventMessage>(data)?.into_event()?;
-                self.cross_gap(event.step);
-                self.validator.add_event(&event, data)?;
-                self.ready.push_back(Item::Event(event));
+                Content::Event(cdr::decode::<EventMessage>(data)?.into_event()?, data.into())
             }
             Topic::Bodies => {
                 check_length(data, limits::KEYFRAME_BYTES)?;
-                let part = cdr::decode::<BodiesMessage>(data)?;
-                match &mut self.keyframe {
-                    Some(keyframe) => keyframe.append(part)?,
-                    None => self.keyframe = Some(part),
+                Content::Keyframe(cdr::decode::<BodiesMessage>(data)?)
+            }
+            Topic::States => Content::State(RecordedState::decode(data)?),
+            Topic::Scene => Content::SceneUpdate(data.into()),
+        };
+        Ok(Some(Message { log_time, publish_time, content }))
+    }
+
+    fn add_message(&mut self, location: Location, message: Message) {
+        let step = message.content.step();
+        let expected = step.map_or(message.log_time, |(step, _)| self.header.log_time(step));
+        if !self.step.is_same(expected, step.map(|(step, _)| step)) {
+            self.finish_step();
+            if !self.ready.is_empty() {
+                self.deferred = Some((location, Deferred::Message(message)));
+                return;
+            }
+            self.step = OpenStep { location, time: Some(expected), ..OpenStep::default() };
+        }
+        self.check_times(location, &message, expected);
+        if let Some((step, what)) = step {
+            self.step.number = Some(step);
+            self.ready.extend(self.validator.cross_gap(step).map(Item::Gap));
+            if let Some(reason) = self.validator.missing_before(step, what) {
+                self.lose(location, reason);
+            }
+        }
+        if let Err(reason) = self.add_content(message.content) {
+            self.step = OpenStep::default();
+            self.lose(location, reason);
+        }
+    }
+
+    fn add_content(&mut self, content: Content) -> Result<(), String> {
+        match content {
+            Content::Event(event, message) => {
+                self.validator.add_event(&event, &message)?;
+                self.ready.push_back(Item::Event(event));
+            }
+            Content::Keyframe(part) => match &mut self.step.keyframe {
+                Some(keyframe) => keyframe.append(part)?,
+                None => self.step.keyframe = Some(part),
+            },
+            Content::State(state) => {
+                let step = state.step;
+                if self.step.state.replace(state).is_some() {
+                    return Err(format!("state {step} occurs twice"));
                 }
             }
-            Topic::States => self.add_state(location, RecordedState::decode(data)?)?,
-            Topic::Scene => self.scene_update = Some(Item::SceneUpdate { time: log_time, message: data.into() }),
-        }
-        Ok(())
-    }
-
-    fn finish_keyframe(&mut self) -> Result<(), String> {
-        let Some(message) = self.keyframe.take() else { return Ok(()) };
-        let keyframe = message.into_keyframe(self.format)?;
-        self.cross_gap(keyframe.step);
-        self.validator.add_keyframe(&keyframe)?;
-        self.ready.push_back(Item::Keyframe(keyframe));
-        Ok(())
-    }
-
-    fn cross_gap(&mut self, step: u64) {
-        self.ready.extend(self.validator.cross_gap(step).map(Item::Gap));
-    }
-
-    fn add_state(&mut self, location: Location, state: RecordedState) -> Result<(), String> {
-        self.cross_gap(state.step);
-        let scene_update = self.scene_update.take();
-        match self.validator.add_state(&state)? {
-            None => self.ready.extend(scene_update.into_iter().chain([Item::State(state)])),
-            Some(reason) => {
-                self.ready.push_back(Item::SuspectState(state));
-                self.report_damage(location, reason);
+            Content::SceneUpdate(message) => {
+                if self.step.scene_update.replace(message).is_some() {
+                    return Err("a state has two scene updates".into());
+                }
             }
         }
         Ok(())
     }
 
+    fn check_times(&mut self, location: Location, message: &Message, expected: u64) {
+        let times = [("log time", message.log_time), ("publish time", message.publish_time)];
+        let Some((name, time)) = times.into_iter().find(|(_, time)| *time != expected) else { return };
+        let what = match message.content.step() {
+            Some((step, what)) => format!("{what} of step {step}"),
+            None => "a scene update".into(),
+        };
+        self.report_damage(location, format!("{what} has the {name} {time} ns, but {expected} ns is expected"));
+    }
+
+    fn add_schema(&mut self, body: &[u8]) -> Result<(), String> {
+        let mut fields = Cursor::new(body);
+        let mut read = || {
+            let (id, name, encoding) = (fields.u16()?, fields.text()?, fields.text()?);
+            let length = fields.u32()?;
+            Ok((id, name, encoding, fields.bytes(length.into())?))
+        };
+        let (id, name, encoding, data) = read().map_err(|Malformed| "a schema record is damaged")?;
+        // Older formats had other comments in their schemas.
+        let is_compared = self.header.versions.format >= FIRST_FORMAT_WITH_COMPARED_SCHEMAS;
+        let fits = |topic: &Topic| {
+            (topic.schema_name(), topic.schema_encoding()) == (name, encoding)
+                && (!is_compared || topic.schema() == data)
+        };
+        self.schemas.insert(id, Topic::ALL.into_iter().filter(fits).collect());
+        Ok(())
+    }
+
+    /// Adds a channel. Its messages are read even if its schema is not the one of the format.
     fn add_channel(&mut self, body: &[u8]) -> Result<(), String> {
         let mut fields = Cursor::new(body);
         let mut read = || Ok((fields.u16()?, fields.u16()?, fields.text()?, fields.text()?));
-        let (id, _schema, name, encoding) = read().map_err(|Malformed| "a channel record is damaged")?;
+        let (id, schema, name, encoding) = read().map_err(|Malformed| "a channel record is damaged")?;
         let topic = Topic::from_name(name);
-        if topic.is_some_and(|topic| topic.message_encoding() != encoding) {
+        self.channels.insert(id, topic);
+        let Some(topic) = topic else { return Ok(()) };
+        if topic.message_encoding() != encoding {
+            let encoding: String = encoding.chars().take(32).collect();
             return Err(format!("the topic {name} has the unexpected encoding {encoding:?}"));
         }
-        self.channels.insert(id, topic);
-        Ok(())
+        match self.schemas.get(&schema).is_some_and(|topics| topics.contains(&topic)) {
+            true => Ok(()),
+            false => Err(format!("the schema of the topic {name} is not that of the format")),
+        }
     }
 }
+
+/// The first format version whose schemas are those of this program to the byte.
+const FIRST_FORMAT_WITH_COMPARED_SCHEMAS: u32 = 3;
 
 fn check_length(message: &[u8], limit: usize) -> Result<(), String> {
     match message.len() <= limit {

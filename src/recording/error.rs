@@ -57,6 +57,22 @@ pub enum Error {
         /// The engine-semantics version of the recording.
         found: u32,
     },
+    /// No state is recorded in the steps that were asked for.
+    #[error("there is no state in the steps {from} to {to}: the recording has the steps 0 to {last}")]
+    NoStates {
+        /// The first step asked for.
+        from: u64,
+        /// The last step asked for.
+        to: u64,
+        /// The last step of the recording.
+        last: u64,
+    },
+    /// Nothing of a recording can be recovered.
+    #[error("nothing can be recovered: no state is readable{}", damage.as_ref().map(|damage| format!("; {damage}")).unwrap_or_default())]
+    NothingToRecover {
+        /// The first damage, if there is any.
+        damage: Option<super::Damage>,
+    },
     /// A quantity exceeds a limit of the format.
     #[error("{quantity} is {found}, but a recording can hold at most {limit}")]
     TooLarge {
@@ -94,6 +110,6 @@ pub enum Error {
 impl Error {
     /// Returns true if the file is a recording of rebond whose settings are damaged or cut off.
     pub const fn is_damage(&self) -> bool {
-        matches!(self, Error::TruncatedHeader | Error::CorruptHeader { .. })
+        matches!(self, Error::TruncatedHeader | Error::CorruptHeader { .. } | Error::NothingToRecover { .. })
     }
 }

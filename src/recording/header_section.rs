@@ -4,17 +4,27 @@ use mcap::{MAGIC, McapError, records::op};
 
 use super::{
     Error, Header, SceneText,
+    mcap_writer::SCENE_MEDIA_TYPE,
     metadata::{self, HeaderError, Map},
-    record_reader::{Cursor, Malformed, ReadFault, RecordHeader, RecordReader},
+    record_reader::{Cursor, Malformed, ReadFault, RecordHeader, RecordReader, has_unknown_fields},
     resync::{self, Resync},
+    tally,
 };
 
 /// The records before the messages, as far as they can be read.
 pub struct HeaderSection {
     /// The settings, and the scene if it is readable.
     pub header: Header,
+    /// The offset of the metadata record with the settings.
+    pub settings_offset: u64,
+    /// The offset of the attachment with the scene.
+    pub scene_offset: Option<u64>,
+    /// Opcode and index entry of the metadata and attachments before the messages.
+    pub indexed: Vec<(u8, Vec<u8>)>,
     /// A record that was already read and belongs to the data after the header section.
     pub pending: Option<RecordHeader>,
+    /// The offset of the last record, if it has unknown fields.
+    pub padded: Option<u64>,
     /// The defects found so far.
     pub defects: Vec<Defect>,
     /// The likely cause if the data section does not match its checksum.
@@ -35,10 +45,13 @@ pub struct Defect {
 struct SectionReader {
     library: Option<String>,
     settings: Option<Settings>,
-    scene: Option<SceneText>,
+    scene: Option<(u64, SceneText)>,
+    indexed: Vec<(u8, Vec<u8>)>,
     pending: Option<RecordHeader>,
     defects: Vec<Defect>,
     is_cut: bool,
+    /// The offset of the last record, if it has unknown fields.
+    padded: Option<u64>,
 }
 
 /// The settings in a metadata record.
@@ -67,11 +80,24 @@ pub fn read<R: Read + Seek>(records: &mut RecordReader<R>) -> Result<HeaderSecti
         Some(settings) => settings,
         None => section.find_settings(records)?,
     };
-    let header = Header { scene: section.scene, ..settings.header };
+    if section.scene.is_none() && !section.is_cut {
+        section.find_scene(records)?;
+    }
+    let (scene_offset, scene) = section.scene.take().unzip();
+    let header = Header { scene, ..settings.header };
     section.defects.extend(settings_defect(settings.offset, &settings.map, &header));
     let crc_suspect = (section.library.as_ref() != settings.map.get("library"))
         .then(|| Defect { offset: MAGIC.len() as u64, reason: "the header names another program".into() });
-    Ok(HeaderSection { header, pending: section.pending, defects: section.defects, crc_suspect })
+    Ok(HeaderSection {
+        header,
+        settings_offset: settings.offset,
+        scene_offset,
+        indexed: section.indexed,
+        pending: section.pending,
+        padded: section.padded,
+        defects: section.defects,
+        crc_suspect,
+    })
 }
 
 impl SectionReader {
@@ -80,12 +106,21 @@ impl SectionReader {
     }
 
     fn add_record<R: Read + Seek>(&mut self, record: RecordHeader, records: &mut RecordReader<R>) -> Result<(), Error> {
+        if record.opcode >= 0x80 {
+            self.padded = self.padded.or(Some(record.offset));
+            return Ok(()); // A private record of another program, or one with a damaged opcode.
+        }
         let body = &records.body;
+        let padded =
+            std::mem::replace(&mut self.padded, has_unknown_fields(record.opcode, body).then_some(record.offset));
+        if let op::METADATA | op::ATTACHMENT = record.opcode {
+            self.indexed.push((record.opcode, tally::entry(record.opcode, record.offset, body)));
+        }
         let result = match record.opcode {
             op::HEADER => self.set_library(body),
             op::METADATA => self.set_settings(record.offset, body),
-            op::ATTACHMENT => self.set_scene(body),
-            op::CHUNK | op::DATA_END => {
+            op::ATTACHMENT => self.set_scene(record.offset, body),
+            op::SCHEMA | op::CHANNEL | op::MESSAGE | op::CHUNK | op::DATA_END => {
                 self.pending = Some(record);
                 Ok(())
             }
@@ -95,33 +130,48 @@ impl SectionReader {
             Ok(()) => Ok(()),
             Err(HeaderError::Newer { format }) => Err(Error::NewerFormat { found: format }),
             Err(HeaderError::Damaged(reason)) => {
-                self.defects.push(Defect { offset: record.offset, reason });
-                records.resume_after(record.offset).map_err(Error::Read)
+                let offset = padded.unwrap_or(record.offset);
+                self.defects.push(Defect { offset, reason });
+                records.resume_after(offset).map_err(Error::Read)
             }
         }
     }
 
     fn set_library(&mut self, body: &[u8]) -> Result<(), HeaderError> {
-        let (profile, library) = parse_library(body).map_err(|Malformed| "the header is damaged".to_string())?;
-        self.library = ["", "ros2"].contains(&profile).then(|| library.into());
+        let library = parse_library(body).map_err(|Malformed| "the header is damaged".to_string())?;
+        self.library = Some(library.into());
         Ok(())
     }
 
     fn set_settings(&mut self, offset: u64, body: &[u8]) -> Result<(), HeaderError> {
-        if let Some(settings) = parse_settings(offset, body)? {
-            self.settings = Some(settings);
+        match (parse_settings(offset, body)?, &self.settings) {
+            (Some(_), Some(_)) => Err(format!("a second metadata record {:?}", metadata::HEADER).into()),
+            (Some(settings), None) => {
+                self.settings = Some(settings);
+                Ok(())
+            }
+            (None, _) => Ok(()),
         }
-        Ok(())
     }
 
-    fn set_scene(&mut self, body: &[u8]) -> Result<(), HeaderError> {
-        let scene = parse_scene(body).map_err(|Malformed| "the scene attachment is damaged".to_string())?;
-        mcap::parse_record(op::ATTACHMENT, body).map_err(|error| error.to_string())?;
-        self.scene = Some(scene);
-        Ok(())
+    fn set_scene(&mut self, offset: u64, body: &[u8]) -> Result<(), HeaderError> {
+        match (parse_scene(body)?, &self.scene) {
+            (Some(_), Some(_)) => Err("a second attachment with a scene".to_owned().into()),
+            (Some(scene), None) => {
+                self.scene = Some((offset, scene));
+                Ok(())
+            }
+            (None, _) => Ok(()),
+        }
     }
 
-    fn recover_from<R: Read + Seek>(&mut self, fault: ReadFault, records: &mut RecordReader<R>) -> Result<(), Error> {
+    fn recover_from<R: Read + Seek>(
+        &mut self,
+        mut fault: ReadFault,
+        records: &mut RecordReader<R>,
+    ) -> Result<(), Error> {
+        // The length of the record before may be damaged.
+        fault.offset = self.padded.take().unwrap_or(fault.offset);
         let (offset, resync) = match &fault.error {
             McapError::Io(_) => (fault.offset, Resync::Corrupt),
             McapError::BadMagic if self.defects.is_empty() => (0, Resync::ContinueAt(MAGIC.len() as u64)),
@@ -145,6 +195,20 @@ impl SectionReader {
         Ok(())
     }
 
+    /// Searches the data section for the scene, which other programs may write after the messages, and returns to the
+    /// current position. A damaged one is reported when it is reached.
+    fn find_scene<R: Read + Seek>(&mut self, records: &mut RecordReader<R>) -> Result<(), Error> {
+        let mut offset = self.pending.map_or(MAGIC.len() as u64, |record| record.offset);
+        while let Some((opcode, body, next)) = resync::read_attachment(records.source(), offset).map_err(Error::Read)? {
+            if let (op::ATTACHMENT, Ok(Some(scene))) = (opcode, parse_scene(&body)) {
+                self.scene = Some((offset, scene));
+                break;
+            }
+            offset = next;
+        }
+        self.seek_back(records, MAGIC.len() as u64)
+    }
+
     /// Searches the entire file for a copy of the settings, and returns to the current position.
     fn find_settings<R: Read + Seek>(&mut self, records: &mut RecordReader<R>) -> Result<Settings, Error> {
         let mut from = 0;
@@ -165,16 +229,20 @@ impl SectionReader {
     /// was found so far, so that the checksum of the data section can be verified.
     fn seek_back<R: Read + Seek>(&self, records: &mut RecordReader<R>, default: u64) -> Result<(), Error> {
         let target = self.pending.map_or(default, |record| record.offset);
-        if !self.defects.is_empty() {
-            return records.seek(target).map_err(Error::Read);
-        }
-        records.rewind().map_err(Error::Read)?;
-        while let Ok(Some(record)) = records.next_record() {
-            if record.offset == target {
-                return Ok(());
+        if self.defects.is_empty() {
+            records.rewind().map_err(Error::Read)?;
+            while let Ok(Some(record)) = records.next_record() {
+                if record.offset == target {
+                    return Ok(());
+                }
             }
         }
-        records.seek(target).map_err(Error::Read)
+        records.seek(target).map_err(Error::Read)?;
+        if self.pending.is_some() {
+            // Reads its fields again. A fault is found when they are decoded.
+            let _ = records.next_record();
+        }
+        Ok(())
     }
 
     fn error(&self, starts_with_magic: bool) -> Error {
@@ -210,25 +278,42 @@ fn settings_defect(offset: u64, map: &Map, header: &Header) -> Option<Defect> {
     difference.map(|reason| Defect { offset, reason })
 }
 
-/// Returns profile and library of a header record.
-fn parse_library(body: &[u8]) -> Result<(&str, &str), Malformed> {
+/// Returns the library of a header record.
+fn parse_library(body: &[u8]) -> Result<&str, Malformed> {
     let mut fields = Cursor::new(body);
-    let pair = (fields.text()?, fields.text()?);
-    fields.finish()?;
-    Ok(pair)
+    let _profile = fields.text()?;
+    fields.text()
 }
 
-fn parse_scene(body: &[u8]) -> Result<SceneText, Malformed> {
+/// Returns the scene in an attachment, or `None` if it is another one.
+///
+/// # Errors
+/// Returns a description of the problem if the attachment does not match its checksum or has other properties than those
+/// of rebond.
+pub fn parse_scene(body: &[u8]) -> Result<Option<SceneText>, String> {
     let mut fields = Cursor::new(body);
-    let _log_time = fields.u64()?;
-    let _create_time = fields.u64()?;
-    let file_name = fields.text()?.into();
-    let _media_type = fields.text()?;
-    let length = fields.u64()?;
-    let text = str::from_utf8(fields.bytes(length)?).map_err(|_| Malformed)?.into();
-    let _checksum = fields.u32()?;
-    fields.finish()?;
-    Ok(SceneText { file_name, text })
+    let mut read = || {
+        let times = [fields.u64()?, fields.u64()?];
+        let (file_name, media_type) = (fields.text()?, fields.text()?);
+        let length = fields.u64()?;
+        let text = fields.bytes(length)?;
+        let checked = body.len() - fields.remaining();
+        let checksum = fields.u32()?;
+        Ok((times, file_name, media_type, text, crc32fast::hash(&body[..checked]) == checksum || checksum == 0))
+    };
+    let (times, file_name, media_type, text, is_intact) =
+        read().map_err(|Malformed| "an attachment is damaged".to_string())?;
+    if !is_intact {
+        return Err("an attachment does not match its checksum".into());
+    }
+    if media_type != SCENE_MEDIA_TYPE {
+        return Ok(None);
+    }
+    if times != [0; 2] {
+        return Err(format!("the scene attachment has the times {} ns and {} ns instead of 0", times[0], times[1]));
+    }
+    let text = str::from_utf8(text).map_err(|_| "the scene attachment is not UTF-8".to_string())?;
+    Ok(Some(SceneText { file_name: file_name.into(), text: text.into() }))
 }
 
 /// Returns true if the file starts with the MCAP magic bytes, or with a part of them if it is shorter.

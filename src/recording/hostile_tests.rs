@@ -28,8 +28,8 @@ fn damage(bytes: Vec<u8>) -> String {
     };
     recording.by_ref().for_each(|item| drop(item.unwrap()));
     match recording.health() {
-        Health::Corrupt(damage) => damage.reason,
-        Health::Complete | Health::Truncated { .. } => "no damage".into(),
+        Health::Corrupt { damage, .. } => damage.reason,
+        Health::Whole | Health::Incomplete(_) => "no damage".into(),
     }
 }
 
@@ -61,7 +61,8 @@ fn a_chunk_that_decompresses_beyond_the_limit_is_rejected() {
     let mut bytes = record(&drop_and_delete());
     let chunk = offset_of_first_chunk(&bytes);
     bytes[chunk + 25..chunk + 33].copy_from_slice(&(limits::RECORD_BYTES as u64 + 1).to_le_bytes());
-    assert_eq!(damage(bytes), format!("chunk (de)compressed length exceeds limit: `{}`", limits::RECORD_BYTES + 1));
+    let (found, limit) = (limits::RECORD_BYTES + 1, limits::RECORD_BYTES);
+    assert_eq!(damage(bytes), format!("the chunk has {found} bytes uncompressed, but at most {limit} are allowed"));
 }
 
 #[test]
@@ -241,7 +242,8 @@ fn a_dropped_writer_leaves_all_flushed_data() {
     let written = output.written.lock().unwrap().clone();
     let mut recording = Recording::read(Cursor::new(written)).unwrap();
     let states = recording.by_ref().filter(|item| matches!(item, Ok(Item::State(_)))).count();
-    assert_eq!((states, recording.health()), (20, Health::Truncated { after: Some(19) }));
+    let Health::Incomplete(missing) = recording.health() else { panic!("{}", recording.health()) };
+    assert_eq!((states, missing.to_string()), (20, "truncated after step 19 of 50".into()));
 }
 
 #[test]

@@ -1,37 +1,44 @@
-use std::{
-    collections::BTreeMap,
-    io::{self, Read, Seek, SeekFrom},
-};
+use std::io::{self, Read, Seek, SeekFrom};
 
 use mcap::{MAGIC, records::op};
 
 use super::{
-    Trailer, metadata,
+    Damage, Trailer,
+    chunk_reader::ChunkRecord,
+    metadata,
     record_reader::{Cursor, Malformed, PREFIX_BYTES, RecordReader},
     resync,
+    tally::{ChunkSummary, Statistics},
     topic::Topic,
 };
 
-/// The index of the chunks of a recording, for random access.
+/// The index of a recording, for random access.
 #[derive(Default)]
 pub struct Index {
-    /// The chunks in file order.
-    pub chunks: Vec<IndexedChunk>,
-    /// The bodies of the channel records, which are otherwise only in the first chunk.
-    pub channels: Vec<Vec<u8>>,
+    /// The chunks in file order; for messages outside of chunks, the keyframes.
+    pub places: Vec<Place>,
+    /// Opcode and body of the schemas and channels of rebond, which are otherwise only before their first message.
+    pub definitions: Vec<(u8, Vec<u8>)>,
+    /// True if there are messages outside of chunks, which are not in the index except for keyframes.
+    pub has_loose_messages: bool,
+    /// The damage of the summary section, if it contradicts itself. It is then not used.
+    pub fault: Option<Damage>,
+    /// The end record, if it is readable.
+    pub trailer: Option<Trailer>,
     /// The offset of the end record, in bytes from the start of the file.
     trailer_offset: Option<u64>,
-    /// The number of messages of each channel.
-    message_counts: BTreeMap<u16, u64>,
+    statistics: Option<Statistics>,
 }
 
-/// A chunk in the index.
+/// A place in the file at which reading can begin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct IndexedChunk {
-    /// The offset of the chunk record, in bytes from the start of the file.
+pub struct Place {
+    /// The offset of the record, in bytes from the start of the file.
     pub offset: u64,
     /// The time of the first message, in simulated nanoseconds.
     pub first_time: u64,
+    /// The time of the last message of the chunk, in simulated nanoseconds.
+    pub last_time: u64,
     /// The channels of its messages.
     channels: ChannelSet,
 }
@@ -55,52 +62,111 @@ pub struct Summary {
 }
 
 impl Index {
-    /// Returns the summary, or `None` if the index has no readable end record.
-    ///
-    /// # Errors
-    /// Returns an error if the file cannot be read.
-    pub fn summary<R: Read + Seek>(&self, records: &mut RecordReader<R>) -> io::Result<Option<Summary>> {
-        let Some(offset) = self.trailer_offset else { return Ok(None) };
+    /// Returns the summary, or `None` if the file has no usable summary section or no readable end record.
+    pub fn summary(&self) -> Option<Summary> {
+        let statistics = self.statistics.as_ref()?;
+        Some(Summary {
+            trailer: self.trailer.clone()?,
+            states: self.message_count(statistics, Topic::States),
+            keyframes: self.message_count(statistics, Topic::Bodies),
+            chunks: self.places.len() as u64,
+        })
+    }
+
+    /// Returns true if the index is that of the summary section.
+    pub fn is_usable(&self) -> bool {
+        self.statistics.is_some()
+    }
+
+    /// Reads the end record.
+    fn read_trailer<R: Read + Seek>(&mut self, records: &mut RecordReader<R>) -> io::Result<()> {
+        let Some(offset) = self.trailer_offset else { return Ok(()) };
         records.seek(offset)?;
         let is_metadata = matches!(records.next_record(), Ok(Some(record)) if record.opcode == op::METADATA);
         let parsed = is_metadata.then(|| metadata::parse(&records.body).ok()).flatten();
-        let trailer = parsed
+        self.trailer = parsed
             .filter(|(name, _)| *name == metadata::TRAILER)
             .and_then(|(_, map)| metadata::parse_trailer(&map).ok());
-        Ok(trailer.map(|trailer| Summary {
-            trailer,
-            states: self.message_count(Topic::States),
-            keyframes: self.message_count(Topic::Bodies),
-            chunks: self.chunks.len() as u64,
-        }))
+        Ok(())
     }
 
-    fn message_count(&self, topic: Topic) -> u64 {
-        self.channels_of(topic).filter_map(|channel| self.message_counts.get(&channel)).sum()
+    fn message_count(&self, statistics: &Statistics, topic: Topic) -> u64 {
+        self.channels_of(topic).filter_map(|channel| statistics.channel_messages.get(&channel)).sum()
     }
 
-    /// Returns true if a chunk may contain messages of a topic.
-    pub fn may_contain(&self, chunk: usize, topic: Topic) -> bool {
-        // An index without channels was built by scanning.
-        self.channels.is_empty() || self.channels_of(topic).any(|channel| self.chunks[chunk].channels.contains(channel))
+    /// Returns true if a place may contain messages of a topic.
+    pub fn may_contain(&self, place: usize, topic: Topic) -> bool {
+        // An index without statistics was built by scanning.
+        self.statistics.is_none()
+            || self.channels_of(topic).any(|channel| self.places[place].channels.contains(channel))
     }
 
     fn channels_of(&self, topic: Topic) -> impl Iterator<Item = u16> {
-        let channel_id = move |body: &Vec<u8>| {
-            let mut fields = Cursor::new(body);
-            let (id, _schema, name) = (fields.u16().ok()?, fields.u16().ok()?, fields.text().ok()?);
-            (name == topic.name()).then_some(id)
-        };
-        self.channels.iter().filter_map(channel_id)
+        let channels = self.definitions.iter().filter(|(opcode, _)| *opcode == op::CHANNEL);
+        channels.filter_map(|(_, body)| topic_of(body)).filter_map(move |(id, found)| (found == topic).then_some(id))
     }
+
+    /// Adds a schema or channel that is one of rebond.
+    fn define(&mut self, opcode: u8, body: &[u8]) {
+        let is_ours = match opcode {
+            op::CHANNEL => topic_of(body).is_some(),
+            _ => schema_name(body).is_ok_and(|name| Topic::ALL.iter().any(|topic| topic.schema_name() == name)),
+        };
+        /// More definitions than a valid file needs.
+        const MANY: usize = 256;
+        if is_ours
+            && self.definitions.len() < MANY
+            && !self.definitions.iter().any(|(known, defined)| (*known, defined.as_slice()) == (opcode, body))
+        {
+            self.definitions.push((opcode, body.into()));
+        }
+    }
+
+    /// Returns a description of a contradiction within the summary section, or between it and the end record.
+    fn contradiction(&self, data_end: u64, indexed_messages: Option<u64>) -> Option<String> {
+        let statistics = self.statistics.as_ref()?;
+        for topic in Topic::ALL.into_iter().filter(|topic| topic.is_mandatory()) {
+            if self.channels_of(topic).next().is_none() {
+                return Some(format!("the summary lists no channel of the topic {}", topic.name()));
+            }
+        }
+        let [.., chunks] = statistics.counts;
+        if chunks != self.places.len() as u64 {
+            return Some("the summary lists another number of chunks than its statistics count".into());
+        }
+        let ends = |pair: &[Place]| pair[0].offset < pair[1].offset;
+        if !self.places.windows(2).all(ends) || self.places.last().is_some_and(|last| last.offset >= data_end) {
+            return Some("the chunks in the summary are not in the order of the file".into());
+        }
+        if indexed_messages.is_some_and(|indexed| indexed != statistics.messages) {
+            return Some("the summary lists another number of messages than its statistics count".into());
+        }
+        let trailer = self.trailer.as_ref().filter(|trailer| !trailer.recovered)?;
+        let declared = [("states", Topic::States, trailer.steps + 1), ("events", Topic::Events, trailer.events)];
+        let wrong = declared.into_iter().find(|(_, topic, count)| self.message_count(statistics, *topic) != *count);
+        wrong.map(|(what, ..)| format!("the summary counts another number of {what} than the end record"))
+    }
+}
+
+/// Returns id and topic of a channel, if it is one of rebond.
+fn topic_of(body: &[u8]) -> Option<(u16, Topic)> {
+    let mut fields = Cursor::new(body);
+    let (id, _schema, name) = (fields.u16().ok()?, fields.u16().ok()?, fields.text().ok()?);
+    Topic::from_name(name).map(|topic| (id, topic))
+}
+
+fn schema_name(body: &[u8]) -> Result<&str, Malformed> {
+    let mut fields = Cursor::new(body);
+    let _id = fields.u16()?;
+    fields.text()
 }
 
 impl ChannelSet {
     /// All channels, for chunks whose channels are unknown.
     const ALL: ChannelSet = ChannelSet(u16::MAX);
 
-    fn with(self, channel: u16) -> ChannelSet {
-        ChannelSet(self.0 | ChannelSet::bit(channel))
+    fn of(channels: impl Iterator<Item = u16>) -> ChannelSet {
+        ChannelSet(channels.map(ChannelSet::bit).fold(0, |set, bit| set | bit))
     }
 
     fn contains(self, channel: u16) -> bool {
@@ -112,18 +178,24 @@ impl ChannelSet {
     }
 }
 
-/// Reads the index in the summary section of a finished recording. For an unfinished or damaged one,
-/// builds the index by scanning all records, without opening chunks.
+/// Reads the index in the summary section of a finished recording. If there is none, or if it is damaged or contradicts
+/// itself, builds the index by scanning all records, without opening chunks.
 ///
 /// # Errors
 /// Returns an error if the file cannot be read.
 pub fn read<R: Read + Seek>(records: &mut RecordReader<R>) -> io::Result<Index> {
-    if let Some(start) = summary_start(records.source())?
-        && let Some(index) = from_summary(records, start)?
-    {
-        return Ok(index);
+    let mut fault = None;
+    if let Some(start) = summary_start(records.source())? {
+        match from_summary(records, start)? {
+            Ok(index) => return Ok(index),
+            Err(reason) => {
+                fault = reason.map(|reason| Damage { chunk: None, offset: start, reason, after: None });
+            }
+        }
     }
-    scan(records)
+    let mut index = Index { fault, ..scan(records)? };
+    index.read_trailer(records)?;
+    Ok(index)
 }
 
 /// Bytes of the data end record, which precedes the summary section.
@@ -151,26 +223,47 @@ fn parse_footer(tail: &[u8]) -> Result<u64, Malformed> {
     }
 }
 
-/// Reads the summary section. Returns `None` if it is damaged.
-fn from_summary<R: Read + Seek>(records: &mut RecordReader<R>, start: u64) -> io::Result<Option<Index>> {
+/// Reads the summary section. Returns an error if it cannot be used, with the contradiction if there is one. (Other
+/// damage is found when the file is read.)
+fn from_summary<R: Read + Seek>(
+    records: &mut RecordReader<R>,
+    start: u64,
+) -> io::Result<Result<Index, Option<String>>> {
     records.seek(start - DATA_END_BYTES)?;
     let mut index = Index::default();
-    while let Ok(next) = records.next_record() {
-        let Some(record) = next else { return Ok(Some(index)) };
-        if index.add_record(record.opcode, &records.body).is_err() {
-            return Ok(None);
+    let mut indexed_messages = Some(0);
+    loop {
+        match records.next_record() {
+            Ok(None) => break,
+            Ok(Some(record)) => {
+                if index.add_record(record.opcode, &records.body, &mut indexed_messages).is_err() {
+                    return Ok(Err(None));
+                }
+            }
+            Err(_) => return Ok(Err(None)),
         }
     }
-    Ok(None)
+    let has_chunks = index.statistics.as_ref().is_some_and(|statistics| statistics.counts[4] > 0);
+    index.read_trailer(records)?;
+    Ok(match index.contradiction(start, indexed_messages) {
+        Some(reason) if has_chunks => Err(Some(reason)),
+        _ if !has_chunks => Err(None),
+        Some(_) | None => Ok(index),
+    })
 }
 
 impl Index {
-    /// Adds a record of the summary section.
-    fn add_record(&mut self, opcode: u8, body: &[u8]) -> Result<(), Malformed> {
+    /// Adds a record of the summary section. `messages` counts the messages in the message indexes of the chunks, if
+    /// all chunks have them.
+    fn add_record(&mut self, opcode: u8, body: &[u8], messages: &mut Option<u64>) -> Result<(), Malformed> {
         match opcode {
-            op::CHUNK_INDEX => self.chunks.push(parse_chunk_index(body)?),
-            op::CHANNEL => self.channels.push(body.into()),
-            op::STATISTICS => self.message_counts = parse_message_counts(body)?,
+            op::CHUNK_INDEX => {
+                let chunk = ChunkSummary::parse(body)?;
+                *messages = messages.zip(messages_of(&chunk)).and_then(|(sum, more)| sum.checked_add(more));
+                self.places.push(place(&chunk));
+            }
+            op::SCHEMA | op::CHANNEL => self.define(opcode, body),
+            op::STATISTICS => self.statistics = Some(Statistics::parse(body)?),
             op::METADATA_INDEX => self.trailer_offset = parse_trailer_offset(body)?.or(self.trailer_offset),
             _ => {}
         }
@@ -178,32 +271,22 @@ impl Index {
     }
 }
 
-fn parse_chunk_index(body: &[u8]) -> Result<IndexedChunk, Malformed> {
-    let mut fields = Cursor::new(body);
-    let first_time = fields.u64()?;
-    let _last_time = fields.u64()?;
-    let offset = fields.u64()?;
-    let _length = fields.u64()?;
-    let bytes = fields.u32()?;
-    let mut message_indexes = Cursor::new(fields.bytes(bytes.into())?);
-    let mut channels = ChannelSet(0);
-    while !message_indexes.is_empty() {
-        channels = channels.with(message_indexes.u16()?);
-        message_indexes.u64()?;
-    }
-    Ok(IndexedChunk { first_time, offset, channels: if bytes == 0 { ChannelSet::ALL } else { channels } })
+fn place(chunk: &ChunkSummary) -> Place {
+    let channels = match chunk.message_indexes.is_empty() {
+        true => ChannelSet::ALL,
+        false => ChannelSet::of(chunk.message_indexes.keys().copied()),
+    };
+    Place { offset: chunk.offset, first_time: chunk.first_time, last_time: chunk.last_time, channels }
 }
 
-fn parse_message_counts(body: &[u8]) -> Result<BTreeMap<u16, u64>, Malformed> {
-    let mut fields = Cursor::new(body);
-    let _other_counts_and_times = fields.bytes(8 + 2 + 4 + 4 + 4 + 4 + 8 + 8)?;
-    let bytes = fields.u32()?;
-    let mut pairs = Cursor::new(fields.bytes(bytes.into())?);
-    let mut counts = BTreeMap::new();
-    while !pairs.is_empty() {
-        counts.insert(pairs.u16()?, pairs.u64()?);
-    }
-    Ok(counts)
+/// Returns the number of messages of a chunk according to the length of its message indexes, if it has any.
+fn messages_of(chunk: &ChunkSummary) -> Option<u64> {
+    /// Bytes of a message index without entries, and of an entry.
+    const EMPTY: u64 = PREFIX_BYTES as u64 + 2 + 4;
+    const ENTRY: u64 = 16;
+    let indexes = chunk.message_indexes.len() as u64;
+    let entries = chunk.message_index_length.checked_sub(indexes * EMPTY)?;
+    (indexes > 0 && entries.is_multiple_of(ENTRY)).then_some(entries / ENTRY)
 }
 
 /// Returns the offset in a metadata index record, if it is the one of the end record.
@@ -218,20 +301,43 @@ fn scan<R: Read + Seek>(records: &mut RecordReader<R>) -> io::Result<Index> {
     records.rewind()?;
     loop {
         match records.next_record() {
-            Ok(Some(record)) if record.opcode == op::CHUNK => {
-                let first_time = Cursor::new(&records.body).u64();
-                index.chunks.extend(first_time.map(|first_time| IndexedChunk {
-                    first_time,
-                    offset: record.offset,
-                    channels: ChannelSet::ALL,
-                }));
-            }
-            Ok(Some(record)) if record.opcode != op::DATA_END => {}
-            Ok(_) => return Ok(index),
+            Ok(Some(record)) if record.opcode == op::DATA_END => return Ok(index),
+            Ok(Some(record)) => index.add_scanned(record.opcode, record.offset, &records.body),
+            Ok(None) => return Ok(index),
             Err(fault) => match resync::resync(records.source(), &fault)? {
                 resync::Resync::ContinueAt(next) => records.seek(next)?,
                 resync::Resync::Truncated | resync::Resync::Corrupt => return Ok(index),
             },
+        }
+    }
+}
+
+impl Index {
+    /// Adds a record of the data section.
+    fn add_scanned(&mut self, opcode: u8, offset: u64, body: &[u8]) {
+        match opcode {
+            op::CHUNK => {
+                let mut times = Cursor::new(body);
+                if let (Ok(first_time), Ok(last_time)) = (times.u64(), times.u64()) {
+                    self.places.push(Place { offset, first_time, last_time, channels: ChannelSet::ALL });
+                }
+            }
+            op::SCHEMA | op::CHANNEL => self.define(opcode, body),
+            op::MESSAGE => {
+                self.has_loose_messages = true;
+                let record = ChunkRecord { opcode, body };
+                if let Some(message) = record.message()
+                    && self.channels_of(Topic::Bodies).any(|channel| channel == message.channel)
+                    && self.places.last().is_none_or(|last| last.last_time != message.log_time)
+                {
+                    let (first_time, last_time) = (message.log_time, message.log_time);
+                    self.places.push(Place { offset, first_time, last_time, channels: ChannelSet::ALL });
+                }
+            }
+            op::METADATA if metadata::parse(body).is_ok_and(|(name, _)| name == metadata::TRAILER) => {
+                self.trailer_offset = Some(offset);
+            }
+            _ => {}
         }
     }
 }

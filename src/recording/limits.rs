@@ -37,6 +37,9 @@ pub const STEPS: u64 = 1 << 53;
 /// The longest run, s: a recording stores its nanoseconds in 64 bits.
 pub const SECONDS: f64 = 18_446_744_073.0;
 
+/// Gaps of a recovered recording.
+pub const GAPS: usize = 100_000;
+
 /// Materials in the restitution table.
 pub const MATERIALS: usize = 256;
 

@@ -123,12 +123,15 @@ fn put_metadata<W: Write + io::Seek>(mcap: &mut mcap::Writer<W>, name: &str, met
     mcap.write_metadata(&mcap::write::Metadata { name: name.into(), metadata }).map_err(write_error)
 }
 
+/// The media type of the attachment with the scene.
+pub const SCENE_MEDIA_TYPE: &str = "application/toml";
+
 fn attachment(scene: &SceneText) -> Attachment<'_> {
     Attachment {
         log_time: 0,
         create_time: 0,
         name: scene.file_name.clone(),
-        media_type: "application/toml".into(),
+        media_type: SCENE_MEDIA_TYPE.into(),
         data: scene.text.as_bytes().into(),
     }
 }

@@ -127,7 +127,7 @@ impl SpawnMessage {
 
     fn into_body_info(self) -> Result<BodyInfo, String> {
         self.check_strings()?;
-        let invalid = format!("body {:?} has invalid constants", self.name);
+        let invalid = format!("body {:?} has invalid constants", self.name.chars().take(200).collect::<String>());
         let spawn = Spawn {
             rect: Rect::new(Vector::new(self.x, self.y), self.width, self.height),
             mass: self.mass,
@@ -226,6 +226,11 @@ impl BodiesMessage {
             true => Ok(()),
             false => Err(format!("the keyframe of step {} is too large", self.step)),
         }
+    }
+
+    /// The step of the keyframe.
+    pub fn step(&self) -> u64 {
+        self.step
     }
 
     /// Converts the message to a keyframe of a recording of this format version.

@@ -35,9 +35,7 @@ pub type Map = BTreeMap<String, String>;
 /// Parses a metadata record to its name, keys and values.
 pub fn parse(body: &[u8]) -> Result<(&str, Map), Malformed> {
     let mut fields = Cursor::new(body);
-    let record = (fields.text()?, fields.map()?);
-    fields.finish()?;
-    Ok(record)
+    Ok((fields.text()?, fields.map()?))
 }
 
 /// Returns the header record.
@@ -230,7 +228,19 @@ fn parse_header_fields(map: &Map, format: u32) -> Result<Header, String> {
 }
 
 fn parse_gaps(map: &Map) -> Result<Vec<Gap>, String> {
-    map.get("gaps").map_or("", String::as_str).split_whitespace().map(str::parse).collect()
+    let gaps = map.get("gaps").map_or("", String::as_str).split_whitespace().take(limits::GAPS + 1);
+    let gaps: Vec<Gap> = gaps.map(str::parse).collect::<Result<_, String>>()?;
+    if gaps.len() > limits::GAPS {
+        return Err(format!("the metadata declares more than {} gaps", limits::GAPS));
+    }
+    let end = |gap: &Gap| gap.after.unwrap_or(0);
+    let is_ordered =
+        gaps.iter().all(|gap| gap.before <= limits::STEPS && gap.after.is_none_or(|after| after < gap.before))
+            && gaps.windows(2).all(|pair| pair[0].before <= end(&pair[1]));
+    match is_ordered {
+        true => Ok(gaps),
+        false => Err("the gaps in the metadata are not in ascending order".into()),
+    }
 }
 
 fn parse_restitution(map: &Map) -> Result<Restitution, String> {

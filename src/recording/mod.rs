@@ -39,6 +39,7 @@ mod resync;
 mod scene_update;
 mod sequence_validator;
 mod state;
+mod tally;
 mod topic;
 mod writer;
 mod writer_thread;
@@ -46,7 +47,7 @@ mod writer_thread;
 pub use body_table::{BodyInfo, BodyTable};
 pub use digest::{Identity, StateDigest};
 pub use error::Error;
-pub use health::{Damage, Gap, Health};
+pub use health::{Damage, Gap, Health, Missing, MissingEnd};
 pub use index::Summary;
 pub use model::{
     Change, FORMAT_VERSION, Header, Keyframe, KeyframeBody, RecordedError, RecordedEvent, SEMANTICS_VERSION, SceneText,

@@ -59,6 +59,12 @@ impl Header {
         nanoseconds(step, self.config.rate)
     }
 
+    /// Returns true if the end record stores the bounds of all states, which a recording with gaps does not know.
+    pub(super) fn has_state_bounds(&self) -> bool {
+        const FIRST_FORMAT_WITH_BOUNDS: u32 = 2;
+        self.gaps.is_empty() && self.versions.format >= FIRST_FORMAT_WITH_BOUNDS
+    }
+
     /// Returns the number of steps nearest to a second of simulated time, at least 1. Keyframes are this far apart,
     /// and the writer flushes as often.
     pub fn steps_per_second(&self) -> u64 {

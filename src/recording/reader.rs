@@ -7,14 +7,15 @@ use std::{
 use mcap::{MAGIC, McapError, records::op};
 
 use super::{
-    BodyTable, Damage, Error, Gap, Header, Health, Keyframe, RecordedEvent, RecordedState, Trailer,
-    chunk_reader::ChunkReader,
+    BodyTable, Damage, Error, Gap, Header, Health, Keyframe, Missing, MissingEnd, RecordedEvent, RecordedState,
+    Trailer,
+    chunk_reader::{ChunkReader, ChunkRecord},
     decoder::{Decoder, Location},
-    header_section::{self, Defect, HeaderSection},
+    header_section::{self, Defect, HeaderSection, parse_scene},
     index::{self, Index, Summary},
-    record_reader::{ReadFault, RecordHeader, RecordReader},
+    record_reader::{ReadFault, RecordHeader, RecordReader, has_unknown_fields},
     resync::{self, Resync},
-    sequence_validator::SequenceValidator,
+    tally::Tally,
     topic::Topic,
 };
 
@@ -37,6 +38,12 @@ pub struct Recording<R> {
     /// The index of the chunks, once it was needed.
     index: Option<Index>,
     phase: Phase,
+    /// The records read so far, while everything is read from the start.
+    tally: Option<Tally>,
+    settings_offset: u64,
+    scene_offset: Option<u64>,
+    /// The offset of the last record, if it has unknown fields.
+    padded: Option<u64>,
 }
 
 /// One item of a recording.
@@ -92,19 +99,22 @@ impl<R: Read + Seek> Recording<R> {
     pub fn read(source: R) -> Result<Recording<R>, Error> {
         let mut records = RecordReader::new(source);
         let section = header_section::read(&mut records)?;
-        let validator = SequenceValidator::new(&section.header);
-        let decoder = Decoder::new(validator, section.header.versions.format);
+        let decoder = Decoder::new(&section.header);
         let mut recording = Recording {
             header: section.header.clone(),
             records,
             chunks: ChunkReader::new(),
-            chunk: Location { chunk: None, offset: 0 },
+            chunk: Location::default(),
             chunk_count: 0,
             data_end: None,
             crc_suspect: None,
             decoder,
             index: None,
             phase: Phase::Reading,
+            tally: None,
+            settings_offset: section.settings_offset,
+            scene_offset: section.scene_offset,
+            padded: section.padded,
         };
         recording.continue_after(section)?;
         Ok(recording)
@@ -118,10 +128,10 @@ impl<R: Read + Seek> Recording<R> {
     pub fn seek(&mut self, step: u64) -> Result<(), Error> {
         let index = self.take_index()?;
         let time = self.header.log_time(step);
-        let count = index.chunks.partition_point(|chunk| chunk.first_time <= time);
         let mut is_found = false;
-        for chunk in (0..count).rev().filter(|chunk| index.may_contain(*chunk, Topic::Bodies)) {
-            is_found = self.seek_keyframe(&index, chunk, step)?;
+        let candidates = (0..index.places.len()).rev().filter(|place| index.places[*place].first_time <= time);
+        for place in candidates.filter(|place| index.may_contain(*place, Topic::Bodies)) {
+            is_found = self.seek_keyframe(&index, place, step)?;
             if is_found {
                 break;
             }
@@ -130,54 +140,85 @@ impl<R: Read + Seek> Recording<R> {
         if is_found { Ok(()) } else { self.restart() }
     }
 
-    /// Searches a chunk for a keyframe at or before `step`, and returns true if there is one, which is
+    /// Searches from a place on for a keyframe at or before `step`, and returns true if there is one, which is
     /// then the next item.
-    fn seek_keyframe(&mut self, index: &Index, chunk: usize, step: u64) -> Result<bool, Error> {
-        self.open_indexed_chunk(index, chunk)?;
-        while let Some(item) = self.next_in_chunk() {
+    fn seek_keyframe(&mut self, index: &Index, place: usize, step: u64) -> Result<bool, Error> {
+        // A keyframe may begin in the chunk before, where the search then finds it whole.
+        let continued = place.checked_sub(1).map(|previous| index.places[previous].last_time);
+        self.open_place(index, place)?;
+        while let Some(item) = self.next().transpose()? {
             match item {
                 Item::Keyframe(keyframe) if keyframe.step <= step => {
+                    if continued == Some(self.header.log_time(keyframe.step)) {
+                        continue;
+                    }
                     self.decoder.ready.push_front(Item::Keyframe(keyframe));
                     return Ok(true);
                 }
-                Item::Keyframe(_) | Item::Damaged(_) => return Ok(false),
-                Item::Event(_) | Item::State(_) | Item::SuspectState(_) => {}
-                Item::SceneUpdate { .. } | Item::Gap(_) | Item::Trailer(_) => {}
+                Item::State(state) | Item::SuspectState(state) if state.step < step => {}
+                Item::Event(_) | Item::SceneUpdate { .. } | Item::Gap(_) => {}
+                Item::Keyframe(_) | Item::State(_) | Item::SuspectState(_) => return Ok(false),
+                Item::Damaged(_) | Item::Trailer(_) => return Ok(false),
             }
         }
         Ok(false)
     }
 
-    /// Returns the summary, or `None` if the recording is unfinished or its index is damaged. Afterwards,
+    /// Returns the summary, or `None` if the recording is unfinished or has no usable summary section. Afterwards,
     /// reading restarts at the beginning of the recording.
     ///
     /// # Errors
     /// Returns an error if the file cannot be read.
     pub fn summary(&mut self) -> Result<Option<Summary>, Error> {
-        let index = self.take_index()?;
-        let summary = index.summary(&mut self.records).map_err(Error::Read)?;
-        self.index = Some(index);
-        self.restart()?;
-        Ok(summary)
+        self.read_index()?;
+        Ok(self.index.as_ref().and_then(Index::summary))
     }
 
-    /// Calls `visit` with every readable event. Opens only chunks that have events according to the
-    /// index. Afterwards, reading restarts at the beginning of the recording.
+    /// Reads the index and the end record, so that [`Recording::health`] knows the declared gaps and the end before
+    /// everything is read. Afterwards, reading restarts at the beginning of the recording.
     ///
     /// # Errors
     /// Returns an error if the file cannot be read.
-    pub fn for_each_event(&mut self, mut visit: impl FnMut(RecordedEvent)) -> Result<(), Error> {
+    pub fn read_index(&mut self) -> Result<(), Error> {
+        self.index = Some(self.take_index()?);
+        self.restart()
+    }
+
+    /// Calls `visit` with every readable event, and with every readable keyframe if parts are missing or damaged: then the
+    /// spawns of its bodies may be lost. Opens only chunks that have events according to the index. Afterwards, reading restarts
+    /// at the beginning of the recording.
+    ///
+    /// # Errors
+    /// Returns an error if the file cannot be read.
+    pub fn for_each_event(&mut self, mut visit: impl FnMut(Item)) -> Result<(), Error> {
         let index = self.take_index()?;
-        for chunk in (0..index.chunks.len()).filter(|chunk| index.may_contain(*chunk, Topic::Events)) {
-            self.open_indexed_chunk(&index, chunk)?;
+        let places: Vec<usize> =
+            (0..index.places.len()).filter(|place| index.may_contain(*place, Topic::Events)).collect();
+        let mut is_indexed = index.is_usable() && !index.has_loose_messages && self.header.gaps.is_empty();
+        for place in places.iter().take_while(|_| index.is_usable()) {
+            self.open_place(&index, *place)?;
+            while self.next_in_chunk().is_some() {}
+            is_indexed &= self.decoder.damage.is_none();
+        }
+        for place in places.iter().filter(|_| is_indexed) {
+            self.open_place(&index, *place)?;
             while let Some(item) = self.next_in_chunk() {
-                if let Item::Event(event) = item {
-                    visit(event);
+                if let Item::Event(_) = item {
+                    visit(item);
                 }
             }
         }
         self.index = Some(index);
-        self.restart()
+        self.restart()?;
+        if !is_indexed {
+            while let Some(item) = self.next().transpose()? {
+                if let Item::Event(_) | Item::Keyframe(_) = item {
+                    visit(item);
+                }
+            }
+            self.restart()?;
+        }
+        Ok(())
     }
 
     /// Takes the index out of `self`, after reading it if necessary. The caller must put it back.
@@ -188,19 +229,22 @@ impl<R: Read + Seek> Recording<R> {
         }
     }
 
-    /// Opens a chunk of the index and discards the state of everything read before.
-    fn open_indexed_chunk(&mut self, index: &Index, chunk: usize) -> Result<(), Error> {
-        self.seek_record(index.chunks[chunk].offset)?;
-        self.decoder.reset(&index.channels);
-        self.chunk_count = chunk as u64;
+    /// Moves to a place of the index and discards the state of everything read before.
+    fn open_place(&mut self, index: &Index, place: usize) -> Result<(), Error> {
+        self.seek_record(index.places[place].offset)?;
+        self.decoder.reset(&index.definitions);
+        self.chunk_count = place as u64;
         self.next_record()
     }
 
-    /// Returns the next item of the open chunk, or `None` at its end or at damage.
+    /// Returns the next event of the open chunk, or `None` at its end or at damage.
     fn next_in_chunk(&mut self) -> Option<Item> {
         while self.decoder.ready.is_empty() {
+            if self.decoder.resume() {
+                continue;
+            }
             let Ok(Some(record)) = self.chunks.next_record() else { return None };
-            self.decoder.decode_chunk_record(self.chunk, &record);
+            self.decoder.decode_record(self.chunk, &record);
         }
         self.decoder.ready.pop_front()
     }
@@ -210,6 +254,7 @@ impl<R: Read + Seek> Recording<R> {
         self.chunks.close();
         self.data_end = None;
         self.crc_suspect = None;
+        self.tally = None;
         self.phase = Phase::Reading;
         self.records.seek(offset).map_err(Error::Read)
     }
@@ -222,8 +267,8 @@ impl<R: Read + Seek> Recording<R> {
         self.seek_record(0)?;
         self.records.rewind().map_err(Error::Read)?;
         let section = header_section::read(&mut self.records)?;
-        self.decoder.reset(&[]);
-        self.decoder.validator = SequenceValidator::new(&section.header);
+        self.decoder = Decoder::new(&section.header);
+        self.padded = section.padded;
         self.chunk_count = 0;
         self.continue_after(section)
     }
@@ -231,18 +276,54 @@ impl<R: Read + Seek> Recording<R> {
     /// Continues after the header section.
     fn continue_after(&mut self, section: HeaderSection) -> Result<(), Error> {
         self.crc_suspect = section.crc_suspect;
+        if section.defects.is_empty() {
+            let mut tally = Tally::default();
+            section.indexed.iter().for_each(|(opcode, entry)| tally.add_entry(*opcode, entry));
+            self.tally = Some(tally);
+        }
         for Defect { offset, reason } in section.defects {
             self.decoder.report_damage(Location { chunk: None, offset }, reason);
         }
         section.pending.map_or(Ok(()), |record| self.read_record(record))
     }
 
-    /// Returns the condition of the part read so far; final once the iterator has ended.
+    /// Returns the condition of the part read so far; final once the iterator has ended. Before that, the end and the
+    /// gaps are those that the metadata declare, if a seek has read the index.
     pub fn health(&self) -> Health {
-        match (&self.decoder.damage, self.phase, &self.decoder.trailer) {
-            (Some(damage), _, _) => Health::Corrupt(damage.clone()),
-            (None, Phase::Finished, Some(_)) => Health::Complete,
-            (None, _, _) => Health::Truncated { after: self.decoder.validator.last_step() },
+        let validator = &self.decoder.validator;
+        let index = self.index.as_ref();
+        let (trailer, after) = match (self.phase, index) {
+            (Phase::Reading, Some(index)) => {
+                (index.trailer.as_ref(), index.trailer.as_ref().map(|trailer| trailer.steps))
+            }
+            _ => (self.decoder.trailer.as_ref(), validator.last_step()),
+        };
+        let missing = self.missing(trailer, after, validator.found_gaps());
+        let fault = index.and_then(|index| index.fault.as_ref());
+        match self.decoder.damage.as_ref().or(fault) {
+            Some(damage) => Health::Corrupt { damage: damage.clone(), missing },
+            None if missing.is_empty() => Health::Whole,
+            None => Health::Incomplete(missing),
+        }
+    }
+
+    /// Returns the parts that are missing in a recording with this end record, last state and gaps.
+    fn missing(&self, trailer: Option<&Trailer>, after: Option<u64>, found: &[Gap]) -> Missing {
+        let last = match trailer {
+            None => self.header.steps,
+            Some(Trailer { error: Some(_), steps, .. }) => *steps,
+            Some(trailer) => trailer.steps.max(self.header.steps),
+        };
+        let is_cut = trailer.is_none() || self.phase == Phase::Truncated;
+        let is_ended = !is_cut && after.is_some_and(|after| after >= last);
+        let mut gaps = found.to_vec();
+        gaps.extend(self.header.gaps.iter().filter(|gap| !found.contains(gap)));
+        gaps.sort_by_key(|gap| (gap.first_missing(), gap.before));
+        Missing {
+            gaps,
+            end: (!is_ended).then_some(MissingEnd { after, last, is_cut }),
+            scene: self.header.scene.is_none(),
+            recovered: trailer.is_some_and(|trailer| trailer.recovered),
         }
     }
 
@@ -264,8 +345,14 @@ impl<R: Read + Seek> Recording<R> {
     /// Reads until an item is ready or the file ends.
     fn advance(&mut self) -> Result<(), Error> {
         while self.decoder.ready.is_empty() && self.phase == Phase::Reading {
+            if self.decoder.resume() {
+                continue;
+            }
             match self.chunks.next_record() {
-                Ok(Some(record)) => self.decoder.decode_chunk_record(self.chunk, &record),
+                Ok(Some(record)) => {
+                    self.tally.iter_mut().for_each(|tally| tally.add_record(&record));
+                    self.decoder.decode_record(self.chunk, &record);
+                }
                 Ok(None) => self.next_record()?,
                 Err(reason) => self.decoder.mark_lost(self.chunk, reason),
             }
@@ -275,31 +362,93 @@ impl<R: Read + Seek> Recording<R> {
 
     fn next_record(&mut self) -> Result<(), Error> {
         match self.records.next_record() {
-            Ok(Some(record)) if self.data_end.is_none() => self.read_record(record)?,
-            Ok(Some(_)) => {} // The summary section: copies and the index, verified by its checksum.
-            Ok(None) => self.phase = Phase::Finished,
+            Ok(Some(record)) => match self.data_end {
+                None => self.read_record(record)?,
+                Some(_) => {
+                    let body = &self.records.body;
+                    let added = self.tally.as_mut().map(|tally| tally.add_summary_record(record.opcode, body));
+                    if added.is_some_and(|added| added.is_err()) {
+                        self.report_summary("a record of the summary is malformed".into());
+                    }
+                }
+            },
+            Ok(None) => {
+                self.finish();
+                self.phase = Phase::Finished;
+                self.decoder.padded = None;
+                let difference =
+                    self.tally.as_ref().filter(|_| self.decoder.damage.is_none()).and_then(Tally::difference);
+                difference.into_iter().for_each(|reason| self.report_summary(reason));
+            }
             Err(fault) => self.recover_from(fault)?,
         }
         Ok(())
     }
 
+    fn report_summary(&mut self, reason: String) {
+        self.tally = None;
+        let location = Location { chunk: None, offset: self.data_end.unwrap_or(0) };
+        self.decoder.report_damage(location, reason);
+    }
+
+    /// Ends the open chunk and the open step. No message follows.
+    fn finish(&mut self) {
+        self.close_chunk();
+        self.decoder.finish_step();
+    }
+
+    fn close_chunk(&mut self) {
+        if let (Some(chunk), Some(tally)) = (self.chunks.close(), &mut self.tally) {
+            tally.add_chunk(&chunk);
+        }
+    }
+
     fn read_record(&mut self, RecordHeader { offset, opcode }: RecordHeader) -> Result<(), Error> {
-        let body = &self.records.body;
         let location = Location { chunk: None, offset };
+        if opcode >= 0x80 {
+            self.padded = self.padded.or(Some(offset));
+            return Ok(()); // A private record of another program, or one with a damaged opcode.
+        }
+        self.decoder.padded = self.padded.take();
+        self.padded = has_unknown_fields(opcode, &self.records.body).then_some(offset);
+        if opcode == op::MESSAGE_INDEX {
+            if let Err(reason) = self.chunks.check_message_index(offset, &self.records.body) {
+                self.decoder.report_damage(Location { offset, ..self.chunk }, reason);
+                return self.resume_after(offset);
+            }
+            return Ok(());
+        }
+        self.close_chunk();
+        let body = &self.records.body;
         match opcode {
             op::CHUNK => return self.open_chunk(offset),
-            op::MESSAGE_INDEX => {
-                if let Err(reason) = self.chunks.check_message_index(body) {
-                    self.decoder.report_damage(Location { offset, ..self.chunk }, reason);
-                    return self.resume_after(offset);
+            op::MESSAGE | op::SCHEMA | op::CHANNEL => {
+                let record = ChunkRecord { opcode, body };
+                self.tally.iter_mut().for_each(|tally| tally.add_record(&record));
+                self.decoder.decode_record(location, &record);
+            }
+            op::METADATA => {
+                self.tally.iter_mut().for_each(|tally| tally.add_indexed(opcode, offset, body));
+                self.decoder.decode_metadata(location, body, self.settings_offset);
+            }
+            op::ATTACHMENT => {
+                self.tally.iter_mut().for_each(|tally| tally.add_indexed(opcode, offset, body));
+                match parse_scene(body) {
+                    Ok(Some(_)) if self.scene_offset != Some(offset) => {
+                        self.decoder.report_damage(location, "a second attachment with a scene".into());
+                    }
+                    Ok(_) => {}
+                    Err(reason) => self.decoder.report_damage(location, reason),
                 }
             }
-            op::METADATA => self.decoder.decode_metadata(location, body),
-            op::ATTACHMENT => {}
-            op::DATA_END => self.data_end = Some(offset),
+            op::DATA_END => {
+                self.decoder.finish_step();
+                self.decoder.padded = None;
+                self.data_end = Some(offset);
+            }
             other => {
                 self.decoder.mark_lost(location, format!("a record with opcode {other:#04x} is not allowed here"));
-                return self.resume_after(offset);
+                return self.resume_after(self.decoder.padded.unwrap_or(offset));
             }
         }
         Ok(())
@@ -308,7 +457,7 @@ impl<R: Read + Seek> Recording<R> {
     fn open_chunk(&mut self, offset: u64) -> Result<(), Error> {
         self.chunk_count += 1;
         self.chunk = Location { chunk: Some(self.chunk_count), offset };
-        match self.chunks.open(&self.records.body) {
+        match self.chunks.open(offset, &self.records.body) {
             Ok(()) => Ok(()),
             Err(reason) => {
                 self.decoder.mark_lost(self.chunk, reason);
@@ -319,12 +468,16 @@ impl<R: Read + Seek> Recording<R> {
 
     fn resume_after(&mut self, offset: u64) -> Result<(), Error> {
         self.chunks.close();
+        self.tally = None;
         self.records.resume_after(offset).map_err(Error::Read)
     }
 
     /// Continues at the next valid record after a fault.
-    fn recover_from(&mut self, fault: ReadFault) -> Result<(), Error> {
-        self.chunks.close();
+    fn recover_from(&mut self, mut fault: ReadFault) -> Result<(), Error> {
+        self.finish();
+        self.tally = None;
+        // The length of the record before may be damaged.
+        fault.offset = self.padded.take().unwrap_or(fault.offset);
         if let McapError::Io(error) = fault.error {
             return Err(Error::Read(error));
         }

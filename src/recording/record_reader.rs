@@ -2,6 +2,7 @@ use std::io::{self, Read, Seek, SeekFrom};
 
 use mcap::{
     MAGIC, McapError,
+    records::op,
     sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions},
 };
 
@@ -118,6 +119,44 @@ fn strict_options() -> LinearReaderOptions {
         .with_record_length_limit(limits::RECORD_BYTES)
 }
 
+/// Returns true if a record has bytes after its known fields. Later versions of MCAP may add fields, but the length of
+/// the record may also be damaged.
+pub fn has_unknown_fields(opcode: u8, body: &[u8]) -> bool {
+    let mut fields = Cursor::new(body);
+    let mut skip = || {
+        match opcode {
+            op::HEADER => [fields.text()?, fields.text()?].len(),
+            op::CHUNK => {
+                fields.bytes(8 + 8 + 8 + 4)?;
+                fields.text()?;
+                let length = fields.u64()?;
+                fields.bytes(length)?.len()
+            }
+            op::MESSAGE_INDEX => {
+                fields.u16()?;
+                let length = fields.u32()?;
+                fields.bytes(length.into())?.len()
+            }
+            op::METADATA => {
+                fields.text()?;
+                let length = fields.u32()?;
+                fields.bytes(length.into())?.len()
+            }
+            op::ATTACHMENT => {
+                fields.bytes(8 + 8)?;
+                let _names = [fields.text()?, fields.text()?];
+                let length = fields.u64()?;
+                fields.bytes(length)?;
+                fields.bytes(4)?.len()
+            }
+            _ => return Ok(false),
+        };
+        Ok(!fields.is_empty())
+    };
+    let has_more: Result<bool, Malformed> = skip();
+    has_more == Ok(true)
+}
+
 /// Reads the fields of one MCAP record from front to back.
 ///
 /// The parser of the `mcap` crate is not used, because it reserves memory for any length field, and
@@ -159,14 +198,6 @@ impl<'a> Cursor<'a> {
         self.rest
     }
 
-    /// Returns an error if bytes are left.
-    pub fn finish(self) -> Result<(), Malformed> {
-        match self.rest {
-            [] => Ok(()),
-            [..] => Err(Malformed),
-        }
-    }
-
     /// Reads a little-endian `u16`.
     pub fn u16(&mut self) -> Result<u16, Malformed> {
         self.array().map(u16::from_le_bytes)
@@ -195,7 +226,9 @@ impl<'a> Cursor<'a> {
         let mut map = Map::new();
         while !pairs.is_empty() {
             let key = pairs.text()?;
-            map.insert(key.into(), pairs.text()?.into());
+            if map.insert(key.into(), pairs.text()?.into()).is_some() {
+                return Err(Malformed); // A key occurs twice.
+            }
         }
         Ok(map)
     }

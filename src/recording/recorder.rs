@@ -38,9 +38,6 @@ pub struct Recorder<W: Write> {
 /// The first format version that divides large keyframes into several messages.
 const FIRST_FORMAT_WITH_SPLIT_KEYFRAMES: u32 = 3;
 
-/// The first format version whose end record stores the state bounds.
-const FIRST_FORMAT_WITH_BOUNDS: u32 = 2;
-
 impl<W: Write> Recorder<W> {
     /// Creates a recorder and writes the header section to `output`.
     ///
@@ -58,8 +55,7 @@ impl<W: Write> Recorder<W> {
             unflushed_events: false,
             state: RecordedState::default(),
             digest: StateDigest::default(),
-            state_bounds: (header.gaps.is_empty() && header.versions.format >= FIRST_FORMAT_WITH_BOUNDS)
-                .then(StateBounds::default),
+            state_bounds: header.has_state_bounds().then(StateBounds::default),
             color: None,
             bytes: Vec::new(),
         })

@@ -6,7 +6,7 @@ use std::{
 use crate::text::counted;
 
 use super::{
-    Error, Gap, Header, Health, Item, Keyframe, RecordedEvent, RecordedState, Recording, RunEnd, Trailer,
+    Error, Gap, Header, Health, Item, Keyframe, MissingEnd, RecordedEvent, RecordedState, Recording, RunEnd, Trailer,
     mcap_writer::Profile, recorder::Recorder,
 };
 
@@ -32,10 +32,13 @@ pub struct Recovery {
 /// this version of rebond wrote is reproduced byte for byte. `recording` is read twice, from its start.
 ///
 /// # Errors
-/// Returns an error if reading or writing fails.
+/// Returns an error if reading or writing fails, or if no state can be recovered; nothing is written then.
 #[doc(alias("repair", "salvage"))]
 pub fn recover<R: Read + Seek, W: Write>(recording: &mut Recording<R>, output: W) -> Result<(Recovery, W), Error> {
     let scan = SalvageScan::new(recording)?;
+    if scan.states == 0 {
+        return Err(Error::NothingToRecover { damage: scan.health.damage().cloned() });
+    }
     let header = Header { gaps: scan.gaps.clone(), ..recording.header.clone() };
     let mut recorder = Recorder::new(output, scan.profile, &header)?;
     salvage(recording, |saved| match saved {
@@ -45,7 +48,7 @@ pub fn recover<R: Read + Seek, W: Write>(recording: &mut Recording<R>, output: W
         Saved::SceneUpdate { time, message } => recorder.write_scene_update(time, &message),
         Saved::Gap(_) | Saved::Trailer(_) => Ok(()),
     })?;
-    let is_recovered = scan.health != Health::Complete || scan.was_recovered();
+    let is_recovered = scan.health != Health::Whole || scan.was_recovered();
     let (trailer, output) = recorder.finish(scan.run_end(), is_recovered)?;
     let SalvageScan { states, gaps, health, .. } = scan;
     Ok((Recovery { trailer, states, gaps, health, rate: header.config.rate }, output))
@@ -126,7 +129,7 @@ impl SalvageScan {
             gaps: Vec::new(),
             trailer: None,
             profile: Profile::Ros2,
-            health: Health::Complete,
+            health: Health::Whole,
         };
         salvage(recording, |saved| {
             scan.add(saved);
@@ -164,6 +167,15 @@ impl SalvageScan {
     }
 }
 
+impl Recovery {
+    /// Returns true if the new recording has everything that was recorded.
+    pub fn is_everything(&self) -> bool {
+        let Recovery { gaps, health, .. } = self;
+        gaps.is_empty()
+            && health.missing().is_none_or(|missing| !missing.end.is_some_and(MissingEnd::has_states) && !missing.scene)
+    }
+}
+
 impl Display for Recovery {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         write!(f, "recovered {} up to step {}", counted(self.states, "state"), self.trailer.steps)?;
@@ -179,10 +191,24 @@ impl Display for Recovery {
             }
         }
         match &self.health {
-            Health::Complete if self.gaps.is_empty() => write!(f, "\nnothing was lost"),
-            Health::Complete => Ok(()),
-            Health::Truncated { .. } => write!(f, "\nlost all later steps: the end of the recording is missing"),
-            Health::Corrupt(damage) => write!(f, "\nfirst damage: {damage}"),
+            Health::Whole => write!(f, "\nnothing was lost")?,
+            Health::Incomplete(missing) | Health::Corrupt { missing, .. } => {
+                match missing.end {
+                    Some(end) if !end.has_states() => write!(f, "\nlost no state at the end of the file")?,
+                    Some(end) if end.is_cut => {
+                        write!(f, "\nlost all later steps: the end of the recording is missing")?;
+                    }
+                    Some(end) => write!(f, "\nlost all steps up to {}", end.last)?,
+                    None => {}
+                }
+                if missing.scene {
+                    write!(f, "\nlost the text of the scene")?;
+                }
+            }
+        }
+        match self.health.damage() {
+            Some(damage) => write!(f, "\nfirst damage: {damage}"),
+            None => Ok(()),
         }
     }
 }

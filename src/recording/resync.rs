@@ -6,7 +6,7 @@ use mcap::{MAGIC, McapError, records::op};
 
 use super::{
     limits, metadata,
-    record_reader::{Cursor, Malformed, ReadFault},
+    record_reader::{Cursor, Malformed, PREFIX_BYTES, ReadFault},
 };
 
 /// The way to continue after a place without a valid record.
@@ -73,6 +73,32 @@ fn find<R: Read + Seek>(source: &mut R, from: u64, is_match: fn(&[u8]) -> bool) 
     }
 }
 
+/// Reads the record at `offset` of the data section, if it is intact so far, and returns its opcode, its fields if it is
+/// an attachment, and the offset of the next record. Returns `None` at the end of the data section.
+///
+/// # Errors
+/// Returns an error if the file cannot be read.
+pub fn read_attachment<R: Read + Seek>(source: &mut R, offset: u64) -> io::Result<Option<(u8, Vec<u8>, u64)>> {
+    let end = source.seek(SeekFrom::End(0))?;
+    source.seek(SeekFrom::Start(offset))?;
+    let mut prefix = [0; PREFIX_BYTES];
+    if read_up_to(source, &mut prefix)? < PREFIX_BYTES {
+        return Ok(None);
+    }
+    let mut fields = Cursor::new(&prefix);
+    let (Ok([opcode]), Ok(length)) = (fields.bytes(1), fields.u64()) else { return Ok(None) };
+    let Some(next) = length.checked_add(offset + PREFIX_BYTES as u64).filter(|next| *next <= end) else {
+        return Ok(None);
+    };
+    if [0, op::DATA_END, op::FOOTER].contains(opcode) {
+        return Ok(None);
+    }
+    let is_attachment = *opcode == op::ATTACHMENT && length <= limits::RECORD_BYTES as u64;
+    let mut body = vec![0; if is_attachment { length as usize } else { 0 }];
+    source.read_exact(&mut body)?;
+    Ok(Some((*opcode, body, next)))
+}
+
 /// Returns true if the file ends with the magic bytes of a finished MCAP file.
 fn ends_with_magic<R: Read + Seek>(source: &mut R) -> io::Result<bool> {
     let length = source.seek(SeekFrom::End(0))?;
@@ -109,7 +135,7 @@ fn resembles_chunk(mut fields: Cursor<'_>, length: u64) -> Result<bool, Malforme
     let compression = fields.text()?;
     let compressed_size = fields.u64()?;
     let header = 8 + 8 + 8 + 4 + 4 + compression.len() as u64 + 8;
-    Ok(["", "zstd"].contains(&compression) && compressed_size.checked_add(header) == Some(length))
+    Ok(["", "zstd", "lz4"].contains(&compression) && compressed_size.checked_add(header) == Some(length))
 }
 
 /// Fills `bytes` as far as the file allows, and returns the number of bytes read.

@@ -3,9 +3,14 @@
 //! Viewers have z up and y to the left, so the world is drawn in the plane z = 0 with y negated. Only the
 //! fields in use are written; the schema in the file contains all.
 
-use std::sync::Arc;
+use std::{collections::BTreeMap, sync::Arc};
 
-use super::BodyInfo;
+use crate::physics::BodyId;
+
+use super::{
+    BodyInfo, BodyTable, RecordedState,
+    record_reader::{Cursor, Malformed},
+};
 
 /// Returns the colour of a body in viewers: red, green, blue.
 pub type ColorFn = fn(&BodyInfo) -> [u8; 3];
@@ -21,7 +26,7 @@ pub const SCHEMA: &[u8] = include_bytes!("schemas/foxglove.SceneUpdate.bin");
 pub fn encode<'a>(
     time: u64,
     bodies: impl Iterator<Item = (&'a Arc<BodyInfo>, [f64; 4])>,
-    color: ColorFn,
+    color: impl Fn(&BodyInfo) -> [u8; 3],
     bytes: &mut Vec<u8>,
 ) {
     let timestamp = timestamp(time);
@@ -32,6 +37,103 @@ pub fn encode<'a>(
     }
     bytes.clear();
     bytes.extend(Message::default().message(1, &deletion).message(2, &boxes).0);
+}
+
+/// The colours of the bodies alive, red, green, blue.
+pub type Colors = BTreeMap<BodyId, [u8; 3]>;
+
+/// Compares a message with the one that shows this state at `time`, and describes a difference. The colours must be
+/// those of the message before, if a body was in it, and those of the scene, if it gives any. `colors` becomes those
+/// of the message.
+pub fn difference(
+    message: &[u8],
+    time: u64,
+    table: &BodyTable,
+    state: &RecordedState,
+    colors: &mut Colors,
+) -> Option<String> {
+    let step = state.step;
+    let found: Option<Colors> = parse_colors(message)
+        .ok()
+        .filter(|found| found.len() == table.bodies().len())
+        .map(|found| table.bodies().iter().map(|info| info.id).zip(found).collect());
+    let Some(found) = found else { return Some(format!("the scene update of state {step} does not show its bodies")) };
+    let mut expected = Vec::new();
+    let bodies =
+        table.join_state(state).map(|(info, recorded)| (info, recorded.unwrap_or_else(|| info.initial_state())));
+    encode(time, bodies, |info| found.get(&info.id).copied().unwrap_or_default(), &mut expected);
+    let previous = std::mem::replace(colors, found);
+    if expected != message {
+        return Some(format!("the scene update of state {step} shows other boxes than the state has"));
+    }
+    let changed = table.bodies().iter().find(|info| {
+        let color = colors.get(&info.id);
+        let of_scene = info.color.as_deref().and_then(parse_hexadecimal);
+        previous.get(&info.id).is_some_and(|previous| Some(previous) != color)
+            || of_scene.is_some_and(|of_scene| Some(&of_scene) != color)
+    });
+    changed.map(|info| format!("the scene update of state {step} has another colour of body {:?}", info.spawn.name))
+}
+
+/// Returns the colours of the boxes in a message, in order.
+fn parse_colors(message: &[u8]) -> Result<Vec<[u8; 3]>, Malformed> {
+    let mut colors = Vec::new();
+    for boxes in fields(message, 2)? {
+        for cube in fields(boxes, 8)? {
+            let mut color = [0; 3];
+            for message in fields(cube, 3)? {
+                let mut rest = Cursor::new(message);
+                while !rest.is_empty() {
+                    let field = usize::try_from(varint(&mut rest)? >> 3).map_err(|_| Malformed)?;
+                    let number = f64::from_bits(rest.u64()?);
+                    if let Some(channel) = color.get_mut(field.wrapping_sub(1)) {
+                        *channel = (number * 255.0).round() as u8;
+                    }
+                }
+            }
+            colors.push(color);
+        }
+    }
+    Ok(colors)
+}
+
+/// Returns the contents of the length-delimited fields with this number.
+fn fields(message: &[u8], number: u64) -> Result<Vec<&[u8]>, Malformed> {
+    let mut rest = Cursor::new(message);
+    let mut found = Vec::new();
+    while !rest.is_empty() {
+        let tag = varint(&mut rest)?;
+        match tag & 7 {
+            VARINT => drop(varint(&mut rest)?),
+            FIXED_64_BITS => drop(rest.u64()?),
+            LENGTH_DELIMITED => {
+                let length = varint(&mut rest)?;
+                let content = rest.bytes(length)?;
+                found.extend((tag >> 3 == number).then_some(content));
+            }
+            _ => return Err(Malformed),
+        }
+    }
+    Ok(found)
+}
+
+fn varint(bytes: &mut Cursor<'_>) -> Result<u64, Malformed> {
+    let mut number = 0;
+    for shift in (0..64).step_by(7) {
+        let byte = *bytes.bytes(1)?.first().ok_or(Malformed)?;
+        number |= u64::from(byte & 0x7f) << shift;
+        if byte & 0x80 == 0 {
+            return Ok(number);
+        }
+    }
+    Err(Malformed)
+}
+
+/// Parses a colour such as `#3366cc`.
+fn parse_hexadecimal(text: &str) -> Option<[u8; 3]> {
+    let digits = text.strip_prefix('#').filter(|digits| digits.len() == 6)?;
+    let [_, r, g, b] = u32::from_str_radix(digits, 16).ok()?.to_be_bytes();
+    Some([r, g, b])
 }
 
 /// `SceneEntityDeletion.ALL`.

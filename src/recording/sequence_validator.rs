@@ -3,27 +3,37 @@ use std::collections::VecDeque;
 use crate::text::counted;
 
 use super::{
-    BodyTable, Change, Gap, Header, Keyframe, RecordedEvent, RecordedState, StateDigest, Trailer,
+    BodyTable, Change, Gap, Header, Keyframe, RecordedEvent, RecordedState, StateBounds, StateDigest, Trailer,
     digest::IdentityChain, limits,
 };
 
-/// Checks that the items of a recording form a consistent sequence.
+/// Checks that the items of a recording form a consistent sequence, and notes what is missing.
 ///
 /// After damage any later step may follow, and the living bodies are unknown until the next keyframe.
 /// Unknown facts are not checked.
 pub struct SequenceValidator {
     every: u64,
+    has_scene: bool,
     last_step: Option<u64>,
     expected: ExpectedStep,
     /// The living bodies, if known.
     table: Option<BodyTable>,
-    /// The identity so far, if nothing was lost.
-    identity: Option<IdentityChain>,
+    /// The identity so far.
+    identity: IdentityChain,
+    /// The bounds so far, if the end record declares them.
+    state_bounds: Option<StateBounds>,
     next_id: u32,
     events: u64,
     digest: StateDigest,
-    /// The declared gaps of a recovered recording that are still ahead.
+    position: Position,
+    /// The declared gaps of a recovered recording.
+    declared_gaps: Vec<Gap>,
+    /// The declared gaps that are still ahead.
     gaps: VecDeque<Gap>,
+    /// The gaps found so far, declared or not.
+    found_gaps: Vec<Gap>,
+    /// True if full states have scene updates; `None` before the first full state.
+    has_scene_updates: Option<bool>,
 }
 
 /// The step of the next message.
@@ -35,19 +45,38 @@ enum ExpectedStep {
     AtLeast(u64),
 }
 
+/// What was read before the current position.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Position {
+    /// Everything, apart from declared gaps.
+    Complete,
+    /// Something is lost directly before the next item.
+    Lost,
+    /// Something is lost further back.
+    Resumed,
+    /// Reading has begun somewhere in the file, and nothing was read yet.
+    Unknown,
+}
+
 impl SequenceValidator {
     /// Creates a validator at the start of a recording. Without the scene the identity is not checked.
     pub fn new(header: &Header) -> SequenceValidator {
         SequenceValidator {
             every: header.every,
+            has_scene: header.scene.is_some(),
             last_step: None,
             expected: ExpectedStep::Exactly(0),
             table: Some(BodyTable::default()),
-            identity: header.scene.is_some().then(|| IdentityChain::new(header)),
+            identity: IdentityChain::new(header),
+            state_bounds: header.has_state_bounds().then(StateBounds::default),
             next_id: 0,
             events: 0,
             digest: StateDigest::default(),
+            position: Position::Complete,
+            declared_gaps: header.gaps.clone(),
             gaps: header.gaps.iter().copied().collect(),
+            found_gaps: Vec::new(),
+            has_scene_updates: None,
         }
     }
 
@@ -61,11 +90,25 @@ impl SequenceValidator {
         self.table.as_ref()
     }
 
+    /// The gaps found so far, in ascending order.
+    pub fn found_gaps(&self) -> &[Gap] {
+        &self.found_gaps
+    }
+
+    /// Returns true if everything up to the current position was read, apart from declared gaps.
+    pub fn is_complete(&self) -> bool {
+        self.position == Position::Complete
+    }
+
     /// Resets the step and the living bodies to unknown, before reading at another place.
     pub fn reset(&mut self) {
         self.mark_lost();
+        self.position = Position::Unknown;
         self.last_step = None;
         self.expected = ExpectedStep::AtLeast(0);
+        self.gaps = self.declared_gaps.iter().copied().collect();
+        self.found_gaps.clear();
+        self.has_scene_updates = None;
     }
 
     /// Accepts that data was lost here.
@@ -73,20 +116,54 @@ impl SequenceValidator {
         self.expected = match self.expected {
             ExpectedStep::Exactly(step) | ExpectedStep::AtLeast(step) => ExpectedStep::AtLeast(step),
         };
+        self.position = match self.position {
+            Position::Unknown => Position::Unknown,
+            Position::Complete | Position::Lost | Position::Resumed => Position::Lost,
+        };
         self.table = None;
-        self.identity = None;
+        self.state_bounds = None;
     }
 
     /// Crosses and returns the next declared gap if an item of step `step` is the first one after it.
     pub fn cross_gap(&mut self, step: u64) -> Option<Gap> {
+        let is_lost = matches!(self.expected, ExpectedStep::AtLeast(_));
+        if is_lost {
+            while self.gaps.front().is_some_and(|gap| gap.before < step) {
+                self.gaps.pop_front();
+            }
+        }
         let gap = *self.gaps.front()?;
-        if gap.after != self.last_step || gap.before != step {
+        if gap.before != step || gap.after != self.last_step && !is_lost {
             return None;
         }
         self.gaps.pop_front();
         self.expected = ExpectedStep::AtLeast(step);
         self.table = None;
-        Some(gap)
+        match self.position {
+            Position::Unknown | Position::Lost => None, // Noted with the next item, if anything was read before.
+            Position::Complete | Position::Resumed => {
+                self.note_gap(gap);
+                Some(gap)
+            }
+        }
+    }
+
+    fn note_gap(&mut self, gap: Gap) {
+        let is_full = self.found_gaps.len() == limits::GAPS;
+        match self.found_gaps.last_mut() {
+            Some(last) if is_full => last.before = gap.before,
+            Some(_) | None => self.found_gaps.push(gap),
+        }
+    }
+
+    /// Returns a description of the missing states if the step of the next message, `kind`, is later than expected.
+    pub fn missing_before(&self, step: u64, kind: &str) -> Option<String> {
+        match self.expected {
+            ExpectedStep::Exactly(expected) if step > expected && step <= limits::STEPS => {
+                Some(format!("{kind} has step {step}, but step {expected} is expected"))
+            }
+            ExpectedStep::Exactly(_) | ExpectedStep::AtLeast(_) => None,
+        }
     }
 
     /// Adds an event, encoded as `message`.
@@ -103,9 +180,7 @@ impl SequenceValidator {
             self.next_id = id.saturating_add(1);
         }
         self.events += 1;
-        if let Some(identity) = &mut self.identity {
-            identity.event(message);
-        }
+        self.identity.event(message);
         Ok(())
     }
 
@@ -138,10 +213,56 @@ impl SequenceValidator {
         let suspicion = self.check_values(state);
         self.last_step = Some(state.step);
         self.expected = ExpectedStep::Exactly(state.step + 1);
-        if let Some(identity) = &mut self.identity {
-            identity.state(state.step, state.digest);
-        }
+        self.identity.state(state.step, state.digest);
+        self.include_in_bounds(state);
         Ok(suspicion)
+    }
+
+    /// Returns a description of the first body whose values in a keyframe differ from those in the state of its step. A
+    /// state that does not list its bodies is compared by its digest.
+    pub fn compare_keyframe(&mut self, keyframe: &Keyframe, state: &RecordedState) -> Option<String> {
+        let step = keyframe.step;
+        let table = keyframe.table();
+        self.digest.clear();
+        let mut first = None;
+        for (body, (info, recorded)) in keyframe.bodies.iter().zip(table.join_state(state)) {
+            let values = [body.position.x, body.position.y, body.velocity.x, body.velocity.y];
+            self.digest.add(info.id, values);
+            let recorded = recorded.unwrap_or_else(|| info.initial_state());
+            let pairs = ["x", "y", "vx", "vy"].into_iter().zip(values.into_iter().zip(recorded));
+            for (field, (value, recorded)) in pairs.filter(|(_, (a, b))| a.to_bits() != b.to_bits()) {
+                first.get_or_insert_with(|| {
+                    let name = &info.spawn.name;
+                    format!(
+                        "the keyframe of step {step} has {field} {value:?} of body {name:?}, the state {recorded:?}"
+                    )
+                });
+            }
+        }
+        match self.digest.value() == state.digest {
+            true => None,
+            false => first
+                .filter(|_| self.is_full(step))
+                .or_else(|| Some(format!("the keyframe of step {step} does not match the digest of the state"))),
+        }
+    }
+
+    /// Returns a description of the problem if the presence of a scene update differs from that of the states before.
+    pub fn check_presence(&mut self, has_scene_update: bool, state: &RecordedState) -> Option<String> {
+        /// Bodies above which a scene update may be too large to be recorded.
+        const MANY: usize = limits::MESSAGE_BYTES / 256;
+        let step = state.step;
+        if !self.is_full(step) {
+            return has_scene_update.then(|| format!("state {step} is recorded as a digest, but has a scene update"));
+        }
+        if self.table.as_ref().is_none_or(|table| table.bodies().len() > MANY) {
+            return None;
+        }
+        match (*self.has_scene_updates.get_or_insert(has_scene_update), has_scene_update) {
+            (true, false) => Some(format!("the scene update of state {step} is missing")),
+            (false, true) => Some(format!("the scene updates before state {step} are missing")),
+            (true, true) | (false, false) => None,
+        }
     }
 
     /// Checks the end record against the items before it.
@@ -149,20 +270,67 @@ impl SequenceValidator {
     /// # Errors
     /// Returns a description of the contradiction if they do not match.
     pub fn check_trailer(&self, trailer: &Trailer) -> Result<(), String> {
-        let Some(identity) = &self.identity else { return Ok(()) };
-        let found = (self.last_step.unwrap_or(0), self.events);
-        if (trailer.steps, trailer.events) != found {
+        if !self.is_complete() {
+            return Ok(());
+        }
+        let last_step = self.last_step.unwrap_or(0);
+        if !self.has_scene && !trailer.recovered && trailer.steps > last_step {
+            return Ok(()); // The missing states are reported by the health.
+        }
+        let counts = [
+            ("step", trailer.steps, last_step),
+            ("event", trailer.events, self.events),
+            ("body", trailer.bodies, self.next_id.into()),
+        ];
+        if let Some((noun, declared, found)) = counts.into_iter().find(|(_, declared, found)| declared != found) {
             return Err(format!(
-                "the end record declares {} and {}, but the recording has {} and {}",
-                counted(trailer.steps, "step"),
-                counted(trailer.events, "event"),
-                counted(found.0, "step"),
-                counted(found.1, "event"),
+                "the end record declares {}, but the recording has {}",
+                counted(declared, noun),
+                counted(found, noun),
             ));
         }
-        match identity.identity() == trailer.identity {
+        if let Some(gap) = self.gaps.front() {
+            return Err(format!("the metadata declares the gap {gap}, but nothing is missing there"));
+        }
+        self.check_bounds(trailer)?;
+        let is_identity_known = self.has_scene || trailer.recovered;
+        match !is_identity_known || self.identity.identity() == trailer.identity {
             true => Ok(()),
             false => Err("the recording does not match its identity".into()),
+        }
+    }
+
+    fn check_bounds(&self, trailer: &Trailer) -> Result<(), String> {
+        let found = self.state_bounds.filter(|bounds| bounds.top_speed.is_finite());
+        let numbers = |bounds: &StateBounds| {
+            let corners = bounds.bounds.map(|bounds| [bounds.near.x, bounds.near.y, bounds.far.x, bounds.far.y]);
+            (bounds.top_speed.to_bits(), corners.map(|corners| corners.map(f64::to_bits)))
+        };
+        match (&trailer.state_bounds, &found) {
+            (Some(declared), Some(found)) if numbers(declared) != numbers(found) => {
+                match declared.top_speed.to_bits() == found.top_speed.to_bits() {
+                    true => Err("the end record declares other bounds (reach) than the states have".into()),
+                    false => Err(format!(
+                        "the end record declares a top speed of {:?} m/s, but the states have {:?} m/s",
+                        declared.top_speed, found.top_speed
+                    )),
+                }
+            }
+            (None, Some(_)) => Err("the end record has no top speed".into()),
+            (Some(_), None) if self.state_bounds.is_some() => {
+                Err("the end record declares a top speed, but that of the states is not finite".into())
+            }
+            (Some(_), Some(_) | None) | (None, None) => Ok(()),
+        }
+    }
+
+    fn include_in_bounds(&mut self, state: &RecordedState) {
+        if let (Some(bounds), Some(table)) = (&mut self.state_bounds, &self.table)
+            && state.step.is_multiple_of(self.every)
+        {
+            for (info, recorded) in table.join_state(state) {
+                bounds.include(info, recorded.unwrap_or_else(|| info.initial_state()));
+            }
         }
     }
 
@@ -199,6 +367,7 @@ impl SequenceValidator {
         match (is_possible, self.expected) {
             (true, _) => {
                 self.expected = ExpectedStep::Exactly(step);
+                self.resume(step);
                 Ok(())
             }
             (false, ExpectedStep::Exactly(expected)) => {
@@ -206,6 +375,18 @@ impl SequenceValidator {
             }
             (false, ExpectedStep::AtLeast(expected)) => {
                 Err(format!("{kind} has step {step}, but step {expected} or later is expected"))
+            }
+        }
+    }
+
+    /// Notes the gap before the first item after a loss.
+    fn resume(&mut self, step: u64) {
+        match self.position {
+            Position::Complete | Position::Resumed => {}
+            Position::Unknown => self.position = Position::Resumed,
+            Position::Lost => {
+                self.position = Position::Resumed;
+                self.note_gap(Gap { after: self.last_step, before: step });
             }
         }
     }

@@ -9,7 +9,7 @@ use std::{
 };
 
 use super::{
-    Change, Damage, Error, Health, Item, Playback, RecordedEvent, Recording, Recovery, recover,
+    Change, Damage, Error, Gap, Health, Item, MissingEnd, Playback, RecordedEvent, Recording, Recovery, recover,
     testing::{body, bounce, drop_and_delete, record, record_with_processors},
 };
 use crate::{
@@ -29,6 +29,11 @@ fn items(bytes: &[u8]) -> (Vec<Item>, Health) {
     (items, recording.health())
 }
 
+/// Returns the end of a recording that was cut, or the condition if it was not.
+fn cut_end(health: &Health) -> Result<MissingEnd, &Health> {
+    health.missing().and_then(|missing| missing.end).filter(|end| end.is_cut && health.damage().is_none()).ok_or(health)
+}
+
 fn states(items: &[Item]) -> Vec<u64> {
     items.iter().filter_map(|item| if let Item::State(state) = item { Some(state.step) } else { None }).collect()
 }
@@ -40,7 +45,7 @@ fn reading_inverts_writing() {
     let recording = read(&bytes).unwrap();
     assert_eq!(recording.header, run.header);
     let (items, health) = items(&bytes);
-    assert_eq!(health, Health::Complete);
+    assert_eq!(health, Health::Whole);
     assert_eq!(states(&items), (0..=50).collect::<Vec<_>>());
     let events: Vec<_> = items
         .iter()
@@ -117,7 +122,7 @@ fn a_cut_recording_keeps_all_complete_chunks() {
         }
         let (part, health) = items(&bytes[..cut]);
         let after = states(&part).last().copied();
-        assert_eq!(health, Health::Truncated { after }, "cut at {cut}");
+        assert_eq!(cut_end(&health).unwrap().after, after, "cut at {cut}");
         assert_eq!(part, complete[..part.len()], "cut at {cut}");
         assert!(part.len() >= kept, "cut at {cut} loses items of a shorter part");
         kept = part.len();
@@ -156,8 +161,10 @@ fn every_flipped_bit_is_detected_and_costs_at_most_one_chunk() {
         let mut flipped = bytes.clone();
         flipped[bit / 8] ^= 1 << (bit % 8);
         let (part, health) = items(&flipped);
-        let Health::Corrupt(Damage { offset, reason, .. }) = health else { panic!("bit {bit}: {health:?}") };
-        assert!(offset <= bit as u64 / 8, "the damage of bit {bit} is located at byte {offset}");
+        let Health::Corrupt { damage: Damage { offset, reason, .. }, .. } = health else {
+            panic!("bit {bit}: {health:?}")
+        };
+        assert!(offset <= bit as u64 / 8, "the damage of bit {bit} is located at byte {offset}: {reason}");
         let kept = states(&part).len();
         assert!(kept + STATES_PER_CHUNK >= states(&complete).len(), "bit {bit} leaves {kept} states");
         for item in part.iter().filter(|item| !matches!(item, Item::Damaged(_))) {
@@ -183,7 +190,7 @@ fn thinned_out_states_have_digests() {
     let mut run = bounce(50);
     run.header.every = 10;
     let (items, health) = items(&record(&run));
-    assert_eq!(health, Health::Complete);
+    assert_eq!(health, Health::Whole);
     let full_states = items.iter().filter(|item| matches!(item, Item::State(state) if !state.id.is_empty())).count();
     assert_eq!((states(&items).len(), full_states), (51, 6));
 }
@@ -213,7 +220,7 @@ fn seeking_reads_only_from_the_last_keyframe() {
     let Some(Item::Keyframe(keyframe)) = items.first() else { panic!("the first item is not a keyframe") };
     assert_eq!(keyframe.step, 1980);
     assert_eq!(states(&items), (1980..=2000).collect::<Vec<_>>());
-    assert_eq!(recording.health(), Health::Complete);
+    assert_eq!(recording.health(), Health::Whole);
     let mut complete = read(&bytes).unwrap();
     complete.by_ref().for_each(drop);
     assert_eq!(chunk, complete.chunk_count());
@@ -243,7 +250,8 @@ fn the_summary_events_and_one_state_are_found_without_reading_the_rest() {
     let mut recording = Recording::read(CountingSource(Cursor::new(&bytes), &count)).unwrap();
     let summary = recording.summary().unwrap().unwrap();
     let mut events = Vec::new();
-    recording.for_each_event(|event| events.push(event)).unwrap();
+    let add = |item| events.extend(if let Item::Event(event) = item { Some(event) } else { None });
+    recording.for_each_event(add).unwrap();
     let mut playback = Playback::new(recording);
     playback.seek(9_999).unwrap();
     assert_eq!(playback.next().unwrap().unwrap().step, 9_999);
@@ -265,7 +273,8 @@ fn a_recording_with_a_missing_or_damaged_index_has_no_summary_but_all_events() {
         let mut recording = read(damaged).unwrap();
         assert_eq!(recording.summary().unwrap(), None);
         let mut events = Vec::new();
-        recording.for_each_event(|event| events.push(event)).unwrap();
+        let add = |item| events.extend(if let Item::Event(event) = item { Some(event) } else { None });
+        recording.for_each_event(add).unwrap();
         assert_eq!(events, bounce(50).events);
         assert_eq!(
             recording.by_ref().next().unwrap().unwrap(),
@@ -306,16 +315,23 @@ fn a_complete_recording_recovers_to_itself() {
 fn a_cut_recording_recovers_to_a_complete_one_that_replays_the_same() {
     let bytes = record(&bounce(50));
     for cut in (0..bytes.len()).step_by(97).filter(|cut| read(&bytes[..*cut]).is_ok()) {
+        let (expected, _) = items(&bytes[..cut]);
+        if states(&expected).is_empty() {
+            let refused = recover(&mut read(&bytes[..cut]).unwrap(), Vec::new());
+            assert!(matches!(refused, Err(Error::NothingToRecover { damage: None })), "cut at {cut}");
+            continue;
+        }
         let (recovery, fixed) = recovered(&bytes[..cut]);
         let (found, health) = items(&fixed);
-        assert_eq!(health, Health::Complete, "cut at {cut}");
-        let (expected, _) = items(&bytes[..cut]);
+        let missing = health.missing().filter(|missing| missing.recovered && health.damage().is_none());
+        let missing = missing.unwrap_or_else(|| panic!("cut at {cut}: {health}"));
+        assert_eq!(missing.end.map_or(50, |end| end.after.unwrap()), recovery.trailer.steps, "cut at {cut}");
         let without_trailer =
             |items: Vec<Item>| items.into_iter().filter(|item| !matches!(item, Item::Trailer(_))).collect();
         let (found, expected): (Vec<_>, Vec<_>) = (without_trailer(found), without_trailer(expected));
         assert_eq!(found, expected, "cut at {cut}");
-        let (steps, bodies) = (counted(recovery.trailer.steps, "step"), counted(recovery.trailer.bodies, "body"));
-        assert_eq!(verdict(&fixed), format!("same: {steps}, {bodies}"));
+        let steps = counted(recovery.trailer.steps, "step");
+        assert_eq!(verdict(&fixed), format!("incomplete: {missing}; {steps} same"));
     }
 }
 
@@ -327,9 +343,17 @@ fn a_damaged_recording_recovers_with_a_gap_and_replays_the_same() {
         damaged[offset] ^= 0x10;
         let (recovery, fixed) = recovered(&damaged);
         let (found, health) = items(&fixed);
-        assert_eq!(health, Health::Complete, "byte {offset}");
+        assert!(health.missing().is_some_and(|missing| missing.recovered), "byte {offset}: {health}");
         assert_eq!(states(&found), states(&items(&damaged).0), "byte {offset}");
-        assert!(verdict(&fixed).starts_with("same: "), "byte {offset}: {}", verdict(&fixed));
+        let verdict = verdict(&fixed);
+        assert!(verdict.starts_with("incomplete: recovered"), "byte {offset}: {verdict}");
+        for Gap { after, before } in &recovery.gaps {
+            let first = after.map_or(0, |after| after + 1);
+            assert!(
+                *before <= first + 1 || verdict.contains(&format!("steps {first} to {} are", before - 1)),
+                "{verdict}"
+            );
+        }
         let missing: u64 = recovery.gaps.iter().map(|gap| gap.missing_states()).sum();
         let tail = 100 - recovery.trailer.steps;
         assert_eq!(recovery.states + missing + tail, 101, "byte {offset}: {recovery}");
@@ -354,7 +378,7 @@ fn a_cut_large_recording_keeps_all_complete_chunks() {
     for cut in (0..bytes.len()).step_by(997).filter(|cut| read(&bytes[..*cut]).is_ok()) {
         let (part, health) = items(&bytes[..cut]);
         let after = states(&part).last().copied();
-        assert_eq!(health, Health::Truncated { after }, "cut at {cut}");
+        assert_eq!(cut_end(&health).unwrap().after, after, "cut at {cut}");
         assert_eq!(part, complete[..part.len()], "cut at {cut}");
         add_result(&mut table, cut, format!("{} states, truncated after {after:?}", states(&part).len()));
     }

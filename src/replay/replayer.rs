@@ -6,7 +6,7 @@ use std::{
 };
 
 use crate::{
-    physics::{Engine, Observer, SolverSnapshot, StepError},
+    physics::{Collision, CollisionCount, Engine, Observer, SolverSnapshot, StepError},
     recording::{
         BodyTable, Change, Error, Health, Item, Keyframe, RecordedError, RecordedEvent, RecordedState, Recording,
         SEMANTICS_VERSION, StateDigest, Trailer, body_state, error_text, open,
@@ -14,6 +14,7 @@ use crate::{
 };
 
 use super::{Difference, Divergence, Verdict};
+use crate::text::counted;
 
 /// All steps of a recording.
 pub const ALL_STEPS: RangeInclusive<u64> = 0..=u64::MAX;
@@ -39,8 +40,12 @@ pub struct Replayer<R> {
     same_steps: u64,
     /// The step of the last state that is the same as recorded, if the engine followed it without a break.
     last: Option<u64>,
-    /// The solver snapshot of a keyframe, to be compared at the next state.
-    expected_solver: Option<SolverSnapshot>,
+    /// The number of states that were compared.
+    compared: u64,
+    /// A keyframe, to be compared at the state of its step.
+    expected_keyframe: Option<Keyframe>,
+    /// The number of collisions since the start; `None` if the engine did not follow the whole run.
+    collisions: Option<CollisionCount>,
     last_event: Option<String>,
     reproduced_error: Option<String>,
     digest: StateDigest,
@@ -81,8 +86,11 @@ impl<R: Read + Seek> Replayer<R> {
         if found != SEMANTICS_VERSION {
             return Err(Error::OtherSemantics { found });
         }
-        if *steps.start() > 0 {
+        let is_from_start = *steps.start() == 0;
+        if !is_from_start {
             recording.seek(*steps.start())?;
+        } else if steps != ALL_STEPS {
+            recording.read_index()?;
         }
         Ok(Replayer {
             engine: Engine::new(recording.header.config.clone()),
@@ -91,7 +99,9 @@ impl<R: Read + Seek> Replayer<R> {
             phase: Phase::Start,
             same_steps: 0,
             last: None,
-            expected_solver: None,
+            compared: 0,
+            expected_keyframe: None,
+            collisions: is_from_start.then(CollisionCount::default),
             last_event: None,
             reproduced_error: None,
             digest: StateDigest::default(),
@@ -101,12 +111,18 @@ impl<R: Read + Seek> Replayer<R> {
     /// Replays to the end and returns the verdict. `progress` is called with the step of each recorded state.
     ///
     /// # Errors
-    /// Returns an error if the file cannot be read.
+    /// Returns an error if the file cannot be read, or if it is whole but has no state in the steps to compare.
     pub fn run<O: Observer>(mut self, observer: &mut O, mut progress: impl FnMut(u64)) -> Result<Verdict, Error> {
         while let Some(step) = self.next_state(observer)? {
             progress(step);
         }
-        Ok(self.verdict())
+        match self.verdict() {
+            Verdict::Same { .. } if self.compared == 0 => {
+                let (from, to) = self.steps.into_inner();
+                Err(Error::NoStates { from, to, last: self.recording.header.steps })
+            }
+            verdict => Ok(verdict),
+        }
     }
 
     /// Replays up to the next recorded state, compares it and returns its step; `None` at the end of the steps to
@@ -144,9 +160,9 @@ impl<R: Read + Seek> Replayer<R> {
         }
         let steps = self.same_steps;
         match self.recording.health() {
-            Health::Corrupt(damage) => Verdict::Corrupt { damage, steps },
-            Health::Truncated { after } if !self.has_compared_all() => Verdict::Truncated { after, steps },
-            Health::Truncated { .. } | Health::Complete => {
+            Health::Corrupt { damage, missing } => Verdict::Corrupt { damage, missing, steps },
+            Health::Incomplete(missing) => Verdict::Incomplete { missing, steps },
+            Health::Whole => {
                 Verdict::Same { steps, bodies: self.engine.next_id().into(), error: self.reproduced_error.clone() }
             }
         }
@@ -162,7 +178,8 @@ impl<R: Read + Seek> Replayer<R> {
 
     fn replay_item<O: Observer>(&mut self, item: Item, observer: &mut O) -> Result<(), Box<Divergence>> {
         match (item, &self.phase) {
-            (Item::Keyframe(keyframe), Phase::InSync) => self.expected_solver = Some(keyframe.solver),
+            (Item::Keyframe(keyframe), Phase::InSync) => self.expected_keyframe = Some(keyframe),
+            (Item::Keyframe(keyframe), Phase::Start) if self.is_at_start() => self.expected_keyframe = Some(keyframe),
             (Item::Keyframe(keyframe), _) => return self.restore(&keyframe),
             (Item::SceneUpdate { .. }, _) => {}
             (Item::Damaged(_), _) if self.recording.table().is_some() => {}
@@ -170,9 +187,17 @@ impl<R: Read + Seek> Replayer<R> {
             (Item::Event(_) | Item::State(_) | Item::SuspectState(_) | Item::Trailer(_), Phase::OutOfSync) => {}
             (Item::Event(event), _) => return self.apply_event(event, observer),
             (Item::State(state) | Item::SuspectState(state), _) => return self.compare_state(&state, observer),
-            (Item::Trailer(trailer), _) => return self.compare_error(trailer, observer),
+            (Item::Trailer(trailer), _) => {
+                self.compare_error(&trailer, observer)?;
+                return self.compare_end(&trailer);
+            }
         }
         Ok(())
+    }
+
+    /// Returns true if the engine is at the start of a run that is replayed from there.
+    fn is_at_start(&self) -> bool {
+        self.collisions.is_some() && self.engine.current_step() == 0
     }
 
     fn restore(&mut self, keyframe: &Keyframe) -> Result<(), Box<Divergence>> {
@@ -182,7 +207,8 @@ impl<R: Read + Seek> Replayer<R> {
                 self.engine = engine;
                 self.phase = Phase::InSync;
                 self.last = None;
-                self.expected_solver = None;
+                self.expected_keyframe = None;
+                self.collisions = None;
                 Ok(())
             }
             Err(error) => Err(self.mismatch(error.to_string())),
@@ -207,28 +233,79 @@ impl<R: Read + Seek> Replayer<R> {
     fn compare_state<O: Observer>(&mut self, state: &RecordedState, observer: &mut O) -> Result<(), Box<Divergence>> {
         self.phase = Phase::InSync;
         self.run_to(state.step, observer)?;
+        let keyframe = self.expected_keyframe.take();
         if !self.steps.contains(&state.step) {
             return Ok(());
         }
         if let Some(difference) = self.difference(state) {
             return Err(self.divergence(difference));
         }
+        self.compared += 1;
         let is_consecutive = self.last.is_some_and(|last| last + 1 == state.step);
         self.same_steps += u64::from(is_consecutive);
         self.last = Some(state.step);
-        match self.expected_solver.take() {
-            Some(solver) if !are_identical(&solver, &self.engine.snapshot().solver) => {
-                Err(self.mismatch("the internal state of the solver differs from the keyframe".into()))
+        match keyframe.and_then(|keyframe| self.keyframe_difference(&keyframe)) {
+            Some(difference) => Err(self.mismatch(difference)),
+            None => Ok(()),
+        }
+    }
+
+    /// Returns the first difference between a recorded keyframe and the engine, in words. Its bodies were compared with
+    /// the events when it was read.
+    fn keyframe_difference(&self, keyframe: &Keyframe) -> Option<String> {
+        let snapshot = self.engine.snapshot();
+        if keyframe.next_id != snapshot.next_id || keyframe.bodies.len() != snapshot.bodies.len() {
+            return Some("the keyframe has other bodies than the replay".into());
+        }
+        for (recorded, body) in keyframe.bodies.iter().zip(&snapshot.bodies) {
+            let (position, velocity, force) = (recorded.position, recorded.velocity, recorded.force);
+            let fields = [
+                ("x", position.x, body.rect.origin.x),
+                ("y", position.y, body.rect.origin.y),
+                ("vx", velocity.x, body.velocity.x),
+                ("vy", velocity.y, body.velocity.y),
+                ("fx", force.x, body.force.x),
+                ("fy", force.y, body.force.y),
+            ];
+            let different = fields.into_iter().find(|(_, recorded, replayed)| recorded.to_bits() != replayed.to_bits());
+            if let Some((field, recorded, replayed)) = different {
+                let name = &body.name;
+                return Some(format!(
+                    "the keyframe has {field} {recorded:?} of body {name:?}, the replay {replayed:?}"
+                ));
             }
-            Some(_) | None => Ok(()),
+        }
+        let is_same = are_identical(&keyframe.solver, &snapshot.solver);
+        (!is_same).then(|| "the internal state of the solver differs from the keyframe".into())
+    }
+
+    /// Compares the end record with the replay, if that followed the whole run.
+    fn compare_end(&self, trailer: &Trailer) -> Result<(), Box<Divergence>> {
+        let Some(CollisionCount(collisions)) = self.collisions.filter(|_| self.steps == ALL_STEPS) else {
+            return Ok(());
+        };
+        let recorded = trailer.collisions.unwrap_or(collisions);
+        let numbers = [
+            ("step", trailer.steps, self.engine.current_step()),
+            ("body", trailer.bodies, self.engine.next_id().into()),
+            ("collision", recorded, collisions),
+        ];
+        match numbers.into_iter().find(|(_, recorded, replayed)| recorded != replayed) {
+            Some((noun, recorded, replayed)) => Err(self.mismatch(format!(
+                "the end record has {}, the replay {}",
+                counted(recorded, noun),
+                counted(replayed, noun)
+            ))),
+            None => Ok(()),
         }
     }
 
     /// Checks that the replay ends with the recorded error, if there is one.
-    fn compare_error<O: Observer>(&mut self, trailer: Trailer, observer: &mut O) -> Result<(), Box<Divergence>> {
-        let Some(recorded) = trailer.error else { return Ok(()) };
-        match self.engine.step(observer) {
-            Err(error) if are_same_errors(&recorded, &error) => {
+    fn compare_error<O: Observer>(&mut self, trailer: &Trailer, observer: &mut O) -> Result<(), Box<Divergence>> {
+        let Some(recorded) = &trailer.error else { return Ok(()) };
+        let mut counting = Counting { observer, collisions: &mut self.collisions };
+        match self.engine.step(&mut counting) {
+            Err(error) if are_same_errors(recorded, &error) => {
                 self.reproduced_error = Some(recorded.to_string());
                 Ok(())
             }
@@ -242,7 +319,8 @@ impl<R: Read + Seek> Replayer<R> {
 
     fn run_to<O: Observer>(&mut self, step: u64, observer: &mut O) -> Result<(), Box<Divergence>> {
         while self.engine.current_step() < step {
-            if let Err(error) = self.engine.step(observer) {
+            let mut counting = Counting { observer: &mut *observer, collisions: &mut self.collisions };
+            if let Err(error) = self.engine.step(&mut counting) {
                 return Err(self.mismatch(format!("the replay ends with an error that was not recorded: {error}")));
             }
         }
@@ -290,6 +368,21 @@ impl<R: Read + Seek> Replayer<R> {
 
     fn divergence(&self, difference: Difference) -> Box<Divergence> {
         Box::new(Divergence { step: self.engine.current_step(), difference, last_event: self.last_event.clone() })
+    }
+}
+
+/// Counts the collisions that it passes on.
+struct Counting<'a, O> {
+    observer: &'a mut O,
+    collisions: &'a mut Option<CollisionCount>,
+}
+
+impl<O: Observer> Observer for Counting<'_, O> {
+    fn collision(&mut self, collision: &Collision) {
+        if let Some(count) = &mut self.collisions {
+            count.collision(collision);
+        }
+        self.observer.collision(collision);
     }
 }
 

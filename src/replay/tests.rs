@@ -143,7 +143,7 @@ fn the_rest_of_a_cut_recording_replays_the_same() {
     let bytes = record(&bounce(50));
     let cut = &bytes[..bytes.len() / 2];
     let found = verdict(cut);
-    assert!(found.starts_with("truncated after step ") && found.ends_with(" same"), "{found}");
+    assert!(found.starts_with("incomplete: truncated after step ") && found.ends_with(" same"), "{found}");
 }
 
 #[test]
@@ -157,7 +157,8 @@ fn a_replay_from_any_step_starts_at_a_keyframe_and_is_the_same() {
             flip(&mut state.x[0])
         }
     });
-    assert!(verdict_of(&altered, 25..=40).starts_with("diverged at step 31: body \"c\" x recorded "));
+    let found = verdict_of(&altered, 25..=40);
+    assert!(found.starts_with("diverged at step 31: body \"c\" x recorded "), "{found}");
 }
 
 #[test]

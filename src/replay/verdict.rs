@@ -1,6 +1,6 @@
 use std::fmt::{self, Display, Formatter};
 
-use crate::recording::Damage;
+use crate::recording::{Damage, Health, Missing};
 use crate::text::counted;
 
 /// The result of a replay.
@@ -18,10 +18,10 @@ pub enum Verdict {
     },
     /// A state differs.
     Diverged(Box<Divergence>),
-    /// The recording ends before the end of the run; all its states are the same.
-    Truncated {
-        /// The step of the last recorded state, if any.
-        after: Option<u64>,
+    /// Parts of the recording are missing; all its states are the same.
+    Incomplete {
+        /// The missing parts.
+        missing: Missing,
         /// The number of steps that are the same.
         steps: u64,
     },
@@ -29,9 +29,35 @@ pub enum Verdict {
     Corrupt {
         /// The first damage.
         damage: Damage,
+        /// The missing parts.
+        missing: Missing,
         /// The number of steps that are the same.
         steps: u64,
     },
+}
+
+impl Verdict {
+    /// Returns the condition of the recording; `None` for a divergence.
+    pub fn health(&self) -> Option<Health> {
+        match self {
+            Verdict::Same { .. } => Some(Health::Whole),
+            Verdict::Diverged(_) => None,
+            Verdict::Incomplete { missing, .. } => Some(Health::Incomplete(missing.clone())),
+            Verdict::Corrupt { damage, missing, .. } => {
+                Some(Health::Corrupt { damage: damage.clone(), missing: missing.clone() })
+            }
+        }
+    }
+
+    /// Returns the first word of the line of text: `same`, `diverged`, `incomplete` or `corrupt`.
+    pub const fn word(&self) -> &'static str {
+        match self {
+            Verdict::Same { .. } => "same",
+            Verdict::Diverged(_) => "diverged",
+            Verdict::Incomplete { .. } => "incomplete",
+            Verdict::Corrupt { .. } => "corrupt",
+        }
+    }
 }
 
 /// The first difference between a recording and its replay.
@@ -86,12 +112,14 @@ impl Display for Verdict {
                 write!(f, "same: {}, then the recorded error: {error}", counted(*steps, "step"))
             }
             Verdict::Diverged(divergence) => divergence.fmt(f),
-            Verdict::Truncated { after: Some(step), steps } => {
-                write!(f, "truncated after step {step}: {} same", counted(*steps, "step"))
+            Verdict::Incomplete { missing, steps } => {
+                write!(f, "incomplete: {missing}; {} same", counted(*steps, "step"))
             }
-            Verdict::Truncated { after: None, .. } => write!(f, "truncated before the first state"),
-            Verdict::Corrupt { damage, steps } => {
+            Verdict::Corrupt { damage, missing, steps } if missing.is_empty() => {
                 write!(f, "corrupt {damage}; {} same", counted(*steps, "step"))
+            }
+            Verdict::Corrupt { damage, missing, steps } => {
+                write!(f, "corrupt {damage}; {missing}; {} same", counted(*steps, "step"))
             }
         }
     }
@@ -137,6 +165,7 @@ fn ordered(number: f64) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::recording::MissingEnd;
 
     #[test]
     fn the_distance_in_ulps_counts_representable_values() {
@@ -163,10 +192,11 @@ mod tests {
             "diverged at step 301: body \"c\" vx recorded 1.25 replayed 1.2500000000000002 (1 ulp), \
              after event spawn \"b\" at step 30"
         );
-        let truncated = Verdict::Truncated { after: Some(400), steps: 400 };
-        assert_eq!(truncated.to_string(), "truncated after step 400: 400 steps same");
+        let end = Some(MissingEnd { after: Some(400), last: 600, is_cut: true });
+        let truncated = Verdict::Incomplete { missing: Missing { end, ..Missing::default() }, steps: 400 };
+        assert_eq!(truncated.to_string(), "incomplete: truncated after step 400 of 600; 400 steps same");
         let damage = Damage { chunk: Some(3), offset: 9000, reason: "it is broken".into(), after: Some(1) };
-        let corrupt = Verdict::Corrupt { damage, steps: 1 };
+        let corrupt = Verdict::Corrupt { damage, missing: Missing::default(), steps: 1 };
         assert_eq!(corrupt.to_string(), "corrupt chunk 3 at byte 9000 after step 1: it is broken; 1 step same");
     }
 }

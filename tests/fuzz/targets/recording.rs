@@ -4,7 +4,7 @@ use std::io::Cursor;
 
 use rebond::internals::{
     physics::CollisionCount,
-    recording::{Health, Item, Playback, Recording, recover},
+    recording::{Error, Item, Playback, Recording, recover},
     replay::{ALL_STEPS, Replayer},
 };
 
@@ -45,9 +45,13 @@ fn steps(recording: &mut Recording<Cursor<&[u8]>>) -> Vec<u64> {
 /// Asserts that a recovered recording is complete, and that recovering it again changes nothing.
 fn recover_twice(file: &[u8]) {
     let mut recording = Recording::read(Cursor::new(file)).expect("it opened before");
-    let (_, once) = recover(&mut recording, Vec::new()).expect("memory can be written");
+    let (_, once) = match recover(&mut recording, Vec::new()) {
+        Ok(recovered) => recovered,
+        Err(Error::NothingToRecover { .. }) => return,
+        Err(error) => panic!("memory can be written: {error}"),
+    };
     let mut recording = Recording::read(Cursor::new(once.as_slice())).expect("a recording that was just written");
     let (recovery, twice) = recover(&mut recording, Vec::new()).expect("memory can be written");
-    assert_eq!(recovery.health, Health::Complete);
+    assert_eq!(recovery.health.damage(), None);
     assert!(once == twice, "recovering twice changes something");
 }

@@ -1,0 +1,281 @@
+use std::collections::{BTreeMap, BTreeSet};
+
+use mcap::records::op;
+use xxhash_rust::xxh3::xxh3_64;
+
+use super::{
+    chunk_reader::ChunkRecord,
+    record_reader::{Cursor, Malformed, PREFIX_BYTES},
+};
+
+/// Counts the records of the data section, and compares them with the summary section.
+///
+/// Needs a constant amount of memory: entries of the index are compared by the sum of their hashes.
+#[derive(Default)]
+pub struct Tally {
+    data: Records,
+    summary: Records,
+    statistics: Option<Statistics>,
+    /// The number of records of the summary section.
+    summary_records: u64,
+}
+
+/// The records of one section.
+#[derive(Default)]
+struct Records {
+    schemas: BTreeSet<u16>,
+    channels: BTreeSet<u16>,
+    chunks: Entries,
+    attachments: Entries,
+    metadata: Entries,
+    messages: BTreeMap<u16, u64>,
+    times: Option<(u64, u64)>,
+}
+
+/// A number of entries and the sum of their hashes, which does not depend on their order.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Entries {
+    count: u64,
+    sum: u64,
+}
+
+/// The contents of a chunk index record.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ChunkSummary {
+    /// The log time of the first message, in simulated nanoseconds.
+    pub first_time: u64,
+    /// The log time of the last message, in simulated nanoseconds.
+    pub last_time: u64,
+    /// The offset of the chunk record, in bytes from the start of the file.
+    pub offset: u64,
+    /// The length of the chunk record in bytes.
+    pub length: u64,
+    /// The offsets of the message indexes, by channel.
+    pub message_indexes: BTreeMap<u16, u64>,
+    /// The length of all message indexes in bytes.
+    pub message_index_length: u64,
+    /// The name of the compression; empty for none.
+    pub compression: String,
+    /// The length of the compressed records in bytes.
+    pub compressed_size: u64,
+    /// The length of the uncompressed records in bytes.
+    pub uncompressed_size: u64,
+}
+
+/// The contents of a statistics record.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Statistics {
+    /// The number of messages.
+    pub messages: u64,
+    /// The numbers of schemas, channels, attachments, metadata records and chunks.
+    pub counts: [u64; 5],
+    /// The log times of the first and last message, in simulated nanoseconds.
+    pub times: (u64, u64),
+    /// The number of messages of each channel.
+    pub channel_messages: BTreeMap<u16, u64>,
+}
+
+impl Tally {
+    /// Adds a schema, channel or message of the data section, inside or outside of a chunk.
+    pub fn add_record(&mut self, record: &ChunkRecord<'_>) {
+        let id = || Cursor::new(record.body).u16();
+        match record.opcode {
+            op::SCHEMA => self.data.schemas.extend(id()),
+            op::CHANNEL => self.data.channels.extend(id()),
+            op::MESSAGE => {
+                if let Some(message) = record.message() {
+                    *self.data.messages.entry(message.channel).or_default() += 1;
+                    let (first, last) = self.data.times.unwrap_or((message.log_time, message.log_time));
+                    self.data.times = Some((first.min(message.log_time), last.max(message.log_time)));
+                }
+            }
+            _ => {}
+        }
+    }
+
+    /// Adds a chunk of the data section.
+    pub fn add_chunk(&mut self, chunk: &ChunkSummary) {
+        self.data.chunks.add(&chunk.bytes());
+    }
+
+    /// Adds an attachment or a metadata record of the data section, which starts at `offset`.
+    pub fn add_indexed(&mut self, opcode: u8, offset: u64, body: &[u8]) {
+        self.add_entry(opcode, &entry(opcode, offset, body));
+    }
+
+    /// Adds the entry of an attachment or a metadata record.
+    pub fn add_entry(&mut self, opcode: u8, entry: &[u8]) {
+        match opcode {
+            op::ATTACHMENT => self.data.attachments.add(entry),
+            _ => self.data.metadata.add(entry),
+        }
+    }
+
+    /// Adds a record of the summary section.
+    ///
+    /// # Errors
+    /// Returns an error if the record is malformed.
+    pub fn add_summary_record(&mut self, opcode: u8, body: &[u8]) -> Result<(), Malformed> {
+        match opcode {
+            op::SCHEMA => self.summary.schemas.extend([Cursor::new(body).u16()?]),
+            op::CHANNEL => self.summary.channels.extend([Cursor::new(body).u16()?]),
+            op::CHUNK_INDEX => self.summary.chunks.add(&ChunkSummary::parse(body)?.bytes()),
+            op::ATTACHMENT_INDEX => {
+                let mut fields = Cursor::new(body);
+                let mut bytes = fields.bytes(5 * 8)?.to_vec();
+                for _ in 0..2 {
+                    bytes.extend(text_field(fields.text()?));
+                }
+                self.summary.attachments.add(&bytes);
+            }
+            op::METADATA_INDEX => {
+                let mut fields = Cursor::new(body);
+                let place = fields.bytes(2 * 8)?;
+                self.summary.metadata.add(&[place, &text_field(fields.text()?)].concat());
+            }
+            op::STATISTICS => self.statistics = Some(Statistics::parse(body)?),
+            op::DATA_END | op::FOOTER | 0x80.. => return Ok(()),
+            _ => {}
+        }
+        self.summary_records += 1;
+        Ok(())
+    }
+
+    /// Returns a description of the first difference between the summary and the data section, if any. A summary may
+    /// leave out the statistics and each kind of index.
+    pub fn difference(&self) -> Option<String> {
+        let Tally { data, summary, statistics, summary_records } = self;
+        if *summary_records == 0 {
+            return None;
+        }
+        let lists = |what: &str, listed: u64, found: u64| {
+            Some(format!("the summary lists {listed} {what}, but the file has {found}")).filter(|_| listed != found)
+        };
+        let entries = |what: &str, listed: Entries, found: Entries| match listed {
+            Entries { count: 0, .. } => None,
+            listed if listed == found => None,
+            listed if listed.count == found.count => Some(format!("the summary does not match the {what} of the file")),
+            listed => lists(what, listed.count, found.count),
+        };
+        lists("schemas", summary.schemas.len() as u64, data.schemas.len() as u64)
+            .or_else(|| lists("channels", summary.channels.len() as u64, data.channels.len() as u64))
+            .or_else(|| entries("chunks", summary.chunks, data.chunks))
+            .or_else(|| entries("attachments", summary.attachments, data.attachments))
+            .or_else(|| entries("metadata records", summary.metadata, data.metadata))
+            .or_else(|| statistics.as_ref().and_then(|statistics| statistics.difference(data)))
+    }
+}
+
+impl Statistics {
+    /// Parses a statistics record.
+    pub fn parse(body: &[u8]) -> Result<Statistics, Malformed> {
+        let mut fields = Cursor::new(body);
+        let messages = fields.u64()?;
+        let schemas = u64::from(fields.u16()?);
+        let [channels, attachments, metadata, chunks] = [fields.u32()?, fields.u32()?, fields.u32()?, fields.u32()?];
+        let counts = [schemas, channels.into(), attachments.into(), metadata.into(), chunks.into()];
+        let times = (fields.u64()?, fields.u64()?);
+        let bytes = fields.u32()?;
+        let mut pairs = Cursor::new(fields.bytes(bytes.into())?);
+        let mut channel_messages = BTreeMap::new();
+        while !pairs.is_empty() {
+            channel_messages.insert(pairs.u16()?, pairs.u64()?);
+        }
+        Ok(Statistics { messages, counts, times, channel_messages })
+    }
+
+    fn difference(&self, data: &Records) -> Option<String> {
+        let counts = [
+            data.schemas.len() as u64,
+            data.channels.len() as u64,
+            data.attachments.count,
+            data.metadata.count,
+            data.chunks.count,
+        ];
+        let names = ["schemas", "channels", "attachments", "metadata records", "chunks"];
+        let pairs = names.into_iter().zip(self.counts.into_iter().zip(counts));
+        let messages = ("messages", (self.messages, data.messages.values().sum()));
+        let mut all = pairs.chain([messages]);
+        if let Some((what, (listed, found))) = all.find(|(_, (listed, found))| listed != found) {
+            return Some(format!("the statistics count {listed} {what}, but the file has {found}"));
+        }
+        let mut listed = self.channel_messages.clone();
+        listed.retain(|_, count| *count > 0);
+        if !listed.is_empty() && listed != data.messages {
+            return Some("the statistics count other messages on a channel than the file has".into());
+        }
+        (self.times != data.times.unwrap_or_default()).then(|| "the times in the statistics are wrong".into())
+    }
+}
+
+impl ChunkSummary {
+    /// Parses a chunk index record.
+    pub fn parse(body: &[u8]) -> Result<ChunkSummary, Malformed> {
+        let mut fields = Cursor::new(body);
+        let [first_time, last_time, offset, length] = [fields.u64()?, fields.u64()?, fields.u64()?, fields.u64()?];
+        let bytes = fields.u32()?;
+        let mut pairs = Cursor::new(fields.bytes(bytes.into())?);
+        let mut message_indexes = BTreeMap::new();
+        while !pairs.is_empty() {
+            message_indexes.insert(pairs.u16()?, pairs.u64()?);
+        }
+        Ok(ChunkSummary {
+            first_time,
+            last_time,
+            offset,
+            length,
+            message_indexes,
+            message_index_length: fields.u64()?,
+            compression: fields.text()?.into(),
+            compressed_size: fields.u64()?,
+            uncompressed_size: fields.u64()?,
+        })
+    }
+
+    fn bytes(&self) -> Vec<u8> {
+        let numbers = [
+            self.first_time,
+            self.last_time,
+            self.offset,
+            self.length,
+            self.message_index_length,
+            self.compressed_size,
+            self.uncompressed_size,
+        ];
+        let indexes = self.message_indexes.iter().flat_map(|(channel, offset)| [u64::from(*channel), *offset]);
+        let mut bytes: Vec<u8> = numbers.into_iter().chain(indexes).flat_map(u64::to_le_bytes).collect();
+        bytes.extend(self.compression.as_bytes());
+        bytes
+    }
+}
+
+impl Entries {
+    fn add(&mut self, bytes: &[u8]) {
+        self.count += 1;
+        self.sum = self.sum.wrapping_add(xxh3_64(bytes));
+    }
+}
+
+/// Returns the fields that the index of an attachment or a metadata record has, which starts at `offset`.
+pub fn entry(opcode: u8, offset: u64, body: &[u8]) -> Vec<u8> {
+    let length = (PREFIX_BYTES + body.len()) as u64;
+    let place = [offset.to_le_bytes(), length.to_le_bytes()].concat();
+    let fields = match opcode {
+        op::ATTACHMENT => attachment_fields(body).unwrap_or_default(),
+        _ => text_field(Cursor::new(body).text().unwrap_or_default()),
+    };
+    [place, fields].concat()
+}
+
+/// Returns times, length, name and media type of an attachment, as in an attachment index.
+fn attachment_fields(body: &[u8]) -> Result<Vec<u8>, Malformed> {
+    let mut fields = Cursor::new(body);
+    let times = fields.bytes(2 * 8)?;
+    let (name, media_type) = (fields.text()?, fields.text()?);
+    let length = fields.u64()?.to_le_bytes();
+    Ok([times, &length, &text_field(name), &text_field(media_type)].concat())
+}
+
+fn text_field(text: &str) -> Vec<u8> {
+    [&(text.len() as u32).to_le_bytes(), text.as_bytes()].concat()
+}

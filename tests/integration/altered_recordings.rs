@@ -1,0 +1,366 @@
+//! Recordings that were altered, rewritten or damaged with all checksums correct: `same` means that everything was
+//! compared, and every command says what is missing.
+
+use crate::forge::{self, Item, Layout, op};
+use crate::rebond::{Outcome, Workplace};
+use rebond::internals::{
+    physics::CollisionCount,
+    recording::{self, Recording},
+    replay::{ALL_STEPS, Replayer},
+};
+use std::io::Cursor;
+
+/// Two boxes between walls, one of them spawned in a later chunk than the first; three seconds.
+const SCENE: &str = r##"
+title = "Altered"
+[world]
+size = [8.0, 6.0]
+walls = true
+gravity = [0.0, 9.81]
+[run]
+rate = 20
+steps = 60
+[restitution]
+default = 0.9
+[[spawn]]
+name = "a"
+at = [1.0, 1.0]
+size = [1.0, 1.0]
+mass = 2.0
+velocity = [3.0, -1.0]
+color = "#3366cc"
+[[spawn]]
+name = "c"
+step = 5
+at = [5.0, 3.0]
+size = [0.5, 1.5]
+mass = 1.0
+force = [-1.0, 0.0]
+[[delete]]
+name = "a"
+step = 50
+"##;
+
+fn recorded() -> (Workplace, Vec<u8>) {
+    let workplace = Workplace::with_scene(SCENE);
+    workplace.done("record scene.toml -o run.mcap --viewer");
+    let file = workplace.read("run.mcap");
+    (workplace, file)
+}
+
+fn verdict(file: &[u8]) -> String {
+    let replayed = Recording::read(Cursor::new(file)).and_then(|recording| Replayer::new(recording, ALL_STEPS));
+    match replayed.and_then(|replayer| replayer.run(&mut CollisionCount::default(), |_| ())) {
+        Ok(verdict) => verdict.to_string(),
+        Err(error) => format!("error: {error}"),
+    }
+}
+
+fn items(file: &[u8]) -> Vec<recording::Item> {
+    Recording::read(Cursor::new(file)).map_or(Vec::new(), |recording| recording.map(|item| item.unwrap()).collect())
+}
+
+/// Calls `visit` with every record of the data section, inside and outside of chunks.
+fn each_record(items: &mut [Item], mut visit: impl FnMut(&mut forge::Record)) {
+    for item in items {
+        match item {
+            Item::Chunk(records) => records.iter_mut().for_each(&mut visit),
+            Item::Record(record) => visit(record),
+        }
+    }
+}
+
+#[test]
+fn a_recording_that_is_put_together_again_replays_the_same_in_every_layout() {
+    let (workplace, file) = recorded();
+    let parts = forge::take_apart(&file);
+    for layout in [Layout::Zstd, Layout::Lz4, Layout::Uncompressed, Layout::Unchunked] {
+        let rewritten = forge::put_together(&parts, layout);
+        assert_eq!(verdict(&rewritten), "same: 60 steps, 6 bodies", "{layout:?}");
+        std::fs::write(workplace.path("rewritten.mcap"), &rewritten).unwrap();
+        assert!(workplace.done("info rewritten.mcap").output.contains("\nhealth: whole\n"), "{layout:?}");
+        let seek = workplace.done("replay rewritten.mcap --from 45 --to 55").output;
+        assert_eq!(seek, "same: 10 steps, 6 bodies\n", "{layout:?}");
+        let [a, b] = ["run", "rewritten"].map(|name| workplace.done(&format!("export {name}.mcap -o -")).output);
+        assert_eq!(a, b, "{layout:?}");
+    }
+}
+
+#[test]
+fn private_records_unknown_fields_and_the_order_within_a_step_do_not_matter() {
+    let (_workplace, file) = recorded();
+    let mut parts = forge::take_apart(&file);
+    let place = parts.iter().position(|item| matches!(item, Item::Chunk(_))).unwrap();
+    parts.insert(place + 1, Item::Record((0x80, vec![1, 2, 3])));
+    for item in &mut parts {
+        match item {
+            Item::Chunk(records) => {
+                records.push((0xff, vec![7]));
+                // Sorts by time, and within a step in the opposite order of topics, except that definitions stay first.
+                records.sort_by_key(|(opcode, body)| match *opcode {
+                    op::MESSAGE => {
+                        let time = u64::from_le_bytes(body[6..14].try_into().unwrap());
+                        (1, time, u16::MAX - u16::from_le_bytes(body[..2].try_into().unwrap()))
+                    }
+                    _ => (0, 0, 0),
+                });
+            }
+            Item::Record((op::METADATA, body)) => body.extend([9, 9]),
+            Item::Record(_) => {}
+        }
+    }
+    assert_eq!(verdict(&forge::put_together(&parts, Layout::Zstd)), "same: 60 steps, 6 bodies");
+}
+
+/// Flips a bit of every few bytes of every record, with all checksums correct.
+#[test]
+fn no_altered_record_replays_the_same() {
+    let (_workplace, file) = recorded();
+    let parts = forge::take_apart(&file);
+    let original = items(&file);
+    let mut seen = 0;
+    let mut count = 0;
+    each_record(&mut parts.clone(), |(_, body)| count += body.len());
+    let stride = count / 600 + 1;
+    for target in (0..count).step_by(stride) {
+        let mut altered = parts.clone();
+        let mut position = 0;
+        let mut what = String::new();
+        each_record(&mut altered, |(opcode, body)| {
+            if (position..position + body.len()).contains(&target) {
+                let index = target - position;
+                // Channels, sequence numbers, the header and the checksums belong to the container.
+                let is_container = match *opcode {
+                    op::MESSAGE => index < 6,
+                    op::ATTACHMENT => index + 4 >= body.len(),
+                    op::METADATA | op::CHANNEL | 0x01 => true,
+                    _ => false,
+                };
+                if !is_container {
+                    body[index] ^= 1 << (target % 8);
+                    what = format!("opcode {opcode:#04x}, byte {index}");
+                    if *opcode == op::ATTACHMENT {
+                        forge::seal_attachment(body);
+                    }
+                }
+            }
+            position += body.len();
+        });
+        if what.is_empty() {
+            continue;
+        }
+        let altered = forge::put_together(&altered, Layout::Uncompressed);
+        let found = verdict(&altered);
+        let is_padding = found.starts_with("same: ") && items(&altered) == original;
+        assert!(!found.starts_with("same: ") || is_padding, "{what}: {found}");
+        seen += 1;
+    }
+    assert!(seen > 400, "only {seen} alterations");
+}
+
+/// Alters one value of the metadata, in the header record, in the end record, and in both.
+#[test]
+fn no_altered_metadata_replay_the_same() {
+    let (_workplace, file) = recorded();
+    let parts = forge::take_apart(&file);
+    let mut names = Vec::new();
+    each_record(&mut parts.clone(), |(opcode, body)| {
+        if *opcode == op::METADATA {
+            let (name, map) = forge::parse_metadata(body);
+            names.extend(map.into_keys().map(|key| (name.clone(), key)));
+        }
+    });
+    names.retain(|(_, key)| !["checksum", "library"].contains(&key.as_str()));
+    for (name, key) in &names {
+        for is_everywhere in [false, true] {
+            let mut altered = parts.clone();
+            each_record(&mut altered, |(opcode, body)| {
+                if *opcode != op::METADATA {
+                    return;
+                }
+                let (found, mut map) = forge::parse_metadata(body);
+                if found == *name || is_everywhere {
+                    if let Some(value) = map.get_mut(key) {
+                        *value = altered_value(value);
+                    }
+                    (*opcode, *body) = forge::metadata(&found, map);
+                }
+            });
+            let found = verdict(&forge::put_together(&altered, Layout::Zstd));
+            assert!(!found.starts_with("same: "), "{name} {key} everywhere: {is_everywhere}: {found}");
+        }
+    }
+}
+
+/// Changes the last digit of a number, or of the decimal of a float, which are stored as text.
+fn altered_value(value: &str) -> String {
+    let (first, rest) = value.split_once(' ').unwrap_or((value, ""));
+    let mut characters: Vec<char> = first.chars().collect();
+    if let Some(last) = characters.last_mut() {
+        *last = if *last == '1' { '2' } else { '1' };
+    }
+    format!("{} {rest}", String::from_iter(characters)).trim_end().to_owned()
+}
+
+#[test]
+fn altered_times_schemas_and_end_records_are_named() {
+    let workplace = Workplace::with_scene(SCENE);
+    workplace.done("record scene.toml -o run.mcap");
+    let parts = forge::take_apart(&workplace.read("run.mcap"));
+    let with = |alter: &dyn Fn(&mut forge::Record)| {
+        let mut altered = parts.clone();
+        each_record(&mut altered, |record| alter(record));
+        verdict(&forge::put_together(&altered, Layout::Zstd))
+    };
+    let times = with(&|(opcode, body)| {
+        if *opcode == op::MESSAGE {
+            for range in [6..14, 14..22] {
+                let time = u64::from_le_bytes(body[range.clone()].try_into().unwrap());
+                body[range].copy_from_slice(&(time * 10).to_le_bytes());
+            }
+        }
+    });
+    assert!(times.starts_with("corrupt ") && times.contains("log time"), "{times}");
+    let schemas = with(&|(opcode, body)| {
+        if *opcode == op::SCHEMA {
+            *body.last_mut().unwrap() ^= 1;
+        }
+    });
+    assert!(schemas.starts_with("corrupt ") && schemas.contains("the schema of the topic"), "{schemas}");
+    for (key, value, named) in [
+        ("top_speed", "999.0 0x408f380000000000", "top speed"),
+        ("collisions", "7", "7 collisions"),
+        ("bodies", "9", "9 bodies"),
+        ("steps_taken", "59", "59 steps"),
+        ("events", "2", "2 events"),
+    ] {
+        let found = with(&|record| {
+            if record.0 == op::METADATA {
+                let (name, mut map) = forge::parse_metadata(&record.1);
+                map.entry(key.into()).and_modify(|found| *found = value.into());
+                *record = forge::metadata(&name, map);
+            }
+        });
+        assert!(found.contains(named), "{key}: {found}");
+    }
+}
+
+#[test]
+fn duplicated_records_are_corrupt() {
+    let (_workplace, file) = recorded();
+    let parts = forge::take_apart(&file);
+    for (index, item) in parts.iter().enumerate() {
+        let Item::Record((opcode @ (op::ATTACHMENT | op::METADATA), _)) = item else { continue };
+        for place in [index + 1, parts.len()] {
+            let mut altered = parts.clone();
+            altered.insert(place, item.clone());
+            let found = verdict(&forge::put_together(&altered, Layout::Zstd));
+            assert!(found.starts_with("corrupt ") && found.contains("a second "), "opcode {opcode:#04x}: {found}");
+        }
+    }
+}
+
+/// Returns a folder of damaged recordings: with a flipped bit in the chunk of the steps 20 to 39, and recovered from that
+/// (gap.mcap); cut; with bytes after the end; without its scene.
+fn damaged() -> Workplace {
+    let (workplace, file) = recorded();
+    let parts = forge::take_apart(&file);
+    let mut chunks = 0;
+    let place = file.windows(8).enumerate().find(|(_, window)| {
+        chunks += usize::from(window == b"\x04\0\0\0zstd");
+        chunks == 4
+    });
+    let mut broken = file.clone();
+    broken[place.unwrap().0 + 30] ^= 1;
+    std::fs::write(workplace.path("flip.mcap"), &broken).unwrap();
+    std::fs::write(workplace.path("cut.mcap"), &file[..file.len() / 2]).unwrap();
+    std::fs::write(workplace.path("zeros.mcap"), [&file[..], &[0; 64]].concat()).unwrap();
+    let without_scene: Vec<Item> =
+        parts.into_iter().filter(|item| !matches!(item, Item::Record((op::ATTACHMENT, _)))).collect();
+    std::fs::write(workplace.path("no-scene.mcap"), forge::put_together(&without_scene, Layout::Zstd)).unwrap();
+    assert_eq!(workplace.rebond("recover flip.mcap -o gap.mcap").code, 4);
+    workplace
+}
+
+#[test]
+fn every_command_names_the_gap_of_a_recovered_recording_and_draws_its_bodies() {
+    let workplace = damaged();
+    let missing = "steps 20 to 39 are missing";
+    for command in ["info gap.mcap", "info gap.mcap --json", "replay gap.mcap", "replay gap.mcap --json"] {
+        let Outcome { code, output, .. } = workplace.rebond(command);
+        assert_eq!(code, 4, "{command}: {output}");
+        assert!(output.contains(missing) && output.contains("recovered"), "{command}: {output}");
+    }
+    let checked = workplace.rebond("check gap.mcap");
+    assert!(checked.code == 4 && checked.output.contains(missing), "{checked:?}");
+    let overlays = [
+        "none",
+        "velocity",
+        "acceleration",
+        "force",
+        "normal",
+        "impulse",
+        "penetration",
+        "trail",
+        "name",
+        "axes",
+        "clock",
+    ];
+    for (number, overlay) in overlays.into_iter().enumerate() {
+        let drawn = workplace.rebond(&format!("render gap.mcap --at 55 --show {overlay} -o {number}.svg"));
+        if drawn.code == 2 {
+            continue; // Not an overlay of this version.
+        }
+        assert!(drawn.code == 4 && drawn.errors.contains(missing), "{overlay}: {drawn:?}");
+        let picture = String::from_utf8(workplace.read(&format!("{number}.svg"))).unwrap();
+        assert!(picture.matches("<path").count() + picture.matches("<rect").count() >= 2, "{overlay}: {picture}");
+    }
+    for (number, command) in [
+        "render gap.mcap --follow c",
+        "render gap.mcap --hold 0.2",
+        "figure strobe gap.mcap",
+        "figure spacetime gap.mcap",
+        "figure energy gap.mcap",
+        "figure filmstrip gap.mcap",
+        "figure collision gap.mcap",
+        "figure minkowski gap.mcap",
+        "export gap.mcap",
+    ]
+    .into_iter()
+    .enumerate()
+    {
+        let kind = match command.split(' ').next() {
+            Some("render") => "gif",
+            Some("export") => "csv",
+            _ => "svg",
+        };
+        let done = workplace.rebond(&format!("{command} -o out{number}.{kind}"));
+        assert!(done.code == 4 && done.errors.contains(missing), "{command}: {done:?}");
+    }
+    let range = workplace.rebond("render gap.mcap --from 25 --to 30 -o range.gif");
+    assert_ne!(range.code, 0, "{range:?}");
+}
+
+/// The table of the guide: the exit code of each command on each kind of damage.
+#[test]
+fn exit_codes_agree_between_commands_on_the_same_damaged_file() {
+    let workplace = damaged();
+    workplace.write("bom.mcap", "\u{feff}not MCAP");
+    for (file, code) in [("run", 0), ("flip", 4), ("cut", 4), ("zeros", 4), ("gap", 4), ("no-scene", 4), ("bom", 1)] {
+        for command in ["info", "replay", "export", "check"] {
+            let output = if command == "export" { format!(" -o {file}.csv --force") } else { String::new() };
+            let done = workplace.rebond(&format!("{command} {file}.mcap{output}"));
+            assert_eq!(done.code, code, "{command} {file}: {done:?}");
+        }
+    }
+}
+
+#[test]
+fn a_range_without_states_is_an_error() {
+    let (workplace, _) = recorded();
+    let replayed = workplace.rebond("replay run.mcap --from 5000");
+    assert!(replayed.code == 1 && replayed.errors.contains("no state in the steps 5000"), "{replayed:?}");
+    workplace.write("empty.mcap", "");
+    assert_ne!(workplace.rebond("recover empty.mcap -o fixed.mcap").code, 0);
+    assert!(!workplace.path("fixed.mcap").exists());
+}
