@@ -67,6 +67,7 @@ impl OpenStep {
     }
 }
 
+#[expect(clippy::large_enum_variant, reason = "lost messages are rare: nearly all items are of the larger variant")]
 enum Deferred {
     Message(Message),
     Lost(String),
