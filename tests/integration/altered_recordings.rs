@@ -229,7 +229,7 @@ fn altered_times_schemas_and_end_records_are_named() {
     assert!(schemas.starts_with("corrupt ") && schemas.contains("the schema of the topic"), "{schemas}");
     for (key, value, named) in [
         ("top_speed", "999.0 0x408f380000000000", "top speed"),
-        ("collisions", "7", "7 collisions"),
+        ("collisions", "987654", "987654 collisions"),
         ("bodies", "9", "9 bodies"),
         ("steps_taken", "59", "59 steps"),
         ("events", "2", "2 events"),
@@ -317,7 +317,7 @@ fn every_command_names_the_gap_of_a_recovered_recording_and_draws_its_bodies() {
     }
     for (number, command) in [
         "render gap.mcap --follow c",
-        "render gap.mcap --hold 0.2",
+        "render gap.mcap --hold 0.2 at collisions",
         "figure strobe gap.mcap",
         "figure spacetime gap.mcap",
         "figure energy gap.mcap",
