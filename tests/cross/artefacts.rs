@@ -120,8 +120,8 @@ fn damage(workspace: &mut Workspace, scene: &str) {
         workspace.write(&format!("{name}.mcap"), &bytes);
         workspace.run_with_code(4, &format!("replay {name}.mcap"));
         workspace.run_with_code(4, &format!("info {name}.mcap"));
-        workspace.run(&format!("recover {name}.mcap -o {name}-recovered.mcap"));
-        workspace.run(&format!("replay {name}-recovered.mcap"));
+        workspace.run_with_code(4, &format!("recover {name}.mcap -o {name}-recovered.mcap"));
+        workspace.run_with_code(4, &format!("replay {name}-recovered.mcap"));
     }
 }
 

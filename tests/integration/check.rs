@@ -289,7 +289,7 @@ fn damage_exits_with_4_and_a_failed_check_with_1() {
     fs::write(workplace.path("scene.mcap"), &bad).unwrap();
     assert!(line_about(&workplace, 4, "scene.mcap").starts_with("corrupt chunk"));
     fs::write(workplace.path("scene.mcap"), &good[..good.len() * 2 / 3]).unwrap();
-    assert!(line_about(&workplace, 4, "scene.mcap").starts_with("truncated "));
+    assert!(line_about(&workplace, 4, "scene.mcap").starts_with("incomplete: "));
     fs::write(workplace.path("scene.mcap"), &good[..40]).unwrap();
     assert!(line_about(&workplace, 4, "scene.mcap").starts_with("damaged: truncated before its settings"));
     workplace.write("wrong.check", "rebond figure strobe scene.mcap -o a.svg --themes dark\n");

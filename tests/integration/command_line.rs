@@ -214,7 +214,7 @@ fn json_output_can_be_parsed() {
     assert_eq!((verdict["verdict"].as_str(), verdict["same_steps"].as_u64()), (Some("same"), Some(90)));
     let bytes = workplace.read("run.mcap");
     std::fs::write(workplace.path("cut.mcap"), &bytes[..bytes.len() * 2 / 3]).unwrap();
-    assert_eq!(json("replay cut.mcap --json")["verdict"], "truncated");
+    assert_eq!(json("replay cut.mcap --json")["verdict"], "incomplete");
 }
 
 /// Colours are used only on terminals, even if NO_COLOR is not set.

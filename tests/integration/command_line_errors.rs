@@ -111,7 +111,7 @@ fn the_verdict_of_a_truncated_recording_counts_the_steps_that_are_the_same() {
     let outcome = workplace.rebond("replay cut.mcap");
     assert_eq!(outcome.code, 4, "{outcome:?}");
     let verdict = outcome.output.lines().last().unwrap();
-    assert!(verdict.starts_with("truncated after step "), "{verdict}");
+    assert!(verdict.starts_with("incomplete: "), "{verdict}");
     assert!(verdict.ends_with(" steps same"), "{verdict}");
 }
 

@@ -292,7 +292,7 @@ fn an_old_recording_stays_until_states_are_written() {
     writeln!(events, "{{\"delete\": {{\"name\": \"a\", \"step\": 100}}}}").unwrap();
     events.flush().unwrap();
     wait_until("the first second", || workplace.read("run.mcap") != old);
-    assert!(on_unfinished(&workplace, "replay run.mcap").output.starts_with("truncated after step "));
+    assert!(on_unfinished(&workplace, "replay run.mcap").output.starts_with("incomplete: "));
     drop(events);
     let (_, code, errors) = end_of(process);
     assert_eq!(code, Some(0), "{errors}");
