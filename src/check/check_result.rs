@@ -29,7 +29,7 @@ pub enum Replacement {
 #[non_exhaustive]
 #[derive(Debug)]
 pub enum Outcome {
-    /// A recording replays the same; a truncated or corrupt one, as far as it can be read.
+    /// A recording replays the same; a incomplete or corrupt one, as far as it can be read.
     Replayed {
         /// The verdict of the replay.
         verdict: Verdict,
@@ -76,7 +76,7 @@ pub enum Severity {
     Same,
     /// Something differs, is missing or cannot be compared.
     Different,
-    /// A recording is truncated or corrupt.
+    /// A recording is incomplete or corrupt.
     Damaged,
     /// The case cannot be checked.
     Failed,

@@ -106,7 +106,7 @@ pub enum Exit {
     Error = 1,
     /// A replay diverged or a picture differs.
     Diverged = 3,
-    /// A recording is truncated or corrupt; the part that could be read is the same.
+    /// A recording is incomplete or corrupt; the part that could be read is the same.
     Damaged = 4,
 }
 

@@ -94,7 +94,10 @@ impl ChangeSteps {
                 }
                 let (Change::Spawn { .. } | Change::Delete { .. }) = event.change;
                 // Events are in ascending order of their steps.
-                let last = steps.last().copied().filter(|last| ((event.step - last) as f64) < column * grid.rate);
+                let last = steps.last().copied().filter(|last| {
+                    let steps = event.step.checked_sub(*last);
+                    steps.is_some_and(|steps| (steps as f64) < column * grid.rate)
+                });
                 if let Some(last) = last {
                     steps.remove(&last);
                 }

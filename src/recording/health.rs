@@ -129,7 +129,7 @@ impl MissingEnd {
     fn describe(self) -> String {
         let MissingEnd { after, last, is_cut } = self;
         match (after, is_cut) {
-            (Some(after), true) if after >= last => format!("the end of the file after step {after} is missing"),
+            (Some(after), true) if after >= last => format!("truncated after step {after}, the last one"),
             (Some(after), true) => format!("truncated after step {after} of {last}"),
             (None, true) => "the end is missing".into(),
             (after, false) => Gap { after, before: last + 1 }.missing(),

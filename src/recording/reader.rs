@@ -185,28 +185,25 @@ impl<R: Read + Seek> Recording<R> {
     }
 
     /// Calls `visit` with every readable event, and with every readable keyframe if parts are missing or damaged: then the
-    /// spawns of its bodies may be lost. Opens only chunks that have events according to the index. Afterwards, reading restarts
+    /// spawns of its bodies may be lost, and events before damage are visited twice. Opens only chunks that have events according to the index. Afterwards, reading restarts
     /// at the beginning of the recording.
     ///
     /// # Errors
     /// Returns an error if the file cannot be read.
     pub fn for_each_event(&mut self, mut visit: impl FnMut(Item)) -> Result<(), Error> {
         let index = self.take_index()?;
-        let places: Vec<usize> =
-            (0..index.places.len()).filter(|place| index.may_contain(*place, Topic::Events)).collect();
         let mut is_indexed = index.is_usable() && !index.has_loose_messages && self.header.gaps.is_empty();
-        for place in places.iter().take_while(|_| index.is_usable()) {
-            self.open_place(&index, *place)?;
-            while self.next_in_chunk().is_some() {}
-            is_indexed &= self.decoder.damage.is_none();
-        }
-        for place in places.iter().filter(|_| is_indexed) {
-            self.open_place(&index, *place)?;
+        for place in (0..index.places.len()).filter(|place| index.may_contain(*place, Topic::Events)) {
+            if !is_indexed {
+                break;
+            }
+            self.open_place(&index, place)?;
             while let Some(item) = self.next_in_chunk() {
                 if let Item::Event(_) = item {
                     visit(item);
                 }
             }
+            is_indexed = self.decoder.damage.is_none();
         }
         self.index = Some(index);
         self.restart()?;
