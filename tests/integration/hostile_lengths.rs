@@ -68,11 +68,7 @@ fn hostile_files() -> Vec<(&'static str, Vec<u8>, &'static str)> {
     vec![
         ("a chunk of 100 GB", chunk_of_length(100_000_000_000), "length exceeds limit"),
         ("a chunk of 2^64 bytes", chunk_of_length(u64::MAX), "length exceeds limit"),
-        (
-            "a chunk that declares 100 GB uncompressed",
-            chunk_declaring(100_000_000_000, &[0; 9]),
-            "but at most",
-        ),
+        ("a chunk that declares 100 GB uncompressed", chunk_declaring(100_000_000_000, &[0; 9]), "but at most"),
         (
             "a chunk that decompresses to more than it declares",
             chunk_declaring(1000, &vec![0; 1 << 30]),

@@ -344,9 +344,9 @@ fn an_interrupted_command_leaves_nothing_behind_and_ends_by_the_signal() {
     workplace.write("long.toml", &SCENE.replace("steps = 120", "steps = 200000"));
     let commands = [
         "export long.mcap -o new.csv --force",
-        "render long.mcap --size 1280x720 -o new.gif",
-        "render long.mcap --size 640x360 -o frames/",
-        "render endless.toml -o new.gif",
+        "render long.mcap --long --size 1280x720 -o new.gif",
+        "render long.mcap --long --size 640x360 -o frames/",
+        "render endless.toml --long -o new.gif",
         "figure strobe endless.toml -o new.svg",
         "record scene.toml --events - -o new.mcap",
         "check .",

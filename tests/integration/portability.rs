@@ -67,7 +67,7 @@ const RULES: &[Rule] = &[
         word: "thread::",
         allowed: &[
             "src/cli/arguments.rs",
-            "src/cli/signals.rs",
+            "src/temporary.rs",
             "src/recording/writer_thread.rs",
             "src/recording/writer.rs",
             "src/picture/encode/ordered_parallel_map.rs",
