@@ -205,6 +205,15 @@ impl Engine {
         }
     }
 
+    /// Asserts the invariants of the event-driven solver after each instant from now on, in debug builds and with few
+    /// bodies: for tests of its laws. They do not hold for snapshots that were altered, nor where numbers underflow.
+    #[doc(hidden)]
+    pub fn assert_invariants(&mut self) {
+        if let Solver::EventDriven(solver) = &mut self.solver {
+            solver.assert_invariants();
+        }
+    }
+
     /// Returns a copy of the engine that rounds at random from now on, with numbers that follow from `seed`;
     /// `None` with the handout solver.
     pub(super) fn with_random_rounding(&self, seed: u64) -> Option<Engine> {

@@ -260,7 +260,7 @@ fn the_summary_events_and_one_state_are_found_without_reading_the_rest() {
     let all = items(&bytes).0;
     assert_eq!(Some(&Item::Trailer(summary.trailer)), all.last());
     let keyframes = all.iter().filter(|item| matches!(item, Item::Keyframe(_))).count() as u64;
-    assert_eq!((summary.states, summary.keyframes), (20_001, keyframes));
+    assert_eq!((summary.states, summary.keyframes), (40_001, keyframes));
 }
 
 #[test]

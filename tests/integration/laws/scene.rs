@@ -55,6 +55,7 @@ impl Scene {
     /// Runs the scene; `between` receives the engine at each step, after its deletes and spawns.
     pub fn run_with(&self, mut between: impl FnMut(&mut Engine)) -> Run {
         let mut engine = Engine::new(self.config());
+        engine.assert_invariants();
         let mut run = Run::default();
         for step in 0..=self.steps {
             if step > 0 {
@@ -81,6 +82,7 @@ impl Scene {
     /// Runs the scene until it has more collisions.
     pub fn has_more_collisions_than(&self, most: usize) -> bool {
         let mut engine = Engine::new(self.config().with_events_per_step(4 * most as u64));
+        engine.assert_invariants();
         let mut collisions: Vec<Collision> = Vec::new();
         self.apply_events(0, &mut engine);
         (1..=self.steps).any(|step| {

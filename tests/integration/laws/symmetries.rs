@@ -122,6 +122,7 @@ fn an_engine_restored_at_every_step_continues_bit_for_bit() {
     check("restored", random_scene, |scene| {
         let restore = |engine: &mut Engine| {
             *engine = Engine::restore(scene.config(), engine.snapshot()).unwrap_or_else(|error| panic!("{error}"));
+            engine.assert_invariants();
         };
         to_the_bit(&outcome(scene), &Outcome::of(scene, scene.run_with(restore)))
     });
