@@ -27,10 +27,13 @@ fn trim_zeros(decimal: &str) -> String {
     if kept == "-0" { "0".to_owned() } else { kept.to_owned() }
 }
 
-/// The smallest number of the form 1, 2 or 5 × 10ⁿ that is at least `min`.
+/// The smallest number of the form 1, 2 or 5 × 10ⁿ that is at least `min`; infinite if there is none.
 ///
 /// Found by multiplying and dividing by 10, because the logarithms of the standard library differ between platforms.
 pub fn nice_spacing(min: f64) -> f64 {
+    if min.is_nan() || min > 1e308 {
+        return f64::INFINITY;
+    }
     let mut power = 1.0;
     while power < min {
         power *= 10.0;

@@ -340,7 +340,8 @@ fn the_collision_table_explains_every_change_of_velocity() {
     let states = columns(&workplace.done("export run.mcap").output);
     let number = |text: &String| text.parse::<f64>().unwrap();
     assert!(collisions["time"].len() > 3);
-    for row in 0..collisions["time"].len() {
+    let rows = 0..collisions["time"].len();
+    for row in rows.clone() {
         let of = |column: &str| number(&collisions[column][row]);
         assert!(
             (of("vn_after") + of("e") * of("vn_before")).abs() < 1e-12 && of("vn_before") < 0.0 && of("impulse") > 0.0
@@ -354,7 +355,7 @@ fn the_collision_table_explains_every_change_of_velocity() {
         [2.0 * number(&states["vx"][at]), 2.0 * number(&states["vy"][at])]
     };
     let mut expected = momentum("0");
-    for row in 0..collisions["time"].len() {
+    for row in rows {
         let sign = if collisions["a"][row] == "c" { 1.0 } else { -1.0 };
         if [&collisions["a"][row], &collisions["b"][row]].into_iter().any(|name| name == "c") {
             expected[0] += sign * number(&collisions["impulse"][row]) * number(&collisions["nx"][row]);
