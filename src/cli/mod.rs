@@ -4,7 +4,6 @@ mod arguments;
 mod body_topics;
 mod check;
 mod error;
-mod error_report;
 mod export;
 mod figure;
 mod info;
@@ -21,7 +20,7 @@ mod shell;
 mod source;
 mod video;
 
-pub use error_report::ErrorReport;
+pub use error::ErrorReport;
 
 use crate::temporary;
 use arguments::{

@@ -3,7 +3,7 @@
 use super::Exit;
 use super::arguments::is_standard_output;
 use super::error::CommandError;
-use super::error_report::printable;
+use super::error::printable;
 use crate::picture::ReadStatus;
 use crate::recording::Health;
 use crate::text::Printable;

@@ -12,7 +12,8 @@ const LEVELS: [f64; 10] = [1e-28, 1e-26, 1e-24, 1e-22, 1e-20, 1e-18, 1e-16, 1e-1
 /// It is an estimate, not a bound: the runs that are compared may err alike.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Accuracy {
-    /// The last step at which all positions are accurate to [`ACCURACY`]; `None` if they are throughout the run.
+    /// The last step at which all positions are accurate to 1e-10 of the largest side of a finite body;
+    /// `None` if they are throughout the run.
     pub until: Option<u64>,
 }
 

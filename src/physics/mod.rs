@@ -13,7 +13,6 @@ mod engine;
 mod event;
 pub mod event_driven;
 pub mod handout;
-pub mod invariants;
 mod rect;
 mod restitution;
 mod vector;

@@ -1,4 +1,4 @@
-use super::{Material, Rect, Restitution, Vector};
+use super::{Axis, Material, Rect, Restitution, Vector, larger, smaller};
 
 /// The bodies alive, gravity and restitution.
 #[non_exhaustive]
@@ -21,6 +21,50 @@ impl World {
     /// The body with the given id, if it is alive.
     pub fn body(&self, id: BodyId) -> Option<&Body> {
         self.index_of(id).map(|index| &self.bodies[index])
+    }
+
+    /// The kinetic energy of the bodies of finite mass, Σ ½·m·v², J.
+    pub fn kinetic_energy(&self) -> f64 {
+        self.finite_bodies().fold(0.0, |sum, body| sum + 0.5 * body.mass * body.velocity.dot(body.velocity))
+    }
+
+    /// The potential energy of gravity and the constant forces on the bodies of finite mass, −Σ (m·g + F)·x at the
+    /// centres, J. Exactly 0 if neither gravity nor a force acts on any body.
+    pub fn potential_energy(&self) -> f64 {
+        let gravity = self.gravity.unwrap_or(Vector::ZERO);
+        let force = |body: &Body| gravity.mult(body.mass).add(body.constant_force);
+        // Adding to 0 instead of summing from −0, and skipping bodies without force, keeps the sum from being −0.
+        let subject = self.finite_bodies().filter(|body| force(body) != Vector::ZERO);
+        subject.fold(0.0, |sum, body| sum - force(body).dot(body.rect.center()))
+    }
+
+    /// The momentum of the bodies of finite mass, Σ m·v, kg·m/s.
+    pub fn momentum(&self) -> Vector {
+        self.finite_bodies().fold(Vector::ZERO, |sum, body| sum.add(body.velocity.mult(body.mass)))
+    }
+
+    /// The deepest overlap of any two boxes, m: the shorter side of their intersection. 0 if none overlap.
+    ///
+    /// Pairs of infinite masses are excluded. The boxes are sorted along x (sweep and prune), so that only
+    /// pairs that overlap on x are compared.
+    pub fn deepest_overlap(&self) -> f64 {
+        let mut sorted: Vec<&Body> = self.bodies.iter().collect();
+        sorted.sort_by(|a, b| a.rect.origin.x.total_cmp(&b.rect.origin.x));
+        let mut deepest = 0.0;
+        for (index, a) in sorted.iter().enumerate() {
+            let right = a.rect.far_corner().x;
+            for b in sorted[index + 1..].iter().take_while(|b| b.rect.origin.x < right) {
+                if !(a.is_infinite() && b.is_infinite()) {
+                    let [x, y] = Axis::BOTH.map(|axis| a.rect.overlap_along(axis, &b.rect));
+                    deepest = larger(smaller(x, y), deepest);
+                }
+            }
+        }
+        deepest
+    }
+
+    fn finite_bodies(&self) -> impl Iterator<Item = &Body> {
+        self.bodies.iter().filter(|body| !body.is_infinite())
     }
 }
 

@@ -32,7 +32,6 @@ mod resolved;
 mod run_statistics;
 mod schedule;
 mod source;
-mod step_grid;
 pub mod text;
 mod trace;
 mod view;
@@ -57,9 +56,10 @@ pub use resolved::{
     Animation, CollisionFigure, CollisionSelector, Page, ResolvedPicture, StatesFigure, StepRange, Subject,
 };
 pub use run_statistics::RunStatistics;
-pub use schedule::{AnimationSchedule, MAX_FRAMES_PER_STEP, MAX_HOLD, MIN_HOLD, Moment, SPEEDS, Timing};
+pub use schedule::{
+    AnimationSchedule, MAX_FRAMES_PER_STEP, MAX_GIF_FPS, MAX_HOLD, MIN_HOLD, Moment, SPEEDS, StepGrid, Thinning, Timing,
+};
 pub use source::{ReadExtent, ReadStatus, Source, recorded_world};
-pub use step_grid::{MAX_GIF_FPS, StepGrid, Thinning};
 pub use trace::TraceGap;
 pub use view::{Camera, DrawingMetrics, Style, View};
 

@@ -246,7 +246,6 @@ impl Observer for CollisionInstants {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::invariants;
     use crate::picture::Thinning;
     use crate::replay::{self, ALL_STEPS, RecordOptions};
     use crate::scene;
@@ -286,7 +285,7 @@ mod tests {
         let grid = StepGrid::new(0..=source.header.steps, source.header.config.rate, Thinning::All);
         let mut points = Vec::new();
         let visit = |point: TracePoint| {
-            points.push((point.time, invariants::kinetic_energy(point.world), point.is_after_change));
+            points.push((point.time, point.world.kinetic_energy(), point.is_after_change));
         };
         let trace = trace(source, &grid, column, &mut |_, _| (), visit).unwrap();
         (points, trace)

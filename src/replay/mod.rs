@@ -3,18 +3,16 @@
 //! A [`Run`] turns the inputs of a scene into events of the engine; [`record()`] writes such a run to a recording. A
 //! [`Replayer`] applies the events of a recording and compares every state bit for bit, which gives a [`Verdict`].
 
-mod error;
 mod live_events;
 mod record;
 mod replayer;
 mod scene_run;
 mod verdict;
 
-pub use error::RunError;
 pub use live_events::{LiveEvents, NO_LIVE_EVENTS, OnBadEvent};
 pub use record::{RecordOptions, Recorded, record};
 pub use replayer::{ALL_STEPS, Replayer};
-pub use scene_run::{Run, engine_config};
+pub use scene_run::{Run, RunError, engine_config};
 pub use verdict::{Difference, Divergence, Verdict, ulps};
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 use super::case::{Case, RunSpec, SceneRunner};
 use super::oracle::{Expectation, Fixed256, Oracle};
-use crate::physics::{Body, BodyId, Collision, Observer, StepError, Vector, World, invariants};
+use crate::physics::{Body, BodyId, Collision, Observer, StepError, Vector, World};
 use crate::replay::RunError;
 use crate::scene::Scene;
 use crate::text::counted;
@@ -58,7 +58,7 @@ impl Errors {
             };
             errors.position = larger(errors.position, expected.map(|expected| greatest_distance(world, expected)));
             if world.bodies.len() < OVERLAP_TEST_BODIES || number % 10 == 0 {
-                errors.overlap = larger(errors.overlap, invariants::worst_overlap(world));
+                errors.overlap = larger(errors.overlap, world.deepest_overlap());
             }
             // Energy and momentum are conserved from the last input on.
             if step * spec.factor >= last_input {
@@ -175,16 +175,16 @@ impl Balance {
         let weight = |body: &Body| gravity.mult(body.mass).add(body.constant_force).norm();
         let pull: f64 = finite().map(weight).sum();
         let has_moving_wall = world.bodies.iter().any(|body| body.is_infinite() && body.can_move());
-        let energy = invariants::kinetic_energy(world) + pull * scene.size[1];
+        let energy = world.kinetic_energy() + pull * scene.size[1];
         let momentum: f64 = finite().map(|body| body.mass * body.velocity.norm()).sum();
-        let total_energy = if pull > 0.0 { mechanical_energy } else { invariants::kinetic_energy };
+        let total_energy = if pull > 0.0 { mechanical_energy } else { World::kinetic_energy };
         let first_energy = total_energy(world);
         Balance {
             total_energy,
             is_elastic: is_elastic(world),
             first_energy,
             lowest_energy: first_energy,
-            first_momentum: invariants::momentum(world).sub(totals.impulse),
+            first_momentum: world.momentum().sub(totals.impulse),
             energy_scale: Some(energy).filter(|&energy| !has_moving_wall && energy > 0.0),
             momentum_scale: Some(momentum).filter(|&momentum| pull == 0.0 && momentum > 0.0),
             energy_error: None,
@@ -200,14 +200,14 @@ impl Balance {
         }
         // Only a gain counts; rounding may also lower the energy.
         let gain = if change > 0.0 { change } else { 0.0 };
-        let drift = invariants::momentum(world).sub(totals.impulse).sub(self.first_momentum).norm();
+        let drift = world.momentum().sub(totals.impulse).sub(self.first_momentum).norm();
         self.energy_error = larger(self.energy_error, self.energy_scale.map(|scale| gain / scale));
         self.momentum_error = larger(self.momentum_error, self.momentum_scale.map(|scale| drift / scale));
     }
 }
 
 fn mechanical_energy(world: &World) -> f64 {
-    invariants::kinetic_energy(world) + invariants::potential_energy(world)
+    world.kinetic_energy() + world.potential_energy()
 }
 
 /// Returns true if e = 1 for all pairs of materials in the world.

@@ -369,7 +369,7 @@ pub struct Excerpt {
 /// Collects the independent errors of one text while it is read.
 ///
 /// A reader reports an error and continues with the next key. The value that it could not read is
-/// then a [`ErrorReported`], so that nothing that depends on it is checked or reported.
+/// then an [`ErrorReported`], so that nothing that depends on it is checked or reported.
 #[derive(Debug, Default)]
 pub struct Reporter(RefCell<Collected>);
 
@@ -407,7 +407,7 @@ impl Reporter {
         let mut listed = listed.into_iter();
         match (listed.next(), value) {
             (None, Ok(value)) => Ok(value),
-            (None, Err(ErrorReported(()))) => unreachable!("a ErrorReported comes from a report"),
+            (None, Err(ErrorReported(()))) => unreachable!("an ErrorReported comes from a report"),
             (Some(first), Ok(_) | Err(ErrorReported(()))) => {
                 let others = listed.collect();
                 Err(Box::new(Diagnostics { excerpt: Some(excerpt()), first, others, omitted }))

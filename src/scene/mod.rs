@@ -12,7 +12,6 @@ mod guide_tests;
 mod inputs;
 mod lifetimes;
 pub mod live;
-mod occupancy;
 mod options;
 #[cfg(feature = "cli")]
 mod overrides;

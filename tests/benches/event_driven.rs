@@ -13,7 +13,7 @@ mod cell_list;
 
 use cell_list::CellList;
 use rebond::internals::{
-    physics::{CollisionCount, EngineConfig, World, invariants},
+    physics::{CollisionCount, EngineConfig, World},
     replay::{Run, engine_config},
     scene::{self, Scene},
 };
@@ -48,8 +48,8 @@ fn measure(name: &str, scene: &Scene) {
     let mut collisions = CollisionCount::default();
     run.apply_inputs(Vec::new(), |error| Err(error.into())).expect("the scene's own events");
     let energies = |world: &World| {
-        let potential = if gravity.is_some() { invariants::potential_energy(world) } else { 0.0 };
-        (invariants::kinetic_energy(world), potential)
+        let potential = if gravity.is_some() { world.potential_energy() } else { 0.0 };
+        (world.kinetic_energy(), potential)
     };
     let (kinetic, potential) = energies(run.engine().world());
     let bodies = run.engine().world().bodies.iter().filter(|body| !body.is_infinite()).count();
@@ -79,7 +79,7 @@ fn measure(name: &str, scene: &Scene) {
     let after = energies(run.engine().world());
     let scale = kinetic + potential.abs();
     let drift = (after.0 + after.1 - kinetic - potential) / if scale > 0.0 { scale } else { 1.0 };
-    let overlap = if bodies <= 20_000 { invariants::worst_overlap(run.engine().world()) } else { f64::NAN };
+    let overlap = if bodies <= 20_000 { run.engine().world().deepest_overlap() } else { f64::NAN };
     let [bytes, ratio] =
         [(bytes > 0).then(|| bytes.to_string()), plain.map(|_| format!("{:.2}", plain_seconds / seconds))]
             .map(|figure| figure.unwrap_or_else(|| "-".to_owned()));

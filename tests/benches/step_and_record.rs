@@ -3,7 +3,7 @@
 //! Prints the median and the range of several runs, and the energy error of the run that was measured.
 
 use rebond::internals::{
-    physics::{CollisionCount, Engine, invariants},
+    physics::{CollisionCount, Engine},
     recording::{Header, RecordedEvent, RunEnd, SceneText, Writer},
     replay, scene,
 };
@@ -56,7 +56,7 @@ fn nanoseconds(work: impl FnOnce()) -> f64 {
 fn stepping(bodies: usize) {
     let (engine, _) = start(&gas(bodies));
     let steps = [20_000, 2_000, 60][bodies.ilog10() as usize - 1];
-    let energy = invariants::kinetic_energy(engine.world());
+    let energy = engine.world().kinetic_energy();
     let mut drift = 0.0;
     let cost = measure(|| {
         let mut engine = engine.clone();
@@ -65,7 +65,7 @@ fn stepping(bodies: usize) {
                 engine.step(&mut CollisionCount::default()).expect("finite numbers");
             }
         });
-        drift = invariants::kinetic_energy(engine.world()) / energy - 1.0;
+        drift = engine.world().kinetic_energy() / energy - 1.0;
         elapsed / (steps * bodies) as f64
     });
     println!("{bodies:6}   {cost:22} {drift:+.1e} in {steps} steps");

@@ -2,7 +2,7 @@
 
 use crate::world_builder::*;
 use proptest::prelude::*;
-use rebond::internals::physics::{BodyId, Engine, Event, Snapshot, SnapshotError, Vector, invariants};
+use rebond::internals::physics::{BodyId, Engine, Event, Snapshot, SnapshotError, Vector};
 
 const ROOM: f64 = 12.0;
 
@@ -53,7 +53,7 @@ fn conditions() -> impl Strategy<Value = Conditions> {
 }
 
 fn energy(engine: &Engine) -> f64 {
-    invariants::kinetic_energy(engine.world()) + invariants::potential_energy(engine.world())
+    engine.world().kinetic_energy() + engine.world().potential_energy()
 }
 
 fn restored_copy(conditions: Conditions, engine: &Engine) -> Engine {
@@ -71,7 +71,7 @@ proptest! {
         let mut before = start;
         for step in 0..240 {
             run(&mut engine, 1);
-            let overlap = invariants::worst_overlap(engine.world());
+            let overlap = engine.world().deepest_overlap();
             prop_assert!(overlap <= 2e-14, "overlap {overlap:e} after step {step}");
             let now = energy(&engine);
             prop_assert!(now <= before + scale, "energy rose by {:e} in step {step}", now - before);
@@ -85,9 +85,9 @@ proptest! {
     #[test]
     fn momentum_is_conserved_without_walls(restitution in 0.0..=1.0, bodies in specs()) {
         let mut engine = world(Conditions { restitution, ..Conditions::default() }, &without_overlaps(bodies));
-        let before = invariants::momentum(engine.world());
+        let before = engine.world().momentum();
         run(&mut engine, 300);
-        let change = invariants::momentum(engine.world()).sub(before);
+        let change = engine.world().momentum().sub(before);
         prop_assert!(change.norm() <= 1e-12);
     }
 

@@ -2,7 +2,7 @@
 
 use crate::snapshot::assert_text;
 use rebond::internals::physics::{
-    CollisionCount, Engine, EngineConfig, Event, Rect, Restitution, SolverKind, Spawn, Vector, invariants,
+    CollisionCount, Engine, EngineConfig, Event, Rect, Restitution, SolverKind, Spawn, Vector,
 };
 use std::fmt::Write;
 
@@ -39,12 +39,11 @@ fn energy_is_not_conserved_at_e_1() {
         spawn(&mut engine, &format!("box {number}"), [2.0 + 3.0 * column, 1.0 + 1.75 * row], [1.0, 1.0], 1.0, velocity);
     }
     let mut table = String::from("step   energy change   worst overlap\n");
-    let energy =
-        |engine: &Engine| invariants::kinetic_energy(engine.world()) + invariants::potential_energy(engine.world());
+    let energy = |engine: &Engine| engine.world().kinetic_energy() + engine.world().potential_energy();
     let first = energy(&engine);
     for _ in 0..6 {
         let change = (energy(&engine) - first) / first.abs();
-        let overlap = invariants::worst_overlap(engine.world());
+        let overlap = engine.world().deepest_overlap();
         writeln!(table, "{:4}   {:12.3} %   {overlap:11.3} m", engine.current_step(), 100.0 * change).unwrap();
         advance(&mut engine, 120);
     }
@@ -62,7 +61,7 @@ fn a_stack_sinks_into_the_floor() {
     let mut table = String::from("step   top of the stack   worst overlap\n");
     for _ in 0..6 {
         let top = engine.world().bodies[10].rect.origin.y;
-        let overlap = invariants::worst_overlap(engine.world());
+        let overlap = engine.world().deepest_overlap();
         writeln!(table, "{:4}   {top:14.6} m   {overlap:11.6} m", engine.current_step()).unwrap();
         advance(&mut engine, 120);
     }

@@ -1,7 +1,7 @@
 //! Regression tests: scenes on which the event-driven solver once failed. The first lines of each describe how.
 
 use rebond::internals::{
-    physics::{Collision, Engine, Observer, invariants},
+    physics::{Collision, Engine, Observer},
     replay::Run,
     scene,
 };
@@ -40,7 +40,7 @@ fn hard_scenes_run_without_error_overlap_or_too_many_collisions() {
         let mut overlap = 0.0_f64;
         let ended = (0..steps).try_for_each(|_| {
             run.step(&mut collisions)?;
-            let now = invariants::worst_overlap(run.engine().world());
+            let now = run.engine().world().deepest_overlap();
             overlap = if now > overlap { now } else { overlap };
             Ok::<(), rebond::internals::physics::StepError>(())
         });

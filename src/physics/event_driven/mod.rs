@@ -23,7 +23,7 @@
 //!
 //! # Time
 //!
-//! An [`Instant`] is a double-double number of seconds since step 0, so the step and its rate influence no event. A
+//! An `Instant` is a double-double number of seconds since step 0, so the step and its rate influence no event. A
 //! prediction is computed in doubles and queued at the earliest time that its error bound admits (`pair_event`). When
 //! it comes first, its time is computed again in double-double arithmetic (`exact`), and the event is carried out if no
 //! other can be earlier. Where the error bounds of two events of a body overlap, both are computed exactly, so no
@@ -62,8 +62,8 @@
 //!    changes; when an invalidated event is due, the body predicts again.
 //! 3. No touching pair approaches after an instant.
 //!
-//! Those of its parts are stated with the types that own them: [`Bodies`], [`ContactGraph`], [`CellLists`],
-//! [`EventQueue`].
+//! Those of its parts are stated with the types that own them: `Bodies`, `ContactGraph`, `CellLists`,
+//! `EventQueue`.
 
 mod axis_trajectory;
 mod bodies;

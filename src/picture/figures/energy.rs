@@ -2,7 +2,7 @@ use super::TimeCurve;
 use super::axes::{Axes, AxisTitles, Range, Scale};
 use super::panels::Panels;
 use super::timeline::{Timeline, draw_timeline, timeline_legend};
-use crate::physics::{Rect, Vector, World, invariants, larger, smaller};
+use crate::physics::{Rect, Vector, World, larger, smaller};
 use crate::picture::layers::footer::{Entry, Legend};
 use crate::picture::number::{Unit, format_significant};
 use crate::picture::text::Line;
@@ -26,9 +26,9 @@ impl EnergySample {
     pub fn of(world: &World, time: f64) -> EnergySample {
         EnergySample {
             time,
-            kinetic: invariants::kinetic_energy(world),
-            potential: invariants::potential_energy(world),
-            momentum: invariants::momentum(world),
+            kinetic: world.kinetic_energy(),
+            potential: world.potential_energy(),
+            momentum: world.momentum(),
         }
     }
 

@@ -7,7 +7,7 @@ use super::{
     scene::{Scene, SceneBody},
 };
 use crate::world_builder::INFINITE;
-use rebond::internals::physics::{Axis, Collision, Engine, World, invariants};
+use rebond::internals::physics::{Axis, Collision, Engine, World};
 
 /// Returns the error of a run that should have none: a body may be crushed, or have no room at e = 1; moving infinite
 /// masses may press a body between them through more events than are allowed.
@@ -36,7 +36,7 @@ fn no_two_boxes_overlap_by_more_than_a_few_ulps() {
         let mut worst = None;
         let run = scene.run_with(|engine| {
             let world = engine.world();
-            let overlap = invariants::worst_overlap(world);
+            let overlap = world.deepest_overlap();
             if overlap > 16.0 * f64::EPSILON * reach(world) && worst.is_none() {
                 worst = Some(format!("step {}: {overlap:e} m", engine.current_step()));
             }
@@ -130,8 +130,7 @@ fn the_energy_changes_by_the_work_of_moving_masses_and_the_losses_of_impacts() {
 
 /// The energy of the finite masses, and the sum of its parts without their signs, J.
 fn energy(engine: &Engine) -> (f64, f64) {
-    let (kinetic, potential) =
-        (invariants::kinetic_energy(engine.world()), invariants::potential_energy(engine.world()));
+    let (kinetic, potential) = (engine.world().kinetic_energy(), engine.world().potential_energy());
     let gravity = engine.world().gravity.map_or([0.0; 2], |gravity| [gravity.x.abs(), gravity.y.abs()]);
     let parts = engine.world().bodies.iter().filter(|body| !body.is_infinite()).map(|body| {
         let (force, center) = (body.constant_force, body.rect.center());
@@ -153,7 +152,7 @@ fn without_infinite_masses_the_momentum_changes_by_gravity_and_forces_only() {
         let mut momenta = Vec::new();
         let run = scene.run_with(|engine| {
             let scale = engine.world().bodies.iter().map(|body| body.mass * body.velocity.norm()).sum::<f64>();
-            momenta.push((invariants::momentum(engine.world()), scale));
+            momenta.push((engine.world().momentum(), scale));
         });
         ended(&scene, &run)?;
         let force = |k: usize| {
