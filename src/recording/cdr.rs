@@ -5,7 +5,7 @@ use serde::{Serialize, de::DeserializeOwned};
 
 use crate::text::counted;
 
-use super::record_reader::{Cursor, Malformed};
+use super::record_reader::{FieldReader, Malformed};
 
 /// The encapsulation header before every message: plain CDR, little-endian, no options.
 pub const HEADER: [u8; 4] = [0, 1, 0, 0];
@@ -34,7 +34,7 @@ pub fn decode<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, String> {
 /// allocated.
 pub struct ColumnReader<'a> {
     body: &'a [u8],
-    fields: Cursor<'a>,
+    fields: FieldReader<'a>,
 }
 
 impl<'a> ColumnReader<'a> {
@@ -44,7 +44,7 @@ impl<'a> ColumnReader<'a> {
     /// Returns a description of the problem if the bytes are not CDR.
     pub fn new(bytes: &'a [u8]) -> Result<ColumnReader<'a>, String> {
         let body = body(bytes)?;
-        Ok(ColumnReader { body, fields: Cursor::new(body) })
+        Ok(ColumnReader { body, fields: FieldReader::new(body) })
     }
 
     /// Reads a `u64`.

@@ -1,15 +1,15 @@
-use std::{collections::BTreeMap, io::Read};
+use std::{collections::BTreeMap, io::Read, iter, vec};
 
 use mcap::records::op;
 
 use super::{
     limits,
-    record_reader::{Cursor, Malformed, PREFIX_BYTES},
+    record_reader::{FieldReader, Malformed, PREFIX_BYTES},
     tally::ChunkSummary,
 };
 
-/// Reads the records of one chunk after another. The checksum of a chunk is verified before its first
-/// record is returned.
+/// Reads the records of one chunk after another, the messages of each chunk in order of time. The checksum of a chunk is
+/// verified before its first record is returned.
 pub struct ChunkReader {
     decompressor: Option<zstd::bulk::Decompressor<'static>>,
     /// The uncompressed records of the open chunk. Reused from chunk to chunk.
@@ -25,6 +25,8 @@ struct Chunk {
     found: Option<TimeRange>,
     /// The offset of the next record in the uncompressed chunk.
     position: usize,
+    /// The offsets of the records that follow, if they are not stored in order of time.
+    order: Option<vec::IntoIter<u32>>,
     /// The messages read so far, by channel.
     index: BTreeMap<u16, Vec<IndexEntry>>,
     is_exhausted: bool,
@@ -93,14 +95,18 @@ impl ChunkReader {
             declared,
             found: None,
             position: 0,
+            order: None,
             index: BTreeMap::new(),
             is_exhausted: false,
             has_failed: false,
             summary,
         });
         let opened = self.decompress(&header);
-        if let (Err(_), Some(chunk)) = (&opened, &mut self.chunk) {
-            (chunk.is_exhausted, chunk.has_failed) = (true, true);
+        if let Some(chunk) = &mut self.chunk {
+            match opened {
+                Ok(()) => chunk.order = time_order(&self.records).map(Vec::into_iter),
+                Err(_) => (chunk.is_exhausted, chunk.has_failed) = (true, true),
+            }
         }
         opened
     }
@@ -154,12 +160,26 @@ impl ChunkReader {
         (chunk.is_exhausted && !chunk.has_failed).then_some(chunk.summary)
     }
 
+    /// Returns the times of the first and last message read so far of the open chunk, in simulated nanoseconds.
+    pub fn times(&self) -> Option<[u64; 2]> {
+        let TimeRange { first, last } = self.chunk.as_ref().filter(|chunk| !chunk.has_failed)?.found?;
+        Some([first, last])
+    }
+
+    /// Returns the size of the records of the chunk.
+    pub fn uncompressed_bytes(&self) -> usize {
+        self.records.len()
+    }
+
     /// Returns the next record of the open chunk, or `None` after the last one.
     ///
     /// # Errors
     /// Returns a description of the damage if the messages do not match the header of the chunk.
     pub fn next_record(&mut self) -> Result<Option<ChunkRecord<'_>>, String> {
         let Some(chunk) = self.chunk.as_mut().filter(|chunk| !chunk.is_exhausted) else { return Ok(None) };
+        if let Some(order) = &mut chunk.order {
+            chunk.position = order.next().map_or(self.records.len(), |position| position as usize);
+        }
         match record_at(&self.records, chunk.position) {
             Some(record) => {
                 chunk.add_record(&record);
@@ -225,8 +245,9 @@ impl ChunkRecord<'_> {
 }
 
 impl<'a> RawMessage<'a> {
-    fn parse(body: &'a [u8]) -> Result<RawMessage<'a>, Malformed> {
-        let mut fields = Cursor::new(body);
+    /// Parses the body of a message record.
+    pub fn parse(body: &'a [u8]) -> Result<RawMessage<'a>, Malformed> {
+        let mut fields = FieldReader::new(body);
         let channel = fields.u16()?;
         let _sequence = fields.u32()?;
         let (log_time, publish_time) = (fields.u64()?, fields.u64()?);
@@ -246,7 +267,7 @@ struct ChunkHeader<'a> {
 
 impl<'a> ChunkHeader<'a> {
     fn parse(body: &'a [u8]) -> Result<ChunkHeader<'a>, Malformed> {
-        let mut fields = Cursor::new(body);
+        let mut fields = FieldReader::new(body);
         let (first_time, last_time, uncompressed_size) = (fields.u64()?, fields.u64()?, fields.u64()?);
         let (checksum, compression) = (fields.u32()?, fields.text()?);
         let compressed_size = fields.u64()?;
@@ -257,15 +278,34 @@ impl<'a> ChunkHeader<'a> {
 
 /// Returns the record at `position`, or `None` at the end.
 fn record_at(records: &[u8], position: usize) -> Option<ChunkRecord<'_>> {
-    let mut fields = Cursor::new(records.get(position..)?);
+    let mut fields = FieldReader::new(records.get(position..)?);
     let opcode = *fields.bytes(1).ok()?.first()?;
     let length = fields.u64().ok()?;
     Some(ChunkRecord { opcode, body: fields.bytes(length).ok()? })
 }
 
+/// Returns the offsets of the records in order of time, those that are not messages first; `None` if they are stored in
+/// this order.
+fn time_order(records: &[u8]) -> Option<Vec<u32>> {
+    let time = |position: u32| record_at(records, position as usize)?.message().map(|message| message.log_time);
+    let first = (!records.is_empty()).then_some(0);
+    let offsets = || {
+        iter::successors(first, |position: &u32| {
+            let end = *position as usize + PREFIX_BYTES + record_at(records, *position as usize)?.body.len();
+            u32::try_from(end).ok().filter(|_| end < records.len())
+        })
+    };
+    if offsets().is_sorted_by_key(time) {
+        return None;
+    }
+    let mut order: Vec<u32> = offsets().collect();
+    order.sort_by_key(|position| time(*position));
+    Some(order)
+}
+
 /// Returns true if the data ends at the end of a record.
 fn ends_with_a_record(data: &[u8]) -> bool {
-    let mut fields = Cursor::new(data);
+    let mut fields = FieldReader::new(data);
     while !fields.is_empty() {
         let record = fields.bytes(1).and_then(|_| fields.u64()).and_then(|length| fields.bytes(length));
         if record.is_err() {
@@ -276,10 +316,10 @@ fn ends_with_a_record(data: &[u8]) -> bool {
 }
 
 fn parse_message_index(body: &[u8]) -> Result<(u16, Vec<IndexEntry>), Malformed> {
-    let mut fields = Cursor::new(body);
+    let mut fields = FieldReader::new(body);
     let channel = fields.u16()?;
     let length = fields.u32()?;
-    let mut records = Cursor::new(fields.bytes(length.into())?);
+    let mut records = FieldReader::new(fields.bytes(length.into())?);
     let mut entries = Vec::new();
     while !records.is_empty() {
         entries.push((records.u64()?, records.u64()?));

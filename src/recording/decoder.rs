@@ -8,7 +8,7 @@ use super::{
     limits,
     messages::{BodiesMessage, EventMessage},
     metadata,
-    record_reader::{Cursor, Malformed},
+    record_reader::{FieldReader, Malformed},
     scene_update,
     sequence_validator::SequenceValidator,
     topic::Topic,
@@ -130,7 +130,7 @@ impl Decoder {
         self.schemas.clear();
         self.channels = default_channels();
         for (opcode, body) in definitions {
-            // What the index defines is compared with the data section when that is read.
+            // The definitions of the index are compared with the data section when that is read.
             let _ = match *opcode {
                 op::SCHEMA => self.add_schema(body),
                 _ => self.add_channel(body),
@@ -361,7 +361,7 @@ impl Decoder {
     }
 
     fn add_schema(&mut self, body: &[u8]) -> Result<(), String> {
-        let mut fields = Cursor::new(body);
+        let mut fields = FieldReader::new(body);
         let mut read = || {
             let (id, name, encoding) = (fields.u16()?, fields.text()?, fields.text()?);
             let length = fields.u32()?;
@@ -380,7 +380,7 @@ impl Decoder {
 
     /// Adds a channel. Its messages are read even if its schema is not the one of the format.
     fn add_channel(&mut self, body: &[u8]) -> Result<(), String> {
-        let mut fields = Cursor::new(body);
+        let mut fields = FieldReader::new(body);
         let mut read = || Ok((fields.u16()?, fields.u16()?, fields.text()?, fields.text()?));
         let (id, schema, name, encoding) = read().map_err(|Malformed| "a channel record is damaged")?;
         let topic = Topic::from_name(name);

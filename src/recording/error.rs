@@ -67,6 +67,14 @@ pub enum Error {
         /// The last step of the recording.
         last: u64,
     },
+    /// The messages are too far from the order of time.
+    #[error(
+        "the messages are too far from the order of time to be read: more than {} chunks, or chunks of more than {} MB, \
+         overlap; sort the file by log time first, for example with \"mcap sort\"",
+        super::limits::OPEN_PARTS,
+        super::limits::OPEN_CHUNK_BYTES >> 20
+    )]
+    Unsorted,
     /// Nothing of a recording can be recovered.
     #[error("nothing can be recovered: no state is readable{}", damage.as_ref().map(|damage| format!("; {damage}")).unwrap_or_default())]
     NothingToRecover {

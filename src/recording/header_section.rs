@@ -6,7 +6,7 @@ use super::{
     Error, Header, SceneText,
     mcap_writer::SCENE_MEDIA_TYPE,
     metadata::{self, HeaderError, Map},
-    record_reader::{Cursor, Malformed, ReadFault, RecordHeader, RecordReader, has_unknown_fields},
+    record_reader::{FieldReader, Malformed, ReadFault, RecordHeader, RecordReader, has_unknown_fields},
     resync::{self, Resync},
     tally,
 };
@@ -280,7 +280,7 @@ fn settings_defect(offset: u64, map: &Map, header: &Header) -> Option<Defect> {
 
 /// Returns the library of a header record.
 fn parse_library(body: &[u8]) -> Result<&str, Malformed> {
-    let mut fields = Cursor::new(body);
+    let mut fields = FieldReader::new(body);
     let _profile = fields.text()?;
     fields.text()
 }
@@ -291,7 +291,7 @@ fn parse_library(body: &[u8]) -> Result<&str, Malformed> {
 /// Returns a description of the problem if the attachment does not match its checksum or has other properties than those
 /// of rebond.
 pub fn parse_scene(body: &[u8]) -> Result<Option<SceneText>, String> {
-    let mut fields = Cursor::new(body);
+    let mut fields = FieldReader::new(body);
     let mut read = || {
         let times = [fields.u64()?, fields.u64()?];
         let (file_name, media_type) = (fields.text()?, fields.text()?);

@@ -6,7 +6,7 @@ use super::{
     Damage, Trailer,
     chunk_reader::ChunkRecord,
     metadata,
-    record_reader::{Cursor, Malformed, PREFIX_BYTES, RecordReader},
+    record_reader::{FieldReader, Malformed, PREFIX_BYTES, RecordReader},
     resync,
     tally::{ChunkSummary, Statistics},
     topic::Topic,
@@ -21,6 +21,10 @@ pub struct Index {
     pub definitions: Vec<(u8, Vec<u8>)>,
     /// True if there are messages outside of chunks, which are not in the index except for keyframes.
     pub has_loose_messages: bool,
+    /// The latest time of the messages outside of chunks and of the chunks before them, in simulated nanoseconds.
+    latest: u64,
+    /// True if messages outside of chunks are not in order of time.
+    is_disordered: bool,
     /// The damage of the summary section, if it contradicts itself. It is then not used.
     pub fault: Option<Damage>,
     /// The end record, if it is readable.
@@ -76,6 +80,11 @@ impl Index {
     /// Returns true if the index is that of the summary section.
     pub fn is_usable(&self) -> bool {
         self.statistics.is_some()
+    }
+
+    /// Returns true if the chunks and the messages outside of chunks are in order of time.
+    pub fn is_in_order(&self) -> bool {
+        !self.is_disordered && self.places.windows(2).all(|pair| pair[0].last_time <= pair[1].first_time)
     }
 
     /// Reads the end record.
@@ -150,13 +159,13 @@ impl Index {
 
 /// Returns id and topic of a channel, if it is one of rebond.
 fn topic_of(body: &[u8]) -> Option<(u16, Topic)> {
-    let mut fields = Cursor::new(body);
+    let mut fields = FieldReader::new(body);
     let (id, _schema, name) = (fields.u16().ok()?, fields.u16().ok()?, fields.text().ok()?);
     Topic::from_name(name).map(|topic| (id, topic))
 }
 
 fn schema_name(body: &[u8]) -> Result<&str, Malformed> {
-    let mut fields = Cursor::new(body);
+    let mut fields = FieldReader::new(body);
     let _id = fields.u16()?;
     fields.text()
 }
@@ -216,7 +225,7 @@ fn summary_start<R: Read + Seek>(source: &mut R) -> io::Result<Option<u64>> {
 }
 
 fn parse_footer(tail: &[u8]) -> Result<u64, Malformed> {
-    let mut fields = Cursor::new(tail);
+    let mut fields = FieldReader::new(tail);
     match (fields.bytes(1)?, fields.u64()?) {
         ([op::FOOTER], 20) => fields.u64(),
         _ => Err(Malformed),
@@ -291,7 +300,7 @@ fn messages_of(chunk: &ChunkSummary) -> Option<u64> {
 
 /// Returns the offset in a metadata index record, if it is the one of the end record.
 fn parse_trailer_offset(body: &[u8]) -> Result<Option<u64>, Malformed> {
-    let mut fields = Cursor::new(body);
+    let mut fields = FieldReader::new(body);
     let (offset, _length) = (fields.u64()?, fields.u64()?);
     Ok((fields.text()? == metadata::TRAILER).then_some(offset))
 }
@@ -317,8 +326,10 @@ impl Index {
     fn add_scanned(&mut self, opcode: u8, offset: u64, body: &[u8]) {
         match opcode {
             op::CHUNK => {
-                let mut times = Cursor::new(body);
+                let mut times = FieldReader::new(body);
                 if let (Ok(first_time), Ok(last_time)) = (times.u64(), times.u64()) {
+                    self.is_disordered |= first_time < self.latest;
+                    self.latest = self.latest.max(last_time);
                     self.places.push(Place { offset, first_time, last_time, channels: ChannelSet::ALL });
                 }
             }
@@ -326,15 +337,17 @@ impl Index {
             op::MESSAGE => {
                 self.has_loose_messages = true;
                 let record = ChunkRecord { opcode, body };
-                if let Some(message) = record.message()
-                    && self.channels_of(Topic::Bodies).any(|channel| channel == message.channel)
+                let Some(message) = record.message() else { return };
+                self.is_disordered |= message.log_time < self.latest;
+                self.latest = self.latest.max(message.log_time);
+                if self.channels_of(Topic::Bodies).any(|channel| channel == message.channel)
                     && self.places.last().is_none_or(|last| last.last_time != message.log_time)
                 {
                     let (first_time, last_time) = (message.log_time, message.log_time);
                     self.places.push(Place { offset, first_time, last_time, channels: ChannelSet::ALL });
                 }
             }
-            op::METADATA if metadata::parse(body).is_ok_and(|(name, _)| name == metadata::TRAILER) => {
+            op::METADATA if metadata::is_trailer(body) => {
                 self.trailer_offset = Some(offset);
             }
             _ => {}

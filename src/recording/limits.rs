@@ -5,6 +5,12 @@
 /// decoded data, reading a hostile file needs less than 100 MB of memory.
 pub const RECORD_BYTES: usize = 40 << 20;
 
+/// Bytes of all chunks that are open together, uncompressed, in a file whose messages are not in order of time.
+pub const OPEN_CHUNK_BYTES: usize = 2 * RECORD_BYTES;
+
+/// Chunks and sequences of messages that are open together in such a file.
+pub const OPEN_PARTS: usize = 256;
+
 /// Bytes after which a chunk is closed. Larger chunks compress better; smaller ones lose less data
 /// when damaged.
 pub const CHUNK_BYTES: usize = 4 << 20;

@@ -17,7 +17,7 @@ use crate::physics::{Accuracy, EngineConfig, Restitution, RestitutionPair, Solve
 
 use super::{
     Bounds, FORMAT_VERSION, Gap, Header, RecordedError, SceneText, StateBounds, Trailer, Versions, limits,
-    record_reader::{Cursor, Malformed},
+    record_reader::{FieldReader, Malformed},
 };
 
 /// The name of the header record at the start.
@@ -34,8 +34,13 @@ pub type Map = BTreeMap<String, String>;
 
 /// Parses a metadata record to its name, keys and values.
 pub fn parse(body: &[u8]) -> Result<(&str, Map), Malformed> {
-    let mut fields = Cursor::new(body);
+    let mut fields = FieldReader::new(body);
     Ok((fields.text()?, fields.map()?))
+}
+
+/// Returns true if a metadata record is an end record.
+pub fn is_trailer(body: &[u8]) -> bool {
+    parse(body).is_ok_and(|(name, _)| name == TRAILER)
 }
 
 /// Returns the header record.
@@ -216,12 +221,16 @@ fn parse_header_fields(map: &Map, format: u32) -> Result<Header, String> {
         events_per_step: parse_value(map, "events_per_step")?,
     };
     let versions = Versions { format, semantics: parse_value(map, "semantics_version")? };
+    let estimates_accuracy = map.contains_key("accuracy");
+    if estimates_accuracy && config.solver == SolverKind::Handout {
+        return Err("the metadata announce an accuracy, but the handout solver has none".into());
+    }
     Ok(Header {
         versions,
         config,
         steps: parse_step(map, "steps")?,
         every,
-        estimates_accuracy: map.contains_key("accuracy"),
+        estimates_accuracy,
         scene: None,
         gaps: parse_gaps(map)?,
     })

@@ -16,6 +16,7 @@
 //! | metadata `rebond_end` | how the run ended, identity                        | [`Trailer`]            |
 //! | attachment            | the scene's TOML                                   | [`SceneText`]          |
 
+mod batch_writer;
 mod body_table;
 mod cdr;
 mod chunk_reader;
@@ -27,13 +28,13 @@ mod health;
 mod index;
 pub mod limits;
 mod mcap_writer;
+mod merge;
 mod messages;
 mod metadata;
 mod model;
 mod playback;
 mod reader;
 mod record_reader;
-mod recorder;
 mod recover;
 mod resync;
 mod scene_update;

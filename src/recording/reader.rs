@@ -13,15 +13,18 @@ use super::{
     decoder::{Decoder, Location},
     header_section::{self, Defect, HeaderSection, parse_scene},
     index::{self, Index, Summary},
+    merge::{Merge, Parts},
+    metadata,
     record_reader::{ReadFault, RecordHeader, RecordReader, has_unknown_fields},
     resync::{self, Resync},
     tally::Tally,
     topic::Topic,
 };
 
-/// Reads a recording: an iterator over its [`Item`]s in file order.
+/// Reads a recording: an iterator over its [`Item`]s in order of time.
 ///
-/// Keeps at most one chunk in memory. [`Recording::health`] is final after the last item.
+/// Keeps at most one chunk in memory, or those that overlap in time if the messages are stored in another order; then the
+/// file is read twice. [`Recording::health`] is final after the last item.
 #[doc(alias("mcap", "rosbag"))]
 pub struct Recording<R> {
     /// The header.
@@ -38,6 +41,7 @@ pub struct Recording<R> {
     /// The index of the chunks, once it was needed.
     index: Option<Index>,
     phase: Phase,
+    order: Order,
     /// The records read so far, while everything is read from the start.
     tally: Option<Tally>,
     settings_offset: u64,
@@ -82,6 +86,32 @@ enum Phase {
     Finished,
 }
 
+/// The order in which the file is read.
+enum Order {
+    /// The messages are read as they are stored, in order of time.
+    Stored,
+    /// The messages are stored in another order: the file is verified first.
+    Surveyed(Survey),
+    /// After the survey, the messages are read in order of time.
+    ByTime(Merge, Ending),
+}
+
+/// The findings while a file is verified whose messages are not stored in order of time.
+#[derive(Default)]
+struct Survey {
+    parts: Parts,
+    trailers: Vec<EndRecord>,
+}
+
+/// The end of a file, after its messages are read.
+struct Ending {
+    trailers: Vec<EndRecord>,
+    phase: Phase,
+}
+
+/// The location and the body of an end record, which is compared with the messages before it.
+type EndRecord = (Location, Vec<u8>);
+
 /// Opens the recording at `path`.
 ///
 /// # Errors
@@ -111,22 +141,30 @@ impl<R: Read + Seek> Recording<R> {
             decoder,
             index: None,
             phase: Phase::Reading,
+            order: Order::Stored,
             tally: None,
             settings_offset: section.settings_offset,
             scene_offset: section.scene_offset,
             padded: section.padded,
         };
-        recording.continue_after(section)?;
+        if !index::read(&mut recording.records).map_err(Error::Read)?.is_in_order() {
+            recording.order = Order::Surveyed(Survey::default());
+        }
+        recording.restart()?;
         Ok(recording)
     }
 
     /// Moves to the last keyframe at or before `step`, which is then the next item, or to the start if
-    /// there is none. Skipped data is not read, so [`Recording::health`] covers only the rest.
+    /// there is none or the messages are not stored in order of time. Skipped data is not read, so [`Recording::health`] covers only the rest.
     ///
     /// # Errors
     /// Returns an error if the file cannot be read.
     pub fn seek(&mut self, step: u64) -> Result<(), Error> {
         let index = self.take_index()?;
+        if !matches!(self.order, Order::Stored) {
+            self.index = Some(index);
+            return self.restart();
+        }
         let time = self.header.log_time(step);
         let mut is_found = false;
         let candidates = (0..index.places.len()).rev().filter(|place| index.places[*place].first_time <= time);
@@ -192,7 +230,9 @@ impl<R: Read + Seek> Recording<R> {
     /// Returns an error if the file cannot be read.
     pub fn for_each_event(&mut self, mut visit: impl FnMut(Item)) -> Result<(), Error> {
         let index = self.take_index()?;
-        let mut is_indexed = index.is_usable() && !index.has_loose_messages && self.header.gaps.is_empty();
+        let is_stored_in_order = matches!(self.order, Order::Stored);
+        let mut is_indexed =
+            is_stored_in_order && index.is_usable() && !index.has_loose_messages && self.header.gaps.is_empty();
         for place in (0..index.places.len()).filter(|place| index.may_contain(*place, Topic::Events)) {
             if !is_indexed {
                 break;
@@ -261,13 +301,34 @@ impl<R: Read + Seek> Recording<R> {
     /// # Errors
     /// Returns an error if the file cannot be read.
     pub fn restart(&mut self) -> Result<(), Error> {
+        if let Order::ByTime(..) = self.order {
+            self.order = Order::Surveyed(Survey::default());
+        }
         self.seek_record(0)?;
         self.records.rewind().map_err(Error::Read)?;
         let section = header_section::read(&mut self.records)?;
         self.decoder = Decoder::new(&section.header);
         self.padded = section.padded;
         self.chunk_count = 0;
-        self.continue_after(section)
+        self.continue_after(section)?;
+        match self.order {
+            Order::Stored => Ok(()),
+            Order::Surveyed(_) | Order::ByTime(..) => self.survey(),
+        }
+    }
+
+    /// Verifies everything except the contents of messages, which are then read in order of time.
+    fn survey(&mut self) -> Result<(), Error> {
+        while self.phase == Phase::Reading {
+            self.next_stored()?;
+        }
+        let Order::Surveyed(survey) = std::mem::replace(&mut self.order, Order::Stored) else { return Ok(()) };
+        if survey.parts.are_in_order() {
+            return self.restart(); // Only the index or a chunk header claims another order.
+        }
+        let end = std::mem::replace(&mut self.phase, Phase::Reading);
+        self.order = Order::ByTime(Merge::new(survey.parts), Ending { trailers: survey.trailers, phase: end });
+        Ok(())
     }
 
     /// Continues after the header section.
@@ -345,14 +406,35 @@ impl<R: Read + Seek> Recording<R> {
             if self.decoder.resume() {
                 continue;
             }
-            match self.chunks.next_record() {
-                Ok(Some(record)) => {
-                    self.tally.iter_mut().for_each(|tally| tally.add_record(&record));
+            match &mut self.order {
+                Order::Stored | Order::Surveyed(_) => self.next_stored()?,
+                Order::ByTime(merge, ending) => match merge.next_message(self.records.source())? {
+                    Some((location, message)) => self.decoder.decode_record(location, &message),
+                    None => {
+                        self.phase = ending.phase;
+                        self.decoder.finish_step();
+                        for (location, body) in ending.trailers.drain(..) {
+                            self.decoder.decode_metadata(location, &body, self.settings_offset);
+                        }
+                    }
+                },
+            }
+        }
+        Ok(())
+    }
+
+    /// Reads the next record as it is stored.
+    fn next_stored(&mut self) -> Result<(), Error> {
+        match self.chunks.next_record() {
+            Ok(Some(record)) => {
+                self.tally.iter_mut().for_each(|tally| tally.add_record(&record));
+                let is_skipped = matches!(self.order, Order::Surveyed(_)) && record.opcode == op::MESSAGE;
+                if !is_skipped {
                     self.decoder.decode_record(self.chunk, &record);
                 }
-                Ok(None) => self.next_record()?,
-                Err(reason) => self.decoder.mark_lost(self.chunk, reason),
             }
+            Ok(None) => self.next_record()?,
+            Err(reason) => self.decoder.mark_lost(self.chunk, reason),
         }
         Ok(())
     }
@@ -395,6 +477,9 @@ impl<R: Read + Seek> Recording<R> {
     }
 
     fn close_chunk(&mut self) {
+        if let (Order::Surveyed(survey), Some(times)) = (&mut self.order, self.chunks.times()) {
+            survey.parts.add_chunk(self.chunk, times);
+        }
         if let (Some(chunk), Some(tally)) = (self.chunks.close(), &mut self.tally) {
             tally.add_chunk(&chunk);
         }
@@ -422,11 +507,19 @@ impl<R: Read + Seek> Recording<R> {
             op::MESSAGE | op::SCHEMA | op::CHANNEL => {
                 let record = ChunkRecord { opcode, body };
                 self.tally.iter_mut().for_each(|tally| tally.add_record(&record));
-                self.decoder.decode_record(location, &record);
+                match (&mut self.order, record.message()) {
+                    (Order::Surveyed(survey), Some(message)) => survey.parts.add_message(offset, message.log_time)?,
+                    _ => self.decoder.decode_record(location, &record),
+                }
             }
             op::METADATA => {
                 self.tally.iter_mut().for_each(|tally| tally.add_indexed(opcode, offset, body));
-                self.decoder.decode_metadata(location, body, self.settings_offset);
+                match &mut self.order {
+                    Order::Surveyed(survey) if metadata::is_trailer(body) && survey.trailers.len() < 2 => {
+                        survey.trailers.push((location, body.clone()));
+                    }
+                    _ => self.decoder.decode_metadata(location, body, self.settings_offset),
+                }
             }
             op::ATTACHMENT => {
                 self.tally.iter_mut().for_each(|tally| tally.add_indexed(opcode, offset, body));

@@ -122,7 +122,7 @@ fn strict_options() -> LinearReaderOptions {
 /// Returns true if a record has bytes after its known fields. Later versions of MCAP may add fields, but the length of
 /// the record may also be damaged.
 pub fn has_unknown_fields(opcode: u8, body: &[u8]) -> bool {
-    let mut fields = Cursor::new(body);
+    let mut fields = FieldReader::new(body);
     let mut skip = || {
         match opcode {
             op::HEADER => [fields.text()?, fields.text()?].len(),
@@ -161,7 +161,7 @@ pub fn has_unknown_fields(opcode: u8, body: &[u8]) -> bool {
 ///
 /// The parser of the `mcap` crate is not used, because it reserves memory for any length field, and
 /// a damaged length can be gigabytes.
-pub struct Cursor<'a> {
+pub struct FieldReader<'a> {
     rest: &'a [u8],
 }
 
@@ -169,10 +169,10 @@ pub struct Cursor<'a> {
 #[derive(Debug, PartialEq, Eq)]
 pub struct Malformed;
 
-impl<'a> Cursor<'a> {
-    /// Creates a cursor at the first field of a record's body.
-    pub fn new(body: &'a [u8]) -> Cursor<'a> {
-        Cursor { rest: body }
+impl<'a> FieldReader<'a> {
+    /// Creates a reader at the first field of a record's body.
+    pub fn new(body: &'a [u8]) -> FieldReader<'a> {
+        FieldReader { rest: body }
     }
 
     /// Reads `count` bytes.
@@ -222,7 +222,7 @@ impl<'a> Cursor<'a> {
     /// Reads a map of strings, prefixed by its length in bytes.
     pub fn map(&mut self) -> Result<Map, Malformed> {
         let length = self.u32()?;
-        let mut pairs = Cursor::new(self.bytes(length.into())?);
+        let mut pairs = FieldReader::new(self.bytes(length.into())?);
         let mut map = Map::new();
         while !pairs.is_empty() {
             let key = pairs.text()?;

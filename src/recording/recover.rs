@@ -7,7 +7,7 @@ use crate::text::counted;
 
 use super::{
     Error, Gap, Header, Health, Item, Keyframe, MissingEnd, RecordedEvent, RecordedState, Recording, RunEnd, Trailer,
-    mcap_writer::Profile, recorder::Recorder,
+    batch_writer::BatchWriter, mcap_writer::Profile,
 };
 
 /// The result of [`recover`]. `Display` prints a few lines for people.
@@ -40,16 +40,16 @@ pub fn recover<R: Read + Seek, W: Write>(recording: &mut Recording<R>, output: W
         return Err(Error::NothingToRecover { damage: scan.health.damage().cloned() });
     }
     let header = Header { gaps: scan.gaps.clone(), ..recording.header.clone() };
-    let mut recorder = Recorder::new(output, scan.profile, &header)?;
+    let mut writer = BatchWriter::new(output, scan.profile, &header)?;
     salvage(recording, |saved| match saved {
-        Saved::Event(event) => recorder.write_event(&event),
-        Saved::Keyframe(keyframe) => recorder.write_keyframe(&keyframe),
-        Saved::State(state) => recorder.write_state(&state),
-        Saved::SceneUpdate { time, message } => recorder.write_scene_update(time, &message),
+        Saved::Event(event) => writer.write_event(&event),
+        Saved::Keyframe(keyframe) => writer.write_keyframe(&keyframe),
+        Saved::State(state) => writer.write_state(&state),
+        Saved::SceneUpdate { time, message } => writer.write_scene_update(time, &message),
         Saved::Gap(_) | Saved::Trailer(_) => Ok(()),
     })?;
     let is_recovered = scan.health != Health::Whole || scan.was_recovered();
-    let (trailer, output) = recorder.finish(scan.run_end(), is_recovered)?;
+    let (trailer, output) = writer.finish(scan.run_end(), is_recovered)?;
     let SalvageScan { states, gaps, health, .. } = scan;
     Ok((Recovery { trailer, states, gaps, health, rate: header.config.rate }, output))
 }
@@ -156,7 +156,7 @@ impl SalvageScan {
     fn run_end(&self) -> RunEnd {
         match &self.trailer {
             Some(trailer) if Some(trailer.steps) == self.last_step => {
-                RunEnd { collisions: trailer.collisions, error: trailer.error.clone(), accuracy: None }
+                RunEnd { collisions: trailer.collisions, error: trailer.error.clone(), accuracy: trailer.accuracy }
             }
             Some(_) | None => RunEnd::default(),
         }

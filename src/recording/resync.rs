@@ -6,7 +6,7 @@ use mcap::{MAGIC, McapError, records::op};
 
 use super::{
     limits, metadata,
-    record_reader::{Cursor, Malformed, PREFIX_BYTES, ReadFault},
+    record_reader::{FieldReader, Malformed, PREFIX_BYTES, ReadFault},
 };
 
 /// The way to continue after a place without a valid record.
@@ -85,7 +85,7 @@ pub fn read_attachment<R: Read + Seek>(source: &mut R, offset: u64) -> io::Resul
     if read_up_to(source, &mut prefix)? < PREFIX_BYTES {
         return Ok(None);
     }
-    let mut fields = Cursor::new(&prefix);
+    let mut fields = FieldReader::new(&prefix);
     let (Ok([opcode]), Ok(length)) = (fields.bytes(1), fields.u64()) else { return Ok(None) };
     let Some(next) = length.checked_add(offset + PREFIX_BYTES as u64).filter(|next| *next <= end) else {
         return Ok(None);
@@ -116,7 +116,7 @@ fn ends_with_magic<R: Read + Seek>(source: &mut R) -> io::Result<bool> {
 const LOOKAHEAD: usize = 64;
 
 fn resembles_record(bytes: &[u8]) -> Result<bool, Malformed> {
-    let mut fields = Cursor::new(bytes);
+    let mut fields = FieldReader::new(bytes);
     let opcode = fields.bytes(1)?;
     if ![[op::CHUNK], [op::METADATA], [op::ATTACHMENT]].iter().any(|candidate| candidate == opcode) {
         return Ok(false); // The most frequent case.
@@ -130,7 +130,7 @@ fn resembles_record(bytes: &[u8]) -> Result<bool, Malformed> {
     Ok(matches && length <= limits::RECORD_BYTES as u64)
 }
 
-fn resembles_chunk(mut fields: Cursor<'_>, length: u64) -> Result<bool, Malformed> {
+fn resembles_chunk(mut fields: FieldReader<'_>, length: u64) -> Result<bool, Malformed> {
     fields.bytes(8 + 8 + 8 + 4)?;
     let compression = fields.text()?;
     let compressed_size = fields.u64()?;

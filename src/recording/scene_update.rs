@@ -9,7 +9,7 @@ use crate::physics::BodyId;
 
 use super::{
     BodyInfo, BodyTable, RecordedState,
-    record_reader::{Cursor, Malformed},
+    record_reader::{FieldReader, Malformed},
 };
 
 /// Returns the colour of a body in viewers: red, green, blue.
@@ -82,7 +82,7 @@ fn parse_colors(message: &[u8]) -> Result<Vec<[u8; 3]>, Malformed> {
         for cube in fields(boxes, 8)? {
             let mut color = [0; 3];
             for message in fields(cube, 3)? {
-                let mut rest = Cursor::new(message);
+                let mut rest = FieldReader::new(message);
                 while !rest.is_empty() {
                     let field = usize::try_from(varint(&mut rest)? >> 3).map_err(|_| Malformed)?;
                     let number = f64::from_bits(rest.u64()?);
@@ -99,7 +99,7 @@ fn parse_colors(message: &[u8]) -> Result<Vec<[u8; 3]>, Malformed> {
 
 /// Returns the contents of the length-delimited fields with this number.
 fn fields(message: &[u8], number: u64) -> Result<Vec<&[u8]>, Malformed> {
-    let mut rest = Cursor::new(message);
+    let mut rest = FieldReader::new(message);
     let mut found = Vec::new();
     while !rest.is_empty() {
         let tag = varint(&mut rest)?;
@@ -117,7 +117,7 @@ fn fields(message: &[u8], number: u64) -> Result<Vec<&[u8]>, Malformed> {
     Ok(found)
 }
 
-fn varint(bytes: &mut Cursor<'_>) -> Result<u64, Malformed> {
+fn varint(bytes: &mut FieldReader<'_>) -> Result<u64, Malformed> {
     let mut number = 0;
     for shift in (0..64).step_by(7) {
         let byte = *bytes.bytes(1)?.first().ok_or(Malformed)?;

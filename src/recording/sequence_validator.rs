@@ -14,6 +14,7 @@ use super::{
 pub struct SequenceValidator {
     every: u64,
     has_scene: bool,
+    estimates_accuracy: bool,
     last_step: Option<u64>,
     expected: ExpectedStep,
     /// The living bodies, if known.
@@ -45,7 +46,7 @@ enum ExpectedStep {
     AtLeast(u64),
 }
 
-/// What was read before the current position.
+/// The part of the file that was read before the current position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Position {
     /// Everything, apart from declared gaps.
@@ -64,6 +65,7 @@ impl SequenceValidator {
         SequenceValidator {
             every: header.every,
             has_scene: header.scene.is_some(),
+            estimates_accuracy: header.estimates_accuracy,
             last_step: None,
             expected: ExpectedStep::Exactly(0),
             table: Some(BodyTable::default()),
@@ -270,6 +272,15 @@ impl SequenceValidator {
     /// # Errors
     /// Returns a description of the contradiction if they do not match.
     pub fn check_trailer(&self, trailer: &Trailer) -> Result<(), String> {
+        // Only a recovery may have lost these.
+        if trailer.collisions.is_none() && !trailer.recovered {
+            return Err("the end record has no number of collisions".into());
+        }
+        match (self.estimates_accuracy, trailer.accuracy) {
+            (true, None) if !trailer.recovered => return Err("the end record has no accuracy".into()),
+            (false, Some(_)) => return Err("the end record has an accuracy, but the metadata announce none".into()),
+            (true | false, _) => {}
+        }
         if !self.is_complete() {
             return Ok(());
         }

@@ -5,7 +5,7 @@ use xxhash_rust::xxh3::xxh3_64;
 
 use super::{
     chunk_reader::ChunkRecord,
-    record_reader::{Cursor, Malformed, PREFIX_BYTES},
+    record_reader::{FieldReader, Malformed, PREFIX_BYTES},
 };
 
 /// Counts the records of the data section, and compares them with the summary section.
@@ -78,7 +78,7 @@ pub struct Statistics {
 impl Tally {
     /// Adds a schema, channel or message of the data section, inside or outside of a chunk.
     pub fn add_record(&mut self, record: &ChunkRecord<'_>) {
-        let id = || Cursor::new(record.body).u16();
+        let id = || FieldReader::new(record.body).u16();
         match record.opcode {
             op::SCHEMA => self.data.schemas.extend(id()),
             op::CHANNEL => self.data.channels.extend(id()),
@@ -117,11 +117,11 @@ impl Tally {
     /// Returns an error if the record is malformed.
     pub fn add_summary_record(&mut self, opcode: u8, body: &[u8]) -> Result<(), Malformed> {
         match opcode {
-            op::SCHEMA => self.summary.schemas.extend([Cursor::new(body).u16()?]),
-            op::CHANNEL => self.summary.channels.extend([Cursor::new(body).u16()?]),
+            op::SCHEMA => self.summary.schemas.extend([FieldReader::new(body).u16()?]),
+            op::CHANNEL => self.summary.channels.extend([FieldReader::new(body).u16()?]),
             op::CHUNK_INDEX => self.summary.chunks.add(&ChunkSummary::parse(body)?.bytes()),
             op::ATTACHMENT_INDEX => {
-                let mut fields = Cursor::new(body);
+                let mut fields = FieldReader::new(body);
                 let mut bytes = fields.bytes(5 * 8)?.to_vec();
                 for _ in 0..2 {
                     bytes.extend(text_field(fields.text()?));
@@ -129,7 +129,7 @@ impl Tally {
                 self.summary.attachments.add(&bytes);
             }
             op::METADATA_INDEX => {
-                let mut fields = Cursor::new(body);
+                let mut fields = FieldReader::new(body);
                 let place = fields.bytes(2 * 8)?;
                 self.summary.metadata.add(&[place, &text_field(fields.text()?)].concat());
             }
@@ -169,14 +169,14 @@ impl Tally {
 impl Statistics {
     /// Parses a statistics record.
     pub fn parse(body: &[u8]) -> Result<Statistics, Malformed> {
-        let mut fields = Cursor::new(body);
+        let mut fields = FieldReader::new(body);
         let messages = fields.u64()?;
         let schemas = u64::from(fields.u16()?);
         let [channels, attachments, metadata, chunks] = [fields.u32()?, fields.u32()?, fields.u32()?, fields.u32()?];
         let counts = [schemas, channels.into(), attachments.into(), metadata.into(), chunks.into()];
         let times = (fields.u64()?, fields.u64()?);
         let bytes = fields.u32()?;
-        let mut pairs = Cursor::new(fields.bytes(bytes.into())?);
+        let mut pairs = FieldReader::new(fields.bytes(bytes.into())?);
         let mut channel_messages = BTreeMap::new();
         while !pairs.is_empty() {
             channel_messages.insert(pairs.u16()?, pairs.u64()?);
@@ -211,10 +211,10 @@ impl Statistics {
 impl ChunkSummary {
     /// Parses a chunk index record.
     pub fn parse(body: &[u8]) -> Result<ChunkSummary, Malformed> {
-        let mut fields = Cursor::new(body);
+        let mut fields = FieldReader::new(body);
         let [first_time, last_time, offset, length] = [fields.u64()?, fields.u64()?, fields.u64()?, fields.u64()?];
         let bytes = fields.u32()?;
-        let mut pairs = Cursor::new(fields.bytes(bytes.into())?);
+        let mut pairs = FieldReader::new(fields.bytes(bytes.into())?);
         let mut message_indexes = BTreeMap::new();
         while !pairs.is_empty() {
             message_indexes.insert(pairs.u16()?, pairs.u64()?);
@@ -262,14 +262,14 @@ pub fn entry(opcode: u8, offset: u64, body: &[u8]) -> Vec<u8> {
     let place = [offset.to_le_bytes(), length.to_le_bytes()].concat();
     let fields = match opcode {
         op::ATTACHMENT => attachment_fields(body).unwrap_or_default(),
-        _ => text_field(Cursor::new(body).text().unwrap_or_default()),
+        _ => text_field(FieldReader::new(body).text().unwrap_or_default()),
     };
     [place, fields].concat()
 }
 
 /// Returns times, length, name and media type of an attachment, as in an attachment index.
 fn attachment_fields(body: &[u8]) -> Result<Vec<u8>, Malformed> {
-    let mut fields = Cursor::new(body);
+    let mut fields = FieldReader::new(body);
     let times = fields.bytes(2 * 8)?;
     let (name, media_type) = (fields.text()?, fields.text()?);
     let length = fields.u64()?.to_le_bytes();

@@ -7,9 +7,10 @@ use std::{
 use crate::physics::{Accuracy, Engine};
 
 use super::{
-    Change, Error, Header, RecordedError, RecordedEvent, Trailer, limits,
+    Change, Error, Header, RecordedError, RecordedEvent, Trailer,
+    batch_writer::BatchWriter,
+    limits,
     mcap_writer::Profile,
-    recorder::Recorder,
     scene_update::ColorFn,
     writer_thread::{Batch, Entry, WriterThread},
 };
@@ -91,7 +92,7 @@ impl<W: Write + Send + 'static> Writer<W> {
         }
         check("the number of materials", header.config.restitution.names().len(), limits::MATERIALS)?;
         Ok(Writer {
-            thread: Some(WriterThread::new(processors, Recorder::new(output, profile, header)?)?),
+            thread: Some(WriterThread::new(processors, BatchWriter::new(output, profile, header)?)?),
             batch: Batch::default(),
             steps_per_second: header.steps_per_second(),
             last_step: None,

@@ -8,7 +8,7 @@ use std::{
 use crate::physics::{Body, BodyId, Engine, Snapshot};
 
 use super::{
-    Error, RecordedEvent, body_state, limits, recorder::Recorder, scene_update::ColorFn, writer::failed_earlier,
+    Error, RecordedEvent, batch_writer::BatchWriter, body_state, limits, scene_update::ColorFn, writer::failed_earlier,
 };
 
 /// Encodes, compresses and writes batches, either on a thread of its own or inline. The bytes written
@@ -20,11 +20,11 @@ pub enum WriterThread<W: Write> {
         batches: SyncSender<Batch>,
         /// Empty batches returned by the thread for reuse.
         used: Receiver<Batch>,
-        /// Returns the recorder, or the error that ended the thread.
-        thread: JoinHandle<Result<Recorder<W>, Error>>,
+        /// Returns the batch writer, or the error that ended the thread.
+        thread: JoinHandle<Result<BatchWriter<W>, Error>>,
     },
     /// On the stepping thread, for a single processor.
-    Inline(Box<Recorder<W>>),
+    Inline(Box<BatchWriter<W>>),
 }
 
 /// Capacity of the queue of batches, enough to keep both threads busy.
@@ -35,24 +35,24 @@ impl<W: Write + Send + 'static> WriterThread<W> {
     ///
     /// # Errors
     /// Returns an error if the thread cannot be started.
-    pub fn new(processors: NonZero<usize>, recorder: Recorder<W>) -> Result<WriterThread<W>, Error> {
+    pub fn new(processors: NonZero<usize>, writer: BatchWriter<W>) -> Result<WriterThread<W>, Error> {
         match processors.get() {
-            1 => Ok(WriterThread::Inline(Box::new(recorder))),
-            _ => WriterThread::thread(recorder),
+            1 => Ok(WriterThread::Inline(Box::new(writer))),
+            _ => WriterThread::thread(writer),
         }
     }
 
-    fn thread(mut recorder: Recorder<W>) -> Result<WriterThread<W>, Error> {
+    fn thread(mut writer: BatchWriter<W>) -> Result<WriterThread<W>, Error> {
         let (batches, incoming) = sync_channel::<Batch>(QUEUE_CAPACITY);
         let (outgoing, used) = sync_channel(QUEUE_CAPACITY + 1);
         let work = move || {
             for mut batch in incoming {
-                recorder.write(&mut batch)?;
+                writer.write(&mut batch)?;
                 batch.clear();
                 // If the queue is full, the batch is dropped and the writer allocates a new one.
                 let _ = outgoing.try_send(batch);
             }
-            Ok(recorder)
+            Ok(writer)
         };
         let thread = Builder::new().name("recording".into()).spawn(work).map_err(Error::Write)?;
         Ok(WriterThread::Thread { batches, used, thread })
@@ -72,25 +72,25 @@ impl<W: Write> WriterThread<W> {
                 // Sending fails only if the thread has ended with an error.
                 batches.send(std::mem::replace(batch, next)).map_err(|_| failed_earlier())
             }
-            WriterThread::Inline(recorder) => {
-                let written = recorder.write(batch);
+            WriterThread::Inline(writer) => {
+                let written = writer.write(batch);
                 batch.clear();
                 written
             }
         }
     }
 
-    /// Waits until all batches are written, and returns the recorder.
+    /// Waits until all batches are written, and returns the writer.
     ///
     /// # Errors
     /// Returns the error that ended the thread.
-    pub fn join(self) -> Result<Recorder<W>, Error> {
+    pub fn join(self) -> Result<BatchWriter<W>, Error> {
         match self {
             WriterThread::Thread { batches, used, thread } => {
                 drop((batches, used));
                 thread.join().unwrap_or_else(|_| Err(failed_earlier()))
             }
-            WriterThread::Inline(recorder) => Ok(*recorder),
+            WriterThread::Inline(writer) => Ok(*writer),
         }
     }
 }

@@ -6,7 +6,7 @@ use std::{
 };
 
 use crate::{
-    physics::{Collision, CollisionCount, Engine, Observer, SolverSnapshot, StepError},
+    physics::{AccuracyProbe, Collision, CollisionCount, Engine, Observer, SolverSnapshot, StepError},
     recording::{
         BodyTable, Change, Error, Health, Item, Keyframe, RecordedError, RecordedEvent, RecordedState, Recording,
         SEMANTICS_VERSION, StateDigest, Trailer, body_state, error_text, open,
@@ -46,6 +46,8 @@ pub struct Replayer<R> {
     expected_keyframe: Option<Keyframe>,
     /// The number of collisions since the start; `None` if the engine did not follow the whole run.
     collisions: Option<CollisionCount>,
+    /// Estimates the accuracy again, if it is recorded and the whole run is compared.
+    probe: Option<AccuracyProbe>,
     last_event: Option<String>,
     reproduced_error: Option<String>,
     digest: StateDigest,
@@ -102,6 +104,7 @@ impl<R: Read + Seek> Replayer<R> {
             compared: 0,
             expected_keyframe: None,
             collisions: is_from_start.then(CollisionCount::default),
+            probe: None,
             last_event: None,
             reproduced_error: None,
             digest: StateDigest::default(),
@@ -110,9 +113,16 @@ impl<R: Read + Seek> Replayer<R> {
 
     /// Replays to the end and returns the verdict. `progress` is called with the step of each recorded state.
     ///
+    /// If all steps are compared and the recording has an estimate of the accuracy, that is computed again, too, which
+    /// takes about four times as long.
+    ///
     /// # Errors
     /// Returns an error if the file cannot be read, or if it is whole but has no state in the steps to compare.
     pub fn run<O: Observer>(mut self, observer: &mut O, mut progress: impl FnMut(u64)) -> Result<Verdict, Error> {
+        let is_at_start = self.compared == 0 && self.engine.current_step() == 0;
+        if is_at_start && self.steps == ALL_STEPS && self.recording.header.estimates_accuracy {
+            self.probe = AccuracyProbe::new(&self.engine);
+        }
         while let Some(step) = self.next_state(observer)? {
             progress(step);
         }
@@ -209,6 +219,7 @@ impl<R: Read + Seek> Replayer<R> {
                 self.last = None;
                 self.expected_keyframe = None;
                 self.collisions = None;
+                self.probe = None;
                 Ok(())
             }
             Err(error) => Err(self.mismatch(error.to_string())),
@@ -225,7 +236,9 @@ impl<R: Read + Seek> Replayer<R> {
         let Some(name) = name else {
             return Err(self.mismatch(format!("the recorded {verb} cannot be applied in the replay")));
         };
-        self.engine.apply(&event.change.event());
+        let change = event.change.event();
+        self.probe.iter_mut().for_each(|probe| probe.apply(&change));
+        self.engine.apply(&change);
         self.last_event = Some(format!("{verb} {name:?} at step {}", event.step));
         Ok(())
     }
@@ -284,6 +297,13 @@ impl<R: Read + Seek> Replayer<R> {
         let Some(CollisionCount(collisions)) = self.collisions.filter(|_| self.steps == ALL_STEPS) else {
             return Ok(());
         };
+        // A recovered recording whose end was lost has no accuracy.
+        let accuracy = self.probe.as_ref().map(AccuracyProbe::accuracy);
+        if let (Some(recorded), Some(replayed)) = (trailer.accuracy, accuracy)
+            && recorded != replayed
+        {
+            return Err(self.mismatch(format!("the end record has the accuracy {recorded}, the replay {replayed}")));
+        }
         let recorded = trailer.collisions.unwrap_or(collisions);
         let numbers = [
             ("step", trailer.steps, self.engine.current_step()),
@@ -303,8 +323,7 @@ impl<R: Read + Seek> Replayer<R> {
     /// Checks that the replay ends with the recorded error, if there is one.
     fn compare_error<O: Observer>(&mut self, trailer: &Trailer, observer: &mut O) -> Result<(), Box<Divergence>> {
         let Some(recorded) = &trailer.error else { return Ok(()) };
-        let mut counting = Counting { observer, collisions: &mut self.collisions };
-        match self.engine.step(&mut counting) {
+        match self.step(observer) {
             Err(error) if are_same_errors(recorded, &error) => {
                 self.reproduced_error = Some(recorded.to_string());
                 Ok(())
@@ -319,12 +338,18 @@ impl<R: Read + Seek> Replayer<R> {
 
     fn run_to<O: Observer>(&mut self, step: u64, observer: &mut O) -> Result<(), Box<Divergence>> {
         while self.engine.current_step() < step {
-            let mut counting = Counting { observer: &mut *observer, collisions: &mut self.collisions };
-            if let Err(error) = self.engine.step(&mut counting) {
+            if let Err(error) = self.step(observer) {
                 return Err(self.mismatch(format!("the replay ends with an error that was not recorded: {error}")));
             }
         }
         Ok(())
+    }
+
+    fn step<O: Observer>(&mut self, observer: &mut O) -> Result<(), StepError> {
+        let mut observers = Observers { observer, collisions: &mut self.collisions, probe: &mut self.probe };
+        let stepped = self.engine.step(&mut observers);
+        self.probe.iter_mut().for_each(|probe| probe.follow(&self.engine));
+        stepped
     }
 
     /// Returns the first difference between the recorded state and the engine's state.
@@ -371,17 +396,17 @@ impl<R: Read + Seek> Replayer<R> {
     }
 }
 
-/// Counts the collisions that it passes on.
-struct Counting<'a, O> {
+/// The observers of the collisions of a replay.
+struct Observers<'a, O> {
     observer: &'a mut O,
     collisions: &'a mut Option<CollisionCount>,
+    probe: &'a mut Option<AccuracyProbe>,
 }
 
-impl<O: Observer> Observer for Counting<'_, O> {
+impl<O: Observer> Observer for Observers<'_, O> {
     fn collision(&mut self, collision: &Collision) {
-        if let Some(count) = &mut self.collisions {
-            count.collision(collision);
-        }
+        self.collisions.iter_mut().for_each(|count| count.collision(collision));
+        self.probe.iter_mut().for_each(|probe| probe.collision(collision));
         self.observer.collision(collision);
     }
 }

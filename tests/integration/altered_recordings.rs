@@ -43,7 +43,7 @@ step = 50
 
 fn recorded() -> (Workplace, Vec<u8>) {
     let workplace = Workplace::with_scene(SCENE);
-    workplace.done("record scene.toml -o run.mcap --viewer");
+    workplace.done("record scene.toml -o run.mcap --viewer --accuracy");
     let file = workplace.read("run.mcap");
     (workplace, file)
 }
@@ -112,6 +112,84 @@ fn private_records_unknown_fields_and_the_order_within_a_step_do_not_matter() {
     assert_eq!(verdict(&forge::put_together(&parts, Layout::Zstd)), "same: 60 steps, 6 bodies");
 }
 
+/// Returns the records with the messages in the order of `key`, which gets channel and time, and `size` messages in each
+/// chunk.
+fn reordered<K: Ord>(parts: &[Item], size: usize, key: impl Fn(u16, u64) -> K) -> Vec<Item> {
+    let (mut definitions, mut messages, mut others) = (Vec::new(), Vec::new(), Vec::new());
+    for item in parts {
+        match item {
+            Item::Chunk(records) => records.iter().for_each(|record| match record.0 {
+                op::MESSAGE => messages.push(record.clone()),
+                _ => definitions.push(Item::Record(record.clone())),
+            }),
+            Item::Record(record) => others.push(Item::Record(record.clone())),
+        }
+    }
+    messages.sort_by_key(|(_, body)| {
+        let channel = u16::from_le_bytes(body[..2].try_into().unwrap());
+        key(channel, u64::from_le_bytes(body[6..14].try_into().unwrap()))
+    });
+    let chunks = messages.chunks(size).map(|records| Item::Chunk(records.to_vec()));
+    let end = others.pop();
+    others.into_iter().chain(definitions).chain(chunks).chain(end).collect()
+}
+
+#[test]
+fn messages_are_read_in_order_of_time_wherever_they_are_stored() {
+    let (workplace, file) = recorded();
+    let parts = forge::take_apart(&file);
+    let [states, energy] = ["states", "energy"].map(|table| format!("--table {table} -o -"));
+    let tables = |name: &str| [&states, &energy].map(|table| workplace.done(&format!("export {name} {table}")).output);
+    let expected = tables("run.mcap");
+    let expected_items = items(&file);
+    let backwards = |channel, time: u64| (std::cmp::Reverse(time / 1_000_000_000), channel, time);
+    let scattered = |channel, time: u64| ((time / 50_000_000).wrapping_mul(0x9e37_79b9) % 97, channel, time);
+    for layout in [Layout::Zstd, Layout::Lz4, Layout::Unchunked] {
+        for size in [7, 100_000] {
+            let orders = [
+                ("by topic", reordered(&parts, size, |channel, time| (channel, time))),
+                ("by topic, backwards", reordered(&parts, size, |channel, time| (u16::MAX - channel, time))),
+                ("backwards by seconds", reordered(&parts, size, backwards)),
+                ("scattered", reordered(&parts, size, scattered)),
+            ];
+            for (order, reordered) in orders {
+                let file = forge::put_together(&reordered, layout);
+                let case = format!("{order}, {size} in a chunk, {layout:?}");
+                assert_eq!(verdict(&file), "same: 60 steps, 6 bodies", "{case}");
+                assert!(items(&file) == expected_items, "{case}");
+                std::fs::write(workplace.path("reordered.mcap"), &file).unwrap();
+                let seek = workplace.done("replay reordered.mcap --from 45 --to 55").output;
+                assert_eq!(seek, "same: 10 steps, 6 bodies\n", "{case}");
+                assert!(workplace.done("info reordered.mcap").output.contains("\nhealth: whole\n"), "{case}");
+                assert_eq!(tables("reordered.mcap"), expected, "{case}");
+            }
+        }
+    }
+}
+
+#[test]
+fn damage_of_messages_that_are_not_stored_in_order_of_time_is_reported() {
+    let (workplace, file) = recorded();
+    let file = forge::put_together(
+        &reordered(&forge::take_apart(&file), 20, |channel, time| (channel, time)),
+        Layout::Uncompressed,
+    );
+    for index in (0..file.len()).step_by(file.len() / 150) {
+        let mut broken = file.clone();
+        broken[index] ^= 1 << (index % 8);
+        let found = verdict(&broken);
+        assert!(!found.starts_with("same: "), "byte {index}: {found}");
+    }
+    for end in (0..file.len()).step_by(file.len() / 60) {
+        let found = verdict(&file[..end]);
+        assert!(["incomplete: ", "error: ", "corrupt "].iter().any(|word| found.starts_with(word)), "{end}: {found}");
+    }
+    std::fs::write(workplace.path("cut.mcap"), &file[..file.len() * 9 / 10]).unwrap();
+    workplace.rebond("recover cut.mcap -o fixed.mcap");
+    let fixed = workplace.rebond("replay fixed.mcap");
+    assert!(fixed.code == 4 && fixed.output.starts_with("incomplete: recovered"), "{fixed:?}");
+}
+
 /// Flips a bit of every few bytes of every record, with all checksums correct.
 #[test]
 fn no_altered_record_replays_the_same() {
@@ -158,7 +236,7 @@ fn no_altered_record_replays_the_same() {
     assert!(seen > 400, "only {seen} alterations");
 }
 
-/// Alters one value of the metadata, in the header record, in the end record, and in both.
+/// Alters or removes one value of the metadata, in the header record, in the end record, and in both.
 #[test]
 fn no_altered_metadata_replay_the_same() {
     let (_workplace, file) = recorded();
@@ -172,7 +250,7 @@ fn no_altered_metadata_replay_the_same() {
     });
     names.retain(|(_, key)| !["checksum", "library"].contains(&key.as_str()));
     for (name, key) in &names {
-        for is_everywhere in [false, true] {
+        for (is_everywhere, is_removed) in [(false, false), (false, true), (true, false), (true, true)] {
             let mut altered = parts.clone();
             each_record(&mut altered, |(opcode, body)| {
                 if *opcode != op::METADATA {
@@ -180,14 +258,19 @@ fn no_altered_metadata_replay_the_same() {
                 }
                 let (found, mut map) = forge::parse_metadata(body);
                 if found == *name || is_everywhere {
-                    if let Some(value) = map.get_mut(key) {
-                        *value = altered_value(value);
+                    if let Some(value) = map.remove(key)
+                        && !is_removed
+                    {
+                        map.insert(key.clone(), altered_value(&value));
                     }
                     (*opcode, *body) = forge::metadata(&found, map);
                 }
             });
             let found = verdict(&forge::put_together(&altered, Layout::Zstd));
-            assert!(!found.starts_with("same: "), "{name} {key} everywhere: {is_everywhere}: {found}");
+            assert!(
+                !found.starts_with("same: "),
+                "{name} {key} everywhere: {is_everywhere}, removed: {is_removed}: {found}"
+            );
         }
     }
 }
@@ -205,7 +288,7 @@ fn altered_value(value: &str) -> String {
 #[test]
 fn altered_times_schemas_and_end_records_are_named() {
     let workplace = Workplace::with_scene(SCENE);
-    workplace.done("record scene.toml -o run.mcap");
+    workplace.done("record scene.toml -o run.mcap --accuracy");
     let parts = forge::take_apart(&workplace.read("run.mcap"));
     let with = |alter: &dyn Fn(&mut forge::Record)| {
         let mut altered = parts.clone();
@@ -233,6 +316,7 @@ fn altered_times_schemas_and_end_records_are_named() {
         ("bodies", "9", "9 bodies"),
         ("steps_taken", "59", "59 steps"),
         ("events", "2", "2 events"),
+        ("accurate_until", "30", "the accuracy 1e-10 until step 30, the replay 1e-10 throughout"),
     ] {
         let found = with(&|record| {
             if record.0 == op::METADATA {

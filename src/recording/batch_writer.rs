@@ -17,7 +17,7 @@ use super::{
 
 /// Encodes batches as messages and writes them: the part of a writer that can run on a thread of its
 /// own.
-pub struct Recorder<W: Write> {
+pub struct BatchWriter<W: Write> {
     header: Header,
     mcap: McapWriter<W>,
     identity: IdentityChain,
@@ -38,13 +38,13 @@ pub struct Recorder<W: Write> {
 /// The first format version that divides large keyframes into several messages.
 const FIRST_FORMAT_WITH_SPLIT_KEYFRAMES: u32 = 3;
 
-impl<W: Write> Recorder<W> {
-    /// Creates a recorder and writes the header section to `output`.
+impl<W: Write> BatchWriter<W> {
+    /// Creates a batch writer and writes the header section to `output`.
     ///
     /// # Errors
     /// Returns an error if writing fails.
-    pub fn new(output: W, profile: Profile, header: &Header) -> Result<Recorder<W>, Error> {
-        Ok(Recorder {
+    pub fn new(output: W, profile: Profile, header: &Header) -> Result<BatchWriter<W>, Error> {
+        Ok(BatchWriter {
             header: header.clone(),
             mcap: McapWriter::new(output, profile, metadata::header_map(header), header.scene.as_ref())?,
             identity: IdentityChain::new(header),
