@@ -1,6 +1,6 @@
 use std::ops::{Index, IndexMut};
 
-/// A coordinate axis; an index into pairs `[x, y]`.
+/// A coordinate axis; an index into pairs `[x, y]`. Worlds are two-dimensional, so there will be no third.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[repr(u8)]
 pub enum Axis {

@@ -18,7 +18,8 @@ pub struct Restitution {
     table: Vec<f64>,
 }
 
-/// A pair of materials and its coefficient of restitution.
+/// A pair of materials and its coefficient of restitution. It will get no further fields, so it can be written as a
+/// literal.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RestitutionPair {
     /// The two materials, in either order.

@@ -3,6 +3,7 @@ use crate::scene::{Input, InputLocation, live};
 use std::io::BufRead;
 
 /// The reaction to a line of live events that is invalid or impossible.
+#[non_exhaustive]
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OnBadEvent {
     /// The run ends with an error that names the line.
