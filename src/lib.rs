@@ -87,6 +87,8 @@ mod replay;
 mod report;
 mod scene;
 #[cfg(feature = "draw")]
+mod table;
+#[cfg(feature = "draw")]
 mod temporary;
 pub mod testing;
 mod text;
@@ -163,6 +165,10 @@ pub mod internals {
     }
     pub mod scene {
         pub use crate::scene::*;
+    }
+    #[cfg(feature = "draw")]
+    pub mod table {
+        pub use crate::table::*;
     }
 }
 

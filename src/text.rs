@@ -1,6 +1,6 @@
 //! Text of messages and tables: numbers with their nouns, and CSV fields.
 
-#[cfg(feature = "report")]
+#[cfg(any(feature = "draw", feature = "report"))]
 use std::borrow::Cow;
 use std::fmt::{self, Display, Formatter};
 
@@ -31,7 +31,7 @@ impl<N: Display + PartialEq + From<u8>> Display for Counted<N> {
 }
 
 /// A CSV field, quoted as in RFC 4180 if necessary.
-#[cfg(feature = "report")]
+#[cfg(any(feature = "draw", feature = "report"))]
 pub(crate) fn csv_field(text: &str) -> Cow<'_, str> {
     if text.contains(['"', ',', '\n', '\r']) {
         return format!("\"{}\"", text.replace('"', "\"\"")).into();

@@ -1,7 +1,8 @@
 use crate::picture::Theme;
 use crate::picture_options::{StepOrTime, parse_size};
 use crate::recording::limits;
-use clap::{Args, ValueEnum};
+use crate::table::Table;
+use clap::Args;
 use std::num::NonZero;
 use std::ops::{Range, RangeInclusive};
 use std::path::{Path, PathBuf};
@@ -147,19 +148,6 @@ pub struct ExportOptions {
     /// Export part I of N; the parts concatenate to the whole table
     #[arg(long, value_name = "I/N", default_value = "1/1", hide_default_value = true)]
     pub shard: Shard,
-}
-
-/// The table that `export` writes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Table {
-    /// Positions and velocities
-    States,
-    /// Impulses
-    Collisions,
-    /// Energy and momentum
-    Energy,
-    /// Constants of the bodies
-    Bodies,
 }
 
 /// Options of `info`.

@@ -1,17 +1,17 @@
-use super::arguments::{ExportOptions, Shard, Table, is_standard_output};
+use super::arguments::{ExportOptions, Shard, is_standard_output};
 use super::body_topics::BodyTopics;
 use super::error::CommandError;
 use super::output_file::{OutputFile, Overwrite};
 use super::source::SourceFile;
 use super::{Exit, output};
-use crate::physics::{Axis, BodyId, Collision, Engine, Observer};
+use crate::physics::BodyId;
 use crate::picture::{self, EnergySample, ReadExtent, ReadStatus, recorded_world};
 use crate::picture_options::StepOrTime;
 use crate::recording::{self, BodyInfo, Change, Health, Item, Playback, SampledState};
 use crate::replay::Replayer;
-use crate::text::csv_field;
+use crate::table::{CollisionRows, Lifetime, Rows, Table, TableFormat};
 use std::collections::BTreeMap;
-use std::io::{self, Write};
+use std::io;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -21,7 +21,7 @@ pub fn run(options: &ExportOptions) -> Result<Exit, CommandError> {
     if options.output.extension().is_some_and(|extension| extension == "mcap") {
         return export_topics(options);
     }
-    let format = Format::from_path(&options.output)?;
+    let format = table_format(&options.output)?;
     let inputs: Vec<&Path> = options.sources.iter().map(PathBuf::as_path).collect();
     let output = OutputFile::create(&options.output, Overwrite::from_force(options.force), &inputs)?;
     if options.shard != Shard::WHOLE && options.sources.len() > 1 {
@@ -138,18 +138,18 @@ fn collisions(
     let bar = output::progress_bar("replaying", last);
     let replayed = *steps.start()..=last;
     let mut replayer = Replayer::new(recording, replayed).map_err(CommandError::in_recording(path))?;
-    let mut table = CollisionTable { steps, names: BTreeMap::new(), rows, known: (0, 0), failure: None };
+    let mut table = CollisionRows::new(steps, rows);
     while let Some(step) = replayer.next_state(&mut table).map_err(CommandError::in_recording(path))? {
         bar.set_position(step);
         if let Some(engine) = replayer.engine() {
             table.update_names(engine);
         }
-        if let Some(error) = table.failure.take() {
+        if let Some(error) = table.take_failure() {
             return Err(CommandError::unwritable(&options.output)(error));
         }
     }
     bar.finish_and_clear();
-    if let Some(error) = table.failure.take() {
+    if let Some(error) = table.take_failure() {
         return Err(CommandError::unwritable(&options.output)(error));
     }
     let verdict = replayer.verdict();
@@ -157,41 +157,6 @@ fn collisions(
         Some(health) => Ok((health, ReadExtent::End)),
         None => Err(picture::Error::Diverged { path: path.into(), verdict: Box::new(verdict) }.into()),
     }
-}
-
-/// Writes the collisions of a replay while it runs.
-struct CollisionTable<'a, 'b> {
-    steps: RangeInclusive<u64>,
-    names: BTreeMap<BodyId, String>,
-    rows: &'a mut Rows<'b>,
-    /// The next id and the number of bodies when the names were last updated.
-    known: (BodyId, usize),
-    failure: Option<io::Error>,
-}
-
-impl Observer for CollisionTable<'_, '_> {
-    fn collision(&mut self, collision: &Collision) {
-        if self.failure.is_none() && collision.impulse != 0.0 && self.steps.contains(&collision.step) {
-            self.failure = self.rows.collision(collision, &self.names).err();
-        }
-    }
-}
-
-impl CollisionTable<'_, '_> {
-    fn update_names(&mut self, engine: &Engine) {
-        let bodies = &engine.world().bodies;
-        if self.known != (engine.next_id(), bodies.len()) {
-            self.known = (engine.next_id(), bodies.len());
-            self.names = bodies.iter().map(|body| (body.id, body.name.clone())).collect();
-        }
-    }
-}
-
-/// A body with the steps of its spawn and its deletion, as far as the recording contains them.
-struct Lifetime {
-    info: Arc<BodyInfo>,
-    spawned: Option<u64>,
-    deleted: Option<u64>,
 }
 
 /// Writes every body that lives in `steps`.
@@ -237,186 +202,16 @@ fn bodies(
     Ok((recording.health(), ReadExtent::End))
 }
 
-impl Table {
-    /// The columns, without the source.
-    const fn columns(self) -> &'static [&'static str] {
-        match self {
-            Table::States => &["step", "time", "name", "x", "y", "vx", "vy"],
-            Table::Collisions => {
-                &["time", "step", "a", "b", "axis", "nx", "ny", "e", "vn_before", "vn_after", "impulse"]
-            }
-            Table::Energy => &["step", "time", "kinetic", "potential", "total", "px", "py"],
-            Table::Bodies => &[
-                "name",
-                "id",
-                "mass",
-                "width",
-                "height",
-                "material",
-                "e_default",
-                "spawned_step",
-                "deleted_step",
-                "fx",
-                "fy",
-                "color",
-            ],
-        }
-    }
-}
-
-/// The format of a table.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Format {
-    Csv,
-    JsonLines,
-}
-
-impl Format {
-    fn from_path(path: &Path) -> Result<Format, CommandError> {
-        let extension = path.extension().and_then(|extension| extension.to_str());
-        match extension {
-            None if is_standard_output(path) => Ok(Format::Csv),
-            Some("csv") => Ok(Format::Csv),
-            Some("jsonl") => Ok(Format::JsonLines),
-            None | Some(_) => Err(CommandError::UnsupportedOutput {
-                path: path.into(),
-                expected: "expected F.csv, F.jsonl or F.mcap, or - for CSV on standard output",
-            }),
-        }
-    }
-}
-
-/// The rows of a table, written one by one.
-struct Rows<'a> {
-    format: Format,
-    output: &'a mut dyn Write,
-    columns: &'static [&'static str],
-    /// The source of the rows, if there are several.
-    source: Option<&'a str>,
-}
-
-/// A value in a row.
-enum Cell<'a> {
-    Integer(u64),
-    Number(f64),
-    Text(&'a str),
-    Unknown,
-}
-
-impl Rows<'_> {
-    fn header(&mut self) -> io::Result<()> {
-        match self.format {
-            Format::Csv if self.source.is_some() => writeln!(self.output, "source,{}", self.columns.join(",")),
-            Format::Csv => writeln!(self.output, "{}", self.columns.join(",")),
-            Format::JsonLines => Ok(()),
-        }
-    }
-
-    /// Writes one row; `cells` are the values of the columns in their order.
-    fn row<const N: usize>(&mut self, cells: [Cell; N]) -> io::Result<()> {
-        debug_assert_eq!(N, self.columns.len());
-        let source = self.source.map(|source| ("source", Cell::Text(source)));
-        let cells = source.into_iter().chain(self.columns.iter().copied().zip(cells));
-        for (index, (column, cell)) in cells.enumerate() {
-            match self.format {
-                Format::Csv => cell.write_csv(if index == 0 { "" } else { "," }, self.output)?,
-                Format::JsonLines => {
-                    write!(self.output, "{}\"{column}\":", if index == 0 { "{" } else { "," })?;
-                    cell.write_json(self.output)?;
-                }
-            }
-        }
-        self.output.write_all(match self.format {
-            Format::Csv => b"\n",
-            Format::JsonLines => b"}\n",
-        })
-    }
-
-    /// Writes one row per body.
-    fn state(&mut self, state: &SampledState) -> io::Result<()> {
-        for body in &state.bodies {
-            let [x, y] = [body.position.x, body.position.y].map(Cell::Number);
-            let [vx, vy] = [body.velocity.x, body.velocity.y].map(Cell::Number);
-            let name = Cell::Text(&body.info.spawn.name);
-            self.row([Cell::Integer(state.step), Cell::Number(state.time), name, x, y, vx, vy])?;
-        }
-        Ok(())
-    }
-
-    fn energy(&mut self, step: u64, sample: &EnergySample) -> io::Result<()> {
-        let energies = [sample.kinetic, sample.potential, sample.total()];
-        let [kinetic, potential, total] = energies.map(Cell::Number);
-        let [px, py] = [sample.momentum.x, sample.momentum.y].map(Cell::Number);
-        self.row([Cell::Integer(step), Cell::Number(sample.time), kinetic, potential, total, px, py])
-    }
-
-    /// Writes a collision with its bodies in creation order and the normal from the second to the first.
-    fn collision(&mut self, collision: &Collision, names: &BTreeMap<BodyId, String>) -> io::Result<()> {
-        let [c, b] = collision.bodies;
-        let normal = if c < b { collision.normal } else { collision.normal.mult(-1.0) };
-        let [a, b] = [c.min(b), c.max(b)].map(|id| Cell::Text(names.get(&id).map_or("", String::as_str)));
-        let axis = Cell::Text(match collision.axis {
-            Axis::X => "x",
-            Axis::Y => "y",
-        });
-        // Adding 0 turns −0 into 0.
-        let [nx, ny] = [normal.x + 0.0, normal.y + 0.0].map(Cell::Number);
-        let Collision { instant, restitution, normal_velocity: [before, after], impulse, .. } = *collision;
-        let [time, e, before, after, impulse] = [instant, restitution, before, after, impulse].map(Cell::Number);
-        self.row([time, Cell::Integer(collision.step), a, b, axis, nx, ny, e, before, after, impulse])
-    }
-
-    fn body(&mut self, Lifetime { info, spawned, deleted }: &Lifetime, default_restitution: f64) -> io::Result<()> {
-        let spawn = &info.spawn;
-        let [mass, width, height] = [spawn.mass, spawn.rect.width(), spawn.rect.height()].map(Cell::Number);
-        let [spawned, deleted] = [spawned, deleted].map(|step| step.map_or(Cell::Unknown, Cell::Integer));
-        let [fx, fy, e] = [spawn.force.x, spawn.force.y, default_restitution].map(Cell::Number);
-        let [r, g, b] = picture::body_color(info);
-        let color = format!("#{r:02x}{g:02x}{b:02x}");
-        let [name, material, color] = [&spawn.name, &spawn.material, &color].map(|text| Cell::Text(text));
-        let id = Cell::Integer(info.id.into());
-        self.row([name, id, mass, width, height, material, e, spawned, deleted, fx, fy, color])
-    }
-}
-
-impl Cell<'_> {
-    fn write_csv(&self, separator: &str, output: &mut dyn Write) -> io::Result<()> {
-        match self {
-            Cell::Integer(number) => write!(output, "{separator}{number}"),
-            Cell::Number(number) => write!(output, "{separator}{}", shortest_decimal(*number)),
-            Cell::Text(text) => write!(output, "{separator}{}", csv_field(text)),
-            Cell::Unknown => output.write_all(separator.as_bytes()),
-        }
-    }
-
-    /// Writes the value as JSON, which has no infinite numbers: these are strings, as in CSV.
-    fn write_json(&self, output: &mut dyn Write) -> io::Result<()> {
-        match self {
-            Cell::Integer(number) => write!(output, "{number}"),
-            Cell::Number(number) if number.is_finite() => output.write_all(shortest_decimal(*number).as_bytes()),
-            Cell::Number(number) => write!(output, "\"{}\"", shortest_decimal(*number)),
-            Cell::Text(text) => Ok(serde_json::to_writer(output, text)?),
-            Cell::Unknown => output.write_all(b"null"),
-        }
-    }
-}
-
-/// The shortest decimal that reads back to the same bits. It contains a point or an exponent, or is `inf` or `nan`.
-fn shortest_decimal(number: f64) -> String {
-    if number.is_nan() { "nan".to_owned() } else { format!("{number:?}") }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_read_back_to_the_same_bits_and_look_like_floats() {
-        for number in [-0.0, 5e-324, 0.1 + 0.2, 1e300, -1.7976931348623157e308, 3.0, f64::NEG_INFINITY, f64::NAN] {
-            let text = shortest_decimal(number);
-            assert!(text.len() < 25 && [".", "e", "inf", "nan"].iter().any(|mark| text.contains(mark)), "{text}");
-            let read: f64 = text.parse().unwrap();
-            assert!(read.to_bits() == number.to_bits() || read.is_nan() && number.is_nan(), "{text}");
-        }
+/// The format that the name of the output asks for.
+fn table_format(path: &Path) -> Result<TableFormat, CommandError> {
+    let extension = path.extension().and_then(|extension| extension.to_str());
+    match extension {
+        None if is_standard_output(path) => Ok(TableFormat::Csv),
+        Some("csv") => Ok(TableFormat::Csv),
+        Some("jsonl") => Ok(TableFormat::JsonLines),
+        None | Some(_) => Err(CommandError::UnsupportedOutput {
+            path: path.into(),
+            expected: "expected F.csv, F.jsonl or F.mcap, or - for CSV on standard output",
+        }),
     }
 }

@@ -1,7 +1,7 @@
 //! Collisions of a recording, which are found by a replay.
 
 use super::figures::CollisionSubject;
-use super::{Appearance, CollisionSelector, Error, Moment, Progress, Source, StepGrid, source};
+use super::{Appearance, CollisionSelector, Error, Moment, Progress, Source, StepGrid};
 use crate::physics::{BodyId, Collision, Observer, larger};
 use crate::replay::{ALL_STEPS, Replayer, Verdict};
 use crate::text::counted;
@@ -30,7 +30,7 @@ pub fn find_collision(
     let bodies = source.appearances()?;
     let mut search = Search { step, pair, bodies: &bodies, found: None, without_impulse: None };
     let steps = source.header.steps;
-    let recording = source::open(&source.path)?;
+    let recording = source.recording()?;
     let mut replayer = Replayer::new(recording, step..=u64::MAX).map_err(|error| source.read_error(error))?;
     while search.found.is_none() {
         let Some(step) = replayer.next_state(&mut search).map_err(|error| source.read_error(error))? else { break };
@@ -102,7 +102,7 @@ pub fn max_impulse(source: &Source, progress: Progress) -> Result<f64, Error> {
     }
     let mut max = MaxImpulse(0.0);
     let steps = source.header.steps;
-    let recording = source::open(&source.path)?;
+    let recording = source.recording()?;
     let replayer = Replayer::new(recording, ALL_STEPS);
     let verdict = replayer.and_then(|replayer| replayer.run(&mut max, |step| progress(step, steps)));
     verdict.map_err(|error| source.read_error(error))?;
@@ -122,7 +122,7 @@ pub fn freeze_frames(source: &Source, grid: &StepGrid, progress: Progress) -> Re
     let mut finder =
         FreezeFrameFinder { from, rate, step: 0, pairs: Vec::new(), previous_pairs: Vec::new(), moments: Vec::new() };
     let last = *grid.steps.end();
-    let recording = source::open(&source.path)?;
+    let recording = source.recording()?;
     // The collisions of the step before the first decide which ones of the first step are new.
     let replayer = Replayer::new(recording, from.saturating_sub(2)..=last);
     let verdict = replayer.and_then(|replayer| replayer.run(&mut finder, |step| progress(step, last)));

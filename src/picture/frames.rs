@@ -1,9 +1,9 @@
 use super::resimulation::Resimulation;
-use super::source::{self, ReadExtent, ReadStatus};
+use super::source::{ReadExtent, ReadStatus, RecordingFile};
 use super::{AnimationSchedule, Appearance, Error, Frame, Overlay, Overlays, Source, Sprite, StepGrid, Trails};
 use crate::physics::{BodyId, Vector};
 use crate::recording::{self, Playback, SampledBody};
-use std::{collections::BTreeMap, fs::File, io::BufReader, path::PathBuf, sync::Arc};
+use std::{collections::BTreeMap, path::PathBuf, sync::Arc};
 
 /// An iterator over the frames of an animation schedule, in order. Its memory use does not depend on
 /// their number.
@@ -52,7 +52,7 @@ impl Iterator for Frames {
 /// Frames made from recorded states.
 pub struct RecordedFrames {
     path: PathBuf,
-    playback: Playback<BufReader<File>>,
+    playback: Playback<RecordingFile>,
     gravity: Option<Vector>,
     grid: StepGrid,
     trails: Option<Trails>,
@@ -62,7 +62,7 @@ pub struct RecordedFrames {
 
 impl RecordedFrames {
     fn new(source: &Source, grid: &StepGrid, trails: Option<Trails>) -> Result<RecordedFrames, Error> {
-        let mut playback = Playback::new(source::open(&source.path)?);
+        let mut playback = Playback::new(source.recording()?);
         // The trail of the first frame begins before that frame.
         let first = grid.steps.start().saturating_sub(trails.as_ref().map_or(0, Trails::steps));
         playback.seek(first).map_err(|error| source.read_error(error))?;

@@ -50,7 +50,7 @@ pub use frames::Frames;
 pub use layers::{Appearance, Arrow, Frame, Sprite, Trails, compose};
 pub use provenance::{Provenance, SOFTWARE};
 pub(crate) use raster::color;
-pub use raster::{Color, DisplayList, Ink, Painter, Palette, Picture, Shape};
+pub use raster::{Color, DisplayList, Ink, Painter, Palette, Picture, Shape, color_by_speed};
 pub use resolve::{FigureOptions, Sequence, SubjectOptions};
 pub use resolved::{
     Animation, CollisionFigure, CollisionSelector, Page, ResolvedPicture, StatesFigure, StepRange, Subject,

@@ -1,5 +1,5 @@
 use super::layers::contacts::contact_center;
-use super::source::{self, ReadExtent, ReadStatus};
+use super::source::{ReadExtent, ReadStatus, RecordingFile};
 use super::{Error, Source};
 use crate::physics::{
     Axis, Body, BodyId, Collision, Engine, Observer, SolverKind, Spawn, StepError, Vector, World, larger,
@@ -8,8 +8,6 @@ use crate::picture::{AnimationSchedule, Appearance, Frame, Moment, Sprite, Trail
 use crate::recording::Health;
 use crate::replay::{ALL_STEPS, Replayer, Verdict};
 use std::collections::{BTreeMap, VecDeque, btree_map::Entry};
-use std::fs::File;
-use std::io::BufReader;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -18,7 +16,7 @@ use std::sync::Arc;
 /// instants between two states. Every replayed state is compared with the recorded one.
 pub struct Resimulation {
     path: PathBuf,
-    replayer: Replayer<BufReader<File>>,
+    replayer: Replayer<RecordingFile>,
     recorder: FrameRecorder,
     health: Health,
     is_finished: bool,
@@ -55,7 +53,7 @@ impl Resimulation {
         trails: Option<Trails>,
     ) -> Result<Resimulation, Error> {
         let rate = schedule.grid.rate;
-        let replayer = Replayer::new(source::open(&source.path)?, steps).map_err(|error| source.read_error(error))?;
+        let replayer = Replayer::new(source.recording()?, steps).map_err(|error| source.read_error(error))?;
         let recorder = FrameRecorder {
             ready: VecDeque::new(),
             solver: source.header.config.solver,

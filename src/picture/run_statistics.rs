@@ -1,11 +1,8 @@
-use super::Error;
 use super::layers::force;
-use super::source::open;
 use crate::physics::{BodyId, Rect, Spawn, Vector};
 use crate::recording::{self, BodyInfo, Change, Header, Item, RecordedState, Recording, StateBounds, Summary};
 use std::collections::BTreeMap;
 use std::io::{Read, Seek};
-use std::path::Path;
 
 /// Properties of a whole run on which every picture depends, even one of a part of the run, so that parts drawn
 /// separately have the same scales, colours and camera.
@@ -35,16 +32,13 @@ impl RunStatistics {
     ///
     /// # Errors
     /// If the recording cannot be read.
-    pub fn read(path: &Path, world: Vector) -> Result<RunStatistics, Error> {
-        let read_error = |source| Error::Recording { path: path.into(), source };
-        let mut recording = open(path)?;
-        let summary = recording.summary().map_err(read_error)?;
+    pub fn read<R: Read + Seek>(mut recording: Recording<R>, world: Vector) -> Result<RunStatistics, recording::Error> {
+        let summary = recording.summary()?;
         let state_bounds = summary.as_ref().and_then(|summary| summary.trailer.state_bounds);
-        let statistics = match (summary, state_bounds) {
+        match (summary, state_bounds) {
             (Some(summary), Some(state_bounds)) => from_trailer(recording, &summary, &state_bounds, world),
             (Some(_), None) | (None, _) => from_states(recording, world),
-        };
-        statistics.map_err(read_error)
+        }
     }
 }
 
@@ -239,11 +233,11 @@ name = "b"
         let scene = scene::parse("scene.toml", text).unwrap();
         let options = RecordOptions { every, ..RecordOptions::complete(&scene) };
         replay::record(&scene, options, replay::NO_LIVE_EVENTS, File::create(&path).unwrap(), |_| ()).unwrap();
-        let summary = open(&path).unwrap().summary().unwrap();
+        let summary = recording::open(&path).unwrap().summary().unwrap();
         assert!(summary.unwrap().trailer.state_bounds.is_some(), "the trailer has no state bounds");
         let world = Vector::new(scene.size[0], scene.size[1]);
-        let from_trailer = RunStatistics::read(&path, world).unwrap();
-        assert_eq!(from_trailer, from_states(open(&path).unwrap(), world).unwrap());
+        let from_trailer = RunStatistics::read(recording::open(&path).unwrap(), world).unwrap();
+        assert_eq!(from_trailer, from_states(recording::open(&path).unwrap(), world).unwrap());
         assert_eq!(from_trailer.has_body_in_world, expected_in_world);
         assert_eq!((from_trailer.names.len(), from_trailer.materials.join(" ").as_str()), (3, "steel stone wood"));
         assert!(

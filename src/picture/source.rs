@@ -8,15 +8,17 @@ use crate::scene::{self, Scene};
 use crate::text::counted;
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{self, BufReader, Read};
+use std::io::{self, BufReader, Cursor, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
 /// A recording to draw.
 #[derive(Clone, Debug)]
 pub struct Source {
-    /// The path of the recording.
+    /// The path of the recording; in errors, the name of a recording in memory.
     pub path: PathBuf,
+    /// The file, if it is in memory.
+    bytes: Option<Arc<[u8]>>,
     /// The header of the recording.
     pub header: Header,
     /// The scene stored in the recording.
@@ -33,13 +35,32 @@ impl Source {
     /// # Errors
     /// If the recording cannot be read or its scene is invalid.
     pub fn open(path: &Path) -> Result<Source, Error> {
-        let header = open(path)?.header;
+        Source::new(path, None)
+    }
+
+    /// Reads statistics of the run whose recording is `bytes`. Errors call it `name`.
+    ///
+    /// # Errors
+    /// If the recording cannot be read or its scene is invalid.
+    pub fn from_bytes(name: &str, bytes: impl Into<Arc<[u8]>>) -> Result<Source, Error> {
+        Source::new(name.as_ref(), Some(bytes.into()))
+    }
+
+    fn new(path: &Path, bytes: Option<Arc<[u8]>>) -> Result<Source, Error> {
+        let header = open(path, bytes.as_ref())?.header;
         let scene = match &header.scene {
             Some(text) => scene::parse(&text.file_name, &text.text)?,
-            None => scene_of_states(path)?,
+            None => scene_of_states(path, bytes.as_ref())?,
         };
-        let statistics = RunStatistics::read(path, Vector::new(scene.size[0], scene.size[1]))?;
-        Ok(Source { path: path.into(), header, scene, statistics, found_collisions: Arc::default() })
+        let world = Vector::new(scene.size[0], scene.size[1]);
+        let read_error = |source| Error::Recording { path: path.into(), source };
+        let statistics = RunStatistics::read(open(path, bytes.as_ref())?, world).map_err(read_error)?;
+        Ok(Source { path: path.into(), bytes, header, scene, statistics, found_collisions: Arc::default() })
+    }
+
+    /// Opens the recording for reading.
+    pub(super) fn recording(&self) -> Result<Recording<RecordingFile>, Error> {
+        open(&self.path, self.bytes.as_ref())
     }
 
     /// Returns true if the file at `path` is a recording, false if it is a scene. A file is a recording if it begins
@@ -85,13 +106,13 @@ impl Source {
             Item::Keyframe(keyframe) => keyframe.bodies.iter().for_each(|body| add(&body.info)),
             _ => {}
         };
-        open(&self.path)?.for_each_event(visit).map_err(|error| self.read_error(error))?;
+        self.recording()?.for_each_event(visit).map_err(|error| self.read_error(error))?;
         Ok(bodies)
     }
 
     /// The health of the recording as far as its metadata tell: gaps, the end, the scene.
     pub(super) fn declared_health(&self) -> Result<ReadStatus, Error> {
-        let mut recording = open(&self.path)?;
+        let mut recording = self.recording()?;
         recording.read_index().map_err(|error| self.read_error(error))?;
         Ok(ReadStatus { path: self.path.clone(), health: recording.health(), extent: ReadExtent::LastStep })
     }
@@ -139,11 +160,12 @@ pub struct ReadStatus {
 
 /// A scene for a recording that has lost the text of its own: the world reaches to the walls or, without walls, as far
 /// as the bodies come.
-fn scene_of_states(path: &Path) -> Result<Scene, Error> {
+fn scene_of_states(path: &Path, bytes: Option<&Arc<[u8]>>) -> Result<Scene, Error> {
     let default = scene::parse("", "[run]\nsteps = 1\n")?;
-    let reach = RunStatistics::read(path, Vector::new(default.size[0], default.size[1]))?.bounds;
-    let first = Playback::new(open(path)?).next().transpose();
-    let first = first.map_err(|source| Error::Recording { path: path.into(), source })?;
+    let read_error = |source| Error::Recording { path: path.into(), source };
+    let world = Vector::new(default.size[0], default.size[1]);
+    let reach = RunStatistics::read(open(path, bytes)?, world).map_err(read_error)?.bounds;
+    let first = Playback::new(open(path, bytes)?).next().transpose().map_err(read_error)?;
     let wall = |name: &str| {
         let bodies = first.iter().flat_map(|state| &state.bodies);
         bodies.filter(|body| body.info.spawn.name == name).map(|body| body.position).next()
@@ -156,9 +178,43 @@ fn scene_of_states(path: &Path) -> Result<Scene, Error> {
     Ok(scene::parse("", &text).unwrap_or(default))
 }
 
-/// Opens the recording at `path`.
-pub fn open(path: &Path) -> Result<Recording<BufReader<File>>, Error> {
-    recording::open(path).map_err(|source| Error::Recording { path: path.into(), source })
+/// The file of a recording.
+pub enum RecordingFile {
+    /// On disk.
+    Disk(BufReader<File>),
+    /// In memory.
+    Memory(Cursor<Arc<[u8]>>),
+}
+
+impl Read for RecordingFile {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        match self {
+            RecordingFile::Disk(file) => file.read(buffer),
+            RecordingFile::Memory(bytes) => bytes.read(buffer),
+        }
+    }
+}
+
+impl Seek for RecordingFile {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        match self {
+            RecordingFile::Disk(file) => file.seek(to),
+            RecordingFile::Memory(bytes) => bytes.seek(to),
+        }
+    }
+}
+
+/// Opens the recording at `path`, or the one in `bytes`, which errors call `path`.
+fn open(path: &Path, bytes: Option<&Arc<[u8]>>) -> Result<Recording<RecordingFile>, Error> {
+    let read_error = |source| Error::Recording { path: path.into(), source };
+    let file = match bytes {
+        Some(bytes) => RecordingFile::Memory(Cursor::new(bytes.clone())),
+        None => {
+            let opened = File::open(path).map_err(|source| recording::Error::Open { path: path.into(), source });
+            RecordingFile::Disk(BufReader::new(opened.map_err(read_error)?))
+        }
+    };
+    Recording::read(file).map_err(read_error)
 }
 
 /// The world in a recorded state, as far as energy and momentum depend on it: names and materials are missing.

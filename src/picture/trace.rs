@@ -1,4 +1,4 @@
-use super::{Error, Progress, ReadExtent, ReadStatus, Source, StepGrid, recorded_world, source};
+use super::{Error, Progress, ReadExtent, ReadStatus, Source, StepGrid, recorded_world};
 use crate::physics::{Collision, CollisionCount, Engine, Observer, World};
 use crate::recording::{Change, Error as RecordingError, Health, Item, Playback};
 use crate::replay::Replayer;
@@ -63,7 +63,7 @@ pub fn trace(
     let mut tracer =
         Tracer { source, grid, column, changes: &changes.0, last: None, gaps: Vec::new(), visit: &mut visit };
     let replayer = match is_wide && has_instants {
-        true => match Replayer::new(source::open(&source.path)?, grid.steps.clone()) {
+        true => match Replayer::new(source.recording()?, grid.steps.clone()) {
             Ok(replayer) => Some(replayer),
             Err(RecordingError::OtherSemantics { .. }) => None,
             Err(error) => return Err(source.read_error(error)),
@@ -86,7 +86,8 @@ impl ChangeSteps {
     fn read(source: &Source, grid: &StepGrid, column: f64) -> Result<ChangeSteps, Error> {
         let mut steps: BTreeSet<u64> = BTreeSet::new();
         let first = grid.steps.start().div_ceil(grid.every) * grid.every;
-        source::open(&source.path)?
+        source
+            .recording()?
             .for_each_event(|item| {
                 let Item::Event(event) = item else { return };
                 if event.step <= first || event.step > *grid.steps.end() {
@@ -122,7 +123,7 @@ struct Tracer<'a> {
 impl Tracer<'_> {
     /// Traces the recorded states.
     fn play_back(&mut self, progress: Progress) -> Result<(Health, ReadExtent), Error> {
-        let mut playback = Playback::new(source::open(&self.source.path)?);
+        let mut playback = Playback::new(self.source.recording()?);
         playback.seek(*self.grid.steps.start()).map_err(|error| self.source.read_error(error))?;
         for state in playback.by_ref() {
             let state = state.map_err(|error| self.source.read_error(error))?;
@@ -298,7 +299,7 @@ mod tests {
             let source = source(folder.path(), rate, 0.9);
             let (points, _) = points(&source, 1e-6);
             let mut collisions: Vec<Collision> = Vec::new();
-            let recording = source::open(&source.path).unwrap();
+            let recording = source.recording().unwrap();
             Replayer::new(recording, ALL_STEPS).unwrap().run(&mut collisions, |_| ()).unwrap();
             collisions.retain(|collision| collision.impulse != 0.0);
             assert!(collisions.len() > 3, "{} collisions at {rate} Hz", collisions.len());

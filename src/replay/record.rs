@@ -66,42 +66,99 @@ pub fn record<W: Write + Send + 'static>(
     output: W,
     mut progress: impl FnMut(u64),
 ) -> Result<Recorded, RunError> {
-    let mut run = Run::new(scene);
-    let header = header(scene, options);
-    let mut writer = match options.viewer {
-        None => Writer::new(output, &header)?,
-        Some(color) => Writer::with_scene_updates(output, &header, color)?,
-    };
-    let probe = if options.estimates_accuracy { AccuracyProbe::new(run.engine()) } else { None };
-    let mut observers = (CollisionCount::default(), probe);
-    let mut error = None;
-    for step in 0..=options.steps {
+    let mut recording = RecordingRun::new(scene, options, output)?;
+    while let Some(step) = recording.record_state(live.as_deref_mut())? {
+        progress(step);
+    }
+    recording.finish()
+}
+
+/// A run that is recorded state by state, by [`record`] or in slices.
+pub struct RecordingRun<W: Write> {
+    run: Run,
+    writer: Writer<W>,
+    observers: (CollisionCount, Option<AccuracyProbe>),
+    last_step: u64,
+    phase: RecordingPhase,
+}
+
+/// What a [`RecordingRun`] does next.
+enum RecordingPhase {
+    /// Applies the inputs of the current step and records its state.
+    Record,
+    /// Steps first.
+    Step,
+    /// Nothing: all states are recorded, or the engine could not complete a step.
+    End(Option<StepError>),
+}
+
+impl<W: Write + Send + 'static> RecordingRun<W> {
+    /// Starts a recording of `scene` in `output`.
+    ///
+    /// # Errors
+    /// Returns an error if the output cannot be written.
+    pub fn new(scene: &Scene, options: RecordOptions, output: W) -> Result<RecordingRun<W>, RunError> {
+        let run = Run::new(scene);
+        let header = header(scene, options);
+        let writer = match options.viewer {
+            None => Writer::new(output, &header)?,
+            Some(color) => Writer::with_scene_updates(output, &header, color)?,
+        };
+        let probe = if options.estimates_accuracy { AccuracyProbe::new(run.engine()) } else { None };
+        let observers = (CollisionCount::default(), probe);
+        Ok(RecordingRun { run, writer, observers, last_step: options.steps, phase: RecordingPhase::Record })
+    }
+
+    /// Records the next state with the events of `live`, and returns its step; `None` after the last one or if the
+    /// engine cannot complete the step.
+    ///
+    /// # Errors
+    /// Returns an error if an input is refused or the output cannot be written.
+    pub fn record_state(&mut self, mut live: Option<&mut LiveEvents<impl BufRead>>) -> Result<Option<u64>, RunError> {
+        match self.phase {
+            RecordingPhase::Record => {}
+            RecordingPhase::Step => {
+                let error = self.run.step(&mut self.observers).err();
+                self.observers.1.iter_mut().for_each(|probe| probe.follow(self.run.engine()));
+                if error.is_some() {
+                    self.phase = RecordingPhase::End(error);
+                    return Ok(None);
+                }
+            }
+            RecordingPhase::End(_) => return Ok(None),
+        }
+        let step = self.run.engine().current_step();
         let due = live.as_mut().map(|live| live.due(step)).transpose()?;
         let on_refused = |error: SceneError| match &mut live {
             Some(live) => live.refuse(error.into()),
             None => Err(error.into()),
         };
-        for event in run.apply_inputs(due.unwrap_or_default(), on_refused)? {
-            writer.write_event(&event)?;
-            observers.1.iter_mut().for_each(|probe| probe.apply(&event.change.event()));
+        for event in self.run.apply_inputs(due.unwrap_or_default(), on_refused)? {
+            self.writer.write_event(&event)?;
+            self.observers.1.iter_mut().for_each(|probe| probe.apply(&event.change.event()));
         }
-        writer.write_state(run.engine())?;
-        progress(step);
-        if step < options.steps {
-            error = run.step(&mut observers).err();
-            observers.1.iter_mut().for_each(|probe| probe.follow(run.engine()));
-        }
-        if error.is_some() {
-            break;
-        }
+        self.writer.write_state(self.run.engine())?;
+        self.phase = if step < self.last_step { RecordingPhase::Step } else { RecordingPhase::End(None) };
+        Ok(Some(step))
     }
-    let (collisions, probe) = observers;
-    let run_end = RunEnd {
-        collisions: Some(collisions.0),
-        error: error.clone().map(RecordedError::Step),
-        accuracy: probe.map(|probe| probe.accuracy()),
-    };
-    Ok(Recorded { trailer: writer.finish(run_end)?.trailer, error })
+
+    /// Finishes the recording.
+    ///
+    /// # Errors
+    /// Returns an error if the output cannot be written.
+    pub fn finish(self) -> Result<Recorded, RunError> {
+        let (collisions, probe) = self.observers;
+        let error = match self.phase {
+            RecordingPhase::End(error) => error,
+            RecordingPhase::Record | RecordingPhase::Step => None,
+        };
+        let run_end = RunEnd {
+            collisions: Some(collisions.0),
+            error: error.clone().map(RecordedError::Step),
+            accuracy: probe.map(|probe| probe.accuracy()),
+        };
+        Ok(Recorded { trailer: self.writer.finish(run_end)?.trailer, error })
+    }
 }
 
 fn header(scene: &Scene, options: RecordOptions) -> Header {

@@ -1,4 +1,4 @@
-use crate::physics::{BodyId, Engine, EngineConfig, Observer, StepError, Vector, World};
+use crate::physics::{Body, BodyId, Engine, EngineConfig, Observer, Snapshot, SnapshotError, StepError, Vector, World};
 use crate::recording::{self, Change, RecordedEvent, error_text};
 use crate::scene::{
     Action, Blueprint, DiagnosticKind, Input, InputLocation, Scene, SceneError, SceneSource, SpawnRequest,
@@ -30,6 +30,28 @@ impl Run {
     /// The engine.
     pub fn engine(&self) -> &Engine {
         &self.engine
+    }
+
+    /// Returns a snapshot from which [`Run::restore`] continues bit for bit. The inputs of the current step must have
+    /// been applied.
+    pub fn snapshot(&self) -> RunSnapshot {
+        RunSnapshot { engine: self.engine.snapshot(), scheduled: self.scheduled.len(), spawns: self.names.spawns }
+    }
+
+    /// Restores a run from a snapshot of a run of the same `scene`.
+    ///
+    /// # Errors
+    /// Returns an error if the snapshot is from a run with another solver.
+    pub fn restore(scene: &Scene, snapshot: &RunSnapshot) -> Result<Run, SnapshotError> {
+        let engine = Engine::restore(engine_config(scene), snapshot.engine.clone())?;
+        let alive = engine.world().bodies.iter().map(|body| (body.name.clone(), body.id)).collect();
+        let scheduled = scene.inputs.iter().skip(scene.inputs.len() - snapshot.scheduled.min(scene.inputs.len()));
+        Ok(Run {
+            engine,
+            scheduled: scheduled.cloned().collect(),
+            source: scene.source.clone(),
+            names: Names { alive, spawns: snapshot.spawns },
+        })
     }
 
     /// Applies the inputs of the current step, those of the scene and `live` ones: deletes, then spawns,
@@ -150,6 +172,31 @@ impl Run {
     fn apply(&mut self, change: Change) -> RecordedEvent {
         self.engine.apply(&change.event());
         RecordedEvent { step: self.engine.current_step(), change }
+    }
+}
+
+/// The complete state of a [`Run`], from which it continues bit for bit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RunSnapshot {
+    engine: Snapshot,
+    /// The number of inputs of the scene that are still to come.
+    scheduled: usize,
+    /// The number of spawns so far.
+    spawns: u64,
+}
+
+impl RunSnapshot {
+    /// The step of the state.
+    pub fn step(&self) -> u64 {
+        self.engine.step
+    }
+
+    /// The memory that it occupies, bytes.
+    pub fn bytes(&self) -> usize {
+        let Snapshot { bodies, solver, .. } = &self.engine;
+        let names: usize = bodies.iter().map(|body| body.name.capacity()).sum();
+        let numbers = solver.integers.capacity() + solver.numbers.capacity();
+        size_of::<RunSnapshot>() + bodies.capacity() * size_of::<Body>() + names + numbers * size_of::<u64>()
     }
 }
 

@@ -13,7 +13,7 @@ pub(crate) mod coverage_mask;
 mod display_list;
 mod stroke;
 
-pub use color::{Color, Palette};
+pub use color::{Color, Palette, color_by_speed};
 pub use display_list::{DisplayList, Ink, Shape};
 
 use crate::physics::Vector;

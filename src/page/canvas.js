@@ -1,0 +1,348 @@
+// Draws one world on a canvas: boxes, overlays, cursor.
+
+const css = (color) => `#${color.toString(16).padStart(6, '0')}`;
+const luma = (color) => 0.299 * (color >> 16) + 0.587 * ((color >> 8) & 255) + 0.114 * (color & 255);
+const mix = (color, to, part) => {
+  const channel = (shift) => Math.round(((color >> shift) & 255) * (1 - part) + to * part) << shift;
+  return css(channel(16) | channel(8) | channel(0));
+};
+
+const INKS = {
+  light: { paper: '#ffffff', wall: '#c9d0da', edge: '#8b96a5', grid: '#e6eaf0', ink: '#1c2430', normal: '#d6006c', impulse: '#8a5a00', momentum: '#6a3fc8', ghost: '#0b62d6' },
+  dark: { paper: '#161b23', wall: '#39424f', edge: '#66727f', grid: '#242b35', ink: '#e8edf4', normal: '#ff5fa8', impulse: '#ffc247', momentum: '#b79bff', ghost: '#6db0ff' },
+};
+
+class Stage {
+  constructor(canvas) {
+    this.canvas = canvas;
+    this.pen = canvas.getContext('2d', { alpha: false });
+    this.size = [16, 9];
+    this.trails = new Map();
+    this.flashes = [];
+    this.bodies = new Float64Array(0);
+    this.names = [];
+    this.fit();
+  }
+
+  /** Fits the world, with a border for the walls, into the canvas. */
+  fit() {
+    const { canvas, size: [width, height] } = this;
+    const ratio = Math.min(globalThis.devicePixelRatio || 1, 2);
+    const box = canvas.getBoundingClientRect();
+    const pixels = [Math.max(1, Math.round(box.width * ratio)), Math.max(1, Math.round(box.height * ratio))];
+    if (canvas.width !== pixels[0] || canvas.height !== pixels[1]) [canvas.width, canvas.height] = pixels;
+    this.ratio = ratio;
+    const border = 12 * ratio;
+    this.scale = Math.max(1e-9, Math.min((canvas.width - 2 * border) / width, (canvas.height - 2 * border) / height));
+    this.left = (canvas.width - width * this.scale) / 2;
+    this.top = (canvas.height - height * this.scale) / 2;
+    this.border = border;
+  }
+
+  /** The point of the world at a point of the page. */
+  point(event) {
+    const box = this.canvas.getBoundingClientRect();
+    const x = (event.clientX - box.left) * (this.canvas.width / box.width);
+    const y = (event.clientY - box.top) * (this.canvas.height / box.height);
+    return [(x - this.left) / this.scale, (y - this.top) / this.scale];
+  }
+
+  /** The point of the page, in CSS pixels, at a point of the world. */
+  place([x, y]) {
+    const box = this.canvas.getBoundingClientRect();
+    return [
+      box.left + (this.left + x * this.scale) * (box.width / this.canvas.width),
+      box.top + (this.top + y * this.scale) * (box.height / this.canvas.height),
+    ];
+  }
+
+  /** The index of the body of finite mass created last that covers a point, or -1. */
+  bodyAt([x, y]) {
+    const b = this.bodies;
+    for (let i = b.length - Engine.BODY; i >= 0; i -= Engine.BODY) {
+      const inside = x >= b[i + 1] && x <= b[i + 1] + b[i + 3] && y >= b[i + 2] && y <= b[i + 2] + b[i + 4];
+      if (inside && b[i + 7] !== Infinity) return i;
+    }
+    return -1;
+  }
+
+  /** Adds the present centres to the trails of one second. */
+  extendTrails(rate) {
+    const { bodies: b, trails } = this;
+    const seen = new Set();
+    const length = Math.max(2, Math.min(240, Math.round(rate)));
+    for (let i = 0; i < b.length; i += Engine.BODY) {
+      if (b[i + 9] || (b[i + 7] === Infinity && !b[i + 5] && !b[i + 6])) continue;
+      seen.add(b[i]);
+      let trail = trails.get(b[i]);
+      if (!trail) trails.set(b[i], (trail = []));
+      trail.push(b[i + 1] + b[i + 3] / 2, b[i + 2] + b[i + 4] / 2);
+      if (trail.length > 2 * length) trail.splice(0, trail.length - 2 * length);
+    }
+    for (const id of trails.keys()) if (!seen.has(id)) trails.delete(id);
+  }
+
+  /** Remembers the collisions of a step for a few frames. */
+  flash(collisions, frames) {
+    for (let i = 0; i < collisions.length; i += Engine.COLLISION) {
+      if (collisions[i + 5]) this.flashes.push({ frames, c: collisions.slice(i, i + Engine.COLLISION) });
+    }
+    if (this.flashes.length > 400) this.flashes.splice(0, this.flashes.length - 400);
+  }
+
+  draw(view) {
+    const { pen, bodies: b, scale: k, left, top, size: [width, height], ratio } = this;
+    const ink = INKS[view.theme];
+    const X = (x) => left + x * k;
+    const Y = (y) => top + y * k;
+    pen.fillStyle = ink.wall;
+    pen.fillRect(0, 0, this.canvas.width, this.canvas.height);
+    pen.fillStyle = ink.paper;
+    pen.fillRect(left, top, width * k, height * k);
+    if (view.show.has('grid')) this.drawGrid(ink);
+    if (!view.walls) {
+      pen.fillStyle = ink.paper;
+      pen.fillRect(0, 0, this.canvas.width, this.canvas.height);
+      if (view.show.has('grid')) this.drawGrid(ink);
+    } else {
+      pen.strokeStyle = ink.edge;
+      pen.lineWidth = ratio;
+      pen.strokeRect(left - ratio / 2, top - ratio / 2, width * k + ratio, height * k + ratio);
+    }
+    if (view.show.has('trail')) this.drawTrails(X, Y);
+    const outline = Math.max(1, Math.min(2 * ratio, k * 0.04));
+    for (let i = 0; i < b.length; i += Engine.BODY) {
+      if (b[i + 9]) continue;
+      const [x, y, w, h] = [X(b[i + 1]), Y(b[i + 2]), b[i + 3] * k, b[i + 4] * k];
+      const color = b[i + 8];
+      pen.fillStyle = css(color);
+      pen.fillRect(x, y, Math.max(w, 1), Math.max(h, 1));
+      if (w > 4 * outline && h > 4 * outline) {
+        pen.lineWidth = outline;
+        pen.strokeStyle = mix(color, view.theme === 'dark' ? 255 : 0, 0.35);
+        pen.strokeRect(x + outline / 2, y + outline / 2, w - outline, h - outline);
+      }
+      if (b[i + 7] === Infinity && w > 8 && h > 8) this.hatch(x, y, w, h, ink);
+    }
+    if (view.show.has('velocity')) this.arrows(view, ink.ink, (i) => [b[i + 5], b[i + 6]], view.arrow);
+    if (view.show.has('momentum')) {
+      this.arrows(view, ink.momentum, (i) => (b[i + 7] === Infinity ? [0, 0] : [b[i + 5] * b[i + 7], b[i + 6] * b[i + 7]]), view.arrow);
+    }
+    if (view.show.has('name')) this.drawNames(ink);
+    this.drawFlashes(view, ink, X, Y);
+    if (view.show.has('centre')) this.drawCentre(ink, X, Y);
+    for (const mark of view.marks) this.drawMark(mark, ink, X, Y);
+  }
+
+  drawGrid(ink) {
+    const { pen, scale: k, left, top, size: [width, height] } = this;
+    let step = 1;
+    while (step * k < 24) step *= step.toString().startsWith('2') ? 2.5 : 2;
+    pen.strokeStyle = ink.grid;
+    pen.lineWidth = this.ratio;
+    pen.beginPath();
+    for (let x = step; x < width; x += step) { pen.moveTo(left + x * k, top); pen.lineTo(left + x * k, top + height * k); }
+    for (let y = step; y < height; y += step) { pen.moveTo(left, top + y * k); pen.lineTo(left + width * k, top + y * k); }
+    pen.stroke();
+  }
+
+  hatch(x, y, w, h, ink) {
+    const { pen, ratio } = this;
+    const gap = 8 * ratio;
+    if ((w + h) / gap > 400) return;
+    pen.save();
+    pen.beginPath();
+    pen.rect(x, y, w, h);
+    pen.clip();
+    pen.strokeStyle = ink.edge;
+    pen.lineWidth = ratio;
+    pen.beginPath();
+    for (let s = gap; s < w + h; s += gap) { pen.moveTo(x + s, y); pen.lineTo(x + s - h, y + h); }
+    pen.stroke();
+    pen.restore();
+  }
+
+  drawTrails(X, Y) {
+    const { pen, bodies: b, ratio } = this;
+    pen.lineWidth = 2 * ratio;
+    pen.globalAlpha = 0.45;
+    for (let i = 0; i < b.length; i += Engine.BODY) {
+      const trail = this.trails.get(b[i]);
+      if (!trail) continue;
+      pen.strokeStyle = css(b[i + 8]);
+      pen.beginPath();
+      pen.moveTo(X(trail[0]), Y(trail[1]));
+      for (let j = 2; j < trail.length; j += 2) pen.lineTo(X(trail[j]), Y(trail[j + 1]));
+      pen.stroke();
+    }
+    pen.globalAlpha = 1;
+  }
+
+  /** Arrows from the centres of the bodies; `of` gives a vector, which is drawn `scale` metres long per unit. */
+  arrows(view, color, of, scale) {
+    const { pen, bodies: b, ratio } = this;
+    pen.strokeStyle = pen.fillStyle = color;
+    pen.lineWidth = 2 * ratio;
+    pen.beginPath();
+    for (let i = 0; i < b.length; i += Engine.BODY) {
+      if (b[i + 9]) continue;
+      const [vx, vy] = of(i);
+      this.arrow(b[i + 1] + b[i + 3] / 2, b[i + 2] + b[i + 4] / 2, vx * scale, vy * scale);
+    }
+    pen.stroke();
+  }
+
+  /** Adds an arrow to the path; lengths in metres. */
+  arrow(x, y, dx, dy) {
+    const { pen, scale: k, left, top, ratio } = this;
+    const length = Math.sqrt(dx * dx + dy * dy) * k;
+    if (!(length > 2)) return;
+    const [x0, y0, x1, y1] = [left + x * k, top + y * k, left + (x + dx) * k, top + (y + dy) * k];
+    const head = Math.min(8 * ratio, length / 2) / length;
+    const [hx, hy] = [(x1 - x0) * head, (y1 - y0) * head];
+    pen.moveTo(x0, y0);
+    pen.lineTo(x1, y1);
+    pen.moveTo(x1 - hx - hy / 2, y1 - hy + hx / 2);
+    pen.lineTo(x1, y1);
+    pen.lineTo(x1 - hx + hy / 2, y1 - hy - hx / 2);
+  }
+
+  drawNames(ink) {
+    const { pen, bodies: b, names, scale: k, left, top, ratio } = this;
+    pen.textAlign = 'center';
+    pen.textBaseline = 'middle';
+    let font = 0;
+    for (let i = 0, n = 0; i < b.length; i += Engine.BODY, n += 1) {
+      const name = names[n]?.[0];
+      if (b[i + 9] || !name) continue;
+      const [w, h] = [b[i + 3] * k, b[i + 4] * k];
+      const size = Math.round(Math.min(15 * ratio, h * 0.5, (w * 1.6) / name.length));
+      if (size < 7 * ratio) continue;
+      if (size !== font) { pen.font = `600 ${size}px system-ui, sans-serif`; font = size; }
+      pen.fillStyle = b[i + 7] === Infinity ? ink.ink : luma(b[i + 8]) > 140 ? '#10151c' : '#ffffff';
+      pen.fillText(name, left + b[i + 1] * k + w / 2, top + b[i + 2] * k + h / 2);
+    }
+  }
+
+  drawFlashes(view, ink, X, Y) {
+    const { pen, ratio } = this;
+    const shown = ['normal', 'penetration', 'impulse'].some((name) => view.show.has(name));
+    for (const flash of this.flashes) {
+      if (!view.paused) flash.frames -= 1;
+      if (!shown) continue;
+      const c = flash.c;
+      const edges = [0, 1].map((axis) => {
+        const low = Math.max(c[11 + axis], c[15 + axis]);
+        const high = Math.min(c[11 + axis] + c[13 + axis], c[15 + axis] + c[17 + axis]);
+        return (low + high) / 2;
+      });
+      pen.lineWidth = 3 * ratio;
+      const arrow = (color, x, y) => {
+        pen.strokeStyle = color;
+        pen.beginPath();
+        this.arrow(edges[0], edges[1], x, y);
+        pen.stroke();
+      };
+      if (view.show.has('impulse')) arrow(ink.impulse, c[2] * c[5] * view.arrow, c[3] * c[5] * view.arrow);
+      if (view.show.has('normal')) arrow(ink.normal, c[2] * 0.7, c[3] * 0.7);
+      if (view.show.has('penetration') && (c[9] || c[10])) arrow(ink.ghost, c[9], c[10]);
+      pen.fillStyle = ink.normal;
+      pen.beginPath();
+      pen.arc(X(edges[0]), Y(edges[1]), 4 * ratio, 0, 7);
+      pen.fill();
+    }
+    this.flashes = this.flashes.filter((flash) => flash.frames > 0);
+  }
+
+  drawCentre(ink, X, Y) {
+    const { pen, bodies: b, ratio } = this;
+    let [mass, x, y] = [0, 0, 0];
+    for (let i = 0; i < b.length; i += Engine.BODY) {
+      const m = b[i + 7];
+      if (m === Infinity) continue;
+      mass += m;
+      x += m * (b[i + 1] + b[i + 3] / 2);
+      y += m * (b[i + 2] + b[i + 4] / 2);
+    }
+    if (!mass) return;
+    const [cx, cy, r] = [X(x / mass), Y(y / mass), 9 * ratio];
+    pen.lineWidth = 2 * ratio;
+    pen.strokeStyle = ink.ink;
+    pen.fillStyle = ink.paper;
+    pen.beginPath();
+    pen.arc(cx, cy, r, 0, 7);
+    pen.fill();
+    pen.stroke();
+    pen.fillStyle = ink.ink;
+    pen.beginPath();
+    pen.moveTo(cx, cy); pen.arc(cx, cy, r, 0, Math.PI / 2);
+    pen.moveTo(cx, cy); pen.arc(cx, cy, r, Math.PI, Math.PI * 1.5);
+    pen.fill();
+  }
+
+  /** A ghost of a box with an arrow, the selected body, or the cursor of the keyboard. */
+  drawMark(mark, ink, X, Y) {
+    const { pen, scale: k, ratio } = this;
+    pen.strokeStyle = ink.ghost;
+    pen.lineWidth = 2.5 * ratio;
+    if (mark.kind === 'cursor') {
+      const [x, y, r] = [X(mark.x), Y(mark.y), 12 * ratio];
+      pen.beginPath();
+      pen.arc(x, y, r / 2, 0, 7);
+      pen.moveTo(x - r, y); pen.lineTo(x + r, y);
+      pen.moveTo(x, y - r); pen.lineTo(x, y + r);
+      pen.stroke();
+      return;
+    }
+    pen.setLineDash(mark.kind === 'ghost' ? [6 * ratio, 4 * ratio] : []);
+    pen.strokeRect(X(mark.x) - 2 * ratio, Y(mark.y) - 2 * ratio, mark.w * k + 4 * ratio, mark.h * k + 4 * ratio);
+    pen.setLineDash([]);
+    if (mark.v) {
+      pen.beginPath();
+      this.arrow(mark.x + mark.w / 2, mark.y + mark.h / 2, mark.v[0] * mark.scale, mark.v[1] * mark.scale);
+      pen.stroke();
+    }
+  }
+}
+
+/** Draws energy and momentum against time: kinetic above potential energy, both from 0, and the norm of the momentum. */
+function drawStrip(canvas, samples, rate, step, theme) {
+  const ratio = Math.min(globalThis.devicePixelRatio || 1, 2);
+  const box = canvas.getBoundingClientRect();
+  [canvas.width, canvas.height] = [Math.max(1, Math.round(box.width * ratio)), Math.max(1, Math.round(box.height * ratio))];
+  const pen = canvas.getContext('2d');
+  const ink = INKS[theme];
+  pen.fillStyle = ink.paper;
+  pen.fillRect(0, 0, canvas.width, canvas.height);
+  const count = samples.length / 5;
+  if (count < 2) return;
+  let [least, top, momentum] = [Infinity, 0, 0];
+  for (let i = 0; i < samples.length; i += 5) {
+    least = Math.min(least, samples[i + 2]);
+    momentum = Math.max(momentum, Math.hypot(samples[i + 3], samples[i + 4]));
+  }
+  for (let i = 0; i < samples.length; i += 5) top = Math.max(top, samples[i + 1] + samples[i + 2] - least);
+  const last = Math.max(samples[samples.length - 5], 1);
+  const X = (s) => (s / last) * canvas.width;
+  const Y = (value, of) => canvas.height * (1 - (0.95 * value) / (of || 1));
+  const area = (value, color) => {
+    pen.fillStyle = color;
+    pen.beginPath();
+    pen.moveTo(0, canvas.height);
+    for (let i = 0; i < samples.length; i += 5) pen.lineTo(X(samples[i]), Y(value(i), top));
+    pen.lineTo(canvas.width, canvas.height);
+    pen.fill();
+  };
+  area((i) => samples[i + 1] + samples[i + 2] - least, theme === 'dark' ? '#2f6fb5' : '#8fc1ee');
+  area((i) => samples[i + 2] - least, theme === 'dark' ? '#a5752c' : '#f2c57c');
+  pen.strokeStyle = ink.momentum;
+  pen.lineWidth = 1.5 * ratio;
+  pen.beginPath();
+  for (let i = 0; i < samples.length; i += 5) pen.lineTo(X(samples[i]), Y(Math.hypot(samples[i + 3], samples[i + 4]), momentum));
+  pen.stroke();
+  pen.strokeStyle = ink.ink;
+  pen.lineWidth = ratio;
+  pen.beginPath();
+  pen.moveTo(X(step), 0); pen.lineTo(X(step), canvas.height);
+  pen.stroke();
+}

@@ -1,0 +1,118 @@
+// The WebAssembly module with strings and bytes instead of addresses.
+
+/** Decompresses the bytes of a stream of the given format. */
+async function decompressed(bytes, format, limit = Infinity) {
+  const reader = new Blob([bytes]).stream().pipeThrough(new DecompressionStream(format)).getReader();
+  const chunks = [];
+  let length = 0;
+  for (;;) {
+    const { done, value } = await reader.read();
+    if (done) break;
+    length += value.length;
+    if (length > limit) throw new Error(`more than ${limit} bytes`);
+    chunks.push(value);
+  }
+  const all = new Uint8Array(length);
+  let at = 0;
+  for (const chunk of chunks) { all.set(chunk, at); at += chunk.length; }
+  return all;
+}
+
+async function compressed(bytes, format) {
+  const stream = new Blob([bytes]).stream().pipeThrough(new CompressionStream(format));
+  return new Uint8Array(await new Response(stream).arrayBuffer());
+}
+
+function fromBase64(text) {
+  if (Uint8Array.fromBase64) return Uint8Array.fromBase64(text);
+  const raw = atob(text);
+  const bytes = new Uint8Array(raw.length);
+  for (let i = 0; i < raw.length; i += 1) bytes[i] = raw.charCodeAt(i);
+  return bytes;
+}
+
+function toBase64(bytes) {
+  let raw = '';
+  for (let i = 0; i < bytes.length; i += 0x8000) raw += String.fromCharCode(...bytes.subarray(i, i + 0x8000));
+  return btoa(raw);
+}
+
+const encoder = new TextEncoder();
+const decoder = new TextDecoder();
+
+/** A message of the engine, as opposed to a failure of the module. */
+class Refusal extends Error {}
+
+class Engine {
+  static BODY = 10;
+  static COLLISION = 19;
+
+  static async create(module) {
+    const { exports } = await WebAssembly.instantiate(module, {}).then((made) => made.instance ?? made);
+    exports.start();
+    return new Engine(module, exports);
+  }
+
+  constructor(module, exports) {
+    this.module = module;
+    this.x = exports;
+  }
+
+  give(data) {
+    const bytes = typeof data === 'string' ? encoder.encode(data) : data;
+    const at = this.x.input(bytes.length);
+    new Uint8Array(this.x.memory.buffer, at, bytes.length).set(bytes);
+  }
+
+  bytes() {
+    return new Uint8Array(this.x.memory.buffer, this.x.output(), this.x.output_length()).slice();
+  }
+
+  text() { return decoder.decode(this.bytes()); }
+
+  /** The text of a function that returns 0, or its message as an error. */
+  ask(code) {
+    if (code === 1) throw new Refusal(this.text());
+    return this.text();
+  }
+
+  file(code) {
+    if (code === 1) throw new Refusal(this.text());
+    return this.bytes();
+  }
+
+  numbers(count, width) { return new Float64Array(this.x.memory.buffer, this.x.column_numbers(), count * width); }
+
+  load(which, name, scene) { this.give(`${name}\n${scene}`); this.ask(this.x.load(which)); }
+  setLines(which, lines) { this.give(lines); this.ask(this.x.set_lines(which)); }
+  status(which) { return JSON.parse(this.ask(this.x.status(which))); }
+  event(which, line, now) { this.give(line); this.ask(this.x.event(which, now ? 1 : 0)); }
+  throwBody(which, name, x, y, vx, vy, now) {
+    this.give(name);
+    return this.ask(this.x.throw_body(which, x, y, vx, vy, now ? 1 : 0));
+  }
+  set(from, to, key, value) { this.give(`${key}\n${value}`); this.ask(this.x.set(from, to)); }
+  scene(which) { return this.ask(this.x.scene(which)); }
+  lines(which) { return this.ask(this.x.lines(which)); }
+  bodies(which, offset, key) { return this.numbers(this.x.bodies(which, offset, key), Engine.BODY); }
+  names(which) { return JSON.parse(this.ask(this.x.names(which))); }
+  collisions(which) { return this.numbers(this.x.collisions(which), Engine.COLLISION); }
+  picture(format, step, options) { this.give(`${format}\n${step}\n${options}`); return this.file(this.x.picture()); }
+  film(bytes) { this.give(bytes); return JSON.parse(this.ask(this.x.film_open())); }
+}
+
+/** One job of the worker: draws a picture of a recording, or writes a table of it. */
+function draw(engine, job) {
+  engine.film(job.recording);
+  return job.format === 'csv' ? engine.file(engine.x.csv(job.table)) : engine.picture(job.format, job.step, job.options);
+}
+
+if (typeof document === 'undefined') {
+  onmessage = async ({ data }) => {
+    try {
+      postMessage({ file: draw(await Engine.create(data.module), data.job) });
+    } catch (error) {
+      postMessage({ error: String(error.message ?? error) });
+    }
+  };
+}

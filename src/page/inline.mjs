@@ -1,0 +1,25 @@
+// Puts style, scripts, texts and the compressed WebAssembly module into one HTML file, with a content security policy
+// that allows nothing else.
+import { createHash } from 'node:crypto';
+import { readFileSync, writeFileSync } from 'node:fs';
+
+const [folder, module, output] = process.argv.slice(2);
+const read = (path) => readFileSync(path, 'utf8').trim();
+const hash = (text) => `'sha256-${createHash('sha256').update(text).digest('base64')}'`;
+// Browsers decompress gzip, but zstd is a fifth smaller: 250 kB of the page.
+const zstd = ['LICENSE', 'umd/index.js'].map((name) => read(new URL(`node_modules/fzstd/${name}`, import.meta.url)));
+const scripts = ['engine.js', 'texts.js', 'canvas.js', 'page.js'].map((name) => read(`${folder}/${name}`));
+const script = ["'use strict';", `/* fzstd: ${zstd[0]} */`, zstd[1], ...scripts].join('\n');
+const style = read(`${folder}/page.css`);
+const parts = {
+  POLICY: [
+    "default-src 'none'", `script-src ${hash(script)} 'wasm-unsafe-eval'`, `style-src ${hash(style)}`,
+    'img-src blob: data:', 'worker-src blob:', "base-uri 'none'", "form-action 'none'",
+  ].join('; '),
+  STYLE: style,
+  MODULE: readFileSync(module).toString('base64'),
+  SCRIPT: script,
+};
+const html = read(`${folder}/page.html`).replace(/@([A-Z]+)@/g, (_, name) => parts[name]);
+writeFileSync(output, html);
+console.log(`${output}: ${Buffer.byteLength(html)} bytes`);

@@ -1,0 +1,1035 @@
+// The page: what is clicked, what is shown. The engine owns all states; here are texts, files and the view.
+
+const EMPTY_ROOM = `title = "Empty room"
+[world]
+size = [16.0, 9.0]
+walls = true
+gravity = [0.0, 9.81]
+[run]
+rate = 60
+steps = 600
+[restitution]
+default = 0.7
+"steel/steel" = 0.95
+"wood/wood" = 0.5
+"steel/wood" = 0.7
+`;
+const LIMITS = { file: 64, link: 8000, fragment: 200_000, scene: 2_000_000, rows: 100 };
+const SLICE = 8; // ms of work between two frames
+
+function pageMain(source) {
+  const $ = (id) => document.getElementById(id);
+  const all = (selector) => [...document.querySelectorAll(selector)];
+  const short = (number) => (number === Infinity ? '∞' : Number.isFinite(number) ? String(Number(number.toPrecision(4))) : '–');
+  const prefers = (query) => globalThis.matchMedia?.(query).matches ?? false;
+
+  const view = {
+    theme: prefers('(prefers-color-scheme: dark)') ? 'dark' : 'light',
+    show: new Set(['velocity', 'name', 'clock']), color: 0, marks: [], paused: true, walls: true, arrow: 0.2,
+  };
+  const state = {
+    language: (navigator.language || 'en').startsWith('fr') ? 'fr' : 'en',
+    playing: false, held: false, both: false, behind: 0, last: 0, rate: 60, status: [null, null], journal: [null, null],
+    acts: [], film: null, panel: null, seeking: false, busy: 0, bundled: [], cursor: null, selected: null, hinted: false,
+  };
+  const T = () => TEXTS[state.language];
+  const stages = [new Stage($('canvas-0')), new Stage($('canvas-1'))];
+  let engine;
+
+  // Messages
+
+  function say(text) { $('said').textContent = text; }
+  function toast(text, kind = 'bad') {
+    $('toast-text').textContent = text;
+    $('toast').className = kind;
+    $('toast').hidden = false;
+    say(text);
+  }
+  function quiet() { $('toast').hidden = true; }
+
+  /** Runs an action; a message of the engine is shown, and after a failure of the module the session is restored. */
+  async function attempt(action) {
+    try {
+      return await action();
+    } catch (error) {
+      if (error instanceof WebAssembly.RuntimeError || error instanceof RangeError) await recover(error);
+      else toast(String(error.message ?? error));
+      return undefined;
+    }
+  }
+
+  async function recover(error) {
+    stop();
+    let message = String(error.message);
+    try { message = engine.text() || message; } catch { /* the memory is gone, too */ }
+    engine = await Engine.create(engine.module);
+    state.film = null;
+    for (const which of [0, 1]) {
+      const kept = state.journal[which];
+      if (!kept) continue;
+      engine.load(which, kept.name, kept.scene);
+      engine.setLines(which, kept.lines);
+    }
+    refresh();
+    toast(T().restarted + message);
+  }
+
+  // Sessions
+
+  const sides = () => (state.both ? [0, 1] : [0]);
+
+  function note(which) {
+    state.journal[which] = { name: state.status[which].name, scene: engine.scene(which), lines: engine.lines(which) };
+  }
+
+  function load(name, text, lines = '') {
+    closeFilm();
+    engine.load(0, name, text);
+    if (lines) engine.setLines(0, lines);
+    Object.assign(state, { playing: false, behind: 0, acts: [], selected: null, cursor: null });
+    if (state.both) splitSolvers();
+    stages.forEach((stage) => { stage.trails.clear(); stage.flashes = []; });
+    $('editor').value = engine.scene(0);
+    $('editor-errors').textContent = '';
+    refresh();
+    sides().forEach(note);
+  }
+
+  /** Starts the session beside, with the other solver. */
+  function splitSolvers() {
+    const other = engine.status(0).solver === 'handout' ? 'event-driven' : 'handout';
+    engine.set(0, 1, 'run.solver', `"${other}"`);
+    finish(1);
+  }
+
+  function finish(which) { while (!engine.x.advance(which, 64)); }
+
+  function refreshStatus() {
+    for (const which of sides()) {
+      const status = engine.status(which);
+      state.status[which] = status;
+      if (status.refused.length) {
+        toast(T().refused + status.refused.join('\n'));
+        note(which);
+      }
+      if (status.failure && state.told !== status.failure) {
+        state.told = status.failure;
+        stop();
+        toast(T().stopped + status.failure);
+      }
+      if (!status.failure && which === 0) state.told = null;
+    }
+    const [first] = state.status;
+    state.rate = first.rate;
+    state.continuous = first.solver !== 'handout';
+    return first;
+  }
+
+  /** Shows the present state everywhere. */
+  function refresh() {
+    if (!state.film) {
+      const status = refreshStatus();
+      $('title').textContent = status.title || status.name;
+      document.title = `${status.title || status.name} – rebond`;
+      $('set-g').value = status.gravity?.[1] ?? 0;
+      $('set-e').value = status.restitution;
+      const rate = String(status.rate);
+      if (![...$('set-rate').options].some((option) => option.value === rate)) $('set-rate').add(new Option(rate));
+      $('set-rate').value = rate;
+      const value = state.both ? 'both' : status.solver;
+      all('[name="solver"]').forEach((radio) => { radio.checked = radio.value === value; });
+      const materials = new Set(['steel', 'wood', ...status.materials]);
+      $('materials').replaceChildren(...[...materials].map((name) => new Option(name)));
+      all('output').forEach(showOutput);
+    }
+    view.arrow = arrowScale();
+    paint();
+    showTime();
+    showPanel();
+  }
+
+  function showOutput(output) {
+    const input = output.previousElementSibling;
+    if (input && output.id !== 'clock') output.value = short(Number(input.value));
+  }
+
+  /** Metres of an arrow per m/s: a fast body of this world has an arrow of a sixth of its width. */
+  function arrowScale() {
+    const [width, height] = stages[0].size;
+    return Math.min(width, height) / 60;
+  }
+
+  function paint(offset = 0) {
+    view.paused = !state.playing;
+    for (const which of sides()) {
+      const stage = stages[which];
+      stage.size = state.film ? state.film.size : state.status[which].size;
+      if (state.film) {
+        stage.bodies = engine.numbers(engine.x.film_bodies(view.color), Engine.BODY).slice();
+      } else {
+        stage.bodies = engine.bodies(which, offset, view.color).slice();
+      }
+      let key = stage.bodies.length;
+      for (let i = 0; i < stage.bodies.length; i += Engine.BODY) key = (key * 31 + stage.bodies[i] + 1) % 1e9;
+      if (key !== stage.key || stage.film !== state.film) {
+        stage.key = key;
+        stage.film = state.film;
+        stage.names = state.film ? JSON.parse(engine.ask(engine.x.film_names())) : engine.names(which);
+      }
+      stage.fit();
+      view.walls = stage.names.some(([name]) => name === 'wall-top') || stage.names.some(([name]) => name.startsWith('wall-'));
+      stage.draw({ ...view, marks: marks(stage) });
+    }
+  }
+
+  function marks(stage) {
+    const list = view.marks.slice();
+    const picked = stage.names.findIndex(([name]) => name === state.selected);
+    if (state.selected && picked >= 0) {
+      const b = stage.bodies.subarray(picked * Engine.BODY, (picked + 1) * Engine.BODY);
+      list.push({ kind: 'selected', x: b[1], y: b[2], w: b[3], h: b[4] });
+    }
+    if (state.cursor && document.activeElement === stage.canvas) list.push({ kind: 'cursor', x: state.cursor[0], y: state.cursor[1] });
+    return list;
+  }
+
+  function showTime() {
+    const [step, end, rate] = state.film
+      ? [state.film.step, state.film.steps, state.film.rate]
+      : [engine.x.step_now(0), Math.max(state.status[0].end, state.status[0].steps, engine.x.step_now(0)), state.rate];
+    $('scrub').max = end;
+    $('scrub').value = step;
+    $('clock').value = `${(step / rate).toFixed(2)} s`;
+    $('scrub').setAttribute('aria-valuetext', `${(step / rate).toFixed(2)} s, ${T().steps(step)}`);
+    const names = { 'event-driven': T().eventDriven.split(/[:：]/)[0].trim(), handout: T().handout.split(/[:：]/)[0].trim() };
+    for (const which of [0, 1]) {
+      $(`caption-${which}`).textContent = state.both && !state.film && state.status[which] ? names[state.status[which].solver] : '';
+    }
+  }
+
+  // Time
+
+  function start() {
+    if (state.seeking) return;
+    quiet();
+    state.playing = true;
+    state.behind = 0;
+    hideHint();
+    showPlay();
+  }
+
+  function stop() { state.playing = false; showPlay(); }
+
+  function showPlay() {
+    $('play-icon').setAttribute('d', state.playing ? 'M6 4h4v16H6zM14 4h4v16h-4z' : 'M7 4v16l13-8z');
+    $('play').setAttribute('aria-label', state.playing ? T().pause : T().play);
+    $('play').title = state.playing ? T().pause : T().play;
+  }
+
+  /** One step of all sessions. Returns false after a failure. */
+  function stepAll() {
+    let going = true;
+    for (const which of sides()) {
+      if (engine.x.step(which, 1) && which === 0) going = false;
+      const stage = stages[which];
+      if (view.show.has('normal') || view.show.has('penetration') || view.show.has('impulse')) {
+        stage.flash(engine.collisions(which), prefers('(prefers-reduced-motion: reduce)') ? 1 : 12);
+      }
+      if (view.show.has('trail')) {
+        stage.bodies = engine.bodies(which, 0, view.color);
+        stage.extendTrails(state.rate);
+      }
+    }
+    return going;
+  }
+
+  function frame(now) {
+    requestAnimationFrame(frame);
+    const passed = Math.min(now - state.last, 100) / 1000;
+    state.last = now;
+    if (!engine || !state.playing || state.held || state.seeking) return;
+    attempt(() => {
+      const speed = Number($('speed').value);
+      if (state.film) {
+        state.behind += passed * state.film.rate * speed;
+        const steps = Math.floor(state.behind);
+        if (!steps) return;
+        state.behind -= steps;
+        showFilm(Math.min(state.film.step + steps, state.film.steps));
+        if (state.film.step >= state.film.steps) stop();
+        return;
+      }
+      state.behind += passed * state.rate * speed;
+      const began = performance.now();
+      let going = true;
+      while (going && state.behind >= 1) {
+        state.behind -= 1;
+        going = stepAll();
+        if (performance.now() - began > 2 * SLICE) state.behind = Math.min(state.behind, 1);
+      }
+      const stepped = performance.now();
+      // Between two steps the exact solver defines states, too.
+      const offset = speed < 1 && state.continuous ? state.behind / state.rate : 0;
+      paint(offset);
+      state.frame = { step: stepped - began, paint: performance.now() - stepped };
+      if (!going) { stop(); refresh(); return; }
+      tick += 1;
+      if (tick % 6 === 0) { showTime(); if (engine.status(0).refused.length) refreshStatus(); }
+      if (tick % 15 === 0) { refreshStatus(); showPanel(); }
+    });
+  }
+  let tick = 0;
+
+  const idle = () => new Promise((resolve) => { setTimeout(resolve); });
+
+  /** Goes to a step in slices; a later call replaces an earlier one. */
+  async function seek(step) {
+    const to = Math.max(0, Math.round(step));
+    const turn = (state.turn = (state.turn ?? 0) + 1);
+    stop();
+    if (state.film) { showFilm(Math.min(to, state.film.steps)); return; }
+    state.seeking = true;
+    stages.forEach((stage) => { stage.trails.clear(); stage.flashes = []; });
+    for (const which of sides()) engine.x.go_to(which, to);
+    await advance(turn);
+  }
+
+  async function advance(turn = (state.turn = (state.turn ?? 0) + 1)) {
+    state.seeking = true;
+    for (;;) {
+      const began = performance.now();
+      let done = false;
+      while (!done && performance.now() - began < SLICE) {
+        done = sides().map((which) => engine.x.advance(which, 4)).every((reached) => reached);
+      }
+      if (state.turn !== turn) return;
+      if (done) break;
+      paint();
+      showTime();
+      await idle();
+      if (state.turn !== turn) return;
+    }
+    state.seeking = false;
+    refresh();
+  }
+
+  async function stepForward() {
+    if (state.seeking) return;
+    stop();
+    if (state.film) { showFilm(Math.min(state.film.step + 1, state.film.steps)); return; }
+    stepAll();
+    refresh();
+  }
+
+  const stepBack = () => seek((state.film ? state.film.step : engine.x.step_now(0)) - 1);
+
+  /** Runs to the next collision with an impulse, stops, and shows its figures. */
+  async function nextCollision() {
+    if (state.film || state.seeking) return;
+    stop();
+    const turn = (state.turn = (state.turn ?? 0) + 1);
+    const last = engine.x.step_now(0) + 60 * state.rate;
+    state.seeking = true;
+    let found = false;
+    while (!found && engine.x.step_now(0) < last) {
+      const began = performance.now();
+      while (!found && performance.now() - began < SLICE && engine.x.step_now(0) < last) {
+        if (!stepAll()) { state.seeking = false; refresh(); return; }
+        const c = engine.collisions(0);
+        for (let i = 5; i < c.length; i += Engine.COLLISION) found ||= c[i] !== 0;
+      }
+      if (state.turn !== turn) return;
+      paint();
+      showTime();
+      await idle();
+      if (state.turn !== turn) return;
+    }
+    state.seeking = false;
+    refresh();
+    if (!found) { toast(T().noCollision, 'good'); return; }
+    openPanel('collision');
+    say($('collision-text').textContent);
+  }
+
+  // Events
+
+  const isNow = () => !state.playing;
+
+  /** Adds an event to all sessions: to the present state while time stands, else to the next one. */
+  async function act(apply) {
+    if (state.film) return;
+    const undone = [];
+    let problem = null;
+    for (const which of sides()) {
+      try {
+        try {
+          apply(which, isNow());
+        } catch (error) {
+          // What the order within a step forbids is possible one step later.
+          if (!(error instanceof Refusal) || !isNow()) throw error;
+          apply(which, false);
+          for (const side of sides()) engine.x.step(side, 1);
+          if (engine.status(which).refused.length) throw error;
+        }
+        undone.push(which);
+      } catch (error) {
+        if (!(error instanceof Refusal)) throw error;
+        problem ??= error;
+      }
+    }
+    if (undone.length) state.acts.push(undone);
+    for (const which of sides()) { state.status[which] = engine.status(which); note(which); }
+    hideHint();
+    refresh();
+    if (problem) toast(T().refused + problem.message);
+  }
+
+  const decimal = (number) => { const text = String(Number(number.toPrecision(12))); return /[.e]/.test(text) ? text : `${text}.0`; };
+  const pair = ([x, y]) => `[${decimal(x)}, ${decimal(y)}]`;
+
+  function blueprint(velocity) {
+    const value = (id) => Number($(id).value);
+    const body = { size: [value('box-w'), value('box-h')], v: velocity ?? [value('box-vx'), value('box-vy')] };
+    const mass = $('box-fixed').checked ? '"inf"' : decimal(value('box-m'));
+    const material = $('box-material').value.trim();
+    body.json = `{"size": ${pair(body.size)}, "mass": ${mass}, "velocity": ${pair(body.v)}${material ? `, "material": ${JSON.stringify(material)}` : ''}}`;
+    return body;
+  }
+
+  const click = (point, velocity) => act((which, now) => {
+    engine.event(which, `{"click": {"at": ${pair(point)}, "spawn": ${blueprint(velocity).json}}}`, now);
+  });
+  const remove = (name) => act((which, now) => engine.event(which, `{"delete": {"name": ${JSON.stringify(name)}}}`, now));
+  const move = async (name, at, v) => {
+    let renamed = name;
+    await act((which, now) => { renamed = engine.throwBody(which, name, at[0], at[1], v[0], v[1], now); });
+    return renamed;
+  };
+
+  async function undo() {
+    const acted = state.acts.pop();
+    if (!acted || state.film) { toast(T().nothingToUndo, 'good'); return; }
+    const playing = state.playing;
+    stop();
+    for (const which of acted) engine.x.undo(which);
+    await advance();
+    sides().forEach(note);
+    say(T().undone);
+    if (playing) start();
+  }
+
+  async function setting(key, value) {
+    const playing = state.playing;
+    stop();
+    for (const which of sides()) engine.set(which, which, key, value);
+    await advance();
+    sides().forEach(note);
+    $('editor').value = engine.scene(0);
+    if (playing) start();
+  }
+
+  async function setSolver(value) {
+    stop();
+    state.both = value === 'both';
+    if (value === 'both') splitSolvers();
+    else {
+      engine.x.unload(1);
+      state.journal[1] = null;
+      if (engine.status(0).solver !== value) engine.set(0, 0, 'run.solver', `"${value}"`);
+    }
+    $('canvas-1').parentElement.hidden = !state.both;
+    $('side-label').hidden = !state.both;
+    await advance();
+    sides().forEach(note);
+    $('editor').value = engine.scene(0);
+  }
+
+  // Pointer
+
+  function pointer(which) {
+    const stage = stages[which];
+    const { canvas } = stage;
+    let grip = null;
+    const release = () => { grip = null; state.held = false; view.marks = []; };
+    canvas.addEventListener('pointerdown', (event) => {
+      if (event.button !== 0 || state.film || state.seeking || grip) return;
+      const at = stage.point(event);
+      const index = stage.bodyAt(at);
+      const b = index < 0 ? null : stage.bodies.slice(index, index + Engine.BODY);
+      grip = {
+        id: event.pointerId, at, place: [event.clientX, event.clientY], moved: false, b,
+        name: b && stage.names[index / Engine.BODY][0], path: [[...at, event.timeStamp]],
+      };
+      canvas.setPointerCapture(event.pointerId);
+      state.cursor = null;
+    });
+    canvas.addEventListener('pointermove', (event) => {
+      if (!grip || event.pointerId !== grip.id) return;
+      const at = stage.point(event);
+      grip.path.push([...at, event.timeStamp]);
+      if (grip.path.length > 40) grip.path.shift();
+      grip.moved ||= Math.hypot(event.clientX - grip.place[0], event.clientY - grip.place[1]) > 6;
+      if (!grip.moved) return;
+      state.held = true;
+      view.marks = [ghost(at)];
+      paint();
+    });
+    const ghost = (at) => {
+      const { b } = grip;
+      if (b) return { kind: 'ghost', x: b[1] + at[0] - grip.at[0], y: b[2] + at[1] - grip.at[1], w: b[3], h: b[4] };
+      const { size: [w, h] } = blueprint();
+      const v = [at[0] - grip.at[0], at[1] - grip.at[1]];
+      return { kind: 'ghost', x: grip.at[0] - w / 2, y: grip.at[1] - h / 2, w, h, v, scale: 1 };
+    };
+    canvas.addEventListener('pointerup', (event) => {
+      if (!grip || event.pointerId !== grip.id) return;
+      const at = stage.point(event);
+      const { b, name, moved, path, at: from } = grip;
+      const spot = moved ? ghost(at) : null;
+      release();
+      attempt(() => {
+        if (!moved) return click(from);
+        // An arrow of a metre is 2 m/s.
+        if (!b) return click(from, [2 * (at[0] - from[0]), 2 * (at[1] - from[1])]);
+        return move(name, [spot.x, spot.y], state.playing ? speed(path, event.timeStamp) : [b[5], b[6]]);
+      });
+    });
+    canvas.addEventListener('pointercancel', release);
+    canvas.addEventListener('focus', () => { if (canvas.matches(':focus-visible')) { state.cursor ??= stage.size.map((length) => length / 2); } paint(); });
+    canvas.addEventListener('blur', () => paint());
+    canvas.addEventListener('keydown', (event) => canvasKey(event, which));
+  }
+
+  /** The velocity of the pointer over the last 100 ms, m/s, at most 60. */
+  function speed(path, now) {
+    const recent = path.filter(([, , time]) => now - time < 100);
+    if (recent.length < 2) return [0, 0];
+    const [[x0, y0, t0], [x1, y1]] = [recent[0], recent.at(-1)];
+    const seconds = Math.max(now - t0, 16) / 1000;
+    return [x1 - x0, y1 - y0].map((length) => Math.max(-60, Math.min(60, length / seconds)));
+  }
+
+  const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
+
+  function canvasKey(event, which) {
+    const stage = stages[which];
+    const arrow = ARROWS[event.key];
+    state.cursor ??= stage.size.map((length) => length / 2);
+    const index = () => stage.bodyAt(state.cursor);
+    if (arrow) {
+      const length = event.shiftKey ? 1 : 0.25;
+      state.cursor = state.cursor.map((x, axis) => Math.max(0, Math.min(stage.size[axis], x + arrow[axis] * length)));
+      const name = index() < 0 ? '' : stage.names[index() / Engine.BODY][0];
+      say(T().cursor(short(state.cursor[0]), short(state.cursor[1]), name));
+      paint();
+    } else if (event.key === 'Enter') {
+      attempt(() => click(state.cursor));
+    } else if (event.key === 'Delete' || event.key === 'Backspace') {
+      if (index() >= 0) attempt(() => remove(stage.names[index() / Engine.BODY][0]));
+    } else return;
+    event.preventDefault();
+  }
+
+  function pageKey(event) {
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    const target = event.target;
+    if (target.closest('textarea, select, input:not([type="range"]):not([type="checkbox"]):not([type="radio"])')) return;
+    const onControl = target.closest('button, input, label');
+    const keys = {
+      ' ': () => (onControl ? null : state.playing ? stop() : start()), ',': stepBack, '.': stepForward, n: nextCollision, z: undo,
+      Home: () => (onControl ? null : seek(0)), b: () => setSolver(state.both ? state.status[0].solver : 'both'), Escape: () => (state.panel ? openPanel(null) : quiet()),
+    };
+    const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
+    const action = keys[key];
+    if (!action || ((key === ' ' || key === 'Home') && onControl)) return;
+    event.preventDefault();
+    attempt(action);
+  }
+
+  // Panels
+
+  function openPanel(name) {
+    const shown = name === state.panel && name !== 'collision' ? null : name;
+    state.panel = shown;
+    $('panel').hidden = !shown;
+    all('#panel > section').forEach((section) => { section.hidden = section.id !== `panel-${shown}`; });
+    all('#tabs button').forEach((button) => button.setAttribute('aria-expanded', button.dataset.panel === shown));
+    showPanel();
+    paint();
+    if (shown) $('panel').scrollTop = 0;
+  }
+
+  function showPanel() {
+    if (state.panel === 'data') showData();
+    if (state.panel === 'collision') showCollision();
+    if (state.panel === 'files') showCommand();
+  }
+
+  function showData() {
+    const stage = stages[0];
+    if (!state.film) {
+      drawStrip($('strip'), engine.numbers(engine.x.energy(0), 5), state.rate, engine.x.step_now(0), view.theme);
+      engine.x.energy_now(0);
+      const [k, p, px, py] = engine.numbers(4, 1);
+      $('energy').textContent = T().energy(...[k, p, k + p, px, py].map(short));
+    }
+    const rows = [];
+    let hidden = 0;
+    stage.names.forEach(([name], index) => {
+      const b = stage.bodies.subarray(index * Engine.BODY, (index + 1) * Engine.BODY);
+      if (b[9]) return;
+      if (rows.length >= LIMITS.rows) { hidden += 1; return; }
+      rows.push([name, [b[7], b[1], b[2], b[5], b[6]].map(short)]);
+    });
+    const table = $('bodies');
+    const focused = document.activeElement?.closest?.('#bodies button')?.textContent;
+    while (table.rows.length > rows.length) table.deleteRow(-1);
+    rows.forEach(([name, numbers], at) => {
+      const row = table.rows[at] ?? newRow(table, 5);
+      const button = row.cells[0].firstChild;
+      if (button.textContent !== name) button.textContent = name;
+      button.setAttribute('aria-pressed', name === state.selected);
+      numbers.forEach((number, column) => { row.cells[column + 1].textContent = number; });
+      if (name === focused && document.activeElement !== button) button.focus();
+    });
+    if (hidden) { const row = table.insertRow(); row.insertCell().textContent = T().more(hidden); row.cells[0].colSpan = 6; }
+    if (state.film) { $('collisions').replaceChildren(); return; }
+    const recent = JSON.parse(engine.ask(engine.x.recent_collisions(0)));
+    const collisions = recent.slice(-LIMITS.rows).reverse().map(([, t, a, b, nx, ny, e, before, after, j]) => {
+      const row = document.createElement('tr');
+      const normal = nx > 0 ? '→' : nx < 0 ? '←' : ny > 0 ? '↓' : '↑';
+      for (const text of [short(t), a, b, normal, short(e), short(before), short(after), short(j)]) row.insertCell().textContent = text;
+      return row;
+    });
+    $('collisions').replaceChildren(...collisions);
+  }
+
+  function newRow(table, numbers) {
+    const row = table.insertRow();
+    const button = document.createElement('button');
+    button.type = 'button';
+    row.insertCell().append(button);
+    for (let i = 0; i < numbers; i += 1) row.insertCell();
+    return row;
+  }
+
+  /** Moves or deletes the body whose name has the focus. */
+  function listKey(event) {
+    const button = event.target.closest('button');
+    if (!button || state.film) return;
+    const name = button.textContent;
+    const index = stages[0].names.findIndex(([other]) => other === name);
+    if (index < 0) return;
+    const b = stages[0].bodies.slice(index * Engine.BODY, (index + 1) * Engine.BODY);
+    const arrow = ARROWS[event.key];
+    if (arrow) {
+      const length = event.shiftKey ? 1 : 0.1;
+      const at = [b[1] + arrow[0] * length, b[2] + arrow[1] * length];
+      attempt(async () => {
+        const renamed = await move(name, at, [b[5], b[6]]);
+        state.selected = renamed;
+        say(T().moved(renamed, short(at[0]), short(at[1])));
+        showData();
+        [...$('bodies').querySelectorAll('button')].find((other) => other.textContent === renamed)?.focus();
+      });
+    } else if (event.key === 'Delete' || event.key === 'Backspace') attempt(() => remove(name));
+    else return;
+    event.preventDefault();
+    event.stopPropagation();
+  }
+
+  function showCollision() {
+    const c = engine.collisions(0).slice();
+    const name = (id) => stages[0].names[[...stages[0].names.keys()].find((n) => stages[0].bodies[n * Engine.BODY] === id)]?.[0] ?? `#${id}`;
+    const indices = [];
+    for (let i = 0; i < c.length / Engine.COLLISION; i += 1) if (c[i * Engine.COLLISION + 5]) indices.push(i);
+    $('pick').hidden = indices.length < 2;
+    const key = `${engine.x.step_now(0)} ${indices} ${view.theme} ${state.language}`;
+    if (!indices.length) {
+      $('collision-text').textContent = T().noCollision;
+      $('collision-numbers').replaceChildren();
+      ['figure-1', 'figure-2'].forEach((id) => { $(id).hidden = true; });
+      state.figureKey = null;
+      return;
+    }
+    if (state.figureKey === key) return;
+    if (state.figureKey?.split(' ')[0] !== String(engine.x.step_now(0)) || $('collision-index').options.length !== indices.length) {
+      $('collision-index').replaceChildren(...indices.map((i) => new Option(`${name(c[i * Engine.COLLISION])} – ${name(c[i * Engine.COLLISION + 1])}`, i)));
+    }
+    state.figureKey = key;
+    const index = Number($('collision-index').value);
+    const n = c.slice(index * Engine.COLLISION, (index + 1) * Engine.COLLISION);
+    const [a, b] = [name(n[0]), name(n[1])];
+    $('collision-text').textContent = T().collided(a, b, short(n[8]));
+    const rows = { a, b, t: `${short(n[8])} s`, n: `(${short(n[2])}, ${short(n[3])})`, e: short(n[4]), before: `${short(n[6])} m/s`, after: `${short(n[7])} m/s`, j: `${short(n[5])} N·s`, p: `(${short(n[9])}, ${short(n[10])}) m` };
+    $('collision-numbers').replaceChildren(...Object.entries(rows).flatMap(([key, text]) => {
+      const [dt, dd] = [document.createElement('dt'), document.createElement('dd')];
+      dt.textContent = T().numbers[key];
+      dd.textContent = text;
+      return [dt, dd];
+    }));
+    for (const kind of [0, 1]) {
+      const image = $(`figure-${kind + 1}`);
+      attempt(() => {
+        const svg = engine.file(engine.x.figure(0, index, kind, view.theme === 'dark' ? 1 : 0));
+        if (image.src.startsWith('blob:')) URL.revokeObjectURL(image.src);
+        image.src = URL.createObjectURL(new Blob([svg], { type: 'image/svg+xml' }));
+        image.alt = `${T()[`figure${kind + 1}`]}: ${T().collided(a, b, short(n[8]))}`;
+        image.hidden = false;
+      });
+    }
+  }
+
+  // Files out
+
+  const side = () => (state.both && !state.film ? Number($('side').value) : 0);
+  const base = () => (state.film ? state.film.name : state.status[side()].name).replace(/\.(toml|mcap)$/, '') + (side() ? '-2' : '');
+
+  function download(name, bytes, type = 'application/octet-stream') {
+    const link = document.createElement('a');
+    link.href = URL.createObjectURL(new Blob([bytes], { type }));
+    link.download = name;
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
+    toast(T().saved(name), 'good');
+  }
+
+  /** The recording of the session, made in slices, or the one that is open. */
+  async function recording(which) {
+    if (state.film) return state.film.bytes;
+    engine.ask(engine.x.save_start(which));
+    let states = 16;
+    for (;;) {
+      const began = performance.now();
+      const code = engine.x.save_advance(states);
+      if (code) return engine.file(code === 1 ? 1 : 0);
+      const took = performance.now() - began;
+      states = Math.max(1, Math.min(4096, Math.round((states * SLICE) / Math.max(took, 0.1))));
+      await idle();
+    }
+  }
+
+  function lookOptions(size) {
+    const names = ['velocity', 'normal', 'penetration', 'impulse', 'trail', 'name', 'grid', 'clock'];
+    const show = names.filter((name) => view.show.has(name));
+    const color = ['body', 'material', 'speed'][view.color];
+    const flags = `--size ${size.join('x')} --theme ${view.theme} --show ${show.join(',') || 'none'} --color-by ${color}`;
+    return { json: JSON.stringify({ size, theme: view.theme, show, color_by: color }), flags };
+  }
+
+  const present = () => (state.film ? state.film.step : engine.x.step_now(side()));
+
+  function showCommand() {
+    const { flags } = lookOptions([1280, 720]);
+    $('command').textContent = T().command(`rebond render ${base()}.mcap -o ${base()}.png --at ${present()} ${flags}`);
+  }
+
+  /** Does a job in a worker, so that the page stays usable; without workers, here. */
+  function drawBeside(job) {
+    return new Promise((resolve, reject) => {
+      let worker;
+      const here = () => attempt(async () => {
+        const spare = await Engine.create(engine.module);
+        resolve(draw(spare, job));
+      }).catch(reject);
+      try {
+        const url = URL.createObjectURL(new Blob([source], { type: 'text/javascript' }));
+        worker = new Worker(url);
+        URL.revokeObjectURL(url);
+      } catch { here(); return; }
+      worker.onerror = () => { worker.terminate(); here(); };
+      worker.onmessage = ({ data }) => {
+        worker.terminate();
+        if (data.error) reject(new Refusal(data.error));
+        else resolve(data.file);
+      };
+      try { worker.postMessage({ module: engine.module, job }); } catch { worker.terminate(); here(); }
+    });
+  }
+
+  async function save(kind) {
+    const which = side();
+    const name = base();
+    const step = present();
+    if (state.busy) return;
+    state.busy = 1;
+    stop();
+    toast(T().working, 'good');
+    try {
+      if (kind === 'mcap') download(`${name}.mcap`, await recording(which));
+      else if (kind === 'toml') download(`${name}.toml`, state.film ? state.film.scene : engine.ask(engine.x.recorded_scene(which)));
+      else if (kind === 'clicks') download(`${name}-clicks.toml`, state.film ? state.film.scene : engine.ask(engine.x.scene_with_events(which)));
+      else if (kind === 'jsonl') download(`${name}.jsonl`, state.film ? '' : engine.lines(which));
+      else if (kind === 'link') await makeLink(which);
+      else {
+        const file = await recording(which);
+        const table = { states: 0, collisions: 1 }[kind];
+        const options = lookOptions(kind === 'gif' ? [640, 360] : [1280, 720]).json;
+        const job = { recording: file, format: table === undefined ? kind : 'csv', table, step, options };
+        const bytes = await drawBeside(job);
+        const type = { png: 'image/png', svg: 'image/svg+xml', gif: 'image/gif' }[kind] ?? 'text/csv';
+        download(table === undefined ? `${name}.${kind}` : `${name}-${kind}.csv`, bytes, type);
+      }
+    } finally {
+      state.busy = 0;
+    }
+  }
+
+  async function makeLink(which) {
+    const session = { n: state.film?.name ?? state.status[which].name, s: state.film?.scene ?? engine.scene(which), l: state.film ? '' : engine.lines(which), t: present() };
+    const packed = toBase64(await compressed(encoder.encode(JSON.stringify(session)), 'deflate-raw'));
+    const fragment = `s=${packed.replaceAll('+', '-').replaceAll('/', '_').replaceAll('=', '')}`;
+    if (fragment.length > LIMITS.link) { toast(T().linkLong(fragment.length)); return; }
+    const link = `${location.href.split('#')[0]}#${fragment}`;
+    $('link').value = link;
+    $('link-label').hidden = false;
+    $('link').select();
+    try { await navigator.clipboard.writeText(link); toast(T().linkCopied, 'good'); } catch { quiet(); }
+  }
+
+  /** Opens what the fragment of the address names: `#s=SESSION`, or `#scene=NAME` with `&both` and `&t=STEP`. */
+  async function openFragment() {
+    const fragment = location.hash.slice(1);
+    if (!fragment) return false;
+    try {
+      if (fragment.length > LIMITS.fragment) throw new Error(`${fragment.length} bytes`);
+      if (fragment.startsWith('s=')) {
+        const packed = fromBase64(fragment.slice(2).replaceAll('-', '+').replaceAll('_', '/').replace(/[^A-Za-z0-9+/]/g, '?').padEnd(Math.ceil((fragment.length - 2) / 4) * 4, '='));
+        const session = JSON.parse(decoder.decode(await decompressed(packed, 'deflate-raw', LIMITS.scene)));
+        load(String(session.n || 'scene.toml').replace(/[\r\n/\\]/g, ' ').slice(0, 200), String(session.s), String(session.l ?? ''));
+        await seek(Math.min(Math.max(Number(session.t) || 0, 0), 1e6));
+        return true;
+      }
+      const wanted = new URLSearchParams(fragment);
+      const name = wanted.get('scene');
+      const found = state.bundled.find(([other]) => other === name);
+      if (!found) throw new Error(name ? `there is no scene ${JSON.stringify(name)}` : 'it names no scene');
+      choose(name);
+      if (wanted.has('both')) await setSolver('both');
+      if (wanted.has('t')) await seek(Math.min(Number(wanted.get('t')) || 0, 1e6));
+      return true;
+    } catch (error) {
+      toast(T().linkBad + String(error.message ?? error));
+      return false;
+    }
+  }
+
+  // Files in
+
+  async function openFile(file) {
+    if (!file) return;
+    if (file.size > LIMITS.file * 1e6) { toast(T().tooLarge(LIMITS.file)); return; }
+    const bytes = new Uint8Array(await file.arrayBuffer());
+    const name = file.name.replace(/[\r\n/\\]/g, ' ');
+    const magic = bytes[0] === 0x89 && decoder.decode(bytes.subarray(1, 5)) === 'MCAP';
+    if (magic || name.endsWith('.mcap')) await openFilm(name, bytes);
+    else if (name.endsWith('.jsonl')) {
+      closeFilm();
+      stop();
+      for (const which of sides()) engine.setLines(which, decoder.decode(bytes));
+      state.acts.push(sides());
+      refresh();
+      sides().forEach(note);
+    } else if (name.endsWith('.toml')) { load(name, decoder.decode(bytes)); $('scenes').value = ''; }
+    else toast(T().unknownFile);
+  }
+
+  async function openFilm(name, bytes) {
+    stop();
+    const about = engine.film(bytes);
+    state.film = { ...about, name, bytes, step: 0 };
+    if (state.both) { state.both = false; $('canvas-1').parentElement.hidden = true; $('side-label').hidden = true; engine.x.unload(1); state.journal[1] = null; }
+    stages[0].trails.clear();
+    $('title').textContent = about.title || name;
+    $('film').hidden = false;
+    $('film-title').textContent = name;
+    $('film-step').hidden = true;
+    $('film-scene').hidden = !about.scene;
+    $('editor').value = about.scene;
+    quiet();
+    showFilm(0);
+    hideHint();
+    await replayFilm(state.film);
+  }
+
+  /** Replays the recording in slices, with the verdict so far. */
+  async function replayFilm(film) {
+    const shown = $('verdict');
+    const show = (text, kind) => { shown.textContent = text; shown.className = kind; };
+    show('', '');
+    $('film-progress').hidden = false;
+    $('film-progress').value = 0;
+    try {
+      engine.ask(engine.x.verdict_start());
+      for (let states = 16; ;) {
+        const began = performance.now();
+        const verdict = JSON.parse(engine.ask(engine.x.verdict_advance(states)));
+        if (state.film !== film) return;
+        $('film-progress').value = film.steps ? verdict.step / film.steps : 1;
+        if (verdict.final) {
+          show(verdict.line, verdict.word === 'same' ? '' : 'bad');
+          say(verdict.line);
+          film.verdict = verdict;
+          if (verdict.diverged !== null) {
+            $('film-step').hidden = false;
+            $('film-step').textContent = T().divergedAt(verdict.diverged);
+          }
+          break;
+        }
+        show(`${verdict.word} … ${T().steps(verdict.step)}`, '');
+        const took = performance.now() - began;
+        states = Math.max(1, Math.min(1024, Math.round((states * SLICE) / Math.max(took, 0.1))));
+        await idle();
+        if (state.film !== film) return;
+      }
+    } catch (error) {
+      if (error instanceof WebAssembly.RuntimeError) throw error;
+      show(String(error.message ?? error), 'bad');
+      say(String(error.message ?? error));
+    }
+    $('film-progress').hidden = true;
+  }
+
+  function showFilm(step) {
+    state.film.step = Number(engine.ask(engine.x.film_show(step)));
+    paint();
+    if (view.show.has('trail') && state.playing) stages[0].extendTrails(state.film.rate);
+    showTime();
+    if (state.panel === 'data' && (!state.playing || (tick += 1) % 15 === 0)) showData();
+  }
+
+  function closeFilm() {
+    if (!state.film) return;
+    state.film = null;
+    engine.x.film_close();
+    $('film').hidden = true;
+    stop();
+    if (state.status[0]) { $('editor').value = engine.scene(0); refresh(); }
+  }
+
+  // Language, theme, start
+
+  function translate() {
+    document.documentElement.lang = state.language;
+    $('language').textContent = state.language === 'fr' ? 'EN' : 'FR';
+    $('language').lang = state.language === 'fr' ? 'en' : 'fr';
+    for (const element of all('[data-t]')) element.textContent = T()[element.dataset.t];
+    for (const element of all('[data-l]')) {
+      element.setAttribute('aria-label', T()[element.dataset.l]);
+      if (element.tagName === 'BUTTON') element.title = T()[element.dataset.l];
+    }
+    for (const stage of stages) stage.canvas.setAttribute('aria-label', T().canvas);
+    $('strip').setAttribute('aria-label', T().strip);
+    for (const input of all('#overlays input')) input.nextElementSibling.textContent = T()[input.value];
+    $('help').replaceChildren(...T().helpLines.map((line) => { const li = document.createElement('li'); li.textContent = line; return li; }));
+    if (!state.hinted) $('hint').textContent = T().hint;
+    if ($('scenes').options.length) $('scenes').options[0].textContent = T().emptyRoom;
+    showPlay();
+  }
+
+  function hideHint() { state.hinted = true; $('hint').textContent = ''; }
+
+  function setTheme(theme) {
+    view.theme = theme;
+    document.documentElement.dataset.theme = theme;
+  }
+
+  function choose(name) {
+    const text = state.bundled.find(([other]) => other === name)?.[1];
+    load(name ? `${name}.toml` : 'room.toml', text ?? EMPTY_ROOM);
+    $('scenes').value = name;
+  }
+
+  function titleOf(text, name) { return /^title = "((?:[^"\\]|\\.)*)"/m.exec(text)?.[1] ?? name; }
+
+  function wire() {
+    const on = (id, event, action) => $(id).addEventListener(event, (ev) => { attempt(() => action(ev)); });
+    on('play', 'click', () => (state.playing ? stop() : start()));
+    on('forward', 'click', stepForward);
+    on('back', 'click', stepBack);
+    on('restart', 'click', () => seek(0));
+    on('next', 'click', nextCollision);
+    on('undo', 'click', undo);
+    on('scrub', 'input', () => seek(Number($('scrub').value)));
+    on('scenes', 'change', () => { quiet(); choose($('scenes').value); });
+    on('language', 'click', () => { state.language = state.language === 'fr' ? 'en' : 'fr'; translate(); state.figureKey = null; refresh(); });
+    on('theme', 'click', () => { setTheme(view.theme === 'dark' ? 'light' : 'dark'); refresh(); });
+    on('toast-close', 'click', quiet);
+    on('panel-close', 'click', () => { const opened = document.querySelector(`[data-panel="${state.panel}"]`); openPanel(null); (opened ?? $('play')).focus(); });
+    on('clear', 'click', async () => { stop(); for (const which of sides()) engine.setLines(which, ''); state.acts.push(sides()); await seek(0); sides().forEach(note); say(T().cleared); });
+    on('set-g', 'change', () => setting('world.gravity', `[0.0, ${decimal(Number($('set-g').value))}]`));
+    on('set-e', 'change', () => setting('restitution.default', decimal(Number($('set-e').value))));
+    on('set-rate', 'change', () => setting('run.rate', decimal(Number($('set-rate').value))));
+    on('solvers', 'change', (event) => setSolver(event.target.value));
+    on('colour', 'change', () => { view.color = Number($('colour').value); refresh(); });
+    on('collision-index', 'change', () => { state.figureKey = `${engine.x.step_now(0)} -`; showCollision(); });
+    on('open', 'change', async () => { const [file] = $('open').files; await openFile(file); $('open').value = ''; });
+    on('run-text', 'click', () => {
+      try {
+        load(state.film ? `${base()}.toml` : state.status[0].name, $('editor').value);
+      } catch (error) {
+        if (!(error instanceof Refusal)) throw error;
+        $('editor-errors').textContent = error.message;
+      }
+    });
+    on('film-close', 'click', closeFilm);
+    on('film-scene', 'click', () => load(`${base()}.toml`, state.film.scene));
+    on('film-step', 'click', () => showFilm(Math.min(state.film.verdict.diverged, state.film.steps)));
+    on('bodies', 'click', (event) => { const button = event.target.closest('button'); if (button) { state.selected = state.selected === button.textContent ? null : button.textContent; refresh(); } });
+    $('bodies').addEventListener('keydown', listKey);
+    all('[data-panel]').forEach((button) => button.addEventListener('click', () => attempt(() => openPanel(button.dataset.panel))));
+    all('[data-file]').forEach((button) => button.addEventListener('click', () => attempt(() => save(button.dataset.file))));
+    all('input[type="range"]').forEach((input) => input.addEventListener('input', () => { const output = input.nextElementSibling; if (output) showOutput(output); }));
+    addEventListener('keydown', pageKey);
+    addEventListener('resize', () => paint());
+    new ResizeObserver(() => paint()).observe($('stages'));
+    addEventListener('hashchange', () => attempt(openFragment));
+    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', (event) => { setTheme(event.matches ? 'dark' : 'light'); refresh(); });
+    let depth = 0;
+    const isFile = (event) => event.dataTransfer?.types?.includes('Files');
+    addEventListener('dragenter', (event) => { if (isFile(event)) { depth += 1; $('drop').hidden = false; } });
+    addEventListener('dragleave', (event) => { if (isFile(event) && (depth -= 1) <= 0) { depth = 0; $('drop').hidden = true; } });
+    addEventListener('dragover', (event) => { if (isFile(event)) event.preventDefault(); });
+    addEventListener('drop', (event) => {
+      if (!isFile(event)) return;
+      event.preventDefault();
+      depth = 0;
+      $('drop').hidden = true;
+      attempt(() => openFile(event.dataTransfer.files[0]));
+    });
+  }
+
+  async function begin() {
+    setTheme(view.theme);
+    for (const name of ['velocity', 'momentum', 'trail', 'name', 'grid', 'normal', 'penetration', 'impulse', 'centre', 'clock']) {
+      const label = document.createElement('label');
+      label.className = 'check';
+      const input = Object.assign(document.createElement('input'), { type: 'checkbox', value: name, checked: view.show.has(name) });
+      input.addEventListener('change', () => { view.show[input.checked ? 'add' : 'delete'](name); refresh(); });
+      label.append(input, document.createElement('span'));
+      $('overlays').append(label);
+    }
+    translate();
+    const unpacked = fzstd.decompress(fromBase64($('module').textContent));
+    const times = { unpacked: performance.now() };
+    engine = await Engine.create(await WebAssembly.compile(unpacked));
+    times.compiled = performance.now();
+    engine.x.bundled();
+    state.bundled = JSON.parse(engine.text());
+    $('scenes').add(new Option(T().emptyRoom, ''));
+    for (const [name, text] of state.bundled) $('scenes').add(new Option(titleOf(text, name), name));
+    choose('');
+    pointer(0);
+    pointer(1);
+    wire();
+    await openFragment();
+    times.ready = performance.now();
+    document.documentElement.dataset.ready = 'yes';
+    globalThis.rebond = { get engine() { return engine; }, state, view, stages, times, seek, click, openFile, recording };
+    requestAnimationFrame(frame);
+  }
+
+  begin().catch((error) => { $('hint').textContent = String(error.message ?? error); });
+}
+
+if (typeof document !== 'undefined') pageMain(document.currentScript.textContent);

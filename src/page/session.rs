@@ -1,0 +1,614 @@
+use crate::scene_text::{SceneText, retimed, with_events, with_steps};
+use crate::{EnergyStrip, EventLine, FigureKind, History, Save, collision_figure};
+use rebond::internals::picture::{EnergySample, body_color, color_by_speed};
+use rebond::internals::replay::RunSnapshot;
+use rebond::internals::scene::{Action, Blueprint, Input, InputLocation, SpawnRequest};
+use rebond::recordings::{BodyInfo, Change};
+use rebond::{
+    Body, BodyId, Collision, Diagnostic, Rect, Run, Scene, SceneError, StepError, Theme, Vector, parse_scene,
+};
+use std::collections::{BTreeMap, VecDeque};
+
+/// The largest number of bodies alive.
+pub const MAX_BODIES: usize = 20_000;
+
+/// The largest number of events.
+const MAX_LINES: usize = 100_000;
+
+/// Bytes of snapshots of a session.
+const HISTORY_BYTES: usize = 48 << 20;
+
+/// The collisions that the table shows.
+const MAX_RECENT: usize = 200;
+
+/// Sessions that undo can return to.
+const MAX_UNDO: usize = 200;
+
+/// Numbers of a body for the canvas: id, x, y, width, height, vx, vy, mass, colour, and
+/// 1 for a wall.
+pub const BODY_COLUMNS: usize = 10;
+
+/// Numbers of a collision: the ids of c and b, the normal, e, the impulse, vn before and after, the instant, the
+/// penetration, and both rectangles.
+pub const COLLISION_COLUMNS: usize = 19;
+
+/// The state that an event changes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum When {
+    /// The present one, which is computed again.
+    Now,
+    /// The next one.
+    Next,
+}
+
+/// The property that determines the colours of bodies.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ColorKey {
+    /// The body.
+    Body,
+    /// The material.
+    Material,
+    /// The speed.
+    Speed,
+}
+
+/// A scene and lines of events, and the run that follows from them.
+///
+/// The states are those that `rebond record` writes for the same scene and lines.
+pub struct Session {
+    scene: Scene,
+    /// In the order of their steps.
+    lines: Vec<EventLine>,
+    run: Run,
+    history: History,
+    /// Energy and momentum.
+    pub strip: EnergyStrip,
+    /// All bodies that were ever spawned, for their names, materials and colours.
+    infos: BTreeMap<BodyId, BodyInfo>,
+    /// The collisions of the last step.
+    pub collisions: Vec<Collision>,
+    /// The last collisions with an impulse, and the names of their bodies.
+    pub recent: VecDeque<(Collision, [String; 2])>,
+    /// The last step that was reached.
+    end: u64,
+    /// The step to go to.
+    target: u64,
+    failure: Option<String>,
+    refused: Vec<String>,
+    undo: Vec<Vec<EventLine>>,
+    top_speed: f64,
+}
+
+impl Session {
+    /// A session of the scene `text` at step 0; messages call it `name`.
+    ///
+    /// # Errors
+    /// The messages of the parser, or of a scene that is too large for the page.
+    pub fn new(name: &str, text: &str) -> Result<Session, String> {
+        Session::with_lines(parse_scene(name, text).map_err(|error| all_messages(&error))?, Vec::new())
+    }
+
+    fn with_lines(scene: Scene, lines: Vec<EventLine>) -> Result<Session, String> {
+        let spawns = scene.inputs.iter().filter(|input| !matches!(input.action, Action::Delete { .. })).count();
+        if spawns > MAX_BODIES {
+            return Err(format!("the scene spawns {spawns} bodies; the page shows at most {MAX_BODIES}"));
+        }
+        let mut session = Session {
+            run: Run::new(&scene),
+            scene,
+            lines,
+            history: History::new(HISTORY_BYTES),
+            strip: EnergyStrip::new(),
+            infos: BTreeMap::new(),
+            collisions: Vec::new(),
+            recent: VecDeque::new(),
+            end: 0,
+            target: 0,
+            failure: None,
+            refused: Vec::new(),
+            undo: Vec::new(),
+            top_speed: 0.0,
+        };
+        session.rewind(0);
+        session.failure.clone().map_or(Ok(session), Err)
+    }
+
+    /// The scene.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The present step.
+    pub fn step_now(&self) -> u64 {
+        self.run.engine().current_step()
+    }
+
+    /// The last step that was reached.
+    pub fn end(&self) -> u64 {
+        self.end
+    }
+
+    /// The bodies alive.
+    pub fn bodies(&self) -> &[Body] {
+        &self.run.engine().world().bodies
+    }
+
+    /// The error that ended the run, if there is one. The session stays: an earlier step can be shown, an event undone.
+    pub fn failure(&self) -> Option<&str> {
+        self.failure.as_deref()
+    }
+
+    /// Messages about lines that were refused and dropped since the last call.
+    pub fn take_refused(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.refused)
+    }
+
+    /// The bytes of its snapshots.
+    pub fn history_bytes(&self) -> usize {
+        self.history.bytes()
+    }
+
+    /// A snapshot of the run.
+    pub fn snapshot(&self) -> RunSnapshot {
+        self.run.snapshot()
+    }
+
+    /// The lines of events, as `rebond record --events` reads them.
+    pub fn lines(&self) -> String {
+        self.lines.iter().map(|line| line.json() + "\n").collect()
+    }
+
+    /// Replaces the lines of events, and starts again at step 0. Lines that are refused are dropped and reported.
+    pub fn set_lines(&mut self, text: &str) {
+        self.remember();
+        self.lines.clear();
+        let mut step = 0;
+        for (index, line) in text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()) {
+            let parsed = EventLine::parse(line, None).or_else(|_| EventLine::parse(line, Some(step + 1)));
+            match parsed {
+                _ if self.lines.len() >= MAX_LINES => {
+                    self.refused.push(format!("the page keeps at most {MAX_LINES} events"));
+                    break;
+                }
+                Ok(line) if line.step < step => {
+                    let number = index + 1;
+                    self.refused.push(format!("line {number}: its step, {}, is before step {step}", line.step));
+                }
+                Ok(line) => {
+                    step = line.step;
+                    self.lines.push(line);
+                }
+                Err(error) => self.refused.push(format!("line {}: {error}", index + 1)),
+            }
+        }
+        self.end = 0;
+        self.strip = EnergyStrip::new();
+        self.history.forget_from(0);
+        self.rewind(0);
+    }
+
+    /// Advances by one step, and applies the events of the next one. A line that is refused is dropped and reported.
+    /// An error is kept as the [failure](Session::failure); nothing happens after one.
+    pub fn step(&mut self) {
+        if self.failure.is_some() {
+            return;
+        }
+        self.collisions.clear();
+        let stepped: Result<(), StepError> = self.run.step(&mut self.collisions);
+        if let Err(error) = stepped {
+            self.failure = Some(error.to_string());
+            return;
+        }
+        for collision in self.collisions.iter().filter(|collision| collision.impulse != 0.0) {
+            let name = |id: &BodyId| self.infos.get(id).map_or(String::new(), |info| info.spawn.name.clone());
+            self.recent.push_back((collision.clone(), collision.bodies.each_ref().map(name)));
+        }
+        let surplus = self.recent.len().saturating_sub(MAX_RECENT);
+        self.recent.drain(..surplus);
+        self.apply_lines();
+        self.end = self.end.max(self.step_now());
+    }
+
+    /// Sets the step to go to, from the nearest snapshot if it is before the present one.
+    pub fn go_to(&mut self, step: u64) {
+        self.target = step;
+        if step < self.step_now() {
+            self.rewind(step);
+        }
+    }
+
+    /// Makes up to `steps` steps to the one that was set, and returns true if it is reached or cannot be.
+    pub fn advance(&mut self, steps: u64) -> bool {
+        for _ in 0..steps {
+            if self.step_now() >= self.target || self.failure.is_some() {
+                break;
+            }
+            self.step();
+        }
+        let is_done = self.step_now() >= self.target || self.failure.is_some();
+        if is_done {
+            self.target = self.step_now();
+        }
+        is_done
+    }
+
+    /// Adds an event, a line of JSON whose step is ignored. What was after the present step is forgotten. A body without
+    /// a name gets one, so that it can be thrown later.
+    ///
+    /// # Errors
+    /// The message of a line that is refused; the session is then as before.
+    pub fn event(&mut self, text: &str, when: When) -> Result<(), String> {
+        let step = self.step_of(when);
+        let mut line = EventLine::parse(text, Some(step))?;
+        let name = self.free_name("box", 1);
+        if let Some(body) = line.blueprint_mut() {
+            body.name.get_or_insert(name);
+        }
+        self.add(vec![line], when)
+    }
+
+    /// Moves a body, or throws it: deletes it and spawns it again with the same name and properties, in one step. A
+    /// body with a name `#K`, which no event may give, gets another one, which is returned.
+    ///
+    /// # Errors
+    /// If no such body is alive, or its new state is refused; the session is then as before.
+    pub fn throw(&mut self, name: &str, at: [f64; 2], velocity: [f64; 2], when: When) -> Result<String, String> {
+        let body =
+            self.bodies().iter().find(|body| body.name == name).ok_or_else(|| format!("{name:?} is not alive"))?;
+        let info = self.infos.get(&body.id).ok_or("the body is unknown")?.clone();
+        let new_name = match name.strip_prefix('#') {
+            Some(number) => self.free_name("box", number.parse().unwrap_or(1)),
+            None => name.to_owned(),
+        };
+        let [red, green, blue] = body_color(&info);
+        let spawn = &info.spawn;
+        let blueprint = Blueprint {
+            name: Some(new_name.clone()),
+            size: [spawn.rect.width(), spawn.rect.height()],
+            mass: spawn.mass,
+            velocity: Vector::new(velocity[0], velocity[1]),
+            force: spawn.force,
+            material: spawn.material.clone(),
+            color: Some(format!("#{red:02x}{green:02x}{blue:02x}")),
+        };
+        let step = self.step_of(when);
+        let request = SpawnRequest { origin: Vector::new(at[0], at[1]), blueprint };
+        let spawn = EventLine { step, action: Action::Spawn(request) };
+        // The parser checks the numbers.
+        EventLine::parse(&spawn.json(), None)?;
+        let of_this_step = |line: &EventLine| line.step == step;
+        let own = self.lines.iter().position(|line| {
+            of_this_step(line) && line.blueprint().is_some_and(|body| body.name.as_deref() == Some(name))
+        });
+        match own {
+            // A body of an event in this very step: that event is changed, because deletes come before spawns.
+            Some(index) => {
+                let mut lines = self.lines.clone();
+                lines[index] = spawn;
+                self.replace(lines, when)?;
+            }
+            None => {
+                let delete = EventLine { step, action: Action::Delete { name: name.to_owned() } };
+                self.add(vec![delete, spawn], when)?;
+            }
+        }
+        Ok(new_name)
+    }
+
+    /// Returns to the lines before the last event. The present step stays to be reached; see [`Session::advance`].
+    pub fn undo(&mut self) -> bool {
+        let Some(lines) = self.undo.pop() else { return false };
+        let target = self.target.max(self.step_now());
+        self.change_lines(lines);
+        self.target = target;
+        true
+    }
+
+    /// A session with a changed scene and the same events at the same times in seconds, to be
+    /// [advanced](Session::advance) to the same time. `path` is a key such as `world.gravity`.
+    ///
+    /// # Errors
+    /// The message of a value that the scene does not accept.
+    pub fn with_setting(&self, path: &str, value: &str) -> Result<Session, String> {
+        let from = self.scene.run.rate;
+        let mut text = SceneText::new(&self.scene.source.text)?;
+        match path {
+            "run.rate" => {
+                let rate: f64 = value.parse().map_err(|_| format!("{value} is not a rate"))?;
+                text.set_rate(&self.scene, rate)?;
+            }
+            _ => text.set(path, value)?,
+        }
+        let scene = parse_scene(&self.scene.source.path, &text.text()).map_err(|error| all_messages(&error))?;
+        let to = scene.run.rate;
+        let retime = |lines: &[EventLine]| -> Vec<EventLine> {
+            let retimed = |line: &EventLine| EventLine { step: retimed(line.step, from, to), ..line.clone() };
+            lines.iter().map(retimed).collect()
+        };
+        let mut session = Session::with_lines(scene, retime(&self.lines))?;
+        session.undo = self.undo.iter().map(|lines| retime(lines)).collect();
+        session.target = retimed(self.step_now(), from, to);
+        session.end = retimed(self.end, from, to);
+        Ok(session)
+    }
+
+    /// The last step of the recording: the end of the scene as long as the session stays within it, else the last step
+    /// that was reached. After an error the step that cannot be completed is part of it.
+    pub fn recorded_steps(&self) -> u64 {
+        let last_line = self.lines.last().map_or(0, |line| line.step);
+        let failed = if self.failure.is_some() { self.step_now() + 1 } else { 0 };
+        self.scene.run.steps.max(self.end).max(last_line).max(failed)
+    }
+
+    /// The scene of the recording: that of the session with the number of steps of the recording.
+    ///
+    /// # Errors
+    /// If its text cannot be changed.
+    pub fn recorded_scene(&self) -> Result<Scene, String> {
+        let text = with_steps(&self.scene, self.recorded_steps())?;
+        parse_scene(&self.scene.source.path, &text).map_err(|error| error.to_string())
+    }
+
+    /// Starts the recording of the session.
+    ///
+    /// # Errors
+    /// If it cannot be started.
+    pub fn save(&self) -> Result<Save, String> {
+        Save::new(&self.recorded_scene()?, self.lines())
+    }
+
+    /// The session as one scene, with its events as tables.
+    ///
+    /// # Errors
+    /// If the tables cannot be appended.
+    pub fn scene_with_events(&self) -> Result<String, String> {
+        with_events(&self.scene, &self.lines, self.recorded_steps())
+    }
+
+    /// Energy and momentum of the present state.
+    pub fn energy(&self) -> EnergySample {
+        let engine = self.run.engine();
+        EnergySample::of(engine.world(), self.step_now() as f64 / self.scene.run.rate)
+    }
+
+    /// Appends the columns of the bodies `offset` seconds after the present state, which the event-driven solver
+    /// defines between two steps.
+    pub fn fill_columns(&self, offset: f64, key: ColorKey, columns: &mut Vec<f64>) {
+        let engine = self.run.engine();
+        let between = if offset > 0.0 { engine.world_after(offset, &mut Vec::new()).ok() } else { None };
+        let bodies = between.as_ref().map_or(self.bodies(), |world| &world.bodies);
+        let materials = if key == ColorKey::Material { self.materials() } else { Vec::new() };
+        for body in bodies {
+            if let Some(info) = self.infos.get(&body.id) {
+                push_body(columns, info, &body.rect, body.velocity, key, self.top_speed, &materials);
+            }
+        }
+    }
+
+    /// Names and materials of the bodies alive, as JSON.
+    pub fn names(&self) -> String {
+        let infos = self.bodies().iter().filter_map(|body| self.infos.get(&body.id));
+        let names = infos.map(|info| [info.spawn.name.as_str(), &info.spawn.material]);
+        serde_json::to_string(&names.collect::<Vec<_>>()).unwrap_or_default()
+    }
+
+    /// Appends the columns of the collisions of the last step.
+    pub fn fill_collisions(&self, columns: &mut Vec<f64>) {
+        self.collisions.iter().for_each(|collision| push_collision(columns, collision));
+    }
+
+    /// Draws a figure of a collision of the last step as SVG.
+    ///
+    /// # Errors
+    /// If there is no such collision.
+    pub fn figure(&self, index: usize, kind: FigureKind, theme: Theme) -> Result<Vec<u8>, String> {
+        let collision = self.collisions.get(index).ok_or("there is no collision in this step")?;
+        let [c, b] = collision.bodies.map(|id| self.infos.get(&id));
+        let (Some(c), Some(b)) = (c, b) else { return Err("the bodies of the collision are unknown".into()) };
+        collision_figure(collision, [c, b], self.scene.gravity, kind, theme)
+    }
+
+    /// A name that no body alive and no event has, numbered from `number` on.
+    fn free_name(&self, prefix: &str, number: u64) -> String {
+        let is_taken = |name: &str| {
+            let is_named = |body: &Blueprint| body.name.as_deref() == Some(name);
+            self.bodies().iter().any(|body| body.name == name)
+                || self.lines.iter().any(|line| line.blueprint().is_some_and(is_named))
+                || self.infos.values().any(|info| info.spawn.name == name)
+        };
+        (number..).map(|number| format!("{prefix} {number}")).find(|name| !is_taken(name)).unwrap_or_default()
+    }
+
+    fn materials(&self) -> Vec<&str> {
+        let mut materials: Vec<&str> = self.infos.values().map(|info| info.spawn.material.as_str()).collect();
+        materials.retain(|material| !material.is_empty());
+        materials.sort_unstable();
+        materials.dedup();
+        materials
+    }
+
+    fn step_of(&self, when: When) -> u64 {
+        match when {
+            When::Now => self.step_now(),
+            When::Next => self.step_now() + 1,
+        }
+    }
+
+    fn add(&mut self, added: Vec<EventLine>, when: When) -> Result<(), String> {
+        if self.lines.len() + added.len() > MAX_LINES {
+            return Err(format!("the page keeps at most {MAX_LINES} events"));
+        }
+        let spawns = added.iter().filter(|line| line.blueprint().is_some()).count();
+        if self.bodies().len() + spawns > MAX_BODIES {
+            return Err(format!("the page shows at most {MAX_BODIES} bodies"));
+        }
+        let step = self.step_of(when);
+        let mut lines: Vec<EventLine> = self.lines.iter().filter(|line| line.step <= step).cloned().collect();
+        lines.extend(added);
+        self.replace(lines, when)
+    }
+
+    /// Sets the lines, which differ from the present ones from the step of `when` on, and forgets what comes after it.
+    fn replace(&mut self, lines: Vec<EventLine>, when: When) -> Result<(), String> {
+        let step = self.step_now();
+        self.remember();
+        let before = std::mem::replace(&mut self.lines, lines);
+        self.end = step;
+        self.history.forget_from(self.step_of(when));
+        self.strip.forget_from(self.step_of(when));
+        if when == When::Next {
+            return Ok(());
+        }
+        let reported = self.refused.len();
+        self.remake(step);
+        if self.refused.len() == reported {
+            return Ok(());
+        }
+        let message = self.refused.split_off(reported).join("\n");
+        self.lines = before;
+        self.undo.pop();
+        self.remake(step);
+        Err(message)
+    }
+
+    /// Computes the present step again, from the lines before it on.
+    fn remake(&mut self, step: u64) {
+        self.history.forget_from(step);
+        self.strip.forget_from(step);
+        self.rewind(step);
+        while self.step_now() < step && self.failure.is_none() {
+            self.step();
+        }
+    }
+
+    /// Sets the lines and restarts from the last state that they leave as it is.
+    fn change_lines(&mut self, lines: Vec<EventLine>) {
+        let same = self.lines.iter().zip(&lines).take_while(|(one, two)| one == two).count();
+        let step = |lines: &[EventLine]| lines.get(same).map_or(u64::MAX, |line| line.step);
+        let first = step(&self.lines).min(step(&lines));
+        self.lines = lines;
+        self.history.forget_from(first);
+        self.strip.forget_from(first);
+        self.rewind(first.saturating_sub(1));
+    }
+
+    fn remember(&mut self) {
+        if self.undo.len() == MAX_UNDO {
+            self.undo.remove(0);
+        }
+        self.undo.push(self.lines.clone());
+    }
+
+    /// Goes back to the last snapshot at or before `step`.
+    fn rewind(&mut self, step: u64) {
+        self.failure = None;
+        self.collisions.clear();
+        let restored = self.history.nearest(step).and_then(|snapshot| Run::restore(&self.scene, snapshot).ok());
+        let is_at_start = restored.is_none();
+        self.run = restored.unwrap_or_else(|| Run::new(&self.scene));
+        let (now, next_id) = (self.step_now(), self.run.engine().next_id());
+        self.recent.retain(|(collision, _)| collision.step < now);
+        self.infos.split_off(&next_id);
+        if is_at_start {
+            self.apply_lines();
+        }
+    }
+
+    /// Applies the events of the present step.
+    fn apply_lines(&mut self) {
+        let step = self.step_now();
+        let first = self.lines.partition_point(|line| line.step < step);
+        let last = self.lines.partition_point(|line| line.step <= step);
+        let input = |(index, line): (usize, &EventLine)| {
+            let location = InputLocation::EventLine((first + index) as u64);
+            Input { step, action: line.action.clone(), location }
+        };
+        let live = self.lines[first..last].iter().enumerate().map(input).collect();
+        let mut refused: Vec<(usize, String)> = Vec::new();
+        let applied = self.run.apply_inputs(live, |error| {
+            let message = error.diagnostics().map_or_else(|| error.to_string(), ToString::to_string);
+            if let SceneError::Event { line, .. } = error {
+                refused.push((line as usize, message));
+            }
+            Ok(())
+        });
+        refused.sort_by_key(|(index, _)| *index);
+        for (index, message) in refused.into_iter().rev() {
+            self.lines.remove(index);
+            self.refused.push(message);
+        }
+        match applied {
+            Ok(events) => {
+                for event in events {
+                    if let Change::Spawn { id, spawn, color } = event.change {
+                        self.infos.insert(id, BodyInfo { id, spawn, color });
+                    }
+                }
+            }
+            Err(error) => self.failure = Some(error.to_string()),
+        }
+        if self.failure.is_none() && self.history.wants(step) {
+            self.history.keep(self.run.snapshot());
+        }
+        if self.strip.wants(step) {
+            self.strip.keep(step, &self.energy());
+        }
+        let speeds = self.bodies().iter().filter(|body| !body.is_infinite()).map(|body| body.velocity.norm());
+        self.top_speed = speeds.fold(self.top_speed, |top, speed| if speed > top { speed } else { top });
+    }
+}
+
+/// All messages of an error in the text of a scene, each with its line and what would be accepted.
+fn all_messages(error: &SceneError) -> String {
+    let Some(diagnostics) = error.diagnostics() else { return error.to_string() };
+    let text = diagnostics.excerpt().map_or("", |excerpt| &excerpt.text);
+    let line = |byte: usize| text.bytes().take(byte).filter(|byte| *byte == b'\n').count() + 1;
+    let message = |diagnostic: &Diagnostic| {
+        let help = diagnostic.kind.help();
+        let help = if help.is_empty() { help } else { format!(" ({help})") };
+        format!("line {}: {diagnostic}{help}", line(diagnostic.span.start))
+    };
+    diagnostics.listed().map(message).collect::<Vec<String>>().join("\n")
+}
+
+/// Appends the columns of a body.
+pub fn push_body(
+    columns: &mut Vec<f64>,
+    info: &BodyInfo,
+    rect: &Rect,
+    velocity: Vector,
+    key: ColorKey,
+    top_speed: f64,
+    materials: &[&str],
+) {
+    let spawn = &info.spawn;
+    let is_wall = spawn.mass == f64::INFINITY && spawn.name.starts_with("wall-");
+    let numbered = |id: BodyId| body_color(&BodyInfo { id, color: None, ..info.clone() });
+    let [red, green, blue] = match key {
+        ColorKey::Speed if spawn.mass.is_finite() && top_speed > 0.0 => {
+            let color = color_by_speed(velocity.norm(), top_speed);
+            [color.r, color.g, color.b]
+        }
+        // Pictures number the materials so, too.
+        ColorKey::Material if !is_wall => match materials.iter().position(|name| *name == spawn.material) {
+            Some(index) => numbered(index as BodyId + 4),
+            None => [0x99; 3],
+        },
+        ColorKey::Body | ColorKey::Material | ColorKey::Speed => body_color(info),
+    };
+    let color = f64::from(u32::from_be_bytes([0, red, green, blue]));
+    let Vector { x, y, .. } = rect.origin;
+    columns.extend([f64::from(info.id), x, y, rect.width(), rect.height(), velocity.x, velocity.y, spawn.mass]);
+    columns.extend([color, f64::from(u8::from(is_wall))]);
+}
+
+fn push_collision(columns: &mut Vec<f64>, collision: &Collision) {
+    let Collision {
+        bodies: [c, b], normal, restitution, impulse, normal_velocity, instant, penetration, rects, ..
+    } = collision;
+    columns.extend([f64::from(*c), f64::from(*b), normal.x, normal.y, *restitution, *impulse]);
+    columns.extend(normal_velocity.iter().chain([instant, &penetration.x, &penetration.y]));
+    for rect in rects {
+        columns.extend([rect.origin.x, rect.origin.y, rect.width(), rect.height()]);
+    }
+}

@@ -1,0 +1,438 @@
+use crate::*;
+use proptest::prelude::*;
+use rebond::{LiveEvents, OnBadEvent, RecordOptions, Theme, parse_scene};
+use std::sync::{Arc, Mutex};
+
+const ROOM: &str = "[world]\nwalls = true\ngravity = [0.0, 9.81]\n[run]\nsteps = 120\n[restitution]\ndefault = 0.8\n\
+                    [[spawn]]\nname = \"c\"\nat = [2.0, 3.0]\nsize = [1.0, 1.0]\nmass = 2.0\nvelocity = [3.0, -1.0]\n\
+                    [[spawn]]\nat = [9.0, 3.0]\nsize = [2.0, 1.0]\nmass = 4.0\nmaterial = \"steel\"\n";
+
+fn room() -> Session {
+    Session::new("room.toml", ROOM).unwrap()
+}
+
+/// What `rebond record SCENE --events LINES` writes.
+fn recorded(name: &str, scene: &str, lines: &str) -> Vec<u8> {
+    #[derive(Clone, Default)]
+    struct File(Arc<Mutex<Vec<u8>>>);
+    impl std::io::Write for File {
+        fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
+            self.0.lock().unwrap().write(bytes)
+        }
+        fn flush(&mut self) -> std::io::Result<()> {
+            Ok(())
+        }
+    }
+    let scene = parse_scene(name, scene).unwrap();
+    let options = RecordOptions::complete(&scene);
+    let mut live = LiveEvents::new(lines.as_bytes(), OnBadEvent::Fail, options.steps);
+    let file = File::default();
+    rebond::record(&scene, options, Some(&mut live), file.clone(), |_| ()).unwrap();
+    file.0.lock().unwrap().clone()
+}
+
+fn saved(session: &Session) -> Vec<u8> {
+    let mut save = session.save().unwrap();
+    loop {
+        if let Some(file) = save.advance(7).unwrap() {
+            return file;
+        }
+    }
+}
+
+/// The bits of all positions and velocities.
+fn bits(session: &Session) -> Vec<[u64; 4]> {
+    let bodies = session.bodies().iter();
+    bodies.map(|b| [b.rect.origin.x, b.rect.origin.y, b.velocity.x, b.velocity.y].map(f64::to_bits)).collect()
+}
+
+fn steps(session: &mut Session, count: u64) {
+    (0..count).for_each(|_| session.step());
+}
+
+fn go_to(session: &mut Session, step: u64) {
+    session.go_to(step);
+    while !session.advance(5) {}
+}
+
+fn names(session: &Session) -> Vec<String> {
+    session.bodies().iter().map(|body| body.name.clone()).filter(|name| !name.starts_with("wall")).collect()
+}
+
+fn click(x: f64, y: f64) -> String {
+    format!("{{\"click\": {{\"at\": [{x:?}, {y:?}], \"spawn\": {{\"size\": [1.0, 1.0], \"mass\": 1.0}}}}}}")
+}
+
+fn verdict(file: Vec<u8>) -> String {
+    let mut verdict = LiveVerdict::new(&file.into()).unwrap();
+    while !verdict.advance(10).unwrap() {}
+    verdict.verdict().to_string()
+}
+
+#[test]
+fn a_click_makes_a_box_and_a_click_on_a_box_deletes_it_and_never_makes_one() {
+    for when in [When::Now, When::Next] {
+        let mut session = room();
+        steps(&mut session, 10);
+        let act = |session: &mut Session| {
+            session.event(&click(6.0, 8.0), when).unwrap();
+            steps(session, u64::from(when == When::Next));
+        };
+        act(&mut session);
+        assert_eq!(names(&session), ["c", "#2", "box 1"]);
+        act(&mut session);
+        assert_eq!(names(&session), ["c", "#2"], "{when:?}");
+        assert!(session.take_refused().is_empty());
+    }
+}
+
+#[test]
+fn a_click_on_a_wall_makes_a_box() {
+    let mut session = room();
+    session.event(&click(8.0, 9.5), When::Now).unwrap();
+    assert_eq!(names(&session).len(), 3);
+}
+
+#[test]
+fn a_saved_session_is_what_the_command_records() {
+    let mut session = room();
+    steps(&mut session, 20);
+    session.event(&click(6.0, 5.0), When::Next).unwrap();
+    steps(&mut session, 30);
+    session.throw("c", [4.0, 2.0], [5.0, -4.0], When::Next).unwrap();
+    steps(&mut session, 10);
+    session.throw("#2", [8.0, 1.0], [-5.0, 0.1], When::Now).unwrap();
+    assert_eq!(session.take_refused(), [String::new(); 0]);
+    let file = saved(&session);
+    assert!(file == recorded("room.toml", ROOM, &session.lines()), "within the steps of the scene");
+    assert_eq!(verdict(file), "same: 120 steps, 9 bodies");
+
+    steps(&mut session, 200);
+    assert_eq!(session.recorded_steps(), 260);
+    let scene = session.recorded_scene().unwrap().source.text;
+    assert!(saved(&session) == recorded("room.toml", &scene, &session.lines()), "beyond them");
+}
+
+#[test]
+fn the_states_of_a_session_are_those_of_its_recording() {
+    let mut session = room();
+    steps(&mut session, 20);
+    session.event(&click(6.0, 5.0), When::Next).unwrap();
+    steps(&mut session, 40);
+    session.throw("c", [4.0, 2.0], [5.0, -4.0], When::Next).unwrap();
+    steps(&mut session, 60);
+    let mut film = Film::open("room.mcap", saved(&session)).unwrap();
+    for step in [120, 3, 21, 60, 61, 62, 119, 0] {
+        go_to(&mut session, step);
+        assert_eq!(film.show(step).unwrap(), step);
+        let [mut live, mut recorded] = [Vec::new(), Vec::new()];
+        session.fill_columns(0.0, ColorKey::Body, &mut live);
+        film.fill_columns(ColorKey::Body, &mut recorded);
+        assert_eq!(live, recorded, "step {step}");
+        assert_eq!(session.names(), film.names());
+    }
+}
+
+#[test]
+fn a_throw_is_a_delete_and_a_spawn_of_the_same_name_in_one_step() {
+    let mut session = room();
+    steps(&mut session, 5);
+    assert_eq!(session.throw("c", [4.0, 4.0], [1.0, 2.0], When::Next).unwrap(), "c");
+    assert_eq!(
+        session.lines(),
+        "{\"delete\": {\"step\": 6, \"name\": \"c\"}}\n\
+         {\"spawn\": {\"step\": 6, \"at\": [4.0, 4.0], \"size\": [1.0, 1.0], \"mass\": 2.0, \"velocity\": [1.0, 2.0], \
+         \"name\": \"c\", \"color\": \"#0072b2\"}}\n"
+    );
+    session.step();
+    let body = session.bodies().last().unwrap();
+    assert_eq!((body.name.as_str(), body.rect.origin, body.velocity.x), ("c", rebond::Vector::new(4.0, 4.0), 1.0));
+}
+
+#[test]
+fn a_box_of_the_present_step_can_be_moved_again_and_again() {
+    let mut session = room();
+    session.event(&click(6.0, 5.0), When::Now).unwrap();
+    session.throw("box 1", [1.0, 1.0], [0.0, 0.0], When::Now).unwrap();
+    session.throw("box 1", [2.0, 1.0], [0.5, 0.0], When::Now).unwrap();
+    assert_eq!(session.lines().lines().count(), 1);
+    assert_eq!(session.bodies().last().unwrap().rect.origin.x, 2.0);
+    steps(&mut session, 1);
+    session.throw("box 1", [3.0, 1.0], [0.0, 0.0], When::Now).unwrap();
+    session.throw("box 1", [4.0, 1.0], [0.0, 0.0], When::Now).unwrap();
+    assert_eq!(session.bodies().last().unwrap().rect.origin.x, 4.0);
+    assert!(saved(&session) == recorded("room.toml", ROOM, &session.lines()));
+}
+
+#[test]
+fn undo_returns_to_the_bits_before_the_event() {
+    let mut session = room();
+    let mut plain = room();
+    steps(&mut plain, 90);
+    steps(&mut session, 30);
+    session.event(&click(6.0, 5.0), When::Next).unwrap();
+    steps(&mut session, 20);
+    session.event(&click(3.0, 8.0), When::Now).unwrap();
+    steps(&mut session, 40);
+    assert!(session.undo() && session.undo() && !session.undo());
+    while !session.advance(9) {}
+    assert_eq!((session.step_now(), session.lines()), (90, String::new()));
+    assert_eq!(bits(&session), bits(&plain));
+}
+
+#[test]
+fn a_refused_line_is_dropped_and_reported() {
+    let mut session = room();
+    steps(&mut session, 3);
+    session.event("{\"delete\": {\"name\": \"d\"}}", When::Next).unwrap();
+    session.event(&click(6.0, 5.0), When::Next).unwrap();
+    steps(&mut session, 1);
+    let refused = session.take_refused();
+    assert!(refused.len() == 1 && refused[0].contains("no body named \"d\" is alive"), "{refused:?}");
+    assert_eq!(session.lines().lines().count(), 1);
+    assert_eq!(names(&session).len(), 3);
+    assert!(session.failure().is_none());
+
+    let before = bits(&session);
+    let error = session.event("{\"delete\": {\"name\": \"d\"}}", When::Now).unwrap_err();
+    assert!(error.contains("no body named \"d\""), "{error}");
+    assert_eq!((bits(&session), session.lines().lines().count()), (before, 1));
+    assert!(session.event("{\"spawn\": 3}", When::Next).is_err());
+    assert!(session.event(&click(f64::MAX, f64::MAX).replace("1.0, 1.0", "1e308, 1e308"), When::Next).is_err());
+}
+
+#[test]
+fn an_error_stops_the_run_and_keeps_the_session() {
+    let crushing = "[run]\nsteps = 300\n[[spawn]]\nname = \"left\"\nat = [0.0, 0.0]\nsize = [1.0, 1.0]\nmass = inf\n\
+                    velocity = [1.0, 0.0]\n[[spawn]]\nname = \"right\"\nat = [4.0, 0.0]\nsize = [1.0, 1.0]\nmass = inf\n\
+                    [[spawn]]\nname = \"c\"\nat = [2.0, 0.0]\nsize = [1.0, 1.0]\nmass = 1.0\n";
+    let crushing = format!("{crushing}[restitution]\ndefault = 0.0\n");
+    let mut session = Session::new("crush.toml", &crushing).unwrap();
+    go_to(&mut session, 300);
+    let failed = session.step_now();
+    assert!(session.failure().unwrap().contains("crushed"), "{:?}", session.failure());
+    steps(&mut session, 3);
+    assert_eq!(session.step_now(), failed);
+    let file = saved(&session);
+    assert!(file == recorded("crush.toml", &crushing, ""));
+    assert!(verdict(file).contains("then the recorded error"));
+
+    go_to(&mut session, failed - 40);
+    assert!(session.failure().is_none());
+    session.event("{\"delete\": {\"name\": \"c\"}}", When::Next).unwrap();
+    go_to(&mut session, 300);
+    assert_eq!((session.step_now(), session.failure()), (300, None));
+}
+
+#[test]
+fn going_back_and_acting_forgets_what_came_after() {
+    let mut session = room();
+    steps(&mut session, 40);
+    session.event(&click(6.0, 5.0), When::Next).unwrap();
+    steps(&mut session, 40);
+    go_to(&mut session, 10);
+    session.event(&click(12.0, 5.0), When::Next).unwrap();
+    assert_eq!((session.end(), session.lines().lines().count()), (10, 1));
+    go_to(&mut session, 60);
+    let mut again = room();
+    again.set_lines(&session.lines());
+    go_to(&mut again, 60);
+    assert_eq!(bits(&session), bits(&again));
+}
+
+#[test]
+fn a_setting_runs_the_same_events_again_at_their_times() {
+    let mut session = room();
+    steps(&mut session, 60);
+    session.event(&click(6.0, 5.0), When::Next).unwrap();
+    steps(&mut session, 29);
+    let mut finer = session.with_setting("run.rate", "120").unwrap();
+    while !finer.advance(50) {}
+    assert_eq!((finer.step_now(), finer.scene().run.steps), (178, 240));
+    assert!(finer.lines().contains("\"step\": 122"), "{}", finer.lines());
+    go_to(&mut session, 89);
+    assert_eq!(bits(&finer), bits(&session), "the event-driven solver does not depend on a rate doubled");
+
+    let mut moon = session.with_setting("world.gravity", "[0.0, 1.62]").unwrap();
+    while !moon.advance(50) {}
+    assert_eq!(moon.scene().gravity.unwrap().y, 1.62);
+    assert!(saved(&moon) == recorded("room.toml", &moon.scene().source.text, &moon.lines()));
+    assert!(session.with_setting("restitution.default", "2").is_err());
+}
+
+#[test]
+fn both_solvers_follow_the_same_clicks() {
+    let mut exact = room();
+    let mut handout = exact.with_setting("run.solver", "\"handout\"").unwrap();
+    for session in [&mut exact, &mut handout] {
+        steps(session, 10);
+        session.event(&click(6.0, 5.0), When::Next).unwrap();
+        steps(session, 10);
+        session.event(&click(6.0, 5.2), When::Next).unwrap();
+        steps(session, 30);
+    }
+    assert_eq!((exact.lines(), names(&exact)), (handout.lines(), names(&handout)));
+    assert_ne!(bits(&exact), bits(&handout));
+    assert!(saved(&handout) == recorded("room.toml", &handout.scene().source.text, &handout.lines()));
+}
+
+#[test]
+fn an_hour_stays_within_the_budget_of_bytes() {
+    let mut history = History::new(200_000);
+    let mut session = room();
+    let mut kept = 0;
+    while session.step_now() < 20_000 {
+        session.step();
+        if history.wants(session.step_now()) {
+            kept += 1;
+            history.keep(session.snapshot());
+            assert!(history.bytes() <= 200_000);
+        }
+    }
+    assert!(kept > 50 && history.nearest(19_999).is_some_and(|snapshot| snapshot.step() > 10_000));
+    assert!(session.strip.numbers.len() <= EnergyStrip::MAX * EnergyStrip::WIDTH);
+    assert!(session.history_bytes() < 49 << 20);
+}
+
+#[test]
+fn a_session_as_one_scene_has_the_same_states() {
+    let mut session = room();
+    session.event(&click(6.0, 5.0), When::Now).unwrap();
+    steps(&mut session, 50);
+    session.throw("c", [4.0, 2.0], [5.0, -4.0], When::Next).unwrap();
+    steps(&mut session, 80);
+    let mut one = Session::new("one.toml", &session.scene_with_events().unwrap()).unwrap();
+    go_to(&mut one, 130);
+    assert_eq!((bits(&one), names(&one)), (bits(&session), names(&session)));
+    let inline = "run.steps = 9\nspawn = [{ at = [1, 1], size = [1, 1], mass = 1 }]\n";
+    let mut session = Session::new("inline.toml", inline).unwrap();
+    session.event(&click(6.0, 5.0), When::Next).unwrap();
+    steps(&mut session, 1);
+    assert!(session.scene_with_events().is_ok());
+}
+
+#[test]
+fn every_bundled_scene_runs_and_its_recording_replays_the_same() {
+    for (name, text) in BUNDLED {
+        let mut session = Session::new(&format!("{name}.toml"), text).unwrap_or_else(|error| panic!("{name}: {error}"));
+        go_to(&mut session, 30);
+        assert!(session.failure().is_none(), "{name}");
+        let path = format!("{}/../../recordings/{name}.mcap", env!("CARGO_MANIFEST_DIR"));
+        if let Ok(file) = std::fs::read(path) {
+            let mut film = Film::open(name, file.clone()).unwrap();
+            let step = film.steps.min(30);
+            assert_eq!(film.show(step).unwrap(), step, "{name}");
+            if file.len() < 100_000 {
+                assert!(verdict(file).starts_with("same"), "{name}");
+            }
+        }
+    }
+}
+
+#[test]
+fn pictures_and_tables_are_those_of_the_command() {
+    let mut session = room();
+    steps(&mut session, 60);
+    let file: Arc<[u8]> = saved(&session).into();
+    let folder = std::env::temp_dir().join(format!("rebond-page-{}", std::process::id()));
+    std::fs::create_dir_all(&folder).unwrap();
+    let path = folder.join("room.mcap");
+    std::fs::write(&path, &file).unwrap();
+    let options = "{\"size\": [320, 180], \"theme\": \"dark\", \"show\": [\"velocity\", \"name\", \"clock\"]}";
+    let source = rebond::Source::open(&path).unwrap();
+    let subject = rebond::SubjectOptions::State { step: 30.into(), format: rebond::StillFormat::Svg };
+    let expected = rebond::draw_to_vec(&subject, &serde_json::from_str(options).unwrap(), &[source]).unwrap();
+    assert!(draw(file.clone(), "svg", 30, options).unwrap() == expected);
+    std::fs::remove_dir_all(folder).unwrap();
+    let states = String::from_utf8(table(file.clone(), rebond::internals::table::Table::States).unwrap()).unwrap();
+    assert!(states.starts_with("step,time,name,x,y,vx,vy\n0,0.0,wall-top,") && states.lines().count() == 1 + 121 * 6);
+    let collisions = table(file, rebond::internals::table::Table::Collisions).unwrap();
+    assert!(collisions.starts_with(b"time,step,a,b,axis"));
+}
+
+#[test]
+fn the_collisions_of_a_step_have_both_figures() {
+    for solver in ["event-driven", "handout"] {
+        let mut session = room().with_setting("run.solver", &format!("\"{solver}\"")).unwrap();
+        while session.collisions.is_empty() {
+            session.step();
+        }
+        for kind in [FigureKind::Stages, FigureKind::Minkowski] {
+            let figure = session.figure(0, kind, Theme::Dark).unwrap();
+            assert!(figure.starts_with(b"<svg"), "{solver} {kind:?}");
+        }
+        assert!(session.figure(99, FigureKind::Stages, Theme::Light).is_err());
+        assert!(session.recent.back().unwrap().1.contains(&"wall-bottom".to_owned()));
+    }
+}
+
+#[test]
+fn messages_of_a_scene_name_the_line_and_what_is_accepted() {
+    let error = Session::new("x.toml", "[run]\nsteps = 3\n[world]\nwals = true\n").err().unwrap();
+    assert!(error.starts_with("line 4: unknown key `world.wals`"), "{error}");
+}
+
+#[test]
+fn hostile_files_end_in_a_message() {
+    for bytes in [&b""[..], b"\x89MCAP0\r\n", &[0xff; 300]] {
+        assert!(Film::open("x", bytes.into()).is_err());
+    }
+    let mut file = saved(&room());
+    let middle = file.len() / 2;
+    file[middle] ^= 1;
+    let verdict = Film::open("x", file.clone()).map(|_| verdict(file));
+    assert!(verdict.is_err() || verdict.unwrap().starts_with("corrupt"));
+    let many = "[run]\nsteps = 1\n[[scatter]]\ncount = 30000\nregion = [0, 0, 9, 9]\nsize = [[0.01, 0.01], [0.01, 0.01]]\n\
+                mass = [1, 1]\noverlap = true\n";
+    assert!(Session::new("x", many).err().unwrap().contains("at most 20000"));
+}
+
+#[test]
+fn lines_that_are_opened_are_those_of_the_command() {
+    let lines = "{\"click\": {\"at\": [4, 5], \"spawn\": {\"size\": [1, 1], \"mass\": \"inf\"}}}\n\n\
+                 {\"delete\": {\"step\": 30, \"name\": \"c\"}}\nnonsense\n{\"delete\": {\"step\": 2, \"name\": \"c\"}}\n";
+    let mut session = room();
+    session.set_lines(lines);
+    go_to(&mut session, 60);
+    assert_eq!(session.take_refused().len(), 2);
+    assert_eq!(names(&session), ["#2", "#3"]);
+    assert!(saved(&session) == recorded("room.toml", ROOM, &session.lines()));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+    #[test]
+    fn whatever_is_done_the_recording_is_that_of_the_command(
+        actions in prop::collection::vec((0_u8..8, 0.5..15.5_f64, 0.5..8.5_f64, 0_u64..40), 1..14),
+    ) {
+        let mut session = room();
+        for (action, x, y, count) in actions {
+            let when = if action % 2 == 0 { When::Now } else { When::Next };
+            match action {
+                0..=2 => session.event(&click(x, y), when).unwrap(),
+                3 | 4 => if let Some(name) = names(&session).last().cloned() {
+                    let _ = session.throw(&name, [x - 0.5, y - 0.5], [y, x - 8.0], when);
+                },
+                5 => {
+                    session.undo();
+                    while !session.advance(20) {}
+                }
+                6 => {
+                    let step = session.end().saturating_sub(count);
+                    go_to(&mut session, step);
+                }
+                _ => {}
+            }
+            steps(&mut session, count);
+        }
+        prop_assert!(session.failure().is_none());
+        let scene = session.recorded_scene().unwrap().source.text;
+        prop_assert!(saved(&session) == recorded("room.toml", &scene, &session.lines()));
+        let (now, live) = (session.step_now(), bits(&session));
+        let mut again = Session::new("room.toml", &scene).unwrap();
+        again.set_lines(&session.lines());
+        go_to(&mut again, now);
+        prop_assert_eq!(bits(&again), live);
+        prop_assert!(again.take_refused().is_empty());
+    }
+}
