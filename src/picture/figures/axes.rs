@@ -226,7 +226,11 @@ fn linear_ticks(range: Range, unit: ScaledUnit, max_count: f64) -> Vec<Tick> {
     let mut spacing = nice_spacing((high - low) / larger(max_count, 2.0));
     // One tick gives no scale. Within a range there are always two multiples of a quarter of it.
     while multiples_within([low, high], spacing, 0.0).nth(1).is_none() && spacing > (high - low) / 4.0 {
-        spacing = nice_spacing(spacing / 2.5);
+        let finer = nice_spacing(spacing / 2.5);
+        if finer >= spacing {
+            break; // The range is as short as the least positive numbers.
+        }
+        spacing = finer;
     }
     let scaled_spacing = unit.scaled(spacing);
     let power = PowerOfTen::of(unit.scaled(larger(low.abs(), high.abs())), scaled_spacing);
