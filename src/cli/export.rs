@@ -44,7 +44,7 @@ pub fn run(options: &ExportOptions) -> Result<Exit, CommandError> {
         }
         Ok(statuses)
     })?;
-    Ok(output::warn_of_damage(&statuses))
+    Ok(files.iter().fold(output::warn_of_damage(&statuses), |exit, file| file.exit(exit)))
 }
 
 /// Writes the states of one source as an MCAP file with one topic per body.
@@ -62,13 +62,13 @@ fn export_topics(options: &ExportOptions) -> Result<Exit, CommandError> {
     let step = |point: StepOrTime| point.step(header.config.rate);
     let steps = options.from.map_or(0, step)..=options.to.map_or(header.steps, step);
     let unwritable = CommandError::unwritable(&options.output);
-    let (health, extent) = output.write(|file| {
-        let mut topics = BodyTopics::new(file).map_err(&unwritable)?;
+    let (health, extent) = output.write(|output| {
+        let mut topics = BodyTopics::new(output).map_err(&unwritable)?;
         let read = states(path, recording, steps, &options.output, |state| topics.write(state, &header))?;
         topics.finish().map_err(&unwritable)?;
         Ok(read)
     })?;
-    Ok(output::warn_of_damage(&[ReadStatus { path: path.clone(), health, extent }]))
+    Ok(file.exit(output::warn_of_damage(&[ReadStatus { path: path.clone(), health, extent }])))
 }
 
 /// Writes the rows of one recording, the file `file` of the source `path`.

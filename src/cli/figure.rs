@@ -29,7 +29,7 @@ pub fn run(options: &FigureCommandOptions) -> Result<Exit, CommandError> {
     })?;
     bar.finish_and_clear();
     drawn.warnings.iter().for_each(|warning| output::info(format_args!("{warning}")));
-    Ok(output::warn_of_damage(&drawn.statuses))
+    Ok(sources.iter().fold(output::warn_of_damage(&drawn.statuses), |exit, source| source.file.exit(exit)))
 }
 
 /// The figure, and the format that the name of the output indicates.

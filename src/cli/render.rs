@@ -55,7 +55,7 @@ pub fn run(options: &RenderOptions) -> Result<Exit, CommandError> {
             drawn
         }
     };
-    let exit = output::warn_of_damage(&drawn.statuses);
+    let exit = source.file.exit(output::warn_of_damage(&drawn.statuses));
     drawn.warnings.iter().for_each(|warning| output::info(format_args!("{warning}")));
     bar.finish_and_clear();
     // The message names the steps shown, because an animation may skip steps.

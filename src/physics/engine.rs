@@ -151,12 +151,7 @@ impl Engine {
         self.world.bodies.push(body);
         match &mut self.solver {
             Solver::Handout => {}
-            Solver::EventDriven(solver) => {
-                if self.failure.is_none() && !spawn.rect.is_resolved() {
-                    self.failure = Some(StepError::TooThin { step: self.step, body: spawn.name.clone() });
-                }
-                solver.add_spawned(&self.world, self.step);
-            }
+            Solver::EventDriven(solver) => solver.add_spawned(&self.world, self.step),
         }
     }
 
@@ -169,13 +164,22 @@ impl Engine {
         self.world.bodies.remove(index);
     }
 
+    /// The error of a body spawned since the last step whose faces coincide in the precision of its position.
+    fn thin_spawn(&self) -> Option<StepError> {
+        let Solver::EventDriven(solver) = &self.solver else { return None };
+        let mut spawned = solver.pending_spawns().map(|index| &self.world.bodies[index]);
+        let thin = spawned.find(|body| !body.rect.is_resolved());
+        thin.map(|body| StepError::TooThin { step: self.step, body: body.name.clone() })
+    }
+
     /// Advances the world by one step of 1/rate seconds. The observer receives the collisions.
     ///
     /// # Errors
     /// Returns an error if the step cannot be completed. From then on every step returns the same error.
     pub fn step<O: Observer>(&mut self, observer: &mut O) -> Result<(), StepError> {
-        if let Some(failure) = &self.failure {
-            return Err(failure.clone());
+        if let Some(failure) = self.failure.clone().or_else(|| self.thin_spawn()) {
+            self.failure = Some(failure.clone());
+            return Err(failure);
         }
         let result = match &mut self.solver {
             Solver::Handout => handout::step(&mut self.world, self.step, 1.0 / self.rate, observer),
@@ -196,8 +200,8 @@ impl Engine {
     /// # Errors
     /// Returns the errors of [`Engine::step`].
     pub fn world_after<O: Observer>(&self, offset: f64, observer: &mut O) -> Result<World, StepError> {
-        if let Some(failure) = &self.failure {
-            return Err(failure.clone());
+        if let Some(failure) = self.failure.clone().or_else(|| self.thin_spawn()) {
+            return Err(failure);
         }
         match &self.solver {
             Solver::EventDriven(solver) if offset > 0.0 => solver.world_after(&self.world, self.step, offset, observer),

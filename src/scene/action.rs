@@ -134,6 +134,8 @@ const CORNER: Key =
     Key { name: "at", accepts: "the upper-left corner: two finite numbers, m, whose sums with size are finite" };
 const POINT: Key =
     Key { name: "at", accepts: "a point: two finite numbers, m, around which a body of that size has finite corners" };
+const RESOLVED: &str =
+    "a point so near to the origin that size is more than a few units in the last place of the coordinates";
 const NAME: Key = Key {
     name: "name",
     accepts: "1 to 256 bytes without control characters; the first is not #, which is reserved for bodies without a name",
@@ -164,7 +166,7 @@ pub fn read_spawn(table: &Table) -> Request<Action> {
     let spawn = || {
         let (corner, field) = corner?;
         let request = blueprint?.placed_at(corner);
-        require_finite(&field, &request)?;
+        require_resolved(&field, &request)?;
         Ok(Action::Spawn(request))
     };
     Request {
@@ -207,7 +209,7 @@ pub fn read_click(table: &Table) -> Request<Action> {
     let (blueprint, name, _) = read_blueprint(&inner);
     let click = || {
         let ((at, field), blueprint) = (point?, blueprint?);
-        require_finite(&field, &blueprint.clone().centered_on(at))?;
+        require_resolved(&field, &blueprint.clone().centered_on(at))?;
         Ok(Action::Click { at, spawn: Some(blueprint) })
     };
     Request { step, event: click(), effect: Effect::SpawningClick { name }, span: name_or_table(&inner) }
@@ -268,10 +270,14 @@ fn own_name(node: &Node) -> Result<&str, &Node> {
     if name.starts_with('#') { Err(node) } else { Ok(name) }
 }
 
-/// Returns an error for a position at which a corner of the body is not finite.
-fn require_finite(position: &Field, request: &SpawnRequest) -> Result<(), ErrorReported> {
-    let is_finite = request.origin.is_finite() && request.rect().far_corner().is_finite();
-    if is_finite { Ok(()) } else { Err(position.refuse(position.node)) }
+/// Returns an error for a position at which a corner of the body is not finite or at which its faces would coincide in
+/// the precision of coordinates.
+fn require_resolved(position: &Field, request: &SpawnRequest) -> Result<(), ErrorReported> {
+    let rect = request.rect();
+    if !rect.origin.is_finite() || !rect.far_corner().is_finite() {
+        return Err(position.refuse(position.node));
+    }
+    if rect.is_resolved() { Ok(()) } else { Err(position.accepting(RESOLVED).refuse(position.node)) }
 }
 
 fn name_or_table(table: &Table) -> Range<usize> {

@@ -394,3 +394,35 @@ fn a_table_of_several_sources_names_the_source_of_each_row() {
     assert_eq!((bodies["mass"][0].as_str(), bodies["color"][4].as_str()), ("inf", "#3366cc"));
     assert_eq!(workplace.rebond("export run.mcap scene.toml --shard 1/2").code, 1);
 }
+
+#[test]
+fn a_scene_whose_run_fails_is_used_up_to_there_and_returns_an_error() {
+    let workplace = Workplace::new();
+    let spawn = |name: &str, x: f64, mass: &str, speed: f64| {
+        format!(
+            "[[spawn]]\nname = \"{name}\"\nat = [{x:?}, 0.0]\nsize = [1.0, 1.0]\nmass = {mass}\nvelocity = [{speed:?}, 0.0]\n"
+        )
+    };
+    let bodies = spawn("left", 0.0, "inf", 1.0) + &spawn("box", 2.0, "1.0", 0.0) + &spawn("right", 4.0, "inf", -1.0);
+    workplace.write("crush.toml", &format!("[run]\nsteps = 120\n[restitution]\ndefault = 0.0\n{bodies}"));
+    for command in ["record crush.toml -o crush.mcap", "export crush.toml", "render crush.toml -o crush.png"] {
+        let run = workplace.rebond(command);
+        assert_eq!(run.code, 1, "{command}");
+        assert!(run.errors.contains("crushed"), "{command}: {}", run.errors);
+    }
+    assert!(workplace.rebond("export crush.toml").output.lines().count() > 100, "the states before the error");
+    assert_eq!(workplace.rebond("replay crush.mcap").code, 0, "the recording replays to the same error");
+    assert_eq!(workplace.rebond("export crush.mcap").code, 0, "the recording is whole");
+}
+
+#[test]
+fn a_body_too_thin_for_its_position_is_refused_in_the_scene() {
+    let workplace = Workplace::new();
+    let body = |x: f64| format!("[run]\nsteps = 2\n[[spawn]]\nat = [{x:?}, 0.0]\nsize = [0.0002, 1.0]\nmass = 1.0\n");
+    workplace.write("thin.toml", &body(1e12));
+    let run = workplace.rebond("record thin.toml -o thin.mcap");
+    assert_eq!(run.code, 1);
+    assert!(run.errors.contains("spawn.at") && run.errors.contains("units in the last place"), "{}", run.errors);
+    workplace.write("near.toml", &body(1e9));
+    assert_eq!(workplace.rebond("record near.toml -o near.mcap").code, 0);
+}

@@ -1,7 +1,7 @@
 //! Impacts in the event-driven solver, compared with closed forms.
 
 use crate::world_builder::*;
-use rebond::internals::physics::{StepError, Vector};
+use rebond::internals::physics::{Axis, Engine, Event, StepError, Vector};
 
 /// The position of a point between elastic walls at 0 and `width` that has moved `distance` from 0.
 fn reflected(distance: f64, width: f64) -> f64 {
@@ -293,4 +293,31 @@ fn a_body_thinner_than_the_precision_of_its_position_is_refused() {
     assert_eq!(error, StepError::TooThin { step: 0, body: "0".to_owned() });
     let mut engine = world(Conditions::default(), &[spec([1e12, 0.0], [0.001, 1.0], 1.0)]);
     assert_eq!(engine.step(&mut Vec::new()), Ok(()));
+}
+
+#[test]
+fn a_body_too_thin_is_refused_after_its_engine_was_restored() {
+    let conditions = Conditions::default();
+    let engine = world(conditions, &[spec([1e12, 0.0], [0.0002, 1.0], 1.0)]);
+    let mut restored = Engine::restore(config(conditions), engine.snapshot()).unwrap();
+    assert!(matches!(restored.step(&mut Vec::new()), Err(StepError::TooThin { step: 0, .. })));
+    restored = Engine::restore(config(conditions), engine.snapshot()).unwrap();
+    restored.apply(&Event::Delete(0));
+    assert_eq!(restored.step(&mut Vec::new()), Ok(()), "it was deleted before the step");
+}
+
+#[test]
+fn boxes_whose_faces_overlap_by_an_ulp_along_one_axis_collide_along_the_other() {
+    // 0.2 + 0.4 is greater than 0.6, by an ulp. After the first impacts the coordinates are rounded otherwise.
+    let bodies = [
+        spec([0.6, -0.6], [0.2, 0.4], 1.0),
+        spec([0.2, -1.2], [0.4, 0.4], 1.0).with_velocity(0.0, -0.5),
+        spec([0.0, 0.0], [0.8, 0.4], 1000.0).with_velocity(0.0, -0.5),
+        spec([0.0, -1.6], [0.8, 0.4], INFINITE),
+    ];
+    let conditions = Conditions { restitution: 0.9, gravity: Some([9.81, 0.0]), rate: 16.0, ..Conditions::default() };
+    let mut engine = world(conditions, &bodies);
+    engine.assert_invariants();
+    let collisions = run(&mut engine, 14);
+    assert!(collisions.iter().any(|collision| collision.bodies == [0, 1] && collision.axis == Axis::Y));
 }

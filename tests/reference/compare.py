@@ -108,8 +108,9 @@ def time_limit(seconds):
         signal.signal(signal.SIGALRM, before)
 
 
-def run_simulator(text, binary, seconds=60, limit=20000):
-    """Runs the simulator, for at most `limit` collisions."""
+def run_simulator(text, binary, seconds=60, limit=20000, bits=simulator.FINE):
+    """Runs the simulator, for at most `limit` collisions. bits: what counts as nothing."""
+    simulator.Sim.bits = bits
     result, sims = Result(), []
 
     def sample(step, sim):
@@ -290,7 +291,7 @@ def beyond_the_horizon(difference, one, other, scene):
 
 # ---- many scenes
 
-QUIET = {"same", "other reading", "no reference", "horizon", "known"}
+QUIET = {"same", "other reading", "decimals", "resolution", "no reference", "horizon", "known"}
 
 
 def known():
@@ -300,10 +301,10 @@ def known():
 
 
 def references(scene, options):
-    """The results that count as right, the first one before the others."""
+    """The readings of a scene and their results, which count as right, the first one before the others."""
     readings = {"binary": [(False, True)], "decimal": [(False, False), (False, True)], "ideal": [(True, True), (False, True)]}
     for ideal, binary in readings[scene.reading]:
-        yield run_simulator(scene.toml(ideal=ideal), binary, options.seconds)
+        yield ideal, binary, run_simulator(scene.toml(ideal=ideal), binary, options.seconds)
 
 
 def judge(task, options):
@@ -311,7 +312,7 @@ def judge(task, options):
     scene = scenes.random_scene(kind, seed)
     engine = run_engine(options.rebond, scene.toml(), options.seconds)
     first, message, usable = None, "", False
-    for n, right in enumerate(references(scene, options)):
+    for n, (ideal, binary, right) in enumerate(references(scene, options)):
         message = right.message
         if right.outcome in ("refused", "timeout"):
             continue
@@ -320,12 +321,24 @@ def judge(task, options):
             return kind, seed, "same" if n == 0 else "other reading", ""
         if beyond_the_horizon(difference, engine, right, scene):
             return kind, seed, "horizon", difference.text
+        coarse = run_simulator(scene.toml(ideal=ideal), binary, options.seconds, bits=simulator.COARSE)
+        if compare(coarse, right, scene) is not None:
+            return kind, seed, "resolution", difference.text
         first, usable = first or difference, True
     if engine.outcome == "panic":
         return kind, seed, "panic", engine.message
+    if usable and scene.reading != "binary" and is_same_in_decimetres(scene, options):
+        return kind, seed, "decimals", ""
     if not usable:
         return kind, seed, "no reference", message
     return kind, seed, first.what + (" (decimals)" if scene.reading != "binary" else ""), first.text
+
+
+def is_same_in_decimetres(scene, options):
+    """Whether a scene with decimals agrees once these are exact f64: then its difference is that of decimals and f64."""
+    scene = scene.in_decimetres()
+    right = run_simulator(scene.toml(), True, options.seconds)
+    return right.outcome not in ("refused", "timeout") and compare(run_engine(options.rebond, scene.toml(), options.seconds), right, scene) is None
 
 
 def main():

@@ -74,6 +74,17 @@ class Scene:
     def copy(self):
         return copy.deepcopy(self)
 
+    def in_decimetres(self):
+        """The same scene with all lengths ten times as large, so that decimal ones are exact f64: what coincides in decimals does so
+        in f64, too. Without the gaps of some ulps."""
+        scene = self.copy()
+        ten = lambda numbers: tuple(float(Fraction(repr(x)) * 10) for x in numbers)
+        scene.gravity, scene.reading = ten(scene.gravity), "binary"
+        for body in scene.bodies:
+            body.at, body.size, body.velocity, body.force = map(ten, (body.at, body.size, body.velocity, body.force))
+            body.ulps = (0, 0)
+        return scene
+
     def extent(self):
         """The largest extent of the scene: coordinates of finite bodies, and all sizes."""
         return max(max(map(abs, (*b.at, *b.size) if math.isfinite(b.mass) else b.size)) for b in self.bodies)

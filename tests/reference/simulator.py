@@ -16,13 +16,17 @@ P = lambda n: mpfr(2) ** n
 ZERO = mpfr(0)
 
 CYCLES = '--decay' not in sys.argv            # --decay: bursts are carried out until they have decayed, no short cut
+FINE = 120, 150, 112                          # bits up to which lengths, speeds and accelerations, heights of bounces are not nothing
+COARSE = 88, 92, 80                           # those of rebond
 class Crushed(Exception): pass
 class Endless(Exception): pass
 
 class Sim:
+    bits = FINE
     def __init__(s, g, rest, limit=300000):
         s.g, s.rest, s.limit = g, rest, limit
         s.name, s.x, s.v, s.a, s.z, s.m, s.f, s.mat, s.alive = [], [], [], [], [], [], [], [], []
+        s.blocks = set()                                # contacts that corners have begun from rest in this instant
         s.contacts, s.log, s.now, s.L, s.V, s.A = set(), [], ZERO, ZERO, ZERO, ZERO   # contacts: (i, j, axis), i < j
     def spawn(s, name, at, size, mass, vel=(0, 0), force=(0, 0), mat=None):
         inf = gmpy2.is_infinite(mass)
@@ -37,7 +41,8 @@ class Sim:
         s.L = max([s.L] + [s.z[i][k] for i in al for k in (0, 1)] + [abs(s.x[i][k]) for i in al for k in (0, 1) if s.m[i]])
         s.A = max([s.A] + [abs(s.f[i][k]) for i in al for k in (0, 1)])
         s.V = max([abs(s.v[i][k]) for i in al for k in (0, 1)] + [gmpy2.sqrt(s.A * s.L)])
-        s.EG, s.EC, s.EA, s.HB = P(-120) * s.L, P(-150) * s.V, P(-150) * s.A, P(-112) * s.L
+        length, speed, height = s.bits
+        s.EG, s.EC, s.EA, s.HB = P(-length) * s.L, P(-speed) * s.V, P(-speed) * s.A, P(-height) * s.L
     def e(s, i, j):
         a, b = s.mat[i], s.mat[j]
         return s.rest.get(f'{a}/{b}', s.rest.get(f'{b}/{a}', s.rest['default'])) if a and b else s.rest['default']
@@ -64,13 +69,17 @@ class Sim:
     # ---- resting: contacts and accelerations from positions, velocities and the contacts before
     def settle(s, touch):
         keep, turning = set(), set()
+        corners = [(i, j) for i, j, k in touch if k == 2]
+        both = {(i, j, k) for i, j in corners for k in (0, 1) if {(i, j, 0), (i, j, 1)} <= s.contacts}
+        s.contacts -= s.blocks | both               # which corners are entered is decided anew
+        s.blocks = set()
         for i, j, k in s.contacts:
             o = 1 - k; go, co = s.gap(i, j, o)[0], s.c(i, j, o)
             if s.gap(i, j, k)[0] != 0 or s.c(i, j, k) != 0 or go > 0 or (go == 0 and co < 0): continue
             keep.add((i, j, k))
             if go == 0 and co == 0: turning.add((i, j, k))
         T = {(i, j, k) for i, j, k in touch if k < 2 and s.c(i, j, k) == 0} | keep
-        corners = [(i, j) for i, j, k in touch if k == 2]
+        released = set()
         while True:
             s.solve(T)
             gone = {t for t in turning if s.al(t[0], t[1], 1 - t[2]) <= 0}
@@ -80,8 +89,12 @@ class Sim:
                 if (i, j, 0) in T or (i, j, 1) in T: continue
                 for k in s.blocked([(s.c(i, j, q), s.al(i, j, q)) for q in (0, 1)]):
                     if s.c(i, j, k) == 0: new.add((i, j, k))
-            if not new: break
-            T |= new
+            T |= new; s.blocks |= new
+            if new: continue
+            left = {(i, j) for i, j, k in s.blocks if (i, j) not in released and s.left(i, j)}
+            if not left: break
+            released |= left; gone = {b for b in s.blocks if b[:2] in left}
+            T -= gone; s.blocks -= gone
         tight = [t for t in T if s.al(*t) == 0]
         s.contacts = set()
         for k in (0, 1):
@@ -89,6 +102,11 @@ class Sim:
             carried = {i for comp in comps for i in comp if any(s.m[b] and abs(s.a[b][k] - s.f[b][k]) > s.EA for b in comp)}
             s.contacts |= {t for t in tight if t[2] == k and (t in keep or (t[0] if s.m[t[0]] else t[1]) in carried)}
             for comp in s.comps([t[:2] for t in s.contacts if t[2] == k]): s.unify(comp, [t for t in s.contacts if t[2] == k], k)
+    def left(s, i, j):                              # a blocked corner that is not entered any more, because others block too
+        for k in (0, 1):
+            c, a = s.c(i, j, k), s.al(i, j, k)
+            if c == 0 and (a != 0 if (i, j, k) in s.blocks else a <= 0): return True
+        return False
     @staticmethod
     def blocked(ca):                                # which axes a corner blocks: the gentler one; both if equal; none if it is not entered
         if not all(c > 0 or (c == 0 and a > 0) for c, a in ca): return ()
@@ -139,6 +157,7 @@ class Sim:
                 mem.append(d); todo.append(d)
         return mem, sum(s.m[p] for p in sorted(mem))
     def burst(s, touch):
+        touch = sorted(touch, key=lambda t: t[2] == 2)   # faces before corners
         root = {}
         for n, comp in enumerate(s.comps([t[:2] for t in touch])): root.update({b: n for b in comp})
         top, count, past = {}, 0, {}
@@ -214,7 +233,7 @@ class Sim:
         s.log.append((s.now, i, j, k, -c, e * c, J))
     def energy(s): return sum(s.m[i] * (s.v[i][0] ** 2 + s.v[i][1] ** 2) / 2 for i in range(len(s.m)) if s.alive[i] and s.m[i])
     def instant(s):
-        s.scales(); touch = s.touching()
+        s.scales(); touch = s.touching(); s.blocks = set()
         s.settle(touch); before = s.energy(); s.burst(touch)
         still = all(s.m[i] or s.v[i] == [0, 0] for i in range(len(s.m)) if s.alive[i])
         assert not still or s.energy() <= before * (1 + P(-90)), 'energy rises'

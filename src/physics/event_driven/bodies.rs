@@ -186,6 +186,21 @@ impl Bodies {
         (low.position, low.velocity, low.acceleration) = (position.low, velocity.low, acceleration.low);
     }
 
+    /// False if two bodies certainly do not touch at an instant.
+    pub fn may_touch(&self, pair: [Slot; 2], at: Instant) -> bool {
+        let [a, b] = pair.map(|slot| &self[slot]);
+        let [from, to] = [a, b].map(|body| body.trajectory.at(at)[0]);
+        Axis::BOTH.into_iter().all(|axis| {
+            let offset = to[axis] - from[axis];
+            let [ahead, behind] = [offset - a.size[axis], -offset - b.size[axis]];
+            let gap = if ahead > behind { ahead } else { behind };
+            let speeds = a.trajectory.velocity[axis].abs() + b.trajectory.velocity[axis].abs();
+            let times = a.since.seconds_until(at) + b.since.seconds_until(at);
+            let scale = from[axis].abs() + to[axis].abs() + a.size[axis] + b.size[axis] + speeds * times;
+            gap <= scale * (64.0 * f64::EPSILON)
+        })
+    }
+
     /// The size of a body along an axis, m.
     #[inline]
     pub fn size(&self, slot: Slot, axis: Axis) -> DoubleDouble {

@@ -1,4 +1,5 @@
-//! The impacts of one instant: of all approaching pairs the lowest in creation order, again and again.
+//! The impacts of one instant: of all approaching pairs the lowest in creation order, again and again; corners only
+//! when no faces approach.
 //!
 //! An infinite sequence (inelastic collapse) is replaced by its limit. It is recognised
 //! - by decay: the next approach is slower than [`DECAYED`] of the greatest of the burst. The speeds are sums
@@ -19,8 +20,11 @@ use crate::physics::{Axis, Collision, Observer, Rect, Side, StepError, Vector, W
 /// Approaches below this fraction of the greatest of a burst are rounding.
 const DECAYED: f64 = 1.0 / (1_u128 << 80) as f64;
 
-/// A bounce that rises less than this fraction of the coordinates is below their resolution.
-const RESOLUTION: f64 = 1.0 / (1_u64 << 50) as f64;
+/// A bounce that rises less than this fraction of the sizes of the boxes is below their resolution.
+const RESOLUTION: f64 = 1.0 / (1_u128 << 80) as f64;
+
+/// The share of the coordinates in that resolution: far from the origin, positions are rounded to 2⁻⁸⁸ of them.
+const SHARE_OF_COORDINATES: f64 = 1.0 / (1_u64 << 8) as f64;
 
 /// The chains between infinite masses are searched again every so many impacts.
 const SQUEEZE_INTERVAL: u64 = 64;
@@ -53,7 +57,7 @@ impl EventDriven {
         observer: &mut O,
     ) -> Result<u64, StepError> {
         let mut count = 0;
-        while let Some((_, _, index)) = patch.approaching.first().copied() {
+        while let Some((_, _, _, index)) = patch.approaching.first().copied() {
             if count % SQUEEZE_INTERVAL == 0 {
                 self.check_squeezed(patch, world)?;
             }
@@ -208,21 +212,11 @@ impl EventDriven {
     }
 
     fn end_contacts_of_other_velocity(&mut self, patch: &mut Patch, body: Local, axis: Axis) {
-        let slot = patch.bodies[body as usize].slot;
-        let mut next = 0;
-        while let Some(contact) = self.contacts.of(slot).get(next).copied() {
-            next += 1;
-            if contact.axis != axis {
-                continue;
-            }
-            let other = self.load(patch, contact.other);
+        self.keep_contacts(patch, body, axis, |patch, other| {
             let [own, others] = [body, other].map(|body| patch.axis(body, axis));
             let rounding = (own.speed + others.speed) * VELOCITY_ROUNDING;
-            if (own.state.velocity - others.state.velocity).high.abs() > rounding {
-                self.remove_contact(patch, [body, other], axis);
-                next -= 1;
-            }
-        }
+            (own.state.velocity - others.state.velocity).high.abs() <= rounding
+        });
     }
 
     /// Replaces an approach that has decayed by its limit: the bodies connected with it by faces whose relative
@@ -455,9 +449,10 @@ impl EventDriven {
     }
 }
 
-/// True if a bounce at a speed (m/s) against an acceleration (m/s²) rises by less than the resolution of coordinates
-/// whose magnitudes add up to `scale` (m).
-pub fn is_below_resolution(speed: f64, acceleration: f64, scale: f64) -> bool {
+/// True if a bounce at a speed (m/s) against an acceleration (m/s²) rises by less than the resolution of two boxes, given
+/// the magnitudes of their coordinates and their sizes along the axis, m.
+pub fn is_below_resolution(speed: f64, acceleration: f64, coordinates: [f64; 2], sizes: [f64; 2]) -> bool {
+    let scale = (sizes[0] + sizes[1]) + (coordinates[0].abs() + coordinates[1].abs()) * SHARE_OF_COORDINATES;
     speed * (speed / acceleration) <= 2.0 * scale * RESOLUTION
 }
 
@@ -467,9 +462,9 @@ fn returning_axis(patch: &Patch, touch: &Touch) -> Option<Axis> {
     let TouchKind::Face(axis) = touch.kind else { return None };
     let speed = patch.approach(touch, axis).high;
     let acceleration = patch.approach_acceleration(touch, axis).high;
-    let [first, second] = touch.bodies.map(|body| patch.axis(body, axis));
-    let scale = first.state.position.high.abs() + second.state.position.high.abs() + first.size.high + second.size.high;
-    (speed < 0.0 && acceleration > 0.0 && is_below_resolution(-speed, acceleration, scale)).then_some(axis)
+    let coordinates = touch.bodies.map(|body| patch.axis(body, axis).state.position.high);
+    let sizes = touch.bodies.map(|body| patch.axis(body, axis).size.high);
+    (speed < 0.0 && acceleration > 0.0 && is_below_resolution(-speed, acceleration, coordinates, sizes)).then_some(axis)
 }
 
 fn local_velocity(patch: &Patch, body: Local) -> Vector {

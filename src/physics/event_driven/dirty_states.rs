@@ -1,6 +1,6 @@
 //! Sampling: writes the changed states to the world at the end of each step.
 
-use super::EventDriven;
+use super::bodies::Bodies;
 use super::body_state::{BodyState, Slot};
 use super::instant::Instant;
 use super::trajectory::Trajectory;
@@ -73,23 +73,28 @@ impl DirtyStates {
     }
 }
 
-impl EventDriven {
-    /// Writes the states at the end of the step to the world.
+impl DirtyStates {
+    /// Writes the states at the instant `end`, the end of `step`, to the world.
     ///
     /// # Errors
     /// [`StepError::NotFinite`] if a position or velocity is not finite.
-    pub(super) fn sample(&mut self, world: &mut World, step: u64) -> Result<(), StepError> {
-        let stopped = self.dirty_states.take_stopped();
-        let end = self.clock.start_of(step + 1);
-        let are_slots_dense = self.bodies.len() == world.bodies.len();
+    pub fn sample(&mut self, bodies: &Bodies, world: &mut World, step: u64, end: Instant) -> Result<(), StepError> {
+        let stopped = self.take_stopped();
+        let are_slots_dense = bodies.len() == world.bodies.len();
         // Four variants, so that unused fields are not read: memory access dominates the cost.
-        let are_finite = match (self.bodies.are_free(), are_slots_dense) {
-            (true, true) => self.write_states(world, &stopped, |slot, _| slot, |trajectory| trajectory.drifted(end)),
-            (true, false) => {
-                self.write_states(world, &stopped, |_, index| *index, |trajectory| trajectory.drifted(end))
+        let are_finite = match (bodies.are_free(), are_slots_dense) {
+            (true, true) => {
+                self.write_states(bodies, world, &stopped, |slot, _| slot, |trajectory| trajectory.drifted(end))
             }
-            (false, true) => self.write_states(world, &stopped, |slot, _| slot, |trajectory| trajectory.at(end)),
-            (false, false) => self.write_states(world, &stopped, |_, index| *index, |trajectory| trajectory.at(end)),
+            (true, false) => {
+                self.write_states(bodies, world, &stopped, |_, index| *index, |trajectory| trajectory.drifted(end))
+            }
+            (false, true) => {
+                self.write_states(bodies, world, &stopped, |slot, _| slot, |trajectory| trajectory.at(end))
+            }
+            (false, false) => {
+                self.write_states(bodies, world, &stopped, |_, index| *index, |trajectory| trajectory.at(end))
+            }
         };
         if are_finite {
             return Ok(());
@@ -104,15 +109,16 @@ impl EventDriven {
     /// finite. `index` maps the slot and the stored world index to the index in the world.
     fn write_states(
         &self,
+        bodies: &Bodies,
         world: &mut World,
         stopped: &[Slot],
         index: impl Fn(u32, &u32) -> u32,
         state: impl Fn(&Trajectory) -> [[f64; 2]; 2],
     ) -> bool {
         let mut zero = 0.0;
-        for slots in [self.dirty_states.moving.as_slice(), stopped] {
+        for slots in [self.moving.as_slice(), stopped] {
             for slot in slots {
-                let source = &self.bodies[*slot];
+                let source = &bodies[*slot];
                 let body = &mut world.bodies[index(*slot, &source.world_index) as usize];
                 let [[x, y], [vx, vy]] = state(&source.trajectory);
                 body.rect.origin = Vector::new(x, y);
@@ -125,17 +131,17 @@ impl EventDriven {
     }
 
     /// Returns the world at an instant of the present step. All events before it must have been processed.
-    pub(super) fn world_at(&self, world: &World, instant: Instant) -> World {
+    pub fn world_at(&self, bodies: &Bodies, world: &World, instant: Instant) -> World {
         let mut sampled = world.clone();
-        for slot in &self.dirty_states.moving {
-            let source = &self.bodies[*slot];
+        for slot in &self.moving {
+            let source = &bodies[*slot];
             let body = &mut sampled.bodies[source.world_index as usize];
             let [[x, y], [vx, vy]] = source.trajectory.at(instant);
             body.rect.origin = Vector::new(x, y);
             body.velocity = Vector::new(vx, vy);
         }
-        for slot in &self.dirty_states.stopped {
-            let source = &self.bodies[*slot];
+        for slot in &self.stopped {
+            let source = &bodies[*slot];
             let body = &mut sampled.bodies[source.world_index as usize];
             body.rect.origin = Vector::new(source.trajectory.position[0], source.trajectory.position[1]);
             body.velocity = Vector::ZERO;

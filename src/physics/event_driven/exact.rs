@@ -2,6 +2,7 @@
 
 use super::EventDriven;
 use super::axis_trajectory::closing_time;
+use super::bodies::Bodies;
 use super::body_state::Slot;
 use super::double_double::DoubleDouble;
 use super::event_queue::ScheduledEvent;
@@ -41,21 +42,6 @@ pub struct ScaledState {
     pub speed: f64,
     /// Magnitude of the acceleration, m/s².
     pub acceleration: f64,
-}
-
-impl EventDriven {
-    /// The state of a body at an instant with its magnitudes.
-    pub(super) fn scaled_state(&self, slot: Slot, axis: Axis, at: Instant) -> ScaledState {
-        let state = self.bodies.state_at(slot, axis, at);
-        let body = &self.bodies[slot];
-        let reference = body.trajectory.along(axis);
-        let t = reference.since.seconds_until(at);
-        let free = self.bodies.params(slot).free_acceleration[axis].high.abs();
-        let acceleration = reference.acceleration.abs();
-        let speed = reference.velocity.abs() + acceleration * (t + at.high * TIME_SHARE);
-        let length = reference.position.abs() + body.size[axis] + (t + at.high * TIME_SHARE) * speed;
-        ScaledState { state, length, speed, acceleration: acceleration + free }
-    }
 }
 
 /// The second body of a pair relative to the first along an axis, at an instant.
@@ -128,8 +114,13 @@ impl ExactAxis {
         let acceleration = acceleration.or_zero(self.acceleration_rounding);
         let gap = gap.or_zero(self.gap_rounding);
         if gap.high == 0.0 {
-            let returns = speed.high < 0.0 && acceleration.high > 0.0;
-            return returns.then(|| -(speed + speed) / acceleration);
+            // The rounding of a gap grows with the speeds, so an impact can make gaps 0 that were not before it.
+            let (closes_now, returns) = (speed.high > 0.0, speed.high < 0.0 && acceleration.high > 0.0);
+            return match (closes_now, returns) {
+                (true, _) => Some(DoubleDouble::ZERO),
+                (_, true) => Some(-(speed + speed) / acceleration),
+                _ => None,
+            };
         }
         if acceleration.high == 0.0 {
             let closes = (gap.high > 0.0) & (speed.high > 0.0);
@@ -163,10 +154,24 @@ impl ExactAxis {
     }
 }
 
-impl EventDriven {
+impl Bodies {
+    /// The state of a body at an instant with its magnitudes.
+    pub fn scaled_state_at(&self, slot: Slot, axis: Axis, at: Instant) -> ScaledState {
+        let state = self.state_at(slot, axis, at);
+        let body = &self[slot];
+        let reference = body.trajectory.along(axis);
+        let t = reference.since.seconds_until(at);
+        let free = self.params(slot).free_acceleration[axis].high.abs();
+        let acceleration = reference.acceleration.abs();
+        let speed = reference.velocity.abs() + acceleration * (t + at.high * TIME_SHARE);
+        let length = reference.position.abs() + body.size[axis] + (t + at.high * TIME_SHARE) * speed;
+        ScaledState { state, length, speed, acceleration: acceleration + free }
+    }
+
+    /// The second body of a pair relative to the first along an axis, at an instant.
     fn exact_axis(&self, pair: [Slot; 2], axis: Axis, at: Instant) -> ExactAxis {
-        let [first, second] = pair.map(|slot| self.scaled_state(slot, axis, at));
-        let [first_size, second_size] = pair.map(|slot| self.bodies.size(slot, axis));
+        let [first, second] = pair.map(|slot| self.scaled_state_at(slot, axis, at));
+        let [first_size, second_size] = pair.map(|slot| self.size(slot, axis));
         let offset = second.state.position - first.state.position;
         ExactAxis {
             gaps: [-offset - second_size, offset - first_size],
@@ -180,14 +185,16 @@ impl EventDriven {
 
     /// The instant from which the trajectories of both bodies hold.
     fn common_reference(&self, pair: [Slot; 2]) -> Instant {
-        self.bodies[pair[0]].since.max(self.bodies[pair[1]].since)
+        self[pair[0]].since.max(self[pair[1]].since)
     }
+}
 
+impl EventDriven {
     /// The exact instant at which the faces of two bodies collide, known to be their next event; `None` if it is
     /// not after the present one.
     pub(super) fn exact_face_impact(&self, pair: [Slot; 2], axis: Axis, side: Side) -> Option<Instant> {
-        let from = self.common_reference(pair);
-        let relative = self.exact_axis(pair, axis, from);
+        let from = self.bodies.common_reference(pair);
+        let relative = self.bodies.exact_axis(pair, axis, from);
         let time = relative.time_to_contact(side)?;
         let at = self.bodies.rounding().instant(from, time, || relative.has_exact_root(side, time));
         self.now.is_before(at).then_some(at)
@@ -199,7 +206,7 @@ impl EventDriven {
         let (PairEvent::FaceImpact(axis, side)
         | PairEvent::CornerImpact(axis, side)
         | PairEvent::ContactEnd(axis, side)) = kind;
-        let along = self.exact_axis(event.pair, axis, at);
+        let along = self.bodies.exact_axis(event.pair, axis, at);
         along.gaps[side].high.abs() <= along.gap_rounding
     }
 
@@ -209,8 +216,8 @@ impl EventDriven {
     /// is due now.
     #[cold]
     pub(super) fn predict_exactly(&self, pair: [Slot; 2]) -> Option<(Instant, PairEvent)> {
-        let from = self.common_reference(pair);
-        let axes = Axis::BOTH.map(|axis| self.exact_axis(pair, axis, from));
+        let from = self.bodies.common_reference(pair);
+        let axes = Axis::BOTH.map(|axis| self.bodies.exact_axis(pair, axis, from));
         let finite = if self.bodies[pair[0]].infinite { [pair[1], pair[0]] } else { pair };
         let contacts = self.contacts.axes_between(finite[0], finite[1]);
         let mut first: Option<(Instant, PairEvent)> = None;
@@ -255,7 +262,7 @@ impl EventDriven {
     /// Gap, approach speed and approach acceleration of two bodies along an axis now; 0 if below rounding.
     #[cfg(debug_assertions)]
     pub(super) fn motion_now(&self, pair: [Slot; 2], axis: Axis) -> [f64; 3] {
-        let along = self.exact_axis(pair, axis, self.now);
+        let along = self.bodies.exact_axis(pair, axis, self.now);
         let [gap, speed, acceleration] =
             along.closing(if along.gaps[0].is_less(along.gaps[1]) { Side::High } else { Side::Low });
         let roundings = [along.gap_rounding, along.speed_rounding, along.acceleration_rounding];
@@ -264,7 +271,7 @@ impl EventDriven {
 
     /// The impact of two bodies that touch now and approach.
     pub(super) fn approach_now(&self, pair: [Slot; 2]) -> Option<PairEvent> {
-        let axes = Axis::BOTH.map(|axis| self.exact_axis(pair, axis, self.now));
+        let axes = Axis::BOTH.map(|axis| self.bodies.exact_axis(pair, axis, self.now));
         let side = |axis: Axis| {
             let [low, high] = axes[axis].gaps;
             if low.is_less(high) { Side::High } else { Side::Low }
@@ -285,8 +292,8 @@ impl EventDriven {
     }
 }
 
-/// Whether boxes of which a gap closes at a time overlap on this axis then: `None` if they do not and will not,
-/// true if by more than a corner.
+/// How two boxes overlap on this axis at the time at which their gap on the other closes: true if by more than rounding,
+/// false at a corner that they enter, `None` otherwise.
 fn enters(axis: &ExactAxis, time: DoubleDouble) -> Option<bool> {
     let [gap, speed, acceleration] = axis.after(time);
     if gap.high < 0.0 {

@@ -14,7 +14,7 @@ const SAME_DIRECTION: f64 = 1.0 / (1_u64 << 60) as f64;
 /// Lengths that agree to this are the same.
 const SAME_LENGTH: f64 = 1.0 / (1_u128 << 86) as f64;
 
-/// What a repeated period of impacts proves.
+/// The continuation that a repeated period of impacts proves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cycle {
     /// All further periods are copies, scaled by a factor below 1: the relative velocities tend to 0.
@@ -98,7 +98,7 @@ impl ImpactHistory {
 }
 
 impl Probe {
-    /// What the records at the ends of three periods prove.
+    /// The continuation that the records at the ends of three periods prove, if any.
     fn verdict(&self) -> Option<Cycle> {
         let [first, second, third] = self.records.as_slice() else { return None };
         let mut greatest = 0;

@@ -34,18 +34,16 @@ impl EventDriven {
         if restitution == 0.0 || is_infinite == [true; 2] || has_contacts(0) || has_contacts(1) {
             return false;
         }
-        let scaled = pair.map(|slot| self.scaled_state(slot, axis, self.now));
+        let scaled = pair.map(|slot| self.bodies.scaled_state_at(slot, axis, self.now));
         let [low, high] = order.map(|body| scaled[body]);
         let approach = (low.state.velocity - high.state.velocity).high;
         if approach <= (low.speed + high.speed) * VELOCITY_ROUNDING {
             return false;
         }
         let acceleration = (low.state.acceleration - high.state.acceleration).high;
-        let scale = low.state.position.high.abs()
-            + high.state.position.high.abs()
-            + self.bodies[pair[0]].size[axis]
-            + self.bodies[pair[1]].size[axis];
-        if acceleration > 0.0 && is_below_resolution(restitution * approach, acceleration, scale) {
+        let coordinates = scaled.map(|body| body.state.position.high);
+        let sizes = pair.map(|slot| self.bodies[slot].size[axis]);
+        if acceleration > 0.0 && is_below_resolution(restitution * approach, acceleration, coordinates, sizes) {
             return false;
         }
         if (!is_infinite[0] && !self.touches_nothing_else(pair[0], pair[1]))
@@ -103,7 +101,10 @@ impl EventDriven {
     fn touches_nothing_else(&mut self, slot: Slot, partner: Slot) -> bool {
         let mut neighbours = std::mem::take(&mut self.neighbour_buffer);
         self.find_touching(slot, &mut neighbours);
-        let is_free = neighbours.slots().iter().all(|other| *other == partner || !self.may_touch(slot, *other));
+        let is_free = neighbours
+            .slots()
+            .iter()
+            .all(|other| *other == partner || !self.bodies.may_touch([slot, *other], self.now));
         self.neighbour_buffer = neighbours;
         is_free
     }

@@ -41,18 +41,19 @@
 //!    numbers from which it was computed (`exact`). Two boxes *touch on a face* if their gap is 0 along one axis and
 //!    they overlap on the other, *at a corner* if both gaps are 0.
 //! 2. **Corners** block only what enters them (along both axes the boxes approach, or accelerate towards each other
-//!    from rest), and only along the axis of the gentler approach; along both if the approaches are equal.
+//!    from rest), and only along the axis of the gentler approach; along both if the approaches are equal. Those that
+//!    are not entered any more because of others are released.
 //! 3. **Contacts.** A pair that touches without approach speed and acceleration along an axis is in contact if it
 //!    already was, if a plastic impact or a collapse joined it, or if the accelerations of its component differ from
 //!    free fall. A contact ends when one body slides past the edge of the other; an overlap that shrinks to 0 and grows
 //!    again ends nothing. So a supported box slides over the seams of flush faces.
 //! 4. **Order of an instant**: resting, impacts, resting (`simultaneous`).
 //! 5. **Impacts.** Of all approaching pairs the lowest in creation order collides, again and again until none
-//!    approaches. On either side the body acts together with all bodies that it pushes through contacts; if these reach
+//!    approaches; faces come before corners, so a box that lands on flush faces does not hit the corners between them. On either side the body acts together with all bodies that it pushes through contacts; if these reach
 //!    an infinite mass, it acts like that mass. Bodies that only touch pass the impact on. (To pass an impact on through
 //!    contacts from pair to pair would need infinitely many impacts in a resting stack.)
 //! 6. **Inelastic collapse.** An infinite sequence of impacts is replaced by its limit (`burst`).
-//! 7. **Resolution.** A bounce that does not rise by the resolution of its coordinates is plastic.
+//! 7. **Resolution.** A bounce that does not rise by the resolution of the state is plastic.
 //!
 //! # Invariants
 //!
@@ -203,6 +204,11 @@ impl EventDriven {
         self.pending_spawns.push(slot);
     }
 
+    /// The indices in the world of the bodies spawned since the last step.
+    pub fn pending_spawns(&self) -> impl Iterator<Item = usize> + '_ {
+        self.pending_spawns.iter().map(|slot| self.bodies[*slot].world_index as usize)
+    }
+
     /// Appends a body without contacts, whose trajectory starts at `since`.
     fn push_body(&mut self, body: &Body, world_index: usize, since: Instant) -> Slot {
         self.contacts.add_body(body.mass);
@@ -240,8 +246,9 @@ impl EventDriven {
         }
         self.begin_at(step);
         self.apply_inputs(world, observer)?;
-        self.process_events(world, self.clock.start_of(step + 1), observer)?;
-        self.sample(world, step)?;
+        let end = self.clock.start_of(step + 1);
+        self.process_events(world, end, observer)?;
+        self.dirty_states.sample(&self.bodies, world, step, end)?;
         self.cross_cells(step + 1);
         Ok(())
     }
@@ -262,7 +269,7 @@ impl EventDriven {
         copy.begin_at(step);
         copy.apply_inputs(world, observer)?;
         copy.process_events(world, instant, observer)?;
-        Ok(copy.world_at(world, instant))
+        Ok(copy.dirty_states.world_at(&copy.bodies, world, instant))
     }
 
     /// Asserts the invariants after each instant from now on, in debug builds and with few bodies.

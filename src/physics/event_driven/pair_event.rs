@@ -50,7 +50,7 @@ impl<'a> Sample<'a> {
     }
 }
 
-/// What doubles know of the next event of a pair.
+/// The next event of a pair, as far as doubles decide it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Prediction {
     /// There is none within the horizon.
@@ -129,7 +129,7 @@ impl Relative {
             let sign = if self.ahead[axis] > self.behind[axis] { -1.0 } else { 1.0 };
             let (speed, acceleration) = (sign * self.velocity[axis], sign * self.acceleration[axis]);
             let gap = self.gap(axis);
-            let is_receding = (gap > 0.0) & (speed <= 0.0) & (acceleration <= 0.0);
+            let is_receding = (gap > self.tolerance[axis]) & (speed <= 0.0) & (acceleration <= 0.0);
             let displacement = seconds * (positive(speed) + 0.5 * positive(acceleration) * seconds);
             is_receding | (gap - displacement > self.tolerance[axis])
         });
@@ -194,8 +194,8 @@ impl Relative {
         Ok(None)
     }
 
-    /// Whether the boxes overlap on an axis at a time: `None` if they do not, otherwise true if they do so by
-    /// more than rounding.
+    /// How the boxes overlap on an axis at a time: true if by more than rounding, false if rounding decides, `None` if
+    /// they do not.
     #[inline]
     fn overlap_at(&self, axis: Axis, time: BoundedTime) -> Option<bool> {
         let t = time.seconds;

@@ -67,6 +67,8 @@ pub struct Touch {
     pub side: [Side; 2],
     /// For each axis, true if the corner was found to block along it in this instant.
     pub blocks: [bool; 2],
+    /// True if a block of the corner was released since contacts were last settled.
+    pub was_released: bool,
 }
 
 impl Touch {
@@ -110,8 +112,9 @@ pub struct Patch {
     pub touches: Vec<Touch>,
     /// By slot, the local index or [`NONE`].
     index: Vec<u32>,
-    /// The touches whose bodies approach each other, in creation order of the bodies.
-    pub approaching: BTreeSet<(Slot, Slot, u32)>,
+    /// The touches whose bodies approach each other: first the faces, then, marked true, the corners; each in creation
+    /// order of the bodies.
+    pub approaching: BTreeSet<(bool, Slot, Slot, u32)>,
     /// For each axis, the bodies whose contacts must be examined.
     pub dirty: [Vec<Local>; 2],
     /// Spare lists of touches.
@@ -261,10 +264,11 @@ impl Patch {
             TouchKind::Corner => Axis::BOTH.into_iter().all(|axis| self.approach(&touch, axis).high > 0.0),
         };
         let [first, second] = touch.bodies.map(|body| self.bodies[body as usize].slot);
+        let entry = (touch.kind == TouchKind::Corner, first, second, index);
         if approaches {
-            self.approaching.insert((first, second, index));
+            self.approaching.insert(entry);
         } else {
-            self.approaching.remove(&(first, second, index));
+            self.approaching.remove(&entry);
         }
     }
 }
@@ -282,7 +286,7 @@ impl EventDriven {
             return local;
         }
         let axes = Axis::BOTH.map(|axis| {
-            let scaled = self.scaled_state(slot, axis, self.now);
+            let scaled = self.bodies.scaled_state_at(slot, axis, self.now);
             LocalAxis {
                 state: scaled.state,
                 size: self.bodies.size(slot, axis),
@@ -323,7 +327,7 @@ impl EventDriven {
         {
             return;
         }
-        if !self.may_touch(patch.bodies[body as usize].slot, other) {
+        if !self.bodies.may_touch([patch.bodies[body as usize].slot, other], self.now) {
             return;
         }
         let other = self.load(patch, other);
@@ -334,28 +338,13 @@ impl EventDriven {
         };
         let Some((kind, side)) = touch_kind(patch, first, second) else { return };
         let index = patch.touches.len() as u32;
-        patch.touches.push(Touch { bodies: [first, second], kind, side, blocks: [false; 2] });
+        patch.touches.push(Touch { bodies: [first, second], kind, side, blocks: [false; 2], was_released: false });
         patch.bodies[first as usize].touches.push(index);
         patch.bodies[second as usize].touches.push(index);
         if !patch.bodies[first as usize].infinite && !patch.bodies[second as usize].infinite {
             patch.join(first, second);
         }
         patch.refresh(index);
-    }
-
-    /// False if two bodies certainly do not touch now.
-    pub(super) fn may_touch(&self, slot: Slot, other: Slot) -> bool {
-        let [a, b] = [slot, other].map(|slot| &self.bodies[slot]);
-        let [from, to] = [a, b].map(|body| body.trajectory.at(self.now)[0]);
-        Axis::BOTH.into_iter().all(|axis| {
-            let offset = to[axis] - from[axis];
-            let [ahead, behind] = [offset - a.size[axis], -offset - b.size[axis]];
-            let gap = if ahead > behind { ahead } else { behind };
-            let speeds = a.trajectory.velocity[axis].abs() + b.trajectory.velocity[axis].abs();
-            let times = a.since.seconds_until(self.now) + b.since.seconds_until(self.now);
-            let scale = from[axis].abs() + to[axis].abs() + a.size[axis] + b.size[axis] + speeds * times;
-            gap <= scale * (64.0 * f64::EPSILON)
-        })
     }
 }
 

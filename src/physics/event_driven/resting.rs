@@ -18,7 +18,7 @@ use crate::physics::{Axis, Side};
 impl EventDriven {
     /// Begins and ends contacts and solves the accelerations, from the positions and velocities of the instant.
     pub(super) fn settle(&mut self, patch: &mut Patch) {
-        patch.touches.iter_mut().for_each(|touch| touch.blocks = [false; 2]);
+        self.forget_blocks(patch);
         loop {
             for axis in Axis::BOTH {
                 while !patch.dirty[axis].is_empty() {
@@ -27,9 +27,25 @@ impl EventDriven {
             }
             let has_turned = self.end_turned_contacts(patch);
             let has_blocked = self.block_entered_corners(patch);
-            if !has_turned && !has_blocked {
+            if !has_turned && !has_blocked && !self.release_left_corners(patch) {
                 break;
             }
+        }
+    }
+
+    /// Ends the contacts of corners that were blocked from rest in this instant, and those of corners that block along
+    /// both axes: which corners are entered is decided anew.
+    fn forget_blocks(&mut self, patch: &mut Patch) {
+        for index in 0..patch.touches.len() {
+            let touch = patch.touches[index];
+            let contacts = Axis::BOTH.map(|axis| self.is_contact(patch, &touch, axis));
+            if touch.kind == TouchKind::Corner && (touch.blocks != [false; 2] || contacts == [true; 2]) {
+                for axis in Axis::BOTH.into_iter().filter(|axis| contacts[*axis]) {
+                    self.remove_contact(patch, touch.bodies, axis);
+                }
+            }
+            let touch = &mut patch.touches[index];
+            (touch.blocks, touch.was_released) = ([false; 2], false);
         }
     }
 
@@ -74,6 +90,26 @@ impl EventDriven {
 
     /// Ends the contacts of a body that no longer touch or have another velocity.
     fn end_lost_contacts(&mut self, patch: &mut Patch, body: Local, axis: Axis) {
+        self.keep_contacts(patch, body, axis, |patch, other| {
+            patch.touch_between(body, other).is_some_and(|touch| {
+                let touch = &patch.touches[touch as usize];
+                let across = match touch.kind {
+                    TouchKind::Face(face) => face == axis,
+                    TouchKind::Corner => patch.approach(touch, axis.other()).high >= 0.0,
+                };
+                across && patch.approach(touch, axis).high == 0.0
+            })
+        });
+    }
+
+    /// Keeps the contacts of a body along an axis with the bodies for which `lasts` is true, and ends the others.
+    pub(super) fn keep_contacts(
+        &mut self,
+        patch: &mut Patch,
+        body: Local,
+        axis: Axis,
+        lasts: impl Fn(&Patch, Local) -> bool,
+    ) {
         let slot = patch.bodies[body as usize].slot;
         let mut next = 0;
         while let Some(contact) = self.contacts.of(slot).get(next).copied() {
@@ -82,22 +118,14 @@ impl EventDriven {
                 continue;
             }
             let other = self.load(patch, contact.other);
-            let lasts = patch.touch_between(body, other).is_some_and(|touch| {
-                let touch = patch.touches[touch as usize];
-                let across = match touch.kind {
-                    TouchKind::Face(face) => face == axis,
-                    TouchKind::Corner => patch.approach(&touch, axis.other()).high >= 0.0,
-                };
-                across && patch.approach(&touch, axis).high == 0.0
-            });
-            if !lasts {
+            if !lasts(patch, other) {
                 self.remove_contact(patch, [body, other], axis);
                 next -= 1;
             }
         }
     }
 
-    /// Whether a component, as far as it was known, carries forces of its own.
+    /// The load of a component, as far as it is known.
     fn load_of(&self, patch: &Patch, body: Local, axis: Axis) -> Load {
         if !self.bodies.carry_forces(axis) {
             return Load::GravityOnly;
@@ -274,17 +302,11 @@ impl EventDriven {
 
     /// Ends the contacts of a body along an axis whose accelerations separate it.
     fn end_separating_contacts(&mut self, patch: &mut Patch, body: Local, axis: Axis) {
-        let slot = patch.bodies[body as usize].slot;
-        let mut next = 0;
-        while let Some(contact) = self.contacts.of(slot).get(next).copied() {
-            next += 1;
-            let Some(other) = patch.find(contact.other).filter(|_| contact.axis == axis) else { continue };
-            let Some(touch) = patch.touch_between(body, other) else { continue };
-            if patch.approach_acceleration(&patch.touches[touch as usize], axis).high != 0.0 {
-                self.remove_contact(patch, [body, other], axis);
-                next -= 1;
-            }
-        }
+        self.keep_contacts(patch, body, axis, |patch, other| {
+            patch
+                .touch_between(body, other)
+                .is_none_or(|touch| patch.approach_acceleration(&patch.touches[touch as usize], axis).high == 0.0)
+        });
     }
 
     /// Ends the contacts at corners that do not begin to overlap.
@@ -330,6 +352,33 @@ impl EventDriven {
             patch.touches[*index].bodies.into_iter().for_each(|body| patch.mark_dirty(body, *axis));
         }
         !blocked.is_empty()
+    }
+
+    /// Releases the blocked corners that are not entered any more, because others block too: the boxes would part along
+    /// one axis, or would not begin to overlap. A corner is released once, so that this ends; it can be blocked again.
+    fn release_left_corners(&mut self, patch: &mut Patch) -> bool {
+        let mut has_released = false;
+        for index in 0..patch.touches.len() {
+            let touch = patch.touches[index];
+            let is_left = |axis: Axis| {
+                let acceleration = patch.approach_acceleration(&touch, axis).high;
+                let stays = if touch.blocks[axis] { acceleration == 0.0 } else { acceleration > 0.0 };
+                patch.approach(&touch, axis).high == 0.0 && !stays
+            };
+            if touch.blocks == [false; 2] || touch.was_released || !Axis::BOTH.into_iter().any(is_left) {
+                continue;
+            }
+            for axis in Axis::BOTH {
+                if self.is_contact(patch, &touch, axis) {
+                    self.remove_contact(patch, touch.bodies, axis);
+                }
+                touch.bodies.into_iter().for_each(|body| patch.mark_dirty(body, axis));
+            }
+            let touch = &mut patch.touches[index];
+            (touch.blocks, touch.was_released) = ([false; 2], true);
+            has_released = true;
+        }
+        has_released
     }
 
     /// Begins the contact of two touching bodies.

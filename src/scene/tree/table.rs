@@ -174,6 +174,11 @@ impl<'a> Field<'a> {
         read(self.node).map_err(|part| self.refuse(part))
     }
 
+    /// The same field with a narrower description of the values that it accepts.
+    pub fn accepting(&self, accepts: &'static str) -> Field<'a> {
+        Field { accepts, ..*self }
+    }
+
     /// Reports that a part of the value, or all of it, is not accepted.
     pub fn refuse(&self, part: &Node) -> ErrorReported {
         let kind = DiagnosticKind::InvalidValue {

@@ -41,7 +41,8 @@ fn is_least_change(scene: &Scene) -> Result<Law, String> {
 /// The accelerations of the bodies of a scene at rest, m/s²; `None` if a component is too large.
 ///
 /// Faces that touch must not approach. A corner that would then be entered on both axes is blocked along the axis of
-/// the gentler approach, along both if they are equal.
+/// the gentler approach, along both if they are equal. A corner that is not entered any more, because others block too, is
+/// released, once.
 fn accelerations(scene: &Scene) -> Option<Vec<[f64; 2]>> {
     let bodies: Vec<&BodySpec> = scene.bodies.iter().map(|body| &body.spec).collect();
     let tiny = 1e-12 * scene.extent();
@@ -59,25 +60,39 @@ fn accelerations(scene: &Scene) -> Option<Vec<[f64; 2]>> {
             }
         }
     }
+    let rounding = 1e-12 * scene.acceleration();
+    let mut blocks = vec![[false; 2]; corners.len()];
+    let mut was_released = vec![false; corners.len()];
     loop {
-        let found = least_change(scene, &bodies, &faces)?;
-        let approach = |(behind, ahead, k): Pair| found[behind][k] - found[ahead][k];
-        let blocked: Vec<Pair> = corners
-            .iter()
-            .filter(|corner| !corner.iter().any(|pair| faces.contains(pair)))
-            .flat_map(|corner| {
-                let [x, y] = corner.map(approach);
-                let rounding = 1e-12 * scene.acceleration();
-                let is_entered = x > rounding && y > rounding;
+        let blocked =
+            corners.iter().zip(&blocks).flat_map(|(pairs, blocks)| (0..2).filter(|k| blocks[*k]).map(|k| pairs[k]));
+        let pairs: Vec<Pair> = faces.iter().copied().chain(blocked).collect();
+        let found = least_change(scene, &bodies, &pairs)?;
+        let approaches = |corner: usize| corners[corner].map(|(behind, ahead, k)| found[behind][k] - found[ahead][k]);
+        let mut has_changed = false;
+        for corner in (0..corners.len()).filter(|corner| blocks[*corner] == [false; 2]).collect::<Vec<usize>>() {
+            let [x, y] = approaches(corner);
+            if x > rounding && y > rounding {
                 let is_equal = (x - y).abs() <= rounding;
-                let takes = [is_entered && (x < y || is_equal), is_entered && (y < x || is_equal)];
-                corner.iter().zip(takes).filter(|(_, takes)| *takes).map(|(pair, _)| *pair).collect::<Vec<_>>()
-            })
-            .collect();
-        if blocked.is_empty() {
+                blocks[corner] = [x < y || is_equal, y < x || is_equal];
+                has_changed = true;
+            }
+        }
+        if has_changed {
+            continue;
+        }
+        for corner in 0..corners.len() {
+            let is_left = (0..2).any(|k| match blocks[corner][k] {
+                true => approaches(corner)[k].abs() > rounding,
+                false => approaches(corner)[k] <= rounding,
+            });
+            if blocks[corner] != [false; 2] && !was_released[corner] && is_left {
+                (blocks[corner], was_released[corner], has_changed) = ([false; 2], true, true);
+            }
+        }
+        if !has_changed {
             return Some(found);
         }
-        faces.extend(blocked);
     }
 }
 

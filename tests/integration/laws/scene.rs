@@ -199,9 +199,14 @@ impl Scene {
         scene
     }
 
-    /// Adds bodies at step 0, before or after the others. Their labels must not be those of other bodies.
+    /// The first label that no body has.
+    pub fn next_label(&self) -> usize {
+        self.bodies.iter().map(|body| body.label + 1).max().unwrap_or(0)
+    }
+
+    /// Adds bodies at step 0, before or after the others. Their labels begin at the next label.
     pub fn with_others(&self, others: &[BodySpec], come_first: bool) -> Scene {
-        let first_label = self.bodies.len();
+        let first_label = self.next_label();
         let mut scene = self.clone();
         let others = others.iter().zip(first_label..);
         let others = others.map(|(spec, label)| SceneBody { label, spec: spec.clone(), material: "", step: 0 });

@@ -110,7 +110,7 @@ fn distant_bodies_change_nothing() {
             ],
         };
         let mut found = outcome(&scene.with_others(&others, random.chance(50)));
-        let is_near = |label: usize| label < scene.bodies.len();
+        let is_near = |label: usize| label < scene.next_label();
         found.states.iter_mut().for_each(|states| states.retain(|state| is_near(state.id)));
         found.impacts.retain(|impact| is_near(impact.bodies[0]));
         to_the_bit(&outcome(scene), &found)
