@@ -120,6 +120,10 @@ picture_options! {
         /// The caption below the picture; none if empty.
         flag(long, value_name = "TEXT", help = "Write this text below the picture")
         caption: String = String::new(), IfChanged;
+
+        /// The form of text in SVG files. In PDF files text is always text, in raster files always pixels.
+        flag(long, value_name = "FORM", help = "Write the text of SVG files as outlines or as text")
+        text: TextAs = TextAs::Outlines, IfChanged;
     }
 
     other {
@@ -345,6 +349,7 @@ macro_rules! named {
             pub const ALL: &'static [$type] = &[$($type::$value,)+];
 
             /// The values that a scene accepts, for messages.
+            #[allow(dead_code, reason = "not every option is a key of scenes")]
             pub(crate) const ACCEPTED: &'static str = concat!($before, listed!($word, $($name),+), $after);
 
             /// The value with that name.
@@ -445,6 +450,17 @@ named! {
         Material = "material",
         /// A scale from slow to fast.
         Speed = "speed",
+    }
+    accepts("", "or", "")
+}
+
+named! {
+    /// The form of text in SVG files.
+    TextAs {
+        /// Outlines of glyphs, which look the same everywhere, with the same words as invisible text.
+        Outlines = "outlines",
+        /// Text in a font of the reader's computer, which can be edited.
+        Text = "text",
     }
     accepts("", "or", "")
 }

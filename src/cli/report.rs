@@ -2,7 +2,7 @@ use super::arguments::{ReportOptions, Shard};
 use super::error::CommandError;
 use super::output_file::{OutputFile, Overwrite};
 use super::{Exit, output};
-use crate::picture::{Metadata, PictureOptions, StillFormat, figures};
+use crate::picture::{Metadata, PictureOptions, StillFormat, TextAs, figures};
 use crate::report::{self, Budget, Case, Cost, Expectation, Row, RunSpec, cases};
 use crate::scene;
 use indicatif::ProgressBar;
@@ -47,8 +47,11 @@ fn plot(rows: &[Row], output: OutputFile, format: StillFormat, options: &ReportO
     let (size, theme, caption) = (options.size, options.theme, options.caption.clone());
     let picture_options = PictureOptions { size, theme, caption, ..PictureOptions::default() };
     let list = figures::diagrams(&diagrams, &picture_options);
-    let entries = vec![("Software".to_owned(), concat!("rebond ", env!("CARGO_PKG_VERSION")).to_owned())];
-    output.write(|file| Ok(format.write(&list, &Metadata { entries }, file)?))
+    let entries = vec![
+        ("Software".to_owned(), concat!("rebond ", env!("CARGO_PKG_VERSION")).to_owned()),
+        (Metadata::TITLE.to_owned(), diagrams.iter().map(|diagram| diagram.title.as_str()).collect::<Vec<_>>().join("; ")),
+    ];
+    output.write(|file| Ok(format.write(&list, &Metadata { entries }, TextAs::Outlines, file)?))
 }
 
 /// The header of the table. Only the first shard has one, so that the outputs can be concatenated.

@@ -67,8 +67,9 @@ fn start(
     Command::new(FFMPEG)
         .args(["-hide_banner", "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgba"])
         .args(["-s", &format!("{width}x{height}"), "-r", &rate.to_string(), "-i", "-", "-an"])
-        // Most players need an even number of pixels along each side.
-        .args(["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-pix_fmt", "yuv420p"])
+        // Most players need an even number of pixels along each side. Without tags, players guess the colours.
+        .args(["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv", "-pix_fmt", "yuv420p"])
+        .args(["-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "iec61966-2-1", "-color_range", "tv"])
         .args(["-metadata", &format!("comment={comment}")])
         .args(codec)
         .arg(output)

@@ -47,7 +47,7 @@ pub fn draw(
     match &picture.subject {
         Subject::Page { page, format } => {
             let (list, statuses) = compose_page(page, picture, sources, progress)?;
-            format.write(&list, &metadata, output)?;
+            format.write(&list, &metadata, picture.look.text, output)?;
             Ok(Drawn { statuses, schedule: None, warnings: warnings(picture, sources) })
         }
         Subject::Animation { animation, format } => {

@@ -1,5 +1,5 @@
 use super::encode::{apng, gif, pdf, png, svg};
-use super::{DisplayList, MAX_GIF_FPS, Metadata, Painter, RenderError};
+use super::{DisplayList, MAX_GIF_FPS, Metadata, Painter, RenderError, TextAs};
 use std::io::Write;
 use std::path::Path;
 
@@ -99,14 +99,20 @@ impl StillFormat {
         }
     }
 
-    /// Writes one page.
+    /// Writes one page. `text` is the form of text in SVG.
     ///
     /// # Errors
     /// If writing to `output` fails.
-    pub fn write(self, list: &DisplayList, metadata: &Metadata, output: &mut dyn Write) -> Result<(), RenderError> {
+    pub fn write(
+        self,
+        list: &DisplayList,
+        metadata: &Metadata,
+        text: TextAs,
+        output: &mut dyn Write,
+    ) -> Result<(), RenderError> {
         match self {
             StillFormat::Png => png::encode(&Painter::new().draw(list), metadata, output),
-            StillFormat::Svg => svg::encode(list, metadata, output),
+            StillFormat::Svg => svg::encode(list, metadata, text, output),
             StillFormat::Pdf => pdf::encode(list, metadata, output),
         }
     }

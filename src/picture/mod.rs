@@ -36,7 +36,7 @@ pub mod text;
 mod trace;
 mod view;
 
-pub use crate::picture_options::{CameraTarget, ColorBy, Look, Overlay, Overlays, PictureOptions, Theme, Window};
+pub use crate::picture_options::{CameraTarget, ColorBy, Look, Overlay, Overlays, PictureOptions, TextAs, Theme, Window};
 pub use draw::{Clip, Drawn, body_color, draw, draw_sequence, draw_to_vec, redraw};
 pub(crate) use encode::ordered_parallel_map;
 pub use encode::{

@@ -21,6 +21,8 @@ pub struct Provenance {
     pub recorded_every: u64,
     /// The picture drawn from the recordings.
     pub picture: ResolvedPicture,
+    /// Title and description for readers and search; `None` in pictures of older versions.
+    pub texts: Option<[String; 2]>,
 }
 
 /// Name and version of this program as stored in pictures.
@@ -43,6 +45,7 @@ impl Provenance {
             recordings: sources.iter().map(identity).collect(),
             recorded_every: sources.iter().map(|source| source.header.every).max().unwrap_or(1),
             picture: picture.clone(),
+            texts: Some([title(picture, sources), description(picture)]),
         }
     }
 
@@ -72,14 +75,17 @@ impl Provenance {
         }
         options.extend(look.texts(Written::IfChanged));
         let entry = |key: &str, value: String| (key.to_owned(), value);
-        Metadata {
-            entries: vec![
-                entry(DRAWN_BY, self.software.clone()),
-                entry(RECORDING, self.recordings.join("; ")),
-                entry(STEPS, steps(subject)),
-                entry(OPTIONS, options.to_string()),
-            ],
+        let mut entries = vec![
+            entry(DRAWN_BY, self.software.clone()),
+            entry(RECORDING, self.recordings.join("; ")),
+            entry(STEPS, steps(subject)),
+            entry(OPTIONS, options.to_string()),
+        ];
+        if let Some([title, description]) = &self.texts {
+            entries.push(entry(Metadata::TITLE, title.clone()));
+            entries.push(entry(Metadata::DESCRIPTION, description.clone()));
         }
+        Metadata { entries }
     }
 
     /// Parses metadata written by [`Provenance::metadata`] in a file of this format.
@@ -99,6 +105,7 @@ impl Provenance {
         let camera_target = read_camera_target(&options).ok_or_else(|| invalid(OPTIONS))?;
         let look = Look::from_texts(|key| options.get(key), camera_target).ok_or_else(|| invalid(OPTIONS))?;
         let titles = options.get_strings("title").ok_or_else(|| invalid(OPTIONS))?;
+        let text = |key| metadata.get(key).map(str::to_owned);
         Ok(Provenance {
             software: get(DRAWN_BY)?.clone(),
             recordings: get(RECORDING)?.split("; ").map(str::to_owned).collect(),
@@ -107,8 +114,45 @@ impl Provenance {
                 .map_or(Some(1), read_interval)
                 .ok_or_else(|| invalid(OPTIONS))?,
             picture: ResolvedPicture { subject, look, titles },
+            texts: text(Metadata::TITLE).zip(text(Metadata::DESCRIPTION)).map(<[String; 2]>::from),
         })
     }
+}
+
+/// The kind of a picture and the titles of its recordings, in one line.
+fn title(picture: &ResolvedPicture, sources: &[Source]) -> String {
+    let kind = match &picture.subject {
+        Subject::Animation { .. } => "Animation",
+        Subject::Page { page: Page::State { .. }, .. } => "State",
+        Subject::Page { page: Page::Collision { figure: CollisionFigure::Stages, .. }, .. } => "Collision",
+        Subject::Page { page: Page::Collision { figure: CollisionFigure::Minkowski, .. }, .. } => {
+            "Minkowski difference"
+        }
+        Subject::Page { page: Page::States { figure, .. }, .. } => match figure {
+            StatesFigure::Strobe => "Stroboscopic picture",
+            StatesFigure::Spacetime(_) => "Position over time",
+            StatesFigure::Filmstrip => "Filmstrip",
+        },
+        Subject::Page { page: Page::Energy { .. }, .. } => "Energy and momentum over time",
+    };
+    let own: Vec<String> = sources.iter().map(|source| source.title().to_owned()).collect();
+    let titles = if picture.titles.is_empty() { &own } else { &picture.titles };
+    in_one_line(&format!("{kind}: {}", titles.join("; ")))
+}
+
+/// The caption and the steps of a picture, in one line.
+fn description(picture: &ResolvedPicture) -> String {
+    let caption = picture.look.caption.trim_end();
+    let separator = if caption.is_empty() { "" } else if caption.ends_with(['.', '!', '?']) { " " } else { ". " };
+    in_one_line(&format!("{caption}{separator}Steps {}", steps(&picture.subject)))
+}
+
+/// A text without control characters and line breaks, which the text form of metadata cannot contain.
+fn in_one_line(text: &str) -> String {
+    text.split(|character: char| character.is_whitespace() || character.is_control())
+        .filter(|word| !word.is_empty())
+        .collect::<Vec<&str>>()
+        .join(" ")
 }
 
 /// The drawn steps.
@@ -333,7 +377,7 @@ impl std::fmt::Display for OptionLine {
 mod tests {
     use super::*;
     use crate::physics::{Rect, Vector};
-    use crate::picture::{AnimationFormat, ColorBy, Overlay, Overlays, StillFormat, Theme};
+    use crate::picture::{AnimationFormat, ColorBy, Overlay, Overlays, StillFormat, TextAs, Theme};
 
     fn provenance(subject: Subject, camera_target: CameraTarget) -> Provenance {
         let look = Look {
@@ -343,12 +387,14 @@ mod tests {
             color_by: ColorBy::Speed,
             camera_target,
             caption: "a \"b\" = c".into(),
+            text: TextAs::Text,
         };
         Provenance {
             software: "rebond 0".into(),
             recordings: vec!["12".into(), "ab".into()],
             recorded_every: 5,
             picture: ResolvedPicture { subject, look, titles: vec!["one".into(), "and two".into()] },
+            texts: Some(["State: one; and two".into(), "Step 3".into()]),
         }
     }
 

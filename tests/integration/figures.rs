@@ -8,7 +8,7 @@ use rebond::internals::picture::figures::{
     self, Axis, CollisionSubject, EnergyRun, EnergySample, FigureRun, Range, SpacetimeRun,
 };
 use rebond::internals::picture::{
-    Appearance, CameraTarget, DisplayList, Frame, Look, Metadata, Overlay, Painter, Shape, Sprite, Style, Theme, svg,
+    Appearance, CameraTarget, DisplayList, Frame, Look, Metadata, Overlay, Painter, Shape, Sprite, Style, TextAs, Theme, svg,
 };
 use std::sync::Arc;
 
@@ -258,7 +258,8 @@ fn each_kind_of_figure_matches_its_reference_in_both_themes() {
 fn an_svg_figure_matches_its_snapshot() {
     let (subjects, mut file) = ([pair().first_collision()], Vec::new());
     let metadata = Metadata { entries: vec![("rebond steps".into(), subjects[0].collision.step.to_string())] };
-    svg::encode(&figures::minkowski(&subjects, &options(Theme::Light, "")), &metadata, &mut file).unwrap();
+    let list = figures::minkowski(&subjects, &options(Theme::Light, ""));
+    svg::encode(&list, &metadata, TextAs::Outlines, &mut file).unwrap();
     crate::snapshot::assert_text("figure-minkowski.svg", &String::from_utf8(file).unwrap());
 }
 

@@ -34,6 +34,16 @@ pub struct Metadata {
 }
 
 impl Metadata {
+    /// The key of the title, in every format.
+    pub const TITLE: &'static str = "Title";
+    /// The key of the description, in every format.
+    pub const DESCRIPTION: &'static str = "Description";
+
+    /// The value of a key.
+    pub fn get(&self, key: &str) -> Option<&str> {
+        self.entries.iter().find(|(name, _)| name == key).map(|(_, value)| value.as_str())
+    }
+
     /// Parses text with one `key: value` per line; other lines are ignored.
     pub fn parse(text: &str) -> Metadata {
         let entry = |line: &str| line.split_once(": ").map(|(key, value)| (key.to_owned(), value.to_owned()));

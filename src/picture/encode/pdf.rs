@@ -1,11 +1,13 @@
 //! Writes display lists as PDF files, for Beamer and print.
 
 use crate::physics::Vector;
-use crate::picture::text::{Font, Line, PathSegment, UNITS_PER_EM};
+use crate::picture::raster::simplified;
+use crate::picture::text::{Font, Glyph, Line, PathSegment, UNITS_PER_EM, plain_letter};
 use crate::picture::{Color, DisplayList, Ink, Metadata, RenderError, Shape};
-use pdf_writer::types::{LineCapStyle, LineJoinStyle};
-use pdf_writer::{Content, Filter, Finish, Name, Pdf, Rect, Ref, TextStr};
-use std::collections::BTreeSet;
+use pdf_writer::types::{CidFontType, FontFlags, LineCapStyle, LineJoinStyle, SystemInfo, UnicodeCmap};
+use pdf_writer::{Content, Filter, Finish, Name, Pdf, Rect, Ref, Str, TextStr};
+use std::collections::{BTreeMap, BTreeSet};
+use subsetter::GlyphRemapper;
 use std::io::Write;
 
 /// A pixel is 1/96 inch, as in SVG; a point is 1/72 inch.
@@ -16,16 +18,28 @@ const PAGES: Ref = Ref::new(2);
 const PAGE: Ref = Ref::new(3);
 const CONTENT: Ref = Ref::new(4);
 const INFO: Ref = Ref::new(5);
+const FONT: Ref = Ref::new(6);
+const CID_FONT: Ref = Ref::new(7);
+const FONT_DESCRIPTOR: Ref = Ref::new(8);
+const FONT_FILE: Ref = Ref::new(9);
+const CHARACTERS: Ref = Ref::new(10);
 
-/// Writes a display list as a PDF file of one page. Text is written as glyph outlines.
+/// The name of the font in the resources of the page.
+const FONT_NAME: Name = Name(b"F");
+
+/// Writes a display list as a PDF file of one page. Text is text in an embedded font, which contains the glyphs in use.
 ///
 /// # Errors
 /// If writing to `output` fails.
 pub fn encode(list: &DisplayList, metadata: &Metadata, mut output: impl Write) -> Result<(), RenderError> {
     let [width, height] = list.size.map(|side| side as f32 * POINTS_PER_PIXEL);
     let opacities = opacities(list);
+    let font = EmbeddedFont::of(list);
     let mut pdf = Pdf::new();
-    pdf.catalog(CATALOG).pages(PAGES);
+    let mut catalog = pdf.catalog(CATALOG);
+    catalog.pages(PAGES).lang(TextStr("en"));
+    catalog.viewer_preferences().display_doc_title(true);
+    catalog.finish();
     pdf.pages(PAGES).kids([PAGE]).count(1);
     let mut page = pdf.page(PAGE);
     page.parent(PAGES).media_box(Rect::new(0.0, 0.0, width, height)).contents(CONTENT);
@@ -40,10 +54,16 @@ pub fn encode(list: &DisplayList, metadata: &Metadata, mut output: impl Write) -
             .stroking_alpha(alpha);
     }
     states.finish();
+    if !font.is_empty() {
+        resources.fonts().pair(FONT_NAME, FONT);
+    }
     resources.finish();
     page.finish();
-    let compressed = compress(&content(list, height));
+    let compressed = compress(&content(list, height, &font));
     pdf.stream(CONTENT, &compressed).filter(Filter::FlateDecode);
+    if !font.is_empty() {
+        font.write(&mut pdf);
+    }
     let mut info = pdf.document_info(INFO);
     for (key, value) in &metadata.entries {
         info.insert(Name(key.as_bytes())).primitive(TextStr(value));
@@ -153,6 +173,67 @@ fn hexadecimal(digits: &[u8]) -> Option<Vec<u8>> {
     (0..text.len() / 2).map(|at| u8::from_str_radix(text.get(2 * at..2 * at + 2)?, 16).ok()).collect()
 }
 
+/// The subset of the font that a page uses. Its glyphs are numbered in the order of their numbers in the font.
+struct EmbeddedFont {
+    /// The character of each glyph.
+    characters: BTreeMap<u16, char>,
+    numbers: GlyphRemapper,
+}
+
+impl EmbeddedFont {
+    fn of(list: &DisplayList) -> EmbeddedFont {
+        let lines = list.leaves().filter_map(|shape| match shape {
+            Shape::Text { line, .. } if !line.text.is_empty() => Some(line),
+            _ => None,
+        });
+        let glyphs = lines.flat_map(|line| &line.glyphs);
+        let characters: BTreeMap<u16, char> =
+            glyphs.map(|glyph| (glyph.id, plain_letter(glyph.character))).collect();
+        let numbers = GlyphRemapper::new_from_glyphs_sorted(&characters.keys().copied().collect::<Vec<u16>>());
+        EmbeddedFont { characters, numbers }
+    }
+
+    fn is_empty(&self) -> bool {
+        self.characters.is_empty()
+    }
+
+    /// The number of a glyph in the subset, as text of a content stream.
+    fn code(&self, glyph: u16) -> [u8; 2] {
+        self.numbers.get(glyph).unwrap_or(0).to_be_bytes()
+    }
+
+    /// Writes the font: its glyphs, their widths and the characters that they show.
+    fn write(&self, pdf: &mut Pdf) {
+        const NAME: Name = Name(b"RBNDAA+STIXTwoMath-Regular");
+        const CODES: Name = Name(b"RBND-Characters");
+        let system = || SystemInfo { registry: Str(b"Adobe"), ordering: Str(b"Identity"), supplement: 0 };
+        let mut font = pdf.type0_font(FONT);
+        font.base_font(NAME).encoding_predefined(Name(b"Identity-H"));
+        font.descendant_font(CID_FONT).to_unicode(CHARACTERS);
+        font.finish();
+        let mut cid_font = pdf.cid_font(CID_FONT);
+        cid_font.subtype(CidFontType::Type2).base_font(NAME).system_info(system());
+        cid_font.font_descriptor(FONT_DESCRIPTOR).default_width(0.0).cid_to_gid_map_predefined(Name(b"Identity"));
+        let advances = self.numbers.remapped_gids().map(|glyph| Font::embedded().advance(glyph) as f32);
+        cid_font.widths().consecutive(0, advances);
+        cid_font.finish();
+        let mut descriptor = pdf.font_descriptor(FONT_DESCRIPTOR);
+        descriptor.name(NAME).flags(FontFlags::SYMBOLIC | FontFlags::SERIF);
+        descriptor.bbox(Rect::new(-500.0, -300.0, 2000.0, 1000.0)).italic_angle(0.0);
+        descriptor.ascent(762.0).descent(-238.0).cap_height(657.0).stem_v(68.0).font_file2(FONT_FILE);
+        descriptor.finish();
+        let subset = subsetter::subset(Font::FILE, 0, &self.numbers).expect("the embedded font is valid");
+        pdf.stream(FONT_FILE, &compress(&subset))
+            .filter(Filter::FlateDecode)
+            .pair(Name(b"Length1"), subset.len() as i32);
+        let mut characters: UnicodeCmap = UnicodeCmap::new(CODES, system());
+        for (&glyph, &character) in &self.characters {
+            characters.pair(self.numbers.get(glyph).unwrap_or(0), character);
+        }
+        pdf.stream(CHARACTERS, &compress(characters.finish().as_slice())).filter(Filter::FlateDecode);
+    }
+}
+
 fn opacities(list: &DisplayList) -> BTreeSet<u8> {
     let inks = list.leaves().filter_map(|shape| match shape {
         Shape::Rect { ink, .. } | Shape::Polygon { ink, .. } => Some(ink),
@@ -167,7 +248,7 @@ fn opacity_name(opacity: u8) -> String {
 }
 
 /// The content stream. Its first matrix changes the coordinates to pixels with y pointing down.
-fn content(list: &DisplayList, height: f32) -> Vec<u8> {
+fn content(list: &DisplayList, height: f32, font: &EmbeddedFont) -> Vec<u8> {
     let mut content = Content::new();
     content.transform([POINTS_PER_PIXEL, 0.0, 0.0, -POINTS_PER_PIXEL, 0.0, height]);
     content.set_line_join(LineJoinStyle::RoundJoin).set_line_cap(LineCapStyle::RoundCap);
@@ -175,12 +256,12 @@ fn content(list: &DisplayList, height: f32) -> Vec<u8> {
     set_ink(&mut content, Ink::from(list.background), &mut last);
     content.rect(0.0, 0.0, list.size[0] as f32, list.size[1] as f32).fill_nonzero();
     for shape in list.backdrop.iter().chain(&list.shapes) {
-        draw_shape(&mut content, shape, &mut last);
+        draw_shape(&mut content, shape, font, &mut last);
     }
     content.finish().to_vec()
 }
 
-fn draw_shape(content: &mut Content, shape: &Shape, last: &mut Option<Ink>) {
+fn draw_shape(content: &mut Content, shape: &Shape, font: &EmbeddedFont, last: &mut Option<Ink>) {
     match shape {
         Shape::Rect { rect, ink } => {
             set_ink(content, *ink, last);
@@ -190,30 +271,39 @@ fn draw_shape(content: &mut Content, shape: &Shape, last: &mut Option<Ink>) {
         }
         Shape::Polygon { points, ink } => {
             set_ink(content, *ink, last);
-            draw_points(content, points);
+            draw_points(content, &simplified(points));
             content.close_path().fill_nonzero();
         }
         Shape::Polyline { points, width, ink } => {
             set_ink(content, *ink, last);
             content.set_line_width(*width as f32);
-            draw_points(content, points);
+            draw_points(content, &simplified(points));
             content.stroke();
         }
-        Shape::Clip { window, shapes } => draw_clip(content, window, shapes, last),
+        Shape::Clip { window, shapes } => draw_clip(content, window, shapes, font, last),
         Shape::Text { line, at, ink } => {
             set_ink(content, *ink, last);
-            draw_line(content, line, *at);
+            match line.text.is_empty() {
+                true => draw_outlines(content, line, *at),
+                false => show_line(content, line, *at, font),
+            }
         }
     }
 }
 
-fn draw_clip(content: &mut Content, window: &crate::physics::Rect, shapes: &[Shape], last: &mut Option<Ink>) {
+fn draw_clip(
+    content: &mut Content,
+    window: &crate::physics::Rect,
+    shapes: &[Shape],
+    font: &EmbeddedFont,
+    last: &mut Option<Ink>,
+) {
     let [x, y, width, height] =
         [window.origin.x, window.origin.y, window.width(), window.height()].map(|length| length.round() as f32);
     content.save_state();
     content.rect(x, y, width, height).clip_nonzero().end_path();
     let outer = *last;
-    shapes.iter().for_each(|shape| draw_shape(content, shape, last));
+    shapes.iter().for_each(|shape| draw_shape(content, shape, font, last));
     content.restore_state();
     *last = outer;
 }
@@ -244,8 +334,36 @@ fn draw_points(content: &mut Content, points: &[Vector]) {
     }
 }
 
+/// Shows a line as text. Glyphs of one size on one baseline are one string, whose positions are corrected where they
+/// differ from the advance widths.
+fn show_line(content: &mut Content, line: &Line, at: Vector, font: &EmbeddedFont) {
+    content.begin_text();
+    for run in line.glyphs.chunk_by(|a, b| (a.size, a.y) == (b.size, b.y)) {
+        let Some(first) = run.first() else { continue };
+        let size = first.size as f32;
+        content.set_font(FONT_NAME, 1.0);
+        content.set_text_matrix([size, 0.0, 0.0, -size, (at.x + first.x) as f32, (at.y + first.y) as f32]);
+        let mut shown = content.show_positioned();
+        let mut items = shown.items();
+        let mut string: Vec<u8> = Vec::new();
+        let mut next = first.x;
+        for Glyph { id, x, size, .. } in run {
+            // Thousandths of the font size, to the left.
+            let correction = (next - x) * UNITS_PER_EM / size;
+            if correction.abs() > 0.5 {
+                items.show(Str(&std::mem::take(&mut string))).adjust(correction.round() as f32);
+                next -= correction.round() * size / UNITS_PER_EM;
+            }
+            string.extend(font.code(*id));
+            next += Font::embedded().advance(*id) * size / UNITS_PER_EM;
+        }
+        items.show(Str(&string));
+    }
+    content.end_text();
+}
+
 /// Draws all glyphs of a line as one path.
-fn draw_line(content: &mut Content, line: &Line, at: Vector) {
+fn draw_outlines(content: &mut Content, line: &Line, at: Vector) {
     for glyph in &line.glyphs {
         let (x, y) = ((at.x + glyph.x) as f32, (at.y + glyph.y) as f32);
         let scale = (glyph.size / UNITS_PER_EM) as f32;

@@ -5,7 +5,7 @@ use crate::picture::encode::quantize::IndexedImage;
 use crate::picture::raster::color::blend;
 use crate::picture::{Metadata, Picture, RenderError};
 use png::{
-    BitDepth, ColorType, Compression, Decoder, DecodingError, Encoder, EncodingError, Filter, Info, Transformations,
+    BitDepth, ColorType, Compression, Decoder, DecodingError, Encoder, EncodingError, Filter, Info, PixelDimensions, Transformations, Unit,
 };
 use std::io::{BufRead, Seek, Write};
 
@@ -24,6 +24,9 @@ pub fn encode(picture: &Picture, metadata: &Metadata, output: impl Write) -> Res
     }
 }
 
+/// The resolution of pictures in print, as in SVG and PDF: 96 pixels per inch.
+const PIXELS_PER_METRE: u32 = 3780;
+
 /// An encoder with size, colour type and metadata set.
 pub(super) fn encoder<'a, W: Write>(
     [width, height]: [u32; 2],
@@ -34,6 +37,7 @@ pub(super) fn encoder<'a, W: Write>(
     let mut encoder = Encoder::new(output, width, height);
     encoder.set_color(color);
     encoder.set_depth(BitDepth::Eight);
+    encoder.set_pixel_dims(Some(PixelDimensions { xppu: PIXELS_PER_METRE, yppu: PIXELS_PER_METRE, unit: Unit::Meter }));
     // The bytes of this level do not depend on the deflate library that other crates select. It is made
     // for runs of zeros, which most pixels become under the Up filter.
     encoder.set_compression(Compression::Fast);
@@ -148,6 +152,14 @@ mod tests {
     fn up_to_256_colors_are_written_with_a_palette() {
         let color_type = |colors| encoded(&shades(colors))[25];
         assert_eq!([color_type(256), color_type(257)], [ColorType::Indexed as u8, ColorType::Rgb as u8]);
+    }
+
+    #[test]
+    fn a_picture_is_printed_at_96_pixels_per_inch() {
+        let file = encoded(&shades(3));
+        let reader = Decoder::new(Cursor::new(file)).read_info().unwrap();
+        let dimensions = reader.info().pixel_dims.unwrap();
+        assert_eq!((dimensions.xppu, dimensions.yppu, dimensions.unit), (3780, 3780, Unit::Meter));
     }
 
     #[test]

@@ -1,31 +1,44 @@
 //! Writes display lists as SVG files, for slides and print.
 
-use crate::physics::{Rect, Vector};
+use crate::physics::{Rect, Vector, larger};
 use crate::picture::number::Hundredths;
-use crate::picture::text::{Font, Line, PathSegment, UNITS_PER_EM};
-use crate::picture::{DisplayList, Ink, Metadata, RenderError, Shape};
+use crate::picture::raster::simplified;
+use crate::picture::text::{Font, Glyph, Line, PathSegment, UNITS_PER_EM};
+use crate::picture::{DisplayList, Ink, Metadata, RenderError, Shape, TextAs};
 use crate::text::Escaped;
 use std::collections::BTreeSet;
 use std::fmt::{self, Display, Formatter};
 use std::io::Write;
 
-/// Writes a display list as a self-contained SVG file. Text is written as glyph outlines.
+/// Writes a display list as a self-contained SVG file.
+///
+/// Text as outlines has the same words as invisible text over the outlines, which can be selected and searched.
 ///
 /// # Errors
 /// If writing to `output` fails.
-pub fn encode(list: &DisplayList, metadata: &Metadata, mut output: impl Write) -> Result<(), RenderError> {
+pub fn encode(
+    list: &DisplayList,
+    metadata: &Metadata,
+    text: TextAs,
+    mut output: impl Write,
+) -> Result<(), RenderError> {
     let [width, height] = list.size;
     writeln!(
         output,
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\">"
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\" \
+         role=\"img\" aria-labelledby=\"title\" aria-describedby=\"desc\">"
     )?;
+    writeln!(output, "<title id=\"title\">{}</title>", Escaped(metadata.get(Metadata::TITLE).unwrap_or("Picture")))?;
+    writeln!(output, "<desc id=\"desc\">{}</desc>", Escaped(metadata.get(Metadata::DESCRIPTION).unwrap_or("")))?;
     if !metadata.entries.is_empty() {
         writeln!(output, "<metadata>{}</metadata>", Escaped(&metadata.to_string()))?;
     }
-    encode_glyphs(list, &mut output)?;
+    if text == TextAs::Outlines {
+        encode_glyphs(list, &mut output)?;
+    }
     writeln!(output, "<rect width=\"{width}\" height=\"{height}\" fill=\"{}\"/>", list.background)?;
     for shape in list.backdrop.iter().chain(&list.shapes) {
-        encode_shape(shape, &mut output)?;
+        encode_shape(shape, text, &mut output)?;
     }
     writeln!(output, "</svg>")?;
     Ok(())
@@ -57,7 +70,7 @@ fn encode_glyphs(list: &DisplayList, output: &mut impl Write) -> Result<(), Rend
     Ok(())
 }
 
-fn encode_shape(shape: &Shape, output: &mut impl Write) -> Result<(), RenderError> {
+fn encode_shape(shape: &Shape, text: TextAs, output: &mut impl Write) -> Result<(), RenderError> {
     match shape {
         Shape::Rect { rect, ink } => writeln!(
             output,
@@ -68,36 +81,52 @@ fn encode_shape(shape: &Shape, output: &mut impl Write) -> Result<(), RenderErro
             Hundredths(rect.height()),
             Fill(*ink)
         )?,
-        Shape::Polygon { points, ink } => writeln!(output, "<polygon points=\"{}\"{}/>", Points(points), Fill(*ink))?,
+        Shape::Polygon { points, ink } => {
+            writeln!(output, "<polygon points=\"{}\"{}/>", Points(&simplified(points)), Fill(*ink))?;
+        }
         Shape::Polyline { points, width, ink } => writeln!(
             output,
             "<polyline points=\"{}\" fill=\"none\" stroke-linecap=\"round\" stroke-linejoin=\"round\" stroke-width=\"{}\"{}/>",
-            Points(points),
+            Points(&simplified(points)),
             Hundredths(*width),
             Stroke(*ink)
         )?,
-        Shape::Clip { window, shapes } => encode_clip(window, shapes, output)?,
-        Shape::Text { line, at, ink } => encode_line(line, *at, *ink, output)?,
+        Shape::Clip { window, shapes } => encode_clip(window, shapes, text, output)?,
+        Shape::Text { line, at, ink } => match text {
+            TextAs::Outlines => {
+                encode_outlines(line, *at, *ink, output)?;
+                if !line.text.is_empty() {
+                    encode_hidden_text(line, *at, output)?;
+                }
+            }
+            TextAs::Text if line.text.is_empty() => encode_halo(line, *at, *ink, output)?,
+            TextAs::Text => encode_text(line, *at, *ink, output)?,
+        },
     }
     Ok(())
 }
 
 /// Writes a nested `svg` element, which clips its content.
-fn encode_clip(window: &Rect, shapes: &[Shape], output: &mut impl Write) -> Result<(), RenderError> {
+fn encode_clip(
+    window: &Rect,
+    shapes: &[Shape],
+    text: TextAs,
+    output: &mut impl Write,
+) -> Result<(), RenderError> {
     let [x, y, width, height] = [window.origin.x, window.origin.y, window.width(), window.height()].map(f64::round);
     writeln!(
         output,
         "<svg x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" viewBox=\"{x} {y} {width} {height}\">"
     )?;
-    shapes.iter().try_for_each(|shape| encode_shape(shape, output))?;
+    shapes.iter().try_for_each(|shape| encode_shape(shape, text, output))?;
     writeln!(output, "</svg>")?;
     Ok(())
 }
 
-/// Writes the glyphs of a line as a group that is labelled with its text.
-fn encode_line(line: &Line, at: Vector, ink: Ink, output: &mut impl Write) -> Result<(), RenderError> {
-    writeln!(output, "<g role=\"img\" aria-label=\"{}\"{}>", Escaped(&line.text), Fill(ink))?;
-    for glyph in &line.glyphs {
+/// Writes the glyphs of a line.
+fn encode_outlines(line: &Line, at: Vector, ink: Ink, output: &mut impl Write) -> Result<(), RenderError> {
+    writeln!(output, "<g{}>", Fill(ink))?;
+    for glyph in line.glyphs.iter().filter(|glyph| !glyph.character.is_whitespace()) {
         let scale = glyph.size / UNITS_PER_EM;
         writeln!(
             output,
@@ -108,6 +137,55 @@ fn encode_line(line: &Line, at: Vector, ink: Ink, output: &mut impl Write) -> Re
             -scale
         )?;
     }
+    writeln!(output, "</g>")?;
+    Ok(())
+}
+
+/// Writes the words of a line as transparent text of the same length, whatever font the reader has. Text without a fill
+/// could not be selected.
+fn encode_hidden_text(line: &Line, at: Vector, output: &mut impl Write) -> Result<(), RenderError> {
+    writeln!(
+        output,
+        "<text x=\"{}\" y=\"{}\" font-family=\"serif\" font-size=\"{}\" textLength=\"{}\" \
+         lengthAdjust=\"spacingAndGlyphs\" fill-opacity=\"0\">{}</text>",
+        Hundredths(at.x),
+        Hundredths(at.y),
+        Hundredths(line.size),
+        Hundredths(larger(line.width, 0.01)),
+        Escaped(&line.text)
+    )?;
+    Ok(())
+}
+
+/// Fonts for text that the reader's program sets, the best one first.
+const FONT_FAMILY: &str = "'STIX Two Math', 'STIX Two Text', STIXGeneral, 'Cambria Math', serif";
+
+/// Writes a line as text. Glyphs of one size on one baseline are one run, with its length in the font of rebond.
+fn encode_text(line: &Line, at: Vector, ink: Ink, output: &mut impl Write) -> Result<(), RenderError> {
+    write!(output, "<text font-family=\"{FONT_FAMILY}\" xml:space=\"preserve\"{}>", Fill(ink))?;
+    let runs: Vec<&[Glyph]> = line.glyphs.chunk_by(|a, b| (a.size, a.y) == (b.size, b.y)).collect();
+    for run in runs {
+        let (Some(first), Some(last)) = (run.first(), run.last()) else { continue };
+        let advance = Font::embedded().advance(last.id) * last.size / UNITS_PER_EM;
+        let text: String = run.iter().map(|glyph| glyph.character).collect();
+        write!(
+            output,
+            "<tspan x=\"{}\" y=\"{}\" font-size=\"{}\" textLength=\"{}\">{}</tspan>",
+            Hundredths(at.x + first.x),
+            Hundredths(at.y + first.y),
+            Hundredths(first.size),
+            Hundredths(larger(last.x + advance - first.x, 0.01)),
+            Escaped(&text)
+        )?;
+    }
+    writeln!(output, "</text>")?;
+    Ok(())
+}
+
+/// Writes one copy of a label in the colour of its halo, hidden from readers of the text.
+fn encode_halo(line: &Line, at: Vector, ink: Ink, output: &mut impl Write) -> Result<(), RenderError> {
+    write!(output, "<g aria-hidden=\"true\" style=\"user-select:none\">")?;
+    encode_text(line, at, ink, output)?;
     writeln!(output, "</g>")?;
     Ok(())
 }
@@ -170,7 +248,7 @@ mod tests {
         let list =
             DisplayList { size: [8, 6], background: Color::hex(0xffffff), backdrop: Vec::new(), shapes: vec![shape] };
         let mut file = Vec::new();
-        encode(&list, metadata, &mut file).unwrap();
+        encode(&list, metadata, TextAs::Outlines, &mut file).unwrap();
         String::from_utf8(file).unwrap()
     }
 
@@ -191,7 +269,7 @@ mod tests {
         let text = Shape::Text { line, at: Vector::ZERO, ink: Ink::from(Color::hex(0)) };
         let entries = vec![("a<b".to_owned(), "c&d".to_owned())];
         let file = encoded(text, &Metadata { entries });
-        assert!(file.contains("aria-label=\"&lt;&quot;&amp;&quot;&gt;\""), "{file}");
+        assert!(file.contains(">&lt;&quot;&amp;&quot;&gt;</text>"), "{file}");
         assert!(file.contains("<metadata>a&lt;b: c&amp;d\n</metadata>"), "{file}");
     }
 }

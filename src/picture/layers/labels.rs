@@ -34,7 +34,7 @@ impl Label {
             [(-1.0, 0.0), (1.0, 0.0), (0.0, -1.0), (0.0, 1.0), (-0.7, -0.7), (0.7, -0.7), (-0.7, 0.7), (0.7, 0.7)]
         {
             let at = self.at.add(Vector::new(x, y).mult(width));
-            shapes.push(Shape::Text { line: self.line.clone(), at, ink: halo });
+            shapes.push(Shape::Text { line: self.line.without_text(), at, ink: halo });
         }
         self.draw_bare(shapes);
     }

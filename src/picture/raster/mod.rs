@@ -11,10 +11,12 @@ pub(crate) mod canvas;
 pub(crate) mod color;
 pub(crate) mod coverage_mask;
 mod display_list;
+mod simplified;
 mod stroke;
 
 pub use color::{Color, Palette, color_by_speed};
 pub use display_list::{DisplayList, Ink, Shape};
+pub(crate) use simplified::simplified;
 
 use crate::physics::Vector;
 use crate::picture::text::{Glyph, Line};

@@ -9,10 +9,8 @@ use std::sync::LazyLock;
 /// Units of the font per em.
 pub const UNITS_PER_EM: f64 = 1000.0;
 
-const FILE: &[u8] = include_bytes!("fonts/STIXTwoMath-subset.ttf");
-
 static FONT: LazyLock<Font> = LazyLock::new(|| {
-    let file = FontRef::new(FILE).expect("the embedded font is valid");
+    let file = FontRef::new(Font::FILE).expect("the embedded font is valid");
     Font::new(file)
 });
 
@@ -25,6 +23,9 @@ pub struct Font {
 }
 
 impl Font {
+    /// The TrueType file of the embedded font.
+    pub const FILE: &[u8] = include_bytes!("fonts/STIXTwoMath-subset.ttf");
+
     /// The embedded font.
     pub fn embedded() -> &'static Font {
         &FONT

@@ -23,10 +23,11 @@ impl Line {
     /// or `{group}` as a sub- or superscript; consecutive ones are placed above each other. A combining arrow or hat
     /// (`v⃗`, `n̂`) is an accent on the letter before it, `′` is a superscript, and `-` is a minus sign.
     pub fn math(markup: &str, size: f64) -> Line {
-        let mut typesetter = Typesetter { glyphs: Vec::new(), x: 0.0, rightmost: 0.0, scripts_at: None };
+        let mut typesetter =
+            Typesetter { text: String::new(), glyphs: Vec::new(), x: 0.0, rightmost: 0.0, scripts_at: None };
         typesetter.typeset(&mut markup.chars().peekable(), Level { size, y: 0.0 });
-        let width = typesetter.rightmost;
-        Line { text: markup.replace('"', ""), glyphs: typesetter.glyphs, width, size }
+        let Typesetter { text, glyphs, rightmost: width, .. } = typesetter;
+        Line { text, glyphs, width, size }
     }
 }
 
@@ -148,6 +149,7 @@ impl Level {
 }
 
 struct Typesetter {
+    text: String,
     glyphs: Vec<Glyph>,
     /// Position of the next glyph, px.
     x: f64,
@@ -165,8 +167,14 @@ impl Typesetter {
                 '}' => return,
                 '{' => self.typeset(markup, level),
                 '"' => self.set_quoted(markup, level),
-                '_' => self.set_script(markup, level.script(-SUBSCRIPT_DROP)),
-                '^' => self.set_script(markup, level.script(SUPERSCRIPT_RISE)),
+                '_' => {
+                    self.text.push('_');
+                    self.set_script(markup, level.script(-SUBSCRIPT_DROP));
+                }
+                '^' => {
+                    self.text.push('^');
+                    self.set_script(markup, level.script(SUPERSCRIPT_RISE));
+                }
                 '′' => self.set_prime(level),
                 '\u{20d7}' | '\u{302}' => self.set_accent(character, level),
                 letter if is_in_words(letter) => self.set_letters(letter, markup, level),
@@ -193,6 +201,7 @@ impl Typesetter {
 
     fn set_upright(&mut self, text: &str, level: Level) {
         let line = Line::plain(text, level.size);
+        self.text.extend(text.chars().map(plain_letter));
         let shifted = |glyph: &Glyph| Glyph { x: self.x + glyph.x, y: level.y, ..*glyph };
         let glyphs: Vec<Glyph> = line.glyphs.iter().map(shifted).collect();
         self.glyphs.extend(glyphs);
@@ -241,7 +250,8 @@ impl Typesetter {
         let lean = 0.1 * base_bounds.top;
         let x = base.x
             + ((base_bounds.left + base_bounds.right - accent_bounds.left - accent_bounds.right) / 2.0 + lean) * unit;
-        self.glyphs.push(Glyph { id, x, y: level.y - raise * unit, size: level.size });
+        self.text.push(accent);
+        self.glyphs.push(Glyph { id, character: accent, x, y: level.y - raise * unit, size: level.size });
     }
 }
 
@@ -261,6 +271,19 @@ fn italic(letter: char) -> char {
         _ => None,
     };
     italic.unwrap_or(letter)
+}
+
+/// The letter of which a mathematical italic letter is a variant; any other character itself.
+pub fn plain_letter(character: char) -> char {
+    let shifted = |first: u32, to: char| char::from_u32(character as u32 - first + to as u32);
+    let plain = match character as u32 {
+        0x210e => Some('h'),
+        0x1d434..=0x1d44d => shifted(0x1d434, 'A'),
+        0x1d44e..=0x1d467 => shifted(0x1d44e, 'a'),
+        0x1d6fc..=0x1d714 => shifted(0x1d6fc, 'α'),
+        _ => None,
+    };
+    plain.unwrap_or(character)
 }
 
 #[cfg(test)]
@@ -333,6 +356,15 @@ mod tests {
         assert_eq!(glyphs("$a b$, 10^{-7} and ΔE"), plain("𝑎 𝑏, 10−7 and Δ𝐸"));
         assert_eq!(glyphs("x=-3 or -3 or well-known \"so\""), plain("𝑥=−3 or −3 or well-known \"so\""));
         assert_eq!(glyphs("5 $"), plain("5 $"));
+    }
+
+    #[test]
+    fn the_text_of_a_line_has_plain_letters_and_marks_scripts() {
+        let text = |markup: &str| Line::math(markup, 10.0).text;
+        assert_eq!(text("v⃗′_c = 2·10^{-7} \"m/s {x}\""), "v⃗′_c = 2·10^−7 m/s {x}");
+        for letter in ('A'..='Z').chain('a'..='z').chain('α'..='ω') {
+            assert_eq!(plain_letter(italic(letter)), letter);
+        }
     }
 
     #[test]

@@ -7,12 +7,13 @@ mod font;
 mod math;
 
 pub use font::{Bounds, Font, PathSegment, UNITS_PER_EM};
-pub use math::wrapped;
+pub use math::{plain_letter, wrapped};
 
 /// A line of text with the positions of its glyphs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Line {
-    /// The text.
+    /// The text in plain letters; `_` and `^` precede sub- and superscripts. Empty for decoration, such as a halo, that
+    /// is not part of the text of a file.
     pub text: String,
     /// The glyphs, from left to right.
     pub glyphs: Vec<Glyph>,
@@ -27,6 +28,8 @@ pub struct Line {
 pub struct Glyph {
     /// Glyph number in the font.
     pub id: u16,
+    /// The character that it shows.
+    pub character: char,
     /// Origin, px to the right of the line's start.
     pub x: f64,
     /// Origin, px below the line's baseline.
@@ -44,9 +47,9 @@ impl Line {
         let font = Font::embedded();
         let mut glyphs = Vec::with_capacity(text.len());
         let (mut x, mut previous) = (0.0, None);
-        for id in text.chars().map(|character| font.glyph(character)) {
+        for (character, id) in text.chars().map(|character| (character, font.glyph(character))) {
             x += previous.map_or(0.0, |previous| font.kerning(previous, id));
-            glyphs.push(Glyph { id, x: x * size / UNITS_PER_EM, y: 0.0, size });
+            glyphs.push(Glyph { id, character, x: x * size / UNITS_PER_EM, y: 0.0, size });
             x += font.advance(id);
             previous = Some(id);
         }
@@ -76,6 +79,11 @@ impl Line {
             width: start + next.width,
             size: self.size,
         }
+    }
+
+    /// The same glyphs as decoration without text.
+    pub fn without_text(&self) -> Line {
+        Line { text: String::new(), ..self.clone() }
     }
 
     /// Height of the capitals, px.

@@ -7,7 +7,7 @@ use hayro::hayro_interpret::InterpreterSettings;
 use hayro::hayro_syntax::Pdf;
 use hayro::{RenderCache, RenderSettings};
 use rebond::internals::picture::{DisplayList, Metadata, Painter, Picture, compose, pdf, svg};
-use rebond::internals::picture::{ColorBy, Overlay, Theme};
+use rebond::internals::picture::{ColorBy, Overlay, TextAs, Theme};
 use resvg::{tiny_skia, usvg};
 
 /// Asserts that two rasters agree except for antialiasing: few pixels differ much, and no filled area does.
@@ -23,7 +23,7 @@ fn assert_similar(ours: &Picture, theirs: &[[u8; 4]], case: &str) {
 
 fn rasterised_svg(list: &DisplayList) -> Vec<[u8; 4]> {
     let mut file = Vec::new();
-    svg::encode(list, &Metadata::default(), &mut file).unwrap();
+    svg::encode(list, &Metadata::default(), TextAs::Outlines, &mut file).unwrap();
     let tree = usvg::Tree::from_data(&file, &usvg::Options::default()).unwrap();
     let mut pixels = tiny_skia::Pixmap::new(list.size[0], list.size[1]).unwrap();
     resvg::render(&tree, tiny_skia::Transform::identity(), &mut pixels.as_mut());
