@@ -165,6 +165,21 @@ pub enum CommandError {
         /// Its duration, s.
         seconds: f64,
     },
+    /// A clip is longer than any clip may be.
+    #[error(
+        "the clip would have {frames} frames and last {seconds:.0} s, and no clip may have more than {max_frames} frames or \
+         {max_seconds:.0} s; draw a part with --from and --to, or fewer frames with --fps or --every"
+    )]
+    TooLongClip {
+        /// The number of frames.
+        frames: u64,
+        /// Its duration, s.
+        seconds: f64,
+        /// The largest number of frames.
+        max_frames: u64,
+        /// The longest duration, s.
+        max_seconds: f64,
+    },
     /// A part of a table of several sources was requested.
     #[error("--shard divides the table of one source; export each source on its own")]
     ShardOfSeveral,

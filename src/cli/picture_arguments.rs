@@ -15,7 +15,6 @@ OUT.svg and OUT.pdf need --at. Any other name is a folder with one PNG per step.
 Options that are not given come from the [figure] section of the scene.
 
 Examples:
-  rebond render recordings/figure-1.toml -o figure-1.gif
   rebond render run.mcap -o frames/ --from 60 --to 120 --show name,clock
   rebond render run.mcap -o slow.apng --slow 0.1 --hold 0.5 at collisions
   rebond render run.mcap -o impact.svg --at 24 --theme dark --size 1920x1080")]

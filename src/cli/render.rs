@@ -70,12 +70,17 @@ pub fn run(options: &RenderOptions) -> Result<Exit, CommandError> {
 /// The longest clip that needs no confirmation, s, and its largest number of frames.
 const MAX_CLIP: (f64, u64) = (3600.0, 100_000);
 
+/// The longest clip, s, and its largest number of frames, so that no file grows without bound.
+const MAX_LONG_CLIP: (f64, u64) = (1e7, 10_000_000);
+
 /// Returns an error for a long clip, which is usually a mistake, unless it is allowed.
 fn refuse_long(frames: u64, seconds: f64, options: &RenderOptions) -> Result<(), CommandError> {
-    let (max_seconds, max_frames) = MAX_CLIP;
-    match frames > max_frames || seconds > max_seconds {
-        true if !options.long => Err(CommandError::LongClip { frames, seconds }),
-        true | false => Ok(()),
+    let exceeds = |(max_seconds, max_frames): (f64, u64)| frames > max_frames || seconds > max_seconds;
+    let ((max_seconds, max_frames), is_allowed) = (MAX_LONG_CLIP, options.long);
+    match (exceeds(MAX_LONG_CLIP), exceeds(MAX_CLIP)) {
+        (true, _) => Err(CommandError::TooLongClip { frames, seconds, max_frames, max_seconds }),
+        (false, true) if !is_allowed => Err(CommandError::LongClip { frames, seconds }),
+        (false, _) => Ok(()),
     }
 }
 

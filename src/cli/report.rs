@@ -46,10 +46,13 @@ fn plot(rows: &[Row], output: OutputFile, format: StillFormat, options: &ReportO
     let diagrams = if rows.iter().any(is_growth) { report::growth(rows) } else { report::work_precision(rows) };
     let (size, theme, caption) = (options.size, options.theme, options.caption.clone());
     let picture_options = PictureOptions { size, theme, caption, ..PictureOptions::default() };
-    let list = figures::diagrams(&diagrams, &picture_options);
+    let list = figures::diagrams(&diagrams, &picture_options)?;
     let entries = vec![
         ("Software".to_owned(), concat!("rebond ", env!("CARGO_PKG_VERSION")).to_owned()),
-        (Metadata::TITLE.to_owned(), diagrams.iter().map(|diagram| diagram.title.as_str()).collect::<Vec<_>>().join("; ")),
+        (
+            Metadata::TITLE.to_owned(),
+            diagrams.iter().map(|diagram| diagram.title.as_str()).collect::<Vec<_>>().join("; "),
+        ),
     ];
     output.write(|file| Ok(format.write(&list, &Metadata { entries }, TextAs::Outlines, file)?))
 }

@@ -1,11 +1,12 @@
 //! Collisions of a recording, which are found by a replay.
 
 use super::figures::CollisionSubject;
-use super::{Appearance, CollisionSelector, Error, Moment, Progress, Source, StepGrid};
+use super::{AnimationSchedule, Appearance, CollisionSelector, Error, Moment, Progress, Source};
 use crate::physics::{BodyId, Collision, Observer, larger};
 use crate::replay::{ALL_STEPS, Replayer, Verdict};
 use crate::text::counted;
-use std::{collections::BTreeMap, sync::Arc};
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 /// Finds the first collision with an impulse in or after `step`, between the bodies of `pair` if given, by replaying the
 /// recording. If no later collision has an impulse, finds the first one without: bodies that overlap at rest or while
@@ -109,18 +110,28 @@ pub fn max_impulse(source: &Source, progress: Progress) -> Result<f64, Error> {
     Ok(max.0)
 }
 
-/// Returns the moments of new collisions within `grid`, in order, found by a replay. A collision is new
-/// if its two bodies did not collide in the previous step.
+/// Returns the moments of new collisions at which an animation with this schedule freezes, in order, found by a replay: of
+/// several moments between two frames only the first, so their number is bounded by that of frames. A collision is new if
+/// its two bodies did not collide in the previous step.
 ///
 /// The event-driven solver gives exact instants; the handout's solver gives the state in which it
 /// detected the collision.
 ///
 /// # Errors
 /// If the recording cannot be read.
-pub fn freeze_frames(source: &Source, grid: &StepGrid, progress: Progress) -> Result<Vec<Moment>, Error> {
+pub fn freeze_frames(source: &Source, schedule: &AnimationSchedule, progress: Progress) -> Result<Vec<Moment>, Error> {
+    let grid = &schedule.grid;
     let (from, rate) = (*grid.steps.start(), grid.rate);
-    let mut finder =
-        FreezeFrameFinder { from, rate, step: 0, pairs: Vec::new(), previous_pairs: Vec::new(), moments: Vec::new() };
+    let mut finder = FreezeFrameFinder {
+        schedule,
+        from,
+        rate,
+        step: 0,
+        pairs: BTreeSet::new(),
+        previous_pairs: BTreeSet::new(),
+        last: None,
+        moments: Vec::new(),
+    };
     let last = *grid.steps.end();
     let recording = source.recording()?;
     // The collisions of the step before the first decide which ones of the first step are new.
@@ -130,27 +141,30 @@ pub fn freeze_frames(source: &Source, grid: &StepGrid, progress: Progress) -> Re
     Ok(finder.moments)
 }
 
-struct FreezeFrameFinder {
+struct FreezeFrameFinder<'a> {
+    schedule: &'a AnimationSchedule,
     from: u64,
     /// Hz.
     rate: f64,
     /// The step of the last collision.
     step: u64,
     /// The pairs that collided in that step.
-    pairs: Vec<[BodyId; 2]>,
+    pairs: BTreeSet<[BodyId; 2]>,
     /// The pairs that collided in the step before it.
-    previous_pairs: Vec<[BodyId; 2]>,
+    previous_pairs: BTreeSet<[BodyId; 2]>,
+    /// The frame before the last moment.
+    last: Option<u64>,
     moments: Vec<Moment>,
 }
 
-impl Observer for FreezeFrameFinder {
+impl Observer for FreezeFrameFinder<'_> {
     fn collision(&mut self, collision: &Collision) {
         if collision.impulse == 0.0 {
             return;
         }
         if collision.step != self.step {
             let pairs = std::mem::take(&mut self.pairs);
-            self.previous_pairs = if collision.step == self.step + 1 { pairs } else { Vec::new() };
+            self.previous_pairs = if collision.step == self.step + 1 { pairs } else { BTreeSet::new() };
             self.step = collision.step;
         }
         let moment = if collision.time * self.rate < 1.0 {
@@ -160,10 +174,14 @@ impl Observer for FreezeFrameFinder {
         };
         let mut pair = collision.bodies;
         pair.sort_unstable();
-        let is_new = !self.previous_pairs.contains(&pair) && !self.pairs.contains(&pair);
-        if is_new && moment.step >= self.from && self.moments.last() != Some(&moment) {
+        let is_new = !self.previous_pairs.contains(&pair) && self.pairs.insert(pair);
+        if is_new
+            && moment.step >= self.from
+            && let Some(frame) = self.schedule.grid_index(moment).filter(|frame| self.last != Some(*frame))
+        {
+            self.last = Some(frame);
             self.moments.push(moment);
         }
-        self.pairs.push(pair);
+        self.pairs.insert(pair);
     }
 }

@@ -213,8 +213,11 @@ impl Clip {
         let view = View::new(source.world(), Style { time_format, ..style })?;
         let grid = grid(&animation.steps, animation.every, source);
         let has_freeze_frames = animation.timing.hold > 0.0;
-        let moments = if has_freeze_frames { freeze_frames(source, &grid, progress)? } else { Vec::new() };
-        let schedule = AnimationSchedule::new(grid, animation.timing, &moments);
+        let mut schedule = AnimationSchedule::new(grid, animation.timing, &[]);
+        if has_freeze_frames {
+            let moments = freeze_frames(source, &schedule, progress)?;
+            schedule = AnimationSchedule::new(schedule.grid, animation.timing, &moments);
+        }
         let frames = Frames::new(source, &schedule, &look.show)?;
         let warnings = text_warnings(look, &[], std::slice::from_ref(source), BodyNames::IfOverlay);
         Ok(Clip { view, schedule, frames, warnings })
@@ -291,8 +294,8 @@ fn compose_page(
                 subjects.push(CollisionSubject { title, ..collision });
             }
             let list = match figure {
-                CollisionFigure::Stages => figures::collision(&subjects, &style),
-                CollisionFigure::Minkowski => figures::minkowski(&subjects, &style),
+                CollisionFigure::Stages => figures::collision(&subjects, &style)?,
+                CollisionFigure::Minkowski => figures::minkowski(&subjects, &style)?,
             };
             let statuses = sources.iter().map(Source::declared_health).collect::<Result<_, Error>>()?;
             Ok((list, statuses))
@@ -319,7 +322,7 @@ fn compose_page(
                 runs.push(run);
                 statuses.push(trace.status);
             }
-            Ok((figures::spacetime(&runs, time_range(steps, sources), *axis, &style), statuses))
+            Ok((figures::spacetime(&runs, time_range(steps, sources), *axis, &style)?, statuses))
         }
         Page::States { figure, steps } => {
             let style = Style::new(&picture.look, sources, progress)?;
@@ -332,8 +335,8 @@ fn compose_page(
                 statuses.push(frames.read_status());
             }
             let list = match figure {
-                StatesFigure::Strobe => figures::strobe(&runs, &style),
-                StatesFigure::Filmstrip | StatesFigure::Spacetime(_) => figures::filmstrip(&runs, &style),
+                StatesFigure::Strobe => figures::strobe(&runs, &style)?,
+                StatesFigure::Filmstrip | StatesFigure::Spacetime(_) => figures::filmstrip(&runs, &style)?,
             };
             Ok((list, statuses))
         }
@@ -356,7 +359,7 @@ fn compose_page(
                 runs.push(run);
                 statuses.push(trace.status);
             }
-            Ok((figures::energy(&runs, time_range(steps, sources), &style), statuses))
+            Ok((figures::energy(&runs, time_range(steps, sources), &style)?, statuses))
         }
     }
 }

@@ -36,7 +36,9 @@ pub mod text;
 mod trace;
 mod view;
 
-pub use crate::picture_options::{CameraTarget, ColorBy, Look, Overlay, Overlays, PictureOptions, TextAs, Theme, Window};
+pub use crate::picture_options::{
+    CameraTarget, ColorBy, Look, Overlay, Overlays, PictureOptions, TextAs, Theme, Window,
+};
 pub use draw::{Clip, Drawn, body_color, draw, draw_sequence, draw_to_vec, redraw};
 pub(crate) use encode::ordered_parallel_map;
 pub use encode::{
@@ -47,7 +49,7 @@ pub use error::Error;
 pub use figures::EnergySample;
 pub use format::{AnimationFormat, Format, StillFormat};
 pub use frames::Frames;
-pub use layers::{Appearance, Arrow, Frame, Sprite, Trails, compose};
+pub use layers::{Appearance, Arrow, ArrowLength, Frame, Sprite, Trails, compose};
 pub use provenance::{Provenance, SOFTWARE};
 pub(crate) use raster::color;
 pub use raster::{Color, DisplayList, Ink, Painter, Palette, Picture, Shape, color_by_speed};

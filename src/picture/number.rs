@@ -44,6 +44,18 @@ pub fn nice_spacing(min: f64) -> f64 {
     [power / 5.0, power / 2.0].into_iter().find(|&candidate| candidate >= min).unwrap_or(power)
 }
 
+/// The largest number of the form 1, 2 or 5 × 10ⁿ that is at most `max`, which is positive and finite.
+pub fn nice_below(max: f64) -> f64 {
+    let above = nice_spacing(max);
+    // Candidates around it, because dividing rounds.
+    [above, above / 2.0, above / 2.5, above / 5.0].into_iter().find(|&nice| nice <= max && is_nice(nice)).unwrap_or(max)
+}
+
+/// Returns true for numbers of the form 1, 2 or 5 × 10ⁿ.
+fn is_nice(number: f64) -> bool {
+    nice_spacing(number * (1.0 - 1e-9)) <= number * (1.0 + 1e-9)
+}
+
 /// The multiples of `spacing` from `low` to `high` in ascending order, both ends included. A multiple outside counts as
 /// inside if its distance to the end is at most `tolerance` spacings.
 pub fn multiples_within([low, high]: [f64; 2], spacing: f64, tolerance: f64) -> impl Iterator<Item = f64> {
@@ -107,6 +119,8 @@ impl Unit {
     pub const METRE_PER_SECOND: Unit = Unit { symbol: "m/s", prefixes: [-18, 3] };
     /// Energy.
     pub const JOULE: Unit = Unit { symbol: "J", prefixes: [-18, 18] };
+    /// Force.
+    pub const NEWTON: Unit = Unit { symbol: "N", prefixes: [-18, 18] };
     /// Impulse.
     pub const NEWTON_SECOND: Unit = Unit { symbol: "N·s", prefixes: [-18, 18] };
     /// Momentum.
@@ -223,6 +237,15 @@ mod tests {
             ["9.81", "0.00321", "123456", "1.23·10^{6}", "1.25·10^{−7}", "0", "0", "−2", "1·10^{300}", "0.3"];
         assert_eq!(written, expected);
         assert_eq!(format_significant(f64::NAN, 3), "NaN");
+    }
+
+    #[test]
+    fn round_numbers_below_a_number_are_the_largest_ones() {
+        let below: Vec<f64> = [1.0, 1.99, 2.0, 4.9, 5.0, 9.99, 10.0, 0.3].map(nice_below).into();
+        assert_eq!(below, [1.0, 1.0, 2.0, 2.0, 5.0, 5.0, 10.0, 0.2]);
+        for max in [3e-9, 7.7e12, 1e300, 2.5e-300] {
+            assert!(nice_below(max) <= max && nice_below(max) > max / 2.6, "{max}");
+        }
     }
 
     #[test]

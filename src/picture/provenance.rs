@@ -143,7 +143,13 @@ fn title(picture: &ResolvedPicture, sources: &[Source]) -> String {
 /// The caption and the steps of a picture, in one line.
 fn description(picture: &ResolvedPicture) -> String {
     let caption = picture.look.caption.trim_end();
-    let separator = if caption.is_empty() { "" } else if caption.ends_with(['.', '!', '?']) { " " } else { ". " };
+    let separator = if caption.is_empty() {
+        ""
+    } else if caption.ends_with(['.', '!', '?']) {
+        " "
+    } else {
+        ". "
+    };
     in_one_line(&format!("{caption}{separator}Steps {}", steps(&picture.subject)))
 }
 
@@ -448,7 +454,8 @@ mod tests {
         let text = provenance(clip, CameraTarget::World).metadata().to_string();
         let expected = "Software: rebond 0\nrebond recording: 12; ab\nrebond steps: 0 to 600 every 2\nrebond options: \
                         slow=0.5 size=640x360 theme=dark show=velocity,clock color_by=speed recorded_every=5 \
-                        title=\"one\",\"and two\" caption=\"a \\\"b\\\" = c\"\n";
+                        title=\"one\",\"and two\" caption=\"a \\\"b\\\" = c\" text=text\nTitle: State: one; and \
+                        two\nDescription: Step 3\n";
         assert_eq!(text, expected);
     }
 
@@ -489,7 +496,7 @@ mod tests {
     fn the_error_names_the_missing_entry() {
         let subject = page(Page::State { step: 7, every: 1 });
         let mut metadata = provenance(subject, CameraTarget::World).metadata();
-        metadata.entries.pop();
+        metadata.entries.truncate(3);
         let error = Provenance::parse(&metadata, Format::Still(StillFormat::Pdf)).unwrap_err().to_string();
         assert_eq!(error, "the file carries no rebond provenance: it has no \"rebond options\" entry");
     }

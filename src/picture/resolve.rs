@@ -64,6 +64,17 @@ pub struct Sequence {
     pub look: Look,
 }
 
+/// The number of recordings on a page of the default size. A page of more grows with their number.
+const RECORDINGS_PER_PAGE: usize = 6;
+
+/// The size of a picture of `count` recordings, px, unless one is given: that of the scene for a few recordings, or else
+/// larger by sixteenths.
+fn default_size(size: [u32; 2], count: usize) -> [u32; 2] {
+    let factor = (count.max(RECORDINGS_PER_PAGE) as f64 / RECORDINGS_PER_PAGE as f64).sqrt();
+    let sixteenths = (16.0 * factor).ceil() as u32;
+    size.map(|side| side * sixteenths / 16)
+}
+
 /// Default frame rate of an animation, frames per second.
 const DEFAULT_FPS: f64 = 30.0;
 
@@ -94,7 +105,10 @@ impl PictureOptions {
                 Subject::Animation { animation, format: *format }
             }
         };
-        let look = options.look(options.camera_target(sources)?);
+        let mut look = options.look(options.camera_target(sources)?);
+        if self.size.is_none() {
+            look.size = default_size(look.size, sources.len());
+        }
         Ok(ResolvedPicture { subject, look, titles: options.resolved_titles(sources)? })
     }
 

@@ -167,7 +167,7 @@ impl AnimationSchedule {
     }
 
     /// The index of the last grid moment that is not after `moment`; `None` outside of the animation.
-    fn grid_index(&self, moment: Moment) -> Option<u64> {
+    pub(super) fn grid_index(&self, moment: Moment) -> Option<u64> {
         let first = self.first_step();
         let since = moment.step.checked_sub(first)?;
         let index = match self.timing.frames_per_step {

@@ -1,5 +1,5 @@
 use crate::physics::{Rect, Vector, larger, smaller};
-use crate::picture::layers::footer::strip_heights;
+use crate::picture::layers::footer::Footer;
 use crate::picture::number::TimeFormat;
 use crate::picture::raster::color::Palette;
 use crate::picture::{CameraTarget, ColorBy, Frame, Look, Overlay, RenderError, Theme};
@@ -20,14 +20,15 @@ impl View {
     /// A view of the part of a world of `world` metres that the style selects. Space for footer and axes is reserved.
     ///
     /// # Errors
-    /// Returns an error if a side of the picture is 0 or more than 16384 pixels, or if width and height of the visible
-    /// part are not finite and positive.
+    /// Returns an error if a side of the picture is 0 or more than 16384 pixels, if the picture is too small for the text
+    /// around the world, or if width and height of the visible part are not finite and positive.
     pub fn new(world: Vector, style: Style) -> Result<View, RenderError> {
-        let Look { theme, size, camera_target: target, .. } = &style.look;
-        let [width, height] = size.map(f64::from);
-        let metrics = DrawingMetrics::new(*theme, *size);
-        let [left, below] = margins(&style, &metrics);
-        let viewport = Rect::new(Vector::new(left, 0.0), larger(width - left, 1.0), larger(height - below, 1.0));
+        let Look { size, camera_target: target, .. } = &style.look;
+        validate_size(*size)?;
+        let fits = |size: [u32; 2]| viewport(&Style { look: Look { size, ..style.look.clone() }, ..style.clone() });
+        let Some(viewport) = fits(*size) else {
+            return Err(RenderError::too_small(*size, |size| fits(size).is_some()));
+        };
         let camera = Camera::new(world, target, *size, viewport)?;
         let follow = target.followed_body().map(str::to_owned);
         Ok(View { camera, follow, style })
@@ -44,15 +45,24 @@ impl View {
     }
 }
 
-/// Space reserved on the left and below, px.
-fn margins(style: &Style, metrics: &DrawingMetrics) -> [f64; 2] {
-    let [info, caption] = strip_heights(style, metrics);
+/// The part of the picture for the world, px: without footer and axes. `None` if these leave too little of it.
+fn viewport(style: &Style) -> Option<Rect> {
+    let [width, height] = style.look.size.map(f64::from);
+    let metrics = DrawingMetrics::new(style.look.theme, style.look.size);
+    let footer = Footer::new(style, &metrics);
+    let [info, caption] = footer.heights(style);
     let [left, axis] = match style.shows(Overlay::Axes) {
         true => [(3.2 * metrics.font_size).round(), (1.6 * metrics.font_size).round()],
         false => [0.0, 0.0],
     };
-    [left, info + caption + axis]
+    let viewport = Rect::new(Vector::new(left, 0.0), width - left, height - info - caption - axis);
+    let has_text = left > 0.0 || info + caption > 0.0;
+    let is_visible = !has_text || viewport.width() >= MIN_WORLD && viewport.height() >= MIN_WORLD;
+    (is_visible && footer.is_legible()).then_some(viewport)
 }
+
+/// The smallest width and height of the world in a picture with text around it, px.
+const MIN_WORLD: f64 = 16.0;
 
 /// The style of a picture, the same for every frame of an animation.
 #[derive(Clone, Debug, PartialEq)]
@@ -62,7 +72,7 @@ pub struct Style {
     /// The speed, m/s, at the end of the colour scale and of the longest velocity arrow.
     ///
     /// The maximum of the whole run rather than of the part that is drawn, so that parts drawn separately have the
-    /// same scale. Faster bodies are drawn as if they had this speed.
+    /// same scale. Faster bodies, between two states, have the colour of this speed and longer arrows.
     pub top_speed: f64,
     /// The force, N, of the longest force arrow; also of the whole run.
     pub top_force: f64,
@@ -82,9 +92,12 @@ impl Style {
         self.look.show.contains(overlay)
     }
 
-    /// Returns true if the picture has a strip below the world for the clock, a scale bar or a legend.
+    /// Returns true if the picture has a strip below the world for the clock, a scale bar or a legend, which
+    /// explains colours and arrows.
     pub fn has_footer(&self) -> bool {
-        self.shows(Overlay::Clock) || self.shows(Overlay::Scale) || self.look.color_by != ColorBy::Body
+        let arrows = [Overlay::Velocity, Overlay::Force, Overlay::Impulse];
+        let has_strip = |overlay| self.shows(overlay);
+        [Overlay::Clock, Overlay::Scale].into_iter().chain(arrows).any(has_strip) || self.look.color_by != ColorBy::Body
     }
 }
 
@@ -106,12 +119,16 @@ impl Default for Style {
 /// The colours of a theme, with a font size and line width that suit the size of the picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DrawingMetrics {
+    /// The theme.
+    pub theme: Theme,
     /// The colours of the theme.
     pub palette: Palette,
     /// Font size (height of the em), px.
     pub font_size: f64,
     /// Line width, px; a whole number.
     pub line_width: f64,
+    /// Length of the arrow of the largest vector, px, if there are few bodies.
+    pub arrow_length: f64,
 }
 
 impl DrawingMetrics {
@@ -119,14 +136,35 @@ impl DrawingMetrics {
     /// font.
     pub fn new(theme: Theme, size: [u32; 2]) -> DrawingMetrics {
         let [width, height] = size.map(f64::from);
-        let unit = smaller(width, height) / 720.0;
+        let shorter = smaller(width, height);
+        let unit = shorter / 720.0;
+        // Thumbnails have the smallest legible font.
+        let small = (shorter / 16.0).floor().clamp(MIN_TEXT, 12.0);
+        let font_size = if unit < 0.6 { small } else { (21.0 * unit).round() };
         DrawingMetrics {
+            theme,
             palette: Palette::of(theme),
-            font_size: if unit < 0.6 { 12.0 } else { (21.0 * unit).round() },
+            font_size,
             line_width: larger((2.0 * unit).round(), 1.0),
+            arrow_length: 5.0 * font_size,
         }
     }
+
+    /// The metrics with another font size, px, and lines and arrows in proportion.
+    pub fn with_font_size(self, font_size: f64) -> DrawingMetrics {
+        let part = font_size / self.font_size;
+        let (line_width, arrow_length) = (larger((self.line_width * part).round(), 1.0), self.arrow_length * part);
+        DrawingMetrics { font_size, line_width, arrow_length, ..self }
+    }
+
+    /// A font size relative to that of the picture, px, but never one that is illegible.
+    pub fn text(&self, part: f64) -> f64 {
+        larger(part * self.font_size, MIN_TEXT)
+    }
 }
+
+/// The smallest font size of a label, px. Sub- and superscripts are smaller.
+pub const MIN_TEXT: f64 = 8.0;
 
 /// Maps world coordinates (m) to page coordinates (px). Metres become pixels only here.
 ///
@@ -211,10 +249,16 @@ fn round_to_quarter(at: f64) -> f64 {
     (at * 4.0).round().clamp(-MAX_COORDINATE, MAX_COORDINATE) / 4.0
 }
 
-fn validate(area: &Rect, size: [u32; 2]) -> Result<(), RenderError> {
-    if size.iter().any(|&side| side == 0 || side > MAX_SIDE) {
-        return Err(RenderError::PictureSize { width: size[0], height: size[1], max_side: MAX_SIDE });
+/// Returns an error for a page without pixels or with a side longer than any picture's.
+pub fn validate_size(size: [u32; 2]) -> Result<(), RenderError> {
+    match size.iter().any(|&side| side == 0 || side > MAX_SIDE) {
+        true => Err(RenderError::PictureSize { width: size[0], height: size[1], max_side: MAX_SIDE }),
+        false => Ok(()),
     }
+}
+
+fn validate(area: &Rect, size: [u32; 2]) -> Result<(), RenderError> {
+    validate_size(size)?;
     let (width, height) = (area.width(), area.height());
     if !(area.origin.is_finite() && width.is_finite() && height.is_finite()) || width <= 0.0 || height <= 0.0 {
         return Err(RenderError::WorldSize { width, height });

@@ -8,7 +8,8 @@ use rebond::internals::picture::figures::{
     self, Axis, CollisionSubject, EnergyRun, EnergySample, FigureRun, Range, SpacetimeRun,
 };
 use rebond::internals::picture::{
-    Appearance, CameraTarget, DisplayList, Frame, Look, Metadata, Overlay, Painter, Shape, Sprite, Style, TextAs, Theme, svg,
+    Appearance, CameraTarget, ColorBy, DisplayList, Frame, Look, Metadata, Overlay, Overlays, Painter, RenderError,
+    Shape, Sprite, Style, TextAs, Theme, View, compose, svg,
 };
 use std::sync::Arc;
 
@@ -141,15 +142,15 @@ fn figures(theme: Theme) -> Vec<(&'static str, DisplayList)> {
     let captioned = options(theme, "Three boxes let fall, e = 0.8");
     let (pair_subjects, fall_subjects) = ([pair.first_collision()], [fall.first_collision()]);
     vec![
-        ("collision", figures::collision(&pair_subjects, &plain)),
-        ("collision-close", figures::collision(&fall_subjects, &captioned)),
-        ("minkowski", figures::minkowski(&pair_subjects, &plain)),
-        ("minkowski-close", figures::minkowski(&fall_subjects, &captioned)),
-        ("strobe", figures::strobe(&[fall.every_nth(6)], &captioned)),
-        ("filmstrip", figures::filmstrip(&[fall.every_nth(20)], &captioned)),
-        ("spacetime-x", figures::spacetime(&[fall.spacetime(Axis::X)], fall.time(), Axis::X, &plain)),
-        ("spacetime-y", figures::spacetime(&[fall.spacetime(Axis::Y)], fall.time(), Axis::Y, &captioned)),
-        ("energy", figures::energy(&[fall.energies()], fall.time(), &captioned)),
+        ("collision", figures::collision(&pair_subjects, &plain).unwrap()),
+        ("collision-close", figures::collision(&fall_subjects, &captioned).unwrap()),
+        ("minkowski", figures::minkowski(&pair_subjects, &plain).unwrap()),
+        ("minkowski-close", figures::minkowski(&fall_subjects, &captioned).unwrap()),
+        ("strobe", figures::strobe(&[fall.every_nth(6)], &captioned).unwrap()),
+        ("filmstrip", figures::filmstrip(&[fall.every_nth(20)], &captioned).unwrap()),
+        ("spacetime-x", figures::spacetime(&[fall.spacetime(Axis::X)], fall.time(), Axis::X, &plain).unwrap()),
+        ("spacetime-y", figures::spacetime(&[fall.spacetime(Axis::Y)], fall.time(), Axis::Y, &captioned).unwrap()),
+        ("energy", figures::energy(&[fall.energies()], fall.time(), &captioned).unwrap()),
     ]
 }
 
@@ -177,12 +178,12 @@ fn side_by_side(theme: Theme) -> Vec<(&'static str, DisplayList)> {
         both.each_ref().map(|(title, run)| CollisionSubject { title: title.clone(), ..run.first_collision() });
     let options = options(theme, "One shot, two solvers");
     vec![
-        ("collision", figures::collision(&subjects, &options)),
-        ("minkowski", figures::minkowski(&subjects, &options)),
-        ("strobe", figures::strobe(&runs, &options)),
-        ("filmstrip", figures::filmstrip(&strips, &options)),
-        ("spacetime", figures::spacetime(&bands, time, Axis::X, &options)),
-        ("energy", figures::energy(&energies, time, &options)),
+        ("collision", figures::collision(&subjects, &options).unwrap()),
+        ("minkowski", figures::minkowski(&subjects, &options).unwrap()),
+        ("strobe", figures::strobe(&runs, &options).unwrap()),
+        ("filmstrip", figures::filmstrip(&strips, &options).unwrap()),
+        ("spacetime", figures::spacetime(&bands, time, Axis::X, &options).unwrap()),
+        ("energy", figures::energy(&energies, time, &options).unwrap()),
     ]
 }
 
@@ -207,7 +208,7 @@ fn filmstrips_show_the_camera_target() {
     for (name, camera_target) in targets {
         let mut options = options(Theme::Light, "");
         options.look.camera_target = camera_target;
-        let strip = figures::filmstrip(&[fall.every_nth(20)], &options);
+        let strip = figures::filmstrip(&[fall.every_nth(20)], &options).unwrap();
         assert_reference_image(&format!("figure-filmstrip-{name}"), &Painter::new().draw(&strip));
     }
 }
@@ -215,33 +216,176 @@ fn filmstrips_show_the_camera_target() {
 /// Labels neither overlap each other nor extend beyond the page.
 #[test]
 fn labels_neither_overlap_nor_leave_the_page() {
-    let all = [figures(Theme::Light), side_by_side(Theme::Light)].concat();
-    for (kind, list) in all {
-        let labels: Vec<(String, Rect)> = list.leaves().filter_map(text_bounds).collect();
-        let [width, height] = list.size.map(f64::from);
-        for (at, (text, bounds)) in labels.iter().enumerate() {
-            let far = bounds.far_corner();
-            let is_within = bounds.origin.x >= 0.0 && bounds.origin.y >= 0.0 && far.x <= width && far.y <= height;
-            assert!(is_within, "{kind}: {text:?} extends beyond the page: {bounds:?}");
-            for (other, other_bounds) in labels[..at].iter().filter(|(other, _)| other != text) {
-                let disjoint = |from: f64, to: f64, low: f64, high: f64| to <= low || high <= from;
-                let other_far = other_bounds.far_corner();
-                let are_disjoint = disjoint(bounds.origin.x, far.x, other_bounds.origin.x, other_far.x)
-                    || disjoint(bounds.origin.y, far.y, other_bounds.origin.y, other_far.y);
-                assert!(are_disjoint, "{kind}: {text:?} overlaps {other:?}");
+    for (kind, list) in [figures(Theme::Light), side_by_side(Theme::Light)].concat() {
+        assert_legible(&list, kind);
+    }
+}
+
+/// Asserts that texts are at least 8 px high, within the page and their panel, and do not overlap where they are visible,
+/// and that everything that no panel clips is on the page.
+fn assert_legible(list: &DisplayList, case: &str) {
+    let [width, height] = list.size.map(f64::from);
+    let mut texts: Vec<(usize, String, Rect)> = Vec::new();
+    let mut covers: Vec<(usize, Rect)> = Vec::new();
+    let page = Rect::new(Vector::ZERO, width, height);
+    let mut count = 0;
+    for shapes in [&list.backdrop, &list.shapes] {
+        visit(shapes, &page, false, &mut count, &mut |number, shape, window, is_clipped| match shape {
+            Shape::Text { line, at, .. } => {
+                let height = 0.8 * line.height();
+                let bounds = Rect::new(at.sub(Vector::new(0.0, height)), line.width, height);
+                assert!(line.size >= 8.0, "{case}: {:?} has {} px", line.text, line.size);
+                let is_within = window.inset(-0.51).contains(&bounds);
+                assert!(is_within || line.text.is_empty(), "{case}: {:?} {bounds:?} leaves {window:?}", line.text);
+                if !line.text.is_empty() {
+                    texts.push((number, line.text.clone(), bounds));
+                }
+            }
+            Shape::Rect { rect, ink } if ink.opacity == 255 => {
+                assert!(is_clipped || page.inset(-0.51).contains(rect), "{case}: {rect:?} leaves the page");
+                covers.extend(rect.intersection(window).map(|visible| (number, visible)));
+            }
+            Shape::Rect { .. } | Shape::Clip { .. } => {}
+            Shape::Polygon { points, .. } | Shape::Polyline { points, .. } => {
+                let is_on_page = |at: &Vector| page.inset(-2.0).contains(&Rect::new(*at, 0.0, 0.0));
+                assert!(is_clipped || points.iter().all(is_on_page), "{case}: {points:?} leaves the page");
+            }
+        });
+    }
+    for (at, (number, text, bounds)) in texts.iter().enumerate() {
+        for (other_number, other, other_bounds) in &texts[..at] {
+            let Some(common) = bounds.intersection(other_bounds) else { continue };
+            let is_hidden = |(cover, rect): &(usize, Rect)| {
+                (other_number..number).contains(&cover) && rect.inset(-0.51).contains(&common)
+            };
+            assert!(covers.iter().any(is_hidden), "{case}: {text:?} overlaps {other:?} in {common:?}");
+        }
+    }
+}
+
+/// Visits the shapes within `window` in drawing order, each with its number, its visible area, and whether a panel clips
+/// it.
+fn visit(
+    shapes: &[Shape],
+    window: &Rect,
+    is_clipped: bool,
+    number: &mut usize,
+    visitor: &mut impl FnMut(usize, &Shape, &Rect, bool),
+) {
+    for shape in shapes {
+        match shape {
+            Shape::Clip { window: inner, shapes } => {
+                if let Some(visible) = window.intersection(inner) {
+                    visit(shapes, &visible, true, number, visitor);
+                }
+            }
+            Shape::Rect { .. } | Shape::Polygon { .. } | Shape::Polyline { .. } | Shape::Text { .. } => {
+                *number += 1;
+                visitor(*number, shape, window, is_clipped);
             }
         }
     }
 }
 
-/// The text of a line and its bounds, slightly smaller than its capitals.
-fn text_bounds(shape: &Shape) -> Option<(String, Rect)> {
-    match shape {
-        Shape::Text { line, at, .. } => {
-            let height = 0.8 * line.height();
-            Some((line.text.clone(), Rect::new(at.sub(Vector::new(0.0, height)), line.width, height)))
+/// The kinds of pictures of the layout test.
+const KINDS: [&str; 8] =
+    ["collision", "minkowski", "strobe", "filmstrip", "spacetime-x", "spacetime-y", "energy", "frame"];
+
+/// A picture of `count` copies of a run.
+fn picture_of(kind: &str, run: &RunStates, count: usize, style: &Style) -> Result<DisplayList, RenderError> {
+    let titles: Vec<String> = (0..count).map(|at| format!("run {at} with a title of some length")).collect();
+    let runs = |steps: usize| -> Vec<FigureRun> {
+        titles.iter().map(|title| FigureRun { title: title.clone(), ..run.every_nth(steps) }).collect()
+    };
+    let subjects: Vec<CollisionSubject> =
+        titles.iter().map(|title| CollisionSubject { title: title.clone(), ..run.first_collision() }).collect();
+    let bands = |axis| -> Vec<SpacetimeRun> {
+        let copy = |title: &String| {
+            let mut bands = run.spacetime(axis);
+            bands.title.clone_from(title);
+            bands
+        };
+        titles.iter().map(copy).collect()
+    };
+    match kind {
+        "collision" => figures::collision(&subjects, style),
+        "minkowski" => figures::minkowski(&subjects, style),
+        "strobe" => figures::strobe(&runs(run.frames.len() / 5 + 1), style),
+        "filmstrip" => figures::filmstrip(&runs(run.frames.len() / 4 + 1), style),
+        "spacetime-x" => figures::spacetime(&bands(Axis::X), run.time(), Axis::X, style),
+        "spacetime-y" => figures::spacetime(&bands(Axis::Y), run.time(), Axis::Y, style),
+        "energy" => {
+            let copy = |title: &String| {
+                let mut energies = run.energies();
+                energies.title.clone_from(title);
+                energies
+            };
+            figures::energy(&titles.iter().map(copy).collect::<Vec<EnergyRun>>(), run.time(), style)
         }
-        Shape::Rect { .. } | Shape::Polygon { .. } | Shape::Polyline { .. } | Shape::Clip { .. } => None,
+        _ => {
+            let mut frame = run.frames[run.frames.len() / 2].clone();
+            frame.collisions = run.collisions.iter().take(3).cloned().collect();
+            Ok(compose(&frame, &View::new(WORLD, style.clone())?))
+        }
+    }
+}
+
+/// Every kind of figure at any size, of 1 to 24 recordings, is legible, or is refused with a size at which it is.
+#[test]
+fn pictures_of_every_size_and_number_of_recordings_are_legible_or_refused_with_a_sufficient_size() {
+    let bullet: [BodySpec; 3] = [
+        ("a body with a name that fits nowhere", [0.5, 1.8, 0.6, 0.6], [12.0, 0.0]),
+        ("wall-plate", [5.0, 0.5, 0.3, 3.5], [0.0, 0.0]),
+        ("speck", [3.0, 1.9, 1e-3, 1e-3], [1e-3, 0.0]),
+    ];
+    let scenes = [pair(), fall(), run_with(SolverKind::EventDriven, &bullet, None, 20.0, 24)];
+    let sizes = [
+        [64, 64],
+        [90, 160],
+        [200, 200],
+        [320, 180],
+        [360, 640],
+        [1024, 128],
+        [128, 1024],
+        [800, 800],
+        [1280, 720],
+        [720, 1280],
+        [2000, 250],
+        [4096, 2160],
+        [1024, 8192],
+        [8192, 1024],
+        [8192, 8192],
+    ];
+    let looks = [
+        (Overlays::from([Overlay::Name, Overlay::Clock]), ""),
+        (Overlays::all(), "A caption of two lines:\nwith $E = m c^2$ and many more words than a narrow page can hold"),
+        (Overlays::from([Overlay::Velocity, Overlay::Grid, Overlay::Scale, Overlay::Name]), "short"),
+    ];
+    // Each size with each kind, and the other choices in turn.
+    let mut number = 0_usize;
+    for size in sizes {
+        for kind in KINDS {
+            for count in [1, [2, 3, 5, 24, 7, 12, 4][number % 7]] {
+                number += 1;
+                let ((show, caption), run) = (&looks[number % 3], &scenes[number / 3 % 3]);
+                let theme = if number.is_multiple_of(2) { Theme::Light } else { Theme::Dark };
+                let color_by = ColorBy::ALL[number / 2 % 3];
+                let look =
+                    Look { size, theme, show: show.clone(), caption: (*caption).into(), color_by, ..Look::default() };
+                let materials = (0..25).map(|at| format!("material {at}")).collect();
+                let style = Style { look, top_speed: 12.0, materials, ..Style::default() };
+                let case = format!("{kind} of {count} at {size:?}, look {}, scene {}", number % 3, number / 3 % 3);
+                match picture_of(kind, run, count, &style) {
+                    Ok(list) => assert_legible(&list, &case),
+                    Err(RenderError::TooSmall { needed: Some(needed), .. }) => {
+                        let look = Look { size: needed, ..style.look.clone() };
+                        let list = picture_of(kind, run, count, &Style { look, ..style.clone() });
+                        assert_legible(&list.unwrap_or_else(|error| panic!("{case}: {error}")), &case);
+                    }
+                    Err(error) => panic!("{case}: {error}"),
+                }
+            }
+        }
     }
 }
 
@@ -258,7 +402,7 @@ fn each_kind_of_figure_matches_its_reference_in_both_themes() {
 fn an_svg_figure_matches_its_snapshot() {
     let (subjects, mut file) = ([pair().first_collision()], Vec::new());
     let metadata = Metadata { entries: vec![("rebond steps".into(), subjects[0].collision.step.to_string())] };
-    let list = figures::minkowski(&subjects, &options(Theme::Light, ""));
+    let list = figures::minkowski(&subjects, &options(Theme::Light, "")).unwrap();
     svg::encode(&list, &metadata, TextAs::Outlines, &mut file).unwrap();
     crate::snapshot::assert_text("figure-minkowski.svg", &String::from_utf8(file).unwrap());
 }
@@ -267,12 +411,12 @@ fn an_svg_figure_matches_its_snapshot() {
 fn figures_without_data_have_only_a_caption() {
     let options = options(Theme::Light, "nothing");
     for list in [
-        figures::collision(&[], &options),
-        figures::minkowski(&[], &options),
-        figures::strobe(&[], &options),
-        figures::filmstrip(&[], &options),
-        figures::spacetime(&[], Range { from: 0.0, to: 1.0 }, Axis::X, &options),
-        figures::energy(&[], Range { from: 0.0, to: 1.0 }, &options),
+        figures::collision(&[], &options).unwrap(),
+        figures::minkowski(&[], &options).unwrap(),
+        figures::strobe(&[], &options).unwrap(),
+        figures::filmstrip(&[], &options).unwrap(),
+        figures::spacetime(&[], Range { from: 0.0, to: 1.0 }, Axis::X, &options).unwrap(),
+        figures::energy(&[], Range { from: 0.0, to: 1.0 }, &options).unwrap(),
     ] {
         assert_eq!(list.leaves().count(), 1, "{list}");
     }
@@ -301,12 +445,12 @@ fn extreme_coordinates_do_not_crash_a_figure() {
         let time = Range { from: 0.0, to: coordinate };
         let (subjects, options) = ([extreme], options(Theme::Dark, ""));
         for list in [
-            figures::collision(&subjects, &options),
-            figures::minkowski(&subjects, &options),
-            figures::strobe(&runs, &options),
-            figures::filmstrip(&runs, &options),
-            figures::spacetime(&[bands], time, Axis::Y, &options),
-            figures::energy(&[energy], time, &options),
+            figures::collision(&subjects, &options).unwrap(),
+            figures::minkowski(&subjects, &options).unwrap(),
+            figures::strobe(&runs, &options).unwrap(),
+            figures::filmstrip(&runs, &options).unwrap(),
+            figures::spacetime(&[bands], time, Axis::Y, &options).unwrap(),
+            figures::energy(&[energy], time, &options).unwrap(),
         ] {
             Painter::new().draw(&list);
         }

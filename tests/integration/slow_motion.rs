@@ -162,3 +162,17 @@ fn a_state_between_steps_agrees_with_a_finer_run_and_changes_no_bit() {
         assert_eq!(coarse.snapshot(), undisturbed.snapshot());
     }
 }
+
+#[test]
+fn long_clips_need_confirmation_and_have_a_limit() {
+    let workplace = workplace("event-driven");
+    for (slow, long, expected) in [
+        ("1e-4", "", "or allow it with --long"),
+        ("1e-6", " --long", "no clip may have more than 10000000 frames or 10000000 s"),
+    ] {
+        let outcome = workplace.rebond(&format!("render run.mcap -o slow.gif --slow {slow}{long}"));
+        assert_eq!(outcome.code, 1, "{outcome:?}");
+        assert!(outcome.errors.replace("\n  │ ", " ").contains(expected), "{outcome:?}");
+        assert!(!workplace.path("slow.gif").exists());
+    }
+}

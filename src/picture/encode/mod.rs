@@ -71,6 +71,22 @@ pub enum RenderError {
         /// Maximum width and height, px.
         max_side: u32,
     },
+    /// The picture is too small for its text.
+    #[error(
+        "a picture of {width}×{height} pixels is too small for its text: {}",
+        match needed {
+            Some([width, height]) => format!("use --size {width}x{height} or larger"),
+            None => "no size is sufficient, so show less: fewer recordings, or shorter texts".to_owned(),
+        }
+    )]
+    TooSmall {
+        /// Width, px.
+        width: u32,
+        /// Height, px.
+        height: u32,
+        /// A sufficient size with the same proportions, px; `None` if no size is sufficient.
+        needed: Option<[u32; 2]>,
+    },
     /// The visible part of the world is empty or not finite.
     #[error("an area of {width} m × {height} m cannot be shown: width and height must be finite and positive")]
     WorldSize {
@@ -96,4 +112,16 @@ pub enum RenderError {
     /// The picture file is damaged or has another format.
     #[error("the picture file cannot be read: {0}")]
     Unreadable(String),
+}
+
+impl RenderError {
+    /// The error for a picture of `size` pixels that is too small, with the smallest one in proportion that `fits`.
+    pub(crate) fn too_small(size: [u32; 2], fits: impl Fn([u32; 2]) -> bool) -> RenderError {
+        let [width, height] = size;
+        // Each is a tenth larger than the one before.
+        let scaled = |factor: f64| size.map(|side| (f64::from(side) * factor).ceil() as u32);
+        let factors = std::iter::successors(Some(1.1), |factor| Some(factor * 1.1));
+        let sizes = factors.map(scaled).take_while(|size| size.iter().all(|&side| side <= MAX_SIDE));
+        RenderError::TooSmall { width, height, needed: sizes.into_iter().find(|size| fits(*size)) }
+    }
 }

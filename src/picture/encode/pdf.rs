@@ -2,13 +2,13 @@
 
 use crate::physics::Vector;
 use crate::picture::raster::simplified;
-use crate::picture::text::{Font, Glyph, Line, PathSegment, UNITS_PER_EM, plain_letter};
+use crate::picture::text::{Font, Glyph, Line, UNITS_PER_EM, plain_letter};
 use crate::picture::{Color, DisplayList, Ink, Metadata, RenderError, Shape};
 use pdf_writer::types::{CidFontType, FontFlags, LineCapStyle, LineJoinStyle, SystemInfo, UnicodeCmap};
 use pdf_writer::{Content, Filter, Finish, Name, Pdf, Rect, Ref, Str, TextStr};
 use std::collections::{BTreeMap, BTreeSet};
-use subsetter::GlyphRemapper;
 use std::io::Write;
+use subsetter::GlyphRemapper;
 
 /// A pixel is 1/96 inch, as in SVG; a point is 1/72 inch.
 const POINTS_PER_PIXEL: f32 = 0.75;
@@ -183,12 +183,11 @@ struct EmbeddedFont {
 impl EmbeddedFont {
     fn of(list: &DisplayList) -> EmbeddedFont {
         let lines = list.leaves().filter_map(|shape| match shape {
-            Shape::Text { line, .. } if !line.text.is_empty() => Some(line),
-            _ => None,
+            Shape::Text { line, .. } => Some(line),
+            Shape::Rect { .. } | Shape::Polygon { .. } | Shape::Polyline { .. } | Shape::Clip { .. } => None,
         });
         let glyphs = lines.flat_map(|line| &line.glyphs);
-        let characters: BTreeMap<u16, char> =
-            glyphs.map(|glyph| (glyph.id, plain_letter(glyph.character))).collect();
+        let characters: BTreeMap<u16, char> = glyphs.map(|glyph| (glyph.id, plain_letter(glyph.character))).collect();
         let numbers = GlyphRemapper::new_from_glyphs_sorted(&characters.keys().copied().collect::<Vec<u16>>());
         EmbeddedFont { characters, numbers }
     }
@@ -284,7 +283,12 @@ fn draw_shape(content: &mut Content, shape: &Shape, font: &EmbeddedFont, last: &
         Shape::Text { line, at, ink } => {
             set_ink(content, *ink, last);
             match line.text.is_empty() {
-                true => draw_outlines(content, line, *at),
+                true => {
+                    // Decoration: readers and searches find no text here.
+                    content.begin_marked_content_with_properties(Name(b"Span")).properties().actual_text(TextStr(""));
+                    show_line(content, line, *at, font);
+                    content.end_marked_content();
+                }
                 false => show_line(content, line, *at, font),
             }
         }
@@ -362,45 +366,62 @@ fn show_line(content: &mut Content, line: &Line, at: Vector, font: &EmbeddedFont
     content.end_text();
 }
 
-/// Draws all glyphs of a line as one path.
-fn draw_outlines(content: &mut Content, line: &Line, at: Vector) {
-    for glyph in &line.glyphs {
-        let (x, y) = ((at.x + glyph.x) as f32, (at.y + glyph.y) as f32);
-        let scale = (glyph.size / UNITS_PER_EM) as f32;
-        draw_outline(content, &Font::embedded().outline(glyph.id), |[glyph_x, glyph_y]| {
-            [x + glyph_x * scale, y - glyph_y * scale]
-        });
-    }
-    content.fill_nonzero();
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use skrifa::instance::{LocationRef, Size};
+    use skrifa::{FontRef, GlyphId, MetadataProvider};
 
-fn draw_outline(content: &mut Content, outline: &[PathSegment], transform: impl Fn([f32; 2]) -> [f32; 2]) {
-    let mut from = [0.0; 2];
-    for segment in outline {
-        match *segment {
-            PathSegment::Move(to) => {
-                from = transform(to);
-                content.move_to(from[0], from[1]);
-            }
-            PathSegment::Line(to) => {
-                from = transform(to);
-                content.line_to(from[0], from[1]);
-            }
-            PathSegment::Quadratic(points) => {
-                let [control, to] = points.map(&transform);
-                let [a, b] = [from, to].map(|end| cubic_control(end, control));
-                content.cubic_to(a[0], a[1], b[0], b[1], to[0], to[1]);
-                from = to;
-            }
-            PathSegment::Close => {
-                content.close_path();
-            }
+    fn list(markup: &str) -> DisplayList {
+        let line = Line::math(markup, 20.0);
+        let ink = Color::hex(0).into();
+        let at = Vector::new(5.0, 30.0);
+        let halo = Shape::Text { line: line.without_text(), at, ink };
+        let background = Color::hex(0xffffff);
+        DisplayList { size: [300, 60], background, backdrop: vec![halo], shapes: vec![Shape::Text { line, at, ink }] }
+    }
+
+    #[test]
+    fn the_embedded_font_has_the_glyphs_in_use_and_maps_them_to_plain_letters() {
+        let list = list("v⃗_c = 5 \"m/s\", ΔE");
+        let font = EmbeddedFont::of(&list);
+        let file = subsetter::subset(Font::FILE, 0, &font.numbers).unwrap();
+        assert!(file.len() < Font::FILE.len() / 10, "{} bytes", file.len());
+        let subset = FontRef::new(&file).unwrap();
+        let advances = subset.glyph_metrics(Size::unscaled(), LocationRef::default());
+        for (&glyph, &character) in &font.characters {
+            let number = u16::from_be_bytes(font.code(glyph));
+            assert!(number > 0, "{character}");
+            let advance = advances.advance_width(GlyphId::from(number)).map(f64::from);
+            assert_eq!(advance, Some(Font::embedded().advance(glyph)), "{character}");
         }
+        let characters: BTreeSet<char> = font.characters.values().copied().collect();
+        assert_eq!(characters, "v\u{20d7}c =5m/s,ΔE".chars().collect());
     }
-}
 
-/// A control point of the cubic Bézier curve that equals a quadratic one (PDF has only cubic curves). It lies
-/// two thirds of the way from an end to the quadratic control point.
-fn cubic_control(end: [f32; 2], control: [f32; 2]) -> [f32; 2] {
-    [0, 1].map(|axis| (end[axis] + 2.0 * control[axis]) / 3.0)
+    #[test]
+    fn the_text_of_a_page_is_shown_once_and_its_halo_has_none() {
+        let list = list("abc");
+        let font = EmbeddedFont::of(&list);
+        let content = content(&list, 45.0, &font);
+        let count = |word: &[u8]| content.windows(word.len()).filter(|bytes| *bytes == word).count();
+        assert_eq!([count(b"BT"), count(b"/ActualText"), count(b"EMC")], [2, 1, 1]);
+    }
+
+    #[test]
+    fn a_page_without_text_has_no_font() {
+        let mut file = Vec::new();
+        let empty = DisplayList { backdrop: Vec::new(), shapes: Vec::new(), ..list("") };
+        encode(&empty, &Metadata::default(), &mut file).unwrap();
+        assert!(!file.windows(5).any(|bytes| bytes == b"/Font"));
+    }
+
+    #[test]
+    fn metadata_is_read_back() {
+        let entries = [("rebond steps", "0 to 600"), (Metadata::TITLE, "v⃗ = (−Δx/Δt)"), ("a b", "\\")];
+        let metadata = Metadata { entries: entries.map(|(key, value)| (key.to_owned(), value.to_owned())).to_vec() };
+        let mut written = Vec::new();
+        encode(&list("abc"), &metadata, &mut written).unwrap();
+        assert_eq!(super::metadata(&written), metadata);
+    }
 }

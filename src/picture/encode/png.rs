@@ -5,7 +5,8 @@ use crate::picture::encode::quantize::IndexedImage;
 use crate::picture::raster::color::blend;
 use crate::picture::{Metadata, Picture, RenderError};
 use png::{
-    BitDepth, ColorType, Compression, Decoder, DecodingError, Encoder, EncodingError, Filter, Info, PixelDimensions, Transformations, Unit,
+    BitDepth, ColorType, Compression, Decoder, DecodingError, Encoder, EncodingError, Filter, Info, PixelDimensions,
+    Transformations, Unit,
 };
 use std::io::{BufRead, Seek, Write};
 

@@ -107,12 +107,7 @@ fn encode_shape(shape: &Shape, text: TextAs, output: &mut impl Write) -> Result<
 }
 
 /// Writes a nested `svg` element, which clips its content.
-fn encode_clip(
-    window: &Rect,
-    shapes: &[Shape],
-    text: TextAs,
-    output: &mut impl Write,
-) -> Result<(), RenderError> {
+fn encode_clip(window: &Rect, shapes: &[Shape], text: TextAs, output: &mut impl Write) -> Result<(), RenderError> {
     let [x, y, width, height] = [window.origin.x, window.origin.y, window.width(), window.height()].map(f64::round);
     writeln!(
         output,
@@ -271,5 +266,41 @@ mod tests {
         let file = encoded(text, &Metadata { entries });
         assert!(file.contains(">&lt;&quot;&amp;&quot;&gt;</text>"), "{file}");
         assert!(file.contains("<metadata>a&lt;b: c&amp;d\n</metadata>"), "{file}");
+    }
+
+    #[test]
+    fn text_is_outlines_with_hidden_words_or_text_alone() {
+        let line = Line::math("v_c = 5 \"m/s\"", 10.0);
+        let at = Vector::new(1.0, 5.0);
+        let halo = Shape::Text { line: line.without_text(), at, ink: Color::hex(0xffffff).into() };
+        let label = Shape::Text { line, at, ink: Color::hex(0).into() };
+        let list = DisplayList {
+            size: [90, 20],
+            background: Color::hex(0xffffff),
+            backdrop: Vec::new(),
+            shapes: vec![halo, label],
+        };
+        let title = (Metadata::TITLE.to_owned(), "Energy & momentum".to_owned());
+        let metadata = Metadata { entries: vec![title, (Metadata::DESCRIPTION.to_owned(), "Steps 0 to 9".to_owned())] };
+        let file = |text| {
+            let mut file = Vec::new();
+            encode(&list, &metadata, text, &mut file).unwrap();
+            String::from_utf8(file).unwrap()
+        };
+        let (outlines, text) = (file(TextAs::Outlines), file(TextAs::Text));
+        for file in [&outlines, &text] {
+            assert_eq!(file.matches("role=\"img\"").count(), 1);
+            assert!(file.contains(">Energy &amp; momentum</title>") && file.contains(">Steps 0 to 9</desc>"), "{file}");
+        }
+        assert_eq!(outlines.matches("<text").count(), 1);
+        assert!(outlines.contains("fill-opacity=\"0\">v_c = 5 m/s</text>") && outlines.contains("<use"), "{outlines}");
+        assert!(text.contains(">𝑣</tspan>") && !text.contains("<use") && !text.contains("fill-opacity"), "{text}");
+    }
+
+    #[test]
+    fn points_on_straight_lines_are_left_out() {
+        let points = (0..=100).map(|at| Vector::new(f64::from(at), 0.5 * f64::from(at))).collect();
+        let file = encoded(Shape::Polyline { points, width: 1.0, ink: Color::hex(0).into() }, &Metadata::default());
+        assert!(file.contains("points=\"0,0 100,50\""), "{file}");
     }
 }

@@ -10,6 +10,8 @@ use crate::picture::{DrawingMetrics, Ink, Shape};
 pub struct Axes {
     /// The plot area inside the frame, px.
     pub plot_area: Rect,
+    /// The area of the plot, its labels and titles, px.
+    panel: Rect,
     /// The horizontal scale, from left to right.
     pub x: Scale,
     /// The vertical scale, from the lower to the upper border.
@@ -148,7 +150,7 @@ impl Axes {
         let near = panel.origin.add(Vector::new(left, above));
         let far = near.add(Vector::new(panel.width() - left - right - 0.5 * metrics.font_size, height));
         let near = Vector::new(near.x.round(), near.y.round());
-        Axes { plot_area: Rect::new(near, far.x.round() - near.x, far.y.round() - near.y), x, y }
+        Axes { plot_area: Rect::new(near, far.x.round() - near.x, far.y.round() - near.y), panel: *panel, x, y }
     }
 
     /// The axes with the left border of the plot area moved to `left`, px.
@@ -171,22 +173,31 @@ impl Axes {
         let [grid, muted] = [metrics.palette.grid, metrics.palette.muted].map(Ink::from);
         // Powers of ten are narrower than decimal numbers, and the titles of logarithmic axes are longer.
         let (tick_width, title_size) = match self.x {
-            Scale::Linear { .. } => (5.0, 0.9 * font_size),
-            Scale::Log { .. } => (4.0, 0.85 * font_size),
+            Scale::Linear { .. } => (5.0, metrics.text(0.9)),
+            Scale::Log { .. } => (4.0, metrics.text(0.85)),
         };
+        let mut free_from = self.panel.origin.x;
         for tick in self.x.ticks(area.width() / (tick_width * font_size)) {
             let x = (area.origin.x + self.x.fraction(tick.value) * area.width()).round();
             shapes.push(Shape::Rect { rect: Rect::new(Vector::new(x, area.origin.y), thin, area.height()), ink: grid });
             let line = tick.line(metrics);
-            let at = Vector::new(x - line.width / 2.0, far.y + 1.1 * font_size);
-            shapes.push(Shape::Text { line, at, ink: muted });
+            // A label at the end of the axis stays within the panel, and none covers another one.
+            let left = smaller(x - line.width / 2.0, self.panel.far_corner().x - line.width);
+            if left >= free_from {
+                free_from = left + line.width + 0.3 * font_size;
+                shapes.push(Shape::Text { line, at: Vector::new(left, far.y + 1.1 * font_size), ink: muted });
+            }
         }
+        let mut last = f64::INFINITY;
         for tick in self.y.ticks(area.height() / (TICK_HEIGHT * font_size)) {
             let y = (far.y - self.y.fraction(tick.value) * area.height()).round();
             shapes.push(Shape::Rect { rect: Rect::new(Vector::new(area.origin.x, y), area.width(), thin), ink: grid });
             let line = tick.line(metrics);
             let at = Vector::new(area.origin.x - line.width - 0.5 * font_size, y + line.height() / 2.0);
-            shapes.push(Shape::Text { line, at, ink: muted });
+            if (y - last).abs() > 1.3 * line.height() {
+                last = y;
+                shapes.push(Shape::Text { line, at, ink: muted });
+            }
         }
         shapes.extend(outline(&area, thin, metrics.palette.wall_edge.into()));
         let ink = metrics.palette.ink.into();
@@ -216,7 +227,7 @@ struct Tick {
 
 impl Tick {
     fn line(&self, metrics: &DrawingMetrics) -> Line {
-        Line::math(&self.label, 0.8 * metrics.font_size)
+        Line::math(&self.label, metrics.text(0.8))
     }
 }
 

@@ -2,8 +2,8 @@ use super::pair::{Pair, ROLES};
 use super::panels::Panels;
 use crate::physics::{Axis, Rect, Vector, smaller};
 use crate::picture::layers::contacts::contact_center;
-use crate::picture::layers::labels::LabelPlacer;
-use crate::picture::number::{format_significant, nice_spacing};
+use crate::picture::layers::labels::{Label, LabelPlacer};
+use crate::picture::number::{format_significant, nice_below, nice_spacing};
 use crate::picture::text::Line;
 use crate::picture::{Arrow, Camera, Color, DrawingMetrics, Shape};
 
@@ -18,12 +18,18 @@ pub struct CloseUp {
 }
 
 impl CloseUp {
-    /// Creates the close-up for a figure whose other panels have `scale` pixels per metre.
-    pub fn new(pair: &Pair, scale: f64, metrics: &DrawingMetrics) -> CloseUp {
+    /// Creates the close-up in a panel of a figure whose other panels have `scale` pixels per metre. On both sides of the
+    /// overlap there is space for the boxes.
+    pub fn new(pair: &Pair, panel: &Rect, scale: f64, metrics: &DrawingMetrics) -> CloseUp {
         let depth = pair.collision.penetration.norm() * scale;
-        let target_length = 5.0 * metrics.font_size;
-        let zoom =
-            if depth > 0.0 && depth < target_length { smaller(nice_spacing(target_length / depth), 1e9) } else { 1.0 };
+        let along = if pair.collision.normal.x == 0.0 { panel.height() } else { panel.width() };
+        let target_length = smaller(5.0 * metrics.font_size, 0.3 * along);
+        let zoom = if depth > 0.0 && depth < target_length {
+            let zoom = smaller(nice_spacing(target_length / depth), nice_below(0.6 * along / depth));
+            smaller(zoom, 1e9)
+        } else {
+            1.0
+        };
         CloseUp { pair: pair.faded(metrics), scale: scale * zoom, zoom }
     }
 
@@ -39,39 +45,40 @@ impl CloseUp {
             let pale = metrics.palette.penetration.mix(metrics.palette.background, 70);
             shapes.push(Shape::Rect { rect, ink: pale.into() });
         }
+        let mut placer = LabelPlacer::within(*panel);
         if self.zoom == 1.0 {
             let normal = self.pair.collision.normal.mult(5.0 * metrics.font_size);
             let from = camera.point(contact_center(rects));
-            let arrow = Arrow {
-                from,
-                to: from.add(normal.mult(1.4)),
-                width: metrics.line_width,
-                color: metrics.palette.normal,
-            };
-            let names = self.pair.names(&camera, rects, &[arrow], &metrics);
+            let arrow = Arrow::new(from, from.add(normal.mult(1.4)), metrics.line_width, metrics.palette.normal);
+            let names = self.pair.names(&camera, rects, &[arrow.into()], &metrics);
+            names.iter().for_each(|name| placer.reserve(name.bounds()));
             names.into_iter().for_each(|name| name.draw_bare(&mut shapes));
         } else {
-            shapes.extend([0, 1].map(|at| self.role_label(at, panel, &metrics)));
+            for at in [0, 1] {
+                let label = self.role_label(at, panel, &metrics);
+                placer.reserve(label.bounds());
+                label.draw_bare(&mut shapes);
+            }
         }
         panels.shapes.push(Shape::Clip { window: *panel, shapes });
         if page_rects.iter().any(|rect| !panel.contains(rect)) {
             panels.draw_frame(panel);
         }
-        self.draw_vectors(panel, panels);
+        self.draw_vectors(panel, &mut placer, panels);
     }
 
     /// The handout's name of a box as a label on the box's side of the contact.
-    fn role_label(&self, at: usize, panel: &Rect, metrics: &DrawingMetrics) -> Shape {
+    fn role_label(&self, at: usize, panel: &Rect, metrics: &DrawingMetrics) -> Label {
         let line = Line::math(ROLES[at], 1.4 * metrics.font_size);
         let side = self.pair.collision.normal.mult(if at == 0 { 0.4 } else { -0.4 });
         let normal = Vector::new(side.x * panel.width(), side.y * panel.height());
         let middle = panel.center().add(normal);
         let baseline = middle.add(Vector::new(-line.width / 2.0, line.height() / 2.0));
-        Shape::Text { line, at: baseline, ink: metrics.palette.text_on(self.pair.colors[at]).into() }
+        Label { line, at: baseline, color: metrics.palette.text_on(self.pair.colors[at]) }
     }
 
     /// Draws normal, penetration and its shares side by side along the contact.
-    fn draw_vectors(&self, panel: &Rect, panels: &mut Panels) {
+    fn draw_vectors(&self, panel: &Rect, placer: &mut LabelPlacer, panels: &mut Panels) {
         let metrics = panels.metrics;
         let normal = self.pair.collision.normal;
         let penetration = self.pair.collision.penetration.mult(self.scale);
@@ -79,24 +86,25 @@ impl CloseUp {
         let across = if normal.x == 0.0 { panel.width() } else { panel.height() };
         let spacing = smaller(spacing, smaller(4.0 * metrics.font_size, 0.3 * across));
         let step = Vector::new(-normal.y, normal.x).mult(spacing);
+        let along = if normal.x == 0.0 { panel.height() } else { panel.width() };
+        let normal_length = smaller(5.0 * metrics.font_size, 0.35 * along);
         let [share_c, share_b] = self.pair.collision.shares;
         let blue = Color::hex(0x0072b2).mix(metrics.palette.ink, 20);
         let from =
             |steps: f64, penetrations: f64| panel.center().add(step.mult(steps)).sub(penetration.mult(penetrations));
         let vectors = [
-            (from(-1.0, 0.0), normal.mult(5.0 * metrics.font_size), metrics.palette.normal, "n̂"),
+            (from(-1.0, 0.0), normal.mult(normal_length), metrics.palette.normal, "n̂"),
             (from(0.0, 0.5), penetration, metrics.palette.penetration, "n⃗"),
             (from(1.0, 0.0), penetration.mult(share_c), blue, "N_c n⃗"),
             (from(1.0, 0.0), penetration.mult(-share_b), blue, "-N_b n⃗"),
         ];
-        let mut placer = LabelPlacer::within(*panel);
         for &(from, vector, _, _) in &vectors {
             placer.avoid_line(from, from.add(vector), 3.0);
         }
         for (from, vector, color, name) in vectors.into_iter().filter(|(_, vector, _, _)| vector.norm() > 0.0) {
-            let arrow = Arrow { from, to: from.add(vector), width: 1.5 * metrics.line_width, color };
+            let arrow = Arrow::new(from, from.add(vector), 1.5 * metrics.line_width, color);
             arrow.draw(&metrics, &mut panels.shapes);
-            label_arrow(&arrow, name, &mut placer, panels);
+            label_arrow(&arrow, name, placer, panels);
         }
     }
 
@@ -106,15 +114,14 @@ impl CloseUp {
         c.overlap_along(if self.pair.collision.normal.x == 0.0 { Axis::X } else { Axis::Y }, b)
     }
 
-    /// The caption below the panel, as markup.
-    pub fn title(&self) -> String {
+    /// A long and a short caption below the panel, as markup.
+    pub fn titles(&self) -> [String; 2] {
         let state = if self.pair.collision.penetration == Vector::ZERO { "they touch" } else { "they overlap" };
-        let zoom = if self.zoom == 1.0 {
-            String::new()
-        } else {
-            format!(", {} \"times larger\"", format_significant(self.zoom, 1))
-        };
-        format!("\"(b) {state}\"{zoom}")
+        let zoom = format_significant(self.zoom, 1);
+        match self.zoom {
+            1.0 => [0, 1].map(|_| format!("\"(b) {state}\"")),
+            _ => [format!("\"(b) {state}\", {zoom} \"times larger\""), format!("\"(b) {state}, \"×{zoom}")],
+        }
     }
 }
 
@@ -125,6 +132,8 @@ pub fn label_arrow(arrow: &Arrow, markup: &str, placer: &mut LabelPlacer, panels
         return;
     }
     let line = Line::math(markup, 1.1 * panels.metrics.font_size);
-    let label = placer.place(line, arrow.to, direction, panels.metrics.font_size, arrow.color);
-    label.draw(&panels.metrics, &mut panels.shapes);
+    let color = panels.metrics.palette.label(arrow.color);
+    if let Some(label) = placer.place(line, arrow.to, direction, panels.metrics.font_size, color) {
+        label.draw(&panels.metrics, &mut panels.shapes);
+    }
 }

@@ -1,10 +1,10 @@
 use super::axes::{Axes, AxisTitles, Scale};
-use super::panels::Panels;
+use super::panels::{Layout, Panels};
 use crate::physics::{Rect, Vector, smaller};
 use crate::picture::layers::footer::{Entry, Legend};
 use crate::picture::layers::labels::LabelPlacer;
 use crate::picture::text::Line;
-use crate::picture::{Color, DisplayList, DrawingMetrics, Ink, Shape, color};
+use crate::picture::{Color, DisplayList, DrawingMetrics, Ink, RenderError, Shape, color};
 use crate::picture::{Look, PictureOptions, Theme};
 
 /// A diagram with logarithmic scales.
@@ -47,31 +47,36 @@ const COLORS: [usize; 7] = [4, 5, 6, 1, 2, 0, 3];
 
 /// Draws diagrams on one page, with a common legend. Uses size, theme and caption of the options; an open size is
 /// derived from the number of diagrams.
-pub fn diagrams(diagrams: &[Diagram], options: &PictureOptions) -> DisplayList {
+///
+/// # Errors
+/// If the page is too small.
+pub fn diagrams(diagrams: &[Diagram], options: &PictureOptions) -> Result<DisplayList, RenderError> {
     let columns = columns(diagrams.len());
     let rows = diagrams.len().div_ceil(columns).max(1);
     let size = options.size.unwrap_or_else(|| page_size(columns, rows));
-    let metrics = metrics(options.theme.unwrap_or(Look::default().theme), size, columns, rows);
     let mut names: Vec<&str> = Vec::new();
     for curve in diagrams.iter().flat_map(|diagram| &diagram.curves) {
         if !names.contains(&curve.name.as_str()) {
             names.push(&curve.name);
         }
     }
-    let entries = names.iter().enumerate().map(|(number, name)| Entry::new(color(number), name));
-    let mut panels = Panels::with_metrics(
+    let entries: Vec<Entry> = names.iter().enumerate().map(|(number, name)| Entry::new(color(number), name)).collect();
+    let layout = Layout {
         size,
-        metrics,
-        options.caption.as_deref().unwrap_or_default(),
-        &Legend { entries: entries.collect() },
-    );
-    let titles: Vec<&str> = diagrams.iter().map(|diagram| diagram.title.as_str()).collect();
-    let cells = panels.titled_cells(&titles, columns);
+        metrics: metrics(options.theme.unwrap_or(Look::default().theme), size, columns, rows),
+        caption: options.caption.as_deref().unwrap_or_default(),
+        legend: &|_| Legend { entries: entries.clone() },
+        titles: &diagrams.iter().map(|diagram| diagram.title.as_str()).collect::<Vec<&str>>(),
+        shape: Vector::new(560.0, 400.0),
+        text_height: 0.0,
+        fits: &|cell, metrics| cell.width() >= 13.0 * metrics.font_size && cell.height() >= 9.0 * metrics.font_size,
+    };
+    let (mut panels, cells) = layout.lay_out()?;
     for (diagram, cell) in diagrams.iter().zip(&cells) {
         let color_of = |curve: &Curve| color(names.iter().position(|name| *name == curve.name).unwrap_or(0));
-        draw(diagram, cell, color_of, &mut panels);
+        panels.clip(cell, |panels| draw(diagram, cell, color_of, panels));
     }
-    panels.finish()
+    Ok(panels.finish())
 }
 
 fn columns(count: usize) -> usize {
@@ -130,7 +135,7 @@ fn draw(diagram: &Diagram, cell: &Rect, color_of: impl Fn(&Curve) -> Color, pane
     // Labels of curves first: they are more important than those of points.
     for curve in &diagram.curves {
         if let Some(last) = curve.points.last() {
-            draw_label(&curve.label, at(last), color_of(curve).into(), &mut placer, panels);
+            draw_label(&curve.label, at(last), metrics.palette.label(color_of(curve)).into(), &mut placer, panels);
         }
     }
     for point in points() {
@@ -161,7 +166,7 @@ fn draw_label(label: &str, point: Vector, ink: Ink, placer: &mut LabelPlacer, pa
     if label.is_empty() {
         return;
     }
-    let line = Line::plain(label, 0.7 * panels.metrics.font_size);
+    let line = Line::plain(label, panels.metrics.text(0.7));
     let (width, height, gap) = (line.width, line.height(), 0.45 * panels.metrics.font_size);
     let middle = point.sub(Vector::new(width / 2.0, height / 2.0));
     let right = width / 2.0 + gap;

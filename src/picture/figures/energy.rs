@@ -1,12 +1,12 @@
 use super::TimeCurve;
 use super::axes::{Axes, AxisTitles, Range, Scale};
-use super::panels::Panels;
+use super::panels::{Layout, Panels};
 use super::timeline::{Timeline, draw_timeline, timeline_legend};
 use crate::physics::{Rect, Vector, World, larger, smaller};
 use crate::picture::layers::footer::{Entry, Legend};
 use crate::picture::number::{Unit, format_significant};
 use crate::picture::text::Line;
-use crate::picture::{Color, DisplayList, DrawingMetrics, Ink, Shape, Style, color};
+use crate::picture::{Color, DisplayList, DrawingMetrics, Ink, RenderError, Shape, Style, color};
 
 /// Energy and momentum of a state.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -163,31 +163,61 @@ impl Series {
 
 /// Draws energy and momentum over `time` (s), labelled with the drift of the total energy. Several runs have the same
 /// scales.
-pub fn energy(runs: &[EnergyRun], time: Range, style: &Style) -> DisplayList {
+///
+/// # Errors
+/// If the page is too small.
+pub fn energy(runs: &[EnergyRun], time: Range, style: &Style) -> Result<DisplayList, RenderError> {
     let metrics = DrawingMetrics::new(style.look.theme, style.look.size);
     let energies: Vec<Vec<Series>> = runs.iter().map(|run| run.energy_series(&metrics)).collect();
     let momenta: Vec<Vec<Series>> = runs.iter().map(EnergyRun::momentum_series).collect();
-    let mut panels = Panels::new(style, &legend(&energies, &momenta, runs, &metrics));
-    let titles: Vec<&str> = runs.iter().map(|run| run.title.as_str()).collect();
-    let panel_areas = panels.titled_cells(&titles, runs.len());
     let time = Scale::linear(time, Unit::SECOND);
     let [e, p] =
         [(&energies, Unit::JOULE), (&momenta, Unit::MOMENTUM)].map(|(series, unit)| Scale::linear(range(series), unit));
-    for (at, panel) in panel_areas.iter().enumerate() {
-        let upper = (panel.height() * 0.6).round();
-        let above = Rect::new(panel.origin, panel.width(), upper);
-        let below = Rect::new(panel.origin.add(Vector::new(0.0, upper)), panel.width(), panel.height() - upper);
-        let [e, p] =
-            [(above, e), (below, p)].map(|(panel, scale)| Axes::within(&panel, time, scale, 0.0, &panels.metrics));
-        // The frames are aligned, so that an instant is at the same place in both.
-        let left = larger(e.plot_area.origin.x, p.plot_area.origin.x);
-        let timeline = &runs[at].timeline;
-        let [e, p] = [e.with_left(left), p.with_left(left)];
-        draw_diagram(&energies[at], ("E", &e), timeline, Some(runs[at].drift()), &mut panels);
-        draw_diagram(&momenta[at], ("p", &p), timeline, None, &mut panels);
+    let notes: Vec<String> = runs.iter().map(EnergyRun::drift).collect();
+    let fits = |cell: &Rect, metrics: &DrawingMetrics| {
+        let [above, below] = split(cell).map(|panel| Axes::within(&panel, time, e, 0.0, metrics).plot_area);
+        let title = Line::math(&e.title("E"), metrics.text(0.9)).width + metrics.font_size;
+        let note = notes.iter().map(|note| Line::math(note, metrics.text(NOTE[2])).width).fold(0.0, larger);
+        let momentum = Line::math(&p.title("p"), metrics.text(0.9)).width;
+        above.width() >= larger(larger(6.0 * metrics.font_size, title + note), momentum)
+            && below.height() >= 2.2 * metrics.font_size
+    };
+    let layout = Layout {
+        size: style.look.size,
+        metrics,
+        caption: &style.look.caption,
+        legend: &|metrics| legend(&energies, &momenta, runs, metrics),
+        titles: &runs.iter().map(|run| run.title.as_str()).collect::<Vec<&str>>(),
+        shape: Vector::new(1.0, 1.0),
+        text_height: 0.0,
+        fits: &fits,
+    };
+    let (mut panels, cells) = layout.lay_out()?;
+    for (at, cell) in cells.iter().enumerate() {
+        panels.clip(cell, |panels| {
+            let [above, below] = split(cell);
+            let [e, p] =
+                [(above, e), (below, p)].map(|(panel, scale)| Axes::within(&panel, time, scale, 0.0, &panels.metrics));
+            // The frames are aligned, so that an instant is at the same place in both.
+            let left = larger(e.plot_area.origin.x, p.plot_area.origin.x);
+            let timeline = &runs[at].timeline;
+            let [e, p] = [e.with_left(left), p.with_left(left)];
+            draw_diagram(&energies[at], ("E", &e), timeline, Some(&notes[at]), panels);
+            draw_diagram(&momenta[at], ("p", &p), timeline, None, panels);
+        });
     }
-    panels.finish()
+    Ok(panels.finish())
 }
+
+/// The areas of the diagrams of energy and momentum.
+fn split(cell: &Rect) -> [Rect; 2] {
+    let upper = (cell.height() * 0.6).round();
+    let below = cell.origin.add(Vector::new(0.0, upper));
+    [Rect::new(cell.origin, cell.width(), upper), Rect::new(below, cell.width(), cell.height() - upper)]
+}
+
+/// The font sizes tried for the drift, relative to that of the page.
+const NOTE: [f64; 3] = [0.9, 0.8, 0.7];
 
 /// The range of all values and zero, with a margin.
 fn range(series: &[Vec<Series>]) -> Range {
@@ -199,7 +229,7 @@ fn draw_diagram(
     series: &[Series],
     (symbol, axes): (&str, &Axes),
     timeline: &Timeline,
-    note: Option<String>,
+    note: Option<&str>,
     panels: &mut Panels,
 ) {
     let titles = AxisTitles { x: &axes.x.title("t"), y: &axes.y.title(symbol) };
@@ -214,7 +244,10 @@ fn draw_diagram(
         }
     }
     if let Some(note) = note {
-        let line = Line::math(&note, 0.9 * panels.metrics.font_size);
+        let title = Line::math(titles.y, panels.metrics.text(0.9)).width + panels.metrics.font_size;
+        let [first, second, third] = NOTE.map(|part| Line::math(note, panels.metrics.text(part)));
+        let free_width = axes.plot_area.width() - title;
+        let line = [first, second].into_iter().find(|line| line.width <= free_width).unwrap_or(third);
         let baseline = (axes.plot_area.origin.y - 0.5 * panels.metrics.font_size).round();
         let at = Vector::new((axes.plot_area.far_corner().x - line.width).round(), baseline);
         panels.shapes.push(Shape::Text { line, at, ink: panels.metrics.palette.ink.into() });

@@ -1,29 +1,56 @@
 //! Figures of several instants of a run: in one picture, or side by side.
 
-use super::panels::{Panels, TITLE, outline, target_extent, world_view};
+use super::panels::{Layout, Panels, TITLE, fitted_math, outline, target_extent, world_view};
 use super::{FigureRun, legend};
-use crate::physics::{Rect, Vector};
+use crate::physics::{Rect, Vector, larger};
 use crate::picture::layers::bodies::draw_box;
 use crate::picture::layers::{self, LayoutContext};
 use crate::picture::number::{TimeFormat, Unit};
 use crate::picture::text::Line;
-use crate::picture::{Color, DisplayList, DrawingMetrics, Frame, Ink, Shape, Sprite, Style, color};
+use crate::picture::view::MIN_TEXT;
+use crate::picture::{Color, DisplayList, DrawingMetrics, Frame, Ink, RenderError, Shape, Sprite, Style, color};
 
 /// Draws several instants in one picture, earlier ones fainter, to show motion.
-pub fn strobe(runs: &[FigureRun], style: &Style) -> DisplayList {
-    let mut panels = Panels::new(style, &legend(runs, style));
-    let titles: Vec<&str> = runs.iter().map(|run| run.title.as_str()).collect();
-    let extents: Vec<Vector> = runs.iter().map(|run| target_extent(run, style)).collect();
-    let columns = panels.columns(&extents, (TITLE + 1.6) * panels.metrics.font_size);
-    for (run, cell) in runs.iter().zip(panels.titled_cells(&titles, columns)) {
-        draw_strobe(run, &cell, &mut panels, style);
+///
+/// # Errors
+/// If the page is too small.
+pub fn strobe(runs: &[FigureRun], style: &Style) -> Result<DisplayList, RenderError> {
+    let times: Vec<String> = runs.iter().map(|run| time_label(&run.frames, style.time_format)).collect();
+    let layout = Layout {
+        size: style.look.size,
+        metrics: DrawingMetrics::new(style.look.theme, style.look.size),
+        caption: &style.look.caption,
+        legend: &|metrics| legend(runs, style, metrics),
+        titles: &runs.iter().map(|run| run.title.as_str()).collect::<Vec<&str>>(),
+        shape: widest(runs, style),
+        text_height: TITLE + TIME,
+        fits: &|cell, metrics| is_world_legible(cell, &times, metrics),
+    };
+    let (mut panels, cells) = layout.lay_out()?;
+    for (run, cell) in runs.iter().zip(cells) {
+        panels.clip(&cell, |panels| draw_strobe(run, &cell, panels, style));
     }
-    panels.finish()
+    Ok(panels.finish())
+}
+
+/// Height of the times below a picture of the world, in font sizes.
+const TIME: f64 = 1.6;
+
+/// The largest width and height of the camera targets, m.
+fn widest(runs: &[FigureRun], style: &Style) -> Vector {
+    let extents = runs.iter().map(|run| target_extent(run, style));
+    extents.reduce(|widest, extent| widest.max(extent)).unwrap_or(Vector::new(1.0, 1.0))
+}
+
+/// Returns true if a picture of the world with its times below is legible in a cell.
+fn is_world_legible(cell: &Rect, times: &[String], metrics: &DrawingMetrics) -> bool {
+    let width = times.iter().map(|time| Line::math(time, metrics.text(0.7)).width).fold(0.0, larger);
+    cell.width() >= larger(width, 5.0 * metrics.font_size) && cell.height() >= (TIME + 3.0) * metrics.font_size
 }
 
 fn draw_strobe(run: &FigureRun, cell: &Rect, panels: &mut Panels, style: &Style) {
     let Some((last, earlier)) = run.frames.split_last() else { return };
-    let panel = Rect::new(cell.origin, cell.width(), cell.height() - 1.6 * panels.metrics.font_size);
+    let panel = Rect::new(cell.origin, cell.width(), cell.height() - TIME * panels.metrics.font_size);
     let view = world_view(&panel, panels.metrics.font_size.round(), run, last, style);
     let context = LayoutContext { view: &view, camera: view.camera, metrics: panels.metrics };
     panels.shapes.push(layers::backdrop(last, &context));
@@ -33,9 +60,10 @@ fn draw_strobe(run: &FigureRun, cell: &Rect, panels: &mut Panels, style: &Style)
     }
     panels.shapes.push(ghosts(earlier, last, &context));
     panels.shapes.push(layers::foreground(last, &context));
-    let times = Line::math(&time_label(&run.frames, style.time_format), panels.metrics.font_size);
+    let times = time_label(&run.frames, style.time_format);
+    let times = fitted_math(&times, panels.metrics.font_size, MIN_TEXT, cell.width());
     let viewport = view.camera.viewport;
-    let at = Vector::new(viewport.center().x, viewport.far_corner().y + 1.2 * panels.metrics.font_size);
+    let at = Vector::new(cell.center().x, viewport.far_corner().y + 1.2 * panels.metrics.font_size);
     panels.centered(times, at, panels.metrics.palette.ink.into());
 }
 
@@ -91,36 +119,67 @@ fn draw_ghost(rect: &Rect, fill: Color, context: &LayoutContext, shapes: &mut Ve
 
 /// Draws selected instants side by side with their times, row by row. With several runs, each run has one or more rows
 /// of its own.
-pub fn filmstrip(runs: &[FigureRun], style: &Style) -> DisplayList {
-    let mut panels = Panels::new(style, &legend(runs, style));
-    let titles: Vec<&str> = runs.iter().map(|run| run.title.as_str()).collect();
-    let page_content = panels.content;
-    for (run, cell) in runs.iter().zip(panels.titled_cells(&titles, 1)) {
-        panels.content = cell;
-        let columns =
-            panels.columns(&vec![target_extent(run, style); run.frames.len()], 1.3 * panels.metrics.font_size);
-        for (frame, cell) in run.frames.iter().zip(panels.grid(run.frames.len(), columns)) {
-            draw_instant(run, frame, &cell, &mut panels, style);
+///
+/// # Errors
+/// If the page is too small.
+pub fn filmstrip(runs: &[FigureRun], style: &Style) -> Result<DisplayList, RenderError> {
+    let extent = widest(runs, style);
+    let count = runs.iter().map(|run| run.frames.len()).max().unwrap_or(1);
+    let times: Vec<String> = runs
+        .iter()
+        .flat_map(|run| &run.frames)
+        .map(|frame| time_label(std::slice::from_ref(frame), style.time_format))
+        .collect();
+    let cells_of = |run: &FigureRun, cell: &Rect, metrics: &DrawingMetrics| {
+        let panels = Panels::of_cell(cell, metrics);
+        let columns = panels.columns(run.frames.len(), target_extent(run, style), 1.3 * metrics.font_size);
+        panels.grid(run.frames.len(), columns)
+    };
+    let is_legible = |cell: &Rect, metrics: &DrawingMetrics| {
+        runs.iter().all(|run| {
+            let instants = cells_of(run, cell, metrics);
+            instants.iter().all(|instant| is_world_legible(instant, &times, &instant_metrics(metrics)))
+        })
+    };
+    let layout = Layout {
+        size: style.look.size,
+        metrics: DrawingMetrics::new(style.look.theme, style.look.size),
+        caption: &style.look.caption,
+        legend: &|metrics| legend(runs, style, &instant_metrics(metrics)),
+        titles: &runs.iter().map(|run| run.title.as_str()).collect::<Vec<&str>>(),
+        shape: Vector::new(extent.x * count as f64, extent.y),
+        text_height: TITLE + TIME,
+        fits: &is_legible,
+    };
+    let (mut panels, cells) = layout.lay_out()?;
+    for (run, cell) in runs.iter().zip(cells) {
+        for (frame, instant) in run.frames.iter().zip(cells_of(run, &cell, &panels.metrics)) {
+            panels.clip(&instant, |panels| draw_instant(run, frame, &instant, panels, style));
         }
-        panels.content = page_content;
     }
-    panels.finish()
+    Ok(panels.finish())
+}
+
+/// The metrics of a picture in a filmstrip, whose arrows are shorter because it is small.
+fn instant_metrics(metrics: &DrawingMetrics) -> DrawingMetrics {
+    let font_size = metrics.text(0.8).round();
+    DrawingMetrics { font_size, arrow_length: 3.0 * font_size, ..*metrics }
 }
 
 /// Draws one instant, with its time below.
 fn draw_instant(run: &FigureRun, frame: &Frame, cell: &Rect, panels: &mut Panels, style: &Style) {
-    let metrics = DrawingMetrics { font_size: (0.8 * panels.metrics.font_size).round(), ..panels.metrics };
-    let panel = Rect::new(cell.origin, cell.width(), cell.height() - 1.6 * metrics.font_size);
+    let metrics = instant_metrics(&panels.metrics);
+    let panel = Rect::new(cell.origin, cell.width(), cell.height() - TIME * metrics.font_size);
     let view = world_view(&panel, metrics.line_width, run, frame, style);
     let world = view.camera.viewport.inset(metrics.line_width);
     let context = LayoutContext { view: &view, camera: view.camera, metrics };
     panels.shapes.push(layers::backdrop(frame, &context));
     panels.shapes.push(layers::foreground(frame, &context));
     panels.shapes.extend(outline(&world, metrics.line_width, metrics.palette.wall_edge.into()));
-    let time = Line::math(&time_label(std::slice::from_ref(frame), style.time_format), metrics.font_size);
+    let time = time_label(std::slice::from_ref(frame), style.time_format);
     panels.centered(
-        time,
-        Vector::new(world.center().x, world.far_corner().y + 1.3 * metrics.font_size),
+        fitted_math(&time, metrics.font_size, MIN_TEXT, cell.width()),
+        Vector::new(cell.center().x, world.far_corner().y + 1.3 * metrics.font_size),
         metrics.palette.ink.into(),
     );
 }

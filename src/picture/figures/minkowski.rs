@@ -1,40 +1,67 @@
 use super::CollisionSubject;
 use super::pair::Pair;
-use super::panels::{Panels, above_caption, caption, dashed, draw_rows, outline};
+use super::panels::{Layout, Panels, TITLE, caption, captioned_panels, dashed, outline};
 use crate::physics::{Rect, Vector, larger, smaller};
 use crate::picture::layers::bodies::border_color;
+use crate::picture::layers::footer::Legend;
 use crate::picture::layers::labels::LabelPlacer;
 use crate::picture::number::{Unit, format_significant, nice_spacing};
 use crate::picture::text::Line;
-use crate::picture::{Arrow, Camera, Color, DisplayList, DrawingMetrics, Shape, Style};
+use crate::picture::{Arrow, Camera, Color, DisplayList, DrawingMetrics, RenderError, Shape, Style};
 
 /// Figure 2 of the handout: (a) boxes c and b at contact; (b) their Minkowski difference s = b ⊖ c around the origin,
 /// with the vectors from the origin to its four sides; the shortest one is the penetration vector n⃗; (c) the same
 /// magnified, if n⃗ is too short in (b).
-pub fn minkowski(subjects: &[CollisionSubject], style: &Style) -> DisplayList {
-    draw_rows(subjects, style, row)
+///
+/// # Errors
+/// If the page is too small.
+pub fn minkowski(subjects: &[CollisionSubject], style: &Style) -> Result<DisplayList, RenderError> {
+    let fits = |cell: &Rect, metrics: &DrawingMetrics| {
+        let panel = captioned_panels(cell, 3, metrics)[0];
+        let caption = Line::math(TITLES_B[1], metrics.text(0.7)).width;
+        panel.width() >= larger(caption, 7.0 * metrics.font_size) && panel.height() >= 6.0 * metrics.font_size
+    };
+    let layout = Layout {
+        size: style.look.size,
+        metrics: DrawingMetrics::new(style.look.theme, style.look.size),
+        caption: &style.look.caption,
+        legend: &|_| Legend::of_colors(style),
+        titles: &subjects.iter().map(|subject| subject.title.as_str()).collect::<Vec<&str>>(),
+        shape: Vector::new(3.0, 1.0),
+        text_height: TITLE,
+        fits: &fits,
+    };
+    let (mut panels, cells) = layout.lay_out()?;
+    for (subject, cell) in subjects.iter().zip(&cells) {
+        panels.clip(cell, |panels| row(subject, cell, panels, style));
+    }
+    Ok(panels.finish())
 }
 
+/// A long and a short title of the difference.
+const TITLES_B: [&str; 2] = ["\"(b)\" s = b ⊖ c \"around the origin\"", "\"(b)\" s = b ⊖ c"];
+
 /// Draws the panels of one collision.
-fn row(subject: &CollisionSubject, panels: &mut Panels, style: &Style) {
-    let pair = Pair::new(subject, style);
-    let difference = MinkowskiDifference::new(&pair, &panels.metrics);
-    let panel_rects = |count: usize, panels: &Panels| -> Vec<Rect> {
-        panels.grid(count, count).iter().map(|cell| above_caption(cell, &panels.metrics)).collect()
-    };
+fn row(subject: &CollisionSubject, cell: &Rect, panels: &mut Panels, style: &Style) {
+    let pair = Pair::new(subject, 0.0, style);
+    let metrics = panels.metrics;
+    let difference = MinkowskiDifference::new(&pair, &metrics);
     let scale = |panel: &Rect| smaller(pair.scale(panel), difference.scale(panel));
-    let two = panel_rects(2, panels);
-    let zoom = difference.zoom(scale(&two[0]), &panels.metrics);
-    let panel_rects = if zoom == 1.0 { two } else { panel_rects(3, panels) };
+    let two = captioned_panels(cell, 2, &metrics);
+    let zoom = difference.zoom(scale(&two[0]), &metrics);
+    let panel_rects = if zoom == 1.0 { two } else { captioned_panels(cell, 3, &metrics) };
     let scale = scale(&panel_rects[0]);
-    pair.draw_at_contact(&panel_rects[0], scale, &[], panels);
-    caption(&panel_rects[0], "\"(a) the boxes\" c \"and\" b", panels);
+    let camera = pair.camera(&panel_rects[0], scale);
+    let shapes = pair.named_boxes(&camera, &pair.collision.rects, &[], &metrics);
+    panels.shapes.push(Shape::Clip { window: panel_rects[0], shapes });
+    caption(&panel_rects[0], ["\"(a) the boxes\" c \"and\" b", "\"(a)\" c, b"], panels);
     let length_label = if zoom == 1.0 { LengthLabel::Shown } else { LengthLabel::Hidden };
     difference.draw(&panel_rects[1], scale, difference.middle, length_label, panels);
-    caption(&panel_rects[1], "\"(b)\" s = b ⊖ c \"around the origin\"", panels);
+    caption(&panel_rects[1], TITLES_B, panels);
     if let Some(panel) = panel_rects.get(2) {
         difference.draw(panel, scale * zoom, Vector::ZERO, LengthLabel::Shown, panels);
-        caption(panel, &format!("\"(c)\" {} \"times larger\"", format_significant(zoom, 1)), panels);
+        let zoom = format_significant(zoom, 1);
+        caption(panel, [&format!("\"(c)\" {zoom} \"times larger\""), &format!("\"(c)\" ×{zoom}")], panels);
     }
 }
 
@@ -121,7 +148,7 @@ impl MinkowskiDifference {
         placer.avoid_border(&page_rect, 1.0);
         draw_axes(origin_on_page, panel, &mut placer, &metrics, &mut shapes);
         for (vector, color, width) in self.candidates(&metrics) {
-            let arrow = Arrow { from: origin_on_page, to: origin_on_page.add(vector.mult(scale)), width, color };
+            let arrow = Arrow::new(origin_on_page, origin_on_page.add(vector.mult(scale)), width, color);
             placer.avoid_line(arrow.from, arrow.to, 2.0);
             arrow.draw(&metrics, &mut shapes);
         }
@@ -163,7 +190,8 @@ impl MinkowskiDifference {
         let (near, far) = (visible.origin, visible.far_corner());
         let corners = [far, near, Vector::new(near.x, far.y), Vector::new(far.x, near.y)];
         let line = Line::math("s", 1.2 * metrics.font_size);
-        placer.place_along(line, &corners, Vector::new(-1.0, -1.0), 0.0, metrics.palette.ink).draw(metrics, shapes);
+        let name = placer.place_along(line, &corners, Vector::new(-1.0, -1.0), 0.0, metrics.palette.ink);
+        name.into_iter().for_each(|name| name.draw(metrics, shapes));
     }
 
     /// Draws the label with the length of the shortest vector.
@@ -179,7 +207,8 @@ impl MinkowskiDifference {
         let line = Line::math(&format!("|n⃗| = {}", Unit::METRE.format(vector.norm(), 3)), metrics.font_size);
         let normal = Vector::new(vector.y, -vector.x);
         let middle = origin_on_page.add(vector.mult(scale / 2.0));
-        placer.place(line, middle, normal, metrics.font_size, metrics.palette.penetration).draw(metrics, shapes);
+        let label = placer.place(line, middle, normal, metrics.font_size, metrics.palette.penetration);
+        label.into_iter().for_each(|label| label.draw(metrics, shapes));
     }
 }
 
@@ -225,12 +254,11 @@ fn draw_axes(
     for ([_, end], name) in ends.iter().zip(["x", "y"]) {
         let inward = origin_on_page.sub(*end).mult(metrics.font_size / origin_on_page.sub(*end).norm());
         let line = Line::math(name, metrics.font_size);
-        placer
-            .place(line, end.add(inward), Vector::new(-1.0, -1.0), 0.6 * metrics.font_size, muted)
-            .draw(metrics, shapes);
+        let name = placer.place(line, end.add(inward), Vector::new(-1.0, -1.0), 0.6 * metrics.font_size, muted);
+        name.into_iter().for_each(|name| name.draw(metrics, shapes));
     }
     let line = Line::math("0", metrics.font_size);
-    placer
-        .place(line, origin_on_page, Vector::new(-1.0, 1.0), 0.5 * metrics.font_size, metrics.palette.ink)
-        .draw(metrics, shapes);
+    let (towards, gap) = (Vector::new(-1.0, 1.0), 0.5 * metrics.font_size);
+    let origin = placer.place(line, origin_on_page, towards, gap, metrics.palette.ink);
+    origin.into_iter().for_each(|origin| origin.draw(metrics, shapes));
 }

@@ -30,8 +30,9 @@ pub use timeline::Timeline;
 
 use crate::physics::{BodyId, Collision, Vector};
 use crate::picture::ColorBy;
+use crate::picture::layers::arrows;
 use crate::picture::layers::footer::{Entry, Legend};
-use crate::picture::{Appearance, CameraTarget, Color, Frame, Sprite, Style, color};
+use crate::picture::{Appearance, CameraTarget, Color, DrawingMetrics, Frame, Sprite, Style, color};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -61,12 +62,14 @@ pub struct CollisionSubject {
 const MAX_IN_LEGEND: usize = 12;
 
 /// The common legend of all panels: the meaning of the colours or, if bodies are coloured individually and there are
-/// several panels, the names of the visible bodies.
-pub fn legend(runs: &[FigureRun], style: &Style) -> Legend {
+/// several panels, the names of the visible bodies; and the lengths of arrows.
+pub fn legend(runs: &[FigureRun], style: &Style, metrics: &DrawingMetrics) -> Legend {
     let sprites = runs.iter().flat_map(|run| &run.frames).flat_map(|frame| &frame.sprites);
     let visible = sprites.filter(|sprite| is_visible(sprite, &style.look.camera_target));
     let bodies = visible.map(|sprite| (&*sprite.appearance, color::body_color(sprite, style)));
-    legend_of_bodies(bodies, runs.len(), style)
+    let mut legend = legend_of_bodies(bodies, runs.len(), style);
+    legend.entries.extend(arrows::keys(style, metrics));
+    legend
 }
 
 /// The legend of [`legend`] for bodies in their colours.
@@ -76,7 +79,7 @@ fn legend_of_bodies<'a>(
     style: &Style,
 ) -> Legend {
     if style.look.color_by != ColorBy::Body || run_count < 2 {
-        return Legend::of(style);
+        return Legend::of_colors(style);
     }
     let mut bodies: BTreeMap<(BodyId, &str), Entry> = BTreeMap::new();
     for (body, color) in visible.filter(|(body, _)| !body.is_wall) {

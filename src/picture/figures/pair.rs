@@ -1,6 +1,6 @@
 use super::CollisionSubject;
-use super::panels::Panels;
 use crate::physics::{Axis, Collision, Rect, Vector, larger, smaller};
+use crate::picture::layers::arrows::{LabeledArrow, separate};
 use crate::picture::layers::bodies::draw_box;
 use crate::picture::layers::contacts::contact_center;
 use crate::picture::layers::labels::{Label, LabelPlacer};
@@ -16,47 +16,30 @@ pub struct Pair {
     names: [String; 2],
     /// The colours of c and b.
     pub colors: [Color; 2],
-    /// The visible area, m. A box far larger than the other is cropped around the smaller one.
-    pub area: Rect,
-    /// Factor from velocity to arrow length in the world, s.
-    arrow_seconds: f64,
+    /// The boxes at contact and after the displacement, m. A box far larger than the other is cropped around it.
+    boxes: Rect,
+    /// Factor from velocity to arrow length, px per m/s: one scale for all pairs of a page. 0 without arrows.
+    arrow_scale: f64,
 }
 
 /// The handout's names of the two bodies. The body of finite mass is c; if both masses are finite or infinite, c is the
 /// body created first. This does not depend on the order in the recorded collision.
 pub const ROLES: [&str; 2] = ["c", "b"];
 
-/// Length of the longest arrow relative to the size of the visible area.
-const MAX_ARROW: f64 = 0.4;
-
 impl Pair {
     /// Creates the pair of a collision.
-    pub fn new(subject: &CollisionSubject, style: &Style) -> Pair {
+    pub fn new(subject: &CollisionSubject, arrow_scale: f64, style: &Style) -> Pair {
         let [c, b] = &subject.bodies;
         let (collision, bodies) = assign_roles(&subject.collision, [c, b]);
-        let boxes = cropped_bounds(&collision.rects);
-        let size = larger(boxes.width(), boxes.height());
-        let speeds = collision.before.iter().chain(&collision.after).map(|velocity| velocity.norm());
-        let top = speeds.fold(0.0, larger);
-        let arrow_seconds = if top > 0.0 { MAX_ARROW * size / top } else { 0.0 };
         let names = [0, 1].map(|at| match bodies[at].name.as_str() {
             name if name == ROLES[at] => format!("\"{name}\""),
             name => format!("{}: \"{}\"", ROLES[at], name.replace('"', "'")),
         });
         let colors = [0, 1].map(|at| body_color(bodies[at], collision.before[at], style));
-        let mut pair = Pair { collision, names, colors, area: boxes, arrow_seconds };
-        let displaced = cropped_bounds(&pair.displaced());
-        pair.area = pair.with_arrows(boxes.union(&displaced), size);
+        let boxes = cropped_bounds(&collision.rects);
+        let mut pair = Pair { collision, names, colors, boxes, arrow_scale };
+        pair.boxes = boxes.union(&cropped_bounds(&pair.displaced()));
         pair
-    }
-
-    fn with_arrows(&self, boxes: Rect, size: f64) -> Rect {
-        let starts = self.collision.rects.map(|rect| visible_center(&rect, &boxes));
-        let tips = [self.collision.before, self.collision.after]
-            .into_iter()
-            .flat_map(|velocities| [0, 1].map(|at| starts[at].add(velocities[at].mult(self.arrow_seconds))));
-        let all = tips.map(|tip| Rect::new(tip, 0.0, 0.0)).fold(boxes, |all, tip| all.union(&tip));
-        all.inset(-0.06 * size)
     }
 
     /// The pair in colours faded towards the background.
@@ -64,22 +47,48 @@ impl Pair {
         Pair { colors: self.colors.map(|color| color.mix(metrics.palette.background, 45)), ..self.clone() }
     }
 
-    /// The scale, in pixels per metre, with which the visible area fits into a panel.
+    /// The area that boxes and arrows take on a page of `scale` pixels per metre, px from the world's origin.
+    fn area_on_page(&self, scale: f64) -> Rect {
+        let on_page = |at: Vector| at.mult(scale);
+        let boxes = Rect::new(on_page(self.boxes.origin), self.boxes.width() * scale, self.boxes.height() * scale);
+        let starts = self.collision.rects.map(|rect| on_page(visible_center(&rect, &self.boxes)));
+        let velocities = [self.collision.before, self.collision.after];
+        let tips = velocities
+            .into_iter()
+            .flat_map(|velocities| [0, 1].map(|at| starts[at].add(velocities[at].mult(self.arrow_scale))));
+        let all = tips.map(|tip| Rect::new(tip, 0.0, 0.0)).fold(boxes, |all, tip| all.union(&tip));
+        all.inset(-MARGIN * larger(boxes.width(), boxes.height()))
+    }
+
+    /// The largest scale, in pixels per metre, with which boxes and arrows fit into a panel.
     pub fn scale(&self, panel: &Rect) -> f64 {
-        Camera::fit(&self.area, [1, 1], *panel, 0.0).scale
+        let fits = |scale: f64| {
+            let area = self.area_on_page(scale);
+            area.width() <= panel.width() && area.height() <= panel.height()
+        };
+        // Without arrows; these have a fixed length, so the boxes become smaller. Their area grows with the scale.
+        let mut high = Camera::fit(
+            &self.boxes.inset(-MARGIN * larger(self.boxes.width(), self.boxes.height())),
+            [1, 1],
+            *panel,
+            0.0,
+        )
+        .scale;
+        let mut low = high / 64.0;
+        if fits(high) || !high.is_finite() {
+            return high;
+        }
+        for _ in 0..40 {
+            let middle = (low + high) / 2.0;
+            if fits(middle) { low = middle } else { high = middle }
+        }
+        low
     }
 
     /// The camera that shows the pair in a panel with `scale` pixels per metre.
     pub fn camera(&self, panel: &Rect, scale: f64) -> Camera {
-        let origin = self.area.center().sub(panel.center().mult(1.0 / scale));
-        Camera { scale, origin, ..Camera::fit(&self.area, [1, 1], *panel, 0.0) }
-    }
-
-    /// Draws the boxes at contact, with their names.
-    pub fn draw_at_contact(&self, panel: &Rect, scale: f64, arrows: &[Arrow], panels: &mut Panels) {
-        let camera = self.camera(panel, scale);
-        let shapes = self.named_boxes(&camera, &self.collision.rects, arrows, &panels.metrics);
-        panels.shapes.push(Shape::Clip { window: *panel, shapes });
+        let origin = self.area_on_page(scale).center().sub(panel.center()).mult(1.0 / scale);
+        Camera { size: [1, 1], viewport: *panel, scale, origin, world: self.boxes.far_corner() }
     }
 
     /// The boxes after each is displaced by its share of the penetration.
@@ -96,7 +105,7 @@ impl Pair {
         &self,
         camera: &Camera,
         rects: &[Rect; 2],
-        arrows: &[Arrow],
+        arrows: &[LabeledArrow],
         metrics: &DrawingMetrics,
     ) -> Vec<Shape> {
         let mut shapes = self.boxes(camera, rects, metrics);
@@ -107,12 +116,23 @@ impl Pair {
     }
 
     /// The names of the boxes, where they fit.
-    pub fn names(&self, camera: &Camera, rects: &[Rect; 2], arrows: &[Arrow], metrics: &DrawingMetrics) -> Vec<Label> {
+    pub fn names(
+        &self,
+        camera: &Camera,
+        rects: &[Rect; 2],
+        arrows: &[LabeledArrow],
+        metrics: &DrawingMetrics,
+    ) -> Vec<Label> {
         let mut placer = LabelPlacer::within(camera.viewport);
-        arrows.iter().for_each(|arrow| placer.avoid_line(arrow.from, arrow.to, 1.0));
+        arrows.iter().for_each(|LabeledArrow { arrow, .. }| placer.avoid_line(arrow.from, arrow.to, 1.0));
         self.collision.rects.iter().for_each(|rect| placer.avoid_border(&camera.rect(rect), 1.0));
-        let name = |at: usize| self.name_in_corner(at, &camera.rect(&rects[at]), camera, &placer, metrics);
-        [0, 1].into_iter().filter_map(name).collect()
+        let mut names: Vec<Label> = Vec::new();
+        for at in [0, 1] {
+            let name = self.name_in_corner(at, &camera.rect(&rects[at]), camera, &placer, metrics);
+            name.iter().for_each(|name| placer.reserve(name.bounds()));
+            names.extend(name);
+        }
+        names
     }
 
     /// The boxes, the larger one first, so that the smaller one stays visible.
@@ -138,7 +158,7 @@ impl Pair {
     ) -> Option<Label> {
         let margin = 4.0 * metrics.line_width;
         let visible = page_rect.intersection(&camera.viewport)?.inset(margin);
-        let lines = [self.names[at].as_str(), ROLES[at]].map(|name| Line::math(name, 0.9 * metrics.font_size));
+        let lines = [self.names[at].as_str(), ROLES[at]].map(|name| Line::math(name, metrics.text(0.9)));
         let line = lines.into_iter().find(|line| line.width <= visible.width() && line.height() <= visible.height())?;
         let (near, far) = (visible.origin, visible.far_corner());
         let (right, low) = (far.x - line.width, far.y - line.height());
@@ -151,22 +171,34 @@ impl Pair {
         Some(Label::in_bounds(&bounds, line, metrics.palette.text_on(self.colors[at])))
     }
 
-    /// The velocity arrows, from the middle of the visible part of each box.
+    /// The velocity arrows, from the middle of the visible part of each box. A box at rest has none.
     pub fn arrows(
         &self,
         camera: &Camera,
         rects: &[Rect; 2],
         velocities: &[Vector; 2],
-        color: Color,
         metrics: &DrawingMetrics,
-    ) -> [Arrow; 2] {
-        [0, 1].map(|at| {
-            let from = camera.point(visible_center(&rects[at], &self.area));
-            let to = from.add(velocities[at].mult(self.arrow_seconds * camera.scale));
-            Arrow { from, to, width: 1.5 * metrics.line_width, color }
-        })
+    ) -> Vec<LabeledArrow> {
+        let longest = self.collision.before.iter().chain(&self.collision.after).map(|velocity| velocity.norm());
+        let longest = longest.fold(0.0, larger) * self.arrow_scale;
+        let arrow = |at: usize, symbol: &str| {
+            let from = camera.point(visible_center(&rects[at], &self.boxes));
+            let vector = velocities[at].mult(self.arrow_scale);
+            let arrow = Arrow::of_vector(from, vector, ARROW_WIDTH * metrics.line_width, metrics.palette.ink, longest)?;
+            Some(LabeledArrow { arrow, label: format!("{symbol}_{}", ROLES[at]) })
+        };
+        let symbol = if *velocities == self.collision.before { "v⃗" } else { "v⃗′" };
+        let mut arrows: Vec<LabeledArrow> = [0, 1].into_iter().filter_map(|at| arrow(at, symbol)).collect();
+        separate(&mut arrows);
+        arrows
     }
 }
+
+/// Space around boxes and arrows relative to the size of the boxes.
+const MARGIN: f64 = 0.06;
+
+/// The width of velocity arrows, in line widths.
+pub const ARROW_WIDTH: f64 = 1.5;
 
 /// The collision and its bodies, swapped if necessary so that they are in the order of [`ROLES`].
 fn assign_roles<'a>(collision: &Collision, bodies: [&'a Appearance; 2]) -> (Collision, [&'a Appearance; 2]) {

@@ -1,8 +1,83 @@
-use super::{CollisionSubject, FigureRun};
-use crate::physics::{Rect, Vector, smaller};
+use super::FigureRun;
+use crate::physics::{Rect, Vector, larger, smaller};
 use crate::picture::layers::footer::{Alignment, Caption, Legend};
-use crate::picture::text::Line;
-use crate::picture::{Camera, CameraTarget, DisplayList, DrawingMetrics, Frame, Ink, Shape, Style, View};
+use crate::picture::text::{Line, truncated};
+use crate::picture::view::{MIN_TEXT, validate_size};
+use crate::picture::{Camera, CameraTarget, DisplayList, DrawingMetrics, Frame, Ink, RenderError, Shape, Style, View};
+
+/// The demands of a figure on its page: texts around the panels, and the space of each panel.
+pub struct Layout<'a> {
+    /// Width and height of the page, px.
+    pub size: [u32; 2],
+    /// The metrics of a page of this size. A smaller font is used if the panels have no space otherwise.
+    pub metrics: DrawingMetrics,
+    /// The caption; none if empty.
+    pub caption: &'a str,
+    /// The legend in given metrics.
+    pub legend: &'a dyn Fn(&DrawingMetrics) -> Legend,
+    /// A title for each cell.
+    pub titles: &'a [&'a str],
+    /// The preferred width and height of a cell, in any unit.
+    pub shape: Vector,
+    /// The height of text above and below the content of a cell, in font sizes.
+    pub text_height: f64,
+    /// Returns true if the content of a cell is legible in this area, px.
+    pub fits: &'a dyn Fn(&Rect, &DrawingMetrics) -> bool,
+}
+
+impl Layout<'_> {
+    /// Lays out the page in the largest font in which every cell is legible, and draws caption, legend and titles.
+    /// Returns the page and the area of each cell below its title.
+    ///
+    /// The number of columns is the one with the largest cells of the preferred shape, so it follows the page.
+    ///
+    /// # Errors
+    /// If the page is too small even for the smallest legible font.
+    pub fn lay_out(&self) -> Result<(Panels, Vec<Rect>), RenderError> {
+        let Layout { size, metrics, .. } = self;
+        validate_size(*size)?;
+        self.attempt(*size, *metrics).ok_or_else(|| {
+            RenderError::too_small(*size, |larger| {
+                // The font grows with the page, but no further than the page needs.
+                let scaled = DrawingMetrics::new(metrics.theme, larger);
+                self.attempt(larger, scaled).is_some()
+            })
+        })
+    }
+
+    /// The page in the largest font in which it is legible.
+    fn attempt(&self, size: [u32; 2], metrics: DrawingMetrics) -> Option<(Panels, Vec<Rect>)> {
+        let smaller_font = |font: &f64| (*font > MIN_TEXT).then(|| larger((0.9 * font).floor(), MIN_TEXT));
+        let fonts = std::iter::successors(Some(metrics.font_size), smaller_font);
+        fonts.map(|font| metrics.with_font_size(font)).find_map(|metrics| self.page(size, metrics))
+    }
+
+    /// The page in these metrics; `None` if something on it is illegible.
+    fn page(&self, size: [u32; 2], metrics: DrawingMetrics) -> Option<(Panels, Vec<Rect>)> {
+        let [width, height] = size.map(f64::from);
+        let margin = metrics.font_size.round();
+        let content = Rect::new(Vector::new(margin, margin), width - 2.0 * margin, height - 2.0 * margin);
+        let mut panels = Panels { metrics, content, size, shapes: Vec::new() };
+        if !self.caption.is_empty() {
+            let caption = Caption::new(self.caption, [width, height], &metrics);
+            if !caption.is_legible {
+                return None;
+            }
+            panels.draw_caption(caption);
+        }
+        let legend = (self.legend)(&metrics);
+        if !legend.is_within(panels.content.width(), &metrics) {
+            return None;
+        }
+        panels.draw_legend(&legend);
+        if panels.content.height() < height / 4.0 && !self.titles.is_empty() {
+            return None;
+        }
+        let columns = panels.columns(self.titles.len(), self.shape, self.text_height * metrics.font_size);
+        let cells = panels.titled_cells(self.titles, columns);
+        cells.iter().all(|cell| (self.fits)(cell, &metrics)).then_some((panels, cells))
+    }
+}
 
 /// The page of a figure while it is being drawn: an area for panels, with a legend and a caption below.
 pub struct Panels {
@@ -19,36 +94,19 @@ pub struct Panels {
 pub const TITLE: f64 = 1.8;
 
 impl Panels {
-    /// Creates a page with the caption of `options` and a legend.
-    pub fn new(style: &Style, legend: &Legend) -> Panels {
-        let metrics = DrawingMetrics::new(style.look.theme, style.look.size);
-        Panels::with_metrics(style.look.size, metrics, &style.look.caption, legend)
+    /// A part of a page, which is laid out like one.
+    pub fn of_cell(cell: &Rect, metrics: &DrawingMetrics) -> Panels {
+        Panels { metrics: *metrics, content: *cell, size: [1, 1], shapes: Vec::new() }
     }
 
-    /// Creates a page of the given size and metrics with a caption and a legend.
-    pub fn with_metrics(size: [u32; 2], metrics: DrawingMetrics, caption: &str, legend: &Legend) -> Panels {
-        let [width, height] = size.map(f64::from);
-        let margin = metrics.font_size.round();
-        let content = Rect::new(Vector::new(margin, margin), width - 2.0 * margin, height - 2.0 * margin);
-        let mut panels = Panels { metrics, content, size, shapes: Vec::new() };
-        panels.caption(caption);
-        panels.legend(legend);
-        panels
-    }
-
-    fn caption(&mut self, text: &str) {
-        if text.is_empty() {
-            return;
-        }
-        let [width, height] = self.size.map(f64::from);
-        let caption = Caption::new(text, [width - self.metrics.font_size, height], self.metrics.font_size);
+    fn draw_caption(&mut self, caption: Caption) {
         let below = caption.additional_height();
         let strip = self.split_bottom(1.5 * self.metrics.font_size + below);
         let ink = self.metrics.palette.ink.into();
         caption.draw(strip.center().x, strip.far_corner().y - below, ink, &mut self.shapes);
     }
 
-    fn legend(&mut self, legend: &Legend) {
+    fn draw_legend(&mut self, legend: &Legend) {
         if !legend.entries.is_empty() {
             let is_one_row = legend.fits(self.content.width(), &self.metrics);
             let rows =
@@ -58,6 +116,14 @@ impl Panels {
                 Rect::new(strip.origin.add(Vector::new(0.0, 0.5 * self.metrics.font_size)), strip.width(), rows);
             legend.draw(&legend_strip, Alignment::Center, &self.metrics, &mut self.shapes);
         }
+    }
+
+    /// Draws into a rectangle, which clips everything that `draw` adds.
+    pub fn clip(&mut self, window: &Rect, draw: impl FnOnce(&mut Panels)) {
+        let outer = std::mem::take(&mut self.shapes);
+        draw(self);
+        let shapes = std::mem::replace(&mut self.shapes, outer);
+        self.shapes.push(Shape::Clip { window: *window, shapes });
     }
 
     /// Cuts a strip off the lower end of the content area and returns it.
@@ -77,7 +143,7 @@ impl Panels {
         let cells = self.grid(titles.len(), columns);
         let ink = self.metrics.palette.ink.into();
         for (title, cell) in titles.iter().zip(&cells) {
-            let line = Line::fitting(title, self.title_sizes(), cell.width());
+            let line = fitted(title, self.title_sizes(), cell.width());
             self.centered(line, Vector::new(cell.center().x, cell.origin.y + self.metrics.font_size), ink);
         }
         let below =
@@ -87,7 +153,7 @@ impl Panels {
 
     /// Font sizes tried for titles and the caption, px.
     fn title_sizes(&self) -> [f64; 3] {
-        [1.0, 0.85, 0.7].map(|size| size * self.metrics.font_size)
+        [1.0, 0.85, 0.7].map(|size| self.metrics.text(size))
     }
 
     /// Divides the content area into `count` equal cells with gaps, `columns` per row.
@@ -103,19 +169,18 @@ impl Panels {
         (0..count).map(cell).collect()
     }
 
-    /// The number of columns that allows the largest scale for pictures of these extents, with `text_height` px of text
-    /// above and below each picture.
-    pub fn columns(&self, extents: &[Vector], text_height: f64) -> usize {
-        let widest = extents.iter().fold(Vector::ZERO, |widest, &extent| widest.max(extent));
+    /// The number of columns that allows the largest contents of this shape for `count` cells, with `text_height` px of
+    /// text above and below each content.
+    pub fn columns(&self, count: usize, shape: Vector, text_height: f64) -> usize {
         let scale = |columns: usize| {
-            let (column_count, rows) = (columns as f64, extents.len().div_ceil(columns) as f64);
+            let (column_count, rows) = (columns as f64, count.div_ceil(columns) as f64);
             let gap = self.metrics.font_size;
             let width = (self.content.width() + gap) / column_count - gap;
             let height = (self.content.height() + gap) / rows - gap - text_height;
-            smaller(width / widest.x, height / widest.y)
+            smaller(width / shape.x, height / shape.y)
         };
         let better = |best: usize, columns: usize| if scale(columns) > scale(best) { columns } else { best };
-        (1..=extents.len()).reduce(better).unwrap_or(1)
+        (1..=count).reduce(better).unwrap_or(1)
     }
 
     /// Draws a line of text with the middle of its baseline at `at`.
@@ -141,21 +206,30 @@ impl Panels {
     }
 }
 
-/// A page with one row per collision, drawn by `row`.
-pub fn draw_rows(
-    subjects: &[CollisionSubject],
-    style: &Style,
-    row: impl Fn(&CollisionSubject, &mut Panels, &Style),
-) -> DisplayList {
-    let mut panels = Panels::new(style, &Legend::of(style));
-    let titles: Vec<&str> = subjects.iter().map(|subject| subject.title.as_str()).collect();
-    let page_content = panels.content;
-    for (subject, cell) in subjects.iter().zip(panels.titled_cells(&titles, 1)) {
-        panels.content = cell;
-        row(subject, &mut panels, style);
-        panels.content = page_content;
-    }
-    panels.finish()
+/// A plain line in the first of `sizes` (px) in which it is at most `width` px wide, or else in the last one, cut with an
+/// ellipsis.
+pub fn fitted(text: &str, sizes: [f64; 3], width: f64) -> Line {
+    let line = Line::fitting(text, sizes, width);
+    let counts = (1..text.chars().count().min(MAX_TITLE_CHARS)).rev();
+    let cut = counts.map(|count| Line::plain(&truncated(text, count), sizes[2])).find(|line| line.width <= width);
+    if line.width <= width { line } else { cut.unwrap_or(line) }
+}
+
+/// The largest number of characters of a title that is cut.
+const MAX_TITLE_CHARS: usize = 200;
+
+/// A formula in the first font size of several, down to `least` (px), in which the widest is at most `width` px wide.
+pub fn fitted_math(markup: &str, size: f64, least: f64, width: f64) -> Line {
+    let lines = [1.0, 0.85, 0.7].map(|part| Line::math(markup, larger(part * size, least)));
+    let [first, second, third] = lines;
+    [first, second].into_iter().find(|line| line.width <= width).unwrap_or(third)
+}
+
+/// Panels side by side or one above the other, whichever makes them larger; each with the space of a caption below.
+pub fn captioned_panels(cell: &Rect, count: usize, metrics: &DrawingMetrics) -> Vec<Rect> {
+    let panels = Panels::of_cell(cell, metrics);
+    let columns = panels.columns(count, Vector::new(1.0, 1.0), 2.0 * metrics.font_size);
+    panels.grid(count, columns).iter().map(|cell| above_caption(cell, metrics)).collect()
 }
 
 /// The part of a cell above its caption.
@@ -163,10 +237,12 @@ pub fn above_caption(cell: &Rect, metrics: &DrawingMetrics) -> Rect {
     Rect::new(cell.origin, cell.width(), cell.height() - 2.0 * metrics.font_size)
 }
 
-/// Draws the caption below a panel.
-pub fn caption(panel: &Rect, markup: &str, panels: &mut Panels) {
-    let line = Line::math(markup, panels.metrics.font_size);
-    let at = Vector::new(panel.center().x, panel.far_corner().y + 1.5 * panels.metrics.font_size);
+/// Draws the caption below a panel: the long one, or the short one if that is too wide.
+pub fn caption(panel: &Rect, [long, short]: [&str; 2], panels: &mut Panels) {
+    let font_size = panels.metrics.font_size;
+    let line = fitted_math(long, font_size, MIN_TEXT, panel.width());
+    let line = if line.width <= panel.width() { line } else { fitted_math(short, font_size, MIN_TEXT, panel.width()) };
+    let at = Vector::new(panel.center().x, panel.far_corner().y + 1.5 * font_size);
     panels.centered(line, at, panels.metrics.palette.ink.into());
 }
 

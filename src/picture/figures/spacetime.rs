@@ -1,5 +1,5 @@
 use super::axes::{Axes, AxisTitles, Range, Scale};
-use super::panels::Panels;
+use super::panels::{Layout, Panels, TITLE};
 use super::timeline::{Timeline, draw_timeline, timeline_legend};
 use super::{TimeCurve, legend_of_bodies};
 use crate::physics::{Axis, BodyId, Rect, Vector, larger, smaller};
@@ -7,7 +7,7 @@ use crate::picture::layers::bodies::border_color;
 use crate::picture::number::Unit;
 use crate::picture::text::{Line, truncated};
 use crate::picture::{
-    Appearance, CameraTarget, Color, DisplayList, DrawingMetrics, Ink, Overlay, Palette, Shape, Sprite,
+    Appearance, CameraTarget, Color, DisplayList, DrawingMetrics, Ink, Overlay, Palette, RenderError, Shape, Sprite,
 };
 use crate::picture::{Style, color};
 use std::collections::BTreeMap;
@@ -82,39 +82,70 @@ impl SpacetimeRun {
 
 /// Draws the position of each body along an axis over `time` (s), as a band as wide as the body: bands touch where
 /// bodies touch. The y axis points downwards, as in the world. Several runs have the same scales.
-pub fn spacetime(runs: &[SpacetimeRun], time: Range, axis: Axis, style: &Style) -> DisplayList {
+///
+/// # Errors
+/// If the page is too small.
+pub fn spacetime(runs: &[SpacetimeRun], time: Range, axis: Axis, style: &Style) -> Result<DisplayList, RenderError> {
     let bands: Vec<Vec<&Band>> = runs.iter().map(SpacetimeRun::drawn).collect();
-    let metrics = DrawingMetrics::new(style.look.theme, style.look.size);
     let positions = position_range(runs, &bands, axis, style);
-    let visible = bands.iter().flatten().filter(|band| band.last_within(positions).is_some());
-    let bodies = visible.filter_map(|band| Some((&*band.appearance, band.parts.first()?.0)));
-    let mut legend = legend_of_bodies(bodies, runs.len(), style);
-    legend.entries.extend(timeline_legend(runs.iter().map(|run| &run.timeline), &metrics));
-    let mut panels = Panels::new(style, &legend);
-    let (positions, symbol) = match axis {
+    let visible = || bands.iter().flatten().filter(|band| band.last_within(positions).is_some());
+    let bodies = || visible().filter_map(|band| Some((&*band.appearance, band.parts.first()?.0)));
+    let legend = |metrics: &DrawingMetrics| {
+        let mut legend = legend_of_bodies(bodies(), runs.len(), style);
+        legend.entries.extend(timeline_legend(runs.iter().map(|run| &run.timeline), metrics));
+        legend
+    };
+    let (scale, symbol) = match axis {
         Axis::X => (positions, "x"),
         Axis::Y => (Range { from: positions.to, to: positions.from }, "y"),
     };
-    let [x, y] = [Scale::linear(time, Unit::SECOND), Scale::linear(positions, Unit::METRE)];
-    let names: Vec<&str> = runs.iter().map(|run| run.title.as_str()).collect();
+    let [x, y] = [Scale::linear(time, Unit::SECOND), Scale::linear(scale, Unit::METRE)];
     // Figures of several runs have a legend instead.
     let has_labels = style.shows(Overlay::Name) && runs.len() == 1;
-    for ((panel, bands), run) in panels.titled_cells(&names, runs.len()).iter().zip(&bands).zip(runs) {
-        let labels = if has_labels { labels(bands, positions, &panels.metrics) } else { Vec::new() };
-        let right = labels.iter().map(|label| label.line.width + 2.0 * panels.metrics.font_size).fold(0.0, larger);
-        let axes = Axes::within(panel, x, y, right.ceil(), &panels.metrics);
-        axes.draw(&AxisTitles { x: &x.title("t"), y: &y.title(symbol) }, &panels.metrics, &mut panels.shapes);
-        let shapes: Vec<Shape> = bands
-            .iter()
-            .filter(|band| !band.spans_axis(positions))
-            .flat_map(|band| band.draw(&axes, &panels))
-            .collect();
-        panels.shapes.push(Shape::Clip { window: axes.plot_area, shapes });
-        draw_timeline(&run.timeline, &axes, &mut panels);
-        draw_labels(labels, &axes, &mut panels);
+    let labels_of = |bands: &[&Band], metrics: &DrawingMetrics| {
+        if has_labels { labels(bands, scale, metrics) } else { Vec::new() }
+    };
+    let axes_of = |cell: &Rect, labels: &[BandLabel], metrics: &DrawingMetrics| {
+        let right = labels.iter().map(|label| label.line.width + 2.0 * metrics.font_size).fold(0.0, larger);
+        Axes::within(cell, x, y, right.ceil(), metrics)
+    };
+    let fits = |cell: &Rect, metrics: &DrawingMetrics| {
+        let labels = bands.first().map_or_else(Vec::new, |bands| labels_of(bands, metrics));
+        let area = axes_of(cell, &labels, metrics).plot_area;
+        let label_height = labels.len() as f64 * LABEL_SPACING * metrics.font_size;
+        area.width() >= 6.0 * metrics.font_size && area.height() >= larger(3.0 * metrics.font_size, label_height)
+    };
+    let layout = Layout {
+        size: style.look.size,
+        metrics: DrawingMetrics::new(style.look.theme, style.look.size),
+        caption: &style.look.caption,
+        legend: &legend,
+        titles: &runs.iter().map(|run| run.title.as_str()).collect::<Vec<&str>>(),
+        shape: Vector::new(1.0, 1.0),
+        text_height: TITLE,
+        fits: &fits,
+    };
+    let (mut panels, cells) = layout.lay_out()?;
+    for ((cell, bands), run) in cells.iter().zip(&bands).zip(runs) {
+        panels.clip(cell, |panels| {
+            let labels = labels_of(bands, &panels.metrics);
+            let axes = axes_of(cell, &labels, &panels.metrics);
+            axes.draw(&AxisTitles { x: &x.title("t"), y: &y.title(symbol) }, &panels.metrics, &mut panels.shapes);
+            let shapes: Vec<Shape> = bands
+                .iter()
+                .filter(|band| !band.spans_axis(positions))
+                .flat_map(|band| band.draw(&axes, panels))
+                .collect();
+            panels.shapes.push(Shape::Clip { window: axes.plot_area, shapes });
+            draw_timeline(&run.timeline, &axes, panels);
+            draw_labels(labels, &axes, panels);
+        });
     }
-    panels.finish()
+    Ok(panels.finish())
 }
+
+/// Distance of labels, in font sizes.
+const LABEL_SPACING: f64 = 1.15;
 
 /// The positions of all bodies, or the camera's window.
 fn position_range(runs: &[SpacetimeRun], bands: &[Vec<&Band>], axis: Axis, style: &Style) -> Range {
@@ -171,7 +202,7 @@ impl Band {
     }
 
     fn label(&self, metrics: &DrawingMetrics) -> Line {
-        Line::plain(&truncated(&self.appearance.name, MAX_LABEL_CHARS), 0.8 * metrics.font_size)
+        Line::plain(&truncated(&self.appearance.name, MAX_LABEL_CHARS), metrics.text(0.8))
     }
 
     /// Returns true if a wall bounds a world of `extent` metres along the axis rather than spanning it.
@@ -243,7 +274,7 @@ fn labels(bands: &[&Band], positions: Range, metrics: &DrawingMetrics) -> Vec<Ba
 /// moved apart where they would overlap.
 fn draw_labels(labels: Vec<BandLabel>, axes: &Axes, panels: &mut Panels) {
     let metrics = panels.metrics;
-    let (spacing, x) = (1.15 * metrics.font_size, axes.plot_area.far_corner().x + 0.4 * metrics.font_size);
+    let (spacing, x) = (LABEL_SPACING * metrics.font_size, axes.plot_area.far_corner().x + 0.4 * metrics.font_size);
     let far = axes.plot_area.far_corner().y;
     let mut heights: Vec<f64> = labels.iter().map(|label| axes.point(0.0, label.at).y).collect();
     for at in 1..heights.len() {

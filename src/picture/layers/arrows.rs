@@ -1,9 +1,11 @@
 use super::LayoutContext;
-use crate::physics::Vector;
-use crate::picture::Overlay;
-use crate::picture::{Color, DrawingMetrics, Frame, Ink, Shape, Sprite};
+use super::footer::{Entry, KeyArrow};
+use crate::physics::{Vector, larger};
+use crate::picture::number::{Unit, format_significant, nice_below};
+use crate::picture::{Color, DrawingMetrics, Frame, Ink, Overlay, Shape, Sprite, Style};
 
 /// An arrow between two points of the page, drawn with a halo that separates it from the background.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Arrow {
     /// Start of the shaft, px.
     pub from: Vector,
@@ -13,19 +15,65 @@ pub struct Arrow {
     pub width: f64,
     /// Colour of shaft and head.
     pub color: Color,
+    /// The meaning of its length.
+    pub length: ArrowLength,
+}
+
+/// The meaning of the length of an arrow.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ArrowLength {
+    /// The length is to scale.
+    ToScale,
+    /// The vector is shorter than an arrow head: an open head shows its direction alone.
+    Short,
 }
 
 impl Arrow {
+    /// An arrow whose length is to scale.
+    pub fn new(from: Vector, to: Vector, width: f64, color: Color) -> Arrow {
+        Arrow { from, to, width, color, length: ArrowLength::ToScale }
+    }
+
+    /// The arrow for a vector on the page, px: an open head if it is shorter than a head. `None` for a vector that is
+    /// negligible beside the longest one of the picture, `longest` px, or not finite.
+    pub fn of_vector(from: Vector, vector: Vector, width: f64, color: Color, longest: f64) -> Option<Arrow> {
+        let length = vector.norm();
+        if !(length.is_finite() && length > NEGLIGIBLE * longest) {
+            return None;
+        }
+        let head = HEAD_LENGTH * width;
+        if length >= head {
+            return Some(Arrow::new(from, from.add(vector), width, color));
+        }
+        let to = from.add(vector.mult(head / length));
+        Some(Arrow { length: ArrowLength::Short, ..Arrow::new(from, to, width, color) })
+    }
+
     /// Appends the arrow to `shapes`, on a halo in the background colour. Appends nothing if the arrow is shorter
     /// than its shaft is wide.
     pub fn draw(&self, metrics: &DrawingMetrics, shapes: &mut Vec<Shape>) {
         let direction = self.to.sub(self.from);
         let length = direction.norm();
         // A zero vector has no direction, and an arrow of infinite length cannot be drawn.
-        if length >= self.width && length.is_finite() {
-            let direction = direction.mult(1.0 / length);
-            shapes.extend(self.shaft_and_head(direction, length, metrics.line_width / 2.0, metrics.palette.background));
-            shapes.extend(self.shaft_and_head(direction, length, 0.0, self.color));
+        if !(length >= self.width && length.is_finite()) {
+            return;
+        }
+        let direction = direction.mult(1.0 / length);
+        let (margin, background) = (metrics.line_width / 2.0, metrics.palette.background);
+        match self.length {
+            ArrowLength::ToScale => {
+                shapes.extend(self.shaft_and_head(direction, length, margin, background));
+                shapes.extend(self.shaft_and_head(direction, length, 0.0, self.color));
+            }
+            ArrowLength::Short => {
+                let normal = Vector::new(-direction.y, direction.x).mult(HEAD_SLOPE * length + self.width / 4.0);
+                let corners = vec![self.from.add(normal), self.to, self.from.sub(normal), self.from.add(normal)];
+                for (width, color) in
+                    [(self.width + 2.0 * margin, background), (larger(self.width / 2.0, 1.0), self.color)]
+                {
+                    shapes.push(Shape::Polyline { points: corners.clone(), width, ink: color.into() });
+                }
+            }
         }
     }
 
@@ -33,7 +81,7 @@ impl Arrow {
     fn shaft_and_head(&self, direction: Vector, length: f64, margin: f64, color: Color) -> [Shape; 2] {
         let normal = Vector::new(-direction.y, direction.x);
         let point = |ahead: f64, side: f64| self.from.add(direction.mult(ahead)).add(normal.mult(side));
-        let full = 5.0 * self.width;
+        let full = HEAD_LENGTH * self.width;
         let head = if length < 2.0 * full { length / 2.0 } else { full };
         let half_width = HEAD_SLOPE * head + self.width / 4.0 + 1.5 * margin;
         let (neck, tip) = (length - head - margin, length + 2.0 * margin);
@@ -44,10 +92,73 @@ impl Arrow {
         let width = self.width + 2.0 * margin;
         [Shape::Polyline { points: shaft, width, ink }, Shape::Polygon { points: corners, ink }]
     }
+
+    /// Returns true if another arrow lies along this one, so that they could not be told apart.
+    fn covers(&self, other: &Arrow) -> bool {
+        let [along, direction] = [self, other].map(|arrow| arrow.to.sub(arrow.from));
+        let (length, other_length) = (along.norm(), direction.norm());
+        let cross = |a: Vector, b: Vector| a.x * b.y - a.y * b.x;
+        if length == 0.0 || other_length == 0.0 || cross(along, direction).abs() > PARALLEL * length * other_length {
+            return false;
+        }
+        let unit = along.mult(1.0 / length);
+        let ends = [other.from, other.to].map(|end| end.sub(self.from));
+        let is_beside = ends.iter().all(|end| cross(unit, *end).abs() >= lane_width(self.width) * 0.9);
+        let [a, b] = ends.map(|end| end.dot(unit));
+        let (low, high) = if a < b { (a, b) } else { (b, a) };
+        let overlap = if high < length { high } else { length } - larger(low, 0.0);
+        !is_beside && overlap > self.width
+    }
 }
 
 /// Half the width of an arrow head divided by its length.
 const HEAD_SLOPE: f64 = 0.38;
+
+/// Length of an arrow head, in widths of the shaft.
+const HEAD_LENGTH: f64 = 5.0;
+
+/// Vectors shorter than this part of the longest one are rounding errors of zero.
+const NEGLIGIBLE: f64 = 1e-9;
+
+/// The sine of the angle up to which two arrows count as parallel.
+const PARALLEL: f64 = 0.1;
+
+/// The distance at which two arrows are beside each other, px: the width of a head with its halo.
+fn lane_width(width: f64) -> f64 {
+    (2.0 * HEAD_SLOPE * HEAD_LENGTH + 1.5) * width
+}
+
+/// With more arrows than this, none is moved: they are short, and their number hides each one.
+const MAX_SEPARATED: usize = 200;
+
+/// The number of positions beside its own to which an arrow may be moved.
+const LANES: i32 = 8;
+
+/// Moves arrows sideways that lie along an earlier one, such as those of boxes in a row, so that each is visible.
+pub fn separate(arrows: &mut [LabeledArrow]) {
+    if arrows.len() > MAX_SEPARATED {
+        return;
+    }
+    for at in 1..arrows.len() {
+        let (earlier, rest) = arrows.split_at_mut(at);
+        let Some(LabeledArrow { arrow, .. }) = rest.first_mut() else { return };
+        let direction = arrow.to.sub(arrow.from);
+        let length = direction.norm();
+        if !(length > 0.0 && length.is_finite()) {
+            continue;
+        }
+        // The same side for both directions, so that opposite arrows are moved alike.
+        let is_forward = direction.x > 0.0 || direction.x == 0.0 && direction.y > 0.0;
+        let side = Vector::new(-direction.y, direction.x).mult(if is_forward { 1.0 } else { -1.0 } / length);
+        let lanes = (0..=LANES).map(|lane| if lane % 2 == 0 { -(lane / 2) } else { lane / 2 + 1 });
+        let moved = lanes.map(|lane| {
+            let offset = side.mult(f64::from(lane) * lane_width(arrow.width));
+            Arrow { from: arrow.from.add(offset), to: arrow.to.add(offset), ..*arrow }
+        });
+        let free = moved.into_iter().find(|moved| !earlier.iter().any(|other| other.arrow.covers(moved)));
+        *arrow = free.unwrap_or(*arrow);
+    }
+}
 
 /// An arrow with a label at its tip.
 pub struct LabeledArrow {
@@ -65,52 +176,166 @@ impl From<Arrow> for LabeledArrow {
 
 /// The velocity arrows, from the middle of each box.
 pub fn velocities(frame: &Frame, context: &LayoutContext) -> Vec<LabeledArrow> {
-    if !context.view.style.shows(Overlay::Velocity) {
-        return Vec::new();
+    match context.view.style.shows(Overlay::Velocity) {
+        true => from_centers(frame, |sprite| sprite.velocity, &VELOCITY, context),
+        false => Vec::new(),
     }
-    let (top, ink) = (context.view.style.top_speed, context.metrics.palette.ink);
-    from_centers(frame, |sprite| to_arrow(sprite.velocity, top, context), ink, context)
 }
 
 /// An arrow for the sum of weight and constant force, from the middle of each box. Contact forces are not part of a
 /// recording.
 pub fn forces(frame: &Frame, context: &LayoutContext) -> Vec<LabeledArrow> {
-    if !context.view.style.shows(Overlay::Force) {
-        return Vec::new();
+    match context.view.style.shows(Overlay::Force) {
+        true => from_centers(frame, |sprite| sprite.appearance.force, &FORCE, context),
+        false => Vec::new(),
     }
-    let (top, color) = (context.view.style.top_force, context.metrics.palette.force);
-    from_centers(frame, |sprite| to_arrow(sprite.appearance.force, top, context), color, context)
 }
 
-/// Arrows from the middle of each visible box; thinner if there are many bodies.
+/// Arrows from the middle of the visible part of each box.
 fn from_centers(
     frame: &Frame,
     vector: impl Fn(&Sprite) -> Vector,
-    color: Color,
+    quantity: &Quantity,
     context: &LayoutContext,
 ) -> Vec<LabeledArrow> {
-    let has_many_bodies = f64::from(context.view.style.body_count) > MANY_BODIES;
-    let line_width = context.metrics.line_width;
-    let width = if has_many_bodies { (line_width / 2.0).ceil() } else { line_width };
+    let (style, metrics) = (&context.view.style, &context.metrics);
+    let (scale, width, color) = (quantity.scale(style, metrics), width(style, metrics), (quantity.color)(metrics));
     let boxes = frame.sprites.iter().filter(|sprite| !sprite.appearance.is_wall);
     let arrow = |sprite: &Sprite| {
-        let from = context.visible_rect(sprite)?.center();
-        Some(Arrow { from, to: from.add(vector(sprite)), width, color }.into())
+        let from = context.visible_rect(sprite)?.intersection(&context.camera.viewport)?.center();
+        let vector = vector(sprite).mult(scale);
+        Arrow::of_vector(from, vector, width, color, longest(style, metrics)).map(LabeledArrow::from)
     };
     boxes.filter_map(arrow).collect()
 }
 
-/// Length of the longest arrow, in font sizes.
-const MAX_LENGTH: f64 = 5.0;
+/// A quantity that arrows show.
+pub struct Quantity {
+    overlay: Overlay,
+    unit: Unit,
+    /// The largest value of the run.
+    top: fn(&Style) -> f64,
+    color: fn(&DrawingMetrics) -> Color,
+}
 
-/// With more bodies than this, arrows are shorter, so that their density stays about the same.
+/// Velocity, m/s.
+pub const VELOCITY: Quantity = Quantity {
+    overlay: Overlay::Velocity,
+    unit: Unit::METRE_PER_SECOND,
+    top: |style| style.top_speed,
+    color: |metrics| metrics.palette.ink,
+};
+
+/// Force, N.
+pub const FORCE: Quantity = Quantity {
+    overlay: Overlay::Force,
+    unit: Unit::NEWTON,
+    top: |style| style.top_force,
+    color: |metrics| metrics.palette.force,
+};
+
+/// Impulse, N·s.
+pub const IMPULSE: Quantity = Quantity {
+    overlay: Overlay::Impulse,
+    unit: Unit::NEWTON_SECOND,
+    top: |style| style.top_impulse,
+    color: |metrics| metrics.palette.impulse,
+};
+
+impl Quantity {
+    /// Pixels per unit of the quantity: one scale for all arrows of a picture.
+    pub fn scale(&self, style: &Style, metrics: &DrawingMetrics) -> f64 {
+        longest(style, metrics) / (self.top)(style)
+    }
+
+    /// The entries of the legend that explain the lengths of the arrows.
+    fn keys(&self, style: &Style, metrics: &DrawingMetrics) -> Vec<Entry> {
+        let (top, scale) = ((self.top)(style), self.scale(style, metrics));
+        if !style.shows(self.overlay) || !(top > 0.0 && top.is_finite() && scale.is_finite()) {
+            return Vec::new();
+        }
+        let (width, color) = (width(style, metrics), (self.color)(metrics));
+        key_entries(scale, top, self.unit, width, color).into()
+    }
+}
+
+/// The entries of a legend for arrows of `scale` px per unit and values up to `top`: an arrow of a round length, and the
+/// open head of shorter ones.
+pub fn key_entries(scale: f64, top: f64, unit: Unit, width: f64, color: Color) -> [Entry; 2] {
+    let (value, shortest) = (nice_below(top), HEAD_LENGTH * width / scale);
+    let key = |length: f64, kind: ArrowLength, name: String| Entry {
+        arrow: Some(KeyArrow { length, width, kind }),
+        name,
+        ..Entry::new(color, "")
+    };
+    let head = HEAD_LENGTH * width;
+    let limit = unit.for_size(shortest);
+    [
+        key(larger(value * scale, head), ArrowLength::ToScale, unit.format(value, 1)),
+        key(head, ArrowLength::Short, format!("< {} \"{limit}\"", format_significant(limit.scaled(shortest), 2))),
+    ]
+}
+
+/// The entries of the legend for all arrows of frames.
+pub fn keys(style: &Style, metrics: &DrawingMetrics) -> Vec<Entry> {
+    [&VELOCITY, &FORCE, &IMPULSE].into_iter().flat_map(|quantity| quantity.keys(style, metrics)).collect()
+}
+
+/// With more bodies than this, arrows are shorter and thinner, so that their density stays about the same.
 const MANY_BODIES: f64 = 40.0;
 
-/// Scales a vector to an arrow, px. Vectors of length `top` and longer become arrows of the maximum length.
-pub fn to_arrow(vector: Vector, top: f64, context: &LayoutContext) -> Vector {
-    let length = vector.norm();
-    let limited = if length > top { vector.mult(top / length) } else { vector };
-    let body_count = f64::from(context.view.style.body_count);
+/// The length of the longest arrow of a picture, px.
+fn longest(style: &Style, metrics: &DrawingMetrics) -> f64 {
+    let body_count = f64::from(style.body_count);
     let shrink = if body_count > MANY_BODIES { (MANY_BODIES / body_count).sqrt() } else { 1.0 };
-    limited.mult(shrink * MAX_LENGTH * context.metrics.font_size / top)
+    larger(shrink * metrics.arrow_length, 3.0 * HEAD_LENGTH * width(style, metrics))
+}
+
+/// The width of the shafts, px.
+fn width(style: &Style, metrics: &DrawingMetrics) -> f64 {
+    match f64::from(style.body_count) > MANY_BODIES {
+        true => (metrics.line_width / 2.0).ceil(),
+        false => metrics.line_width,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const INK: Color = Color::hex(0);
+
+    fn arrow(from: [f64; 2], to: [f64; 2]) -> LabeledArrow {
+        let [from, to] = [from, to].map(|[x, y]| Vector::new(x, y));
+        Arrow::new(from, to, 2.0, INK).into()
+    }
+
+    #[test]
+    fn arrows_along_one_line_are_moved_apart_and_others_stay() {
+        let mut row: Vec<LabeledArrow> =
+            (0..5).map(|at| arrow([f64::from(at) * 30.0, 50.0], [f64::from(at) * 30.0 + 100.0, 50.0])).collect();
+        row.push(arrow([50.0, 0.0], [50.0, 99.0]));
+        row.push(arrow([120.0, 50.0], [20.0, 50.0]));
+        separate(&mut row);
+        for (at, a) in row.iter().enumerate() {
+            assert!(row[..at].iter().all(|b| !a.arrow.covers(&b.arrow)), "{at}");
+        }
+        assert_eq!((row[0].arrow.from.y, row[5].arrow.from.x), (50.0, 50.0));
+        let mut head_on = [arrow([0.0, 0.0], [40.0, 0.0]), arrow([80.0, 0.0], [40.0, 0.0])];
+        separate(&mut head_on);
+        assert_eq!([head_on[0].arrow.from.y, head_on[1].arrow.from.y], [0.0, 0.0]);
+    }
+
+    #[test]
+    fn a_vector_shorter_than_a_head_has_an_open_head_of_full_length() {
+        let of = |length: f64| Arrow::of_vector(Vector::ZERO, Vector::new(length, 0.0), 2.0, INK, 100.0);
+        assert_eq!(of(0.0), None);
+        assert_eq!(of(1e-8), None);
+        assert_eq!(of(f64::NAN), None);
+        for length in [1e-6, 0.5, 9.9] {
+            let arrow = of(length).unwrap();
+            assert!(arrow.length == ArrowLength::Short && (arrow.to.x - 10.0).abs() < 1e-9, "{arrow:?}");
+        }
+        assert_eq!(of(10.0).map(|arrow| (arrow.length, arrow.to.x)), Some((ArrowLength::ToScale, 10.0)));
+    }
 }

@@ -1,6 +1,6 @@
-use super::bodies::marked_rect;
+use super::bodies::{Hatching, marked_rect};
 use super::footer::quoted;
-use super::{LabeledArrow, LayoutContext};
+use super::{LabeledArrow, LayoutContext, grid};
 use crate::physics::{Rect, Vector, smaller};
 use crate::picture::Overlay;
 use crate::picture::layers::labels::{Label, LabelPlacer};
@@ -17,6 +17,7 @@ const MAX_PLACED: usize = 40;
 /// instead.
 pub fn draw(frame: &Frame, context: &LayoutContext, arrows: &[LabeledArrow], shapes: &mut Vec<Shape>) {
     let mut placer = LabelPlacer::within(context.camera.viewport);
+    grid::labels(context).iter().for_each(|label| placer.reserve(label.bounds()));
     for LabeledArrow { arrow, .. } in arrows {
         placer.avoid_line(arrow.from, arrow.to, 3.0);
     }
@@ -25,7 +26,7 @@ pub fn draw(frame: &Frame, context: &LayoutContext, arrows: &[LabeledArrow], sha
         boxes.iter().for_each(|(_, rect)| placer.avoid(*rect, BOX_WEIGHT));
         let size = common_size(&boxes, context);
         for index in 0..boxes.len() {
-            match place(&boxes[index], &boxes[index + 1..], size, &mut placer, context) {
+            match place(&boxes[index], &boxes[index + 1..], size, &mut placer, context, shapes) {
                 Some(PlacedLabel::Inside(label)) => label.draw_bare(shapes),
                 Some(PlacedLabel::Outside(label)) => label.draw(&context.metrics, shapes),
                 None => {}
@@ -33,9 +34,11 @@ pub fn draw(frame: &Frame, context: &LayoutContext, arrows: &[LabeledArrow], sha
         }
     }
     for LabeledArrow { arrow, label } in arrows.iter().filter(|arrow| !arrow.label.is_empty()) {
-        let line = Line::math(label, 0.8 * context.metrics.font_size);
-        let gap = 0.5 * context.metrics.font_size;
-        placer.place(line, arrow.to, arrow.to.sub(arrow.from), gap, arrow.color).draw(&context.metrics, shapes);
+        let line = Line::math(label, context.metrics.text(0.8));
+        let (gap, color) = (0.5 * context.metrics.font_size, context.metrics.palette.label(arrow.color));
+        if let Some(label) = placer.place(line, arrow.to, arrow.to.sub(arrow.from), gap, color) {
+            label.draw(&context.metrics, shapes);
+        }
     }
 }
 
@@ -79,31 +82,32 @@ fn common_size(boxes: &[(&Sprite, Rect)], context: &LayoutContext) -> f64 {
     let movable = boxes.iter().filter(|(sprite, _)| sprite.appearance.mass != f64::INFINITY);
     let fitting: Vec<&(&Sprite, Rect)> = movable.filter(|entry| fits(entry, smallest, context)).collect();
     let size = SIZES.into_iter().find(|&size| fitting.iter().all(|entry| fits(entry, size, context)));
-    size.unwrap_or(smallest) * context.metrics.font_size
+    context.metrics.text(size.unwrap_or(smallest))
 }
 
 /// Returns true if the label of a box fits into the box at a size relative to the font size.
 fn fits((sprite, rect): &(&Sprite, Rect), size: f64, context: &LayoutContext) -> bool {
-    let line = Line::math(&label_text(sprite, &sprite.appearance.name, context), size * context.metrics.font_size);
+    let line = Line::math(&label_text(sprite, &sprite.appearance.name, context), context.metrics.text(size));
     !candidates_inside(&line, rect, context).is_empty()
 }
 
 /// Maximum cost of a label next to a box, relative to its area. Labels of higher cost are omitted.
 const MAX_COST: f64 = 1.0;
 
-/// Places the label of a box inside the box or else next to it; `None` if both would cover too much.
+/// Places the label of a box inside the box or else next to it; `None` if both would cover too much. Covers the hatching
+/// below it.
 fn place(
     (sprite, rect): &(&Sprite, Rect),
     boxes_in_front: &[(&Sprite, Rect)],
     size: f64,
     placer: &mut LabelPlacer,
     context: &LayoutContext,
+    shapes: &mut Vec<Shape>,
 ) -> Option<PlacedLabel> {
-    let own =
-        SIZES.into_iter().find(|&own| own * context.metrics.font_size <= size && fits(&(sprite, *rect), own, context));
+    let own = SIZES.into_iter().find(|&own| context.metrics.text(own) <= size && fits(&(sprite, *rect), own, context));
     let line = Line::math(
         &label_text(sprite, &sprite.appearance.name, context),
-        own.map_or(size, |own| own * context.metrics.font_size),
+        own.map_or(size, |own| context.metrics.text(own)),
     );
     let mut own_placer = placer.clone();
     own_placer.avoid(*rect, -BOX_WEIGHT);
@@ -111,9 +115,13 @@ fn place(
     if let Some(bounds) = own_placer.first_free(candidates_inside(&line, rect, context)) {
         placer.reserve(bounds);
         let fill = color::body_color(sprite, &context.view.style);
+        if Hatching::of_body(sprite, &context.view.style) != Hatching::None {
+            // Text is not legible on hatching.
+            shapes.push(Shape::Rect { rect: bounds.inset(-context.metrics.line_width), ink: fill.into() });
+        }
         return Some(PlacedLabel::Inside(Label::in_bounds(&bounds, line, context.metrics.palette.text_on(fill))));
     }
-    let max_size = 0.8 * context.metrics.font_size;
+    let max_size = context.metrics.text(0.8);
     let name = truncated(&sprite.appearance.name, MAX_NAME_CHARS);
     let line = Line::math(&label_text(sprite, &name, context), smaller(size, max_size));
     let (bounds, cost) = placer.best(candidates_outside(&line, rect, context))?;
@@ -204,19 +212,23 @@ fn candidates_outside(line: &Line, rect: &Rect, context: &LayoutContext) -> Vec<
 
 /// The label inside a box if there are more than [`MAX_PLACED`] boxes. It is drawn together with its box, so that boxes
 /// in front cover it. If arrows begin in the middle of boxes, it is in the upper third of the box.
-pub fn inside(sprite: &Sprite, rect: &Rect, fill: Color, box_count: usize, context: &LayoutContext) -> Option<Shape> {
+pub fn inside(sprite: &Sprite, rect: &Rect, fill: Color, box_count: usize, context: &LayoutContext) -> Vec<Shape> {
     if are_placed(box_count) || !has_labels(context) {
-        return None;
+        return Vec::new();
     }
     let text = label_text(sprite, &sprite.appearance.name, context);
     let height = if has_centered_arrows(context) { rect.height() / 3.0 } else { rect.height() };
     let area = Rect::new(rect.origin, rect.width(), height);
     let fitting = SIZES.iter().find_map(|size| {
-        let line = Line::math(&text, size * context.metrics.font_size);
+        let line = Line::math(&text, context.metrics.text(*size));
         let bounds = *candidates_inside(&line, &area, context).first()?;
         Some((line, bounds))
     });
-    let (line, bounds) = fitting?;
-    let Label { line, at, color } = Label::in_bounds(&bounds, line, context.metrics.palette.text_on(fill));
-    Some(Shape::Text { line, at, ink: color.into() })
+    let Some((line, bounds)) = fitting else { return Vec::new() };
+    let mut shapes = Vec::new();
+    if Hatching::of_body(sprite, &context.view.style) != Hatching::None {
+        shapes.push(Shape::Rect { rect: bounds.inset(-context.metrics.line_width), ink: fill.into() });
+    }
+    Label::in_bounds(&bounds, line, context.metrics.palette.text_on(fill)).draw_bare(&mut shapes);
+    shapes
 }

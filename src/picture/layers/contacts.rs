@@ -1,4 +1,4 @@
-use super::arrows::to_arrow;
+use super::arrows::IMPULSE;
 use super::{LabeledArrow, LayoutContext};
 use crate::physics::{Axis, Collision, Rect, Vector, larger, smaller};
 use crate::picture::Overlay;
@@ -45,35 +45,31 @@ pub fn arrows(frame: &Frame, context: &LayoutContext) -> Vec<LabeledArrow> {
 fn penetration(collision: &Collision, context: &LayoutContext) -> Option<Arrow> {
     let vector = collision.penetration.mult(context.camera.scale);
     let from = overlap_rect(collision, context)?.center().sub(vector.mult(0.5));
-    Some(Arrow {
-        from,
-        to: from.add(vector),
-        width: context.metrics.line_width,
-        color: context.metrics.palette.penetration,
-    })
+    Some(Arrow::new(from, from.add(vector), context.metrics.line_width, context.metrics.palette.penetration))
 }
 
 /// The unit normal from the middle of the contact, 2.5 times the font size long.
 fn normal(collision: &Collision, context: &LayoutContext) -> Arrow {
     let from = context.camera.point(contact_center(&collision.rects));
     let to = from.add(collision.normal.mult(2.5 * context.metrics.font_size));
-    Arrow { from, to, width: 1.5 * context.metrics.line_width, color: context.metrics.palette.normal }
+    Arrow::new(from, to, 1.5 * context.metrics.line_width, context.metrics.palette.normal)
 }
 
 /// The impulses on the two bodies: +j·n̂ on c, labelled with j, and −j·n̂ on b.
-fn impulses(collision: &Collision, is_labeled: bool, context: &LayoutContext) -> [LabeledArrow; 2] {
+fn impulses(collision: &Collision, is_labeled: bool, context: &LayoutContext) -> Vec<LabeledArrow> {
     // Offset from the normal if that is shown, too.
     let offset = if context.view.style.shows(Overlay::Normal) { 4.0 * context.metrics.line_width } else { 0.0 };
     let offset = Vector::new(-collision.normal.y, collision.normal.x).mult(offset);
     let from = context.camera.point(contact_center(&collision.rects)).add(offset);
-    let along = to_arrow(collision.normal.mult(collision.impulse), context.view.style.top_impulse, context);
-    let arrow = |vector: Vector| {
-        let color = context.metrics.palette.impulse;
-        Arrow { from, to: from.add(vector), width: 1.5 * context.metrics.line_width, color }
-    };
+    let (style, metrics) = (&context.view.style, &context.metrics);
+    let (scale, width) = (IMPULSE.scale(style, metrics), 1.5 * metrics.line_width);
+    let along = collision.normal.mult(collision.impulse * scale);
+    let arrow =
+        |vector: Vector| Arrow::of_vector(from, vector, width, metrics.palette.impulse, style.top_impulse * scale);
     let label =
         if is_labeled { format!("j = {}", Unit::NEWTON_SECOND.format(collision.impulse, 3)) } else { String::new() };
-    [LabeledArrow { arrow: arrow(along), label }, LabeledArrow::from(arrow(along.mult(-1.0)))]
+    let first = arrow(along).map(|arrow| LabeledArrow { arrow, label });
+    first.into_iter().chain(arrow(along.mult(-1.0)).map(LabeledArrow::from)).collect()
 }
 
 /// The middle of the intersection of two rectangles or of the gap between them.

@@ -1,73 +1,136 @@
 use super::LayoutContext;
+use super::arrows::{self, Arrow, ArrowLength};
 use super::bodies::Hatching;
 use crate::physics::{Rect, Vector, larger, smaller};
 use crate::picture::number::{Unit, nice_spacing};
 use crate::picture::raster::color::{self, SPEED_COLORS};
-use crate::picture::text::{Line, wrapped};
+use crate::picture::text::{Line, truncated, wrapped};
 use crate::picture::{Color, DrawingMetrics, Frame, Ink, Shape, Style};
 use crate::picture::{ColorBy, Overlay};
 
-/// Draws the strips below the world: clock and scale bar on the left and the legend on the right, or below them if it is
-/// long; below them the caption.
-pub fn draw(frame: &Frame, context: &LayoutContext, shapes: &mut Vec<Shape>) {
-    let (style, metrics) = (&context.view.style, &context.metrics);
-    let [width, height] = context.camera.size.map(f64::from);
-    let strip = (smaller(width, height) / 18.0).floor();
-    let [info_height, caption_height] = strip_heights(style, metrics);
-    let bottom = height - caption_height;
-    if !style.look.caption.is_empty() {
-        let caption = Caption::new(&style.look.caption, [width, height], metrics.font_size);
-        let first = Rect::new(Vector::new(0.0, bottom), width, strip);
-        // The baseline does not depend on the size.
-        let y = baseline(&Line::plain("", metrics.font_size), &first);
-        caption.draw(width / 2.0, y, Ink::from(metrics.palette.ink), shapes);
+/// The strips below the world: clock, scale bar and legend in one row, or in rows of their own if the picture is narrow;
+/// below them the caption.
+pub struct Footer {
+    /// Height of a strip, px.
+    strip: f64,
+    /// The rows of clock and scale bar.
+    info: Vec<Vec<Overlay>>,
+    legend: Legend,
+    /// True if the legend has rows of its own.
+    is_below: bool,
+    legend_height: f64,
+    caption: Option<Caption>,
+    width: f64,
+    height: f64,
+    /// False if an element is wider than the picture or the strips are too high.
+    is_legible: bool,
+}
+
+impl Footer {
+    /// Lays out the strips of a picture.
+    pub fn new(style: &Style, metrics: &DrawingMetrics) -> Footer {
+        let [width, height] = style.look.size.map(f64::from);
+        let strip = larger((smaller(width, height) / 18.0).floor(), (1.5 * metrics.font_size).ceil());
+        let free_width = width - 2.0 * metrics.font_size.round();
+        let widths = [(Overlay::Clock, clock_width(style, metrics)), (Overlay::Scale, SCALE_SPACE * metrics.font_size)];
+        let shown: Vec<(Overlay, f64)> = widths.into_iter().filter(|(overlay, _)| style.shows(*overlay)).collect();
+        let info_width: f64 = shown.iter().map(|(_, width)| width + metrics.font_size).sum();
+        let info: Vec<Vec<Overlay>> = match info_width - metrics.font_size <= free_width {
+            true => vec![shown.iter().map(|(overlay, _)| *overlay).collect()],
+            false => shown.iter().map(|(overlay, _)| vec![*overlay]).collect(),
+        };
+        let legend = Legend::of(style, metrics);
+        let is_below = info.len() > 1 || !legend.fits(free_width - info_width, metrics);
+        let legend_height = if is_below { legend.height(free_width, metrics) } else { 0.0 };
+        let info = if info.iter().all(Vec::is_empty) && is_below { Vec::new() } else { info };
+        let caption = Some(&style.look.caption).filter(|caption| !caption.is_empty());
+        let caption = caption.map(|caption| Caption::new(caption, [width, height], metrics));
+        let mut footer =
+            Footer { strip, info, is_legible: true, legend, is_below, legend_height, caption, width, height };
+        let is_wide =
+            shown.iter().all(|(_, width)| *width <= free_width) && footer.legend.is_within(free_width, metrics);
+        let [info_height, caption_height] = footer.heights(style);
+        footer.is_legible = is_wide
+            && footer.caption.as_ref().is_none_or(|caption| caption.is_legible)
+            && info_height + caption_height <= MAX_FOOTER * height;
+        footer
     }
-    if style.has_footer() {
+
+    /// The heights of the information and of the caption, px. Without either, 0.
+    pub fn heights(&self, style: &Style) -> [f64; 2] {
+        let info = if style.has_footer() { self.info.len() as f64 * self.strip + self.legend_height } else { 0.0 };
+        let caption = self.caption.as_ref().map_or(0.0, |caption| self.strip + caption.additional_height());
+        [info, caption]
+    }
+
+    /// Returns false if an element is wider than the picture or the strips are too high.
+    pub fn is_legible(&self) -> bool {
+        self.is_legible
+    }
+
+    /// Draws the strips.
+    pub fn draw(self, frame: &Frame, context: &LayoutContext, shapes: &mut Vec<Shape>) {
+        let (style, metrics) = (&context.view.style, &context.metrics);
+        let [info_height, caption_height] = self.heights(style);
+        let bottom = self.height - caption_height;
+        if let Some(caption) = self.caption {
+            let first = Rect::new(Vector::new(0.0, bottom), self.width, self.strip);
+            // The baseline does not depend on the size.
+            let y = baseline(&Line::plain("", metrics.font_size), &first);
+            caption.draw(self.width / 2.0, y, Ink::from(metrics.palette.ink), shapes);
+        }
+        if !style.has_footer() {
+            return;
+        }
         let margin = metrics.font_size.round();
-        let info = Rect::new(Vector::new(margin, bottom - info_height), width - 2.0 * margin, strip);
-        draw_info_strip(frame, &info, context, shapes);
-        if let (Some(legend), height) = legend_block(style, metrics) {
-            let block = Rect::new(info.origin.add(Vector::new(0.0, strip)), info.width(), height);
-            legend.draw(&block, Alignment::Center, metrics, shapes);
+        let mut top = bottom - info_height;
+        let mut row = Rect::new(Vector::new(margin, top), self.width - 2.0 * margin, self.strip);
+        let mut x = margin;
+        for overlays in &self.info {
+            (row, x) = (Rect::new(Vector::new(margin, top), row.width(), self.strip), margin);
+            for overlay in overlays {
+                x = match overlay {
+                    Overlay::Clock => clock(frame.time, &row, context, shapes),
+                    _ => scale_bar(x, &row, context, shapes),
+                } + metrics.font_size;
+            }
+            top += self.strip;
+        }
+        if self.is_below {
+            let block = Rect::new(Vector::new(margin, top), row.width(), self.legend_height);
+            self.legend.draw(&block, Alignment::Center, metrics, shapes);
+        } else {
+            let rest = Rect::new(Vector::new(x, row.origin.y), row.far_corner().x - x, row.height());
+            self.legend.draw(&rest, Alignment::Right, metrics, shapes);
         }
     }
 }
 
-/// Draws clock, scale bar and legend.
-fn draw_info_strip(frame: &Frame, strip: &Rect, context: &LayoutContext, shapes: &mut Vec<Shape>) {
-    let mut x = strip.origin.x;
-    if context.view.style.shows(Overlay::Clock) {
-        x = clock(frame.time, strip, context, shapes) + context.metrics.font_size;
-    }
-    if context.view.style.shows(Overlay::Scale) {
-        x = scale_bar(x, strip, context, shapes) + context.metrics.font_size;
-    }
-    if legend_block(&context.view.style, &context.metrics).0.is_none() {
-        let rest = Rect::new(Vector::new(x, strip.origin.y), strip.far_corner().x - x, strip.height());
-        Legend::of(&context.view.style).draw(&rest, Alignment::Right, &context.metrics, shapes);
-    }
-}
+/// The largest part of the height of a picture that the strips may take.
+const MAX_FOOTER: f64 = 0.6;
 
 /// A caption in one or more lines, and its height.
 pub struct Caption {
     lines: Vec<Line>,
     /// Distance of baselines, px.
     spacing: f64,
+    /// True if it takes at most a third of the height of the page.
+    pub is_legible: bool,
 }
 
 impl Caption {
     /// Lays out a caption for a page of `size` px: as large as possible with at most a third of the page's height.
-    pub fn new(text: &str, [width, height]: [f64; 2], font_size: f64) -> Caption {
-        let caption = |scale: f64| {
-            let size = scale * font_size;
-            Caption { lines: wrapped(text, size, width - font_size), spacing: (1.3 * size).ceil() }
+    pub fn new(text: &str, [width, height]: [f64; 2], metrics: &DrawingMetrics) -> Caption {
+        let caption = |part: f64| {
+            let size = metrics.text(part);
+            let lines = wrapped(text, size, width - metrics.font_size);
+            let spacing = (1.3 * size).ceil();
+            let is_legible = lines.len() as f64 * spacing <= height / 3.0
+                && lines.iter().all(|line| line.width <= width - metrics.font_size);
+            Caption { lines, spacing, is_legible }
         };
-        let sizes = [1.0, 0.85, 0.7, 0.6].map(caption);
-        let fits = |caption: &Caption| caption.lines.len() as f64 * caption.spacing <= height / 3.0;
-        let [.., smallest] = &sizes;
-        let at = sizes.iter().position(fits);
-        let Caption { lines, spacing } = at.map_or(smallest, |at| &sizes[at]);
-        Caption { lines: lines.clone(), spacing: *spacing }
+        let [first, second, third, smallest] = [1.0, 0.85, 0.7, 0.6].map(caption);
+        [first, second, third].into_iter().find(|caption| caption.is_legible).unwrap_or(smallest)
     }
 
     /// Height of the lines after the first, px.
@@ -85,47 +148,27 @@ impl Caption {
     }
 }
 
-/// The heights of the strips below the world: the information and the caption, px. Without either, 0.
-pub fn strip_heights(style: &Style, metrics: &DrawingMetrics) -> [f64; 2] {
-    let [width, height] = style.look.size.map(f64::from);
-    let strip = (smaller(width, height) / 18.0).floor();
-    let info = if style.has_footer() { strip + legend_block(style, metrics).1 } else { 0.0 };
-    let caption = match style.look.caption.is_empty() {
-        true => 0.0,
-        false => strip + Caption::new(&style.look.caption, [width, height], metrics.font_size).additional_height(),
-    };
-    [info, caption]
-}
-
-/// The legend if it has rows of its own below the strip with clock and scale bar, and the height of these rows, px.
-fn legend_block(style: &Style, metrics: &DrawingMetrics) -> (Option<Legend>, f64) {
-    let legend = Legend::of(style);
-    let width = f64::from(style.look.size[0]) - 2.0 * metrics.font_size.round();
-    let clock = if style.shows(Overlay::Clock) { CLOCK_SPACE } else { 0.0 };
-    let scale = if style.shows(Overlay::Scale) { SCALE_SPACE } else { 0.0 };
-    if legend.fits(width - (clock + scale) * metrics.font_size, metrics) {
-        return (None, 0.0);
-    }
-    let height = legend.height(width, metrics);
-    (Some(legend), height)
-}
-
-/// The space of the clock in a strip, in font sizes.
-const CLOCK_SPACE: f64 = 8.0;
-
 /// The space of the scale bar in a strip, in font sizes.
 const SCALE_SPACE: f64 = 11.0;
 
-/// Draws the time and returns the right end of its space, which is wide enough for four digits of seconds so that the
-/// following elements do not move.
+/// The space of the clock, px: wide enough for four digits of seconds, so that the following elements do not move.
+fn clock_width(style: &Style, metrics: &DrawingMetrics) -> f64 {
+    let format = style.time_format;
+    let eights = format!("8888{}", format.number(0.0).trim_start_matches('0').replace('0', "8"));
+    clock_line(&eights, style, metrics).width
+}
+
+fn clock_line(number: &str, style: &Style, metrics: &DrawingMetrics) -> Line {
+    Line::plain(&format!("𝑡 = {number} {}", style.time_format.unit()), metrics.font_size)
+}
+
+/// Draws the time and returns the right end of its space.
 fn clock(time: f64, strip: &Rect, context: &LayoutContext, shapes: &mut Vec<Shape>) -> f64 {
-    let format = context.view.style.time_format;
-    let text = |number: &str| Line::plain(&format!("𝑡 = {number} {}", format.unit()), context.metrics.font_size);
-    let line = text(&format.number(time));
-    let widest = text(&format!("8888{}", format.number(0.0).trim_start_matches('0').replace('0', "8"))).width;
-    let width = larger(line.width, widest);
+    let (style, metrics) = (&context.view.style, &context.metrics);
+    let line = clock_line(&style.time_format.number(time), style, metrics);
+    let width = larger(line.width, clock_width(style, metrics));
     let at = Vector::new(strip.origin.x, baseline(&line, strip));
-    shapes.push(Shape::Text { line, at, ink: Ink::from(context.metrics.palette.ink) });
+    shapes.push(Shape::Text { line, at, ink: Ink::from(metrics.palette.ink) });
     (strip.origin.x + width).round()
 }
 
@@ -145,7 +188,7 @@ fn scale_bar(left: f64, strip: &Rect, context: &LayoutContext, shapes: &mut Vec<
     };
     let end = |x: f64| bar(x, (strip.center().y - height / 2.0).round(), line, height);
     shapes.extend([bar(left, y, width, line), end(left), end(left + width - line)]);
-    let label = Line::math(&Unit::METRE.format(length, 1), 0.85 * text);
+    let label = Line::math(&Unit::METRE.format(length, 1), context.metrics.text(0.85));
     let (at, width) = (left + width + (0.4 * text).round(), label.width);
     shapes.push(Shape::Text { at: Vector::new(at, baseline(&label, strip)), line: label, ink });
     (at + width).round()
@@ -169,12 +212,32 @@ pub struct Entry {
     pub prefix: String,
     /// Text after the colours, as markup for [`Line::math`].
     pub name: String,
+    /// An arrow in the first colour instead of the colours.
+    pub arrow: Option<KeyArrow>,
 }
+
+/// The arrow of a legend.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct KeyArrow {
+    /// Its length, px.
+    pub length: f64,
+    /// The width of its shaft, px.
+    pub width: f64,
+    /// The meaning of its length.
+    pub kind: ArrowLength,
+}
+
+/// The largest number of characters of a name in a legend.
+const MAX_NAME_CHARS: usize = 40;
+
+/// The largest number of materials in a legend; the others are counted.
+const MAX_MATERIALS: usize = 60;
 
 impl Entry {
     /// An entry of one colour with a plain-text name.
     pub fn new(color: Color, name: &str) -> Entry {
-        Entry { colors: vec![color], hatching: Hatching::None, prefix: String::new(), name: quoted(name) }
+        let name = quoted(&truncated(name, MAX_NAME_CHARS));
+        Entry { colors: vec![color], hatching: Hatching::None, prefix: String::new(), name, arrow: None }
     }
 }
 
@@ -184,8 +247,15 @@ pub fn quoted(name: &str) -> String {
 }
 
 impl Legend {
+    /// The legend of frames: the box colours, unless boxes are coloured individually, and the lengths of arrows.
+    pub fn of(style: &Style, metrics: &DrawingMetrics) -> Legend {
+        let mut entries = Legend::of_colors(style).entries;
+        entries.extend(arrows::keys(style, metrics));
+        Legend { entries }
+    }
+
     /// The legend of the box colours of `style`; empty if boxes are coloured individually.
-    pub fn of(style: &Style) -> Legend {
+    pub fn of_colors(style: &Style) -> Legend {
         let entries = match style.look.color_by {
             ColorBy::Body => Vec::new(),
             ColorBy::Material => {
@@ -193,7 +263,12 @@ impl Legend {
                     let hatching = Hatching::of_material(name, style);
                     Entry { hatching, ..Entry::new(color::color_by_material(name, style), name) }
                 };
-                style.materials.iter().map(entry).collect()
+                let mut entries: Vec<Entry> = style.materials.iter().take(MAX_MATERIALS).map(entry).collect();
+                if let Some(more) = style.materials.len().checked_sub(MAX_MATERIALS).filter(|more| *more > 0) {
+                    let name = quoted(&format!("and {more} more"));
+                    entries.push(Entry { colors: Vec::new(), name, ..Entry::new(color::BODY_COLORS[0], "") });
+                }
+                entries
             }
             ColorBy::Speed => vec![speed_scale(style.top_speed)],
         };
@@ -220,6 +295,12 @@ impl Legend {
         }
     }
 
+    /// Returns true if no entry is wider than `width` px.
+    pub fn is_within(&self, width: f64, metrics: &DrawingMetrics) -> bool {
+        let (size, rows) = self.rows(width, metrics);
+        rows.iter().all(|row| row_width(row, size) <= width)
+    }
+
     /// Returns true if the legend fits in one row of `width` px.
     pub fn fits(&self, width: f64, metrics: &DrawingMetrics) -> bool {
         self.rows(width, metrics).1.len() <= 1
@@ -233,7 +314,7 @@ impl Legend {
 
     /// The font size of the legend and its rows of at most `width` px.
     fn rows(&self, width: f64, metrics: &DrawingMetrics) -> (f64, Vec<&[Entry]>) {
-        let sizes = [0.85, 0.7, 0.6].map(|size| size * metrics.font_size);
+        let sizes = [0.85, 0.7, 0.6].map(|size| metrics.text(size));
         if let Some(size) = sizes.into_iter().find(|&size| row_width(&self.entries, size) <= width) {
             return (size, vec![&self.entries]);
         }
@@ -272,7 +353,7 @@ pub enum Alignment {
 /// The colour scale from 0 to the top speed.
 fn speed_scale(top: f64) -> Entry {
     let name = Unit::METRE_PER_SECOND.format(top, 3);
-    Entry { colors: SPEED_COLORS.to_vec(), hatching: Hatching::None, prefix: "0".to_owned(), name }
+    Entry { colors: SPEED_COLORS.to_vec(), hatching: Hatching::None, prefix: "0".to_owned(), name, arrow: None }
 }
 
 fn entry_gap(size: f64) -> f64 {
@@ -288,10 +369,14 @@ fn swatch_size(size: f64) -> f64 {
 }
 
 impl Entry {
-    fn width(&self, size: f64) -> f64 {
+    /// Its width with a font of `size` px, px.
+    pub fn width(&self, size: f64) -> f64 {
         let prefix = if self.prefix.is_empty() { 0.0 } else { Line::plain(&self.prefix, size).width + text_gap(size) };
-        (prefix + swatch_size(size) * self.colors.len() as f64 + text_gap(size) + Line::math(&self.name, size).width)
-            .ceil()
+        let mark = match self.arrow {
+            Some(arrow) => arrow.length,
+            None => swatch_size(size) * self.colors.len() as f64,
+        };
+        (prefix + mark + text_gap(size) + Line::math(&self.name, size).width).ceil()
     }
 
     fn draw(&self, left: f64, size: f64, strip: &Rect, metrics: &DrawingMetrics, shapes: &mut Vec<Shape>) {
@@ -304,7 +389,13 @@ impl Entry {
             x += width + text_gap(size);
         }
         x = x.round();
-        for &color in &self.colors {
+        if let (Some(KeyArrow { length, width, kind }), Some(&color)) = (self.arrow, self.colors.first()) {
+            let from = Vector::new(x, strip.center().y.round());
+            let to = from.add(Vector::new(length, 0.0));
+            Arrow { length: kind, ..Arrow::new(from, to, width, color) }.draw(metrics, shapes);
+            x += length;
+        }
+        for &color in self.colors.iter().filter(|_| self.arrow.is_none()) {
             let corner = Vector::new(x, (strip.center().y - swatch_size(size) / 2.0).round());
             let rect = Rect::new(corner, swatch_size(size), swatch_size(size));
             shapes.push(Shape::Rect { rect, ink: Ink::from(color) });

@@ -1,4 +1,5 @@
 use super::LayoutContext;
+use super::labels::Label;
 use crate::physics::{Axis, Rect, Vector, larger};
 use crate::picture::Overlay;
 use crate::picture::number::{Unit, multiples_within, nice_spacing, tick_label};
@@ -16,11 +17,30 @@ pub fn draw(context: &LayoutContext, shapes: &mut Vec<Shape>) {
             if extent[0] < at && at < extent[1] {
                 shapes.push(grid_line(context, &area, axis, at));
             }
-            if !context.view.style.shows(Overlay::Axes) && at > extent[0] {
-                shapes.push(label(context, &area, axis, at, spacing));
+        }
+    }
+    labels(context).into_iter().for_each(|label| label.draw_bare(shapes));
+}
+
+/// The coordinates of the grid lines, without those that would cover another one.
+pub fn labels(context: &LayoutContext) -> Vec<Label> {
+    let style = &context.view.style;
+    if !style.shows(Overlay::Grid) || style.shows(Overlay::Axes) {
+        return Vec::new();
+    }
+    let (area, spacing) = (grid_area(&context.camera), grid_spacing(context));
+    let mut labels: Vec<Label> = Vec::new();
+    for axis in Axis::BOTH {
+        let [low, _] = area.along(axis);
+        for at in multiples(&area, axis, spacing).filter(|&at| at > low) {
+            let label = label(context, &area, axis, at, spacing);
+            let is_free = labels.iter().all(|other| other.bounds().inset(-1.0).intersection(&label.bounds()).is_none());
+            if is_free && context.camera.viewport.contains(&label.bounds()) {
+                labels.push(label);
             }
         }
     }
+    labels
 }
 
 /// Distance between grid lines, m.
@@ -55,7 +75,7 @@ fn grid_line(context: &LayoutContext, area: &Rect, axis: Axis, at: f64) -> Shape
 }
 
 /// The label of a grid line, inside the area at its upper or left border. The last label includes the unit.
-fn label(context: &LayoutContext, area: &Rect, axis: Axis, at: f64, spacing: f64) -> Shape {
+fn label(context: &LayoutContext, area: &Rect, axis: Axis, at: f64, spacing: f64) -> Label {
     let is_last = at + spacing > area.along(axis)[1] + 1e-9 * spacing;
     let line = coordinate(at, if is_last { WithUnit::Shown } else { WithUnit::Hidden }, context);
     let (near, point) = (context.camera.point(area.origin), context.camera.point(Vector::new(at, at)));
@@ -64,7 +84,7 @@ fn label(context: &LayoutContext, area: &Rect, axis: Axis, at: f64, spacing: f64
         Axis::X => Vector::new(point.x - line.width - gap, near.y + line.height() + 1.5 * gap),
         Axis::Y => Vector::new(near.x + gap, point.y - gap),
     };
-    Shape::Text { line, at: baseline, ink: Ink::from(context.metrics.palette.muted) }
+    Label { line, at: baseline, color: context.metrics.palette.muted }
 }
 
 /// Draws axes in metres, left of the viewport and below it.
@@ -136,5 +156,5 @@ fn coordinate(at: f64, with_unit: WithUnit, context: &LayoutContext) -> Line {
     let unit = Unit::METRE.for_size(larger(ends[0], ends[1]));
     let number = tick_label(unit.scaled(at), unit.scaled(grid_spacing(context)));
     let suffix = if with_unit == WithUnit::Shown { format!(" {unit}") } else { String::new() };
-    Line::plain(&format!("{number}{suffix}"), 0.7 * context.metrics.font_size)
+    Line::plain(&format!("{number}{suffix}"), context.metrics.text(0.7))
 }

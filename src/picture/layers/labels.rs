@@ -48,7 +48,7 @@ impl Label {
 /// Places labels where they cover as little as possible.
 ///
 /// The cost of a position is the weighted area that a label covers there; each label takes the candidate of the least
-/// cost.
+/// cost. No label covers another one or extends beyond the area for labels.
 #[derive(Clone, Debug)]
 pub struct LabelPlacer {
     /// The area for labels, px.
@@ -57,10 +57,9 @@ pub struct LabelPlacer {
     obstacles: Vec<(Rect, f64)>,
     /// Straight lines to keep clear, px, with their weights.
     lines: Vec<([Vector; 2], f64)>,
+    /// The bounds of placed labels, px, which no other label may touch.
+    labels: Vec<Rect>,
 }
-
-/// Weight of the area of a label that is not entirely on the page.
-const OFF_PAGE_WEIGHT: f64 = 100.0;
 
 /// Width attributed to lines to avoid, px; labels keep half of it clear on each side.
 const LINE_CLEARANCE: f64 = 6.0;
@@ -71,7 +70,7 @@ const LABEL_WEIGHT: f64 = 8.0;
 impl LabelPlacer {
     /// Creates a placer for labels within `page` (px), without obstacles.
     pub fn within(page: Rect) -> LabelPlacer {
-        LabelPlacer { page, obstacles: Vec::new(), lines: Vec::new() }
+        LabelPlacer { page, obstacles: Vec::new(), lines: Vec::new(), labels: Vec::new() }
     }
 
     /// Adds a rectangle for labels to avoid, with a weight per covered area.
@@ -93,32 +92,40 @@ impl LabelPlacer {
         }
     }
 
-    /// Places `line` around `anchor` where its cost is least, at a distance of `gap` px or twice that, and reserves the
-    /// position.
+    /// Places `line` around `anchor` where its cost is least, at a distance of one to four times `gap` px, and reserves the
+    /// position. `None` if every position touches another label.
     ///
     /// The eight directions are tried from `towards` outwards; of equal costs the first is taken.
-    pub fn place(&mut self, line: Line, anchor: Vector, towards: Vector, gap: f64, color: Color) -> Label {
+    pub fn place(&mut self, line: Line, anchor: Vector, towards: Vector, gap: f64, color: Color) -> Option<Label> {
         self.place_along(line, &[anchor], towards, gap, color)
     }
 
     /// As [`LabelPlacer::place`], around the best of several anchors.
-    pub fn place_along(&mut self, line: Line, anchors: &[Vector], towards: Vector, gap: f64, color: Color) -> Label {
+    pub fn place_along(
+        &mut self,
+        line: Line,
+        anchors: &[Vector],
+        towards: Vector,
+        gap: f64,
+        color: Color,
+    ) -> Option<Label> {
         let directions = directions_from(towards);
-        let candidates = [gap, 2.0 * gap].into_iter().flat_map(|gap| {
+        let around = |gap: f64| {
             let line = &line;
             anchors
                 .iter()
                 .flat_map(move |anchor| directions.map(|direction| label_bounds(line, *anchor, direction, gap)))
-        });
-        let (bounds, _) = self.best(candidates).unwrap_or((label_bounds(&line, Vector::ZERO, towards, gap), 0.0));
+        };
+        let near = self.best([gap, 2.0 * gap].into_iter().flat_map(around));
+        let (bounds, _) = near.or_else(|| self.best([3.0 * gap, 4.0 * gap].into_iter().flat_map(around)))?;
         self.reserve(bounds);
-        Label::in_bounds(&bounds, line, color)
+        Some(Label::in_bounds(&bounds, line, color))
     }
 
     /// The first candidate of the least cost, and that cost. `None` without candidates of finite cost.
     pub fn best(&self, candidates: impl IntoIterator<Item = Rect>) -> Option<(Rect, f64)> {
         let mut best: Option<(Rect, f64)> = None;
-        for bounds in candidates {
+        for bounds in candidates.into_iter().map(rounded) {
             let least = best.map_or(f64::INFINITY, |(_, cost)| cost);
             let cost = self.cost(&bounds);
             if cost < least {
@@ -133,24 +140,33 @@ impl LabelPlacer {
 
     /// The first candidate that covers nothing, if any.
     pub fn first_free(&self, candidates: impl IntoIterator<Item = Rect>) -> Option<Rect> {
-        candidates.into_iter().find(|bounds| self.cost(bounds) <= 0.0)
+        candidates.into_iter().map(rounded).find(|bounds| self.cost(bounds) <= 0.0)
     }
 
     /// Reserves the bounds of a label and a margin around it, which later labels avoid.
     pub fn reserve(&mut self, bounds: Rect) {
         self.avoid(bounds.inset(-bounds.height() / 3.0), LABEL_WEIGHT);
+        self.labels.push(bounds);
     }
 
-    /// The cost of a label with these bounds.
+    /// The cost of a label with these bounds; infinite if it touches another label or extends beyond the area for labels.
     pub fn cost(&self, bounds: &Rect) -> f64 {
+        if !self.page.contains(bounds) || self.labels.iter().any(|label| label.intersection(bounds).is_some()) {
+            return f64::INFINITY;
+        }
         let area = |rect: &Rect| rect.width() * rect.height();
         let covered =
             self.obstacles.iter().filter_map(|(rect, weight)| Some(weight * area(&bounds.intersection(rect)?)));
         let expanded = bounds.inset(-LINE_CLEARANCE / 2.0);
         let crossed = self.lines.iter().map(|(line, weight)| weight * LINE_CLEARANCE * length_within(line, &expanded));
-        let off_page = if self.page.contains(bounds) { 0.0 } else { OFF_PAGE_WEIGHT * area(bounds) };
-        covered.sum::<f64>() + crossed.sum::<f64>() + off_page
+        covered.sum::<f64>() + crossed.sum::<f64>()
     }
+}
+
+/// The bounds of a label whose baseline begins at a whole pixel.
+fn rounded(bounds: Rect) -> Rect {
+    let (x, bottom) = (bounds.origin.x.round(), bounds.far_corner().y.round());
+    Rect::new(Vector::new(x, bottom - bounds.height()), bounds.width(), bounds.height())
 }
 
 /// The length of a straight line within a rectangle (after Liang and Barsky, "A new concept and method for line
@@ -207,7 +223,7 @@ mod tests {
 
     fn place(placer: &mut LabelPlacer, anchor: Vector) -> Vector {
         let line = Line::plain("label", 10.0);
-        placer.place(line, anchor, Vector::new(1.0, 0.0), 5.0, Color::hex(0)).at
+        placer.place(line, anchor, Vector::new(1.0, 0.0), 5.0, Color::hex(0)).unwrap().at
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The layers of a frame, from back to front.
 
-mod arrows;
+pub mod arrows;
 pub mod bodies;
 mod body_labels;
 pub mod contacts;
@@ -9,7 +9,7 @@ mod frame;
 pub mod grid;
 pub(crate) mod labels;
 
-pub use arrows::Arrow;
+pub use arrows::{Arrow, ArrowLength};
 pub(super) use frame::force;
 pub use frame::{Appearance, Frame, Sprite, Trails};
 
@@ -23,7 +23,7 @@ pub fn compose(frame: &Frame, view: &View) -> DisplayList {
     let context = LayoutContext::new(view, view.camera_for(frame));
     let mut shapes = vec![foreground(frame, &context)];
     grid::draw_axes(&context, &mut shapes);
-    footer::draw(frame, &context, &mut shapes);
+    footer::Footer::new(&view.style, &context.metrics).draw(frame, &context, &mut shapes);
     DisplayList {
         size: view.camera.size,
         background: context.metrics.palette.background,
@@ -59,6 +59,7 @@ fn arrows(frame: &Frame, context: &LayoutContext) -> Vec<LabeledArrow> {
     let mut all = arrows::velocities(frame, context);
     all.extend(arrows::forces(frame, context));
     all.extend(contacts::arrows(frame, context));
+    arrows::separate(&mut all);
     all
 }
 

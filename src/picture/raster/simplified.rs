@@ -38,7 +38,8 @@ impl Wedge {
     fn continues_to(&self, last: Vector, next: Vector) -> bool {
         let direction = next.sub(self.from);
         let is_ahead = direction.dot(next.sub(last)) >= 0.0 && direction.dot(last.sub(self.from)) >= 0.0;
-        let is_within = |[first, second]: [Vector; 2]| cross(first, direction) >= 0.0 && cross(direction, second) >= 0.0;
+        let is_within =
+            |[first, second]: [Vector; 2]| cross(first, direction) >= 0.0 && cross(direction, second) >= 0.0;
         direction.is_finite() && is_ahead && self.sides.is_none_or(is_within)
     }
 
