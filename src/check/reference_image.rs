@@ -1,12 +1,13 @@
 //! Checking a picture: it must be redrawn the same.
 
 use super::{CheckResult, Outcome, Recipe, ReferenceImage, Replacement, Severity, TemporaryRecording, mismatch};
-use crate::picture::{Error, Format, PictureOptions, Provenance, SOFTWARE, Source, SubjectOptions};
+use crate::picture::{Error, Format, PictureOptions, Provenance, SOFTWARE, Source, SubjectOptions, draw_options};
 use crate::recording;
 use crate::replay::{self, NO_LIVE_EVENTS};
 use crate::scene;
 use std::fs::File;
 use std::io::ErrorKind;
+use std::num::NonZero;
 use std::path::{Path, PathBuf};
 
 /// Checks a picture.
@@ -94,9 +95,9 @@ fn draw_listed(
     let opened =
         sources.iter().map(|source| OpenedSource::open(source)).collect::<Result<Vec<OpenedSource>, Failure>>()?;
     let recordings: Vec<Source> = opened.iter().map(|opened| opened.source.clone()).collect();
-    let resolved = options.resolve(subject, &recordings, &mut |_, _| ())?;
-    let provenance = Provenance { software: software.to_owned(), ..Provenance::new(&resolved, &recordings) };
-    Ok((provenance.draw_to_vec(&recordings)?, provenance.picture.format()))
+    let (mut file, threads) = (Vec::new(), NonZero::<usize>::MIN);
+    let (provenance, _) = draw_options(subject, options, &recordings, software, threads, &mut |_, _| (), &mut file)?;
+    Ok((file, provenance.picture.format()))
 }
 
 /// Redraws a picture from its provenance and the recordings as they are now.

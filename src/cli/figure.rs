@@ -4,7 +4,7 @@ use super::output_file::{OutputFile, Overwrite};
 use super::picture_arguments::FigureCommandOptions;
 use super::source::OpenedSource;
 use super::{Exit, output};
-use crate::picture::{self, Provenance, StillFormat, SubjectOptions};
+use crate::picture::{self, SOFTWARE, StillFormat, SubjectOptions};
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
 
@@ -22,10 +22,10 @@ pub fn run(options: &FigureCommandOptions) -> Result<Exit, CommandError> {
     let recordings: Vec<picture::Source> = sources.iter().map(|source| source.recording.clone()).collect();
     let bar = output::progress_bar("drawing", 0);
     let mut on_progress = output::progress_updater(&bar);
-    let picture = options.picture_options().resolve(&subject, &recordings, &mut on_progress)?;
-    let provenance = Provenance::new(&picture, &recordings);
-    let drawn = output.write(|output| {
-        Ok(picture::draw(&provenance, &recordings, NonZero::<usize>::MIN, &mut on_progress, output)?)
+    let (picture_options, threads) = (options.picture_options(), NonZero::<usize>::MIN);
+    let (_, drawn) = output.write(|output| {
+        let (options, progress) = (&picture_options, &mut on_progress);
+        Ok(picture::draw_options(&subject, options, &recordings, SOFTWARE, threads, progress, output)?)
     })?;
     bar.finish_and_clear();
     drawn.warnings.iter().for_each(|warning| output::info(format_args!("{warning}")));

@@ -6,7 +6,7 @@ use super::output_file::{OutputFile, OutputFolder, Overwrite};
 use super::picture_arguments::RenderOptions;
 use super::source::OpenedSource;
 use super::video::{self, VideoContainer};
-use crate::picture::{self, AnimationFormat, Format, PictureOptions, Provenance, StillFormat, Subject, SubjectOptions};
+use crate::picture::{self, AnimationFormat, Format, PictureOptions, SOFTWARE, StillFormat, Subject, SubjectOptions};
 use crate::picture_options::StepOrTime;
 use crate::text::counted;
 use std::path::Path;
@@ -31,8 +31,11 @@ pub fn run(options: &RenderOptions) -> Result<Exit, CommandError> {
                 let schedule = animation.schedule(recording);
                 refuse_long(schedule.count(), schedule.start_time(schedule.count()), options)?;
             }
-            let provenance = Provenance::new(&picture, sources);
-            file.write(|output| Ok(picture::draw(&provenance, sources, threads, &mut on_progress, output)?))?
+            let drawn = file.write(|output| {
+                let (options, progress) = (&picture_options, &mut on_progress);
+                Ok(picture::draw_options(&subject, options, sources, SOFTWARE, threads, progress, output)?)
+            })?;
+            drawn.1
         }
         Output::Video(container, file) => {
             let (clip, provenance) = picture::Clip::video(&picture_options, recording, &mut on_progress)?;

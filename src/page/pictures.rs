@@ -1,5 +1,5 @@
 use rebond::internals::picture::figures::{self, CollisionSubject};
-use rebond::internals::picture::{Appearance, Metadata, Style};
+use rebond::internals::picture::{Appearance, Metadata, Style, TextAs};
 use rebond::internals::table::{CollisionRows, Rows, Table, TableFormat};
 use rebond::recordings::{BodyInfo, Playback, Recording};
 use rebond::{
@@ -79,8 +79,11 @@ pub fn collision_figure(
         FigureKind::Stages => figures::collision(&[subject], &style),
         FigureKind::Minkowski => figures::minkowski(&[subject], &style),
     };
+    let list = list.map_err(|error| error.to_string())?;
     let mut file = Vec::new();
-    StillFormat::Svg.write(&list, &Metadata::default(), &mut file).map_err(|error| error.to_string())?;
+    StillFormat::Svg
+        .write(&list, &Metadata::default(), TextAs::Outlines, &mut file)
+        .map_err(|error| error.to_string())?;
     Ok(file)
 }
 

@@ -8,8 +8,8 @@ use super::trace::trace;
 use super::{
     Animation, AnimationFormat, AnimationSchedule, CollisionFigure, ColorBy, DisplayList, EnergySample, Error, Frame,
     Frames, Look, Overlay, Page, PictureOptions, Progress, Provenance, ReadStatus, RenderError, ResolvedPicture,
-    Sequence, Source, Sprite, StatesFigure, StepGrid, StepRange, StillFormat, Style, Subject, SubjectOptions, Thinning,
-    Timing, Trails, View, compose,
+    SOFTWARE, Sequence, Source, Sprite, StatesFigure, StepGrid, StepRange, StillFormat, Style, Subject, SubjectOptions,
+    Thinning, Timing, Trails, View, compose,
 };
 use super::{Appearance, Palette, color};
 use crate::physics::larger;
@@ -84,7 +84,37 @@ pub fn draw(
 /// for [`draw`].
 #[doc(alias("render", "screenshot", "plot"))]
 pub fn draw_to_vec(subject: &SubjectOptions, options: &PictureOptions, sources: &[Source]) -> Result<Vec<u8>, Error> {
-    Provenance::new(&options.resolve(subject, sources, &mut |_, _| ())?, sources).draw_to_vec(sources)
+    let mut file = Vec::new();
+    draw_options(subject, options, sources, SOFTWARE, NonZero::<usize>::MIN, &mut |_, _| (), &mut file)?;
+    Ok(file)
+}
+
+/// Resolves a picture, draws it and writes it to `output`. A picture without a given size that is too small for its text
+/// is drawn in a sufficient size. `software` is the name and version of the program in the provenance.
+///
+/// # Errors
+/// As for [`PictureOptions::resolve`] and [`draw`].
+pub fn draw_options(
+    subject: &SubjectOptions,
+    options: &PictureOptions,
+    sources: &[Source],
+    software: &str,
+    threads: NonZero<usize>,
+    progress: Progress,
+    output: &mut dyn Write,
+) -> Result<(Provenance, Drawn), Error> {
+    let mut options = options.clone();
+    loop {
+        let resolved = options.resolve(subject, sources, progress)?;
+        let provenance = Provenance { software: software.to_owned(), ..Provenance::new(&resolved, sources) };
+        // A picture that is too small is refused before anything is written.
+        match draw(&provenance, sources, threads, progress, output) {
+            Err(Error::Render(RenderError::TooSmall { needed: Some(needed), .. })) if options.size.is_none() => {
+                options.size = Some(needed);
+            }
+            drawn => return Ok((provenance, drawn?)),
+        }
+    }
 }
 
 impl Provenance {

@@ -39,7 +39,7 @@ mod view;
 pub use crate::picture_options::{
     CameraTarget, ColorBy, Look, Overlay, Overlays, PictureOptions, TextAs, Theme, Window,
 };
-pub use draw::{Clip, Drawn, body_color, draw, draw_sequence, draw_to_vec, redraw};
+pub use draw::{Clip, Drawn, body_color, draw, draw_options, draw_sequence, draw_to_vec, redraw};
 pub(crate) use encode::ordered_parallel_map;
 pub use encode::{
     AnimationDecoder, DecodedFrame, Metadata, RenderError, apng, compare, draw_frames, gif, pdf, png, svg, write_apng,

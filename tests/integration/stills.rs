@@ -4,7 +4,7 @@ use crate::frames::{collision, moving, resized, view};
 use crate::reference_image::assert_reference_image;
 use rebond::internals::physics::{Rect, Vector};
 use rebond::internals::picture::{
-    CameraTarget, ColorBy, Frame, Look, Overlay, Painter, Picture, Style, Theme, View, compose,
+    CameraTarget, ColorBy, Frame, Look, Overlay, Painter, Picture, RenderError, Style, Theme, View, compose,
 };
 
 fn picture(frame: &Frame, view: &View) -> Picture {
@@ -113,10 +113,24 @@ fn extreme_coordinates_do_not_crash_a_frame() {
 
 #[test]
 fn pictures_of_any_aspect_ratio_are_drawn() {
-    let style = view(Theme::Light, Overlay::ALL, ColorBy::Speed).style;
-    for size in [[1, 1], [17, 1], [1, 300], [40, 30], [300, 900]] {
-        let view = View::new(crate::frames::WORLD, resized(size, style.clone())).unwrap();
+    let sizes = [[1, 1], [17, 1], [1, 300], [40, 30], [300, 900]];
+    let bare = view(Theme::Light, &[], ColorBy::Body).style;
+    for size in sizes {
+        let view = View::new(crate::frames::WORLD, resized(size, bare.clone())).unwrap();
         assert_eq!(picture(&collision(), &view).size, size);
+    }
+    // With text, a picture is legible or is refused with a sufficient size.
+    let style = view(Theme::Light, Overlay::ALL, ColorBy::Speed).style;
+    for size in sizes {
+        match View::new(crate::frames::WORLD, resized(size, style.clone())) {
+            Ok(view) => assert_eq!(picture(&collision(), &view).size, size),
+            Err(RenderError::TooSmall { needed: Some(needed), .. }) => {
+                let view = View::new(crate::frames::WORLD, resized(needed, style.clone())).unwrap();
+                assert_eq!(picture(&collision(), &view).size, needed);
+            }
+            Err(RenderError::TooSmall { needed: None, .. }) => assert!(size[0].min(size[1]) == 1, "{size:?}"),
+            Err(error) => panic!("{error}"),
+        }
     }
 }
 

@@ -84,7 +84,7 @@ pub enum RenderError {
         width: u32,
         /// Height, px.
         height: u32,
-        /// A sufficient size with the same proportions, px; `None` if no size is sufficient.
+        /// A sufficient size, px; `None` if no size is sufficient.
         needed: Option<[u32; 2]>,
     },
     /// The visible part of the world is empty or not finite.
@@ -115,13 +115,20 @@ pub enum RenderError {
 }
 
 impl RenderError {
-    /// The error for a picture of `size` pixels that is too small, with the smallest one in proportion that `fits`.
+    /// The error for a picture of `size` pixels that is too small, with the smallest larger one that `fits`: in proportion,
+    /// as far as the longest side allows.
     pub(crate) fn too_small(size: [u32; 2], fits: impl Fn([u32; 2]) -> bool) -> RenderError {
         let [width, height] = size;
         // Each is a tenth larger than the one before.
-        let scaled = |factor: f64| size.map(|side| (f64::from(side) * factor).ceil() as u32);
-        let factors = std::iter::successors(Some(1.1), |factor| Some(factor * 1.1));
-        let sizes = factors.map(scaled).take_while(|size| size.iter().all(|&side| side <= MAX_SIDE));
-        RenderError::TooSmall { width, height, needed: sizes.into_iter().find(|size| fits(*size)) }
+        let scaled = |factor: f64| size.map(|side| ((f64::from(side) * factor).ceil() as u32).min(MAX_SIDE));
+        let mut sizes = std::iter::successors(Some(1.1), |factor| Some(factor * 1.1)).map(scaled);
+        let needed = loop {
+            match sizes.next() {
+                Some(size) if fits(size) => break Some(size),
+                Some([MAX_SIDE, MAX_SIDE]) | None => break None,
+                Some(_) => {}
+            }
+        };
+        RenderError::TooSmall { width, height, needed }
     }
 }

@@ -251,7 +251,7 @@ impl Quantity {
     /// The entries of the legend that explain the lengths of the arrows.
     fn keys(&self, style: &Style, metrics: &DrawingMetrics) -> Vec<Entry> {
         let (top, scale) = ((self.top)(style), self.scale(style, metrics));
-        if !style.shows(self.overlay) || !(top > 0.0 && top.is_finite() && scale.is_finite()) {
+        if !(style.shows(self.overlay) && top > 0.0 && top.is_finite() && scale.is_finite()) {
             return Vec::new();
         }
         let (width, color) = (width(style, metrics), (self.color)(metrics));

@@ -269,6 +269,7 @@ mod tests {
     }
 
     #[test]
+    #[expect(clippy::disallowed_methods, reason = "the comparison has a tolerance")]
     fn the_linear_intensities_are_those_of_srgb() {
         for (component, &linear) in LINEAR.iter().enumerate() {
             let value = component as f64 / 255.0;
@@ -310,6 +311,7 @@ mod tests {
     }
 
     /// A colour in CIE L*a*b* as seen with the colour vision that `matrix` simulates in linear sRGB.
+    #[expect(clippy::disallowed_methods, reason = "the comparison has a tolerance")]
     fn seen([red, green, blue]: [[f64; 3]; 3], color: Color) -> [f64; 3] {
         let linear = [color.r, color.g, color.b].map(|component| f64::from(LINEAR[usize::from(component)]) / 65_535.0);
         let dot = |row: [f64; 3], column: [f64; 3]| row.iter().zip(column).map(|(a, b)| a * b).sum::<f64>();
