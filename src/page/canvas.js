@@ -1,11 +1,21 @@
 // Draws one world on a canvas: boxes, overlays, cursor.
 
-const css = (color) => `#${color.toString(16).padStart(6, '0')}`;
+/** Colours as CSS, made once each: there are as many as bodies only if they are coloured by speed. */
+const cached = (make) => {
+  const known = new Map();
+  return (key) => {
+    let made = known.get(key);
+    if (made === undefined) known.set(key, (made = make(key)));
+    return made;
+  };
+};
+const css = cached((color) => `#${color.toString(16).padStart(6, '0')}`);
 const luma = (color) => 0.299 * (color >> 16) + 0.587 * ((color >> 8) & 255) + 0.114 * (color & 255);
 const mix = (color, to, part) => {
   const channel = (shift) => Math.round(((color >> shift) & 255) * (1 - part) + to * part) << shift;
   return css(channel(16) | channel(8) | channel(0));
 };
+const EDGES = { light: cached((color) => mix(color, 0, 0.35)), dark: cached((color) => mix(color, 255, 0.35)) };
 
 const INKS = {
   light: { paper: '#ffffff', wall: '#c9d0da', edge: '#8b96a5', grid: '#e6eaf0', ink: '#1c2430', normal: '#d6006c', impulse: '#8a5a00', momentum: '#6a3fc8', ghost: '#0b62d6' },
@@ -111,15 +121,18 @@ class Stage {
     }
     if (view.show.has('trail')) this.drawTrails(X, Y);
     const outline = Math.max(1, Math.min(2 * ratio, k * 0.04));
+    const edge = EDGES[view.theme];
+    // Outlines cost more than boxes, and many small ones are only noise.
+    const small = (b.length > 2000 * Engine.BODY ? 16 : 4) * outline;
     for (let i = 0; i < b.length; i += Engine.BODY) {
       if (b[i + 9]) continue;
       const [x, y, w, h] = [X(b[i + 1]), Y(b[i + 2]), b[i + 3] * k, b[i + 4] * k];
       const color = b[i + 8];
       pen.fillStyle = css(color);
       pen.fillRect(x, y, Math.max(w, 1), Math.max(h, 1));
-      if (w > 4 * outline && h > 4 * outline) {
+      if (w > small && h > small) {
         pen.lineWidth = outline;
-        pen.strokeStyle = mix(color, view.theme === 'dark' ? 255 : 0, 0.35);
+        pen.strokeStyle = edge(color);
         pen.strokeRect(x + outline / 2, y + outline / 2, w - outline, h - outline);
       }
       if (b[i + 7] === Infinity && w > 8 && h > 8) this.hatch(x, y, w, h, ink);

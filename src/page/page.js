@@ -911,7 +911,7 @@ function pageMain(source) {
 
   function translate() {
     document.documentElement.lang = state.language;
-    $('language').textContent = state.language === 'fr' ? 'EN' : 'FR';
+    $('language').textContent = state.language === 'fr' ? 'English' : 'Français';
     $('language').lang = state.language === 'fr' ? 'en' : 'fr';
     for (const element of all('[data-t]')) element.textContent = T()[element.dataset.t];
     for (const element of all('[data-l]')) {

@@ -2,7 +2,7 @@
 
 const TEXTS = {
   en: {
-    language: 'Passer au français', theme: 'Light or dark', close: 'Close', scene: 'Scene', box: 'Box', world: 'World', view: 'View', data: 'Data', files: 'Files', help: 'Help',
+    theme: 'Light or dark', close: 'Close', scene: 'Scene', box: 'Box', world: 'World', view: 'View', data: 'Data', files: 'Files', help: 'Help',
     emptyRoom: 'Empty room', ownScene: 'Your scene', canvas: 'The world. Click to make a box, click a box to delete it, drag a box to throw it. With the keyboard: arrows move the cursor, Enter clicks, Delete deletes, Space plays.',
     hint: 'Click to make a box, click a box to delete it, drag it to throw it', boxHelp: 'The next box that a click makes. Drag from an empty place to give it a velocity.', width: 'Width (m)', height: 'Height (m)', mass: 'Mass (kg)', fixed: 'Infinite mass: nothing can push it', material: 'Material', clear: 'Remove all that was clicked',
     worldHelp: 'Each change runs the whole session again with the same clicks.', gravity: 'Gravity (m/s²)', restitution: 'Restitution e', rate: 'Steps per second', solver: 'Solver', eventDriven: 'event-driven: exact between collisions', handout: 'handout: the algorithm of the course', both: 'both side by side, on the same clicks',
@@ -17,7 +17,7 @@ const TEXTS = {
     helpLines: ['Click: a box. Click on a box: it disappears, and no new one is made.', 'Drag a box: throw it while the world runs, move it while it stands still.', 'Drag from an empty place: a new box with that velocity.', 'Space: play and pause. , and . : one step. N: to the next collision. Z: undo. Home: to the start. B: both solvers.', 'Keyboard in the world: arrows move the cursor (with Shift by 1 m), Enter clicks, Delete deletes.', 'A recording that is saved here replays bit for bit with “rebond replay”.'],
   },
   fr: {
-    language: 'Switch to English', theme: 'Clair ou sombre', close: 'Fermer', scene: 'Scène', box: 'Boîte', world: 'Monde', view: 'Vue', data: 'Mesures', files: 'Fichiers', help: 'Aide',
+    theme: 'Clair ou sombre', close: 'Fermer', scene: 'Scène', box: 'Boîte', world: 'Monde', view: 'Vue', data: 'Mesures', files: 'Fichiers', help: 'Aide',
     emptyRoom: 'Pièce vide', ownScene: 'Votre scène', canvas: 'Le monde. Cliquer crée une boîte, cliquer sur une boîte la supprime, la faire glisser la lance. Au clavier : les flèches déplacent le curseur, Entrée clique, Suppr supprime, Espace lance.',
     hint: 'Cliquez pour créer une boîte, cliquez dessus pour la supprimer, faites-la glisser pour la lancer', boxHelp: 'La prochaine boîte créée par un clic. Glisser depuis un endroit vide lui donne une vitesse.', width: 'Largeur (m)', height: 'Hauteur (m)', mass: 'Masse (kg)', fixed: 'Masse infinie : rien ne la pousse', material: 'Matériau', clear: 'Effacer tous les clics',
     worldHelp: 'Chaque changement relance toute la session avec les mêmes clics.', gravity: 'Gravité (m/s²)', restitution: 'Restitution e', rate: 'Pas par seconde', solver: 'Solveur', eventDriven: 'événementiel : exact entre les chocs', handout: 'TP : l’algorithme du cours', both: 'les deux côte à côte, avec les mêmes clics',

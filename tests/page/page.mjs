@@ -1,0 +1,515 @@
+// Tests of the live page in a browser: node page.mjs chromium|firefox PAGE REBOND REPOSITORY
+import assert from 'node:assert/strict';
+import { execFileSync } from 'node:child_process';
+import { mkdtempSync, readFileSync, readdirSync, rmSync, writeFileSync } from 'node:fs';
+import { tmpdir } from 'node:os';
+import { join, resolve } from 'node:path';
+import { pathToFileURL } from 'node:url';
+import puppeteer from 'puppeteer-core';
+
+const [name, file, rebond, repository] = process.argv.slice(2);
+const url = pathToFileURL(resolve(file)).href;
+const axe = readFileSync(new URL('node_modules/axe-core/axe.min.js', import.meta.url), 'utf8');
+const folder = mkdtempSync(join(tmpdir(), 'rebond-page-'));
+const isChromium = name === 'chromium';
+const which = (program) => execFileSync('which', [program], { encoding: 'utf8' }).trim();
+const browser = await puppeteer.launch(isChromium
+  ? { executablePath: which('chromium'), args: ['--no-sandbox', '--disable-dev-shm-usage', '--disable-gpu'], protocolTimeout: 60_000 }
+  : { browser: 'firefox', executablePath: which('firefox-esr'), protocolTimeout: 60_000 });
+
+const requests = [];
+let page;
+
+/** Opens the page with this fragment and waits until it is ready. */
+async function open(fragment = '', size = { width: 1280, height: 800 }) {
+  await page?.close();
+  page = await browser.newPage();
+  page.setDefaultTimeout(30_000);
+  await page.setViewport(size);
+  page.on('request', (request) => requests.push(request.url()));
+  await page.evaluateOnNewDocument(() => {
+    // What is downloaded is kept, and what the policy forbids is counted.
+    window.violations = [];
+    window.blobs = new Map();
+    document.addEventListener('securitypolicyviolation', (event) => window.violations.push(`${event.violatedDirective} ${event.blockedURI}`));
+    window.addEventListener('error', (event) => window.violations.push(String(event.message)));
+    const make = URL.createObjectURL;
+    URL.createObjectURL = (blob) => { const made = make.call(URL, blob); window.blobs.set(made, blob); return made; };
+    const click = HTMLAnchorElement.prototype.click;
+    HTMLAnchorElement.prototype.click = function () {
+      if (this.download) window.saved = { name: this.download, blob: window.blobs.get(this.href) };
+      else click.call(this);
+    };
+  });
+  await page.goto(url + fragment);
+  await page.waitForFunction(() => document.documentElement.dataset.ready === 'yes');
+}
+
+const run = (f, ...args) => page.evaluate(f, ...args);
+const wait = (f, ...args) => page.waitForFunction(f, { polling: 50 }, ...args);
+const lines = () => run(() => rebond.engine.lines(0));
+const step = () => run(() => rebond.engine.x.step_now(0));
+const settle = () => wait(() => !rebond.state.seeking && !rebond.state.busy);
+const press = (id) => run((id) => document.getElementById(id).click(), id);
+/** Names, positions and velocities of the bodies of finite mass, to the bit. */
+const bodies = (which = 0) => run((which) => {
+  const names = rebond.engine.names(which);
+  const b = [...rebond.engine.bodies(which, 0, 0)];
+  return names.map(([name], n) => [name, ...b.slice(n * 10 + 1, n * 10 + 8)]).filter((body) => Number.isFinite(body[7]) && body[7] !== null);
+}, which);
+const finite = async (which = 0) => (await bodies(which)).map(([name]) => name);
+/** The point of the page at a point of the world. */
+const place = (x, y, which = 0) => run((x, y, which) => rebond.stages[which].place([x, y]), x, y, which);
+async function click(x, y) {
+  await page.mouse.click(...await place(x, y));
+  await settle();
+}
+async function seek(to) {
+  await run((to) => rebond.seek(to), to);
+  await settle();
+}
+async function save(kind) {
+  await run((kind) => { window.saved = null; document.querySelector(`[data-file="${kind}"]`).click(); }, kind);
+  await wait(() => window.saved && !rebond.state.busy);
+  const [saved, text] = await run(async () => {
+    const bytes = new Uint8Array(await window.saved.blob.arrayBuffer());
+    let raw = '';
+    for (let i = 0; i < bytes.length; i += 30_000) raw += String.fromCharCode(...bytes.subarray(i, i + 30_000));
+    return [window.saved.name, btoa(raw)];
+  });
+  const path = join(folder, saved);
+  writeFileSync(path, Buffer.from(text, 'base64'));
+  return path;
+}
+async function openFile(path) {
+  const input = await page.$('#open');
+  await input.uploadFile(resolve(path));
+  await run(() => document.getElementById('open').dispatchEvent(new Event('change')));
+}
+const toast = () => run(() => (document.getElementById('toast').hidden ? '' : document.getElementById('toast-text').textContent));
+const command = (...args) => execFileSync(rebond, args, { encoding: 'utf8', cwd: folder });
+const same = (one, two) => assert.ok(readFileSync(one).equals(readFileSync(two)), `${one} differs from ${two}`);
+async function accessible(what) {
+  await run(axe);
+  const found = await run(async () => {
+    const { violations } = await axe.run(document, { resultTypes: ['violations'] });
+    return violations.map(({ id, nodes }) => `${id}: ${nodes.map((node) => node.html.slice(0, 120)).join(' | ')}`);
+  });
+  assert.deepEqual(found, [], what);
+}
+
+const tests = {
+  async 'a click makes a box, and a click on a box deletes it and never makes one'() {
+    await open();
+    await click(4, 5);
+    await click(8, 3);
+    assert.deepEqual(await finite(), ['box 1', 'box 2']);
+    await click(4.2, 5.2);
+    assert.deepEqual(await finite(), ['box 2']);
+    await click(8.3, 3.3);
+    assert.deepEqual(await finite(), []);
+    assert.equal(await step(), 0);
+    await press('undo');
+    await settle();
+    assert.deepEqual(await finite(), ['box 2']);
+  },
+
+  async 'without the first line of the handout’s mouse handler a click on a box makes another one'() {
+    const count = (guarded) => run((guarded) => {
+      const canvas = document.createElement('div');
+      document.body.append(canvas);
+      const make = () => {
+        const box = canvas.appendChild(document.createElement('div'));
+        box.addEventListener('click', () => box.remove());
+      };
+      canvas.addEventListener('click', function (event) {
+        if (guarded && this !== event.target) return;
+        make();
+      });
+      make();
+      canvas.firstChild.click();
+      const left = canvas.childElementCount;
+      canvas.remove();
+      return left;
+    }, guarded);
+    assert.deepEqual([await count(true), await count(false)], [0, 1]);
+  },
+
+  async 'a box is thrown while the world runs: deleted and spawned with its name in one step'() {
+    await open();
+    await click(3, 2);
+    await press('play');
+    await wait(() => rebond.engine.x.step_now(0) > 3);
+    const [, x, y, w, h] = (await bodies())[0];
+    const from = await place(x + w / 2, y + h / 2);
+    await page.mouse.move(...from);
+    await page.mouse.down();
+    // If the box has fallen on before the button was pressed, a new box is made instead.
+    await page.mouse.move(from[0] + 60, from[1] - 20, { steps: 4 });
+    await page.mouse.move(from[0] + 160, from[1] - 60, { steps: 4 });
+    await page.mouse.up();
+    await press('play');
+    await settle();
+    const text = await lines();
+    const events = text.trim().split('\n').map((line) => JSON.parse(line));
+    assert.ok(events.length >= 2, text);
+    const last = events.at(-1);
+    if (last.spawn) {
+      const before = events.at(-2).delete;
+      assert.deepEqual([before.name, before.step], [last.spawn.name, last.spawn.step], text);
+    }
+    assert.equal(await toast(), '');
+  },
+
+  async 'a box is moved while the world stands still, and keeps its velocity'() {
+    await open('#scene=masses');
+    const [body] = await bodies();
+    const from = await place(body[1] + body[3] / 2, body[2] + body[4] / 2);
+    const to = await place(body[1] + body[3] / 2 + 1, body[2] + body[4] / 2);
+    await seek(10);
+    const [now] = await bodies();
+    const grip = await place(now[1] + now[3] / 2, now[2] + now[4] / 2);
+    await page.mouse.move(...grip);
+    await page.mouse.down();
+    await page.mouse.move(grip[0] + to[0] - from[0], grip[1], { steps: 5 });
+    await page.mouse.up();
+    await settle();
+    const moved = (await bodies()).find(([name]) => name === body[0]);
+    assert.ok(Math.abs(moved[1] - now[1] - 1) < 0.1, `${moved} ${now}`);
+    assert.equal(moved[5], now[5]);
+  },
+
+  async 'scrubbing shows the bits that playing showed'() {
+    await open('#scene=pile');
+    const shown = [];
+    for (const at of [0, 31, 90]) { await seek(at); shown.push(await bodies()); }
+    for (const [index, at] of [[2, 90], [0, 0], [1, 31]]) { await seek(at); assert.deepEqual(await bodies(), shown[index], `step ${at}`); }
+    await press('back');
+    await settle();
+    assert.equal(await step(), 30);
+    await press('forward');
+    assert.equal(await step(), 31);
+    assert.deepEqual(await bodies(), shown[1]);
+  },
+
+  async 'every file of a session is the one that the command makes'() {
+    await open();
+    await click(4, 3);
+    await seek(20);
+    await click(4.4, 7);
+    await click(9, 6);
+    await seek(70);
+    const [mcap, scene, events] = [await save('mcap'), await save('toml'), await save('jsonl')];
+    command('record', scene, '--events', events, '-o', 'native.mcap', '--force');
+    same(mcap, join(folder, 'native.mcap'));
+    assert.match(command('replay', mcap), /^same: 600 steps/);
+    const look = ['--theme', 'light', '--show', 'velocity,name,clock', '--color-by', 'body'];
+    for (const kind of ['png', 'svg', 'gif']) {
+      const size = kind === 'gif' ? ['--size', '640x360'] : ['--size', '1280x720', '--at', '70'];
+      command('render', mcap, '-o', `native.${kind}`, ...size, ...look, '--force');
+      same(await save(kind), join(folder, `native.${kind}`));
+    }
+    for (const table of ['states', 'collisions']) {
+      command('export', mcap, '-o', `native-${table}.csv`, '--table', table, '--force');
+      same(await save(table), join(folder, `native-${table}.csv`));
+    }
+    const clicks = await save('clicks');
+    command('record', clicks, '-o', 'clicks.mcap', '--force');
+    assert.equal(command('export', 'clicks.mcap'), readFileSync(join(folder, 'native-states.csv'), 'utf8'));
+  },
+
+  async 'both solvers run side by side on the same clicks'() {
+    await open('#scene=first-scene&both');
+    await click(6, 2);
+    await seek(100);
+    await page.mouse.click(...await place(12, 3, 1));
+    await settle();
+    assert.deepEqual(await finite(0), await finite(1));
+    assert.equal((await finite()).length, 4);
+    assert.notDeepEqual(await bodies(0), await bodies(1));
+    assert.equal(await run(() => rebond.engine.lines(0) === rebond.engine.lines(1)), true);
+    const [left, right] = await run(() => [0, 1].map((n) => document.getElementById(`caption-${n}`).textContent));
+    assert.match(`${left} ${right}`, /event-driven handout/);
+    await run(() => { document.getElementById('side').value = '1'; });
+    const mcap = await save('mcap');
+    assert.match(command('replay', mcap), /^same/);
+    assert.match(command('info', mcap), /handout/);
+  },
+
+  async 'gravity, restitution, rate and solver run the session again'() {
+    await open();
+    await click(4, 3);
+    await seek(60);
+    for (const [id, value, key, expected] of [['set-g', '1.6', 'gravity', [0, 1.6]], ['set-e', '0.5', 'restitution', 0.5], ['set-rate', '120', 'rate', 120]]) {
+      await run((id, value) => { const input = document.getElementById(id); input.value = value; input.dispatchEvent(new Event('change')); }, id, value);
+      await settle();
+      assert.deepEqual(await run((key) => rebond.engine.status(0)[key], key), expected);
+    }
+    assert.equal(await step(), 120);
+    assert.deepEqual(await finite(), ['box 1']);
+  },
+
+  async 'the next collision is shown with both figures and its numbers'() {
+    await open('#scene=figure-1');
+    await press('next');
+    await settle();
+    await wait(() => ['figure-1', 'figure-2'].every((id) => document.getElementById(id).naturalWidth > 0));
+    assert.match(await run(() => document.getElementById('collision-text').textContent), /collide at/);
+    assert.equal(await run(() => document.querySelectorAll('#collision-numbers dd').length), 9);
+  },
+
+  async 'a recording plays, scrubs and gets its verdict'() {
+    await open();
+    await openFile(join(repository, 'recordings/click-session.mcap'));
+    await wait(() => rebond.state.film?.verdict);
+    assert.match(await run(() => document.getElementById('verdict').textContent), /^same: \d+ steps/);
+    await seek(300);
+    const shown = await run(() => [...rebond.stages[0].bodies]);
+    await run(() => document.getElementById('film-scene').click());
+    await seek(300);
+    assert.deepEqual(await run(() => [...rebond.stages[0].bodies]), shown);
+
+    const bytes = readFileSync(join(repository, 'recordings/click-session.mcap'));
+    bytes[bytes.length >> 1] ^= 1;
+    writeFileSync(join(folder, 'damaged.mcap'), bytes);
+    await openFile(join(folder, 'damaged.mcap'));
+    await wait(() => rebond.state.film?.verdict || document.getElementById('verdict').className === 'bad' || !document.getElementById('toast').hidden);
+    assert.match(await run(() => `${document.getElementById('verdict').textContent} ${document.getElementById('toast-text').textContent}`), /corrupt|damaged|checksum/i);
+  },
+
+  async 'every recording of the repository replays the same in the browser'() {
+    await open();
+    for (const recording of readdirSync(join(repository, 'recordings')).filter((entry) => entry.endsWith('.mcap'))) {
+      const verdict = await run(async (text) => {
+        const { engine } = rebond;
+        engine.film(fromBase64(text));
+        engine.ask(engine.x.verdict_start());
+        for (;;) {
+          const verdict = JSON.parse(engine.ask(engine.x.verdict_advance(200)));
+          if (verdict.final) return verdict.line;
+          await new Promise((resolve) => { setTimeout(resolve); });
+        }
+      }, readFileSync(join(repository, 'recordings', recording)).toString('base64'));
+      assert.match(verdict, /^same/, recording);
+    }
+  },
+
+  async 'scenes, events and hostile files are opened or refused with a message'() {
+    await open();
+    writeFileSync(join(folder, 'two.toml'), 'title = "<img src=x onerror=alert(1)>"\n[run]\nsteps = 60\n[[spawn]]\nname = "<b>x</b>"\nat = [1, 1]\nsize = [2, 1]\nmass = 1\n');
+    await openFile(join(folder, 'two.toml'));
+    await wait(() => document.getElementById('title').textContent.startsWith('<img'));
+    assert.equal(await run(() => document.querySelectorAll('#title *, #bodies b').length), 0);
+    writeFileSync(join(folder, 'two.jsonl'), '{"click": {"step": 3, "at": [9, 5], "spawn": {"size": [1, 1], "mass": 2}}}\nnonsense\n');
+    await openFile(join(folder, 'two.jsonl'));
+    await wait(() => !document.getElementById('toast').hidden);
+    assert.match(await toast(), /line 2/);
+    await seek(5);
+    assert.equal((await finite()).length, 2);
+    for (const [entry, text, expected] of [['bad.mcap', 'no recording', /./], ['bad.toml', '[run]\nsteps = 3\n[wrld]\n', /line 3: unknown key/], ['bad.xyz', 'x', /none of/]]) {
+      writeFileSync(join(folder, entry), text);
+      await press('toast-close');
+      await openFile(join(folder, entry));
+      await wait(() => !document.getElementById('toast').hidden);
+      assert.match(await toast(), expected);
+    }
+    assert.equal((await finite()).length, 2, 'the session is kept');
+    await open(`#s=${'A'.repeat(300)}`);
+    assert.match(await toast(), /link/i);
+    await open(`#s=${'A'.repeat(250_000)}`);
+    assert.match(await toast(), /link/i);
+  },
+
+  async 'an error stops the loop, is shown, and leaves the session'() {
+    await open();
+    writeFileSync(join(folder, 'crush.toml'), '[run]\nsteps = 300\n[[spawn]]\nname = "left"\nat = [0.0, 0.0]\nsize = [1.0, 1.0]\nmass = inf\nvelocity = [3.0, 0.0]\n[[spawn]]\nname = "right"\nat = [4.0, 0.0]\nsize = [1.0, 1.0]\nmass = inf\n[[spawn]]\nname = "c"\nat = [2.0, 0.0]\nsize = [1.0, 1.0]\nmass = 1.0\n[restitution]\ndefault = 0.0\n');
+    await openFile(join(folder, 'crush.toml'));
+    await wait(() => rebond.state.status[0].name === 'crush.toml');
+    await press('play');
+    await wait(() => !rebond.state.playing);
+    assert.match(await toast(), /crushed/);
+    assert.deepEqual(await finite(), ['c']);
+    await press('back');
+    await settle();
+    assert.ok(await step() > 10);
+  },
+
+  async 'after a failure of the module the session goes on'() {
+    await open();
+    await click(4, 5);
+    await run(() => { rebond.engine.x = { ...rebond.engine.x, step() { throw new WebAssembly.RuntimeError('unreachable'); } }; });
+    await press('forward');
+    await wait(() => !document.getElementById('toast').hidden);
+    assert.deepEqual(await finite(), ['box 1']);
+    await press('forward');
+    assert.equal(await step(), 1);
+  },
+
+  async 'a link holds the session'() {
+    await open();
+    await click(4, 5);
+    await seek(12);
+    await run(() => document.querySelector('[data-file="link"]').click());
+    await wait(() => document.getElementById('link').value !== '');
+    const [link, text, shown] = [await run(() => document.getElementById('link').value), await lines(), await bodies()];
+    assert.ok(link.length < 8000);
+    await open(link.slice(link.indexOf('#')));
+    await settle();
+    assert.deepEqual([await lines(), await bodies(), await step()], [text, shown, 12]);
+  },
+
+  async 'the keyboard is enough'() {
+    await open();
+    await run(() => document.getElementById('canvas-0').focus());
+    for (let i = 0; i < 4; i += 1) await page.keyboard.press('ArrowLeft');
+    await page.keyboard.press('Enter');
+    await settle();
+    const [body] = await bodies();
+    assert.deepEqual([body[0], body[1] + 0.5, body[2] + 0.5], ['box 1', 7, 4.5]);
+    assert.match(await run(() => document.getElementById('said').textContent), /7, 4.5 m/);
+    await page.keyboard.press('.');
+    assert.equal(await step(), 1);
+    await page.keyboard.press(' ');
+    await wait(() => rebond.engine.x.step_now(0) > 3);
+    await page.keyboard.press(' ');
+    assert.equal(await run(() => rebond.state.playing), false);
+    await run(() => document.querySelector('[data-panel="data"]').click());
+    await run(() => document.querySelector('#bodies button').focus());
+    const [before] = await bodies();
+    await page.keyboard.press('ArrowRight');
+    await settle();
+    const [after] = await bodies();
+    assert.ok(Math.abs(after[1] - before[1] - 0.1) < 1e-9, `${before} ${after}`);
+    await page.keyboard.press('Delete');
+    await settle();
+    assert.deepEqual(await finite(), []);
+    await page.keyboard.press('z');
+    await settle();
+    assert.deepEqual(await finite(), ['box 1']);
+  },
+
+  async 'a finger is enough'() {
+    await open('', { width: 390, height: 844, hasTouch: true, isMobile: isChromium });
+    const at = await place(8, 4);
+    // Firefox has no touch emulation for drivers: its finger is a pair of pointer events.
+    const tap = () => (isChromium ? page.touchscreen.tap(...at) : run((x, y) => {
+      const canvas = document.getElementById('canvas-0');
+      canvas.setPointerCapture = () => {};
+      for (const type of ['pointerdown', 'pointerup']) {
+        canvas.dispatchEvent(new PointerEvent(type, { pointerType: 'touch', pointerId: 5, clientX: x, clientY: y, bubbles: true }));
+      }
+    }, ...at));
+    await tap();
+    await settle();
+    assert.deepEqual(await finite(), ['box 1']);
+    await tap();
+    await settle();
+    assert.deepEqual(await finite(), []);
+  },
+
+  async 'axe finds nothing, in both languages and themes, with every panel'() {
+    await open('#scene=first-scene');
+    await accessible('at first sight');
+    for (const panel of ['box', 'world', 'view', 'data', 'files', 'help']) {
+      await run((panel) => document.querySelector(`[data-panel="${panel}"]`).click(), panel);
+      await accessible(panel);
+    }
+    await press('theme');
+    await press('language');
+    assert.equal(await run(() => document.documentElement.lang), 'fr');
+    await press('next');
+    await settle();
+    await accessible('the collision, in French, in the other theme');
+  },
+
+  async 'a width of 320 px is enough, and targets are 44 px'() {
+    await open('#scene=first-scene', { width: 320, height: 640 });
+    for (const panel of ['box', 'world', 'view', 'data', 'files', 'help']) {
+      await run((panel) => document.querySelector(`[data-panel="${panel}"]`).click(), panel);
+      const [width, small] = await run(() => [document.documentElement.scrollWidth, [...document.querySelectorAll('button, select, .button, label.check, input[type="number"], textarea')]
+        .filter((element) => element.offsetParent && element.getBoundingClientRect().height < 43.9).map((element) => element.id || element.textContent)]);
+      assert.ok(width <= 320, `${panel}: ${width} px`);
+      assert.deepEqual(small, [], panel);
+    }
+  },
+
+  async 'the texts of both languages have the same keys'() {
+    const [en, fr] = await run(() => ['en', 'fr'].map((language) => Object.keys(TEXTS[language]).sort()));
+    assert.deepEqual(en, fr);
+  },
+
+  async 'the page makes no request and violates no policy'() {
+    assert.deepEqual([...new Set(requests.map((request) => request.split(/[#:]/)[0]))].filter((scheme) => !['file', 'blob', 'data', 'about'].includes(scheme)), []);
+    const files = new Set(requests.filter((request) => request.startsWith('file:')).map((request) => request.split('#')[0]));
+    // Firefox does not report the page itself.
+    assert.deepEqual([...files], isChromium ? [url] : []);
+  },
+};
+
+/** Times that are reported and not asserted: they depend on the machine. */
+async function measure() {
+  await open();
+  const opened = await run(() => rebond.times);
+  const gas = (count, side) => `[world]\nsize = [${side * 1.6}, ${side}]\nwalls = true\n[run]\nsteps = 600\n[[scatter]]\ncount = ${count}\nseed = 7\nregion = [0, 0, ${side * 1.6}, ${side}]\nsize = [[0.1, 0.1], [0.3, 0.3]]\nmass = [1, 2]\nvelocity = [[-2, -2], [2, 2]]\n`;
+  const frames = (count, side, overlays) => run(async (text, overlays) => {
+    const { engine, stages, view } = rebond;
+    engine.load(0, 'gas.toml', text);
+    const stage = stages[0];
+    stage.size = engine.status(0).size;
+    stage.names = engine.names(0);
+    const shown = new Set(overlays ? ['velocity', 'momentum', 'trail', 'name', 'grid', 'normal', 'penetration', 'impulse', 'centre'] : ['velocity']);
+    let [step, paint] = [0, 0];
+    const times = 40;
+    for (let i = 0; i < times; i += 1) {
+      const began = performance.now();
+      engine.x.step(0, 1);
+      if (overlays) stage.flash(engine.collisions(0), 12);
+      const stepped = performance.now();
+      stage.bodies = engine.bodies(0, 0, 0).slice();
+      if (overlays) stage.extendTrails(60);
+      stage.fit();
+      stage.draw({ ...view, show: shown, walls: true, marks: [] });
+      paint += performance.now() - stepped;
+      step += stepped - began;
+      if (i % 10 === 0) await new Promise((resolve) => { setTimeout(resolve); });
+    }
+    return [step / times, paint / times].map((time) => Number(time.toFixed(2)));
+  }, gas(count, side), overlays);
+  const result = { 'ready after opening': `${opened.ready.toFixed(0)} ms` };
+  for (const [count, side, overlays] of [[300, 12, true], [1000, 22, false], [10_000, 70, false]]) {
+    const [step, paint] = await frames(count, side, overlays);
+    result[`${count} boxes${overlays ? ', all overlays' : ''}`] = `step ${step} ms, canvas ${paint} ms`;
+  }
+  result['recording of a minute of 100 boxes'] = await run(async (text) => {
+    const { engine, recording } = rebond;
+    engine.load(0, 'gas.toml', text);
+    const began = performance.now();
+    const bytes = await recording(0);
+    return `${(performance.now() - began).toFixed(0)} ms, ${bytes.length} bytes`;
+  }, gas(100, 8).replace('steps = 600', 'steps = 3600'));
+  return result;
+}
+
+let failures = 0;
+for (const [title, test] of Object.entries(tests)) {
+  if (process.env.ONLY && !title.includes(process.env.ONLY)) continue;
+  const began = Date.now();
+  try {
+    await test();
+    assert.deepEqual(await run(() => window.violations), [], 'violations of the policy and errors');
+    console.log(`${name}: ok   ${title} (${Date.now() - began} ms)`);
+  } catch (error) {
+    failures += 1;
+    console.log(`${name}: FAIL ${title}\n${error.stack}`);
+    const shown = await page?.evaluate(() => document.getElementById('toast-text').textContent).catch(() => '');
+    if (shown) console.log(`  the page says: ${shown}`);
+  }
+}
+if (!process.env.ONLY) {
+  console.log(`${name} ${await browser.version()}, ${(readFileSync(file).length / 1e6).toFixed(2)} MB`);
+  for (const [what, time] of Object.entries(await measure())) console.log(`  ${what}: ${time}`);
+}
+assert.ok(readFileSync(file).length <= 1.5e6, 'the page has at most 1.5 MB');
+await browser.close();
+rmSync(folder, { recursive: true });
+process.exit(failures ? 1 : 0);
