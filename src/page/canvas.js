@@ -18,8 +18,8 @@ const mix = (color, to, part) => {
 const EDGES = { light: cached((color) => mix(color, 0, 0.35)), dark: cached((color) => mix(color, 255, 0.35)) };
 
 const INKS = {
-  light: { paper: '#ffffff', wall: '#c9d0da', edge: '#8b96a5', grid: '#e6eaf0', ink: '#1c2430', normal: '#d6006c', impulse: '#8a5a00', momentum: '#6a3fc8', ghost: '#0b62d6' },
-  dark: { paper: '#161b23', wall: '#39424f', edge: '#66727f', grid: '#242b35', ink: '#e8edf4', normal: '#ff5fa8', impulse: '#ffc247', momentum: '#b79bff', ghost: '#6db0ff' },
+  light: { page: '#eef1f5', paper: '#ffffff', wall: '#c9d0da', edge: '#8b96a5', grid: '#e6eaf0', ink: '#1c2430', normal: '#d6006c', impulse: '#8a5a00', momentum: '#6a3fc8', ghost: '#0b62d6' },
+  dark: { page: '#0e1218', paper: '#161b23', wall: '#39424f', edge: '#66727f', grid: '#242b35', ink: '#e8edf4', normal: '#ff5fa8', impulse: '#ffc247', momentum: '#b79bff', ghost: '#6db0ff' },
 };
 
 class Stage {
@@ -105,16 +105,18 @@ class Stage {
     const ink = INKS[view.theme];
     const X = (x) => left + x * k;
     const Y = (y) => top + y * k;
-    pen.fillStyle = ink.wall;
+    // Without walls the world has no border: all that the canvas shows is its paper.
+    pen.fillStyle = view.walls ? ink.page : ink.paper;
     pen.fillRect(0, 0, this.canvas.width, this.canvas.height);
-    pen.fillStyle = ink.paper;
-    pen.fillRect(left, top, width * k, height * k);
-    if (view.show.has('grid')) this.drawGrid(ink);
-    if (!view.walls) {
+    if (view.walls) {
+      const border = this.border - ratio;
+      pen.fillStyle = ink.wall;
+      pen.fillRect(left - border, top - border, width * k + 2 * border, height * k + 2 * border);
       pen.fillStyle = ink.paper;
-      pen.fillRect(0, 0, this.canvas.width, this.canvas.height);
-      if (view.show.has('grid')) this.drawGrid(ink);
-    } else {
+      pen.fillRect(left, top, width * k, height * k);
+    }
+    if (view.show.has('grid')) this.drawGrid(ink);
+    if (view.walls) {
       pen.strokeStyle = ink.edge;
       pen.lineWidth = ratio;
       pen.strokeRect(left - ratio / 2, top - ratio / 2, width * k + ratio, height * k + ratio);
@@ -135,7 +137,7 @@ class Stage {
         pen.strokeStyle = edge(color);
         pen.strokeRect(x + outline / 2, y + outline / 2, w - outline, h - outline);
       }
-      if (b[i + 7] === Infinity && w > 8 && h > 8) this.hatch(x, y, w, h, ink);
+      if (b[i + 7] === Infinity && w > 8 && h > 8) this.hatch(x, y, w, h);
     }
     if (view.show.has('velocity')) this.arrows(view, ink.ink, (i) => [b[i + 5], b[i + 6]], view.arrow);
     if (view.show.has('momentum')) {
@@ -159,7 +161,7 @@ class Stage {
     pen.stroke();
   }
 
-  hatch(x, y, w, h, ink) {
+  hatch(x, y, w, h) {
     const { pen, ratio } = this;
     const gap = 8 * ratio;
     if ((w + h) / gap > 400) return;
@@ -167,7 +169,7 @@ class Stage {
     pen.beginPath();
     pen.rect(x, y, w, h);
     pen.clip();
-    pen.strokeStyle = ink.edge;
+    pen.strokeStyle = 'rgb(0 0 0 / .22)';
     pen.lineWidth = ratio;
     pen.beginPath();
     for (let s = gap; s < w + h; s += gap) { pen.moveTo(x + s, y); pen.lineTo(x + s - h, y + h); }
@@ -209,7 +211,7 @@ class Stage {
   arrow(x, y, dx, dy) {
     const { pen, scale: k, left, top, ratio } = this;
     const length = Math.sqrt(dx * dx + dy * dy) * k;
-    if (!(length > 2)) return;
+    if (!(length > 5 * ratio)) return;
     const [x0, y0, x1, y1] = [left + x * k, top + y * k, left + (x + dx) * k, top + (y + dy) * k];
     const head = Math.min(8 * ratio, length / 2) / length;
     const [hx, hy] = [(x1 - x0) * head, (y1 - y0) * head];
@@ -232,7 +234,7 @@ class Stage {
       const size = Math.round(Math.min(15 * ratio, h * 0.5, (w * 1.6) / name.length));
       if (size < 7 * ratio) continue;
       if (size !== font) { pen.font = `600 ${size}px system-ui, sans-serif`; font = size; }
-      pen.fillStyle = b[i + 7] === Infinity ? ink.ink : luma(b[i + 8]) > 140 ? '#10151c' : '#ffffff';
+      pen.fillStyle = luma(b[i + 8]) > 140 ? '#10151c' : '#ffffff';
       pen.fillText(name, left + b[i + 1] * k + w / 2, top + b[i + 2] * k + h / 2);
     }
   }

@@ -134,7 +134,12 @@ pub extern "C" fn unload(which: usize) {
 /// Replaces the lines of events by the input and starts again.
 #[unsafe(no_mangle)]
 pub extern "C" fn set_lines(which: usize) -> i32 {
-    answer(text().and_then(|text| with(which, |session| Ok(session.set_lines(&text)))).map(|()| ""))
+    answer(text().and_then(|text| {
+        with(which, |session| {
+            session.set_lines(&text);
+            Ok("")
+        })
+    }))
 }
 
 /// The state of a session, as JSON. Lines that were refused are reported once.
@@ -175,7 +180,10 @@ pub extern "C" fn step_now(which: usize) -> f64 {
 /// Sets the step to go to.
 #[unsafe(no_mangle)]
 pub extern "C" fn go_to(which: usize, to: f64) {
-    let _ = with(which, |session| Ok(session.go_to(to as u64)));
+    let _ = with(which, |session| {
+        session.go_to(to as u64);
+        Ok(())
+    });
 }
 
 /// Makes up to `steps` steps to the one that was set; returns 1 if it is reached.
@@ -241,7 +249,10 @@ pub extern "C" fn lines(which: usize) -> i32 {
 #[unsafe(no_mangle)]
 pub extern "C" fn bodies(which: usize, offset: f64, key: u32) -> usize {
     let fill = |columns: &mut Vec<f64>| {
-        let _ = with(which, |session| Ok(session.fill_columns(offset, color_key(key), columns)));
+        let _ = with(which, |session| {
+            session.fill_columns(offset, color_key(key), columns);
+            Ok(())
+        });
     };
     columns(fill, BODY_COLUMNS)
 }
@@ -256,7 +267,10 @@ pub extern "C" fn names(which: usize) -> i32 {
 #[unsafe(no_mangle)]
 pub extern "C" fn collisions(which: usize) -> usize {
     let fill = |columns: &mut Vec<f64>| {
-        let _ = with(which, |session| Ok(session.fill_collisions(columns)));
+        let _ = with(which, |session| {
+            session.fill_collisions(columns);
+            Ok(())
+        });
     };
     columns(fill, COLLISION_COLUMNS)
 }
@@ -377,7 +391,10 @@ pub extern "C" fn film_show(to: f64) -> i32 {
 #[unsafe(no_mangle)]
 pub extern "C" fn film_bodies(key: u32) -> usize {
     let fill = |columns: &mut Vec<f64>| {
-        let _ = with_film(|film| Ok(film.fill_columns(color_key(key), columns)));
+        let _ = with_film(|film| {
+            film.fill_columns(color_key(key), columns);
+            Ok(())
+        });
     };
     columns(fill, BODY_COLUMNS)
 }

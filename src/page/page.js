@@ -82,9 +82,11 @@ function pageMain(source) {
     state.journal[which] = { name: state.status[which].name, scene: engine.scene(which), lines: engine.lines(which) };
   }
 
-  function load(name, text, lines = '') {
-    closeFilm();
+  /** Starts a session. `bundled` is the name of a scene of the page, null for any other. */
+  function load(name, text, lines = '', bundled = null) {
     engine.load(0, name, text);
+    state.scene = bundled;
+    closeFilm();
     if (lines) engine.setLines(0, lines);
     Object.assign(state, { playing: false, behind: 0, acts: [], selected: null, cursor: null });
     if (state.both) splitSolvers();
@@ -130,6 +132,7 @@ function pageMain(source) {
     if (!state.film) {
       const status = refreshStatus();
       $('title').textContent = status.title || status.name;
+      nameScene(status.title || status.name);
       document.title = `${status.title || status.name} – rebond`;
       $('set-g').value = status.gravity?.[1] ?? 0;
       $('set-e').value = status.restitution;
@@ -531,7 +534,7 @@ function pageMain(source) {
   }
 
   function pageKey(event) {
-    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    if (event.ctrlKey || event.metaKey || event.altKey || $('enlarged').open) return;
     const target = event.target;
     if (target.closest('textarea, select, input:not([type="range"]):not([type="checkbox"]):not([type="radio"])')) return;
     const onControl = target.closest('button, input, label');
@@ -552,6 +555,7 @@ function pageMain(source) {
     const shown = name === state.panel && name !== 'collision' ? null : name;
     state.panel = shown;
     $('panel').hidden = !shown;
+    if (shown) hideHint();
     all('#panel > section').forEach((section) => { section.hidden = section.id !== `panel-${shown}`; });
     all('#tabs button').forEach((button) => button.setAttribute('aria-expanded', button.dataset.panel === shown));
     showPanel();
@@ -648,7 +652,7 @@ function pageMain(source) {
     if (!indices.length) {
       $('collision-text').textContent = T().noCollision;
       $('collision-numbers').replaceChildren();
-      ['figure-1', 'figure-2'].forEach((id) => { $(id).hidden = true; });
+      all('[data-figure]').forEach((button) => { button.hidden = true; });
       state.figureKey = null;
       return;
     }
@@ -675,7 +679,7 @@ function pageMain(source) {
         if (image.src.startsWith('blob:')) URL.revokeObjectURL(image.src);
         image.src = URL.createObjectURL(new Blob([svg], { type: 'image/svg+xml' }));
         image.alt = `${T()[`figure${kind + 1}`]}: ${T().collided(a, b, short(n[8]))}`;
-        image.hidden = false;
+        image.parentElement.hidden = false;
       });
     }
   }
@@ -830,7 +834,7 @@ function pageMain(source) {
       state.acts.push(sides());
       refresh();
       sides().forEach(note);
-    } else if (name.endsWith('.toml')) { load(name, decoder.decode(bytes)); $('scenes').value = ''; }
+    } else if (name.endsWith('.toml')) { load(name, decoder.decode(bytes)); }
     else toast(T().unknownFile);
   }
 
@@ -923,7 +927,8 @@ function pageMain(source) {
     for (const input of all('#overlays input')) input.nextElementSibling.textContent = T()[input.value];
     $('help').replaceChildren(...T().helpLines.map((line) => { const li = document.createElement('li'); li.textContent = line; return li; }));
     if (!state.hinted) $('hint').textContent = T().hint;
-    if ($('scenes').options.length) $('scenes').options[0].textContent = T().emptyRoom;
+    const empty = [...$('scenes').options].find((option) => option.value === '');
+    if (empty) empty.textContent = T().emptyRoom;
     showPlay();
   }
 
@@ -936,8 +941,18 @@ function pageMain(source) {
 
   function choose(name) {
     const text = state.bundled.find(([other]) => other === name)?.[1];
-    load(name ? `${name}.toml` : 'room.toml', text ?? EMPTY_ROOM);
-    $('scenes').value = name;
+    load(name ? `${name}.toml` : 'room.toml', text ?? EMPTY_ROOM, '', text ? name : '');
+    $('scenes').value = text ? name : '';
+  }
+
+  /** Shows the title of a scene that is not bundled among the scenes. */
+  function nameScene(title) {
+    if (state.scene !== null) return;
+    const options = $('scenes').options;
+    const own = [...options].find((option) => option.value === 'own') ?? new Option('', 'own');
+    own.textContent = title;
+    if (!own.parentNode) $('scenes').add(own, 0);
+    $('scenes').value = 'own';
   }
 
   function titleOf(text, name) { return /^title = "((?:[^"\\]|\\.)*)"/m.exec(text)?.[1] ?? name; }
@@ -951,7 +966,7 @@ function pageMain(source) {
     on('next', 'click', nextCollision);
     on('undo', 'click', undo);
     on('scrub', 'input', () => seek(Number($('scrub').value)));
-    on('scenes', 'change', () => { quiet(); choose($('scenes').value); });
+    on('scenes', 'change', () => { quiet(); if ($('scenes').value !== 'own') choose($('scenes').value); });
     on('language', 'click', () => { state.language = state.language === 'fr' ? 'en' : 'fr'; translate(); state.figureKey = null; refresh(); });
     on('theme', 'click', () => { setTheme(view.theme === 'dark' ? 'light' : 'dark'); refresh(); });
     on('toast-close', 'click', quiet);
@@ -972,6 +987,13 @@ function pageMain(source) {
         $('editor-errors').textContent = error.message;
       }
     });
+    all('[data-figure]').forEach((button) => button.addEventListener('click', () => {
+      const image = button.firstChild;
+      $('enlarged-image').src = image.src;
+      $('enlarged-image').alt = image.alt;
+      $('enlarged').showModal();
+    }));
+    on('enlarged-close', 'click', () => $('enlarged').close());
     on('film-close', 'click', closeFilm);
     on('film-scene', 'click', () => load(`${base()}.toml`, state.film.scene));
     on('film-step', 'click', () => showFilm(Math.min(state.film.verdict.diverged, state.film.steps)));
