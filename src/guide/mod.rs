@@ -33,6 +33,14 @@ pub mod checking {}
 pub mod pictures {}
 
 #[doc = include_str!("links.md")]
+#[doc = include_str!("page.md")]
+pub mod page {}
+
+#[doc = include_str!("links.md")]
+#[doc = include_str!("handout.md")]
+pub mod handout {}
+
+#[doc = include_str!("links.md")]
 #[doc = include_str!("architecture.md")]
 pub mod architecture {}
 
@@ -41,7 +49,7 @@ mod tests {
     const README: &str = include_str!("../../README.md");
     const FIRST_SCENE: &str = include_str!("../../recordings/first-scene.toml");
     const RUSTDOC_LINKS: &str = include_str!("links.md");
-    const CHAPTERS: [&str; 9] = [
+    const CHAPTERS: [&str; 11] = [
         include_str!("overview.md"),
         include_str!("scene-format.md"),
         include_str!("recording-format.md"),
@@ -50,6 +58,8 @@ mod tests {
         include_str!("accuracy-and-speed.md"),
         include_str!("checking.md"),
         include_str!("pictures.md"),
+        include_str!("page.md"),
+        include_str!("handout.md"),
         include_str!("architecture.md"),
     ];
 
