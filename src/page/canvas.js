@@ -143,7 +143,7 @@ class Stage {
     if (view.show.has('momentum')) {
       this.arrows(view, ink.momentum, (i) => (b[i + 7] === Infinity ? [0, 0] : [b[i + 5] * b[i + 7], b[i + 6] * b[i + 7]]), view.arrow);
     }
-    if (view.show.has('name')) this.drawNames(ink);
+    if (view.show.has('name')) this.drawNames();
     this.drawFlashes(view, ink, X, Y);
     if (view.show.has('centre')) this.drawCentre(ink, X, Y);
     for (const mark of view.marks) this.drawMark(mark, ink, X, Y);
@@ -187,7 +187,8 @@ class Stage {
       pen.strokeStyle = css(b[i + 8]);
       pen.beginPath();
       pen.moveTo(X(trail[0]), Y(trail[1]));
-      for (let j = 2; j < trail.length; j += 2) pen.lineTo(X(trail[j]), Y(trail[j + 1]));
+      for (let j = 4; j < trail.length; j += 4) pen.lineTo(X(trail[j]), Y(trail[j + 1]));
+      pen.lineTo(X(trail.at(-2)), Y(trail.at(-1)));
       pen.stroke();
     }
     pen.globalAlpha = 1;
@@ -222,20 +223,28 @@ class Stage {
     pen.lineTo(x1 - hx + hy / 2, y1 - hy - hx / 2);
   }
 
-  drawNames(ink) {
+  drawNames() {
     const { pen, bodies: b, names, scale: k, left, top, ratio } = this;
-    pen.textAlign = 'center';
-    pen.textBaseline = 'middle';
-    let font = 0;
+    // Changing the font costs more than writing, so names are written by size.
+    const bySize = new Map();
     for (let i = 0, n = 0; i < b.length; i += Engine.BODY, n += 1) {
       const name = names[n]?.[0];
       if (b[i + 9] || !name) continue;
-      const [w, h] = [b[i + 3] * k, b[i + 4] * k];
-      const size = Math.round(Math.min(15 * ratio, h * 0.5, (w * 1.6) / name.length));
+      const size = Math.round(Math.min(15 * ratio, b[i + 4] * k * 0.5, (b[i + 3] * k * 1.6) / name.length));
       if (size < 7 * ratio) continue;
-      if (size !== font) { pen.font = `600 ${size}px system-ui, sans-serif`; font = size; }
-      pen.fillStyle = luma(b[i + 8]) > 140 ? '#10151c' : '#ffffff';
-      pen.fillText(name, left + b[i + 1] * k + w / 2, top + b[i + 2] * k + h / 2);
+      const list = bySize.get(size);
+      if (list) list.push(i, n);
+      else bySize.set(size, [i, n]);
+    }
+    pen.textAlign = 'center';
+    pen.textBaseline = 'middle';
+    for (const [size, list] of bySize) {
+      pen.font = `600 ${size}px system-ui, sans-serif`;
+      for (let at = 0; at < list.length; at += 2) {
+        const i = list[at];
+        pen.fillStyle = luma(b[i + 8]) > 140 ? '#10151c' : '#ffffff';
+        pen.fillText(names[list[at + 1]][0], left + (b[i + 1] + b[i + 3] / 2) * k, top + (b[i + 2] + b[i + 4] / 2) * k);
+      }
     }
   }
 

@@ -63,7 +63,8 @@ function pageMain(source) {
     let message = String(error.message);
     try { message = engine.text() || message; } catch { /* the memory is gone, too */ }
     engine = await Engine.create(engine.module);
-    state.film = null;
+    Object.assign(state, { film: null, acts: [], seeking: false, busy: 0 });
+    $('film').hidden = true;
     for (const which of [0, 1]) {
       const kept = state.journal[which];
       if (!kept) continue;
@@ -101,6 +102,8 @@ function pageMain(source) {
   function splitSolvers() {
     const other = engine.status(0).solver === 'handout' ? 'event-driven' : 'handout';
     engine.set(0, 1, 'run.solver', `"${other}"`);
+    // It has the events of the first session, which are undone in both.
+    state.acts = state.acts.filter((acted) => acted.includes(0)).map(() => [0, 1]);
     finish(1);
   }
 

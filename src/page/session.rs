@@ -12,6 +12,9 @@ use std::collections::{BTreeMap, VecDeque};
 /// The largest number of bodies alive.
 pub const MAX_BODIES: usize = 20_000;
 
+/// The largest limit of collisions within one step, which lasts seconds.
+const MAX_EVENTS_PER_STEP: u64 = 10_000_000;
+
 /// The largest number of events.
 const MAX_LINES: usize = 100_000;
 
@@ -92,6 +95,12 @@ impl Session {
         let spawns = scene.inputs.iter().filter(|input| !matches!(input.action, Action::Delete { .. })).count();
         if spawns > MAX_BODIES {
             return Err(format!("the scene spawns {spawns} bodies; the page shows at most {MAX_BODIES}"));
+        }
+        let limit = scene.run.events_per_step;
+        if limit > MAX_EVENTS_PER_STEP {
+            return Err(format!(
+                "the scene allows {limit} events per step; the page allows at most {MAX_EVENTS_PER_STEP}: run it with rebond record"
+            ));
         }
         let mut session = Session {
             run: Run::new(&scene),

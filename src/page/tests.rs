@@ -409,6 +409,8 @@ fn hostile_files_end_in_a_message() {
     let many = "[run]\nsteps = 1\n[[scatter]]\ncount = 30000\nregion = [0, 0, 9, 9]\nsize = [[0.01, 0.01], [0.01, 0.01]]\n\
                 mass = [1, 1]\noverlap = true\n";
     assert!(Session::new("x", many).err().unwrap().contains("at most 20000"));
+    let long = "[run]\nsteps = 1\nevents_per_step = 1000000000\n";
+    assert!(Session::new("x", long).err().unwrap().contains("at most 10000000"));
 }
 
 #[test]

@@ -12,10 +12,11 @@ const url = pathToFileURL(resolve(file)).href;
 const axe = readFileSync(new URL('node_modules/axe-core/axe.min.js', import.meta.url), 'utf8');
 const folder = mkdtempSync(join(tmpdir(), 'rebond-page-'));
 const isChromium = name === 'chromium';
-const which = (program) => execFileSync('which', [program], { encoding: 'utf8' }).trim();
+/** The path of the first of these programs that is installed. */
+const which = (...programs) => execFileSync('sh', ['-c', programs.map((program) => `command -v ${program}`).join(' || ')], { encoding: 'utf8' }).trim();
 const browser = await puppeteer.launch(isChromium
-  ? { executablePath: which('chromium'), args: ['--no-sandbox', '--disable-dev-shm-usage', '--disable-gpu'], protocolTimeout: 60_000 }
-  : { browser: 'firefox', executablePath: which('firefox-esr'), protocolTimeout: 60_000 });
+  ? { executablePath: which('chromium', 'google-chrome'), args: ['--no-sandbox', '--disable-dev-shm-usage', '--disable-gpu'], protocolTimeout: 60_000 }
+  : { browser: 'firefox', executablePath: which('firefox-esr', 'firefox'), protocolTimeout: 60_000 });
 
 const requests = [];
 let page;
@@ -26,6 +27,8 @@ async function open(fragment = '', size = { width: 1280, height: 800 }) {
   page = await browser.newPage();
   page.setDefaultTimeout(30_000);
   await page.setViewport(size);
+  // There is no network, not even for what a page could ask for.
+  if (isChromium) await page.setOfflineMode(true);
   page.on('request', (request) => requests.push(request.url()));
   await page.evaluateOnNewDocument(() => {
     // What is downloaded is kept, and what the policy forbids is counted.
