@@ -883,7 +883,8 @@ function pageMain(source) {
           }
           break;
         }
-        show(`${verdict.word} … ${T().steps(verdict.step)}`, '');
+        // Before its end a recording is not yet complete.
+        show(verdict.word === 'incomplete' ? T().sameSoFar(verdict.step) : verdict.line, '');
         const took = performance.now() - began;
         states = Math.max(1, Math.min(1024, Math.round((states * SLICE) / Math.max(took, 0.1))));
         await idle();

@@ -336,21 +336,26 @@ fn a_recording_that_diverges_names_the_step() {
     use rebond::internals::recording::{RunEnd, Writer};
     use rebond::internals::replay::engine_config;
     use rebond::recordings::{Header, SceneText};
-    let [stated, other] = ["9.81", "9.82"].map(|g| parse_scene("room.toml", &ROOM.replace("9.81", g)).unwrap());
+    let [stated, other] = ["3.0", "3.5"].map(|vx| {
+        let text = ROOM.replace("velocity = [3.0", &format!("velocity = [{vx}"));
+        parse_scene("room.toml", &text).unwrap()
+    });
     let text = SceneText { file_name: "room.toml".into(), text: stated.source.text.clone() };
     let file = File::default();
     let mut writer = Writer::new(file.clone(), &Header::new(engine_config(&stated), 3, text)).unwrap();
-    let mut run = rebond::Run::new(&other);
-    for _ in 0..=3 {
+    let [mut run, mut other] = [&stated, &other].map(rebond::Run::new);
+    for step in 0..=3 {
         for event in run.apply_inputs(Vec::new(), |error| Err(error.into())).unwrap() {
             writer.write_event(&event).unwrap();
         }
-        writer.write_state(run.engine()).unwrap();
+        other.apply_inputs(Vec::new(), |error| Err(error.into())).unwrap();
+        writer.write_state(if step < 2 { run.engine() } else { other.engine() }).unwrap();
         run.step(&mut Vec::new()).unwrap();
+        other.step(&mut Vec::new()).unwrap();
     }
     writer.finish(RunEnd::default()).unwrap();
     let verdict = verdict(file.0.lock().unwrap().clone());
-    assert!(verdict.starts_with("diverged at step 1: body \"c\" y recorded"), "{verdict}");
+    assert!(verdict.starts_with("diverged at step 2: body \"c\" x recorded"), "{verdict}");
 }
 
 #[test]

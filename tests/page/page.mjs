@@ -87,7 +87,6 @@ async function save(kind) {
 async function openFile(path) {
   const input = await page.$('#open');
   await input.uploadFile(resolve(path));
-  await run(() => document.getElementById('open').dispatchEvent(new Event('change')));
 }
 const toast = () => run(() => (document.getElementById('toast').hidden ? '' : document.getElementById('toast-text').textContent));
 const command = (...args) => execFileSync(rebond, args, { encoding: 'utf8', cwd: folder });
