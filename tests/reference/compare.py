@@ -17,6 +17,7 @@ import collections
 import contextlib
 import csv
 import functools
+import json
 import io
 import math
 import os
@@ -319,10 +320,10 @@ def judge(task, options):
         difference = compare(engine, right, scene)
         if difference is None:
             return kind, seed, "same" if n == 0 else "other reading", ""
-        if beyond_the_horizon(difference, engine, right, scene):
+        if beyond_the_horizon(difference, engine, right, scene) or difference.step >= accurate_until(scene.toml(), options):
             return kind, seed, "horizon", difference.text
         coarse = run_simulator(scene.toml(ideal=ideal), binary, options.seconds, bits=simulator.COARSE)
-        if compare(coarse, right, scene) is not None:
+        if coarse.outcome not in ("refused", "timeout") and compare(coarse, right, scene) is not None:
             return kind, seed, "resolution", difference.text
         first, usable = first or difference, True
     if engine.outcome == "panic":
@@ -332,6 +333,20 @@ def judge(task, options):
     if not usable:
         return kind, seed, "no reference", message
     return kind, seed, first.what + (" (decimals)" if scene.reading != "binary" else ""), first.text
+
+
+def accurate_until(text, options):
+    """The step from which on rebond itself says that rounding can matter; infinite if it does not, or cannot say."""
+    with tempfile.TemporaryDirectory(dir=memory_folder()) as folder:
+        scene = Path(folder) / "scene.toml"
+        scene.write_text(text)
+        command = [options.rebond, "record", "--accuracy", "--json", scene, "-o", Path(folder) / "scene.mcap"]
+        try:
+            run = subprocess.run(command, capture_output=True, text=True, timeout=options.seconds)
+        except subprocess.TimeoutExpired:
+            return math.inf
+    accuracy = json.loads(run.stdout).get("accuracy") if run.returncode == 0 else None
+    return int(accuracy.split()[-1]) if accuracy and "until step" in accuracy else math.inf
 
 
 def is_same_in_decimetres(scene, options):

@@ -16,8 +16,8 @@ P = lambda n: mpfr(2) ** n
 ZERO = mpfr(0)
 
 CYCLES = '--decay' not in sys.argv            # --decay: bursts are carried out until they have decayed, no short cut
-FINE = 120, 150, 112                          # bits up to which lengths, speeds and accelerations, heights of bounces are not nothing
-COARSE = 88, 92, 80                           # those of rebond
+FINE = 120, 150, 112, 100                     # bits up to which lengths, speeds and accelerations, heights of bounces are not nothing,
+COARSE = 88, 92, 80, 80                       # and to which a burst decays; the second are those of rebond
 class Crushed(Exception): pass
 class Endless(Exception): pass
 
@@ -41,7 +41,7 @@ class Sim:
         s.L = max([s.L] + [s.z[i][k] for i in al for k in (0, 1)] + [abs(s.x[i][k]) for i in al for k in (0, 1) if s.m[i]])
         s.A = max([s.A] + [abs(s.f[i][k]) for i in al for k in (0, 1)])
         s.V = max([abs(s.v[i][k]) for i in al for k in (0, 1)] + [gmpy2.sqrt(s.A * s.L)])
-        length, speed, height = s.bits
+        length, speed, height, _ = s.bits
         s.EG, s.EC, s.EA, s.HB = P(-length) * s.L, P(-speed) * s.V, P(-speed) * s.A, P(-height) * s.L
     def e(s, i, j):
         a, b = s.mat[i], s.mat[j]
@@ -204,15 +204,19 @@ class Sim:
             rel = [[past[-1 - q * per][2][a][k] - past[-1 - q * per][2][b][k] for a, b in pairs] for q in (0, 1, 2)]
             n0, n1, n2 = (gmpy2.sqrt(sum(x * x for x in r)) for r in rel)
             if not n0 < n1 < n2 or any(abs(x / n0 - y / n1) > P(-60) for x, y in zip(rel[0], rel[1])): return
-            old = [list(v) for v in s.v]; s.unify(comp[0], pairs, k)
+            old = [list(v) for v in s.v]
+            held = [b for b in comp[0] for ahead in (False, True) if s.block(b, k, ahead)[1] is None]
+            if held: # a body that rests on an infinite mass answers like it
+                for b in comp[0]: s.v[b][k] = s.v[held[0]][k]
+            else: s.unify(comp[0], pairs, k)
             out = [t for t in touch if t[2] == k and t[:2] not in pairs and (t[0] in comp[0]) + (t[1] in comp[0])]
             if any(s.c(*t) > 0 for t in out): s.v = old; return    # an outsider is reached on the way: go on
             s.contacts |= {(a, b, k) for a, b in pairs}; past.clear(); return
     def impact(s, i, j, k, touch, top, n):
         b, a = (i, j) if s.gap(i, j, k)[1] else (j, i); c, e = s.c(i, j, k), s.e(i, j)
         top[n] = max(top.get(n, ZERO), c)
-        if c <= P(-100) * top[n]:                   # decayed: the limit of an infinite sequence
-            slow = [t for t in touch if t[2] == k and abs(s.c(*t)) <= P(-100) * top[n]]
+        if c <= P(-s.bits[3]) * top[n]:                   # decayed: the limit of an infinite sequence
+            slow = [t for t in touch if t[2] == k and abs(s.c(*t)) <= P(-s.bits[3]) * top[n]]
             comp = next(q for q in s.comps([t[:2] for t in slow] + [(i, j)]) if i in q or j in q)
             mine = [t for t in slow if t[0] in comp or t[1] in comp]
             if any(s.e(p, q) < 1 for p, q, _ in mine):
