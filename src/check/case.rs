@@ -1,4 +1,4 @@
-use crate::picture::{Format, PictureOptions, Provenance, SubjectOptions};
+use crate::picture::{self, Format, PictureOptions, Provenance, SubjectOptions};
 use crate::recording::{self, Identity};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::OsStr;
@@ -63,9 +63,9 @@ pub enum Recipe {
         /// The recording and why it is missing.
         reason: String,
     },
-    /// It cannot be drawn: the line of the manifest is invalid.
+    /// It cannot be drawn: its provenance, or the line of the manifest, is invalid.
     Invalid {
-        /// The line number and the error.
+        /// The error, with the line number in a manifest.
         reason: String,
     },
 }
@@ -143,10 +143,12 @@ impl Files {
                 continue;
             }
             let content = fs::read(file).map_err(unreadable(file))?;
-            if let Ok(provenance) = Provenance::read(&content) {
-                let index = index.get_or_insert_with(|| RecordingIndex::new(&recordings));
-                pictures.push(ReferenceImage { file: file.clone(), recipe: index.recipe(provenance) });
-            }
+            let recipe = match Provenance::read(&content) {
+                Ok(provenance) => index.get_or_insert_with(|| RecordingIndex::new(&recordings)).recipe(provenance),
+                Err(error @ picture::Error::DamagedProvenance { .. }) => Recipe::Invalid { reason: error.to_string() },
+                Err(_) => continue, // A picture of another program.
+            };
+            pictures.push(ReferenceImage { file: file.clone(), recipe });
         }
         pictures.sort_by(|a, b| a.file.cmp(&b.file));
         let recordings =

@@ -159,11 +159,13 @@ recording, the steps and the options it was drawn from.
 Examples:
   rebond info figure-1.mcap
   rebond info figure-1.mcap --json
-  rebond info collision.svg")]
+  rebond info collision.svg
+  rebond info *.mcap --json | jq .identity")]
 pub struct InfoOptions {
-    /// A recording, or a picture made by rebond
-    pub file: PathBuf,
-    /// Print a JSON object instead of lines
+    /// Recordings, or pictures made by rebond
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    /// Print one JSON object per file, each on its own line
     #[arg(long)]
     pub json: bool,
     /// Verify all chunks, which is the default up to 16 MiB

@@ -133,10 +133,12 @@ fn collisions(
     options: &ExportOptions,
     rows: &mut Rows,
 ) -> Result<(Health, ReadExtent), CommandError> {
-    // A collision happens between two states: the last step needs the state after it.
-    let last = steps.end().saturating_add(1).min(recording.header.steps);
-    let bar = output::progress_bar("replaying", last);
-    let replayed = *steps.start()..=last;
+    // A collision happens between two states: the last step needs the state after it. The last state needs the rest of
+    // the file, which may be damaged.
+    let planned = recording.header.steps;
+    let last = Some(steps.end().saturating_add(1)).filter(|last| *last < planned);
+    let bar = output::progress_bar("replaying", last.unwrap_or(planned));
+    let replayed = *steps.start()..=last.unwrap_or(u64::MAX);
     let mut replayer = Replayer::new(recording, replayed).map_err(CommandError::in_recording(path))?;
     let mut table = CollisionRows::new(steps, rows);
     while let Some(step) = replayer.next_state(&mut table).map_err(CommandError::in_recording(path))? {

@@ -14,35 +14,90 @@ use std::{
     path::Path,
 };
 
-/// Prints the contents of a recording, or the provenance of a picture.
+/// Prints the contents of recordings, and the provenance of pictures. After a file that cannot be read, goes on with the
+/// next one.
 pub fn run(options: &InfoOptions) -> Result<Exit, CommandError> {
-    let path = &options.file;
-    if let Some(text) = picture_info(path, options.json)? {
-        output::print(&text)?;
-        return Ok(Exit::Done);
+    let mut exit = Exit::Done;
+    let mut separator = "";
+    for path in &options.files {
+        let described = match Description::read(path, options) {
+            Ok(described) => described,
+            Err(error) if options.files.len() == 1 => return Err(error),
+            Err(error) => {
+                exit = exit.max(super::error::report(error));
+                continue;
+            }
+        };
+        exit = exit.max(described.exit);
+        let name = (options.files.len() > 1).then(|| path.display().to_string());
+        let text = if options.json { described.json(name) } else { described.lines(name) };
+        output::print(&format!("{separator}{text}"))?;
+        separator = if options.json { "" } else { "\n" };
     }
-    let mut recording = recording::open(path).map_err(CommandError::in_recording(path))?;
-    let bytes = fs::metadata(path).map_err(CommandError::unreadable(path))?.len();
-    let summary = if options.verify || bytes <= MAX_ALWAYS_VERIFIED {
-        None
-    } else {
-        recording.summary().map_err(CommandError::in_recording(path))?
-    };
-    let info = match summary {
-        Some(summary) => Info::from_index(&recording.header, summary, bytes),
-        None => Info::read(path, &mut recording, bytes)?,
-    };
-    let (info, exit) = info.with_health(&recording.health());
-    let text = if options.json { info.json() } else { info.lines() };
-    output::print(&text)?;
     Ok(exit)
+}
+
+/// The keys and values that are printed for one file.
+struct Description {
+    entries: serde_json::Map<String, serde_json::Value>,
+    /// The condition of a recording in words.
+    condition: String,
+    exit: Exit,
+}
+
+impl Description {
+    fn read(path: &Path, options: &InfoOptions) -> Result<Description, CommandError> {
+        if let Some(entries) = picture_entries(path)? {
+            return Ok(Description { entries, condition: String::new(), exit: Exit::Done });
+        }
+        let mut recording = recording::open(path).map_err(CommandError::in_recording(path))?;
+        let bytes = fs::metadata(path).map_err(CommandError::unreadable(path))?.len();
+        let summary = if options.verify || bytes <= MAX_ALWAYS_VERIFIED {
+            None
+        } else {
+            recording.summary().map_err(CommandError::in_recording(path))?
+        };
+        let info = match summary {
+            Some(summary) => Info::from_index(&recording.header, summary, bytes),
+            None => Info::read(path, &mut recording, bytes)?,
+        };
+        let (info, exit) = info.with_health(&recording.health());
+        let value = serde_json::to_value(&info).expect("plain values with text for keys");
+        let entries = value.as_object().cloned().unwrap_or_default();
+        Ok(Description { entries, condition: info.condition, exit })
+    }
+
+    /// Returns one line with a JSON object.
+    fn json(self, name: Option<String>) -> String {
+        let file = name.map(|name| ("file".to_owned(), name.into()));
+        let object: serde_json::Map<String, serde_json::Value> = file.into_iter().chain(self.entries).collect();
+        format!("{}\n", serde_json::Value::Object(object))
+    }
+
+    /// Returns one `key: value` per line. A missing title or error is left out; other missing values are "unknown".
+    fn lines(&self, name: Option<String>) -> String {
+        let mut lines = name.map_or(String::new(), |name| format!("file: {name}\n"));
+        for (key, value) in &self.entries {
+            let text = match value {
+                serde_json::Value::Null if ["title", "error", "accuracy_method"].contains(&key.as_str()) => continue,
+                _ if key == "damage" || key == "missing" => continue,
+                _ if key == "health" => self.condition.clone(),
+                serde_json::Value::Null => "unknown".into(),
+                serde_json::Value::String(text) => text.clone(),
+                serde_json::Value::Number(number) => without_trailing_zero(number),
+                value => value.to_string(),
+            };
+            lines += &format!("{key}: {text}\n");
+        }
+        lines
+    }
 }
 
 /// Recordings up to this size are verified without `--verify`, bytes: that takes about 0.1 s.
 const MAX_ALWAYS_VERIFIED: u64 = 16 << 20;
 
 /// The provenance of a picture. `None` if the file is not a picture.
-fn picture_info(path: &Path, json: bool) -> Result<Option<String>, CommandError> {
+fn picture_entries(path: &Path) -> Result<Option<serde_json::Map<String, serde_json::Value>>, CommandError> {
     let mut file = File::open(path).map_err(CommandError::unreadable(path))?;
     let mut magic = Vec::new();
     file.by_ref().take(16).read_to_end(&mut magic).map_err(CommandError::unreadable(path))?;
@@ -58,13 +113,7 @@ fn picture_info(path: &Path, json: bool) -> Result<Option<String>, CommandError>
         (key, value)
     });
     let entries = std::iter::once(("picture".to_owned(), provenance.picture.format().name().to_owned())).chain(entries);
-    Ok(Some(if json {
-        let object: serde_json::Map<String, serde_json::Value> =
-            entries.map(|(key, value)| (key, value.into())).collect();
-        format!("{:#}\n", serde_json::Value::Object(object))
-    } else {
-        entries.map(|(key, value)| format!("{key}: {value}\n")).collect()
-    }))
+    Ok(Some(entries.map(|(key, value)| (key, value.into())).collect()))
 }
 
 /// The contents of a recording, in the order in which they are printed.
@@ -215,30 +264,6 @@ impl Info {
             self.accuracy = Some(accuracy.to_string());
         }
         self.identity = Some(trailer.identity.to_string());
-    }
-
-    fn json(&self) -> String {
-        let text = serde_json::to_string_pretty(self).expect("plain values with text for keys");
-        text + "\n"
-    }
-
-    /// One `key: value` per line. A missing title or error is left out; other missing values are "unknown".
-    fn lines(&self) -> String {
-        let value = serde_json::to_value(self).expect("plain values with text for keys");
-        let mut lines = String::new();
-        for (key, value) in value.as_object().into_iter().flatten() {
-            let text = match value {
-                serde_json::Value::Null if ["title", "error", "accuracy_method"].contains(&key.as_str()) => continue,
-                _ if key == "damage" || key == "missing" => continue,
-                _ if key == "health" => self.condition.clone(),
-                serde_json::Value::Null => "unknown".into(),
-                serde_json::Value::String(text) => text.clone(),
-                serde_json::Value::Number(number) => without_trailing_zero(number),
-                value => value.to_string(),
-            };
-            lines += &format!("{key}: {text}\n");
-        }
-        lines
     }
 }
 

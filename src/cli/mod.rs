@@ -97,7 +97,7 @@ pub fn run(arguments: Arguments) -> Exit {
 }
 
 /// The exit code of a command. (2, wrong usage, is returned by the argument parser.)
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Exit {
     /// Success; everything that was compared is the same.
     Done = 0,

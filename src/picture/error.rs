@@ -56,6 +56,12 @@ pub enum Error {
         /// The missing or invalid part.
         reason: String,
     },
+    /// The provenance of a picture is damaged.
+    #[error("the rebond provenance of the file is damaged: {reason}")]
+    DamagedProvenance {
+        /// The missing or invalid part.
+        reason: String,
+    },
     /// A picture cannot be drawn again.
     #[error("the picture cannot be drawn again: {reason}")]
     CannotRedraw {

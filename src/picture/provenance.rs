@@ -52,7 +52,7 @@ impl Provenance {
     /// Reads the provenance of a picture file.
     ///
     /// # Errors
-    /// If the file is not a picture drawn by rebond, or is damaged.
+    /// Returns [`Error::NoProvenance`] if the file is not a picture drawn by rebond, another error if it is damaged.
     pub fn read(file: &[u8]) -> Result<Provenance, Error> {
         let Some(format) = Format::from_content(file) else {
             return Err(Error::NoProvenance { reason: "it is neither PNG, GIF, SVG nor PDF".into() });
@@ -97,9 +97,12 @@ impl Provenance {
             let found = metadata.entries.iter().find(|(name, _)| name == key);
             found
                 .map(|(_, value)| value)
-                .ok_or_else(|| Error::NoProvenance { reason: format!("it has no {key:?} entry") })
+                .ok_or_else(|| Error::DamagedProvenance { reason: format!("it has no {key:?} entry") })
         };
-        let invalid = |key: &str| Error::NoProvenance { reason: format!("its {key:?} entry cannot be parsed") };
+        if !metadata.entries.iter().any(|(key, _)| [RECORDING, STEPS, OPTIONS].contains(&key.as_str())) {
+            return Err(Error::NoProvenance { reason: format!("it has no {OPTIONS:?} entry") });
+        }
+        let invalid = |key: &str| Error::DamagedProvenance { reason: format!("its {key:?} entry cannot be parsed") };
         let options = OptionLine::parse(get(OPTIONS)?).ok_or_else(|| invalid(OPTIONS))?;
         let subject = read_subject(get(STEPS)?, &options, format).ok_or_else(|| invalid(STEPS))?;
         let camera_target = read_camera_target(&options).ok_or_else(|| invalid(OPTIONS))?;

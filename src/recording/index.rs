@@ -5,6 +5,7 @@ use mcap::{MAGIC, records::op};
 use super::{
     Damage, Trailer,
     chunk_reader::ChunkRecord,
+    decoder::Location,
     metadata,
     record_reader::{FieldReader, Malformed, PREFIX_BYTES, RecordReader},
     resync,
@@ -29,6 +30,8 @@ pub struct Index {
     pub fault: Option<Damage>,
     /// The end record, if it is readable.
     pub trailer: Option<Trailer>,
+    /// The location and the body of the end record, if it is readable.
+    pub trailer_record: Option<(Location, Vec<u8>)>,
     /// The offset of the end record, in bytes from the start of the file.
     trailer_offset: Option<u64>,
     statistics: Option<Statistics>,
@@ -92,10 +95,8 @@ impl Index {
         let Some(offset) = self.trailer_offset else { return Ok(()) };
         records.seek(offset)?;
         let is_metadata = matches!(records.next_record(), Ok(Some(record)) if record.opcode == op::METADATA);
-        let parsed = is_metadata.then(|| metadata::parse(&records.body).ok()).flatten();
-        self.trailer = parsed
-            .filter(|(name, _)| *name == metadata::TRAILER)
-            .and_then(|(_, map)| metadata::parse_trailer(&map).ok());
+        self.trailer = is_metadata.then(|| metadata::trailer_of(&records.body)).flatten();
+        self.trailer_record = self.trailer.as_ref().map(|_| (Location { chunk: None, offset }, records.body.clone()));
         Ok(())
     }
 
@@ -253,11 +254,14 @@ fn from_summary<R: Read + Seek>(
         }
     }
     let has_chunks = index.statistics.as_ref().is_some_and(|statistics| statistics.counts[4] > 0);
+    if !has_chunks || index.places.is_empty() {
+        // Other programs may leave out the chunks or their index.
+        return Ok(Err(None));
+    }
     index.read_trailer(records)?;
     Ok(match index.contradiction(start, indexed_messages) {
-        Some(reason) if has_chunks => Err(Some(reason)),
-        _ if !has_chunks => Err(None),
-        Some(_) | None => Ok(index),
+        Some(reason) => Err(Some(reason)),
+        None => Ok(index),
     })
 }
 

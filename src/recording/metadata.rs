@@ -43,6 +43,12 @@ pub fn is_trailer(body: &[u8]) -> bool {
     parse(body).is_ok_and(|(name, _)| name == TRAILER)
 }
 
+/// Parses a metadata record, if it is a readable end record.
+pub fn trailer_of(body: &[u8]) -> Option<Trailer> {
+    let (name, map) = parse(body).ok()?;
+    (name == TRAILER).then(|| parse_trailer(&map).ok()).flatten()
+}
+
 /// Returns the header record.
 pub fn header_map(header: &Header) -> Map {
     let mut map = settings_map(header);

@@ -42,6 +42,8 @@ pub struct Recording<R> {
     index: Option<Index>,
     phase: Phase,
     order: Order,
+    /// The end records that were read, which are compared with the messages before and after them: other programs store them before their last chunk.
+    trailers: Vec<(Location, Vec<u8>)>,
     /// The records read so far, while everything is read from the start.
     tally: Option<Tally>,
     settings_offset: u64,
@@ -90,27 +92,11 @@ enum Phase {
 enum Order {
     /// The messages are read as they are stored, in order of time.
     Stored,
-    /// The messages are stored in another order: the file is verified first.
-    Surveyed(Survey),
-    /// After the survey, the messages are read in order of time.
-    ByTime(Merge, Ending),
+    /// The messages are stored in another order: the file is verified first, and the parts with messages are collected.
+    Surveyed(Parts),
+    /// After the survey, the messages are read in order of time. Holds the end of the survey.
+    ByTime(Merge, Phase),
 }
-
-/// The findings while a file is verified whose messages are not stored in order of time.
-#[derive(Default)]
-struct Survey {
-    parts: Parts,
-    trailers: Vec<EndRecord>,
-}
-
-/// The end of a file, after its messages are read.
-struct Ending {
-    trailers: Vec<EndRecord>,
-    phase: Phase,
-}
-
-/// The location and the body of an end record, which is compared with the messages before it.
-type EndRecord = (Location, Vec<u8>);
 
 /// Opens the recording at `path`.
 ///
@@ -142,13 +128,14 @@ impl<R: Read + Seek> Recording<R> {
             index: None,
             phase: Phase::Reading,
             order: Order::Stored,
+            trailers: Vec::new(),
             tally: None,
             settings_offset: section.settings_offset,
             scene_offset: section.scene_offset,
             padded: section.padded,
         };
         if !index::read(&mut recording.records).map_err(Error::Read)?.is_in_order() {
-            recording.order = Order::Surveyed(Survey::default());
+            recording.order = Order::Surveyed(Parts::default());
         }
         recording.restart()?;
         Ok(recording)
@@ -270,6 +257,8 @@ impl<R: Read + Seek> Recording<R> {
     fn open_place(&mut self, index: &Index, place: usize) -> Result<(), Error> {
         self.seek_record(index.places[place].offset)?;
         self.decoder.reset(&index.definitions);
+        let skipped = index.trailer_record.iter().filter(|(location, _)| location.offset < index.places[place].offset);
+        self.trailers.extend(skipped.cloned());
         self.chunk_count = place as u64;
         self.next_record()
     }
@@ -292,6 +281,7 @@ impl<R: Read + Seek> Recording<R> {
         self.data_end = None;
         self.crc_suspect = None;
         self.tally = None;
+        self.trailers.clear();
         self.phase = Phase::Reading;
         self.records.seek(offset).map_err(Error::Read)
     }
@@ -302,7 +292,7 @@ impl<R: Read + Seek> Recording<R> {
     /// Returns an error if the file cannot be read.
     pub fn restart(&mut self) -> Result<(), Error> {
         if let Order::ByTime(..) = self.order {
-            self.order = Order::Surveyed(Survey::default());
+            self.order = Order::Surveyed(Parts::default());
         }
         self.seek_record(0)?;
         self.records.rewind().map_err(Error::Read)?;
@@ -322,12 +312,12 @@ impl<R: Read + Seek> Recording<R> {
         while self.phase == Phase::Reading {
             self.next_stored()?;
         }
-        let Order::Surveyed(survey) = std::mem::replace(&mut self.order, Order::Stored) else { return Ok(()) };
-        if survey.parts.are_in_order() {
+        let Order::Surveyed(parts) = std::mem::replace(&mut self.order, Order::Stored) else { return Ok(()) };
+        if parts.are_in_order() {
             return self.restart(); // Only the index or a chunk header claims another order.
         }
         let end = std::mem::replace(&mut self.phase, Phase::Reading);
-        self.order = Order::ByTime(Merge::new(survey.parts), Ending { trailers: survey.trailers, phase: end });
+        self.order = Order::ByTime(Merge::new(parts), end);
         Ok(())
     }
 
@@ -408,14 +398,11 @@ impl<R: Read + Seek> Recording<R> {
             }
             match &mut self.order {
                 Order::Stored | Order::Surveyed(_) => self.next_stored()?,
-                Order::ByTime(merge, ending) => match merge.next_message(self.records.source())? {
+                Order::ByTime(merge, end) => match merge.next_message(self.records.source())? {
                     Some((location, message)) => self.decoder.decode_record(location, &message),
                     None => {
-                        self.phase = ending.phase;
-                        self.decoder.finish_step();
-                        for (location, body) in ending.trailers.drain(..) {
-                            self.decoder.decode_metadata(location, &body, self.settings_offset);
-                        }
+                        self.phase = *end;
+                        self.finish();
                     }
                 },
             }
@@ -470,15 +457,31 @@ impl<R: Read + Seek> Recording<R> {
         self.decoder.report_damage(location, reason);
     }
 
-    /// Ends the open chunk and the open step. No message follows.
-    fn finish(&mut self) {
+    /// Ends the open chunk and the open step.
+    fn close_step(&mut self) {
         self.close_chunk();
         self.decoder.finish_step();
     }
 
+    /// Ends the open step, and decodes the end record. No message follows.
+    fn finish(&mut self) {
+        self.close_step();
+        if let Order::Surveyed(_) = self.order {
+            return;
+        }
+        let last_step = self.decoder.validator.last_step();
+        for (location, body) in self.trailers.drain(..) {
+            // In a file that was cut, the end record may precede messages that are lost.
+            let is_at_end = metadata::trailer_of(&body).is_some_and(|trailer| Some(trailer.steps) == last_step);
+            if self.phase != Phase::Truncated || is_at_end {
+                self.decoder.decode_metadata(location, &body, self.settings_offset);
+            }
+        }
+    }
+
     fn close_chunk(&mut self) {
-        if let (Order::Surveyed(survey), Some(times)) = (&mut self.order, self.chunks.times()) {
-            survey.parts.add_chunk(self.chunk, times);
+        if let (Order::Surveyed(parts), Some(times)) = (&mut self.order, self.chunks.times()) {
+            parts.add_chunk(self.chunk, times);
         }
         if let (Some(chunk), Some(tally)) = (self.chunks.close(), &mut self.tally) {
             tally.add_chunk(&chunk);
@@ -508,17 +511,15 @@ impl<R: Read + Seek> Recording<R> {
                 let record = ChunkRecord { opcode, body };
                 self.tally.iter_mut().for_each(|tally| tally.add_record(&record));
                 match (&mut self.order, record.message()) {
-                    (Order::Surveyed(survey), Some(message)) => survey.parts.add_message(offset, message.log_time)?,
+                    (Order::Surveyed(parts), Some(message)) => parts.add_message(offset, message.log_time)?,
                     _ => self.decoder.decode_record(location, &record),
                 }
             }
             op::METADATA => {
                 self.tally.iter_mut().for_each(|tally| tally.add_indexed(opcode, offset, body));
-                match &mut self.order {
-                    Order::Surveyed(survey) if metadata::is_trailer(body) && survey.trailers.len() < 2 => {
-                        survey.trailers.push((location, body.clone()));
-                    }
-                    _ => self.decoder.decode_metadata(location, body, self.settings_offset),
+                match metadata::is_trailer(body) && self.trailers.len() < 2 {
+                    true => self.trailers.push((location, body.clone())),
+                    false => self.decoder.decode_metadata(location, body, self.settings_offset),
                 }
             }
             op::ATTACHMENT => {
@@ -532,7 +533,7 @@ impl<R: Read + Seek> Recording<R> {
                 }
             }
             op::DATA_END => {
-                self.decoder.finish_step();
+                self.finish();
                 self.decoder.padded = None;
                 self.data_end = Some(offset);
             }
@@ -564,7 +565,7 @@ impl<R: Read + Seek> Recording<R> {
 
     /// Continues at the next valid record after a fault.
     fn recover_from(&mut self, mut fault: ReadFault) -> Result<(), Error> {
-        self.finish();
+        self.close_step();
         self.tally = None;
         // The length of the record before may be damaged.
         fault.offset = self.padded.take().unwrap_or(fault.offset);
@@ -582,10 +583,14 @@ impl<R: Read + Seek> Recording<R> {
                 self.decoder.mark_lost(location, reason);
                 self.records.seek(next).map_err(Error::Read)?;
             }
-            Resync::Truncated => self.phase = Phase::Truncated,
+            Resync::Truncated => {
+                self.phase = Phase::Truncated;
+                self.finish();
+            }
             Resync::Corrupt => {
                 self.decoder.report_damage(location, reason);
                 self.phase = Phase::Finished;
+                self.finish();
             }
         }
         Ok(())

@@ -24,6 +24,8 @@ pub struct Case {
     pub oracle: Oracle,
     /// The correct number of collisions, if it is known in advance.
     pub collisions: Option<u64>,
+    /// True if the growth of rounding errors is estimated.
+    pub estimates_accuracy: bool,
 }
 
 /// One run of a case: the solver and the rate.
@@ -48,6 +50,7 @@ impl Case {
             from: 0,
             oracle: Oracle::Simulation,
             collisions: None,
+            estimates_accuracy: true,
         }
     }
 
@@ -155,6 +158,7 @@ impl CaseSpec {
             from: self.from,
             oracle: self.oracle,
             collisions: self.collisions,
+            estimates_accuracy: false,
         }
     }
 }

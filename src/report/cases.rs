@@ -2,12 +2,14 @@
 
 use super::Budget;
 use super::case::{Case, CaseSpec, RATES};
-use super::oracle::closed_form::{Bounce, galperin_collisions, reflected, uniform};
+use super::oracle::closed_form::{Bounce, burst_velocities, galperin_collisions, reflected, uniform};
 use super::oracle::{Fixed256, Oracle};
+use crate::physics::Axis;
+use std::sync::LazyLock;
 
 /// Returns the hard cases in the order of the report.
 pub fn all(budget: Budget) -> Vec<Case> {
-    let specs = [bounces(budget), impacts(budget), contacts(), crowds(budget)];
+    let specs = [bounces(budget), impacts(budget), bursts(), contacts(), crowds(budget)];
     specs.into_iter().flatten().map(CaseSpec::build).collect()
 }
 
@@ -261,12 +263,96 @@ fn sizes() -> CaseSpec {
     CaseSpec { world, walls: true, steps: 3600, ..CaseSpec::new("sizes", "sizes from 1 mm to 1 km", bodies) }
 }
 
-/// Stacks, tile seams, a deleted support, overlapping spawns.
+/// Touching rows and columns that hit a wall.
+fn bursts() -> Vec<CaseSpec> {
+    // The impacts follow from the same arithmetic as the velocities, which takes too long to be done here.
+    let rows = [
+        (16, 0.0, None),
+        (8, 0.9, Some(80)),
+        (16, 0.99, Some(396)),
+        (110, 0.999, Some(67_045)),
+        (110, 1.0, Some(6105)),
+    ];
+    let columns = [(8, 0.9, Some(80)), (16, 0.99, Some(396))];
+    let of =
+        |axis| move |(count, restitution, impacts)| CaseSpec { collisions: impacts, ..burst(axis, count, restitution) };
+    rows.map(of(Axis::X)).into_iter().chain(columns.map(of(Axis::Y))).collect()
+}
+
+/// Touching unit boxes of 1 kg hit a wall at 1 m/s. All impacts happen in one instant, the lowest approaching pair first.
+fn burst(axis: Axis, count: u32, restitution: f64) -> CaseSpec {
+    let length = f64::from(count) + 4.0;
+    let along = |along: f64, across: f64| match axis {
+        Axis::X => [along, across],
+        Axis::Y => [across, along],
+    };
+    let mut bodies = static_block([0.0; 2], along(1.0, 3.0));
+    (0..count)
+        .for_each(|number| bodies += &spawn(along(2.0 + f64::from(number), 1.0), [1.0; 2], 1.0, along(-1.0, 0.0)));
+    let after = LazyLock::new(move || burst_velocities(count as usize, restitution).0);
+    let positions = move |time: &Fixed256| {
+        let since = time - &Fixed256::from(1.0);
+        let moved = |(number, velocity): (usize, &Fixed256)| {
+            let start = Fixed256::from(number as f64 + 2.0);
+            let at = if since < Fixed256::zero() {
+                &start - time
+            } else {
+                &(&start - &Fixed256::from(1.0)) + &(velocity * &since)
+            };
+            match axis {
+                Axis::X => [at, Fixed256::from(1.0)],
+                Axis::Y => [Fixed256::from(1.0), at],
+            }
+        };
+        after.iter().enumerate().map(moved).collect()
+    };
+    let noun = if axis == Axis::X { "row" } else { "column" };
+    let [width, height] = along(length, 3.0);
+    CaseSpec {
+        world: [width, height],
+        restitution,
+        steps: 60,
+        oracle: closed_form(positions),
+        ..CaseSpec::new("burst", &format!("{noun} of {count} at a wall, e = {restitution}"), bodies)
+    }
+}
+
+/// The boxes that slide over tiles, as multiples of the width of a tile.
+const RATIOS: [f64; 9] = [0.5, 0.8, 1.0, 1.25, 1.6, 2.0, 2.5, 3.0, 7.0];
+
+/// A box pressed onto a corner from rest slides along the axis on which it is pressed less; so do two boxes that press
+/// their corners together.
+fn corner_presses() -> [CaseSpec; 2] {
+    let pushed = |at, force: [f64; 2]| spawn(at, [1.0; 2], 1.0, [0.0; 2]) + &format!("force = {force:?}\n");
+    let half_square = |acceleration: f64, time: &Fixed256| &(&Fixed256::from(acceleration / 2.0) * time) * time;
+    let spec = |name: &str, bodies: String, oracle: Oracle| CaseSpec {
+        restitution: 0.0,
+        steps: 7,
+        oracle,
+        collisions: Some(0),
+        ..CaseSpec::new("corner", name, bodies)
+    };
+    let alone = closed_form(move |time| vec![[Fixed256::from(3.0), &Fixed256::from(3.0) + &half_square(5.0, time)]]);
+    let pair = closed_form(move |time| {
+        let right = half_square(4.5, time);
+        vec![
+            [&Fixed256::from(2.0) + &right, &Fixed256::from(1.0) + &half_square(10.0, time)],
+            [&Fixed256::from(3.0) + &right, &Fixed256::from(2.0) + &half_square(-15.0, time)],
+        ]
+    });
+    [
+        spec("box pressed onto a corner", static_block([4.0, 4.0], [1.0; 2]) + &pushed([3.0, 3.0], [2.0, 5.0]), alone),
+        spec("corners pressed together", pushed([2.0, 1.0], [6.0, 10.0]) + &pushed([3.0, 2.0], [3.0, -15.0]), pair),
+    ]
+}
+
+/// Stacks, tile seams, corners pressed together, a deleted support, overlapping spawns.
 fn contacts() -> Vec<CaseSpec> {
     let light = [10, 100, 1000].map(|count| stack(count, &format!("stack of {count}"), &|_| 1.0));
     let heavy = stack(13, "stack of 13, mass ratio 10 per box", &|number| (0..number).fold(1.0, |mass, _| mass * 10.0));
-    let others = [heavy, tiles(), support(), overlaps()];
-    light.into_iter().chain(others).collect()
+    let seams = [0.0, 1.0].into_iter().flat_map(|restitution| RATIOS.map(|ratio| tiles(ratio, restitution)));
+    let others = [support(), overlaps()].into_iter().chain(corner_presses());
+    light.into_iter().chain([heavy]).chain(seams).chain(others).collect()
 }
 
 /// A stack of unit boxes, e = 0, which must not move; number 0 is the lowest.
@@ -288,19 +374,23 @@ fn stack(count: u32, name: &str, mass: &dyn Fn(u32) -> f64) -> CaseSpec {
     }
 }
 
-/// A box slides over a floor of forty flush tiles; nothing may stop it.
-fn tiles() -> CaseSpec {
+/// A box slides over a floor of forty flush tiles of 0.8 m; nothing may stop it.
+fn tiles(ratio: f64, restitution: f64) -> CaseSpec {
+    const WIDTH: f64 = 0.8;
     let mut bodies = String::new();
-    (0..40).for_each(|number| bodies += &static_block([0.5 * f64::from(number), 5.0], [0.5, 0.5]));
-    bodies += &spawn([1.0, 4.0], [1.0; 2], 1.0, [3.0, 0.0]);
-    let oracle = closed_form(|time| vec![[uniform(1.0, 3.0, time), Fixed256::from(4.0)]]);
-    let steps = 150;
+    (0..40).for_each(|number| bodies += &static_block([WIDTH * f64::from(number), 8.0], [WIDTH, 0.5]));
+    let side = WIDTH * ratio;
+    let top = 8.0 - side;
+    bodies += &spawn([0.5, top], [side; 2], 1.0, [3.0, 0.0]);
+    let oracle = closed_form(move |time| vec![[uniform(0.5, 3.0, time), Fixed256::from(top)]]);
     CaseSpec {
+        world: [32.0, 9.0],
         gravity: GRAVITY,
-        restitution: 0.0,
-        steps,
+        restitution,
+        steps: 240,
         oracle,
-        ..CaseSpec::new("tiles", "sliding over tile seams", bodies)
+        collisions: Some(0),
+        ..CaseSpec::new("tiles", &format!("box of {ratio} tiles over seams, e = {restitution}"), bodies)
     }
 }
 

@@ -18,7 +18,7 @@ pub use case::{Case, RunSpec};
 pub use cost::Cost;
 #[cfg(feature = "draw")]
 pub use diagram::{growth, work_precision};
-pub use errors::Errors;
+pub use errors::{Errors, Growth};
 pub use oracle::{Expectation, Oracle};
 pub use table::{CSV_HEADER, Row, csv, table};
 

@@ -1,6 +1,6 @@
 //! The rows of the report, and the report as text: an aligned table, or comma-separated values.
 
-use super::{Budget, Case, Cost, Errors, Expectation, RunSpec};
+use super::{Budget, Case, Cost, Errors, Expectation, Growth, RunSpec};
 use crate::physics::{SolverKind, smaller};
 use crate::replay::RunError;
 use crate::scene::{Action, Scene, SpawnRequest};
@@ -48,6 +48,12 @@ pub struct Row {
     pub peak_bytes: Option<u64>,
     /// Notable errors of the solver on this scene, as text.
     pub remark: Option<String>,
+    /// The part of the run in which rounding does not matter, such as `1e-10 until step 64`; only for scenes of the user,
+    /// at their own rate.
+    pub accuracy: Option<String>,
+    /// How rounding errors grow: pairs of an error, as a fraction of the largest side of a finite body, and the first step
+    /// at which it is exceeded.
+    pub error_growth: Vec<(f64, u64)>,
 }
 
 impl Row {
@@ -81,7 +87,13 @@ impl Row {
             return Ok(Row { remark: Some(remark), ..row });
         }
         let errors = Errors::measure(case, &scene, spec, expectation)?;
+        let growth = match case.estimates_accuracy && spec.factor == 1 {
+            true => Growth::estimate(&scene)?,
+            false => None,
+        };
         Ok(Row {
+            accuracy: growth.as_ref().map(|growth| growth.accuracy.to_string()),
+            error_growth: growth.map_or(Vec::new(), |growth| growth.steps),
             position_error: errors.position,
             energy_drift: errors.energy,
             momentum_drift: errors.momentum,
@@ -166,9 +178,26 @@ pub fn table(rows: &[Row]) -> String {
                 text += &format!("  {}, {} Hz: {remark}\n", row.solver, row.rate);
             }
         }
+        for row in block {
+            if let Some(accuracy) = &row.accuracy {
+                text += &format!("  {}: accuracy {accuracy}, estimated by random rounding\n", row.solver);
+                text += &growth_line(&row.error_growth);
+            }
+        }
         text += "\n";
     }
     text
+}
+
+/// Describes how rounding errors grow.
+fn growth_line(growth: &[(f64, u64)]) -> String {
+    let steps: Vec<String> = growth.iter().map(|(level, step)| format!("{level:e} from step {step}")).collect();
+    match steps.is_empty() {
+        true => "    rounding moves no position by more than 1e-28 of the largest box\n".into(),
+        false => {
+            format!("    rounding moves a position by more than this part of the largest box: {}\n", steps.join(", "))
+        }
+    }
 }
 
 /// Formats a line: the first column left-aligned, numbers right-aligned.
@@ -214,13 +243,14 @@ fn format_significant(value: f64) -> String {
 /// The header line of [`csv`].
 pub const CSV_HEADER: &str = "family,scene,solver,rate,bodies,steps,position_error,energy_drift,momentum_drift,\
     worst_overlap,collisions,true_collisions,truth,ns_per_body_step,ns_least,ns_most,events_per_second,peak_bytes,\
-    remark\n";
+    remark,accuracy,error_growth\n";
 
 /// Formats the report as comma-separated values without a header line, so that parts can be joined.
 /// Unknown values are empty.
 pub fn csv(rows: &[Row]) -> String {
     let mut text = String::new();
     for row in rows {
+        let growth: Vec<String> = row.error_growth.iter().map(|(level, step)| format!("{level:e}@{step}")).collect();
         let fields = [
             csv_field(&row.family).into(),
             csv_field(&row.scene).into(),
@@ -241,6 +271,8 @@ pub fn csv(rows: &[Row]) -> String {
             or_empty(row.events_per_second),
             or_empty(row.peak_bytes),
             csv_field(row.remark.as_deref().unwrap_or_default()).into(),
+            row.accuracy.clone().unwrap_or_default(),
+            growth.join(" "),
         ];
         text += &fields.join(",");
         text += "\n";

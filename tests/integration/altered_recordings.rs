@@ -190,6 +190,32 @@ fn damage_of_messages_that_are_not_stored_in_order_of_time_is_reported() {
     assert!(fixed.code == 4 && fixed.output.starts_with("incomplete: recovered"), "{fixed:?}");
 }
 
+/// Other programs store metadata at once, but messages when a chunk is full.
+#[test]
+fn the_end_record_may_be_stored_before_the_messages() {
+    let (workplace, file) = recorded();
+    let parts = forge::take_apart(&file);
+    let expected_items = items(&file);
+    let is_end = |item: &Item| matches!(item, Item::Record((op::METADATA, body)) if forge::parse_metadata(body).0 == "rebond_end");
+    let end = parts.iter().position(is_end).unwrap();
+    let chunks: Vec<usize> = (0..parts.len()).filter(|place| matches!(parts[*place], Item::Chunk(_))).collect();
+    for place in chunks {
+        for layout in [Layout::Lz4, Layout::Unchunked] {
+            let mut moved = parts.clone();
+            let record = moved.remove(end);
+            moved.insert(place, record);
+            let moved = forge::put_together(&moved, layout);
+            assert_eq!(verdict(&moved), "same: 60 steps, 6 bodies", "before item {place}, {layout:?}");
+            assert!(items(&moved) == expected_items, "before item {place}, {layout:?}");
+            std::fs::write(workplace.path("moved.mcap"), &moved).unwrap();
+            let seek = workplace.done("replay moved.mcap --from 45").output;
+            assert_eq!(seek, "same: 15 steps, 6 bodies\n", "before item {place}, {layout:?}");
+            let cut = verdict(&moved[..moved.len() / 2]);
+            assert!(cut.starts_with("incomplete: truncated after step "), "before item {place}, {layout:?}: {cut}");
+        }
+    }
+}
+
 /// Flips a bit of every few bytes of every record, with all checksums correct.
 #[test]
 fn no_altered_record_replays_the_same() {
@@ -431,10 +457,25 @@ fn exit_codes_agree_between_commands_on_the_same_damaged_file() {
     let workplace = damaged();
     workplace.write("bom.mcap", "\u{feff}not MCAP");
     for (file, code) in [("run", 0), ("flip", 4), ("cut", 4), ("zeros", 4), ("gap", 4), ("no-scene", 4), ("bom", 1)] {
-        for command in ["info", "replay", "export", "check"] {
-            let output = if command == "export" { format!(" -o {file}.csv --force") } else { String::new() };
-            let done = workplace.rebond(&format!("{command} {file}.mcap{output}"));
-            assert_eq!(done.code, code, "{command} {file}: {done:?}");
+        for command in [
+            "info FILE.mcap",
+            "replay FILE.mcap",
+            "check FILE.mcap",
+            "export FILE.mcap -o FILE.csv",
+            "export FILE.mcap --table collisions -o FILE.csv",
+            "export FILE.mcap --table energy -o FILE.csv",
+            "render FILE.mcap --at 15 -o FILE.png",
+            "render FILE.mcap -o FILE.gif",
+            "figure strobe FILE.mcap -o FILE.svg",
+            "figure energy FILE.mcap -o FILE.svg",
+            "figure collision FILE.mcap -o FILE.svg",
+        ] {
+            // These end before the damage and need not read it; what the metadata say is missing is known to all.
+            let is_partial = command.contains("--at") || command.contains("figure collision");
+            let may_miss = is_partial && ["flip", "cut", "zeros"].contains(&file);
+            let force = if command.contains(" -o ") { " --force" } else { "" };
+            let done = workplace.rebond(&format!("{}{force}", command.replace("FILE", file)));
+            assert!(done.code == code || may_miss && done.code == 0, "{command} {file}: {done:?}");
         }
     }
 }

@@ -122,6 +122,63 @@ fn the_error_of_a_picture_that_cannot_be_redrawn_gives_the_reason() {
     assert!(outcome.errors.contains("foreign.svg: the file carries no rebond provenance"), "{outcome:?}");
 }
 
+/// Replaces text of the same chunk of a PNG file, with a right checksum.
+fn with_text(file: &[u8], old: &str, new: &str) -> Vec<u8> {
+    let mut altered = file[..8].to_vec();
+    let mut rest = &file[8..];
+    while !rest.is_empty() {
+        let length = u32::from_be_bytes(rest[..4].try_into().unwrap()) as usize;
+        let (chunk, after) = rest.split_at(12 + length);
+        let mut body = chunk[4..8 + length].to_vec();
+        if let Some(text) = std::str::from_utf8(&body).ok().filter(|_| chunk[4..8] == *b"iTXt") {
+            body = text.replace(old, new).into_bytes();
+        }
+        altered.extend((body.len() as u32 - 4).to_be_bytes());
+        altered.extend(&body);
+        altered.extend(crc32fast::hash(&body).to_be_bytes());
+        rest = after;
+    }
+    altered
+}
+
+#[test]
+fn absurd_provenance_is_reported_and_the_other_files_are_still_read() {
+    let workplace = workplace_with_recordings();
+    workplace.done("record scene.toml -o thin.mcap --every 5 --set title=thin");
+    workplace.done("render thin.mcap --at 30 -o good.png --size 640x360");
+    let good = workplace.read("good.png");
+    let cases = [
+        ("size=640x360", "size=0x0", 1),
+        ("size=640x360", "size=100000x100000", 0),
+        ("recorded_every=5", "recorded_every=abc", 1),
+        ("recorded_every=5", "recorded_every=0", 1),
+        ("recorded_every=5", "recorded_every=99999999999999999999999", 1),
+        ("theme=light", "theme=pink", 1),
+        ("theme=light", "theme", 1),
+    ];
+    for (old, new, code) in cases {
+        std::fs::write(workplace.path("evil.png"), with_text(&good, old, new)).unwrap();
+        assert_ne!(workplace.read("evil.png"), good, "{new}");
+        let info = workplace.rebond("info evil.png good.png thin.mcap");
+        assert_eq!(info.code, code, "{new}: {info:?}");
+        assert!(
+            info.output.contains("file: good.png\n") && info.output.contains("file: thin.mcap\n"),
+            "{new}: {info:?}"
+        );
+        assert_eq!(
+            info.errors.contains("evil.png: the rebond provenance of the file is damaged"),
+            code == 1,
+            "{info:?}"
+        );
+        let json = workplace.rebond("info evil.png good.png thin.mcap --json").output;
+        let names = json.lines().map(|line| serde_json::from_str::<serde_json::Value>(line).unwrap()["file"].clone());
+        assert_eq!(names.last().unwrap(), "thin.mcap", "{json}");
+        let check = workplace.rebond("check evil.png good.png thin.mcap");
+        assert!(check.code == 1 || check.code == 3, "{new}: {check:?}");
+        assert!(check.output.contains("evil.png: ") && check.output.contains("good.png: same"), "{new}: {check:?}");
+    }
+}
+
 #[test]
 fn reading_damaged_pictures_does_not_panic() {
     let workplace = workplace_with_recordings();

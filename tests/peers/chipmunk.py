@@ -25,6 +25,9 @@ class World:
             self.space.sleep_time_threshold = 0.5
         self.boxes = job["bodies"]
         self.bodies = [self.insert(box, math.sqrt(job["restitution"])) for box in self.boxes]
+        # A force lasts for one step.
+        forces = [(body, (box["fx"], box["fy"])) for body, box in zip(self.bodies, self.boxes)]
+        self.forces = [(body, force) for body, force in forces if force != (0, 0)]
 
     def insert(self, box, elasticity):
         fixed = box["mass"] is None
@@ -38,6 +41,8 @@ class World:
         return body
 
     def step(self):
+        for body, force in self.forces:
+            body.force = force
         self.space.step(self.seconds)
 
     def state(self, index):

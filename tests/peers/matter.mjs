@@ -34,8 +34,14 @@ drive(version, (job) => {
     Composite.add(engine.world, body);
     return body;
   });
+  // A force lasts for one step, and is in kg·units/ms².
+  const scale = UNITS * 1e-6;
+  const pushed = job.bodies.map(({ fx, fy }, index) => [bodies[index], fx, fy]).filter(([, fx, fy]) => fx || fy);
   return {
-    step: () => Engine.update(engine, 1000 / job.rate),
+    step: () => {
+      for (const [body, fx, fy] of pushed) body.force = { x: fx * scale, y: fy * scale };
+      Engine.update(engine, 1000 / job.rate);
+    },
     state: (body) => {
       const { width, height } = job.bodies[body];
       const { position, velocity } = bodies[body];

@@ -1,6 +1,6 @@
 // planck, a port of Box2D v2 to JavaScript. Rotation fixed, which also removes the inertia; friction and
 // damping 0, restitution e on both fixtures (the larger counts), no maxTranslation, velocityThreshold 0
-// except if 0 < e < 1, where piles come to rest only with its default of 1 m/s. Every polygon has a skin
+// except in columns and heaps, which come to rest only with its default of 1 m/s. Every polygon has a skin
 // of twice linearSlop, 1 cm, which is subtracted from the size of the boxes unless they are thinner.
 // Everything else is the default: 8 velocity and 3 position iterations.
 import { readFileSync } from "node:fs";
@@ -13,7 +13,7 @@ const { version } = JSON.parse(readFileSync(new URL("node_modules/planck/package
 const withoutSkin = (half) => (half > 2 * Settings.polygonRadius ? half - Settings.polygonRadius : half);
 
 drive(version, (job) => {
-  Settings.velocityThreshold = job.restitution > 0 && job.restitution < 1 ? 1 : 0;
+  Settings.velocityThreshold = job.sleep ? 1 : 0;
   const world = new World({
     gravity: { x: job.gravity[0], y: job.gravity[1] },
     allowSleep: job.sleep,
@@ -32,8 +32,12 @@ drive(version, (job) => {
     if (mass !== null) body.setMassData({ mass, center: { x: 0, y: 0 }, I: 0 });
     return body;
   });
+  const pushed = job.bodies.map(({ fx, fy }, index) => [bodies[index], fx, fy]).filter(([, fx, fy]) => fx || fy);
   return {
-    step: () => world.step(1 / job.rate, 8, 3),
+    step: () => {
+      for (const [body, x, y] of pushed) body.applyForceToCenter({ x, y }, true); // Lasts for one step.
+      world.step(1 / job.rate, 8, 3);
+    },
     state: (body) => {
       const { width, height } = job.bodies[body];
       const center = bodies[body].getPosition();

@@ -25,7 +25,8 @@ const LAYOUTS = {
   chunks: {},
   "small-chunks": { chunkSize: 4096 },
   "chunks-without-index": { useMessageIndex: false, useChunkIndex: false, useMetadataIndex: false, repeatChannels: false },
-  unchunked: { useChunks: false },
+  // Without chunks, the writer stores wrong offsets in its metadata index.
+  unchunked: { useChunks: false, useMetadataIndex: false },
 };
 
 /** Returns all records, including those in chunks. */

@@ -58,6 +58,36 @@ pub fn uniform(from: f64, velocity: f64, time: &Fixed256) -> Fixed256 {
     &Fixed256::from(from) + &(&Fixed256::from(velocity) * time)
 }
 
+/// Returns the velocities (m/s) of a row of touching boxes of equal mass after it has hit a wall at 1 m/s, the nearest box
+/// first, and the number of impacts.
+///
+/// All impacts happen in one instant: the lowest of the pairs that approach, until none does. With e = 0 they are an
+/// infinite sequence, whose limit is rest.
+pub fn burst_velocities(boxes: usize, restitution: f64) -> (Vec<Fixed256>, u64) {
+    let minus = -&Fixed256::from(1.0);
+    let mut velocities = vec![if restitution > 0.0 { minus } else { Fixed256::zero() }; boxes];
+    let [kept, given] = [(1.0 - restitution) / 2.0, (1.0 + restitution) / 2.0].map(Fixed256::from);
+    let (mut pair, mut impacts) = (0, 0);
+    while pair < boxes {
+        let velocity = velocities[pair].clone();
+        let nearer = pair.checked_sub(1).map(|nearer| velocities[nearer].clone());
+        match nearer {
+            None if velocity < Fixed256::zero() => velocities[0] = -&(&Fixed256::from(restitution) * &velocity),
+            Some(nearer) if nearer > velocity => {
+                velocities[pair - 1] = &(&kept * &nearer) + &(&given * &velocity);
+                velocities[pair] = &(&given * &nearer) + &(&kept * &velocity);
+            }
+            None | Some(_) => {
+                pair += 1;
+                continue;
+            }
+        }
+        impacts += 1;
+        pair = pair.saturating_sub(1);
+    }
+    (velocities, impacts)
+}
+
 /// Position of a point that starts at `from` (m), moves at `velocity` (m/s) and is reflected at `turn` (m), m.
 pub fn reflected(from: f64, velocity: f64, turn: f64, time: &Fixed256) -> Fixed256 {
     let uniform = uniform(from, velocity, time);
@@ -104,6 +134,17 @@ mod tests {
         assert_eq!(reflected(1.0, 2.0, 4.0, &number(1.0)), number(3.0));
         assert_eq!(reflected(1.0, 2.0, 4.0, &number(2.0)), number(3.0));
         assert_eq!(reflected(1.0, -2.0, -4.0, &number(5.0)), number(1.0));
+    }
+
+    #[test]
+    fn bursts_of_rows_have_the_impacts_of_rational_arithmetic_and_separate_all_boxes() {
+        for (boxes, restitution, impacts) in [(8, 0.9, 80), (16, 0.99, 396), (20, 1.0, 210), (5, 0.0, 0)] {
+            let (velocities, found) = burst_velocities(boxes, restitution);
+            assert_eq!(found, impacts);
+            assert!(velocities.is_sorted() && velocities[0] >= number(0.0));
+        }
+        let (velocities, _) = burst_velocities(16, 0.99);
+        assert!((velocities[0].to_f64() - 0.849805).abs() < 1e-6 && (velocities[15].to_f64() - 0.856223).abs() < 1e-6);
     }
 
     #[test]

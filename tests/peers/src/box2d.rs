@@ -17,6 +17,8 @@ const SUBSTEPS: i32 = 4;
 struct Box2d {
     world: ffi::b2WorldId,
     bodies: Vec<(ffi::b2BodyId, [f64; 2])>,
+    /// The bodies with a constant force, which lasts for one step.
+    forces: Vec<(ffi::b2BodyId, ffi::b2Vec2)>,
     step: f32,
 }
 
@@ -32,7 +34,10 @@ pub fn build(job: &Job) -> Result<Box<dyn PeerWorld>, String> {
         ffi::b2CreateWorld(&definition)
     };
     let bodies = job.bodies.iter().map(|body| (insert(world, job, body), [0.5 * body.width, 0.5 * body.height]));
-    Ok(Box::new(Box2d { world, bodies: bodies.collect(), step: (1.0 / job.rate) as f32 }))
+    let bodies: Vec<(ffi::b2BodyId, [f64; 2])> = bodies.collect();
+    let pushed = job.bodies.iter().zip(&bodies).filter(|(body, _)| [body.fx, body.fy] != [0.0; 2]);
+    let forces = pushed.map(|(body, (id, _))| (*id, vector(body.fx, body.fy))).collect();
+    Ok(Box::new(Box2d { world, bodies, forces, step: (1.0 / job.rate) as f32 }))
 }
 
 /// The version, and the commit that the bindings were made from.
@@ -75,6 +80,10 @@ fn vector(x: f64, y: f64) -> ffi::b2Vec2 {
 
 impl PeerWorld for Box2d {
     fn step(&mut self) -> Result<(), String> {
+        for (body, force) in &self.forces {
+            // SAFETY: the body is alive.
+            unsafe { ffi::b2Body_ApplyForceToCenter(*body, *force, true) };
+        }
         // SAFETY: the world is alive.
         unsafe { ffi::b2World_Step(self.world, self.step, SUBSTEPS) };
         Ok(())

@@ -45,6 +45,10 @@ pub struct Body {
     pub vx: f64,
     /// m/s.
     pub vy: f64,
+    /// Constant force, N.
+    pub fx: f64,
+    /// N, y down.
+    pub fy: f64,
     /// True if it is also swept against moving bodies, in engines that can.
     pub bullet: bool,
 }

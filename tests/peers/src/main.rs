@@ -1,6 +1,6 @@
 //! Runs rebond and other engines on the same scenes and writes a table of their errors and costs.
 //!
-//! `rebond-peers table REBOND [--quick] [--only WORD] [--into FOLDER]` prints the table; the script `run` builds
+//! `rebond-peers table REBOND [--quick] [--only WORD|WORD…] [--into FOLDER]` prints the table; the script `run` builds
 //! everything and calls it. `rebond-peers engine NAME` runs one job from standard input.
 
 // These lints protect the determinism of rebond, which is not needed here.
@@ -64,7 +64,8 @@ fn write_table(rebond: &Path, options: &[&str]) {
     let quick = options.contains(&"--quick");
     let folder = tempfile::tempdir().expect("a temporary folder");
     let load_at_start = machine::load();
-    let scenes: Vec<Scene> = scenes::all(quick).into_iter().filter(|scene| scene.name.contains(only)).collect();
+    let scenes: Vec<Scene> =
+        scenes::all(quick).into_iter().filter(|scene| only.split('|').any(|word| scene.name.contains(word))).collect();
     let cells: Vec<Cell> = scenes.iter().flat_map(|scene| run_all(scene, folder.path())).collect();
     let recordings: Vec<_> = scenes
         .iter()
@@ -146,6 +147,8 @@ fn job(scene: &Scene, samples: PathBuf) -> Job {
         mass: (!body.is_infinite()).then_some(body.mass),
         vx: body.velocity.x,
         vy: body.velocity.y,
+        fx: body.constant_force.x,
+        fy: body.constant_force.y,
         bullet: false,
     };
     let mut bodies: Vec<Body> = world.bodies.iter().map(body).collect();

@@ -29,6 +29,18 @@ pub enum Oracle {
     Fall,
     /// The energy never increases, but without friction some boxes keep sliding, e = 0.3.
     Slide,
+    /// A row of touching boxes hits a wall.
+    Row {
+        /// The coefficient of restitution.
+        restitution: f64,
+    },
+    /// A box slides at constant speed over flush tiles.
+    Seams {
+        /// The coefficient of restitution.
+        restitution: f64,
+    },
+    /// Two boxes at rest are pressed together by forces at their corners, e = 0.
+    Corners,
 }
 
 /// The state of a body: x and y, m; vx and vy, m/s.
@@ -40,7 +52,8 @@ impl Oracle {
     /// The coefficient of restitution of every pair.
     pub fn restitution(self) -> f64 {
         match self {
-            Oracle::Rest => 0.0,
+            Oracle::Rest | Oracle::Corners => 0.0,
+            Oracle::Row { restitution } | Oracle::Seams { restitution } => restitution,
             Oracle::Fall | Oracle::Slide => 0.3,
             Oracle::Bounce | Oracle::BetweenWalls | Oracle::ShotAtFixed | Oracle::ShotAtFree => 1.0,
             Oracle::Cradle { .. } | Oracle::Galperin { .. } | Oracle::Gas => 1.0,
@@ -52,6 +65,7 @@ impl Oracle {
         match self {
             Oracle::ShotAtFixed | Oracle::ShotAtFree | Oracle::Cradle { .. } | Oracle::Galperin { .. } => true,
             Oracle::Bounce | Oracle::BetweenWalls | Oracle::Rest | Oracle::Gas | Oracle::Fall | Oracle::Slide => false,
+            Oracle::Row { .. } | Oracle::Seams { .. } | Oracle::Corners => false,
         }
     }
 
@@ -65,6 +79,9 @@ impl Oracle {
             Oracle::ShotAtFree => Some(impact(time, [start[0], start[1]], [-3500.0, 3500.0]).to_vec()),
             Oracle::Cradle { gap } => Some(cradle(time, start, gap)),
             Oracle::Rest => Some(start.to_vec()),
+            Oracle::Row { restitution } => Some(row(time, start, restitution)),
+            Oracle::Seams { .. } => Some(start.iter().map(|&[x, y, vx, _]| [x + vx * time, y, vx, 0.0]).collect()),
+            Oracle::Corners => Some(corners(time, start)),
             Oracle::Galperin { .. } | Oracle::Gas | Oracle::Fall | Oracle::Slide => None,
         }
     }
@@ -73,7 +90,8 @@ impl Oracle {
     /// the step of an impact depends on the instant of the impact within the step.
     pub fn compares_all_samples(self) -> bool {
         match self {
-            Oracle::Bounce | Oracle::BetweenWalls | Oracle::Rest => true,
+            Oracle::Bounce | Oracle::BetweenWalls | Oracle::Rest | Oracle::Seams { .. } | Oracle::Corners => true,
+            Oracle::Row { .. } => false,
             Oracle::ShotAtFixed | Oracle::ShotAtFree | Oracle::Cradle { .. } => false,
             Oracle::Galperin { .. } | Oracle::Gas | Oracle::Fall | Oracle::Slide => false,
         }
@@ -85,6 +103,8 @@ impl Oracle {
             Oracle::Galperin { digits } => Some((std::f64::consts::PI * 10_f64.powi(digits as i32)) as u64),
             Oracle::Cradle { .. } => Some(4),
             Oracle::ShotAtFixed | Oracle::ShotAtFree => Some(1),
+            Oracle::Seams { .. } | Oracle::Corners => Some(0),
+            Oracle::Row { restitution } => Some(burst(ROW, restitution).1),
             Oracle::Bounce | Oracle::BetweenWalls | Oracle::Rest | Oracle::Gas | Oracle::Fall | Oracle::Slide => None,
         }
     }
@@ -95,8 +115,55 @@ impl Oracle {
             Oracle::Galperin { digits } => Some(galperin(100_f64.powi(digits as i32)).to_vec()),
             Oracle::Bounce | Oracle::BetweenWalls | Oracle::ShotAtFixed | Oracle::ShotAtFree => None,
             Oracle::Cradle { .. } | Oracle::Rest | Oracle::Gas | Oracle::Fall | Oracle::Slide => None,
+            Oracle::Row { .. } | Oracle::Seams { .. } | Oracle::Corners => None,
         }
     }
+}
+
+/// The number of boxes in the row that hits a wall.
+pub const ROW: usize = 16;
+
+/// The velocities of a row of boxes after it has hit a wall at 1 m/s, the nearest box first, and the number of impacts:
+/// the lowest of the pairs that approach collides, until none does. With e = 0 this ends only in the limit, at rest.
+fn burst(boxes: usize, restitution: f64) -> (Vec<f64>, u64) {
+    let mut velocities = vec![if restitution > 0.0 { -1.0 } else { 0.0 }; boxes];
+    let (mut pair, mut impacts) = (0, 0);
+    while pair < boxes {
+        let velocity = velocities[pair];
+        match pair.checked_sub(1).map(|nearer| velocities[nearer]) {
+            None if velocity < 0.0 => velocities[0] = -restitution * velocity,
+            Some(nearer) if nearer > velocity => {
+                let (mean, half) = ((nearer + velocity) / 2.0, restitution * (nearer - velocity) / 2.0);
+                (velocities[pair - 1], velocities[pair]) = (mean - half, mean + half);
+            }
+            None | Some(_) => {
+                pair += 1;
+                continue;
+            }
+        }
+        impacts += 1;
+        pair = pair.saturating_sub(1);
+    }
+    (velocities, impacts)
+}
+
+/// The row reaches the wall after a second.
+fn row(time: f64, start: &[State], restitution: f64) -> Vec<State> {
+    let since = time - 1.0;
+    let after = burst(start.len(), restitution).0;
+    let state = |(&[x, y, vx, _], velocity): (&State, f64)| match since > 0.0 {
+        true => [x - 1.0 + velocity * since, y, velocity, 0.0],
+        false => [x - time, y, vx, 0.0],
+    };
+    start.iter().zip(after).map(state).collect()
+}
+
+/// Each box yields on the axis on which they are pressed together less, x: both accelerate at (6 + 3)/2 m/s² to the right,
+/// at 10 m/s² down and at 15 m/s² up.
+fn corners(time: f64, start: &[State]) -> Vec<State> {
+    let state =
+        |(&[x, y, ..], ay): (&State, f64)| [x + 2.25 * time * time, y + 0.5 * ay * time * time, 4.5 * time, ay * time];
+    start.iter().zip([10.0, -15.0]).map(state).collect()
 }
 
 /// Falls from rest in the time √(2h/g), then rises and falls in twice that time.
@@ -172,6 +239,15 @@ mod tests {
             let [small, block] = galperin(mass);
             assert!(small >= 0.0 && block >= small, "{small} {block}");
             assert!((small * small / mass + block * block - 1.0).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_row_separates_after_the_burst() {
+        for (restitution, impacts) in [(0.99, 396), (1.0, 136), (0.0, 0)] {
+            let (velocities, found) = burst(ROW, restitution);
+            assert_eq!(found, impacts);
+            assert!(velocities.is_sorted() && velocities[0] >= 0.0);
         }
     }
 

@@ -52,7 +52,10 @@ macro_rules! rapier {
                     .density(0.0)
                     .friction(0.0)
                     .restitution(job.restitution as $real);
-                world.insert(rigid, collider).0
+                let handle = world.insert(rigid, collider).0;
+                // A force acts until it is reset.
+                world.bodies[handle].add_force(Vector::new(body.fx as $real, body.fy as $real), true);
+                handle
             }
 
             impl PeerWorld for Rapier {

@@ -1,6 +1,6 @@
 //! The scenes in the format of rebond. All engines get the bodies that rebond spawns from them.
 
-use crate::oracle::Oracle;
+use crate::oracle::{Oracle, ROW};
 use std::fmt::Write;
 
 /// A scene at one rate.
@@ -34,6 +34,9 @@ pub fn all(quick: bool) -> Vec<Scene> {
         scenes.push(stack(rate, "stack of masses 2⁰ to 2⁹", &doubling));
         scenes.push(stack(rate, "1000 kg on 1 kg", &[1.0, 1000.0]));
         scenes.push(gas(rate, 100));
+        scenes.extend([1.0, 0.99, 0.0].map(|restitution| row(rate, restitution)));
+        scenes.extend([0.5, 1.0, 1.6, 2.0, 3.0].map(|ratio| seams(rate, ratio, 0.0)));
+        scenes.extend([seams(rate, 1.0, 1.0), corners(rate)]);
     }
     scenes.extend([gas(60, 1000), gas(240, 1000), gas(60, 10_000)]);
     scenes.extend([60, 240].map(|rate| columns(rate, 40, 25)));
@@ -117,6 +120,40 @@ fn stack(rate: u64, name: &str, masses: &[f64]) -> Scene {
         bodies += &spawn([7.5, height - 1.0 - number as f64], [1.0; 2], *mass, [0.0; 2]);
     }
     scene(name, rate, 10, &format!("size = [16.0, {height:?}]\n{GRAVITY}"), &bodies, Oracle::Rest)
+}
+
+/// Touching boxes slide into a wall at 1 m/s.
+fn row(rate: u64, restitution: f64) -> Scene {
+    let mut bodies = spawn([-1.0, 0.0], [1.0; 2], f64::INFINITY, [0.0; 2]);
+    for number in 0..ROW {
+        bodies += &spawn([1.0 + number as f64, 0.0], [1.0; 2], 1.0, [-1.0, 0.0]);
+    }
+    let name = format!("row of {ROW} at a wall, e = {restitution}");
+    scene(&name, rate, 2, "size = [20.0, 9.0]", &bodies, Oracle::Row { restitution })
+}
+
+/// A box of `ratio` tiles slides over flush tiles of 0.8 m at 3 m/s.
+fn seams(rate: u64, ratio: f64, restitution: f64) -> Scene {
+    const WIDTH: f64 = 0.8;
+    let side = WIDTH * ratio;
+    let tiles = (0..30).map(|number| spawn([WIDTH * f64::from(number), 8.0], [WIDTH, 0.5], f64::INFINITY, [0.0; 2]));
+    let bodies = tiles.collect::<String>() + &spawn([0.5, 8.0 - side], [side; 2], 1.0, [3.0, 0.0]);
+    let world = format!("size = [24.0, 9.0]\n{GRAVITY}");
+    scene(
+        &format!("seams, box of {ratio} tiles, e = {restitution}"),
+        rate,
+        6,
+        &world,
+        &bodies,
+        Oracle::Seams { restitution },
+    )
+}
+
+/// Two boxes at rest touch at their corners and are pressed together.
+fn corners(rate: u64) -> Scene {
+    let pushed = |at, force: [f64; 2]| spawn(at, [1.0; 2], 1.0, [0.0; 2]) + &format!("force = {force:?}\n");
+    let bodies = pushed([2.0, 1.0], [6.0, 10.0]) + &pushed([3.0, 2.0], [3.0, -15.0]);
+    scene("corners pressed together", rate, 1, "size = [16.0, 9.0]", &bodies, Oracle::Corners)
 }
 
 /// Unit boxes that fill a fifth of the area.

@@ -45,6 +45,7 @@ fn is_in_guide(scene: &Scene) -> bool {
         Oracle::Cradle { gap } => scene.rate == 60 || (gap > 0.0 && scene.rate == 960),
         Oracle::Bounce | Oracle::BetweenWalls | Oracle::Gas => scene.rate != 240,
         Oracle::ShotAtFixed | Oracle::ShotAtFree | Oracle::Rest | Oracle::Fall | Oracle::Slide => scene.rate == 60,
+        Oracle::Row { .. } | Oracle::Seams { .. } | Oracle::Corners => scene.rate != 240,
     }
 }
 
@@ -73,6 +74,9 @@ fn error_names(oracle: Oracle) -> &'static str {
         Oracle::Cradle { .. } => "velocity, m/s; position, m",
         Oracle::Galperin { .. } => "collisions; velocity, m/s",
         Oracle::Rest => "displacement, m",
+        Oracle::Row { .. } => "velocity, m/s; overlap, m",
+        Oracle::Seams { .. } => "velocity, m/s; position, m",
+        Oracle::Corners => "position, m; overlap, m",
         Oracle::Gas => "energy; overlap, m",
         Oracle::Slide => "energy gained; overlap, m",
         Oracle::Fall => "overlap, m; final speed, m/s",
@@ -92,7 +96,9 @@ fn format_cell(oracle: Oracle, cell: &Cell) -> String {
         Oracle::ShotAtFixed | Oracle::ShotAtFree if errors.velocity_error.is_some_and(|error| error > 10_000.0) => {
             "passes through".to_owned()
         }
-        Oracle::ShotAtFixed | Oracle::ShotAtFree | Oracle::Cradle { .. } => {
+        Oracle::Row { .. } => format!("{}; {}", number(errors.velocity_error), format_number(errors.worst_overlap)),
+        Oracle::Corners => format!("{}; {}", number(errors.position_error), format_number(errors.worst_overlap)),
+        Oracle::ShotAtFixed | Oracle::ShotAtFree | Oracle::Cradle { .. } | Oracle::Seams { .. } => {
             format!("{}; {}", number(errors.velocity_error), number(errors.position_error))
         }
         Oracle::Galperin { .. } => {
