@@ -240,8 +240,8 @@ impl Clip {
         let style = Style::new(look, std::slice::from_ref(source), progress)?;
         let interval = 1.0 / (source.header.config.rate * animation.timing.frames_per_step as f64);
         let time_format = TimeFormat::new(interval, source.duration());
-        let view = View::new(source.world(), Style { time_format, ..style })?;
         let grid = grid(&animation.steps, animation.every, source);
+        let view = View::new(source.world(), Style { time_format, gaps: source.gaps_in(&grid), ..style })?;
         let has_freeze_frames = animation.timing.hold > 0.0;
         let mut schedule = AnimationSchedule::new(grid, animation.timing, &[]);
         if has_freeze_frames {
@@ -286,6 +286,7 @@ impl Style {
             body_count: sources.iter().map(|source| source.statistics.names.len() as u32).max().unwrap_or(0),
             time_format: TimeFormat::new(1.0 / rate, top(Source::duration)),
             materials,
+            gaps: Vec::new(),
         }
     }
 }
@@ -355,9 +356,10 @@ fn compose_page(
             Ok((figures::spacetime(&runs, time_range(steps, sources), *axis, &style)?, statuses))
         }
         Page::States { figure, steps } => {
-            let style = Style::new(&picture.look, sources, progress)?;
+            let mut style = Style::new(&picture.look, sources, progress)?;
             let (mut runs, mut statuses) = (Vec::new(), Vec::new());
             for ((source, title), grid) in sources.iter().zip(titles(picture, sources)).zip(grids(steps, sources)) {
+                style.gaps.extend(source.gaps_in(&grid));
                 let schedule = AnimationSchedule::from(grid);
                 let mut frames = Frames::new(source, &schedule, &picture.look.show)?;
                 let drawn = frames.by_ref().collect::<Result<Vec<Frame>, Error>>()?;

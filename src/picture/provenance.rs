@@ -501,7 +501,7 @@ mod tests {
         let mut metadata = provenance(subject, CameraTarget::World).metadata();
         metadata.entries.truncate(3);
         let error = Provenance::parse(&metadata, Format::Still(StillFormat::Pdf)).unwrap_err().to_string();
-        assert_eq!(error, "the file carries no rebond provenance: it has no \"rebond options\" entry");
+        assert_eq!(error, "the rebond provenance of the file is damaged: it has no \"rebond options\" entry");
     }
 
     #[test]

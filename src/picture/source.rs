@@ -1,8 +1,9 @@
 use super::figures::CollisionSubject;
-use super::{Appearance, Error, RunStatistics};
+
+use super::{Appearance, Error, RunStatistics, StepGrid, TraceGap};
 use crate::physics::{Body, BodyId, EngineConfig, Material, Vector, World};
 use crate::recording::{
-    self, BodyInfo, Change, Header, Health, Item, Playback, RecordedEvent, Recording, SampledBody, SampledState,
+    self, BodyInfo, Change, Gap, Header, Health, Item, Playback, RecordedEvent, Recording, SampledBody, SampledState,
 };
 use crate::scene::{self, Scene};
 use crate::text::counted;
@@ -108,6 +109,20 @@ impl Source {
         };
         self.recording()?.for_each_event(visit).map_err(|error| self.read_error(error))?;
         Ok(bodies)
+    }
+
+    /// The parts of `grid` that a recovered recording lacks.
+    pub(super) fn gaps_in(&self, grid: &StepGrid) -> Vec<TraceGap> {
+        let (rate, steps) = (self.header.config.rate, &grid.steps);
+        let gaps = self.header.gaps.iter().filter(|gap| {
+            gap.missing_states() > 0 && gap.first_missing() <= *steps.end() && gap.before > *steps.start()
+        });
+        let gap = |gap: &Gap| TraceGap {
+            steps: gap.first_missing()..=gap.before - 1,
+            times: [gap.after.unwrap_or(0), gap.before].map(|step| step as f64 / rate),
+            reason: "lost in a damaged recording",
+        };
+        gaps.map(gap).collect()
     }
 
     /// The health of the recording as far as its metadata tell: gaps, the end, the scene.

@@ -62,8 +62,11 @@ pub fn trace(
     let has_instants = source.header.config.solver.is_continuous() || !changes.0.is_empty();
     let mut tracer =
         Tracer { source, grid, column, changes: &changes.0, last: None, gaps: Vec::new(), visit: &mut visit };
+    // After the last state, the rest of the file may be damaged.
+    let is_to_the_end = source.statistics.last_step.is_none_or(|last| *grid.steps.end() >= last);
+    let steps = *grid.steps.start()..=if is_to_the_end { u64::MAX } else { *grid.steps.end() };
     let replayer = match is_wide && has_instants {
-        true => match Replayer::new(source.recording()?, grid.steps.clone()) {
+        true => match Replayer::new(source.recording()?, steps) {
             Ok(replayer) => Some(replayer),
             Err(RecordingError::OtherSemantics { .. }) => None,
             Err(error) => return Err(source.read_error(error)),

@@ -2,7 +2,7 @@ use crate::physics::{Rect, Vector, larger, smaller};
 use crate::picture::layers::footer::Footer;
 use crate::picture::number::TimeFormat;
 use crate::picture::raster::color::Palette;
-use crate::picture::{CameraTarget, ColorBy, Frame, Look, Overlay, RenderError, Theme};
+use crate::picture::{CameraTarget, ColorBy, Frame, Look, Overlay, RenderError, Theme, TraceGap};
 use crate::picture_options::MAX_SIDE;
 
 /// Camera and style: everything that determines a picture except the frame.
@@ -84,6 +84,8 @@ pub struct Style {
     pub time_format: TimeFormat,
     /// The materials of the run in the order of the legend and of the palette colours.
     pub materials: Vec<String>,
+    /// The parts between the first and the last instant that the recording lacks.
+    pub gaps: Vec<TraceGap>,
 }
 
 impl Style {
@@ -97,7 +99,9 @@ impl Style {
     pub fn has_footer(&self) -> bool {
         let arrows = [Overlay::Velocity, Overlay::Force, Overlay::Impulse];
         let has_strip = |overlay| self.shows(overlay);
-        [Overlay::Clock, Overlay::Scale].into_iter().chain(arrows).any(has_strip) || self.look.color_by != ColorBy::Body
+        [Overlay::Clock, Overlay::Scale].into_iter().chain(arrows).any(has_strip)
+            || self.look.color_by != ColorBy::Body
+            || !self.gaps.is_empty()
     }
 }
 
@@ -112,6 +116,7 @@ impl Default for Style {
             body_count: 0,
             time_format: TimeFormat::default(),
             materials: Vec::new(),
+            gaps: Vec::new(),
         }
     }
 }

@@ -17,7 +17,7 @@ fn rows(case: &Case) -> Vec<Row> {
 fn errors_of_the_hard_scenes_are_unchanged() {
     let is_quick = |case: &Case| match case.family.as_str() {
         "galperin" => case.collisions < Some(1000),
-        "stack" => case.text.len() < 2000,
+        "stack" | "burst" => case.text.len() < 2000,
         "zeno" | "shot" | "cradle" | "corner" | "squeeze" | "tiles" | "support" | "overlap" => true,
         _ => false,
     };
@@ -53,6 +53,29 @@ fn a_user_scene_is_compared_with_a_simulation_of_77_decimals() {
     assert!(rows[0].position_error < Some(1e-15), "{rows:?}");
     assert!(rows[3].position_error > Some(1e-3), "{rows:?}");
     assert!(rows.iter().all(|row| row.ns_per_body_step > Some(0.0) && row.was_run()));
+}
+
+#[test]
+fn the_report_of_any_scene_says_how_rounding_errors_grow() {
+    let exhausted = format!("{}/tests/coincident/precision-exhausted.toml", env!("CARGO_MANIFEST_DIR"));
+    let resting = format!("{}/recordings/pile.toml", env!("CARGO_MANIFEST_DIR"));
+    let workplace = Workplace::with_scene(&std::fs::read_to_string(exhausted).unwrap());
+    workplace.write("pile.toml", &std::fs::read_to_string(resting).unwrap());
+    let rows: Vec<Row> = serde_json::from_str(&workplace.done("report scene.toml pile.toml --json").output).unwrap();
+    let estimated: Vec<&Row> = rows.iter().filter(|row| row.accuracy.is_some()).collect();
+    let [exhausted, resting] = estimated[..] else { panic!("one estimate per scene: {estimated:?}") };
+    for (row, rate) in [(exhausted, 64.0), (resting, 60.0)] {
+        assert!(row.solver == "event-driven" && row.rate == rate, "{row:?}");
+        assert!(row.error_growth.is_sorted_by(|a, b| a.0 < b.0 && a.1 <= b.1), "{row:?}");
+    }
+    workplace.done("record scene.toml -o run.mcap --accuracy");
+    let info: serde_json::Value = serde_json::from_str(&workplace.done("info run.mcap --json").output).unwrap();
+    assert_eq!(info["accuracy"].as_str(), exhausted.accuracy.as_deref());
+    let last = exhausted.error_growth.last().expect("errors grow");
+    assert_eq!(exhausted.accuracy, Some(format!("1e-10 until step {}", last.1 - 1)));
+    assert_eq!((resting.accuracy.as_deref(), last.0), (Some("1e-10 throughout"), 1e-10));
+    let table = workplace.done("report pile.toml").output;
+    assert!(table.contains("event-driven: accuracy 1e-10 throughout, estimated by random rounding"), "{table}");
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use super::panels::{Layout, Panels, TITLE, fitted_math, outline, target_extent, world_view};
 use super::{FigureRun, legend};
-use crate::physics::{Rect, Vector, larger};
+use crate::physics::{Rect, Vector, larger, smaller};
 use crate::picture::layers::bodies::draw_box;
 use crate::picture::layers::{self, LayoutContext};
 use crate::picture::number::{TimeFormat, Unit};
@@ -73,7 +73,9 @@ fn time_label(frames: &[Frame], format: TimeFormat) -> String {
         [] => String::new(),
         [only] => format!("t = {} \"{}\"", format.number(only.time), format.unit()),
         [first, .., last] => {
-            let interval = (last.time - first.time) / (frames.len() - 1) as f64;
+            // The least one: instants that the recording lacks are left out.
+            let intervals = frames.windows(2).map(|pair| pair[1].time - pair[0].time);
+            let interval = intervals.fold(last.time - first.time, smaller);
             let [from, to] = [first, last].map(|frame| format.number(frame.time));
             format!("t = {from} … {to} \"{}\",  Δt = {}", format.unit(), Unit::SECOND.format(interval, 2))
         }

@@ -31,7 +31,7 @@ pub use timeline::Timeline;
 use crate::physics::{BodyId, Collision, Vector};
 use crate::picture::ColorBy;
 use crate::picture::layers::arrows;
-use crate::picture::layers::footer::{Entry, Legend};
+use crate::picture::layers::footer::{Entry, Legend, gap_entries};
 use crate::picture::{Appearance, CameraTarget, Color, DrawingMetrics, Frame, Sprite, Style, color};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -69,6 +69,7 @@ pub fn legend(runs: &[FigureRun], style: &Style, metrics: &DrawingMetrics) -> Le
     let bodies = visible.map(|sprite| (&*sprite.appearance, color::body_color(sprite, style)));
     let mut legend = legend_of_bodies(bodies, runs.len(), style);
     legend.entries.extend(arrows::keys(style, metrics));
+    legend.entries.extend(gap_entries(&style.gaps, metrics.palette.muted));
     legend
 }
 

@@ -3,7 +3,7 @@
 use super::axes::Axes;
 use super::panels::{Panels, dashed};
 use crate::physics::{Rect, Vector, larger, smaller};
-use crate::picture::layers::footer::{Entry, quoted};
+use crate::picture::layers::footer::{Entry, gap_entries, quoted};
 use crate::picture::trace::TraceGap;
 use crate::picture::{DrawingMetrics, Ink, Shape};
 
@@ -55,9 +55,6 @@ fn hatched(area: &Rect, metrics: &DrawingMetrics) -> Vec<Shape> {
     (0..count).map(line).collect()
 }
 
-/// Maximum number of gaps with an entry of their own in a legend.
-const MAX_LISTED_GAPS: usize = 3;
-
 /// The legend entries of the marks of all runs of a figure.
 pub fn timeline_legend<'a>(
     timelines: impl Iterator<Item = &'a Timeline> + Clone,
@@ -68,14 +65,6 @@ pub fn timeline_legend<'a>(
     if timelines.clone().any(|timeline| !timeline.changes.is_empty()) {
         entries.push(Entry { name: quoted("¦ spawn or delete"), colors: Vec::new(), ..Entry::new(color, "") });
     }
-    let gaps: Vec<&TraceGap> = timelines.flat_map(|timeline| &timeline.gaps).collect();
-    for gap in gaps.iter().take(MAX_LISTED_GAPS) {
-        let (first, last) = (gap.steps.start(), gap.steps.end());
-        let text = if first == last { format!("step {first}") } else { format!("steps {first}–{last}") };
-        entries.push(Entry::new(color, &format!("{text} {}", gap.reason)));
-    }
-    if gaps.len() > MAX_LISTED_GAPS {
-        entries.push(Entry::new(color, &format!("{} more gaps", gaps.len() - MAX_LISTED_GAPS)));
-    }
+    entries.extend(gap_entries(timelines.flat_map(|timeline| &timeline.gaps), color));
     entries
 }

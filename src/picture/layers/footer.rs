@@ -6,7 +6,7 @@ use crate::picture::number::{Unit, nice_spacing};
 use crate::picture::raster::color::{self, SPEED_COLORS};
 use crate::picture::text::{Line, truncated, wrapped};
 use crate::picture::{Color, DrawingMetrics, Frame, Ink, Shape, Style};
-use crate::picture::{ColorBy, Overlay};
+use crate::picture::{ColorBy, Overlay, TraceGap};
 
 /// The strips below the world: clock, scale bar and legend in one row, or in rows of their own if the picture is narrow;
 /// below them the caption.
@@ -247,10 +247,11 @@ pub fn quoted(name: &str) -> String {
 }
 
 impl Legend {
-    /// The legend of frames: the box colours, unless boxes are coloured individually, and the lengths of arrows.
+    /// The legend of frames: the box colours, unless boxes are coloured individually, the lengths of arrows and the missing steps.
     pub fn of(style: &Style, metrics: &DrawingMetrics) -> Legend {
         let mut entries = Legend::of_colors(style).entries;
         entries.extend(arrows::keys(style, metrics));
+        entries.extend(gap_entries(&style.gaps, metrics.palette.muted));
         Legend { entries }
     }
 
@@ -328,6 +329,25 @@ impl Legend {
         }
         (size, rows)
     }
+}
+
+/// Maximum number of gaps with an entry of their own in a legend.
+const MAX_LISTED_GAPS: usize = 3;
+
+/// The legend entries of parts that a recording lacks.
+pub fn gap_entries<'a>(gaps: impl IntoIterator<Item = &'a TraceGap>, color: Color) -> Vec<Entry> {
+    let mut gaps = gaps.into_iter();
+    let entry = |gap: &TraceGap| {
+        let (first, last) = (gap.steps.start(), gap.steps.end());
+        let text = if first == last { format!("step {first}") } else { format!("steps {first}–{last}") };
+        Entry::new(color, &format!("{text} {}", gap.reason))
+    };
+    let mut entries: Vec<Entry> = gaps.by_ref().take(MAX_LISTED_GAPS).map(entry).collect();
+    match gaps.count() {
+        0 => {}
+        more => entries.push(Entry::new(color, &format!("{more} more gaps"))),
+    }
+    entries
 }
 
 /// The width of entries side by side, px.
