@@ -30,7 +30,7 @@ impl Resimulation {
     pub fn start(source: &Source, schedule: AnimationSchedule, trails: Option<Trails>) -> Result<Resimulation, Error> {
         let trail = trails.as_ref().map_or(0, Trails::steps);
         let first = schedule.moment(0).step.saturating_sub(trail.max(schedule.grid.every));
-        let steps = first..=*schedule.grid.steps.end();
+        let steps = source.steps_to_read(first, *schedule.grid.steps.end());
         Resimulation::of_steps(steps, source, schedule, trails)
     }
 

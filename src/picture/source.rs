@@ -10,6 +10,7 @@ use crate::text::counted;
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{self, BufReader, Cursor, Read, Seek, SeekFrom};
+use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex};
 
@@ -109,6 +110,13 @@ impl Source {
         };
         self.recording()?.for_each_event(visit).map_err(|error| self.read_error(error))?;
         Ok(bodies)
+    }
+
+    /// The steps of a replay from `first` to `last`: to the end of the file if `last` is the last state, because the rest
+    /// of the file may be damaged.
+    pub(super) fn steps_to_read(&self, first: u64, last: u64) -> RangeInclusive<u64> {
+        let is_to_the_end = self.statistics.last_step.is_none_or(|end| last >= end);
+        first..=if is_to_the_end { u64::MAX } else { last }
     }
 
     /// The parts of `grid` that a recovered recording lacks.

@@ -62,9 +62,7 @@ pub fn trace(
     let has_instants = source.header.config.solver.is_continuous() || !changes.0.is_empty();
     let mut tracer =
         Tracer { source, grid, column, changes: &changes.0, last: None, gaps: Vec::new(), visit: &mut visit };
-    // After the last state, the rest of the file may be damaged.
-    let is_to_the_end = source.statistics.last_step.is_none_or(|last| *grid.steps.end() >= last);
-    let steps = *grid.steps.start()..=if is_to_the_end { u64::MAX } else { *grid.steps.end() };
+    let steps = source.steps_to_read(*grid.steps.start(), *grid.steps.end());
     let replayer = match is_wide && has_instants {
         true => match Replayer::new(source.recording()?, steps) {
             Ok(replayer) => Some(replayer),
