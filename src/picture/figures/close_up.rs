@@ -70,9 +70,11 @@ impl CloseUp {
     /// The handout's name of a box as a label on the box's side of the contact.
     fn role_label(&self, at: usize, panel: &Rect, metrics: &DrawingMetrics) -> Label {
         let line = Line::math(ROLES[at], 1.4 * metrics.font_size);
-        let side = self.pair.collision.normal.mult(if at == 0 { 0.4 } else { -0.4 });
-        let normal = Vector::new(side.x * panel.width(), side.y * panel.height());
-        let middle = panel.center().add(normal);
+        // Within the panel, however small it is.
+        let distance = |extent: f64| smaller(0.4 * extent, extent / 2.0 - line.size);
+        let side = self.pair.collision.normal.mult(if at == 0 { 1.0 } else { -1.0 });
+        let offset = Vector::new(side.x * distance(panel.width()), side.y * distance(panel.height()));
+        let middle = panel.center().add(offset);
         let baseline = middle.add(Vector::new(-line.width / 2.0, line.height() / 2.0));
         Label { line, at: baseline, color: metrics.palette.text_on(self.pair.colors[at]) }
     }

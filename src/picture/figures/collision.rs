@@ -32,10 +32,10 @@ pub fn collision(subjects: &[CollisionSubject], style: &Style) -> Result<Display
         let caption = Line::math("\"(b) they overlap, \"×1000", metrics.text(0.7)).width;
         let is_legible = |lines: Vec<Line>| {
             let panel = Row::new(cell, lines.len(), metrics).panels[0];
-            let least = larger(caption, 7.0 * metrics.font_size);
+            let least = larger(caption, 10.0 * metrics.font_size);
             lines.iter().all(|line| line.width <= cell.width())
                 && panel.width() >= least
-                && panel.height() >= 5.0 * metrics.font_size
+                && panel.height() >= 7.0 * metrics.font_size
         };
         lines.into_iter().all(is_legible)
     };

@@ -151,7 +151,9 @@ impl LabelPlacer {
 
     /// The cost of a label with these bounds; infinite if it touches another label or extends beyond the area for labels.
     pub fn cost(&self, bounds: &Rect) -> f64 {
-        if !self.page.contains(bounds) || self.labels.iter().any(|label| label.intersection(bounds).is_some()) {
+        if !self.page.contains(&with_overhang(bounds))
+            || self.labels.iter().any(|label| label.intersection(bounds).is_some())
+        {
             return f64::INFINITY;
         }
         let area = |rect: &Rect| rect.width() * rect.height();
@@ -161,6 +163,12 @@ impl LabelPlacer {
         let crossed = self.lines.iter().map(|(line, weight)| weight * LINE_CLEARANCE * length_within(line, &expanded));
         covered.sum::<f64>() + crossed.sum::<f64>()
     }
+}
+
+/// The bounds of a label with its accents and subscripts, which extend beyond its capitals.
+fn with_overhang(bounds: &Rect) -> Rect {
+    let (above, below) = (0.3 * bounds.height(), 0.5 * bounds.height());
+    Rect::new(bounds.origin.sub(Vector::new(0.0, above)), bounds.width(), bounds.height() + above + below)
 }
 
 /// The bounds of a label whose baseline begins at a whole pixel.
