@@ -322,6 +322,58 @@ const tests = {
     assert.match(await toast(), /link/i);
   },
 
+  async 'the ten minutes of the guide go as it says'() {
+    const choose = async (name) => {
+      await run((name) => { const list = document.getElementById('scenes'); list.value = name; list.dispatchEvent(new Event('change')); }, name);
+      await settle();
+    };
+    const panel = (name) => run((name) => { if (rebond.state.panel !== name) document.querySelector(`[data-panel="${name}"]`).click(); }, name);
+    const setWorld = async (id, value) => {
+      await run((id, value) => { const input = document.getElementById(id); input.value = value; input.dispatchEvent(new Event('change')); }, id, value);
+      await settle();
+    };
+    await open();
+    for (const x of [3, 8, 13]) await click(x, 2);
+    assert.equal((await bodies()).length, 3);
+    assert.ok((await bodies()).every(([, , y]) => Math.abs(y - 1.5) < 0.05), 'they hang in the air');
+    await click(8, 2);
+    assert.deepEqual(await finite(), ['box 1', 'box 3']);
+    await page.keyboard.press(' ');
+    await wait(() => rebond.engine.x.step_now(0) > 20);
+    await page.keyboard.press(' ');
+    const [end, shown] = [await step(), await bodies()];
+    assert.ok(shown.every(([, , y]) => y > 1.55), 'they fall');
+    await seek(3);
+    await seek(end);
+    assert.deepEqual(await bodies(), shown, 'the same states');
+    await seek(300);
+    await panel('world');
+    await setWorld('set-e', '0');
+    assert.ok((await bodies()).every(([, , y, , , , vy]) => Math.abs(y - 8) < 1e-9 && vy === 0), 'boxes stick');
+    await setWorld('set-e', '1');
+    assert.ok((await bodies()).some(([, , , , , , vy]) => vy !== 0), 'they bounce for ever');
+
+    await choose('masses');
+    await panel('view');
+    await run(() => document.querySelectorAll('#overlays input').forEach((input) => { if (['momentum', 'centre'].includes(input.value)) input.click(); }));
+    assert.deepEqual(await run(() => ['momentum', 'centre'].filter((overlay) => rebond.view.show.has(overlay))), ['momentum', 'centre']);
+    await choose('figure-1');
+    await page.keyboard.press('n');
+    await wait(() => rebond.state.panel === 'collision' && document.getElementById('figure-2').naturalWidth > 0);
+    await choose('bullet-handout');
+    await page.keyboard.press('b');
+    await settle();
+    await seek(100);
+    assert.notDeepEqual(await bodies(0), await bodies(1));
+    await panel('data');
+    assert.ok(await run(() => document.querySelectorAll('#bodies tr').length > 0 && /J/.test(document.getElementById('energy').textContent)));
+    const mcap = await save('mcap');
+    assert.match(command('replay', mcap), /^same/);
+    await openFile(mcap);
+    await wait(() => rebond.state.film?.verdict);
+    assert.match(await run(() => document.getElementById('verdict').textContent), /^same/);
+  },
+
   async 'an error stops the loop, is shown, and leaves the session'() {
     await open();
     writeFileSync(join(folder, 'crush.toml'), '[run]\nsteps = 300\n[[spawn]]\nname = "left"\nat = [0.0, 0.0]\nsize = [1.0, 1.0]\nmass = inf\nvelocity = [3.0, 0.0]\n[[spawn]]\nname = "right"\nat = [4.0, 0.0]\nsize = [1.0, 1.0]\nmass = inf\n[[spawn]]\nname = "c"\nat = [2.0, 0.0]\nsize = [1.0, 1.0]\nmass = 1.0\n[restitution]\ndefault = 0.0\n');
