@@ -143,7 +143,7 @@ class Stage {
     if (view.show.has('momentum')) {
       this.arrows(view, ink.momentum, (i) => (b[i + 7] === Infinity ? [0, 0] : [b[i + 5] * b[i + 7], b[i + 6] * b[i + 7]]), view.arrow);
     }
-    if (view.show.has('name')) this.drawNames();
+    if (view.show.has('name')) this.drawNames(view.show.has('velocity') || view.show.has('momentum') ? 0.3 : 0.5);
     this.drawFlashes(view, ink, X, Y);
     if (view.show.has('centre')) this.drawCentre(ink, X, Y);
     for (const mark of view.marks) this.drawMark(mark, ink, X, Y);
@@ -197,14 +197,20 @@ class Stage {
   /** Arrows from the centres of the bodies; `of` gives a vector, which is drawn `scale` metres long per unit. */
   arrows(view, color, of, scale) {
     const { pen, bodies: b, ratio } = this;
-    pen.strokeStyle = pen.fillStyle = color;
-    pen.lineWidth = 2 * ratio;
     pen.beginPath();
     for (let i = 0; i < b.length; i += Engine.BODY) {
       if (b[i + 9]) continue;
       const [vx, vy] = of(i);
       this.arrow(b[i + 1] + b[i + 3] / 2, b[i + 2] + b[i + 4] / 2, vx * scale, vy * scale);
     }
+    // A margin keeps an arrow apart from a box of its colour; among many boxes it would only cost time.
+    if (b.length < 400 * Engine.BODY) {
+      pen.strokeStyle = INKS[view.theme].paper;
+      pen.lineWidth = 5 * ratio;
+      pen.stroke();
+    }
+    pen.strokeStyle = color;
+    pen.lineWidth = 2.2 * ratio;
     pen.stroke();
   }
 
@@ -223,7 +229,8 @@ class Stage {
     pen.lineTo(x1 - hx + hy / 2, y1 - hy - hx / 2);
   }
 
-  drawNames() {
+  /** `height` is the part of a box above its name: arrows begin at the centre. */
+  drawNames(height) {
     const { pen, bodies: b, names, scale: k, left, top, ratio } = this;
     // Changing the font costs more than writing, so names are written by size.
     const bySize = new Map();
@@ -243,7 +250,7 @@ class Stage {
       for (let at = 0; at < list.length; at += 2) {
         const i = list[at];
         pen.fillStyle = luma(b[i + 8]) > 140 ? '#10151c' : '#ffffff';
-        pen.fillText(names[list[at + 1]][0], left + (b[i + 1] + b[i + 3] / 2) * k, top + (b[i + 2] + b[i + 4] / 2) * k);
+        pen.fillText(names[list[at + 1]][0], left + (b[i + 1] + b[i + 3] / 2) * k, top + (b[i + 2] + b[i + 4] * height) * k);
       }
     }
   }

@@ -159,10 +159,10 @@ function pageMain(source) {
     if (input && output.id !== 'clock') output.value = short(Number(input.value));
   }
 
-  /** Metres of an arrow per m/s: a fast body of this world has an arrow of a sixth of its width. */
+  /** Metres of an arrow per m/s: a quarter in a world 9 m high. */
   function arrowScale() {
     const [width, height] = stages[0].size;
-    return Math.min(width, height) / 60;
+    return Math.min(width, height) / 36;
   }
 
   function paint(offset = 0) {
