@@ -169,6 +169,8 @@ pub fn draw_sequence<E: From<Error>>(
     let Sequence { steps, every, look } = sequence;
     let animation = Animation { steps: steps.clone(), every: *every, timing: Timing::REAL_TIME };
     let Clip { view, schedule, mut frames, warnings } = Clip::new(&animation, look, source, progress)?;
+    // Each picture is that of its step alone, which lacks nothing.
+    let view = View::new(source.world(), Style { gaps: Vec::new(), ..view.style }).map_err(Error::from)?;
     let metadata = |step| {
         let subject = Subject::Page { page: Page::State { step, every: *every }, format: StillFormat::Png };
         let picture = ResolvedPicture { subject, look: look.clone(), titles: Vec::new() };
