@@ -40,6 +40,21 @@ function toBase64(bytes) {
 const encoder = new TextEncoder();
 const decoder = new TextDecoder();
 
+/** The inverse of `base85` in inline.mjs. */
+function fromBase85(text, length) {
+  const bytes = new Uint8Array((length + 3) & ~3);
+  const words = new DataView(bytes.buffer);
+  for (let at = 0, from = 0; at < bytes.length; at += 4) {
+    let number = 0;
+    for (const end = from + 5; from < end; from += 1) {
+      const code = text.charCodeAt(from);
+      number = number * 85 + (code === 120 ? 60 : code) - 35;
+    }
+    words.setUint32(at, number);
+  }
+  return bytes.subarray(0, length);
+}
+
 /** A message of the engine, as opposed to a failure of the module. */
 class Refusal extends Error {}
 

@@ -11,13 +11,30 @@ const zstd = ['LICENSE', 'umd/index.js'].map((name) => read(new URL(`node_module
 const scripts = ['engine.js', 'texts.js', 'canvas.js', 'page.js'].map((name) => read(`${folder}/${name}`));
 const script = ["'use strict';", `/* fzstd: ${zstd[0]} */`, zstd[1], ...scripts].join('\n');
 const style = read(`${folder}/page.css`);
+
+/** Four bytes as five of 85 ASCII characters: '#' to 'w', with 'x' for '<'. A sixteenth shorter than base64. */
+function base85(bytes) {
+  const padded = Buffer.concat([bytes, Buffer.alloc(-bytes.length & 3)]);
+  const characters = Buffer.alloc((padded.length / 4) * 5);
+  for (let at = 0, to = 0; at < padded.length; at += 4, to += 5) {
+    let number = padded.readUInt32BE(at);
+    for (let digit = 4; digit >= 0; digit -= 1, number = Math.floor(number / 85)) {
+      const code = 35 + (number % 85);
+      characters[to + digit] = code === 60 ? 120 : code;
+    }
+  }
+  return characters.toString('latin1');
+}
+
+const packed = readFileSync(module);
 const parts = {
   POLICY: [
     "default-src 'none'", `script-src ${hash(script)} 'wasm-unsafe-eval'`, `style-src ${hash(style)}`,
     'img-src blob: data:', 'worker-src blob:', "base-uri 'none'", "form-action 'none'",
   ].join('; '),
   STYLE: style,
-  MODULE: readFileSync(module).toString('base64'),
+  LENGTH: packed.length,
+  MODULE: base85(packed),
   SCRIPT: script,
 };
 const html = read(`${folder}/page.html`).replace(/@([A-Z]+)@/g, (_, name) => parts[name]);

@@ -1036,7 +1036,7 @@ function pageMain(source) {
       $('overlays').append(label);
     }
     translate();
-    const unpacked = fzstd.decompress(fromBase64($('module').textContent));
+    const unpacked = fzstd.decompress(fromBase85($('module').textContent, Number($('module').dataset.length)));
     const times = { unpacked: performance.now() };
     engine = await Engine.create(await WebAssembly.compile(unpacked));
     times.compiled = performance.now();
