@@ -113,7 +113,7 @@ impl<R: Read + Seek> Recording<R> {
     /// # Errors
     /// Returns an error if `source` is not a recording or is newer than this program.
     pub fn read(source: R) -> Result<Recording<R>, Error> {
-        let mut records = RecordReader::new(source);
+        let mut records = RecordReader::new(source).map_err(Error::Read)?;
         let section = header_section::read(&mut records)?;
         let decoder = Decoder::new(&section.header);
         let mut recording = Recording {

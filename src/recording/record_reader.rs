@@ -12,7 +12,7 @@ use super::{limits, metadata::Map, resync};
 ///
 /// Verifies the checksums of the data section and of the summary section.
 pub struct RecordReader<R> {
-    source: R,
+    source: FixedEnd<R>,
     reader: LinearReader,
     next_offset: u64,
     /// The fields of the current record.
@@ -43,9 +43,10 @@ pub const PREFIX_BYTES: usize = 9;
 const READ_BYTES: usize = 64 << 10;
 
 impl<R: Read + Seek> RecordReader<R> {
-    /// Creates a reader at the start of the file.
-    pub fn new(source: R) -> RecordReader<R> {
-        RecordReader { source, reader: reader_at_start(), next_offset: MAGIC.len() as u64, body: Vec::new() }
+    /// Creates a reader at the start of the file, which reads up to the present end of the file.
+    pub fn new(source: R) -> io::Result<RecordReader<R>> {
+        let source = FixedEnd::new(source)?;
+        Ok(RecordReader { source, reader: reader_at_start(), next_offset: MAGIC.len() as u64, body: Vec::new() })
     }
 
     /// Returns to the start of the file.
@@ -73,7 +74,7 @@ impl<R: Read + Seek> RecordReader<R> {
     }
 
     /// The underlying source.
-    pub fn source(&mut self) -> &mut R {
+    pub fn source(&mut self) -> &mut FixedEnd<R> {
         &mut self.source
     }
 
@@ -104,6 +105,42 @@ impl<R: Read + Seek> RecordReader<R> {
                 }
             }
         }
+    }
+}
+
+/// A source that ends where it ended when it was opened. A recording that is still being written grows as fast as it
+/// is read, and would otherwise have no end.
+pub struct FixedEnd<R> {
+    source: R,
+    position: u64,
+    end: u64,
+}
+
+impl<R: Seek> FixedEnd<R> {
+    fn new(mut source: R) -> io::Result<FixedEnd<R>> {
+        let end = source.seek(SeekFrom::End(0))?;
+        source.rewind()?;
+        Ok(FixedEnd { source, position: 0, end })
+    }
+}
+
+impl<R: Read> Read for FixedEnd<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let rest = self.end.saturating_sub(self.position).min(buffer.len() as u64) as usize;
+        let count = self.source.read(&mut buffer[..rest])?;
+        self.position += count as u64;
+        Ok(count)
+    }
+}
+
+impl<R: Seek> Seek for FixedEnd<R> {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        let to = match to {
+            SeekFrom::End(offset) => SeekFrom::Start(self.end.saturating_add_signed(offset)),
+            SeekFrom::Start(_) | SeekFrom::Current(_) => to,
+        };
+        self.position = self.source.seek(to)?;
+        Ok(self.position)
     }
 }
 
@@ -237,5 +274,40 @@ impl<'a> FieldReader<'a> {
         let (array, rest) = self.rest.split_first_chunk().ok_or(Malformed)?;
         self.rest = rest;
         Ok(*array)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A file that grows as fast as it is read.
+    struct Growing(u64);
+
+    impl Read for Growing {
+        fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+            self.0 += buffer.len() as u64;
+            Ok(buffer.len())
+        }
+    }
+
+    impl Seek for Growing {
+        fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+            self.0 = match to {
+                SeekFrom::Start(offset) => offset,
+                SeekFrom::End(_) => self.0 + 100,
+                SeekFrom::Current(offset) => self.0.saturating_add_signed(offset),
+            };
+            Ok(self.0)
+        }
+    }
+
+    #[test]
+    fn a_growing_file_ends_where_it_ended_when_it_was_opened() {
+        let mut source = FixedEnd::new(Growing(0)).unwrap();
+        assert_eq!(source.read_to_end(&mut Vec::new()).unwrap(), 100);
+        assert_eq!(source.seek(SeekFrom::End(0)).unwrap(), 100);
+        assert_eq!(source.seek(SeekFrom::Start(90)).unwrap(), 90);
+        assert_eq!(source.read_to_end(&mut Vec::new()).unwrap(), 10);
     }
 }
