@@ -1,11 +1,10 @@
 //! The bodies of the solver.
 
-use super::axis_trajectory::AxisTrajectory;
+use super::axis_trajectory::{AxisLowParts, AxisTrajectory, LowParts, StateDd};
 use super::body_state::{BodyParams, BodyState, Load, Slot};
 use super::double_double::DoubleDouble;
 use super::instant::Instant;
 use super::random_rounding::RandomRounding;
-use super::state_dd::{AxisLowParts, LowParts, StateDd};
 use super::trajectory::Trajectory;
 use crate::physics::{Axis, Body, BodyId};
 use std::ops::Index;

@@ -6,7 +6,6 @@
 use super::axis_trajectory::closing_time;
 use super::body_state::{BodyState, Slot};
 use super::instant::{Clock, Instant};
-use super::neighbour_buffer::NeighbourBuffer;
 use super::pair_event::Sample;
 use super::spatial_hash::{NONE, SpatialHash};
 use super::swept_aabb::SweptAabb;
@@ -400,6 +399,44 @@ impl CellLists {
             self.visit_cells(index, from, to, &mut visit);
         }
         self.static_bodies.iter().for_each(|(slot, _)| visit(*slot));
+    }
+}
+
+/// The neighbours found for a body, possibly with duplicates.
+///
+/// A reusable buffer. Candidates are added without a branch: whether one is a neighbour is unpredictable, and
+/// mispredicted branches would dominate the cost.
+#[derive(Clone, Debug, Default)]
+pub struct NeighbourBuffer {
+    slots: Vec<Slot>,
+    count: usize,
+}
+
+impl NeighbourBuffer {
+    /// Removes all bodies.
+    pub fn clear(&mut self) {
+        self.count = 0;
+    }
+
+    /// Adds a body if `is_near` is true.
+    #[inline]
+    pub fn push_if(&mut self, slot: Slot, is_near: bool) {
+        if self.count == self.slots.len() {
+            self.grow();
+        }
+        self.slots[self.count] = slot;
+        self.count += usize::from(is_near);
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn grow(&mut self) {
+        self.slots.resize(2 * self.count + 16, 0);
+    }
+
+    /// The bodies found.
+    pub fn slots(&self) -> &[Slot] {
+        &self.slots[..self.count]
     }
 }
 

@@ -1,7 +1,7 @@
 //! Predictions in double-double arithmetic, where doubles cannot decide.
 
 use super::EventDriven;
-use super::axis_trajectory::closing_time;
+use super::axis_trajectory::{StateDd, closing_time};
 use super::bodies::Bodies;
 use super::body_state::Slot;
 use super::double_double::DoubleDouble;
@@ -9,7 +9,6 @@ use super::event_queue::ScheduledEvent;
 use super::instant::Instant;
 use super::pair_event::PairEvent;
 use super::random_rounding::is_exact_path;
-use super::state_dd::StateDd;
 use crate::physics::{Axis, Side};
 
 /// The rounding of a coordinate in double-double arithmetic, as a fraction of the numbers it was computed from.

@@ -4,9 +4,9 @@
 //! the last place apart. From the start of a body on, they are the same double-double number.
 
 use super::EventDriven;
+use super::axis_trajectory::StateDd;
 use super::body_state::Slot;
 use super::double_double::DoubleDouble;
-use super::state_dd::StateDd;
 use crate::physics::{Axis, Side};
 
 /// Faces that differ by at most this many units in the last place of the largest number involved coincide.

@@ -2,12 +2,12 @@
 //! bounces on something that rests. It computes the same numbers as `simultaneous`.
 
 use super::EventDriven;
+use super::axis_trajectory::StateDd;
 use super::body_state::Slot;
 use super::burst::is_below_resolution;
 use super::exact::VELOCITY_ROUNDING;
 use super::impact::Impact;
 use super::least_change::MASS_UNIT;
-use super::state_dd::StateDd;
 use crate::physics::{Axis, Collision, Observer, Rect, Side, Vector, World};
 
 impl EventDriven {

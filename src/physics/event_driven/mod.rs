@@ -13,7 +13,7 @@
 //! 2. **Process events** in the order of their times (`event_queue`): the instants at which bodies touch or
 //!    cease to (`simultaneous`), and the cell crossings of fast bodies (`cell_lists`). Each body whose
 //!    trajectory or contacts changed predicts its next event again (`predict`) among its neighbours
-//!    (`swept_aabb`, `neighbour_buffer`, `cell_lists`, `spatial_hash`).
+//!    (`swept_aabb`, `cell_lists`, `spatial_hash`).
 //! 3. **Sample.** The states of the bodies that moved are written to the world (`dirty_states`).
 //! 4. **Cross cells.** The bodies that would leave their cells in the next step are moved to their
 //!    next cells (`event_queue`).
@@ -84,7 +84,6 @@ mod insert;
 mod instant;
 mod isolated;
 mod least_change;
-mod neighbour_buffer;
 mod pair_event;
 mod patch;
 mod predict;
@@ -94,24 +93,22 @@ mod separation;
 mod simultaneous;
 mod solver_snapshot;
 mod spatial_hash;
-mod state_dd;
 mod swept_aabb;
 mod trajectory;
 
 use super::{Axis, Body, EngineConfig, Observer, StepError, World, larger};
+use axis_trajectory::StateDd;
 use bodies::Bodies;
 use body_state::Slot;
 use burst::Cluster;
-use cell_lists::CellLists;
+use cell_lists::{CellLists, NeighbourBuffer};
 use contact::ContactGraph;
 use dirty_states::DirtyStates;
 use event_queue::{EventQueue, Precision, ScheduledEvent};
 use instant::{Clock, Instant};
 use least_change::ContactGroup;
-use neighbour_buffer::NeighbourBuffer;
 use pair_event::PairEvent;
 use patch::Patch;
-use state_dd::StateDd;
 use swept_aabb::SweptAabb;
 
 /// Repeated predictions (after cell crossings and void events) allowed per body and step, beyond the

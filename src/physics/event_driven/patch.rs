@@ -1,14 +1,14 @@
 //! The neighbourhood of an instant: the bodies concerned, their exact states and who touches whom.
 
 use super::EventDriven;
+use super::axis_trajectory::StateDd;
 use super::body_state::Slot;
+use super::cell_lists::NeighbourBuffer;
 use super::double_double::DoubleDouble;
 use super::exact::{ACCELERATION_ROUNDING, POSITION_ROUNDING, VELOCITY_ROUNDING};
 use super::impact_history::ImpactHistory;
-use super::neighbour_buffer::NeighbourBuffer;
 use super::pair_event::Sample;
 use super::spatial_hash::NONE;
-use super::state_dd::StateDd;
 use super::swept_aabb::SweptAabb;
 use crate::physics::{Axis, Side};
 use std::collections::BTreeSet;

@@ -2,10 +2,10 @@
 
 use super::EventDriven;
 use super::body_state::Slot;
+use super::cell_lists::NeighbourBuffer;
 use super::contact::Contact;
 use super::event_queue::{Precision, ScheduledEvent};
 use super::instant::Instant;
-use super::neighbour_buffer::NeighbourBuffer;
 use super::pair_event::{Prediction, Sample, predict_contact_end, predict_pair_event};
 use super::swept_aabb::SweptAabb;
 use crate::physics::Side;

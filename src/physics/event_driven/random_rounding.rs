@@ -5,10 +5,10 @@
 //! Computers in Simulation 35 (1993). Results that need no rounding stay as they are, so that exact coincidences
 //! stay exact. The random numbers depend on the rounded numbers alone: the same question gets the same answer.
 
+use super::axis_trajectory::StateDd;
 use super::double_double::DoubleDouble;
 use super::impact::Impact;
 use super::instant::Instant;
-use super::state_dd::StateDd;
 
 /// The rounding error of a few operations in double-double arithmetic, as a fraction of the result.
 const UNIT: f64 = 1.0 / (1_u128 << 104) as f64;

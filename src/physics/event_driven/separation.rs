@@ -1,9 +1,9 @@
 //! Removes the overlaps that spawned bodies cause, by moving bodies to the nearest free position.
 
 use super::EventDriven;
+use super::axis_trajectory::StateDd;
 use super::body_state::Slot;
 use super::pair_event::tolerance;
-use super::state_dd::StateDd;
 use crate::physics::Axis;
 
 /// An axis-aligned bounding box: upper-left corner and size, m.

@@ -10,10 +10,9 @@
 //! Bodies are identified by their index in the world.
 
 use super::EventDriven;
-use super::axis_trajectory::AxisTrajectory;
+use super::axis_trajectory::{AxisLowParts, AxisTrajectory};
 use super::body_state::{Load, Slot};
 use super::instant::Instant;
-use super::state_dd::AxisLowParts;
 use crate::physics::{Axis, Side, SnapshotError, SolverSnapshot, World};
 
 /// The version of the layout of the lists.
