@@ -395,7 +395,7 @@ impl Diagnostic for ErrorReport {
     }
 }
 
-/// A text of which reports show the lines around an error, or parts of them if they are long.
+/// A text. Reports show the lines around an error, or parts of them if they are long.
 #[derive(Clone, Debug)]
 struct ReportedText {
     name: String,

@@ -371,7 +371,7 @@ function pageMain(source) {
         try {
           apply(which, isNow());
         } catch (error) {
-          // What the order within a step forbids is possible one step later.
+          // An event that the order within a step forbids is possible one step later.
           if (!(error instanceof Refusal) || !isNow()) throw error;
           apply(which, false);
           for (const side of sides()) engine.x.step(side, 1);

@@ -23,7 +23,7 @@ impl std::io::Write for File {
     }
 }
 
-/// What `rebond record SCENE --events LINES` writes.
+/// The recording that `rebond record SCENE --events LINES` writes.
 fn recorded(name: &str, scene: &str, lines: &str) -> Vec<u8> {
     let scene = parse_scene(name, scene).unwrap();
     let options = RecordOptions::complete(&scene);

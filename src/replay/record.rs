@@ -82,7 +82,7 @@ pub struct RecordingRun<W: Write> {
     phase: RecordingPhase,
 }
 
-/// What a [`RecordingRun`] does next.
+/// The next task of a [`RecordingRun`].
 enum RecordingPhase {
     /// Applies the inputs of the current step and records its state.
     Record,

@@ -31,7 +31,7 @@ async function open(fragment = '', size = { width: 1280, height: 800 }) {
   if (isChromium) await page.setOfflineMode(true);
   page.on('request', (request) => requests.push(request.url()));
   await page.evaluateOnNewDocument(() => {
-    // What is downloaded is kept, and what the policy forbids is counted.
+    // Downloads are kept, and violations of the policy are counted.
     window.violations = [];
     window.blobs = new Map();
     document.addEventListener('securitypolicyviolation', (event) => window.violations.push(`${event.violatedDirective} ${event.blockedURI}`));

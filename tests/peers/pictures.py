@@ -1,8 +1,8 @@
 """Compares the drawing speed of rebond, matplotlib and Pillow: 50 boxes, 150 frames, 1280x720.
 
-    python3 -m venv /tmp/peers && /tmp/peers/bin/pip install -r tests/peers/pictures-requirements.txt
+    python3 -m venv tests/peers/.venv && tests/peers/.venv/bin/pip install -r tests/peers/pictures-requirements.txt
     cargo build --release
-    /tmp/peers/bin/python tests/peers/pictures.py target/release/rebond
+    tests/peers/.venv/bin/python tests/peers/pictures.py target/release/rebond
 
 Prints the CPU time of one thread per frame (user and system, including start-up) and its ratio to that of
 rebond. Matplotlib is used as its documentation recommends for speed: one figure whose artists are moved.

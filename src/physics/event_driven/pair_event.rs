@@ -11,7 +11,7 @@ use crate::physics::{Axis, Side};
 pub enum PairEvent {
     /// Faces collide along the axis; on the other axis the boxes overlap by more than rounding.
     FaceImpact(Axis, Side),
-    /// Faces or corners meet along the axis; doubles cannot tell which.
+    /// Faces or corners meet along the axis; doubles cannot distinguish them.
     CornerImpact(Axis, Side),
     /// Boxes in contact along the other axis cease to overlap along this one.
     ContactEnd(Axis, Side),

@@ -273,7 +273,7 @@ fn italic(letter: char) -> char {
     italic.unwrap_or(letter)
 }
 
-/// The letter of which a mathematical italic letter is a variant; any other character itself.
+/// The plain letter of a mathematical italic letter; any other character itself.
 pub fn plain_letter(character: char) -> char {
     let shifted = |first: u32, to: char| char::from_u32(character as u32 - first + to as u32);
     let plain = match character as u32 {
