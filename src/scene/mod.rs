@@ -240,6 +240,17 @@ mod tests {
     }
 
     #[test]
+    fn unbalanced_brackets_before_deep_nesting_do_not_exhaust_the_stack() {
+        for unbalanced in ["[]", "{}", "]", "}", "[", "{", "[}", "{]"] {
+            for nested in ["[", "{a=", "[{a="] {
+                let unbalanced = unbalanced.repeat(4000);
+                let text = format!("a={{{unbalanced}}}\nb={{{unbalanced}\nc={}", nested.repeat(4000));
+                assert!(parse("scene.toml", &text).is_err());
+            }
+        }
+    }
+
+    #[test]
     fn the_first_20_errors_are_listed_and_the_others_counted() {
         let text = format!("[run]\nsteps = 10\n{}", "[[delete]]\nname = \"nobody\"\n".repeat(50));
         let error = parse("scene.toml", &text).unwrap_err();
