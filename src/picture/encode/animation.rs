@@ -63,6 +63,10 @@ pub fn draw_frames<E>(
 /// difference of the first one.
 const BATCH: usize = 16;
 
+/// The number of bodies and collisions after which a batch has no further frame, so that the memory of the queued batches
+/// is bounded for crowded frames, too.
+const BATCH_ITEMS: usize = 20_000;
+
 /// Writes frames as an endlessly repeating GIF animation.
 ///
 /// `schedule` gives the display time of each frame. Frames are drawn on `threads` threads; the bytes do
@@ -155,17 +159,23 @@ impl Batch {
     }
 }
 
-/// Divides frames into batches of [`BATCH`] frames.
+/// Divides frames into batches of at most [`BATCH`] frames, fewer if these have many bodies or collisions.
 fn batches<E>(mut frames: impl Iterator<Item = Result<Frame, E>>) -> impl Iterator<Item = Result<Batch, E>> {
     let mut previous = None;
     std::iter::from_fn(move || {
-        let batch: Result<Vec<Frame>, E> = frames.by_ref().take(BATCH).collect();
-        let frames = match batch {
-            Ok(frames) => frames,
-            Err(error) => return Some(Err(error)),
-        };
-        let last = frames.last()?.clone();
-        Some(Ok(Batch { previous: previous.replace(last), frames }))
+        let (mut batch, mut items) = (Vec::new(), 0);
+        while batch.len() < BATCH && items < BATCH_ITEMS {
+            match frames.next() {
+                Some(Ok(frame)) => {
+                    items += frame.sprites.len() + frame.collisions.len();
+                    batch.push(frame);
+                }
+                Some(Err(error)) => return Some(Err(error)),
+                None => break,
+            }
+        }
+        let last = batch.last()?.clone();
+        Some(Ok(Batch { previous: previous.replace(last), frames: batch }))
     })
 }
 
