@@ -192,6 +192,11 @@ impl ChunkReader {
         }
     }
 
+    /// Returns true from the start of a chunk until the next record that does not belong to it.
+    pub fn is_open(&self) -> bool {
+        self.chunk.is_some()
+    }
+
     /// Compares a message index record at `offset` with the messages of the chunk before it.
     ///
     /// # Errors

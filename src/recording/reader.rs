@@ -50,6 +50,8 @@ pub struct Recording<R> {
     scene_offset: Option<u64>,
     /// The offset of the last record, if it has unknown fields.
     padded: Option<u64>,
+    /// The offset of the last record, at first that of a record of the header section.
+    last_offset: u64,
 }
 
 /// One item of a recording.
@@ -133,6 +135,7 @@ impl<R: Read + Seek> Recording<R> {
             settings_offset: section.settings_offset,
             scene_offset: section.scene_offset,
             padded: section.padded,
+            last_offset: section.settings_offset,
         };
         if !index::read(&mut recording.records).map_err(Error::Read)?.is_in_order() {
             recording.order = Order::Surveyed(Parts::default());
@@ -490,6 +493,7 @@ impl<R: Read + Seek> Recording<R> {
 
     fn read_record(&mut self, RecordHeader { offset, opcode }: RecordHeader) -> Result<(), Error> {
         let location = Location { chunk: None, offset };
+        let last_offset = std::mem::replace(&mut self.last_offset, offset);
         if opcode >= 0x80 {
             self.padded = self.padded.or(Some(offset));
             return Ok(()); // A private record of another program, or one with a damaged opcode.
@@ -498,7 +502,9 @@ impl<R: Read + Seek> Recording<R> {
         self.padded = has_unknown_fields(opcode, &self.records.body).then_some(offset);
         if opcode == op::MESSAGE_INDEX {
             if let Err(reason) = self.chunks.check_message_index(offset, &self.records.body) {
-                self.decoder.report_damage(Location { offset, ..self.chunk }, reason);
+                // Without a chunk, the record before is a chunk whose opcode is damaged.
+                let damaged = if self.chunks.is_open() { offset } else { last_offset };
+                self.decoder.report_damage(Location { offset: damaged, ..self.chunk }, reason);
                 return self.resume_after(offset);
             }
             return Ok(());
