@@ -1,4 +1,5 @@
-use super::{BodyId, Collision, Engine, Event, Observer, larger};
+use super::{Axis, BodyId, Collision, Engine, Event, Observer, Vector, larger};
+use std::collections::BTreeSet;
 use std::fmt::{self, Display, Formatter};
 
 /// Positions are called accurate if they differ by at most this fraction of the largest side of a finite body.
@@ -6,6 +7,18 @@ pub const ACCURACY: f64 = 1e-10;
 
 /// The distances whose first step is noted, as fractions of the largest side of a finite body.
 const LEVELS: [f64; 10] = [1e-28, 1e-26, 1e-24, 1e-22, 1e-20, 1e-18, 1e-16, 1e-14, 1e-12, ACCURACY];
+
+/// By how much finer and coarser the copies of a probe resolve positions.
+const RESOLUTION_FACTOR: f64 = 64.0;
+
+/// Impacts up to this fraction of the greatest approach speed are too slow to count in a sequence of collisions.
+const SLOW: f64 = 1e-6;
+
+/// Likewise those up to this fraction of the speed gained along the largest side of a body in free fall or under its force.
+const SLOW_IN_FREE_FALL: f64 = 1.0 / (1_u64 << 20) as f64;
+
+/// Impacts up to this fraction of a step apart belong to one instant.
+const SAME_INSTANT: f64 = 1e-8;
 
 /// The part of a run in which rounding cannot have moved a position noticeably or changed the order of collisions.
 ///
@@ -29,8 +42,9 @@ impl Display for Accuracy {
 
 /// Estimates the accuracy of a run of the event-driven solver while it goes on.
 ///
-/// Two copies of the engine make the same run, but move the last digit of each rounded result at random. As long as
-/// all three agree, rounding does not matter (random rounding, J. Vignes 1993; three runs as in the library CADNA).
+/// Two copies of the engine make the same run, but move the last digit of each rounded result at random, and resolve
+/// positions more finely and more coarsely. As long as all three agree, neither rounding nor resolution matters (random
+/// rounding, J. Vignes 1993; three runs as in the library CADNA).
 #[derive(Clone, Debug)]
 pub struct AccuracyProbe {
     copies: [Engine; 2],
@@ -39,6 +53,8 @@ pub struct AccuracyProbe {
     accuracy: Accuracy,
     /// The largest side of a finite body so far, m.
     extent: f64,
+    /// The greatest acceleration by gravity and a force along an axis so far, m/s².
+    acceleration: f64,
     /// The first step at which the distance exceeds each of [`LEVELS`].
     first_beyond: [Option<u64>; LEVELS.len()],
 }
@@ -46,12 +62,14 @@ pub struct AccuracyProbe {
 impl AccuracyProbe {
     /// Starts at the present state of `engine`; `None` with the handout solver, whose accuracy depends on the step.
     pub fn new(engine: &Engine) -> Option<AccuracyProbe> {
-        let copies = [engine.with_random_rounding(1)?, engine.with_random_rounding(2)?];
+        let copies = [engine.perturbed(1, 1.0 / RESOLUTION_FACTOR)?, engine.perturbed(2, RESOLUTION_FACTOR)?];
+        let instant = SAME_INSTANT * engine.period();
         Some(AccuracyProbe {
             copies,
-            collisions: Default::default(),
+            collisions: std::array::from_fn(|_| CollisionSequence { instant, ..CollisionSequence::default() }),
             accuracy: Accuracy::default(),
             extent: 0.0,
+            acceleration: 0.0,
             first_beyond: [None; LEVELS.len()],
         })
     }
@@ -62,6 +80,12 @@ impl AccuracyProbe {
             && spawn.mass.is_finite()
         {
             self.extent = larger(self.extent, larger(spawn.rect.width(), spawn.rect.height()));
+            let gravity = self.copies[0].world().gravity.unwrap_or(Vector::ZERO);
+            for (gravity, force) in [(gravity.x, spawn.force.x), (gravity.y, spawn.force.y)] {
+                self.acceleration = larger(self.acceleration, (gravity + force / spawn.mass).abs());
+            }
+            let slow = SLOW_IN_FREE_FALL * (self.acceleration * self.extent).sqrt();
+            self.collisions.iter_mut().for_each(|sequence| sequence.slow = slow);
         }
         if self.accuracy.until.is_none() {
             self.copies.iter_mut().for_each(|copy| copy.apply(event));
@@ -112,15 +136,25 @@ impl Observer for AccuracyProbe {
     }
 }
 
-/// The sequence of the collisions of a run, without impacts so slow that rounding may decide how many there are.
+/// The sequence of the collisions of a run, as far as it is the same for any small error.
 ///
-/// The last bounces of an infinite sequence are such impacts: they move nothing.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// The resolution of positions and rounding decide how many impacts of an infinite sequence are carried out before its
+/// limit is taken, and that is no error: the limit is the same. So impacts that are too slow do not count, and of the
+/// impacts of an instant each pair counts once.
+#[derive(Clone, Debug, Default)]
 struct CollisionSequence {
     count: u64,
     digest: u64,
     /// The greatest normal velocity so far, m/s.
     greatest: f64,
+    /// Slower impacts do not count, m/s.
+    slow: f64,
+    /// Impacts up to this long after the first one of an instant belong to it, s.
+    instant: f64,
+    /// The seconds since step 0 of the first impact of the present instant.
+    first: f64,
+    /// The pairs and axes of the impacts of the present instant.
+    pairs: BTreeSet<([BodyId; 2], Axis)>,
 }
 
 impl CollisionSequence {
@@ -134,7 +168,14 @@ impl Observer for CollisionSequence {
     fn collision(&mut self, collision: &Collision) {
         let speed = collision.normal_velocity[0].abs();
         self.greatest = larger(self.greatest, speed);
-        if speed <= ACCURACY * self.greatest {
+        if speed <= larger(SLOW * self.greatest, self.slow) {
+            return;
+        }
+        if collision.instant - self.first > self.instant {
+            self.first = collision.instant;
+            self.pairs.clear();
+        }
+        if !self.pairs.insert((collision.bodies, collision.axis)) {
             return;
         }
         self.count += 1;

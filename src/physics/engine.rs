@@ -218,13 +218,18 @@ impl Engine {
         }
     }
 
-    /// Returns a copy of the engine that rounds at random from now on, with numbers that follow from `seed`;
-    /// `None` with the handout solver.
-    pub(super) fn with_random_rounding(&self, seed: u64) -> Option<Engine> {
+    /// The seconds between two steps.
+    pub(super) fn period(&self) -> f64 {
+        1.0 / self.rate
+    }
+
+    /// Returns a copy of the engine that from now on rounds at random, with numbers that follow from `seed`, and computes
+    /// with a resolution of positions that is finer or coarser by a factor; `None` with the handout solver.
+    pub(super) fn perturbed(&self, seed: u64, factor: f64) -> Option<Engine> {
         let mut copy = self.clone();
         match &mut copy.solver {
             Solver::Handout => return None,
-            Solver::EventDriven(solver) => solver.round_at_random(seed),
+            Solver::EventDriven(solver) => solver.perturb(seed, factor),
         }
         Some(copy)
     }

@@ -3,6 +3,7 @@
 use super::axis_trajectory::{AxisLowParts, AxisTrajectory, LowParts, StateDd};
 use super::body_state::{BodyParams, BodyState, Load, Slot};
 use super::double_double::DoubleDouble;
+use super::exact::Resolution;
 use super::instant::Instant;
 use super::random_rounding::RandomRounding;
 use super::trajectory::Trajectory;
@@ -28,6 +29,7 @@ pub struct Bodies {
     force_counts: [u32; 2],
     /// Random rounding, by which the accuracy of a run is estimated; usually none.
     rounding: RandomRounding,
+    resolution: Resolution,
 }
 
 impl Bodies {
@@ -40,12 +42,13 @@ impl Bodies {
             params: Vec::new(),
             force_counts: [0; 2],
             rounding: RandomRounding::default(),
+            resolution: Resolution::default(),
         }
     }
 
     /// Removes all bodies and slots.
     pub fn clear(&mut self) {
-        *self = Bodies { rounding: self.rounding, ..Bodies::new(self.gravity) };
+        *self = Bodies { rounding: self.rounding, resolution: self.resolution, ..Bodies::new(self.gravity) };
     }
 
     /// The rounding of computed numbers.
@@ -54,9 +57,17 @@ impl Bodies {
         self.rounding
     }
 
-    /// Rounds at random from now on, with numbers that follow from `seed`.
-    pub fn round_at_random(&mut self, seed: u64) {
+    /// The resolution of positions.
+    #[inline]
+    pub fn resolution(&self) -> Resolution {
+        self.resolution
+    }
+
+    /// From now on rounds at random, with numbers that follow from `seed`, and computes with a resolution that is finer or
+    /// coarser by a factor.
+    pub fn perturb(&mut self, seed: u64, factor: f64) {
         self.rounding = RandomRounding::new(seed);
+        self.resolution = self.resolution.times(factor);
     }
 
     /// The number of slots.

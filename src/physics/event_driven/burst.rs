@@ -10,7 +10,7 @@
 use super::EventDriven;
 use super::body_state::Slot;
 use super::double_double::DoubleDouble;
-use super::exact::VELOCITY_ROUNDING;
+use super::exact::{Resolution, VELOCITY_ROUNDING};
 use super::impact::Impact;
 use super::impact_history::Cycle;
 use super::least_change::MASS_UNIT;
@@ -19,12 +19,6 @@ use crate::physics::{Axis, Collision, Observer, Rect, Side, StepError, Vector, W
 
 /// Approaches below this fraction of the greatest of a burst are rounding.
 const DECAYED: f64 = 1.0 / (1_u128 << 80) as f64;
-
-/// A bounce that rises less than this fraction of the sizes of the boxes is below their resolution.
-const RESOLUTION: f64 = 1.0 / (1_u128 << 80) as f64;
-
-/// The share of the coordinates in that resolution: far from the origin, positions are rounded to 2⁻⁸⁸ of them.
-const SHARE_OF_COORDINATES: f64 = 1.0 / (1_u64 << 8) as f64;
 
 /// The chains between infinite masses are searched again every so many impacts.
 const SQUEEZE_INTERVAL: u64 = 64;
@@ -365,7 +359,9 @@ impl EventDriven {
     /// resolution of its coordinates; returns true if there is one.
     pub(super) fn capture_bounce(&mut self, patch: &mut Patch) -> bool {
         let slots = |touch: &Touch| touch.bodies.map(|body| patch.bodies[body as usize].slot);
-        let returning = patch.touches.iter().filter_map(|touch| Some((touch, returning_axis(patch, touch)?)));
+        let resolution = self.bodies.resolution();
+        let returning =
+            patch.touches.iter().filter_map(|touch| Some((touch, returning_axis(patch, touch, resolution)?)));
         let Some((touch, axis)) = returning.min_by_key(|(touch, _)| slots(touch)) else { return false };
         let touch = *touch;
         self.capture(patch, &touch, axis);
@@ -385,7 +381,8 @@ impl EventDriven {
             let impact = Impact { velocity, mass, restitution: 0.0 };
             let after = self.bodies.rounding().velocities(&impact, impact.velocities_after());
             self.set_velocities(patch, &clusters, axis, after);
-            if !self.is_contact(patch, touch, axis) {
+            // Whether a corner blocks is decided from rest, with the accelerations along both axes.
+            if touch.kind == TouchKind::Face(axis) && !self.is_contact(patch, touch, axis) {
                 self.add_contact(patch, touch, axis);
             }
         }
@@ -449,22 +446,25 @@ impl EventDriven {
     }
 }
 
-/// True if a bounce at a speed (m/s) against an acceleration (m/s²) rises by less than the resolution of two boxes, given
-/// the magnitudes of their coordinates and their sizes along the axis, m.
-pub fn is_below_resolution(speed: f64, acceleration: f64, coordinates: [f64; 2], sizes: [f64; 2]) -> bool {
-    let scale = (sizes[0] + sizes[1]) + (coordinates[0].abs() + coordinates[1].abs()) * SHARE_OF_COORDINATES;
-    speed * (speed / acceleration) <= 2.0 * scale * RESOLUTION
-}
-
-/// The axis along which two faces part so slowly that they meet again before they have moved by the resolution of their
-/// coordinates.
-fn returning_axis(patch: &Patch, touch: &Touch) -> Option<Axis> {
-    let TouchKind::Face(axis) = touch.kind else { return None };
-    let speed = patch.approach(touch, axis).high;
-    let acceleration = patch.approach_acceleration(touch, axis).high;
-    let coordinates = touch.bodies.map(|body| patch.axis(body, axis).state.position.high);
-    let sizes = touch.bodies.map(|body| patch.axis(body, axis).size.high);
-    (speed < 0.0 && acceleration > 0.0 && is_below_resolution(-speed, acceleration, coordinates, sizes)).then_some(axis)
+/// The first axis along which two boxes part so slowly that they meet again before they have moved by the resolution of
+/// their positions. At a corner they must also come to overlap on the other axis, from rest or after such a bounce.
+fn returning_axis(patch: &Patch, touch: &Touch, resolution: Resolution) -> Option<Axis> {
+    let motions =
+        Axis::BOTH.map(|axis| (patch.approach(touch, axis).high, patch.approach_acceleration(touch, axis).high));
+    let returns = |axis: Axis| {
+        let (speed, acceleration) = motions[axis];
+        let coordinates = touch.bodies.map(|body| patch.axis(body, axis).state.position.high);
+        let sizes = touch.bodies.map(|body| patch.axis(body, axis).size.high);
+        speed < 0.0 && acceleration > 0.0 && resolution.hides_bounce(-speed, acceleration, coordinates, sizes)
+    };
+    let enters = |axis: Axis| {
+        let (speed, acceleration) = motions[axis];
+        speed > 0.0 || (speed == 0.0 && acceleration > 0.0) || returns(axis)
+    };
+    Axis::BOTH.into_iter().find(|axis| match touch.kind {
+        TouchKind::Face(face) => face == *axis && returns(face),
+        TouchKind::Corner => returns(*axis) && enters(axis.other()),
+    })
 }
 
 fn local_velocity(patch: &Patch, body: Local) -> Vector {

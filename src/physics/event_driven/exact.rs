@@ -9,10 +9,46 @@ use super::event_queue::ScheduledEvent;
 use super::instant::Instant;
 use super::pair_event::PairEvent;
 use super::random_rounding::is_exact_path;
-use crate::physics::{Axis, Side};
+use crate::physics::{Axis, Side, larger};
 
 /// The rounding of a coordinate in double-double arithmetic, as a fraction of the numbers it was computed from.
 pub const POSITION_ROUNDING: f64 = 1.0 / (1_u128 << 88) as f64;
+
+/// The resolution of positions along an axis: boxes whose gap is smaller touch, and a bounce that rises less is rest.
+///
+/// It follows from the sizes of the boxes, so that a scene gives the same result wherever it is. Only farther than 2²² times
+/// the sizes from the origin, the rounding of the coordinates is coarser.
+#[derive(Clone, Copy, Debug)]
+pub struct Resolution {
+    /// As a fraction of the sizes of both boxes.
+    fraction: f64,
+}
+
+impl Default for Resolution {
+    fn default() -> Resolution {
+        Resolution { fraction: 1.0 / (1_u128 << 66) as f64 }
+    }
+}
+
+impl Resolution {
+    /// A resolution that is finer or coarser by a factor.
+    pub fn times(self, factor: f64) -> Resolution {
+        Resolution { fraction: self.fraction * factor }
+    }
+
+    /// The resolution of the gap between two boxes, m, given their sizes and the sum of the magnitudes of the numbers from
+    /// which their coordinates were computed.
+    #[inline]
+    pub fn of_gap(self, sizes: [f64; 2], magnitude: f64) -> f64 {
+        larger((sizes[0] + sizes[1]) * self.fraction, magnitude * POSITION_ROUNDING)
+    }
+
+    /// True if a bounce at a speed (m/s) against an acceleration (m/s²) rises by less than the resolution of two boxes, given
+    /// the magnitudes of their coordinates and their sizes along the axis, m.
+    pub fn hides_bounce(self, speed: f64, acceleration: f64, coordinates: [f64; 2], sizes: [f64; 2]) -> bool {
+        speed * (speed / acceleration) <= 2.0 * self.of_gap(sizes, coordinates[0].abs() + coordinates[1].abs())
+    }
+}
 
 /// The rounding of a velocity, likewise.
 pub const VELOCITY_ROUNDING: f64 = 1.0 / (1_u128 << 92) as f64;
@@ -176,7 +212,7 @@ impl Bodies {
             gaps: [-offset - second_size, offset - first_size],
             velocity: second.state.velocity - first.state.velocity,
             acceleration: second.state.acceleration - first.state.acceleration,
-            gap_rounding: (first.length + second.length) * POSITION_ROUNDING,
+            gap_rounding: self.resolution().of_gap([first_size.high, second_size.high], first.length + second.length),
             speed_rounding: (first.speed + second.speed) * VELOCITY_ROUNDING,
             acceleration_rounding: (first.acceleration + second.acceleration) * ACCELERATION_ROUNDING,
         }

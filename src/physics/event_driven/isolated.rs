@@ -4,7 +4,6 @@
 use super::EventDriven;
 use super::axis_trajectory::StateDd;
 use super::body_state::Slot;
-use super::burst::is_below_resolution;
 use super::exact::VELOCITY_ROUNDING;
 use super::impact::Impact;
 use super::least_change::MASS_UNIT;
@@ -43,7 +42,8 @@ impl EventDriven {
         let acceleration = (low.state.acceleration - high.state.acceleration).high;
         let coordinates = scaled.map(|body| body.state.position.high);
         let sizes = pair.map(|slot| self.bodies[slot].size[axis]);
-        if acceleration > 0.0 && is_below_resolution(restitution * approach, acceleration, coordinates, sizes) {
+        let resolution = self.bodies.resolution();
+        if acceleration > 0.0 && resolution.hides_bounce(restitution * approach, acceleration, coordinates, sizes) {
             return false;
         }
         if (!is_infinite[0] && !self.touches_nothing_else(pair[0], pair[1]))

@@ -274,9 +274,10 @@ impl EventDriven {
         self.asserts_invariants = true;
     }
 
-    /// Rounds at random from now on, with numbers that follow from `seed`.
-    pub fn round_at_random(&mut self, seed: u64) {
-        self.bodies.round_at_random(seed);
+    /// From now on rounds at random, with numbers that follow from `seed`, and computes with a resolution that is finer or
+    /// coarser by a factor.
+    pub fn perturb(&mut self, seed: u64, factor: f64) {
+        self.bodies.perturb(seed, factor);
     }
 
     /// The greatest difference between the positions of the bodies along an axis here and in `other` in the state of

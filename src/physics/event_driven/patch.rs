@@ -5,7 +5,7 @@ use super::axis_trajectory::StateDd;
 use super::body_state::Slot;
 use super::cell_lists::NeighbourBuffer;
 use super::double_double::DoubleDouble;
-use super::exact::{ACCELERATION_ROUNDING, POSITION_ROUNDING, VELOCITY_ROUNDING};
+use super::exact::{ACCELERATION_ROUNDING, Resolution, VELOCITY_ROUNDING};
 use super::impact_history::ImpactHistory;
 use super::pair_event::Sample;
 use super::spatial_hash::NONE;
@@ -336,7 +336,7 @@ impl EventDriven {
         } else {
             [other, body]
         };
-        let Some((kind, side)) = touch_kind(patch, first, second) else { return };
+        let Some((kind, side)) = touch_kind(patch, first, second, self.bodies.resolution()) else { return };
         let index = patch.touches.len() as u32;
         patch.touches.push(Touch { bodies: [first, second], kind, side, blocks: [false; 2], was_released: false });
         patch.bodies[first as usize].touches.push(index);
@@ -349,13 +349,13 @@ impl EventDriven {
 }
 
 /// How two bodies touch, and for each axis the side of the first on which the second lies.
-fn touch_kind(patch: &Patch, first: Local, second: Local) -> Option<(TouchKind, [Side; 2])> {
+fn touch_kind(patch: &Patch, first: Local, second: Local, resolution: Resolution) -> Option<(TouchKind, [Side; 2])> {
     let gaps = Axis::BOTH.map(|axis| {
         let [a, b] = [first, second].map(|body| patch.axis(body, axis));
         let offset = b.state.position - a.state.position;
         let [ahead, behind] = [offset - a.size, -offset - b.size];
         let (gap, side) = if behind.is_less(ahead) { (ahead, Side::High) } else { (behind, Side::Low) };
-        (gap.or_zero((a.length + b.length) * POSITION_ROUNDING), side, a.length + b.length)
+        (gap.or_zero(resolution.of_gap([a.size.high, b.size.high], a.length + b.length)), side, a.length + b.length)
     });
     let side = [gaps[0].1, gaps[1].1];
     let signs = [gaps[0].0.high, gaps[1].0.high];
