@@ -157,8 +157,8 @@ fn a_bouncing_ball_comes_to_rest_at_the_limit_of_its_series_of_impacts() {
         let last = collisions.last().unwrap();
         let end = last.step as f64 / 1000.0 + last.time;
         assert!(end <= total + 1e-12 && end >= total - 1e-5, "e = {e}: at rest after {end} s, expected {total} s");
-        // The first impact is at 5 m/s; bounces of less than 2⁻⁸⁰ of the sizes, which add up to 2 m, are plastic.
-        let slowest = (2.0 * 10.0 * 2.0 / (1_u128 << 80) as f64).sqrt();
+        // The first impact is at 5 m/s; bounces of less than 2⁻⁶⁴ of the sizes, which add up to 2 m, are plastic.
+        let slowest = (2.0 * 10.0 * 2.0 / (1_u128 << 64) as f64).sqrt();
         let impacts = std::iter::successors(Some(5.0), |speed| Some(speed * e)).take_while(|&speed| speed > slowest);
         let (count, expected) = (collisions.len(), impacts.count());
         assert!(count.abs_diff(expected) <= 1, "e = {e}: {count} impacts, expected {expected}");

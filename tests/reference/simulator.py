@@ -17,7 +17,7 @@ ZERO = mpfr(0)
 
 CYCLES = '--decay' not in sys.argv            # --decay: bursts are carried out until they have decayed, no short cut
 FINE = 120, 150, 112, 100                     # bits up to which lengths, speeds and accelerations, heights of bounces are not nothing,
-COARSE = 88, 92, 80, 80                       # and to which a burst decays; the second are those of rebond
+COARSE = 64, 92, 64, 80                       # and to which a burst decays; the second are those of rebond
 class Crushed(Exception): pass
 class Endless(Exception): pass
 

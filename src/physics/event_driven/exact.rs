@@ -16,7 +16,7 @@ pub const POSITION_ROUNDING: f64 = 1.0 / (1_u128 << 88) as f64;
 
 /// The resolution of positions along an axis: boxes whose gap is smaller touch, and a bounce that rises less is rest.
 ///
-/// It follows from the sizes of the boxes, so that a scene gives the same result wherever it is. Only farther than 2²² times
+/// It follows from the sizes of the boxes, so that a scene gives the same result wherever it is. Only farther than 2²⁴ times
 /// the sizes from the origin, the rounding of the coordinates is coarser.
 #[derive(Clone, Copy, Debug)]
 pub struct Resolution {
@@ -26,7 +26,7 @@ pub struct Resolution {
 
 impl Default for Resolution {
     fn default() -> Resolution {
-        Resolution { fraction: 1.0 / (1_u128 << 66) as f64 }
+        Resolution { fraction: 1.0 / (1_u128 << 64) as f64 }
     }
 }
 

@@ -37,8 +37,8 @@
 //!
 //! These rules apply where mechanics leaves a choice:
 //!
-//! 1. **What is 0.** A gap, an approach speed or an approach acceleration is 0 if it is below the rounding of the
-//!    numbers from which it was computed (`exact`). Two boxes *touch on a face* if their gap is 0 along one axis and
+//! 1. **What is 0.** A gap is 0 if it is below the resolution of positions, an approach speed or an approach acceleration
+//!    if it is below the rounding of the numbers from which it was computed (`exact`). Two boxes *touch on a face* if their gap is 0 along one axis and
 //!    they overlap on the other, *at a corner* if both gaps are 0.
 //! 2. **Corners** block only what enters them (along both axes the boxes approach, or accelerate towards each other
 //!    from rest), and only along the axis of the gentler approach; along both if the approaches are equal. Those that
@@ -49,11 +49,12 @@
 //!    again ends nothing. So a supported box slides over the seams of flush faces.
 //! 4. **Order of an instant**: resting, impacts, resting (`simultaneous`).
 //! 5. **Impacts.** Of all approaching pairs the lowest in creation order collides, again and again until none
-//!    approaches; faces come before corners, so a box that lands on flush faces does not hit the corners between them. On either side the body acts together with all bodies that it pushes through contacts; if these reach
-//!    an infinite mass, it acts like that mass. Bodies that only touch pass the impact on. (To pass an impact on through
-//!    contacts from pair to pair would need infinitely many impacts in a resting stack.)
+//!    approaches; faces come before corners, so a box that lands on flush faces does not hit the corners between them. On
+//!    either side the body acts together with all bodies that it pushes through contacts; if these reach an infinite mass,
+//!    it acts like that mass. Bodies that only touch pass the impact on. (To pass an impact on through contacts from pair
+//!    to pair would need infinitely many impacts in a resting stack.)
 //! 6. **Inelastic collapse.** An infinite sequence of impacts is replaced by its limit (`burst`).
-//! 7. **Resolution.** A bounce that does not rise by the resolution of the state is plastic.
+//! 7. **Resolution.** A bounce that does not rise by the resolution of positions is plastic.
 //!
 //! # Invariants
 //!
