@@ -276,6 +276,7 @@ pub fn report(error: CommandError) -> Exit {
     match error {
         CommandError::NotReproducible | CommandError::Picture(picture::Error::Diverged { .. }) => Exit::Diverged,
         CommandError::Recording { source, .. } if source.is_damage() => Exit::Damaged,
+        CommandError::Picture(picture::Error::Render(RenderError::PictureCount { .. })) => Exit::Damaged,
         _ => Exit::Error,
     }
 }

@@ -6,6 +6,7 @@ use super::{
 };
 use crate::physics::{Rect, Vector, larger, smaller};
 use crate::picture_options::StepOrTime;
+use crate::recording;
 use crate::text::counted;
 use std::ops::RangeInclusive;
 
@@ -307,7 +308,7 @@ fn state(step: u64, source: &Source) -> Result<Page, Error> {
 }
 
 fn last_step(source: &Source) -> Result<u64, Error> {
-    source.statistics.last_step.ok_or_else(|| Error::NothingToShow { reason: "the recording contains no state".into() })
+    source.statistics.last_step.ok_or_else(|| source.read_error(recording::Error::NoReadableState))
 }
 
 /// Returns `grid` if it contains a step.

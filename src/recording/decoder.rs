@@ -251,6 +251,7 @@ impl Decoder {
             }
             return Ok(()); // The rest of the step is missing, which the next state shows.
         };
+        self.validator.note_keyframe(state.step, keyframe.is_some());
         if let Some(message) = keyframe {
             let keyframe = message.into_keyframe(self.header.versions.format)?;
             self.validator.add_keyframe(&keyframe)?;
@@ -264,13 +265,15 @@ impl Decoder {
             self.report_damage(location, reason);
             return Ok(());
         }
-        let problem = self.validator.table().and_then(|table| {
+        let difference = self.validator.table().and_then(|table| {
             let time = self.header.log_time(state.step);
             let colors = &mut self.colors;
             scene_update.as_ref().and_then(|message| scene_update::difference(message, time, table, &state, colors))
         });
-        let problem = problem.or_else(|| self.validator.check_presence(scene_update.is_some(), &state));
-        if let (Some(time), Some(message)) = (time, scene_update) {
+        let is_shown = difference.is_none();
+        let problem = difference.or_else(|| self.validator.check_presence(scene_update.is_some(), &state));
+        let problem = problem.or_else(|| self.validator.check_plan(&state));
+        if let (Some(time), Some(message), true) = (time, scene_update, is_shown) {
             self.ready.push_back(Item::SceneUpdate { time, message });
         }
         self.ready.push_back(Item::State(state));

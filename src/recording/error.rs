@@ -67,6 +67,9 @@ pub enum Error {
         /// The last step of the recording.
         last: u64,
     },
+    /// A recording has no state at all that can be read.
+    #[error("no state of the recording is readable")]
+    NoReadableState,
     /// The messages are too far from the order of time.
     #[error(
         "the messages are too far from the order of time to be read: more than {} chunks, or chunks of more than {} MB, \
@@ -116,8 +119,14 @@ pub enum Error {
 }
 
 impl Error {
-    /// Returns true if the file is a recording of rebond whose settings are damaged or cut off.
+    /// Returns true if the file is a recording of rebond whose settings or all of whose states are damaged or cut off.
     pub const fn is_damage(&self) -> bool {
-        matches!(self, Error::TruncatedHeader | Error::CorruptHeader { .. } | Error::NothingToRecover { .. })
+        matches!(
+            self,
+            Error::TruncatedHeader
+                | Error::CorruptHeader { .. }
+                | Error::NothingToRecover { .. }
+                | Error::NoReadableState
+        )
     }
 }

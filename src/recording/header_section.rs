@@ -17,6 +17,8 @@ pub struct HeaderSection {
     pub header: Header,
     /// The offset of the metadata record with the settings.
     pub settings_offset: u64,
+    /// The offset and the body of each end record before the messages.
+    pub trailers: Vec<(u64, Vec<u8>)>,
     /// The offset of the attachment with the scene.
     pub scene_offset: Option<u64>,
     /// Opcode and index entry of the metadata and attachments before the messages.
@@ -45,6 +47,7 @@ pub struct Defect {
 struct SectionReader {
     library: Option<String>,
     settings: Option<Settings>,
+    trailers: Vec<(u64, Vec<u8>)>,
     scene: Option<(u64, SceneText)>,
     indexed: Vec<(u8, Vec<u8>)>,
     pending: Option<RecordHeader>,
@@ -57,6 +60,8 @@ struct SectionReader {
 /// The settings in a metadata record.
 struct Settings {
     offset: u64,
+    /// The name of the record.
+    name: &'static str,
     header: Header,
     map: Map,
 }
@@ -84,13 +89,14 @@ pub fn read<R: Read + Seek>(records: &mut RecordReader<R>) -> Result<HeaderSecti
         section.find_scene(records)?;
     }
     let (scene_offset, scene) = section.scene.take().unzip();
-    let header = Header { scene, ..settings.header };
-    section.defects.extend(settings_defect(settings.offset, &settings.map, &header));
+    let header = Header { scene, ..settings.header.clone() };
+    section.defects.extend(settings_defect(&settings, &header, section.defects.is_empty() && !section.is_cut));
     let crc_suspect = (section.library.as_ref() != settings.map.get("library"))
         .then(|| Defect { offset: MAGIC.len() as u64, reason: "the header names another program".into() });
     Ok(HeaderSection {
         header,
         settings_offset: settings.offset,
+        trailers: section.trailers,
         scene_offset,
         indexed: section.indexed,
         pending: section.pending,
@@ -145,13 +151,16 @@ impl SectionReader {
 
     fn set_settings(&mut self, offset: u64, body: &[u8]) -> Result<(), HeaderError> {
         match (parse_settings(offset, body)?, &self.settings) {
-            (Some(_), Some(_)) => Err(format!("a second metadata record {:?}", metadata::HEADER).into()),
-            (Some(settings), None) => {
-                self.settings = Some(settings);
-                Ok(())
+            // A third one changes nothing: the second is reported.
+            (Some(Settings { name: metadata::TRAILER, .. }), _) if self.trailers.len() < 2 => {
+                self.trailers.push((offset, body.into()));
             }
-            (None, _) => Ok(()),
+            (Some(Settings { name: metadata::TRAILER, .. }), _) => {}
+            (Some(_), Some(_)) => return Err(format!("a second metadata record {:?}", metadata::HEADER).into()),
+            (Some(settings), None) => self.settings = Some(settings),
+            (None, _) => {}
         }
+        Ok(())
     }
 
     fn set_scene(&mut self, offset: u64, body: &[u8]) -> Result<(), HeaderError> {
@@ -209,18 +218,26 @@ impl SectionReader {
         self.seek_back(records, MAGIC.len() as u64)
     }
 
-    /// Searches the entire file for a copy of the settings, and returns to the current position.
+    /// Searches the entire file for the settings, which other programs may write after the messages, or else for the copy
+    /// in an end record, and returns to the current position.
     fn find_settings<R: Read + Seek>(&mut self, records: &mut RecordReader<R>) -> Result<Settings, Error> {
-        let mut from = 0;
+        let (mut from, mut found) = (0, None);
         while let Some(offset) = resync::find_metadata(records.source(), from).map_err(Error::Read)? {
             records.seek(offset).map_err(Error::Read)?;
-            if let Ok(Some(_)) = records.next_record()
-                && let Ok(Some(settings)) = parse_settings(offset, &records.body)
-            {
-                self.seek_back(records, offset)?;
-                return Ok(settings);
+            let is_record = matches!(records.next_record(), Ok(Some(_)));
+            match parse_settings(offset, &records.body) {
+                Ok(Some(settings)) if is_record && settings.name == metadata::HEADER => {
+                    found = Some(settings);
+                    break;
+                }
+                Ok(Some(copy)) if is_record => found = found.or(Some(copy)),
+                Ok(_) | Err(_) => {}
             }
             from = offset + 1;
+        }
+        if let Some(settings) = found {
+            self.seek_back(records, settings.offset)?;
+            return Ok(settings);
         }
         Err(self.error(starts_with_magic(records.source()).map_err(Error::Read)?))
     }
@@ -260,22 +277,21 @@ impl SectionReader {
 /// Returns the settings in a metadata record, if it is one of the two that contain them.
 fn parse_settings(offset: u64, body: &[u8]) -> Result<Option<Settings>, HeaderError> {
     let (name, map) = metadata::parse(body).map_err(|Malformed| "the metadata is damaged".to_string())?;
-    match name {
-        metadata::HEADER | metadata::TRAILER => {
-            Ok(Some(Settings { offset, header: metadata::parse_header(&map)?, map }))
-        }
-        _ => Ok(None),
-    }
+    let Some(name) = [metadata::HEADER, metadata::TRAILER].into_iter().find(|known| *known == name) else {
+        return Ok(None);
+    };
+    Ok(Some(Settings { offset, name, header: metadata::parse_header(&map)?, map }))
 }
 
-/// Returns a defect if the settings of `map` are not those of `header`, or do not describe its scene. The settings in
-/// the end record are compared when that is read.
-fn settings_defect(offset: u64, map: &Map, header: &Header) -> Option<Defect> {
-    if map.contains_key("identity") {
-        return None;
-    }
-    let difference = metadata::difference(map, &metadata::header_map(header), header.scene.as_ref());
-    difference.map(|reason| Defect { offset, reason })
+/// Returns a defect if the settings are not those of `header`, do not describe its scene, or are only a copy although
+/// nothing else before the messages is damaged. A copy is compared when the end record is read.
+fn settings_defect(settings: &Settings, header: &Header, is_intact: bool) -> Option<Defect> {
+    let Settings { offset, name, map, .. } = settings;
+    let reason = match *name {
+        metadata::TRAILER => is_intact.then(|| format!("the metadata record {:?} is missing", metadata::HEADER)),
+        _ => metadata::difference(map, &metadata::header_map(header), header.scene.as_ref()),
+    };
+    reason.map(|reason| Defect { offset: *offset, reason })
 }
 
 /// Returns the library of a header record.

@@ -37,6 +37,8 @@ pub struct Recording<R> {
     /// The offset of the data end record, once it was read.
     data_end: Option<u64>,
     crc_suspect: Option<Defect>,
+    /// The first damage before the messages.
+    opening_damage: Option<Damage>,
     decoder: Decoder,
     /// The index of the chunks, once it was needed.
     index: Option<Index>,
@@ -126,6 +128,7 @@ impl<R: Read + Seek> Recording<R> {
             chunk_count: 0,
             data_end: None,
             crc_suspect: None,
+            opening_damage: None,
             decoder,
             index: None,
             phase: Phase::Reading,
@@ -144,8 +147,9 @@ impl<R: Read + Seek> Recording<R> {
         Ok(recording)
     }
 
-    /// Moves to the last keyframe at or before `step`, which is then the next item, or to the start if
-    /// there is none or the messages are not stored in order of time. Skipped data is not read, so [`Recording::health`] covers only the rest.
+    /// Moves to the last keyframe at or before `step`, which is then the next item, or to the start if that is the
+    /// first one, if there is none, or if the messages are not stored in order of time. Skipped data is not read, so
+    /// [`Recording::health`] covers only the records before the messages and the rest.
     ///
     /// # Errors
     /// Returns an error if the file cannot be read.
@@ -157,7 +161,8 @@ impl<R: Read + Seek> Recording<R> {
         }
         let time = self.header.log_time(step);
         let mut is_found = false;
-        let candidates = (0..index.places.len()).rev().filter(|place| index.places[*place].first_time <= time);
+        // From the start, the end record is compared with everything before it.
+        let candidates = (1..index.places.len()).rev().filter(|place| index.places[*place].first_time <= time);
         for place in candidates.filter(|place| index.may_contain(*place, Topic::Bodies)) {
             is_found = self.seek_keyframe(&index, place, step)?;
             if is_found {
@@ -335,6 +340,9 @@ impl<R: Read + Seek> Recording<R> {
         for Defect { offset, reason } in section.defects {
             self.decoder.report_damage(Location { chunk: None, offset }, reason);
         }
+        self.opening_damage.clone_from(&self.decoder.damage);
+        let trailers = section.trailers.into_iter();
+        self.trailers.extend(trailers.map(|(offset, body)| (Location { chunk: None, offset }, body)));
         section.pending.map_or(Ok(()), |record| self.read_record(record))
     }
 
@@ -351,7 +359,7 @@ impl<R: Read + Seek> Recording<R> {
         };
         let missing = self.missing(trailer, after, validator.found_gaps());
         let fault = index.and_then(|index| index.fault.as_ref());
-        match self.decoder.damage.as_ref().or(fault) {
+        match self.opening_damage.as_ref().or(self.decoder.damage.as_ref()).or(fault) {
             Some(damage) => Health::Corrupt { damage: damage.clone(), missing },
             None if missing.is_empty() => Health::Whole,
             None => Health::Incomplete(missing),
@@ -368,8 +376,9 @@ impl<R: Read + Seek> Recording<R> {
         let is_cut = trailer.is_none() || self.phase == Phase::Truncated;
         let is_ended = !is_cut && after.is_some_and(|after| after >= last);
         let mut gaps = found.to_vec();
-        gaps.extend(self.header.gaps.iter().filter(|gap| !found.contains(gap)));
+        gaps.extend(&self.header.gaps);
         gaps.sort_by_key(|gap| (gap.first_missing(), gap.before));
+        gaps.dedup();
         Missing {
             gaps,
             end: (!is_ended).then_some(MissingEnd { after, last, is_cut }),

@@ -20,6 +20,8 @@ pub struct Recovery {
     pub states: u64,
     /// The gaps.
     pub gaps: Vec<Gap>,
+    /// True if the boxes for viewers were left out, because those of some states are missing or damaged.
+    pub lost_scene_updates: bool,
     /// The condition of the original recording.
     pub health: Health,
     /// The rate, Hz.
@@ -39,19 +41,23 @@ pub fn recover<R: Read + Seek, W: Write>(recording: &mut Recording<R>, output: W
     if scan.states == 0 {
         return Err(Error::NothingToRecover { damage: scan.health.damage().cloned() });
     }
-    let header = Header { gaps: scan.gaps.clone(), ..recording.header.clone() };
-    let mut writer = BatchWriter::new(output, scan.profile, &header)?;
+    let steps = recording.header.steps.max(scan.last_step.unwrap_or(0));
+    let header = Header { gaps: scan.gaps.clone(), steps, ..recording.header.clone() };
+    let lost_scene_updates = scan.lost_scene_updates();
+    let profile = if scan.scene_updates > 0 && !lost_scene_updates { Profile::SceneUpdates } else { Profile::Ros2 };
+    let mut writer = BatchWriter::new(output, profile, &header)?;
     salvage(recording, |saved| match saved {
         Saved::Event(event) => writer.write_event(&event),
         Saved::Keyframe(keyframe) => writer.write_keyframe(&keyframe),
         Saved::State(state) => writer.write_state(&state),
+        Saved::SceneUpdate { .. } if lost_scene_updates => Ok(()),
         Saved::SceneUpdate { time, message } => writer.write_scene_update(time, &message),
         Saved::Gap(_) | Saved::Trailer(_) => Ok(()),
     })?;
     let is_recovered = scan.health != Health::Whole || scan.was_recovered();
     let (trailer, output) = writer.finish(scan.run_end(), is_recovered)?;
     let SalvageScan { states, gaps, health, .. } = scan;
-    Ok((Recovery { trailer, states, gaps, health, rate: header.config.rate }, output))
+    Ok((Recovery { trailer, states, gaps, lost_scene_updates, health, rate: header.config.rate }, output))
 }
 
 /// A recoverable item.
@@ -114,10 +120,14 @@ fn salvage<R: Read + Seek>(
 /// The result of the first pass over the recording.
 struct SalvageScan {
     states: u64,
+    /// The number of states that list bodies.
+    full_states: u64,
+    scene_updates: u64,
+    /// Every how many steps the states list bodies.
+    every: u64,
     last_step: Option<u64>,
     gaps: Vec<Gap>,
     trailer: Option<Trailer>,
-    profile: Profile,
     health: Health,
 }
 
@@ -125,10 +135,12 @@ impl SalvageScan {
     fn new<R: Read + Seek>(recording: &mut Recording<R>) -> Result<SalvageScan, Error> {
         let mut scan = SalvageScan {
             states: 0,
+            full_states: 0,
+            scene_updates: 0,
+            every: recording.header.every,
             last_step: None,
             gaps: Vec::new(),
             trailer: None,
-            profile: Profile::Ros2,
             health: Health::Whole,
         };
         salvage(recording, |saved| {
@@ -142,9 +154,10 @@ impl SalvageScan {
     fn add(&mut self, saved: Saved) {
         match saved {
             Saved::Event(_) | Saved::Keyframe(_) => {}
-            Saved::SceneUpdate { .. } => self.profile = Profile::SceneUpdates,
+            Saved::SceneUpdate { .. } => self.scene_updates += 1,
             Saved::State(state) => {
                 self.states += 1;
+                self.full_states += u64::from(state.step.is_multiple_of(self.every));
                 self.last_step = Some(state.step);
             }
             Saved::Gap(gap) => self.gaps.push(gap),
@@ -162,6 +175,11 @@ impl SalvageScan {
         }
     }
 
+    /// Returns true if only some states have boxes for viewers, because of damage.
+    fn lost_scene_updates(&self) -> bool {
+        self.health.damage().is_some() && self.scene_updates > 0 && self.scene_updates != self.full_states
+    }
+
     fn was_recovered(&self) -> bool {
         self.trailer.as_ref().is_some_and(|trailer| trailer.recovered)
     }
@@ -170,8 +188,9 @@ impl SalvageScan {
 impl Recovery {
     /// Returns true if the new recording has everything that was recorded.
     pub fn is_everything(&self) -> bool {
-        let Recovery { gaps, health, .. } = self;
+        let Recovery { gaps, health, lost_scene_updates, .. } = self;
         gaps.is_empty()
+            && !lost_scene_updates
             && health.missing().is_none_or(|missing| !missing.end.is_some_and(MissingEnd::has_states) && !missing.scene)
     }
 }
@@ -189,6 +208,9 @@ impl Display for Recovery {
                     write!(f, "\nlost steps {first} to {}: {states} states, {time}", gap.before - 1)?;
                 }
             }
+        }
+        if self.lost_scene_updates {
+            write!(f, "\nlost the topic /scene: viewers of MCAP files show no boxes")?;
         }
         match &self.health {
             Health::Whole => write!(f, "\nnothing was lost")?,

@@ -12,6 +12,8 @@ use super::{
 /// After damage any later step may follow, and the living bodies are unknown until the next keyframe.
 /// Unknown facts are not checked.
 pub struct SequenceValidator {
+    /// The last planned step.
+    planned: u64,
     every: u64,
     has_scene: bool,
     estimates_accuracy: bool,
@@ -35,6 +37,12 @@ pub struct SequenceValidator {
     found_gaps: Vec<Gap>,
     /// True if full states have scene updates; `None` before the first full state.
     has_scene_updates: Option<bool>,
+    /// The number of steps between keyframes, if the format has all of them.
+    keyframe_interval: Option<u64>,
+    /// True if keyframes are recorded; `None` before the first state that should have one.
+    has_keyframes: Option<bool>,
+    /// The first step without a keyframe although other steps have theirs.
+    missing_keyframe: Option<u64>,
 }
 
 /// The step of the next message.
@@ -63,6 +71,7 @@ impl SequenceValidator {
     /// Creates a validator at the start of a recording. Without the scene the identity is not checked.
     pub fn new(header: &Header) -> SequenceValidator {
         SequenceValidator {
+            planned: header.steps,
             every: header.every,
             has_scene: header.scene.is_some(),
             estimates_accuracy: header.estimates_accuracy,
@@ -79,6 +88,10 @@ impl SequenceValidator {
             gaps: header.gaps.iter().copied().collect(),
             found_gaps: Vec::new(),
             has_scene_updates: None,
+            keyframe_interval: (header.versions.format >= FIRST_FORMAT_WITH_ALL_KEYFRAMES)
+                .then(|| header.steps_per_second()),
+            has_keyframes: None,
+            missing_keyframe: None,
         }
     }
 
@@ -267,6 +280,23 @@ impl SequenceValidator {
         }
     }
 
+    /// Returns a description of the problem if this is the first state after the planned end.
+    pub fn check_plan(&self, state: &RecordedState) -> Option<String> {
+        let RecordedState { step, .. } = state;
+        (*step == self.planned + 1)
+            .then(|| format!("there is a state {step}, but the metadata plan {}", counted(self.planned, "step")))
+    }
+
+    /// Notes whether the state of a step comes with a keyframe. If it should, but only other states do, the end record of
+    /// a recording that was not recovered does not match.
+    pub fn note_keyframe(&mut self, step: u64, has_keyframe: bool) {
+        if self.keyframe_interval.is_some_and(|interval| step.is_multiple_of(interval))
+            && *self.has_keyframes.get_or_insert(has_keyframe) != has_keyframe
+        {
+            self.missing_keyframe.get_or_insert(if has_keyframe { 0 } else { step });
+        }
+    }
+
     /// Checks the end record against the items before it.
     ///
     /// # Errors
@@ -281,8 +311,15 @@ impl SequenceValidator {
             (false, Some(_)) => return Err("the end record has an accuracy, but the metadata announce none".into()),
             (true | false, _) => {}
         }
+        if trailer.steps > self.planned {
+            let (taken, planned) = (counted(trailer.steps, "step"), counted(self.planned, "step"));
+            return Err(format!("the end record declares {taken}, but the metadata plan {planned}"));
+        }
         if !self.is_complete() {
             return Ok(());
+        }
+        if let Some(step) = self.missing_keyframe.filter(|_| !trailer.recovered) {
+            return Err(format!("the keyframe of step {step} is missing"));
         }
         let last_step = self.last_step.unwrap_or(0);
         if !self.has_scene && !trailer.recovered && trailer.steps > last_step {
@@ -429,6 +466,9 @@ impl SequenceValidator {
         }
     }
 }
+
+/// The first format version in which large keyframes are not left out.
+const FIRST_FORMAT_WITH_ALL_KEYFRAMES: u32 = 3;
 
 fn check_change(table: &BodyTable, next_id: u32, change: &Change) -> Result<(), String> {
     match change {

@@ -95,8 +95,12 @@ pub enum RenderError {
         /// Height, m.
         height: f64,
     },
-    /// The number of frames of an animation differs from the number in its header.
-    #[error("the header of the animation announces {}, but it has {found}", counted(*.expected, "frame"))]
+    /// An animation has fewer frames than the number in its header.
+    #[error(
+        "only {found} of {} can be drawn, because states are missing or damaged, and an animated PNG starts with their \
+         number: recover the recording first, or draw a GIF",
+        counted(*.expected, "frame")
+    )]
     PictureCount {
         /// Number in the header.
         expected: u64,
