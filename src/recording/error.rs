@@ -58,7 +58,13 @@ pub enum Error {
         found: u32,
     },
     /// No state is recorded in the steps that were asked for.
-    #[error("there is no state in the steps {from} to {to}: the recording has the steps 0 to {last}")]
+    #[error(
+        "there is no state {}: the recording has the steps 0 to {last}",
+        match *to {
+            u64::MAX => format!("from step {from} on"),
+            to => format!("in the steps {from} to {to}"),
+        }
+    )]
     NoStates {
         /// The first step asked for.
         from: u64,

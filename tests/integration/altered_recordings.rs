@@ -610,8 +610,10 @@ fn exit_codes_agree_between_commands_on_the_same_damaged_file() {
 #[test]
 fn a_range_without_states_is_an_error() {
     let (workplace, _) = recorded();
-    let replayed = workplace.rebond("replay run.mcap --from 5000");
-    assert!(replayed.code == 1 && replayed.errors.contains("no state in the steps 5000"), "{replayed:?}");
+    for (range, named) in [("--from 5000", "from step 5000 on"), ("--from 70 --to 80", "in the steps 70 to 80")] {
+        let replayed = workplace.rebond(&format!("replay run.mcap {range}"));
+        assert!(replayed.code == 1 && replayed.errors.contains(&format!("no state {named}")), "{replayed:?}");
+    }
     workplace.write("empty.mcap", "");
     assert_ne!(workplace.rebond("recover empty.mcap -o fixed.mcap").code, 0);
     assert!(!workplace.path("fixed.mcap").exists());
