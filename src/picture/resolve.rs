@@ -222,6 +222,7 @@ impl PictureOptions {
             FigureOptions::Collision { figure, step, pair } => {
                 let mut collisions = Vec::new();
                 for source in sources {
+                    last_step(source)?;
                     let step = step.step_before(source.header.config.rate);
                     collisions.push(collision_selector(&find_collision(source, step, pair.as_ref(), progress)?));
                 }
@@ -307,6 +308,10 @@ fn state(step: u64, source: &Source) -> Result<Page, Error> {
     Ok(Page::State { step, every: 1 })
 }
 
+/// The step of the last full state.
+///
+/// # Errors
+/// If no state is readable.
 fn last_step(source: &Source) -> Result<u64, Error> {
     source.statistics.last_step.ok_or_else(|| source.read_error(recording::Error::NoReadableState))
 }
