@@ -173,7 +173,7 @@ class Sim:
             n = root[i if s.m[i] else j]
             for k in ax: s.impact(i, j, k, touch, top, n)
             count += 1
-            if len(ax) == 1 and CYCLES: s.cycle(past.setdefault((n, ax[0]), []), i, j, ax[0], touch)
+            if len(ax) == 1 and CYCLES: s.cycle(past.setdefault((n, ax[0]), []), i, j, ax[0], touch, top[n])
             if count > s.limit: raise Endless(f'{s.name[i]} {s.name[j]} at {float(s.now)}')
     def squeezed(s, touch):                         # a chain of touching faces between infinite masses that approach
         for k in (0, 1):
@@ -193,7 +193,7 @@ class Sim:
                             if lo == q and s.m[hi] and hi not in reach: reach.add(hi); todo.append(hi)
                     for w, d in lim[True]:
                         if d in reach and s.v[p][k] - s.v[w][k] > s.EC: raise Crushed(f'{s.name[b]} between {s.name[p]} and {s.name[w]} at {float(s.now)}')
-    def cycle(s, past, i, j, k, touch):             # the limit of a cycle of impacts that repeats itself for ever, found early
+    def cycle(s, past, i, j, k, touch, top):           # the limit of a cycle of impacts that repeats itself for ever, found early
         past.append((i, j, [list(v) for v in s.v]))
         if len(past) % 16 or len(past) < 48: return
         for per in range(2, min(200, len(past) // 3)):
@@ -203,7 +203,7 @@ class Sim:
             if len(comp) != 1: return
             rel = [[past[-1 - q * per][2][a][k] - past[-1 - q * per][2][b][k] for a, b in pairs] for q in (0, 1, 2)]
             n0, n1, n2 = (gmpy2.sqrt(sum(x * x for x in r)) for r in rel)
-            if not n0 < n1 < n2 or any(abs(x / n0 - y / n1) > P(-60) for x, y in zip(rel[0], rel[1])): return
+            if not P(-32) * top < n0 < n1 < n2 or any(abs(x / n0 - y / n1) > P(-60) for x, y in zip(rel[0], rel[1])): return
             old = [list(v) for v in s.v]
             held = [b for b in comp[0] for ahead in (False, True) if s.block(b, k, ahead)[1] is None]
             if held: # a body that rests on an infinite mass answers like it

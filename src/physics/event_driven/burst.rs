@@ -295,8 +295,9 @@ impl EventDriven {
     /// one that does not.
     fn follow_cycle(&mut self, patch: &mut Patch, index: u32, axis: Axis, world: &World) -> Result<(), StepError> {
         let root = patch.root_of_touch(&patch.touches[index as usize]) as usize;
+        let greatest = patch.bursts[root].greatest;
         let mut history = std::mem::take(&mut patch.bursts[root].histories[axis as usize]);
-        let cycle = history.push(index, |touch| patch.approach(&patch.touches[touch as usize], axis));
+        let cycle = history.push(index, greatest, |touch| patch.approach(&patch.touches[touch as usize], axis));
         patch.bursts[root].histories[axis as usize] = history;
         match cycle {
             None => Ok(()),
@@ -305,6 +306,8 @@ impl EventDriven {
                 Ok(())
             }
             Some((Cycle::Persists, _)) => {
+                // Infinite masses that approach each other make up for the losses.
+                self.check_squeezed(patch, world)?;
                 let pair = patch.touches[index as usize].bodies.map(|body| patch.bodies[body as usize].slot);
                 Err(self.endless_error(world, pair))
             }

@@ -11,6 +11,10 @@ const SEARCH_INTERVAL: u64 = 16;
 /// Directions that agree to this are the same.
 const SAME_DIRECTION: f64 = 1.0 / (1_u64 << 60) as f64;
 
+/// Cycles are proven only while the speeds are above this fraction of the greatest of the burst. Velocities are rounded
+/// to 2⁻¹⁰⁴, so slower ones have no direction to that accuracy unless everything comes to rest in this frame of reference.
+const SLOWEST: f64 = 1.0 / (1_u64 << 32) as f64;
+
 /// Lengths that agree to this are the same.
 const SAME_LENGTH: f64 = 1.0 / (1_u128 << 86) as f64;
 
@@ -52,8 +56,13 @@ impl ImpactHistory {
     }
 
     /// Records an impact; returns the touches of a cycle if it completes the proof of one. `approach` gives the
-    /// present approach speed of a touch.
-    pub fn push(&mut self, touch: u32, approach: impl Fn(u32) -> DoubleDouble) -> Option<(Cycle, Vec<u32>)> {
+    /// present approach speed of a touch, `greatest` is the greatest approach speed of the burst, m/s.
+    pub fn push(
+        &mut self,
+        touch: u32,
+        greatest: f64,
+        approach: impl Fn(u32) -> DoubleDouble,
+    ) -> Option<(Cycle, Vec<u32>)> {
         if self.touches.len() >= 8 * MAX_PERIOD {
             self.touches.drain(..4 * MAX_PERIOD);
         }
@@ -64,7 +73,7 @@ impl ImpactHistory {
             self.start_probe(&approach);
         }
         let probe = self.probe.take_if(|probe| probe.records.len() == 3)?;
-        Some((probe.verdict()?, probe.touches))
+        Some((probe.verdict(greatest * SLOWEST)?, probe.touches))
     }
 
     fn continue_probe(&mut self, approach: &impl Fn(u32) -> DoubleDouble) {
@@ -98,8 +107,8 @@ impl ImpactHistory {
 }
 
 impl Probe {
-    /// The continuation that the records at the ends of three periods prove, if any.
-    fn verdict(&self) -> Option<Cycle> {
+    /// The continuation that the records at the ends of three periods prove, if any; speeds below `slowest` decide nothing.
+    fn verdict(&self, slowest: f64) -> Option<Cycle> {
         let [first, second, third] = self.records.as_slice() else { return None };
         let mut greatest = 0;
         for index in 0..first.len() {
@@ -108,7 +117,7 @@ impl Probe {
             }
         }
         let scale = [first, second, third].map(|record| record[greatest].high.abs());
-        if scale[2] == 0.0 || scale[1] == 0.0 {
+        if scale[2] <= slowest || scale[1] <= slowest {
             return None;
         }
         let is_same = |a: &[DoubleDouble], b: &[DoubleDouble]| {
@@ -140,7 +149,7 @@ mod tests {
                 speed *= factor;
             }
             let approach = |touch: u32| DoubleDouble::from(if touch == 0 { speed } else { -0.5 * speed });
-            if let Some((cycle, touches)) = history.push(impact % 2, approach) {
+            if let Some((cycle, touches)) = history.push(impact % 2, 1.0, approach) {
                 assert_eq!(touches, [0, 1]);
                 return Some(cycle);
             }
