@@ -42,6 +42,45 @@ fn bounces_and_bursts_are_accurate_throughout() {
     }
 }
 
+/// Two light boxes are squeezed between a heavy one and a wall: the gaps shrink below the resolution of positions before
+/// the heavy box has stopped, and from then on the order of creation replaces the order in time.
+#[test]
+fn accuracy_ends_where_the_resolution_of_positions_decides() {
+    let scene = r#"
+        [world]
+        size = [16.0, 9.0]
+        gravity = [0.0, 0.0]
+        [run]
+        rate = 32.0
+        steps = 60
+        solver = "event-driven"
+        [restitution]
+        default = 0.5
+        [[spawn]]
+        name = "heavy"
+        at = [0.0, 3.0]
+        size = [4.0, 2.0]
+        mass = 1000.0
+        velocity = [0.0, -1.0]
+        [[spawn]]
+        name = "left"
+        at = [-1.0, 1.0]
+        size = [2.0, 2.0]
+        mass = 1.0
+        [[spawn]]
+        name = "right"
+        at = [3.0, 1.0]
+        size = [1.0, 2.0]
+        mass = 1.0
+        [[spawn]]
+        name = "block"
+        at = [0.0, -2.0]
+        size = [4.0, 2.0]
+        mass = inf
+    "#;
+    assert_eq!(accuracy_of(scene, "--accuracy"), "1e-10 until step 32");
+}
+
 #[test]
 fn accuracy_is_not_computed_unless_it_is_asked_for_and_can_be() {
     assert_eq!(accuracy_of(&bounce("event-driven"), ""), "not computed");

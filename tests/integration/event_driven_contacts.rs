@@ -167,6 +167,26 @@ fn a_bouncing_ball_comes_to_rest_at_the_limit_of_its_series_of_impacts() {
     }
 }
 
+/// Along each axis the gap closes after √(2·gap/a) and each bounce takes e times as long as the one before.
+#[test]
+fn a_box_that_is_drawn_diagonally_into_a_corner_comes_to_rest_there() {
+    for (e, gap) in [(0.5, 0.125), (0.3, 2.0), (0.9, 0.5)] {
+        let block = spec([0.0, 1.0], [1.0, 1.0], INFINITE);
+        let body = spec([1.0 + gap, -gap], [1.0, 1.0], 1.0).with_force(-6.0, 6.0);
+        let conditions = Conditions { gravity: None, restitution: e, rate: 1000.0, ..Conditions::default() };
+        let mut engine = world(conditions, &[block, body]);
+        let fall = (gap / 3.0_f64).sqrt();
+        let rest = fall * (1.0 + 2.0 * e / (1.0 - e));
+        let collisions = run(&mut engine, (rest * 1000.0) as u64 + 2);
+        let last = collisions.last().unwrap();
+        assert!((last.instant - rest).abs() < 1e-8, "e = {e}: at rest after {} s, expected {rest} s", last.instant);
+        let body = self::body(&engine, 1);
+        let Vector { x, y } = body.rect.origin;
+        assert!((x - 1.0).abs() < 1e-18 && y.abs() < 1e-18, "e = {e}: at {x}, {y}");
+        assert_eq!(body.velocity, Vector::ZERO);
+    }
+}
+
 #[test]
 fn a_row_with_e_0_moves_as_one_after_an_impact() {
     let mut bodies: Vec<_> = (0..1000).map(|n| spec([f64::from(n), 0.0], [1.0, 1.0], 1.0)).collect();

@@ -232,6 +232,21 @@ fn a_body_crushed_between_infinite_masses_is_an_error_that_names_all_three() {
     }
 }
 
+/// The lower wall acts through two boxes that rest on it.
+#[test]
+fn a_body_pressed_through_others_that_rest_on_a_rising_wall_is_crushed() {
+    let bodies = [
+        spec([-0.5, -0.75], [0.25, 0.125], 1.0),
+        spec([-0.5, 0.0], [0.5, 0.25], INFINITE).with_velocity(0.0, -0.25),
+        spec([-0.375, -0.5], [0.125, 0.125], 10.0),
+        spec([-0.375, -0.375], [0.125, 0.125], 1.0),
+        spec([-0.5, -1.0], [0.5, 0.25], INFINITE).with_velocity(0.0, 0.5),
+    ];
+    let mut engine = world(Conditions { restitution: 0.5, rate: 32.0, ..Conditions::default() }, &bodies);
+    let error = (0..32).find_map(|_| engine.step(&mut Vec::new()).err()).expect("the room is closed after 0.5 s");
+    assert!(matches!(&error, StepError::Crushed { step: 15, between, .. } if *between == ["4", "1"]), "{error:?}");
+}
+
 #[test]
 fn a_body_with_e_1_is_crushed_too() {
     let bodies = [
