@@ -23,6 +23,9 @@ const INKS = {
 };
 
 class Stage {
+  /** From this number of bodies on, arrows and trails are one pixel wide: browsers need a tenth of the time. */
+  static CROWD = 120;
+
   constructor(canvas) {
     this.canvas = canvas;
     this.pen = canvas.getContext('2d', { alpha: false });
@@ -122,31 +125,58 @@ class Stage {
       pen.strokeRect(left - ratio / 2, top - ratio / 2, width * k + ratio, height * k + ratio);
     }
     if (view.show.has('trail')) this.drawTrails(X, Y);
-    const outline = Math.max(1, Math.min(2 * ratio, k * 0.04));
-    const edge = EDGES[view.theme];
-    // Outlines cost more than boxes, and many small ones are only noise.
-    const small = (b.length > 2000 * Engine.BODY ? 16 : 4) * outline;
-    for (let i = 0; i < b.length; i += Engine.BODY) {
-      if (b[i + 9]) continue;
-      const [x, y, w, h] = [X(b[i + 1]), Y(b[i + 2]), b[i + 3] * k, b[i + 4] * k];
-      const color = b[i + 8];
-      pen.fillStyle = css(color);
-      pen.fillRect(x, y, Math.max(w, 1), Math.max(h, 1));
-      if (w > small && h > small) {
-        pen.lineWidth = outline;
-        pen.strokeStyle = edge(color);
-        pen.strokeRect(x + outline / 2, y + outline / 2, w - outline, h - outline);
-      }
-      if (b[i + 7] === Infinity && w > 8 && h > 8) this.hatch(x, y, w, h);
-    }
+    this.drawBoxes(EDGES[view.theme]);
     if (view.show.has('velocity')) this.arrows(view, ink.ink, (i) => [b[i + 5], b[i + 6]], view.arrow);
     if (view.show.has('momentum')) {
-      this.arrows(view, ink.momentum, (i) => (b[i + 7] === Infinity ? [0, 0] : [b[i + 5] * b[i + 7], b[i + 6] * b[i + 7]]), view.arrow);
+      // Beside the velocity, which has the same direction.
+      const beside = view.show.has('velocity') ? 7 * ratio : 0;
+      this.arrows(view, ink.momentum, (i) => (b[i + 7] === Infinity ? [0, 0] : [b[i + 5] * b[i + 7], b[i + 6] * b[i + 7]]), view.arrow, beside);
     }
     if (view.show.has('name')) this.drawNames(view.show.has('velocity') || view.show.has('momentum') ? 0.3 : 0.5);
     this.drawFlashes(view, ink, X, Y);
     if (view.show.has('centre')) this.drawCentre(ink, X, Y);
     for (const mark of view.marks) this.drawMark(mark, ink, X, Y);
+  }
+
+  drawBoxes(edge) {
+    const { pen, bodies: b, scale: k, left, top, ratio } = this;
+    const isCrowd = b.length >= Stage.CROWD * Engine.BODY;
+    const outline = Math.max(1, Math.min(2 * ratio, k * 0.04));
+    // Rectangles of whole pixels are filled without smoothing.
+    const [snap, border] = isCrowd ? [Math.round, Math.round(outline)] : [(x) => x, outline];
+    // Many small outlines are only noise.
+    const small = (b.length > 2000 * Engine.BODY ? 16 : 4) * outline;
+    for (const group of this.groups(isCrowd)) {
+      const insides = [];
+      pen.fillStyle = edge(b[group[0] + 8]);
+      for (const i of group) {
+        const x = snap(left + b[i + 1] * k);
+        const y = snap(top + b[i + 2] * k);
+        const w = Math.max(snap(left + (b[i + 1] + b[i + 3]) * k) - x, 1);
+        const h = Math.max(snap(top + (b[i + 2] + b[i + 4]) * k) - y, 1);
+        if (w > small && h > small) {
+          pen.fillRect(x, y, w, h);
+          insides.push(x + border, y + border, w - 2 * border, h - 2 * border);
+        } else insides.push(x, y, w, h);
+      }
+      pen.fillStyle = css(b[group[0] + 8]);
+      for (let at = 0; at < insides.length; at += 4) pen.fillRect(insides[at], insides[at + 1], insides[at + 2], insides[at + 3]);
+      for (const i of group) if (b[i + 7] === Infinity) this.hatch(left + b[i + 1] * k, top + b[i + 2] * k, b[i + 3] * k, b[i + 4] * k);
+    }
+  }
+
+  /** The bodies that are drawn, in their order; those of a crowd by colour, because a change of colour takes time. */
+  groups(isCrowd) {
+    const b = this.bodies;
+    const groups = new Map();
+    for (let i = 0; i < b.length; i += Engine.BODY) {
+      if (b[i + 9]) continue;
+      const key = isCrowd ? b[i + 8] : i;
+      const group = groups.get(key);
+      if (group) group.push(i);
+      else groups.set(key, [i]);
+    }
+    return groups.values();
   }
 
   drawGrid(ink) {
@@ -164,7 +194,7 @@ class Stage {
   hatch(x, y, w, h) {
     const { pen, ratio } = this;
     const gap = 8 * ratio;
-    if ((w + h) / gap > 400) return;
+    if (w <= 8 || h <= 8 || (w + h) / gap > 400) return;
     pen.save();
     pen.beginPath();
     pen.rect(x, y, w, h);
@@ -179,7 +209,9 @@ class Stage {
 
   drawTrails(X, Y) {
     const { pen, bodies: b, ratio } = this;
-    pen.lineWidth = 2 * ratio;
+    const isCrowd = b.length >= Stage.CROWD * Engine.BODY;
+    const stride = isCrowd ? 6 : 4;
+    pen.lineWidth = isCrowd ? 1 : 2 * ratio;
     pen.globalAlpha = 0.45;
     for (let i = 0; i < b.length; i += Engine.BODY) {
       const trail = this.trails.get(b[i]);
@@ -187,30 +219,35 @@ class Stage {
       pen.strokeStyle = css(b[i + 8]);
       pen.beginPath();
       pen.moveTo(X(trail[0]), Y(trail[1]));
-      for (let j = 4; j < trail.length; j += 4) pen.lineTo(X(trail[j]), Y(trail[j + 1]));
+      for (let j = stride; j < trail.length; j += stride) pen.lineTo(X(trail[j]), Y(trail[j + 1]));
       pen.lineTo(X(trail.at(-2)), Y(trail.at(-1)));
       pen.stroke();
     }
     pen.globalAlpha = 1;
   }
 
-  /** Arrows from the centres of the bodies; `of` gives a vector, which is drawn `scale` metres long per unit. */
-  arrows(view, color, of, scale) {
-    const { pen, bodies: b, ratio } = this;
+  /**
+   * Arrows from the centres of the bodies, or `beside` pixels to the right of them as seen along the arrow; `of` gives a
+   * vector, which is drawn `scale` metres long per unit.
+   */
+  arrows(view, color, of, scale, beside = 0) {
+    const { pen, bodies: b, ratio, scale: k } = this;
     pen.beginPath();
     for (let i = 0; i < b.length; i += Engine.BODY) {
       if (b[i + 9]) continue;
       const [vx, vy] = of(i);
-      this.arrow(b[i + 1] + b[i + 3] / 2, b[i + 2] + b[i + 4] / 2, vx * scale, vy * scale);
+      const aside = beside / k / (Math.sqrt(vx * vx + vy * vy) || 1);
+      this.arrow(b[i + 1] + b[i + 3] / 2 - vy * aside, b[i + 2] + b[i + 4] / 2 + vx * aside, vx * scale, vy * scale);
     }
-    // A margin keeps an arrow apart from a box of its colour; among many boxes it would only cost time.
-    if (b.length < 400 * Engine.BODY) {
+    const isCrowd = b.length >= Stage.CROWD * Engine.BODY;
+    if (!isCrowd) {
+      // A margin keeps an arrow apart from a box of its colour.
       pen.strokeStyle = INKS[view.theme].paper;
       pen.lineWidth = 5 * ratio;
       pen.stroke();
     }
     pen.strokeStyle = color;
-    pen.lineWidth = 2.2 * ratio;
+    pen.lineWidth = isCrowd ? 1 : 2.2 * ratio;
     pen.stroke();
   }
 
@@ -237,7 +274,7 @@ class Stage {
     for (let i = 0, n = 0; i < b.length; i += Engine.BODY, n += 1) {
       const name = names[n]?.[0];
       if (b[i + 9] || !name) continue;
-      const size = Math.round(Math.min(15 * ratio, b[i + 4] * k * 0.5, (b[i + 3] * k * 1.6) / name.length));
+      const size = Math.round(Math.min(15 * ratio, b[i + 4] * k * 0.5, (b[i + 3] * k * 1.4) / name.length));
       if (size < 7 * ratio) continue;
       const list = bySize.get(size);
       if (list) list.push(i, n);

@@ -55,6 +55,15 @@ function fromBase85(text, length) {
   return bytes.subarray(0, length);
 }
 
+/** The bytes of a part of the module. */
+const unpacked = ({ text, length }) => fzstd.decompress(fromBase85(text, length));
+
+/** A part of the module as the page holds it. */
+function packed(part) {
+  const { textContent, dataset } = document.getElementById(part);
+  return { text: textContent, length: Number(dataset.length) };
+}
+
 /** A message of the engine, as opposed to a failure of the module. */
 class Refusal extends Error {}
 
@@ -62,15 +71,29 @@ class Engine {
   static BODY = 10;
   static COLLISION = 19;
 
-  static async create(module) {
-    const { exports } = await WebAssembly.instantiate(module, {}).then((made) => made.instance ?? made);
-    exports.start();
-    return new Engine(module, exports);
+  /** The parts of the module: `core` is enough for a session, `rest` is the other functions. */
+  static core = null;
+  static rest = null;
+
+  static async create() {
+    const engine = new Engine();
+    // A function of the rest is at its place in the table once the rest is there.
+    const place = (index) => (...args) => { engine.complete(); return engine.x['%table'].get(index)(...args); };
+    const placeholder = new Proxy({}, { get: (_, index) => place(Number(index)) });
+    engine.x = (await WebAssembly.instantiate(Engine.core, { placeholder })).exports;
+    /** The time at which the rest was there, ms. */
+    engine.whole = null;
+    if (Engine.rest) engine.complete();
+    engine.x.start();
+    return engine;
   }
 
-  constructor(module, exports) {
-    this.module = module;
-    this.x = exports;
+  /** Adds the rest of the functions. */
+  complete() {
+    if (this.whole) return;
+    Engine.rest ??= new WebAssembly.Module(unpacked(packed('rest')));
+    new WebAssembly.Instance(Engine.rest, { primary: this.x });
+    this.whole = performance.now();
   }
 
   give(data) {
@@ -116,8 +139,11 @@ class Engine {
   film(bytes) { this.give(bytes); return JSON.parse(this.ask(this.x.film_open())); }
 }
 
-/** One job of the worker: draws a picture of a recording, or writes a table of it. */
-function draw(engine, job) {
+/** One job of the worker: compiles a part of the module, draws a picture of a recording, or writes a table of it. */
+async function work(job) {
+  if (job.part) return WebAssembly.compile(unpacked(job.part));
+  [Engine.core, Engine.rest] = job.modules;
+  const engine = await Engine.create();
   engine.film(job.recording);
   return job.format === 'csv' ? engine.file(engine.x.csv(job.table)) : engine.picture(job.format, job.step, job.options);
 }
@@ -125,7 +151,7 @@ function draw(engine, job) {
 if (typeof document === 'undefined') {
   onmessage = async ({ data }) => {
     try {
-      postMessage({ file: draw(await Engine.create(data.module), data.job) });
+      postMessage({ result: await work(data) });
     } catch (error) {
       postMessage({ error: String(error.message ?? error) });
     }

@@ -1,4 +1,4 @@
-use crate::session::{ColorKey, push_body};
+use crate::columns::{ColorKey, push_body};
 use rebond::recordings::{Playback, Recording, SampledState};
 use rebond::{ALL_STEPS, CollisionCount, Replayer, Verdict};
 use std::io::Cursor;

@@ -4,6 +4,7 @@
 //! calls the functions in [`exports`], the only part with unsafe code.
 #![deny(unsafe_code)]
 
+mod columns;
 mod event_line;
 #[allow(unsafe_code)]
 pub mod exports;
@@ -14,13 +15,14 @@ mod save;
 mod scene_text;
 mod session;
 
+pub use columns::{BODY_COLUMNS, COLLISION_COLUMNS, ColorKey};
 pub use event_line::EventLine;
 pub use film::{Film, LiveVerdict};
 pub use history::{EnergyStrip, History};
 pub use pictures::{FigureKind, collision_figure, draw, table};
 pub use save::Save;
 pub use scene_text::{BUNDLED, SceneText};
-pub use session::{BODY_COLUMNS, COLLISION_COLUMNS, ColorKey, MAX_BODIES, Session, When};
+pub use session::{MAX_BODIES, Session, When};
 
 #[cfg(test)]
 mod tests;

@@ -1,26 +1,19 @@
 // The page: what is clicked, what is shown. The engine owns all states; here are texts, files and the view.
 
-const EMPTY_ROOM = `title = "Empty room"
-[world]
-size = [16.0, 9.0]
-walls = true
-gravity = [0.0, 9.81]
-[run]
-rate = 60
-steps = 600
-[restitution]
-default = 0.7
-"steel/steel" = 0.95
-"wood/wood" = 0.5
-"steel/wood" = 0.7
-`;
 const LIMITS = { file: 64, link: 8000, fragment: 200_000, scene: 2_000_000, rows: 100 };
 const SLICE = 8; // ms of work between two frames
 
 function pageMain(source) {
   const $ = (id) => document.getElementById(id);
   const all = (selector) => [...document.querySelectorAll(selector)];
-  const short = (number) => (number === Infinity ? '∞' : Number.isFinite(number) ? String(Number(number.toPrecision(4))) : '–');
+  /** A number with four digits, a true minus and a power of ten. */
+  function short(number) {
+    if (number === Infinity) return '∞';
+    if (!Number.isFinite(number)) return '–';
+    const [digits, power] = String(Number(number.toPrecision(4))).split('e');
+    const raised = power?.replace('+', '').replace(/./g, (sign) => (sign === '-' ? '⁻' : '⁰¹²³⁴⁵⁶⁷⁸⁹'[sign]));
+    return `${digits.replace('-', '−')}${raised ? `·10${raised}` : ''}`;
+  }
   const prefers = (query) => globalThis.matchMedia?.(query).matches ?? false;
 
   const view = {
@@ -30,11 +23,13 @@ function pageMain(source) {
   const state = {
     language: (navigator.language || 'en').startsWith('fr') ? 'fr' : 'en',
     playing: false, held: false, both: false, behind: 0, last: 0, rate: 60, status: [null, null], journal: [null, null],
-    acts: [], film: null, panel: null, seeking: false, busy: 0, bundled: [], cursor: null, selected: null, hinted: false,
+    acts: [], film: null, panel: null, turn: 0, seeking: false, busy: 0, bundled: [], cursor: null, selected: null, hinted: false,
   };
   const T = () => TEXTS[state.language];
   const stages = [new Stage($('canvas-0')), new Stage($('canvas-1'))];
   let engine;
+  const started = {};
+  started.promise = new Promise((resolve) => { started.resolve = resolve; });
 
   // Messages
 
@@ -47,9 +42,13 @@ function pageMain(source) {
   }
   function quiet() { $('toast').hidden = true; }
 
-  /** Runs an action; a message of the engine is shown, and after a failure of the module the session is restored. */
+  /**
+   * Runs an action, if need be as soon as there is an engine; a message of the engine is shown, and after a failure of
+   * the module the session is restored.
+   */
   async function attempt(action) {
     try {
+      if (!engine) await started.promise;
       return await action();
     } catch (error) {
       if (error instanceof WebAssembly.RuntimeError || error instanceof RangeError) await recover(error);
@@ -62,7 +61,7 @@ function pageMain(source) {
     stop();
     let message = String(error.message);
     try { message = engine.text() || message; } catch { /* the memory is gone, too */ }
-    engine = await Engine.create(engine.module);
+    engine = await Engine.create();
     Object.assign(state, { film: null, acts: [], seeking: false, busy: 0 });
     $('film').hidden = true;
     for (const which of [0, 1]) {
@@ -167,6 +166,11 @@ function pageMain(source) {
 
   function paint(offset = 0) {
     view.paused = !state.playing;
+    if (!engine) {
+      stages[0].fit();
+      stages[0].draw(view);
+      return;
+    }
     for (const which of sides()) {
       const stage = stages[which];
       stage.size = state.film ? state.film.size : state.status[which].size;
@@ -288,35 +292,45 @@ function pageMain(source) {
 
   const idle = () => new Promise((resolve) => { setTimeout(resolve); });
 
-  /** Goes to a step in slices; a later call replaces an earlier one. */
-  async function seek(step) {
-    const to = Math.max(0, Math.round(step));
-    const turn = (state.turn = (state.turn ?? 0) + 1);
-    stop();
-    if (state.film) { showFilm(Math.min(to, state.film.steps)); return; }
-    state.seeking = true;
-    stages.forEach((stage) => { stage.trails.clear(); stage.flashes = []; });
-    for (const which of sides()) engine.x.go_to(which, to);
-    await advance(turn);
-  }
-
-  async function advance(turn = (state.turn = (state.turn ?? 0) + 1)) {
+  /**
+   * Repeats `work` until it returns true, in slices between two frames. Returns false if another call has replaced this
+   * one.
+   */
+  async function inSlices(work) {
+    const turn = (state.turn += 1);
     state.seeking = true;
     for (;;) {
       const began = performance.now();
       let done = false;
-      while (!done && performance.now() - began < SLICE) {
-        done = sides().map((which) => engine.x.advance(which, 4)).every((reached) => reached);
-      }
-      if (state.turn !== turn) return;
+      while (!done && performance.now() - began < SLICE) done = work();
       if (done) break;
       paint();
       showTime();
       await idle();
-      if (state.turn !== turn) return;
+      if (state.turn !== turn) return false;
     }
     state.seeking = false;
-    refresh();
+    return true;
+  }
+
+  /** Goes to a step in slices; a later call replaces an earlier one. */
+  async function seek(step) {
+    const to = Math.max(0, Math.round(step));
+    stop();
+    if (state.film) {
+      Object.assign(state, { turn: state.turn + 1, seeking: false });
+      showFilm(Math.min(to, state.film.steps));
+      return;
+    }
+    stages.forEach((stage) => { stage.trails.clear(); stage.flashes = []; });
+    for (const which of sides()) engine.x.go_to(which, to);
+    await advance();
+  }
+
+  /** Reaches the steps that the sessions go to. */
+  async function advance() {
+    const isReached = () => sides().map((which) => engine.x.advance(which, 4)).every((reached) => reached);
+    if (await inSlices(isReached)) refresh();
   }
 
   async function stepForward() {
@@ -333,25 +347,17 @@ function pageMain(source) {
   async function nextCollision() {
     if (state.film || state.seeking) return;
     stop();
-    const turn = (state.turn = (state.turn ?? 0) + 1);
     const last = engine.x.step_now(0) + 60 * state.rate;
-    state.seeking = true;
     let found = false;
-    while (!found && engine.x.step_now(0) < last) {
-      const began = performance.now();
-      while (!found && performance.now() - began < SLICE && engine.x.step_now(0) < last) {
-        if (!stepAll()) { state.seeking = false; refresh(); return; }
-        const c = engine.collisions(0);
-        for (let i = 5; i < c.length; i += Engine.COLLISION) found ||= c[i] !== 0;
-      }
-      if (state.turn !== turn) return;
-      paint();
-      showTime();
-      await idle();
-      if (state.turn !== turn) return;
-    }
-    state.seeking = false;
+    const finished = await inSlices(() => {
+      if (!stepAll()) return true;
+      const c = engine.collisions(0);
+      for (let i = 5; i < c.length; i += Engine.COLLISION) found ||= c[i] !== 0;
+      return found || engine.x.step_now(0) >= last;
+    });
+    if (!finished) return;
     refresh();
+    if (state.status[0].failure) return;
     if (!found) { toast(T().noCollision, 'good'); return; }
     openPanel('collision');
     say($('collision-text').textContent);
@@ -491,8 +497,9 @@ function pageMain(source) {
       if (!grip || event.pointerId !== grip.id) return;
       const at = stage.point(event);
       const { b, name, moved, path, at: from } = grip;
-      const spot = moved ? ghost(at) : null;
+      const spot = moved || !engine ? ghost(at) : null;
       release();
+      if (!engine) { view.marks.push(spot); paint(); }
       attempt(() => {
         if (!moved) return click(from);
         // An arrow of a metre is 2 m/s.
@@ -728,17 +735,16 @@ function pageMain(source) {
 
   function showCommand() {
     const { flags } = lookOptions([1280, 720]);
+    const left = ['momentum', 'centre'].filter((name) => view.show.has(name)).map((name) => T()[name]);
     $('command').textContent = T().command(`rebond render ${base()}.mcap -o ${base()}.png --at ${present()} ${flags}`);
+    $('not-drawn').textContent = left.length ? T().notDrawn(left.join(', ')) : '';
   }
 
   /** Does a job in a worker, so that the page stays usable; without workers, here. */
-  function drawBeside(job) {
+  function workBeside(job) {
     return new Promise((resolve, reject) => {
       let worker;
-      const here = () => attempt(async () => {
-        const spare = await Engine.create(engine.module);
-        resolve(draw(spare, job));
-      }).catch(reject);
+      const here = () => work(job).then(resolve, reject);
       try {
         const url = URL.createObjectURL(new Blob([source], { type: 'text/javascript' }));
         worker = new Worker(url);
@@ -748,9 +754,9 @@ function pageMain(source) {
       worker.onmessage = ({ data }) => {
         worker.terminate();
         if (data.error) reject(new Refusal(data.error));
-        else resolve(data.file);
+        else resolve(data.result);
       };
-      try { worker.postMessage({ module: engine.module, job }); } catch { worker.terminate(); here(); }
+      try { worker.postMessage(job); } catch { worker.terminate(); here(); }
     });
   }
 
@@ -772,8 +778,10 @@ function pageMain(source) {
         const file = await recording(which);
         const table = { states: 0, collisions: 1 }[kind];
         const options = lookOptions(kind === 'gif' ? [640, 360] : [1280, 720]).json;
-        const job = { recording: file, format: table === undefined ? kind : 'csv', table, step, options };
-        const bytes = await drawBeside(job);
+        engine.complete();
+        const modules = [Engine.core, Engine.rest];
+        const job = { modules, recording: file, format: table === undefined ? kind : 'csv', table, step, options };
+        const bytes = await workBeside(job);
         const type = { png: 'image/png', svg: 'image/svg+xml', gif: 'image/gif' }[kind] ?? 'text/csv';
         download(table === undefined ? `${name}.${kind}` : `${name}-${kind}.csv`, bytes, type);
       }
@@ -1010,7 +1018,7 @@ function pageMain(source) {
     addEventListener('resize', () => paint());
     new ResizeObserver(() => paint()).observe($('stages'));
     addEventListener('hashchange', () => attempt(openFragment));
-    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', (event) => { setTheme(event.matches ? 'dark' : 'light'); refresh(); });
+    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', (event) => attempt(() => { setTheme(event.matches ? 'dark' : 'light'); refresh(); }));
     let depth = 0;
     const isFile = (event) => event.dataTransfer?.types?.includes('Files');
     addEventListener('dragenter', (event) => { if (isFile(event)) { depth += 1; $('drop').hidden = false; } });
@@ -1025,37 +1033,55 @@ function pageMain(source) {
     });
   }
 
-  async function begin() {
-    setTheme(view.theme);
+  function makeOverlays() {
     for (const name of ['velocity', 'momentum', 'trail', 'name', 'grid', 'normal', 'penetration', 'impulse', 'centre', 'clock']) {
       const label = document.createElement('label');
       label.className = 'check';
       const input = Object.assign(document.createElement('input'), { type: 'checkbox', value: name, checked: view.show.has(name) });
-      input.addEventListener('change', () => { view.show[input.checked ? 'add' : 'delete'](name); refresh(); });
+      input.addEventListener('change', () => attempt(() => { view.show[input.checked ? 'add' : 'delete'](name); refresh(); }));
       label.append(input, document.createElement('span'));
       $('overlays').append(label);
     }
+  }
+
+  /** Shows the empty room. Clicks are taken from here on, and make boxes as soon as there is an engine. */
+  function openRoom() {
+    setTheme(view.theme);
+    makeOverlays();
     translate();
-    const unpacked = fzstd.decompress(fromBase85($('module').textContent, Number($('module').dataset.length)));
-    const times = { unpacked: performance.now() };
-    engine = await Engine.create(await WebAssembly.compile(unpacked));
-    times.compiled = performance.now();
-    engine.x.bundled();
-    state.bundled = JSON.parse(engine.text());
-    $('scenes').add(new Option(T().emptyRoom, ''));
-    for (const [name, text] of state.bundled) $('scenes').add(new Option(titleOf(text, name), name));
-    choose('');
     pointer(0);
     pointer(1);
     wire();
-    await openFragment();
-    times.ready = performance.now();
-    document.documentElement.dataset.ready = 'yes';
-    globalThis.rebond = { get engine() { return engine; }, state, view, stages, times, seek, click, openFile, recording };
-    requestAnimationFrame(frame);
+    paint();
+    document.documentElement.dataset.ready = 'clicks';
+    return performance.now();
   }
 
-  begin().catch((error) => { $('hint').textContent = String(error.message ?? error); });
+  async function begin(clicks) {
+    Engine.core = await WebAssembly.compile(unpacked(packed('core')));
+    const made = await Engine.create();
+    made.x.bundled();
+    state.bundled = JSON.parse(made.text());
+    $('scenes').add(new Option(T().emptyRoom, ''));
+    for (const [name, text] of state.bundled) $('scenes').add(new Option(titleOf(text, name), name));
+    engine = made;
+    view.marks = [];
+    choose('');
+    started.resolve();
+    const times = { clicks, engine: performance.now() };
+    globalThis.rebond = { get engine() { return engine; }, state, view, stages, times, seek, click, openFile, recording };
+    requestAnimationFrame(frame);
+    await openFragment();
+    document.documentElement.dataset.ready = 'yes';
+    // The browser shows the page first.
+    if (document.readyState === 'loading') await new Promise((resolve) => { addEventListener('DOMContentLoaded', resolve); });
+    await idle();
+    Engine.rest ??= await workBeside({ part: packed('rest') });
+    engine.complete();
+  }
+
+  const opened = openRoom();
+  addEventListener('core', () => begin(opened).catch((error) => { $('hint').textContent = String(error.message ?? error); }), { once: true });
 }
 
 if (typeof document !== 'undefined') pageMain(document.currentScript.textContent);

@@ -1,12 +1,11 @@
+use crate::columns::{ColorKey, push_body, push_collision};
 use crate::scene_text::{SceneText, retimed, with_events, with_steps};
 use crate::{EnergyStrip, EventLine, FigureKind, History, Save, collision_figure};
-use rebond::internals::picture::{EnergySample, body_color, color_by_speed};
+use rebond::internals::picture::{EnergySample, body_color};
 use rebond::internals::replay::RunSnapshot;
 use rebond::internals::scene::{Action, Blueprint, Input, InputLocation, SpawnRequest};
 use rebond::recordings::{BodyInfo, Change};
-use rebond::{
-    Body, BodyId, Collision, Diagnostic, Rect, Run, Scene, SceneError, StepError, Theme, Vector, parse_scene,
-};
+use rebond::{Body, BodyId, Collision, Diagnostic, Run, Scene, SceneError, StepError, Theme, Vector, parse_scene};
 use std::collections::{BTreeMap, VecDeque};
 
 /// The largest number of bodies alive.
@@ -27,14 +26,6 @@ const MAX_RECENT: usize = 200;
 /// Sessions that undo can return to.
 const MAX_UNDO: usize = 200;
 
-/// Numbers of a body for the canvas: id, x, y, width, height, vx, vy, mass, colour, and
-/// 1 for a wall.
-pub const BODY_COLUMNS: usize = 10;
-
-/// Numbers of a collision: the ids of c and b, the normal, e, the impulse, vn before and after, the instant, the
-/// penetration, and both rectangles.
-pub const COLLISION_COLUMNS: usize = 19;
-
 /// The state that an event changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum When {
@@ -42,17 +33,6 @@ pub enum When {
     Now,
     /// The next one.
     Next,
-}
-
-/// The property that determines the colours of bodies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum ColorKey {
-    /// The body.
-    Body,
-    /// The material.
-    Material,
-    /// The speed.
-    Speed,
 }
 
 /// A scene and lines of events, and the run that follows from them.
@@ -578,46 +558,4 @@ fn all_messages(error: &SceneError) -> String {
         format!("line {}: {diagnostic}{help}", line(diagnostic.span.start))
     };
     diagnostics.listed().map(message).collect::<Vec<String>>().join("\n")
-}
-
-/// Appends the columns of a body.
-pub fn push_body(
-    columns: &mut Vec<f64>,
-    info: &BodyInfo,
-    rect: &Rect,
-    velocity: Vector,
-    key: ColorKey,
-    top_speed: f64,
-    materials: &[&str],
-) {
-    let spawn = &info.spawn;
-    let is_wall = spawn.mass == f64::INFINITY && spawn.name.starts_with("wall-");
-    let numbered = |id: BodyId| body_color(&BodyInfo { id, color: None, ..info.clone() });
-    let [red, green, blue] = match key {
-        ColorKey::Speed if spawn.mass.is_finite() && top_speed > 0.0 => {
-            let color = color_by_speed(velocity.norm(), top_speed);
-            [color.r, color.g, color.b]
-        }
-        // Pictures number the materials so, too.
-        ColorKey::Material if !is_wall => match materials.iter().position(|name| *name == spawn.material) {
-            Some(index) => numbered(index as BodyId + 4),
-            None => [0x99; 3],
-        },
-        ColorKey::Body | ColorKey::Material | ColorKey::Speed => body_color(info),
-    };
-    let color = f64::from(u32::from_be_bytes([0, red, green, blue]));
-    let Vector { x, y, .. } = rect.origin;
-    columns.extend([f64::from(info.id), x, y, rect.width(), rect.height(), velocity.x, velocity.y, spawn.mass]);
-    columns.extend([color, f64::from(u8::from(is_wall))]);
-}
-
-fn push_collision(columns: &mut Vec<f64>, collision: &Collision) {
-    let Collision {
-        bodies: [c, b], normal, restitution, impulse, normal_velocity, instant, penetration, rects, ..
-    } = collision;
-    columns.extend([f64::from(*c), f64::from(*b), normal.x, normal.y, *restitution, *impulse]);
-    columns.extend(normal_velocity.iter().chain([instant, &penetration.x, &penetration.y]));
-    for rect in rects {
-        columns.extend([rect.origin.x, rect.origin.y, rect.width(), rect.height()]);
-    }
 }

@@ -487,9 +487,41 @@ const tests = {
     }
   },
 
-  async 'the texts of both languages have the same keys'() {
-    const [en, fr] = await run(() => ['en', 'fr'].map((language) => Object.keys(TEXTS[language]).sort()));
-    assert.deepEqual(en, fr);
+  async 'every text is in English and in French'() {
+    const incomplete = await run(() => Object.entries(PAIRS).filter(([, pair]) => {
+      const [en, fr] = pair.map((text) => (typeof text === 'object' ? Object.keys(text).join() : typeof text));
+      return pair.length !== 2 || en !== fr;
+    }).map(([key]) => key));
+    assert.deepEqual(incomplete, []);
+    // What the page asks for is there.
+    const missing = await run(() => [...document.querySelectorAll('[data-t], [data-l]')].map(({ dataset }) => dataset.t ?? dataset.l).filter((key) => !PAIRS[key]));
+    assert.deepEqual(missing, []);
+  },
+
+  async 'a click before the engine is there makes its box as soon as it is'() {
+    await page.close();
+    page = await browser.newPage();
+    await page.setViewport({ width: 1280, height: 800 });
+    await page.evaluateOnNewDocument(() => {
+      window.violations = [];
+      const watch = new MutationObserver(() => {
+        if (document.documentElement?.dataset.ready !== 'clicks') return;
+        watch.disconnect();
+        window.early = typeof rebond;
+        const canvas = document.getElementById('canvas-0');
+        canvas.setPointerCapture = () => {};
+        const box = canvas.getBoundingClientRect();
+        for (const type of ['pointerdown', 'pointerup']) {
+          canvas.dispatchEvent(new PointerEvent(type, { pointerId: 5, clientX: box.left + box.width / 2, clientY: box.top + box.height / 2, bubbles: true }));
+        }
+      });
+      watch.observe(document, { attributes: true, childList: true, subtree: true });
+    });
+    await page.goto(url);
+    await wait(() => document.documentElement.dataset.ready === 'yes' && rebond.engine.lines(0) !== '');
+    assert.equal(await run(() => window.early), 'undefined', 'the engine was not there');
+    assert.deepEqual((await bodies()).map(([name, x, y]) => [name, x.toFixed(1), y.toFixed(1)]), [['box 1', '7.5', '4.0']]);
+    assert.ok(await run(() => rebond.engine.whole === null || rebond.engine.whole > rebond.times.engine), 'the first part of the module is enough');
   },
 
   async 'the page makes no request and violates no policy'() {
@@ -512,9 +544,8 @@ async function measure() {
     stage.size = engine.status(0).size;
     stage.names = engine.names(0);
     const shown = new Set(overlays ? ['velocity', 'momentum', 'trail', 'name', 'grid', 'normal', 'penetration', 'impulse', 'centre'] : ['velocity']);
-    let [step, paint] = [0, 0];
-    const times = 40;
-    for (let i = 0; i < times; i += 1) {
+    const [step, paint] = [[], []];
+    for (let i = 0; i < 60; i += 1) {
       const began = performance.now();
       engine.x.step(0, 1);
       if (overlays) stage.flash(engine.collisions(0), 12);
@@ -523,16 +554,17 @@ async function measure() {
       if (overlays) stage.extendTrails(60);
       stage.fit();
       stage.draw({ ...view, show: shown, walls: true, marks: [] });
-      paint += performance.now() - stepped;
-      step += stepped - began;
+      paint.push(performance.now() - stepped);
+      step.push(stepped - began);
       if (i % 10 === 0) await new Promise((resolve) => { setTimeout(resolve); });
     }
-    return [step / times, paint / times].map((time) => Number(time.toFixed(2)));
+    // The least and the median: other programs of the machine only add to a time.
+    return [step, paint].map((times) => times.sort((a, b) => a - b)).map((times) => `${times[0].toFixed(1)} to ${times[30].toFixed(1)} ms`);
   }, gas(count, side), overlays);
-  const result = { 'ready after opening': `${opened.ready.toFixed(0)} ms` };
+  const result = { 'takes clicks after': `${opened.clicks.toFixed(0)} ms`, 'makes boxes after': `${opened.engine.toFixed(0)} ms` };
   for (const [count, side, overlays] of [[300, 12, true], [1000, 22, false], [10_000, 70, false]]) {
     const [step, paint] = await frames(count, side, overlays);
-    result[`${count} boxes${overlays ? ', all overlays' : ''}`] = `step ${step} ms, canvas ${paint} ms`;
+    result[`${count} boxes${overlays ? ', all overlays' : ''}`] = `step ${step}, canvas ${paint}`;
   }
   result['recording of a minute of 100 boxes'] = await run(async (text) => {
     const { engine, recording } = rebond;
