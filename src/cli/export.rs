@@ -2,7 +2,7 @@ use super::arguments::{ExportOptions, Shard, is_standard_output};
 use super::body_topics::BodyTopics;
 use super::error::CommandError;
 use super::output_file::{OutputFile, Overwrite};
-use super::source::SourceFile;
+use super::source::{SourceFile, Verification};
 use super::{Exit, output};
 use crate::physics::BodyId;
 use crate::picture::{self, EnergySample, ReadExtent, ReadStatus, recorded_world};
@@ -27,7 +27,8 @@ pub fn run(options: &ExportOptions) -> Result<Exit, CommandError> {
     if options.shard != Shard::WHOLE && options.sources.len() > 1 {
         return Err(CommandError::ShardOfSeveral);
     }
-    let files = options.sources.iter().map(|path| SourceFile::open(path)).collect::<Result<Vec<_>, CommandError>>()?;
+    let open = |path: &PathBuf| SourceFile::open(path, Verification::Replay);
+    let files = options.sources.iter().map(open).collect::<Result<Vec<_>, CommandError>>()?;
     let statuses = output.write(|file| {
         let mut rows = Rows { format, output: file, columns: options.table.columns(), source: None };
         let has_header = options.shard.number == 1;
@@ -56,7 +57,7 @@ fn export_topics(options: &ExportOptions) -> Result<Exit, CommandError> {
         });
     };
     let output = OutputFile::create(&options.output, Overwrite::from_force(options.force), &[path])?;
-    let file = SourceFile::open(path)?;
+    let file = SourceFile::open(path, Verification::Replay)?;
     let recording = recording::open(&file.path).map_err(CommandError::in_recording(path))?;
     let header = recording.header.clone();
     let step = |point: StepOrTime| point.step(header.config.rate);

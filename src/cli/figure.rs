@@ -2,7 +2,7 @@ use super::arguments::is_standard_output;
 use super::error::CommandError;
 use super::output_file::{OutputFile, Overwrite};
 use super::picture_arguments::FigureCommandOptions;
-use super::source::OpenedSource;
+use super::source::{OpenedSource, Verification};
 use super::{Exit, output};
 use crate::picture::{self, SOFTWARE, StillFormat, SubjectOptions};
 use std::num::NonZero;
@@ -17,7 +17,7 @@ pub fn run(options: &FigureCommandOptions) -> Result<Exit, CommandError> {
     let sources = options
         .sources
         .iter()
-        .map(|path| OpenedSource::open(path))
+        .map(|path| OpenedSource::open(path, Verification::None))
         .collect::<Result<Vec<OpenedSource>, CommandError>>()?;
     let recordings: Vec<picture::Source> = sources.iter().map(|source| source.recording.clone()).collect();
     let bar = output::progress_bar("drawing", 0);

@@ -2,7 +2,9 @@
 
 use super::error::CommandError;
 use super::output_file::OutputFile;
-use crate::picture::{self, AnimationSchedule, Clip, Drawn, Frame, Picture, Progress, Provenance, View, draw_frames};
+use crate::picture::{
+    self, AnimationSchedule, Clip, Drawn, Frame, Palette, Picture, Progress, Provenance, View, draw_frames,
+};
 use std::io::{self, BufWriter, Read, Write};
 use std::num::NonZero;
 use std::path::Path;
@@ -60,6 +62,8 @@ fn start(
 ) -> io::Result<Child> {
     let [width, height] = view.camera.size;
     let rate = schedule.frames_per_second();
+    let background = Palette::of(view.style.look.theme).background;
+    let even = format!("pad=ceil(iw/2)*2:ceil(ih/2)*2:color={background},scale=out_color_matrix=bt709:out_range=tv");
     let codec: &[&str] = match container {
         VideoContainer::Mp4 => &["-c:v", "libx264", "-crf", "18", "-movflags", "+faststart", "-f", "mp4"],
         VideoContainer::Webm => &["-c:v", "libvpx-vp9", "-crf", "24", "-b:v", "0", "-f", "webm"],
@@ -68,7 +72,7 @@ fn start(
         .args(["-hide_banner", "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgba"])
         .args(["-s", &format!("{width}x{height}"), "-r", &rate.to_string(), "-i", "-", "-an"])
         // Most players need an even number of pixels along each side. Without tags, players guess the colours.
-        .args(["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv", "-pix_fmt", "yuv420p"])
+        .args(["-vf", &even, "-pix_fmt", "yuv420p"])
         .args(["-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "iec61966-2-1", "-color_range", "tv"])
         .args(["-metadata", &format!("comment={comment}")])
         .args(codec)

@@ -1,6 +1,8 @@
 use super::collisions::{find_collision, freeze_frames, max_impulse};
 use super::encode::{write_apng, write_gif, write_png_sequence};
 use super::figures::{self, CollisionSubject, EnergyRun, FigureRun, Range, SpacetimeRun, Timeline};
+use super::layers::lanes::{LaneConflicts, Lanes, MAX_KEPT};
+use super::layers::{LayoutContext, arrows};
 use super::number::TimeFormat;
 use super::resimulation::Resimulation;
 use super::text::Font;
@@ -52,7 +54,7 @@ pub fn draw(
         }
         Subject::Animation { animation, format } => {
             let Clip { view, schedule, mut frames, warnings } =
-                Clip::new(animation, &picture.look, &sources[0], progress)?;
+                Clip::new(animation, &picture.look, &sources[0], progress)?.with_common_lanes(&sources[0])?;
             let mut done = 0;
             let observed_frames = frames.by_ref().inspect(|_| {
                 done += 1;
@@ -227,7 +229,7 @@ impl Clip {
     /// As for [`PictureOptions::resolve`] and [`Clip::new`].
     pub fn video(options: &PictureOptions, source: &Source, progress: Progress) -> Result<(Clip, Provenance), Error> {
         let (animation, look) = options.resolve_video(source)?;
-        let clip = Clip::new(&animation, &look, source, progress)?;
+        let clip = Clip::new(&animation, &look, source, progress)?.with_common_lanes(source)?;
         let subject = Subject::Animation { animation, format: AnimationFormat::Apng };
         let picture = ResolvedPicture { subject, look, titles: Vec::new() };
         Ok((clip, Provenance::new(&picture, std::slice::from_ref(source))))
@@ -253,6 +255,26 @@ impl Clip {
         let frames = Frames::new(source, &schedule, &look.show)?;
         let warnings = text_warnings(look, &[], std::slice::from_ref(source), BodyNames::IfOverlay);
         Ok(Clip { view, schedule, frames, warnings })
+    }
+
+    /// The same clip with lanes for the arrows of bodies that are common to all frames, so that no arrow jumps. They
+    /// follow from the frames, which are read once more for this.
+    ///
+    /// # Errors
+    /// If the recording cannot be read.
+    fn with_common_lanes(mut self, source: &Source) -> Result<Clip, Error> {
+        let look = &self.view.style.look;
+        let has_arrows = [Overlay::Velocity, Overlay::Force].into_iter().any(|overlay| look.show.contains(overlay));
+        if has_arrows && self.view.style.body_count as usize <= MAX_KEPT {
+            let mut conflicts = LaneConflicts::default();
+            for frame in Frames::new(source, &self.schedule, &look.show)? {
+                let frame = frame?;
+                let context = LayoutContext::new(&self.view, self.view.camera_for(&frame));
+                conflicts.add(&arrows::of_bodies(&frame, &context));
+            }
+            self.view.style.lanes = conflicts.lanes();
+        }
+        Ok(self)
     }
 }
 
@@ -289,6 +311,7 @@ impl Style {
             time_format: TimeFormat::new(1.0 / rate, top(Source::duration)),
             materials,
             gaps: Vec::new(),
+            lanes: Lanes::default(),
         }
     }
 }

@@ -266,7 +266,11 @@ impl PictureOptions {
                 (None, None) => 1,
             };
             let grid = StepGrid::new(steps, rate, Thinning::Every(every)).restrict_to_every(source.header.every);
-            let StepGrid { steps, every, .. } = non_empty(grid, source)?;
+            let grid = non_empty(grid, source)?;
+            if count.is_some() && grid.count() > MAX_INSTANTS {
+                return Err(too_many_instants(&grid));
+            }
+            let StepGrid { steps, every, .. } = grid;
             ranges.push(StepRange { steps, every });
         }
         if ranges.iter().all(|range| *range == ranges[0]) {
@@ -274,6 +278,16 @@ impl PictureOptions {
         }
         Ok(ranges)
     }
+}
+
+/// The largest number of instants of a strobe or filmstrip, which bounds its memory. More shades of a colour or panels on
+/// a page could not be told apart.
+const MAX_INSTANTS: u64 = 256;
+
+fn too_many_instants(grid: &StepGrid) -> Error {
+    let (count, every) = (grid.count(), grid.every.saturating_mul(grid.count().div_ceil(MAX_INSTANTS)));
+    let reason = format!("a picture of {count} instants shows too many: at most {MAX_INSTANTS}, as with --every {every}");
+    Error::Incompatible { reason }
 }
 
 fn follow(name: &str, window: Option<Window>, sources: &[Source]) -> Result<CameraTarget, Error> {

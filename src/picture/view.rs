@@ -1,5 +1,6 @@
 use crate::physics::{Rect, Vector, larger, smaller};
 use crate::picture::layers::footer::Footer;
+use crate::picture::layers::lanes::Lanes;
 use crate::picture::number::TimeFormat;
 use crate::picture::raster::color::Palette;
 use crate::picture::{CameraTarget, ColorBy, Frame, Look, Overlay, RenderError, Theme, TraceGap};
@@ -86,6 +87,8 @@ pub struct Style {
     pub materials: Vec<String>,
     /// The parts between the first and the last instant that the recording lacks.
     pub gaps: Vec<TraceGap>,
+    /// The lanes of the arrows of bodies, common to all frames of a clip. Without any, each frame has its own.
+    pub lanes: Lanes,
 }
 
 impl Style {
@@ -117,6 +120,7 @@ impl Default for Style {
             time_format: TimeFormat::default(),
             materials: Vec::new(),
             gaps: Vec::new(),
+            lanes: Lanes::default(),
         }
     }
 }

@@ -118,6 +118,32 @@ fn info_prints_one_value_per_line() {
 }
 
 #[test]
+fn a_single_picture_of_a_scene_simulates_it_once() {
+    let workplace = Workplace::with_scene(SCENE);
+    for line in ["render scene.toml --at 30 -o still.png", "figure strobe scene.toml -o strobe.svg"] {
+        let outcome = workplace.done(line);
+        assert_eq!(outcome.errors, "", "{line}");
+    }
+    // It is the picture of the recording.
+    workplace.done("record scene.toml -o run.mcap");
+    workplace.done("render run.mcap --at 30 -o recorded.png");
+    assert_eq!(workplace.read("still.png"), workplace.read("recorded.png"));
+}
+
+#[test]
+fn a_picture_of_too_many_instants_is_refused_with_a_sufficient_interval() {
+    let workplace = Workplace::with_scene(SCENE);
+    workplace.done("record scene.toml -o run.mcap --steps 1000");
+    for kind in ["strobe", "filmstrip"] {
+        let refused = workplace.rebond(&format!("figure {kind} run.mcap --every 1 -o {kind}.svg"));
+        assert_eq!(refused.code, 1, "{refused:?}");
+        assert!(refused.errors.contains("1001 instants") && refused.errors.contains("--every 4"), "{refused:?}");
+        workplace.done(&format!("figure {kind} run.mcap --every 100 -o {kind}.svg"));
+    }
+    workplace.done("figure strobe run.mcap --every 4 -o all.svg");
+}
+
+#[test]
 fn a_rendered_gif_has_the_duration_of_the_run() {
     let workplace = Workplace::with_scene(SCENE);
     let outcome = workplace.done("render scene.toml -o run.gif");

@@ -60,10 +60,77 @@ fn frames_are_piped_to_ffmpeg_as_raw_pixels() {
     let (arguments, bytes) = written.trim_end().rsplit_once('\n').unwrap();
     assert!(arguments.contains("-f rawvideo -pix_fmt rgba -s 64x36 -r 30 -i -"), "{arguments}");
     assert!(arguments.contains("libx264") && arguments.contains("rebond steps: 0 to 9 every 1"), "{arguments}");
+    let tags = "-colorspace bt709 -color_primaries bt709 -color_trc iec61966-2-1 -color_range tv";
+    assert!(arguments.contains(tags) && arguments.contains("out_color_matrix=bt709:out_range=tv"), "{arguments}");
     assert_eq!(bytes.trim().parse::<u64>().unwrap(), 10 * 64 * 36 * 4);
     let outcome = render(&workplace, "render scene.toml -o clip.webm --slow 0.5 --fps 30");
     assert_eq!(outcome.code, 0, "{outcome:?}");
     assert!(String::from_utf8(workplace.read("clip.webm")).unwrap().contains("libvpx-vp9"));
+}
+
+/// The values of a video stream as `ffprobe` prints them.
+fn probe(workplace: &Workplace, file: &str) -> String {
+    let entries = "stream=width,height,nb_read_frames,pix_fmt,color_range,color_space,color_transfer,color_primaries";
+    let output = std::process::Command::new("ffprobe")
+        .args(["-v", "error", "-count_frames", "-show_entries", entries, "-of", "default=nw=1"])
+        .arg(workplace.path(file))
+        .output()
+        .expect("ffprobe can be run");
+    String::from_utf8(output.stdout).unwrap()
+}
+
+#[test]
+#[ignore = "needs ffmpeg and ffprobe; .ci/long runs it"]
+fn videos_have_all_frames_and_colour_tags_that_agree_with_their_pixels() {
+    let workplace = Workplace::with_scene(SCENE);
+    for file in ["clip.mp4", "clip.webm"] {
+        // An odd width and height are made even.
+        workplace.done(&format!("render scene.toml -o {file} --size 63x35"));
+        let values = probe(&workplace, file);
+        for value in [
+            "width=64",
+            "height=36",
+            "nb_read_frames=10",
+            "pix_fmt=yuv420p",
+            "color_range=tv",
+            "color_space=bt709",
+            "color_transfer=iec61966-2-1",
+            "color_primaries=bt709",
+        ] {
+            assert!(values.lines().any(|line| line == value), "{file}: no {value} in\n{values}");
+        }
+    }
+    // Decoded with the tags, the colour of the box is that of the picture, and the border is the background.
+    let decoded = std::process::Command::new("ffmpeg")
+        .args(["-v", "error", "-i"])
+        .arg(workplace.path("clip.mp4"))
+        .args(["-frames:v", "1", "-f", "rawvideo", "-pix_fmt", "rgb24", "-"])
+        .output()
+        .expect("ffmpeg can be run");
+    let pixel = |x: usize, y: usize| <[u8; 3]>::try_from(&decoded.stdout[3 * (64 * y + x)..][..3]).unwrap();
+    let is_close = |pixel: [u8; 3], color: [u8; 3]| pixel.iter().zip(color).all(|(a, b)| a.abs_diff(b) <= 24);
+    assert!(is_close(pixel(63, 10), [255; 3]) && is_close(pixel(30, 35), [255; 3]), "{:?}", pixel(63, 10));
+    workplace.done("render scene.toml --at 0 -o still.png --size 63x35");
+    let still = png::Decoder::new(std::io::Cursor::new(workplace.read("still.png")));
+    let mut reader = {
+        let mut still = still;
+        still.set_transformations(png::Transformations::EXPAND);
+        still.read_info().unwrap()
+    };
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut pixels).unwrap();
+    let samples = info.color_type.samples();
+    let expected = |x: usize, y: usize| <[u8; 3]>::try_from(&pixels[samples * (63 * y + x)..][..3]).unwrap();
+    let mut compared = 0;
+    for (x, y) in (1..62).flat_map(|x| (1..34).map(move |y| (x, y))) {
+        // Chroma has half the resolution, so only areas of one colour are compared.
+        let color = expected(x, y);
+        if (x - 1..=x + 1).all(|x| (y - 1..=y + 1).all(|y| expected(x, y) == color)) && color != [255; 3] {
+            compared += 1;
+            assert!(is_close(pixel(x, y), color), "({x}, {y}): {:?} is not {color:?}", pixel(x, y));
+        }
+    }
+    assert!(compared > 0);
 }
 
 #[test]

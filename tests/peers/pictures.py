@@ -1,11 +1,13 @@
-"""Compares the drawing speed of rebond, matplotlib and Pillow: 50 boxes, 150 frames, 1280x720.
+"""Compares rebond, matplotlib and Pillow: clips of 50 boxes and 150 frames, and figures of the same run, 1280x720.
 
     python3 -m venv tests/peers/.venv && tests/peers/.venv/bin/pip install -r tests/peers/pictures-requirements.txt
     cargo build --release
     tests/peers/.venv/bin/python tests/peers/pictures.py target/release/rebond
 
-Prints the CPU time of one thread per frame (user and system, including start-up) and its ratio to that of
-rebond. Matplotlib is used as its documentation recommends for speed: one figure whose artists are moved.
+Prints the CPU time of one thread per frame or figure (user and system) and the size of the files, as two Markdown
+tables. The time of rebond includes the start of the program, reading the recording and, for exact instants, a replay;
+that of the others only drawing and writing. Matplotlib is used as its documentation recommends for speed: one figure
+whose artists are moved.
 """
 
 import csv
@@ -52,14 +54,14 @@ def cpu_seconds(who):
     return usage.ru_utime + usage.ru_stime
 
 
-def measure(work, runs=1):
+def measure(work, runs=1, frames=FRAMES):
     """CPU seconds per frame of the fastest run, including child processes."""
     best = float("inf")
     for _ in range(runs):
         before = cpu_seconds(resource.RUSAGE_SELF) + cpu_seconds(resource.RUSAGE_CHILDREN)
         work()
         after = cpu_seconds(resource.RUSAGE_SELF) + cpu_seconds(resource.RUSAGE_CHILDREN)
-        best = min(best, (after - before) / FRAMES)
+        best = min(best, (after - before) / frames)
     return best
 
 
@@ -148,6 +150,77 @@ def pillow_tasks(frames, sizes, folder):
     return png, gif
 
 
+def draw_energy(folder):
+    """Energy and momentum over time, one below the other."""
+    with open(folder / "energy.csv", newline="") as rows:
+        columns = list(zip(*[[float(value) for value in row[1:]] for row in list(csv.reader(rows))[1:]]))
+    time, kinetic, _, _, px, py = columns
+    figure, (upper, lower) = pyplot.subplots(2, 1, figsize=(WIDTH / 100, HEIGHT / 100), dpi=100, height_ratios=[2, 1])
+    upper.plot(time, kinetic, label="kinetic")
+    lower.plot(time, px, label="p_x")
+    lower.plot(time, py, label="p_y")
+    for axes, title in ((upper, "E / J"), (lower, "p / (kg m/s)")):
+        axes.set_xlabel("t / s")
+        axes.set_ylabel(title)
+        axes.grid(True)
+        axes.legend()
+    return figure
+
+
+def draw_spacetime(table, sizes):
+    """The extent of each box along x over time."""
+    figure, axes = pyplot.subplots(figsize=(WIDTH / 100, HEIGHT / 100), dpi=100)
+    time = [step / RATE for step in range(FRAMES)]
+    for number, (name, (width, _)) in enumerate(sizes.items()):
+        low = [frame[name][0] for frame in table]
+        axes.fill_between(time, low, [x + width for x in low], color=COLORS[number % 7], alpha=0.6)
+    axes.set_xlabel("t / s")
+    axes.set_ylabel("x / m")
+    axes.grid(True)
+    return figure
+
+
+def draw_strobe(table, sizes):
+    """The boxes at 16 instants, earlier ones fainter."""
+    figure, axes = pyplot.subplots(figsize=(WIDTH / 100, HEIGHT / 100), dpi=100)
+    axes.set_xlim(0, 16)
+    axes.set_ylim(9, 0)
+    axes.set_aspect("equal")
+    for instant in range(16):
+        frame = table[instant * (FRAMES - 1) // 15]
+        for number, (name, (width, height)) in enumerate(sizes.items()):
+            alpha = 0.3 + 0.7 * instant / 15
+            axes.add_patch(Rectangle(frame[name], width, height, facecolor=COLORS[number % 7], edgecolor="black", alpha=alpha))
+    return figure
+
+
+def compare_figures(program, folder, frames, sizes):
+    print("\n| figure | format | rebond ms | matplotlib ms | ratio | rebond kB | matplotlib kB |")
+    print("|---|---|---:|---:|---:|---:|---:|")
+    run(program, "export", folder / "run.mcap", "--table", "energy", "-o", folder / "energy.csv")
+    drawings = {
+        "energy": lambda: draw_energy(folder),
+        "spacetime": lambda: draw_spacetime(frames, sizes),
+        "strobe": lambda: draw_strobe(frames, sizes),
+    }
+    for kind, draw in drawings.items():
+        for extension in ("png", "svg", "pdf"):
+            ours, theirs = folder / f"{kind}.{extension}", folder / f"matplotlib-{kind}.{extension}"
+
+            def peer():
+                figure = draw()
+                figure.savefig(theirs, dpi=100)
+                pyplot.close(figure)
+
+            fast = measure(lambda: run(program, "figure", kind, folder / "run.mcap", "-o", ours, "--force"), 5, 1) * 1e3
+            slow = measure(peer, 5, 1) * 1e3
+            kilobytes = [file.stat().st_size / 1000 for file in (ours, theirs)]
+            print(
+                f"| {kind} | {extension.upper()} | {fast:.0f} | {slow:.0f} | {slow / fast:.1f} | {kilobytes[0]:.0f} | "
+                f"{kilobytes[1]:.0f} |"
+            )
+
+
 def main():
     program = str(Path(sys.argv[1]).resolve())
     print(f"matplotlib {matplotlib.__version__}, Pillow {PIL.__version__}, Python {sys.version.split()[0]}")
@@ -162,18 +235,23 @@ def main():
             ("plain", "none", matplotlib_tasks(frames, sizes, folder, False), pillow_tasks(frames, sizes, folder)),
             ("annotated", "velocity,name,grid,clock", matplotlib_tasks(frames, sizes, folder, True), None),
         ]
-        print(f"{'clip':10}{'':6}{'rebond ms':>10}{'matplotlib ms':>15}{'ratio':>7}{'Pillow ms':>11}{'ratio':>7}{'bytes':>12}")
+        print("\n| clip | format | rebond ms | matplotlib ms | ratio | Pillow ms | ratio | rebond kB | matplotlib kB |")
+        print("|---|---|---:|---:|---:|---:|---:|---:|---:|")
         for clip, show, matplotlib_clip, pillow in clips:
             tasks = rebond_tasks(program, folder, show)
             for kind, ours, peer, simple in zip(("PNG", "GIF"), tasks, matplotlib_clip, pillow or (None, None)):
                 print_line(folder, clip, kind, measure(ours, 3) * 1e3, measure(peer) * 1e3, simple and measure(simple) * 1e3)
+        compare_figures(program, folder, frames, sizes)
 
 
 def print_line(folder, clip, kind, ours, theirs, simple):
-    pillow = f"{simple:11.2f}{simple / ours:7.1f}" if simple else " " * 18
-    files = [folder / "run.gif"] if kind == "GIF" else list((folder / "frames").glob("*.png"))
-    size = sum(file.stat().st_size for file in files)
-    print(f"{clip:10}{kind:6}{ours:10.2f}{theirs:15.2f}{theirs / ours:7.1f}{pillow}{size:12}")
+    pillow = f"{simple:.2f} | {simple / ours:.1f}" if simple else " | "
+    patterns = ("run.gif", "matplotlib.gif") if kind == "GIF" else ("frames/*.png", "matplotlib-[0-9]*.png")
+    sizes = [sum(file.stat().st_size for file in folder.glob(pattern)) / 1000 for pattern in patterns]
+    print(
+        f"| {clip} | {kind} | {ours:.2f} | {theirs:.2f} | {theirs / ours:.1f} | {pillow} | {sizes[0]:.0f} | "
+        f"{sizes[1]:.0f} |"
+    )
 
 
 if __name__ == "__main__":

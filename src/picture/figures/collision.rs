@@ -134,7 +134,7 @@ fn draw_before(pair: &Pair, panel: &Rect, scale: f64, panels: &mut Panels) {
         panels.shapes.extend(pair.named_boxes(&camera, &rects, &arrows, &metrics));
         let mut placer = placer(pair, panel, &camera, &rects, &arrows, &metrics);
         arrows.iter().for_each(|LabeledArrow { arrow, .. }| arrow.draw(&metrics, &mut panels.shapes));
-        arrows.iter().for_each(|LabeledArrow { arrow, label }| label_arrow(arrow, label, &mut placer, panels));
+        arrows.iter().for_each(|LabeledArrow { arrow, label, .. }| label_arrow(arrow, label, &mut placer, panels));
     });
 }
 
@@ -150,7 +150,7 @@ fn draw_after(pair: &Pair, panel: &Rect, scale: f64, panels: &mut Panels) {
         }
         let mut placer = placer(pair, panel, &camera, &rects, &arrows, &metrics);
         arrows.iter().for_each(|LabeledArrow { arrow, .. }| draw_dashed(arrow, &metrics, &mut panels.shapes));
-        arrows.iter().for_each(|LabeledArrow { arrow, label }| label_arrow(arrow, label, &mut placer, panels));
+        arrows.iter().for_each(|LabeledArrow { arrow, label, .. }| label_arrow(arrow, label, &mut placer, panels));
     });
 }
 

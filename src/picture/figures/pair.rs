@@ -1,9 +1,10 @@
 use super::CollisionSubject;
 use crate::physics::{Axis, Collision, Rect, Vector, larger, smaller};
-use crate::picture::layers::arrows::{LabeledArrow, separate};
+use crate::picture::layers::arrows::LabeledArrow;
 use crate::picture::layers::bodies::draw_box;
 use crate::picture::layers::contacts::contact_center;
 use crate::picture::layers::labels::{Label, LabelPlacer};
+use crate::picture::layers::lanes::{Lanes, separate};
 use crate::picture::text::Line;
 use crate::picture::{Appearance, Arrow, Camera, Color, DrawingMetrics, Shape, Sprite, Style, color};
 use std::sync::Arc;
@@ -185,11 +186,11 @@ impl Pair {
             let from = camera.point(visible_center(&rects[at], &self.boxes));
             let vector = velocities[at].mult(self.arrow_scale);
             let arrow = Arrow::of_vector(from, vector, ARROW_WIDTH * metrics.line_width, metrics.palette.ink, longest)?;
-            Some(LabeledArrow { arrow, label: format!("{symbol}_{}", ROLES[at]) })
+            Some(LabeledArrow { arrow, key: None, label: format!("{symbol}_{}", ROLES[at]) })
         };
         let symbol = if *velocities == self.collision.before { "v⃗" } else { "v⃗′" };
         let mut arrows: Vec<LabeledArrow> = [0, 1].into_iter().filter_map(|at| arrow(at, symbol)).collect();
-        separate(&mut arrows);
+        separate(&mut arrows, &Lanes::default());
         arrows
     }
 }

@@ -142,8 +142,13 @@ impl Panels {
         let above = TITLE * self.metrics.font_size;
         let cells = self.grid(titles.len(), columns);
         let ink = self.metrics.palette.ink.into();
+        let width = cells.first().map_or(0.0, Rect::width);
+        // All titles have one size: the largest in which each fits.
+        let fits = |size: &f64| titles.iter().all(|title| Line::plain(title, *size).width <= width);
+        let [.., smallest] = self.title_sizes();
+        let size = self.title_sizes().into_iter().find(fits).unwrap_or(smallest);
         for (title, cell) in titles.iter().zip(&cells) {
-            let line = fitted(title, self.title_sizes(), cell.width());
+            let line = fitted(title, [size; 3], cell.width());
             self.centered(line, Vector::new(cell.center().x, cell.origin.y + self.metrics.font_size), ink);
         }
         let below =
@@ -203,6 +208,7 @@ impl Panels {
             backdrop: Vec::new(),
             shapes: self.shapes,
         }
+        .within_reach()
     }
 }
 

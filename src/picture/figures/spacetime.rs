@@ -193,12 +193,14 @@ impl Band {
         self.parts.iter().flat_map(|(_, curve)| curve.values())
     }
 
-    /// The last position of the body's middle within a range, m.
+    /// The middle of the part of the body within a range of positions, m, the last time that there is one.
     fn last_within(&self, positions: Range) -> Option<f64> {
         let (low, high) = (smaller(positions.from, positions.to), larger(positions.from, positions.to));
-        let is_within = |from: f64| low <= from + self.size / 2.0 && from + self.size / 2.0 <= high;
-        let within = Some(self.last[1]).filter(|&from| is_within(from));
-        within.or_else(|| self.positions().filter(|&from| is_within(from)).last()).map(|from| from + self.size / 2.0)
+        let visible = |from: f64| {
+            let [from, to] = [larger(from, low), smaller(from + self.size, high)];
+            (from <= to).then_some((from + to) / 2.0)
+        };
+        visible(self.last[1]).or_else(|| self.positions().filter_map(visible).last())
     }
 
     fn label(&self, metrics: &DrawingMetrics) -> Line {

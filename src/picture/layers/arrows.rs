@@ -1,5 +1,6 @@
 use super::LayoutContext;
 use super::footer::{Entry, KeyArrow};
+use super::lanes::ArrowKey;
 use crate::physics::{Vector, larger};
 use crate::picture::number::{Unit, format_significant, nice_below};
 use crate::picture::{Color, DrawingMetrics, Frame, Ink, Overlay, Shape, Sprite, Style};
@@ -92,23 +93,6 @@ impl Arrow {
         let width = self.width + 2.0 * margin;
         [Shape::Polyline { points: shaft, width, ink }, Shape::Polygon { points: corners, ink }]
     }
-
-    /// Returns true if another arrow lies along this one, so that they could not be told apart.
-    fn covers(&self, other: &Arrow) -> bool {
-        let [along, direction] = [self, other].map(|arrow| arrow.to.sub(arrow.from));
-        let (length, other_length) = (along.norm(), direction.norm());
-        let cross = |a: Vector, b: Vector| a.x * b.y - a.y * b.x;
-        if length == 0.0 || other_length == 0.0 || cross(along, direction).abs() > PARALLEL * length * other_length {
-            return false;
-        }
-        let unit = along.mult(1.0 / length);
-        let ends = [other.from, other.to].map(|end| end.sub(self.from));
-        let is_beside = ends.iter().all(|end| cross(unit, *end).abs() >= lane_width(self.width) * 0.9);
-        let [a, b] = ends.map(|end| end.dot(unit));
-        let (low, high) = if a < b { (a, b) } else { (b, a) };
-        let overlap = if high < length { high } else { length } - larger(low, 0.0);
-        !is_beside && overlap > self.width
-    }
 }
 
 /// Half the width of an arrow head divided by its length.
@@ -120,75 +104,39 @@ const HEAD_LENGTH: f64 = 5.0;
 /// Vectors shorter than this part of the longest one are rounding errors of zero.
 const NEGLIGIBLE: f64 = 1e-9;
 
-/// The sine of the angle up to which two arrows count as parallel.
-const PARALLEL: f64 = 0.1;
-
 /// The distance at which two arrows are beside each other, px: the width of a head with its halo.
-fn lane_width(width: f64) -> f64 {
+pub fn lane_width(width: f64) -> f64 {
     (2.0 * HEAD_SLOPE * HEAD_LENGTH + 1.5) * width
-}
-
-/// With more arrows than this, none is moved: they are short, and their number hides each one.
-const MAX_SEPARATED: usize = 200;
-
-/// The number of positions beside its own to which an arrow may be moved.
-const LANES: i32 = 8;
-
-/// Moves arrows sideways that lie along an earlier one, such as those of boxes in a row, so that each is visible.
-pub fn separate(arrows: &mut [LabeledArrow]) {
-    if arrows.len() > MAX_SEPARATED {
-        return;
-    }
-    for at in 1..arrows.len() {
-        let (earlier, rest) = arrows.split_at_mut(at);
-        let Some(LabeledArrow { arrow, .. }) = rest.first_mut() else { return };
-        let direction = arrow.to.sub(arrow.from);
-        let length = direction.norm();
-        if !(length > 0.0 && length.is_finite()) {
-            continue;
-        }
-        // The same side for both directions, so that opposite arrows are moved alike.
-        let is_forward = direction.x > 0.0 || direction.x == 0.0 && direction.y > 0.0;
-        let side = Vector::new(-direction.y, direction.x).mult(if is_forward { 1.0 } else { -1.0 } / length);
-        let lanes = (0..=LANES).map(|lane| if lane % 2 == 0 { -(lane / 2) } else { lane / 2 + 1 });
-        let moved = lanes.map(|lane| {
-            let offset = side.mult(f64::from(lane) * lane_width(arrow.width));
-            Arrow { from: arrow.from.add(offset), to: arrow.to.add(offset), ..*arrow }
-        });
-        let free = moved.into_iter().find(|moved| !earlier.iter().any(|other| other.arrow.covers(moved)));
-        *arrow = free.unwrap_or(*arrow);
-    }
 }
 
 /// An arrow with a label at its tip.
 pub struct LabeledArrow {
     /// The arrow.
     pub arrow: Arrow,
+    /// Its body and quantity, if it is in all frames of the body.
+    pub key: Option<ArrowKey>,
     /// The label as markup for [`crate::picture::text::Line::math`]; none if empty.
     pub label: String,
 }
 
 impl From<Arrow> for LabeledArrow {
     fn from(arrow: Arrow) -> LabeledArrow {
-        LabeledArrow { arrow, label: String::new() }
+        LabeledArrow { arrow, key: None, label: String::new() }
     }
 }
 
-/// The velocity arrows, from the middle of each box.
-pub fn velocities(frame: &Frame, context: &LayoutContext) -> Vec<LabeledArrow> {
-    match context.view.style.shows(Overlay::Velocity) {
-        true => from_centers(frame, |sprite| sprite.velocity, &VELOCITY, context),
-        false => Vec::new(),
+/// The velocity arrows, then the arrows for the sum of weight and constant force, each from the middle of a box. Contact
+/// forces are not part of a recording.
+pub fn of_bodies(frame: &Frame, context: &LayoutContext) -> Vec<LabeledArrow> {
+    let shows = |quantity: &Quantity| context.view.style.shows(quantity.overlay);
+    let mut arrows = Vec::new();
+    if shows(&VELOCITY) {
+        arrows.extend(from_centers(frame, |sprite| sprite.velocity, &VELOCITY, context));
     }
-}
-
-/// An arrow for the sum of weight and constant force, from the middle of each box. Contact forces are not part of a
-/// recording.
-pub fn forces(frame: &Frame, context: &LayoutContext) -> Vec<LabeledArrow> {
-    match context.view.style.shows(Overlay::Force) {
-        true => from_centers(frame, |sprite| sprite.appearance.force, &FORCE, context),
-        false => Vec::new(),
+    if shows(&FORCE) {
+        arrows.extend(from_centers(frame, |sprite| sprite.appearance.force, &FORCE, context));
     }
+    arrows
 }
 
 /// Arrows from the middle of the visible part of each box.
@@ -204,7 +152,8 @@ fn from_centers(
     let arrow = |sprite: &Sprite| {
         let from = context.visible_rect(sprite)?.intersection(&context.camera.viewport)?.center();
         let vector = vector(sprite).mult(scale);
-        Arrow::of_vector(from, vector, width, color, longest(style, metrics)).map(LabeledArrow::from)
+        let arrow = Arrow::of_vector(from, vector, width, color, longest(style, metrics))?;
+        Some(LabeledArrow { key: Some((quantity.overlay, sprite.appearance.id)), ..arrow.into() })
     };
     boxes.filter_map(arrow).collect()
 }
@@ -304,27 +253,6 @@ mod tests {
     use super::*;
 
     const INK: Color = Color::hex(0);
-
-    fn arrow(from: [f64; 2], to: [f64; 2]) -> LabeledArrow {
-        let [from, to] = [from, to].map(|[x, y]| Vector::new(x, y));
-        Arrow::new(from, to, 2.0, INK).into()
-    }
-
-    #[test]
-    fn arrows_along_one_line_are_moved_apart_and_others_stay() {
-        let mut row: Vec<LabeledArrow> =
-            (0..5).map(|at| arrow([f64::from(at) * 30.0, 50.0], [f64::from(at) * 30.0 + 100.0, 50.0])).collect();
-        row.push(arrow([50.0, 0.0], [50.0, 99.0]));
-        row.push(arrow([120.0, 50.0], [20.0, 50.0]));
-        separate(&mut row);
-        for (at, a) in row.iter().enumerate() {
-            assert!(row[..at].iter().all(|b| !a.arrow.covers(&b.arrow)), "{at}");
-        }
-        assert_eq!((row[0].arrow.from.y, row[5].arrow.from.x), (50.0, 50.0));
-        let mut head_on = [arrow([0.0, 0.0], [40.0, 0.0]), arrow([80.0, 0.0], [40.0, 0.0])];
-        separate(&mut head_on);
-        assert_eq!([head_on[0].arrow.from.y, head_on[1].arrow.from.y], [0.0, 0.0]);
-    }
 
     #[test]
     fn a_vector_shorter_than_a_head_has_an_open_head_of_full_length() {

@@ -33,7 +33,7 @@ pub fn draw(frame: &Frame, context: &LayoutContext, arrows: &[LabeledArrow], sha
             }
         }
     }
-    for LabeledArrow { arrow, label } in arrows.iter().filter(|arrow| !arrow.label.is_empty()) {
+    for LabeledArrow { arrow, label, .. } in arrows.iter().filter(|arrow| !arrow.label.is_empty()) {
         let line = Line::math(label, context.metrics.text(0.8));
         let (gap, color) = (0.5 * context.metrics.font_size, context.metrics.palette.label(arrow.color));
         if let Some(label) = placer.place(line, arrow.to, arrow.to.sub(arrow.from), gap, color) {

@@ -68,7 +68,7 @@ fn impulses(collision: &Collision, is_labeled: bool, context: &LayoutContext) ->
         |vector: Vector| Arrow::of_vector(from, vector, width, metrics.palette.impulse, style.top_impulse * scale);
     let label =
         if is_labeled { format!("j = {}", Unit::NEWTON_SECOND.format(collision.impulse, 3)) } else { String::new() };
-    let first = arrow(along).map(|arrow| LabeledArrow { arrow, label });
+    let first = arrow(along).map(|arrow| LabeledArrow { arrow, key: None, label });
     first.into_iter().chain(arrow(along.mult(-1.0)).map(LabeledArrow::from)).collect()
 }
 

@@ -8,6 +8,7 @@ pub mod footer;
 mod frame;
 pub mod grid;
 pub(crate) mod labels;
+pub(crate) mod lanes;
 
 pub use arrows::{Arrow, ArrowLength};
 pub(super) use frame::force;
@@ -30,6 +31,7 @@ pub fn compose(frame: &Frame, view: &View) -> DisplayList {
         backdrop: vec![backdrop(frame, &context)],
         shapes,
     }
+    .within_reach()
 }
 
 /// The layers that do not move, clipped to the viewport: walls and grid.
@@ -56,10 +58,9 @@ pub fn foreground(frame: &Frame, context: &LayoutContext) -> Shape {
 
 /// All arrows, in drawing order.
 fn arrows(frame: &Frame, context: &LayoutContext) -> Vec<LabeledArrow> {
-    let mut all = arrows::velocities(frame, context);
-    all.extend(arrows::forces(frame, context));
+    let mut all = arrows::of_bodies(frame, context);
     all.extend(contacts::arrows(frame, context));
-    arrows::separate(&mut all);
+    lanes::separate(&mut all, &context.view.style.lanes);
     all
 }
 
