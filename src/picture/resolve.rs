@@ -286,7 +286,8 @@ const MAX_INSTANTS: u64 = 256;
 
 fn too_many_instants(grid: &StepGrid) -> Error {
     let (count, every) = (grid.count(), grid.every.saturating_mul(grid.count().div_ceil(MAX_INSTANTS)));
-    let reason = format!("a picture of {count} instants shows too many: at most {MAX_INSTANTS}, as with --every {every}");
+    let reason =
+        format!("a picture of {count} instants shows too many: at most {MAX_INSTANTS}, as with --every {every}");
     Error::Incompatible { reason }
 }
 

@@ -175,7 +175,10 @@ impl Arrow {
         let [a, b] = ends.map(|end| end.dot(unit));
         let overlap = smaller(larger(a, b), length) - larger(smaller(a, b), 0.0);
         let [beside_a, beside_b] = ends.map(|end| cross(unit, end).abs() / lane);
-        fade(sine, PARALLEL) * fade(smaller(beside_a, beside_b), BESIDE) * fade(-overlap, [-self.width, AHEAD * lane])
+        // Arrows that begin at one point and point away from each other, such as those of one body, stay there.
+        let is_back_to_back = b < 0.0 && b < a;
+        let ahead = if is_back_to_back { 0.0 } else { AHEAD * lane };
+        fade(sine, PARALLEL) * fade(smaller(beside_a, beside_b), BESIDE) * fade(-overlap, [-self.width, ahead])
     }
 }
 
@@ -223,6 +226,10 @@ mod tests {
             assert_eq!((row[0].arrow.from.y, row[5].arrow.from.x), (50.0, 50.0));
             separate(&mut head_on, &Lanes::default());
             assert_eq!([head_on[0].arrow.from.y, head_on[1].arrow.from.y], [0.0, 0.0]);
+            // A velocity and a force of one body, in opposite directions.
+            let mut opposite = vec![arrow(0, [0.0, 0.0], [0.0, -40.0]), arrow(1, [0.0, 0.0], [0.0, 40.0])];
+            separate(&mut opposite, &Lanes::default());
+            assert_eq!([opposite[0].arrow.from.x, opposite[1].arrow.from.x], [0.0, 0.0]);
         }
     }
 
