@@ -177,8 +177,8 @@ impl Arrow {
         let [beside_a, beside_b] = ends.map(|end| cross(unit, end).abs() / lane);
         // Arrows that begin at one point and point away from each other, such as those of one body, stay there.
         let is_back_to_back = b < 0.0 && b < a;
-        let ahead = if is_back_to_back { 0.0 } else { AHEAD * lane };
-        fade(sine, PARALLEL) * fade(smaller(beside_a, beside_b), BESIDE) * fade(-overlap, [-self.width, ahead])
+        let gaps = if is_back_to_back { [-AHEAD * lane, 0.0] } else { [-self.width, AHEAD * lane] };
+        fade(sine, PARALLEL) * fade(smaller(beside_a, beside_b), BESIDE) * fade(-overlap, gaps)
     }
 }
 
