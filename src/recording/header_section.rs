@@ -287,11 +287,12 @@ fn parse_settings(offset: u64, body: &[u8]) -> Result<Option<Settings>, HeaderEr
 /// nothing else before the messages is damaged. A copy is compared when the end record is read.
 fn settings_defect(settings: &Settings, header: &Header, is_intact: bool) -> Option<Defect> {
     let Settings { offset, name, map, .. } = settings;
-    let reason = match *name {
-        metadata::TRAILER => is_intact.then(|| format!("the metadata record {:?} is missing", metadata::HEADER)),
-        _ => metadata::difference(map, &metadata::header_map(header), header.scene.as_ref()),
-    };
-    reason.map(|reason| Defect { offset: *offset, reason })
+    if *name == metadata::TRAILER {
+        let reason = format!("the metadata record {:?} is missing", metadata::HEADER);
+        return is_intact.then_some(Defect { offset: MAGIC.len() as u64, reason });
+    }
+    let reason = metadata::difference(map, &metadata::header_map(header), header.scene.as_ref())?;
+    Some(Defect { offset: *offset, reason })
 }
 
 /// Returns the library of a header record.

@@ -54,6 +54,8 @@ pub struct Recording<R> {
     padded: Option<u64>,
     /// The offset of the last record, at first that of a record of the header section.
     last_offset: u64,
+    /// The offset of the first private record that only schemas and channels have followed: it may be a damaged data end.
+    private: Option<u64>,
 }
 
 /// One item of a recording.
@@ -139,6 +141,7 @@ impl<R: Read + Seek> Recording<R> {
             scene_offset: section.scene_offset,
             padded: section.padded,
             last_offset: section.settings_offset,
+            private: None,
         };
         if !index::read(&mut recording.records).map_err(Error::Read)?.is_in_order() {
             recording.order = Order::Surveyed(Parts::default());
@@ -505,7 +508,12 @@ impl<R: Read + Seek> Recording<R> {
         let last_offset = std::mem::replace(&mut self.last_offset, offset);
         if opcode >= 0x80 {
             self.padded = self.padded.or(Some(offset));
+            self.private = self.private.or(Some(offset));
             return Ok(()); // A private record of another program, or one with a damaged opcode.
+        }
+        let private = self.private;
+        if !matches!(opcode, op::SCHEMA | op::CHANNEL) {
+            self.private = None;
         }
         self.decoder.padded = self.padded.take();
         self.padded = has_unknown_fields(opcode, &self.records.body).then_some(offset);
@@ -553,6 +561,7 @@ impl<R: Read + Seek> Recording<R> {
                 self.data_end = Some(offset);
             }
             other => {
+                let location = Location { chunk: None, offset: private.unwrap_or(offset) };
                 self.decoder.mark_lost(location, format!("a record with opcode {other:#04x} is not allowed here"));
                 return self.resume_after(self.decoder.padded.unwrap_or(offset));
             }
