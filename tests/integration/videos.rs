@@ -82,7 +82,7 @@ fn probe(workplace: &Workplace, file: &str) -> String {
 #[test]
 #[ignore = "needs ffmpeg and ffprobe; .ci/long runs it"]
 fn videos_have_all_frames_and_colour_tags_that_agree_with_their_pixels() {
-    let workplace = Workplace::with_scene(SCENE);
+    let workplace = Workplace::with_scene(&SCENE.replace("size = [0.5, 0.5]", "size = [2.0, 1.5]"));
     for file in ["clip.mp4", "clip.webm"] {
         // An odd width and height are made even.
         workplace.done(&format!("render scene.toml -o {file} --size 63x35"));
