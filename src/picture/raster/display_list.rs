@@ -240,8 +240,9 @@ mod tests {
     #[test]
     fn shapes_of_every_extent_are_drawn_and_stay_within_reach() {
         let (mut state, ink) = (1, Color::hex(0).into());
+        let extents: Vec<f64> = std::iter::successors(Some(1.0), |extent| Some(10.0 * extent)).take(13).collect();
         for round in 0..2000 {
-            let extent = [1.0, 10.0, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12][round % 13];
+            let extent = extents[round % extents.len()];
             let mut point = || Vector::new(48.0 + extent * random(&mut state), 32.0 + extent * random(&mut state));
             let points: Vec<Vector> = (0..3 + round % 4).map(|_| point()).collect();
             let rect = Rect::new(points[0].min(points[1]), (points[0].x - points[1].x).abs(), extent);
