@@ -12,7 +12,6 @@ mod output;
 mod output_file;
 mod picture_arguments;
 mod record;
-mod recover;
 mod render;
 mod replay;
 mod report;
@@ -88,7 +87,7 @@ pub fn run(arguments: Arguments) -> Exit {
         Command::Export(options) => export::run(options),
         Command::Info(options) => info::run(options),
         Command::Check(options) => check::run(options),
-        Command::Recover(options) => recover::run(options),
+        Command::Recover(options) => record::recover(options),
         Command::Report(options) => report::run(options),
         Command::Completions(options) => shell::completions(options),
         Command::Man(options) => shell::man(options),

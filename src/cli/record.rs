@@ -1,10 +1,10 @@
-use super::arguments::RecordOptions;
+use super::arguments::{RecordOptions, RecoverOptions};
 use super::error::CommandError;
 use super::output_file::{Durability, OutputFile, Overwrite};
 use super::{Exit, output};
 use crate::physics::SolverKind;
 use crate::picture;
-use crate::recording::{ColorFn, RecordedError};
+use crate::recording::{self, ColorFn, RecordedError};
 use crate::replay::{self, LiveEvents, OnBadEvent, Recorded, RunError};
 use crate::scene::{self, Scene};
 use crate::text::counted;
@@ -100,4 +100,20 @@ fn print_summary(options: &RecordOptions, recorded: &Recorded, skipped: u64) -> 
         end.identity
     );
     output::print_result(&options.output, &line)
+}
+
+/// Writes the readable part of a damaged recording to a new one, and prints what was lost. The exit code says whether
+/// anything was.
+pub fn recover(options: &RecoverOptions) -> Result<Exit, CommandError> {
+    let path = &options.recording;
+    let overwrite = Overwrite::from_force(options.output.force);
+    let output = OutputFile::create(&options.output.output, overwrite, &[path])?;
+    let mut recording = recording::open(path).map_err(CommandError::in_recording(path))?;
+    let recovery = output.write(|output| match recording::recover(&mut recording, output) {
+        Ok((recovery, _)) => Ok(recovery),
+        Err(recording::Error::Write(error)) => Err(CommandError::unwritable(&options.output.output)(error)),
+        Err(error) => Err(CommandError::in_recording(path)(error)),
+    })?;
+    output::print_result(&options.output.output, &recovery.to_string())?;
+    Ok(if recovery.is_everything() { Exit::Done } else { Exit::Damaged })
 }
