@@ -84,7 +84,7 @@ impl AccuracyProbe {
             for (gravity, force) in [(gravity.x, spawn.force.x), (gravity.y, spawn.force.y)] {
                 self.acceleration = larger(self.acceleration, (gravity + force / spawn.mass).abs());
             }
-            let slow = SLOW_IN_FREE_FALL * (self.acceleration * self.extent).sqrt();
+            let slow = SLOW_IN_FREE_FALL * self.acceleration.sqrt() * self.extent.sqrt();
             self.collisions.iter_mut().for_each(|sequence| sequence.slow = slow);
         }
         if self.accuracy.until.is_none() {

@@ -230,8 +230,9 @@ fn an_animated_png_of_too_few_frames_is_an_error() {
         NonZero::<usize>::MIN,
         std::io::sink(),
     );
-    let error = end.unwrap_err().to_string();
-    assert!(error.starts_with("only 39 of 40 frames can be drawn, because states are missing or damaged"), "{error}");
+    let expected = "only 39 of 40 frames can be drawn, because states are missing or damaged, and an animated PNG starts \
+                    with their number: recover the recording first, or draw a GIF";
+    assert_eq!(end.unwrap_err().to_string(), expected);
 }
 
 fn sequence(frames: &[Frame], view: &View, threads: usize) -> Vec<(u64, Vec<u8>)> {

@@ -389,7 +389,7 @@ impl EventDriven {
             let impact = Impact { velocity, mass, restitution: 0.0 };
             let after = self.bodies.rounding().velocities(&impact, impact.velocities_after());
             self.set_velocities(patch, &clusters, axis, after);
-            // Whether a corner blocks is decided from rest, with the accelerations along both axes.
+            // A corner blocks along the axes that the accelerations from rest select.
             if touch.kind == TouchKind::Face(axis) && !self.is_contact(patch, touch, axis) {
                 self.add_contact(patch, touch, axis);
             }
