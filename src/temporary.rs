@@ -74,10 +74,26 @@ pub fn uninterrupted<T>(place: impl FnOnce() -> T) -> T {
 fn remove_all() {
     let folders = folders();
     for folder in folders.iter() {
-        // A running ffmpeg may add a file meanwhile.
-        let _ = fs::remove_dir_all(folder).or_else(|_| fs::remove_dir_all(folder));
+        remove_in_use(folder);
     }
     std::mem::forget(folders);
+}
+
+/// Removes a folder to which other threads and a running ffmpeg still add files.
+#[cfg(feature = "cli")]
+fn remove_in_use(folder: &Path) {
+    // Under its new name no file can be added any more, except one that is being created at this instant. Windows
+    // renames no folder that contains an open file; the attempts are for these two cases.
+    let mut renamed = folder.as_os_str().to_owned();
+    renamed.push("-removed");
+    let folder = if fs::rename(folder, &renamed).is_ok() { Path::new(&renamed) } else { folder };
+    const ATTEMPTS: usize = 100;
+    for _ in 0..ATTEMPTS {
+        match fs::remove_dir_all(folder) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => std::thread::yield_now(),
+            _ => return,
+        }
+    }
 }
 
 /// Removes temporary files on SIGINT, SIGTERM and SIGHUP, and then ends the process by the same signal, so that shells
@@ -136,5 +152,26 @@ mod tests {
         assert_eq!(fs::read_dir(parent.path()).unwrap().count(), 3);
         drop(folders);
         assert_eq!(fs::read_dir(parent.path()).unwrap().count(), 0);
+    }
+
+    #[cfg(all(feature = "cli", unix))]
+    #[test]
+    fn a_folder_disappears_while_other_threads_add_files() {
+        let parent = tempfile::tempdir().unwrap();
+        for round in 0..20 {
+            let folder = parent.path().join("folder");
+            fs::create_dir(&folder).unwrap();
+            std::thread::scope(|scope| {
+                for writer in 0..3 {
+                    let folder = &folder;
+                    scope.spawn(move || {
+                        (0..).take_while(|n| fs::write(folder.join(format!("{writer}-{n}")), "frame").is_ok()).count()
+                    });
+                }
+                while fs::read_dir(&folder).unwrap().count() < 100 {}
+                remove_in_use(&folder);
+            });
+            assert_eq!(fs::read_dir(parent.path()).unwrap().count(), 0, "round {round}");
+        }
     }
 }
