@@ -90,7 +90,7 @@ fn record_scene(scene: &Path, path: &Path) -> Result<NewRecording, RunError> {
     let unwritable = |error| RunError::from(Error::Write(error));
     let recording = TemporaryRecording::create().map_err(unwritable)?;
     let file = File::create_new(recording.path()).map_err(unwritable)?;
-    let plan = replay::RecordOptions { steps, every, estimates_accuracy, viewer: None };
+    let plan = replay::RecordOptions { steps, every, estimates_accuracy, ..replay::RecordOptions::complete(&scene) };
     let recorded = replay::record(&scene, plan, replay::NO_LIVE_EVENTS, file, |_| ())?;
     Ok(NewRecording { file: recording, identity: recorded.trailer.identity })
 }

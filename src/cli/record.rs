@@ -27,6 +27,7 @@ pub fn run(options: &RecordOptions) -> Result<Exit, CommandError> {
         steps: options.steps.unwrap_or(scene.run.steps),
         every: options.every,
         estimates_accuracy: options.accuracy,
+        has_live_events: options.events.is_some(),
         viewer: options.viewer.then_some(picture::body_color as ColorFn),
     };
     warn_of_unreached_inputs(&scene, plan.steps);

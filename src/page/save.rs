@@ -21,6 +21,7 @@ impl Save {
     pub fn new(scene: &Scene, lines: String) -> Result<Save, String> {
         let sink = Sink::default();
         let options = RecordOptions::complete(scene);
+        let options = if lines.is_empty() { options } else { options.live_events() };
         let recording = RecordingRun::new(scene, options, sink.clone()).map_err(|error| error.to_string())?;
         let lines = LiveEvents::new(Cursor::new(lines.into_bytes()), OnBadEvent::Fail, options.steps);
         Ok(Save { recording: Some(recording), lines, sink, step: 0 })

@@ -92,6 +92,12 @@ pub fn settings_map(header: &Header) -> Map {
     for RestitutionPair { materials, restitution } in config.restitution.pairs() {
         insert(&mut map, &pair_key(&materials), format_float(restitution));
     }
+    if !header.overrides.is_empty() {
+        insert(&mut map, "set", serde_json::json!(header.overrides));
+    }
+    if header.has_live_events {
+        insert(&mut map, "live_events", "yes");
+    }
     if !header.gaps.is_empty() {
         insert(&mut map, "gaps", header.gaps.iter().map(Gap::to_string).collect::<Vec<_>>().join(" "));
     }
@@ -238,8 +244,16 @@ fn parse_header_fields(map: &Map, format: u32) -> Result<Header, String> {
         every,
         estimates_accuracy,
         scene: None,
+        overrides: parse_overrides(map)?,
+        has_live_events: map.contains_key("live_events"),
         gaps: parse_gaps(map)?,
     })
+}
+
+fn parse_overrides(map: &Map) -> Result<Vec<[String; 2]>, String> {
+    let Some(text) = map.get("set") else { return Ok(Vec::new()) };
+    let damaged = |_| format!("the metadata has the invalid value \"set\" = {:?}", shortened(text));
+    serde_json::from_str(text).map_err(damaged)
 }
 
 fn parse_gaps(map: &Map) -> Result<Vec<Gap>, String> {
@@ -417,6 +431,7 @@ mod tests {
             (collisions, error, recovered) in any::<(Option<u64>, Option<String>, bool)>(),
             accuracy in prop::option::of(prop::option::of(0..=limits::STEPS)),
             state_bounds in state_bounds(),
+            title in ".*",
         ) {
             let restitution = Restitution::new(default, &pairs);
             let config = EngineConfig { solver: SolverKind::EventDriven, rate, gravity, restitution, events_per_step };
@@ -425,7 +440,9 @@ mod tests {
             let error = error.map(RecordedError::Text);
             let estimates_accuracy = accuracy.is_some();
             let accuracy = accuracy.map(|until| Accuracy { until });
-            let expected = Header { versions, config, steps, every, estimates_accuracy, scene, gaps };
+            let overrides = vec![[title, "\"a\"".to_owned()], ["restitution.default".into(), "0.5".into()]];
+            let has_live_events = recovered;
+            let expected = Header { versions, config, steps, every, estimates_accuracy, scene, overrides, has_live_events, gaps };
             let identity = Identity(5);
             let trailer = Trailer { steps, collisions, bodies: 3, events: 4, error, accuracy, recovered, state_bounds, identity };
             for map in [header_map(&expected), trailer_map(&expected, &trailer)] {

@@ -38,6 +38,11 @@ pub struct Header {
     pub estimates_accuracy: bool,
     /// The scene's source text; `None` if that part of the recording is lost.
     pub scene: Option<SceneText>,
+    /// The values of the scene that were set for this run (`record --set`): key and value of each, in the order in which
+    /// they were applied. The text of the scene contains them.
+    pub overrides: Vec<[String; 2]>,
+    /// True if the run read live events (`record --events`), which the scene does not contain.
+    pub has_live_events: bool,
     /// The gaps of a recovered recording; empty for any other.
     pub gaps: Vec<Gap>,
 }
@@ -45,8 +50,17 @@ pub struct Header {
 impl Header {
     /// A header of the present versions for `steps` steps, each recorded in full.
     pub fn new(config: EngineConfig, steps: u64, scene: SceneText) -> Header {
-        let (versions, every, estimates_accuracy) = (Versions::CURRENT, 1, false);
-        Header { versions, config, steps, every, estimates_accuracy, scene: Some(scene), gaps: Vec::new() }
+        Header {
+            versions: Versions::CURRENT,
+            config,
+            steps,
+            every: 1,
+            estimates_accuracy: false,
+            scene: Some(scene),
+            overrides: Vec::new(),
+            has_live_events: false,
+            gaps: Vec::new(),
+        }
     }
 
     /// Sets the distance of the states that are recorded in full, in steps.

@@ -14,6 +14,8 @@ pub struct RecordOptions {
     pub every: u64,
     /// True to estimate the accuracy of the run, which takes about four times as long.
     pub estimates_accuracy: bool,
+    /// True if live events may come; the recording says so.
+    pub has_live_events: bool,
     /// The colours of bodies in viewers such as Foxglove; `None` records nothing for viewers.
     pub viewer: Option<ColorFn>,
 }
@@ -21,7 +23,8 @@ pub struct RecordOptions {
 impl RecordOptions {
     /// The complete run of the scene, every state in full, nothing for viewers.
     pub const fn complete(scene: &Scene) -> RecordOptions {
-        RecordOptions { steps: scene.run.steps, every: 1, estimates_accuracy: false, viewer: None }
+        let steps = scene.run.steps;
+        RecordOptions { steps, every: 1, estimates_accuracy: false, has_live_events: false, viewer: None }
     }
 
     /// Sets the last step.
@@ -33,6 +36,11 @@ impl RecordOptions {
     /// estimate.
     pub const fn estimate_accuracy(self) -> RecordOptions {
         RecordOptions { estimates_accuracy: true, ..self }
+    }
+
+    /// Announces live events. [`record`] does so itself.
+    pub const fn live_events(self) -> RecordOptions {
+        RecordOptions { has_live_events: true, ..self }
     }
 
     /// Records every `every`-th state in full, the others as digests; at least 1.
@@ -66,6 +74,7 @@ pub fn record<W: Write + Send + 'static>(
     output: W,
     mut progress: impl FnMut(u64),
 ) -> Result<Recorded, RunError> {
+    let options = if live.is_some() { options.live_events() } else { options };
     let mut recording = RecordingRun::new(scene, options, output)?;
     while let Some(step) = recording.record_state(live.as_deref_mut())? {
         progress(step);
@@ -165,6 +174,8 @@ fn header(scene: &Scene, options: RecordOptions) -> Header {
     let text = SceneText { file_name: scene.source.file_name().to_owned(), text: scene.source.text.clone() };
     Header {
         every: options.every,
+        overrides: scene.source.overrides.clone(),
+        has_live_events: options.has_live_events,
         estimates_accuracy: options.estimates_accuracy && scene.run.solver == SolverKind::EventDriven,
         ..Header::new(engine_config(scene), options.steps, text)
     }

@@ -28,7 +28,7 @@ pub use diagnostic::{Diagnostic, DiagnosticKind, Diagnostics, Excerpt, SceneErro
 pub use inputs::{Input, InputLocation};
 pub use options::{RunOptions, Walls};
 #[cfg(feature = "cli")]
-pub use overrides::Override;
+pub use overrides::{Override, Sweep};
 
 use diagnostic::{ErrorReported, Reporter};
 use options::WorldOptions;
@@ -64,6 +64,8 @@ pub struct SceneSource {
     pub path: String,
     /// The complete text.
     pub text: String,
+    /// The values that were set with overrides, which the text contains: key and value of each, in their order.
+    pub overrides: Vec<[String; 2]>,
 }
 
 impl SceneSource {
@@ -92,7 +94,7 @@ const KEYS: &[Key] = &[TITLE, WORLD, RUN, RESTITUTION, FIGURE];
 /// # Errors
 /// [`SceneError::Scene`] with all independent errors of the text.
 pub fn parse(path: &str, text: &str) -> Result<Scene, SceneError> {
-    let source = SceneSource { path: path.into(), text: text.replace("\r\n", "\n") };
+    let source = SceneSource { path: path.into(), text: text.replace("\r\n", "\n"), overrides: Vec::new() };
     let reporter = Reporter::default();
     let scene = read(&source, &reporter);
     let excerpt = || Excerpt { name: source.path.clone(), line: 1, text: source.text.clone() };
@@ -120,6 +122,7 @@ pub fn load_with(path: &Path, overrides: &[Override]) -> Result<Scene, SceneErro
     let name = path.to_string_lossy();
     let mut scene = parse(&(name.to_string() + &options.concat()), &text)?;
     scene.source.path = name.into();
+    scene.source.overrides = overrides.iter().map(Override::stored).collect();
     Ok(scene)
 }
 
@@ -260,7 +263,7 @@ mod tests {
 
     #[test]
     fn a_file_name_contains_no_folder() {
-        let named = |path: &str| SceneSource { path: path.into(), text: String::new() };
+        let named = |path: &str| SceneSource { path: path.into(), text: String::new(), overrides: Vec::new() };
         assert_eq!(named("recordings/gas.toml").file_name(), "gas.toml");
         assert_eq!(named(r"C:\scenes\gas.toml").file_name(), "gas.toml");
         assert_eq!(named("gas.toml").file_name(), "gas.toml");

@@ -1,18 +1,18 @@
 use super::{Diagnostic, DiagnosticKind, Excerpt, SceneError, diagnostic::Reporter, inputs};
-use std::{fmt, ops::Range, path::Path, str::FromStr};
-use toml_edit::{DocumentMut, Item, Key, Table, TableLike, Value};
+use std::{fmt, iter, ops::Range, path::Path, str::FromStr};
+use toml_edit::{DocumentMut, Formatted, Item, Key, Table, TableLike, Value};
 
 /// A new value for one key of a scene: `KEY=VALUE`, such as `restitution.default=0.5`.
 ///
-/// `KEY` is the path of the key in the file, joined by dots. The second part of the path of a repeated
-/// table such as `[[spawn]]` is a name or a number: `spawn.c.mass` is the mass of the body `c`, and
-/// `scatter.1.seed` the seed of the first `[[scatter]]`. `VALUE` is written as in the file; a word needs
-/// no quotes.
+/// `KEY` is the path of the key in the file, joined by dots: `world.gravity`, `restitution.steel/wood`. A part that
+/// contains a dot or an equals sign is written in quotation marks. The second part of the path of a repeated table such
+/// as `[[spawn]]` is a name or a number: `spawn.c.mass` is the mass of the body `c`, and `scatter.1.seed` the seed of the
+/// first `[[scatter]]`. `VALUE` is written as in the file; a word needs no quotes.
 #[derive(Clone, Debug)]
 pub struct Override {
     keys: Vec<String>,
     value: Value,
-    /// The override as typed.
+    /// The override as typed; of several values with this one alone.
     text: String,
 }
 
@@ -20,25 +20,188 @@ impl FromStr for Override {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Override, String> {
-        let parts = text.match_indices('=').find_map(|(index, _)| {
-            let keys = Key::parse(&text[..index]).ok()?;
-            Some((keys, text[index + 1..].trim()))
-        });
-        let Some((keys, value)) = parts else {
-            return Err("expected KEY=VALUE, such as restitution.default=0.5 or spawn.c.mass=2".into());
-        };
-        let keys = keys.iter().map(|key| key.get().to_owned()).collect();
-        let value = value.parse().unwrap_or_else(|_| Value::from(value));
-        Ok(Override { keys, value, text: text.into() })
+        let (keys, value) = split(text)?;
+        Override::new(&keys, value, text)
+    }
+}
+
+impl Override {
+    fn new(keys: &[String], value: &str, text: &str) -> Result<Override, String> {
+        match value {
+            "" => Err(format!("the value after {}= is missing", path(keys))),
+            value => Ok(Override { keys: keys.to_vec(), value: parse_value(keys, value), text: text.into() }),
+        }
+    }
+
+    /// Returns the path of the key, with quotation marks only where they are needed.
+    pub fn key(&self) -> String {
+        path(&self.keys)
+    }
+
+    /// Returns key and value as a recording stores them: together they parse to the same override.
+    pub fn stored(&self) -> [String; 2] {
+        [self.key(), self.value.to_string().trim().to_owned()]
+    }
+
+    /// Returns the value. Numbers are floats, except those of keys that take integers; infinite ones are text, as in
+    /// tables.
+    pub fn json(&self) -> serde_json::Value {
+        let takes_integer = self.keys.last().is_some_and(|key| INTEGER_KEYS.contains(&key.as_str()));
+        json(&self.value, takes_integer)
     }
 }
 
 impl fmt::Display for Override {
     fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
-        formatter.write_str(&self.text)
+        let value = self.value.as_str().map_or_else(|| self.stored()[1].clone(), str::to_owned);
+        write!(formatter, "{}={value}", self.key())
     }
 }
 
+/// One key of a scene with the values that it takes in turn: `KEY=VALUE`, or `KEY=[V1 | V2 | V3]` for three runs.
+#[derive(Clone, Debug)]
+pub struct Sweep(Vec<Override>);
+
+impl FromStr for Sweep {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Sweep, String> {
+        let (keys, value) = split(text)?;
+        let Some(values) = several_values(value) else { return Ok(Sweep(vec![Override::new(&keys, value, text)?])) };
+        let key = &text[..text.len() - value.len()];
+        if values.iter().any(|value| value.is_empty()) {
+            return Err(format!("a value of {} is missing beside |", path(&keys)));
+        }
+        let overrides = values.into_iter().map(|value| Override::new(&keys, value, &format!("{key}{value}")));
+        Ok(Sweep(overrides.collect::<Result<_, String>>()?))
+    }
+}
+
+impl Sweep {
+    /// Returns all combinations of one value of each sweep, in the order of their values; the last key changes fastest.
+    ///
+    /// # Errors
+    /// A message if a key is set twice, or if there are more than [`MAX_RUNS`] combinations.
+    pub fn combinations(sweeps: &[Sweep]) -> Result<Vec<Vec<Override>>, String> {
+        for (index, sweep) in sweeps.iter().enumerate() {
+            let key = sweep.0[0].key();
+            if sweeps[..index].iter().any(|earlier| earlier.0[0].key() == key) {
+                return Err(format!("{key} is set twice; several values are written --set '{key}=[A | B]'"));
+            }
+        }
+        let count = sweeps.iter().try_fold(1_usize, |count, sweep| count.checked_mul(sweep.0.len()));
+        let Some(1..=MAX_RUNS) = count else {
+            return Err(format!("the values of --set have more than {MAX_RUNS} combinations; set fewer at once"));
+        };
+        let extend = |runs: Vec<Vec<Override>>, sweep: &Sweep| -> Vec<Vec<Override>> {
+            let with = |run: &Vec<Override>, value: &Override| run.iter().chain([value]).cloned().collect();
+            runs.iter().flat_map(|run| sweep.0.iter().map(move |value| with(run, value))).collect()
+        };
+        Ok(sweeps.iter().fold(vec![Vec::new()], extend))
+    }
+}
+
+/// The largest number of runs of one command.
+pub const MAX_RUNS: usize = 10_000;
+
+/// Keys whose values are text, also if they look like numbers.
+const TEXT_KEYS: [&str; 6] = ["title", "name", "material", "wall_material", "color", "image"];
+
+/// Keys whose values are integers.
+const INTEGER_KEYS: [&str; 5] = ["steps", "step", "seed", "count", "events_per_step"];
+
+/// Splits `KEY=VALUE` at the first equals sign outside of quotation marks, and the key at its dots.
+fn split(text: &str) -> Result<(Vec<String>, &str), String> {
+    let expected = || "expected KEY=VALUE, such as restitution.default=0.5 or spawn.c.mass=2".to_owned();
+    let mut keys = Vec::new();
+    let mut rest = text;
+    loop {
+        let end = part_end(rest).ok_or_else(expected)?;
+        let part = rest[..end].trim();
+        let key = match part.chars().next() {
+            None => return Err(expected()),
+            Some('"' | '\'') => part.parse::<Key>().map_err(|_| expected())?.get().to_owned(),
+            Some(_) => part.to_owned(),
+        };
+        keys.push(key);
+        let separator = &rest[end..];
+        rest = &separator[1..];
+        if separator.starts_with('=') {
+            return Ok((keys, rest.trim()));
+        }
+    }
+}
+
+/// The offset of the first dot or equals sign outside of quotation marks.
+fn part_end(text: &str) -> Option<usize> {
+    let mut quote = None;
+    text.char_indices().find_map(|(index, letter)| {
+        match (quote, letter) {
+            (None, '.' | '=') => return Some(index),
+            (None, '"' | '\'') => quote = Some(letter),
+            (Some(open), letter) if open == letter => quote = None,
+            (None | Some(_), _) => {}
+        }
+        None
+    })
+}
+
+/// Parses a value of TOML. Words need no quotation marks, and numbers may begin or end with a point.
+fn parse_value(keys: &[String], text: &str) -> Value {
+    let is_text = keys.last().is_some_and(|key| TEXT_KEYS.contains(&key.as_str()));
+    match text.parse::<Value>() {
+        Ok(value) if value.is_str() || !is_text => value,
+        Ok(_) => Value::from(text),
+        Err(_) => match text.parse::<f64>() {
+            Ok(number) if number.is_finite() && !is_text => Value::Float(Formatted::new(number)),
+            Ok(_) | Err(_) => Value::from(text),
+        },
+    }
+}
+
+/// Splits `[V1 | V2]` at its bars, outside of quotation marks and inner brackets. `None` if there are none.
+fn several_values(text: &str) -> Option<Vec<&str>> {
+    let inner = text.strip_prefix('[')?.strip_suffix(']')?;
+    let (mut depth, mut quote, mut start) = (0_i32, None, 0);
+    let mut values = Vec::new();
+    for (index, letter) in inner.char_indices() {
+        match (quote, letter) {
+            (Some(open), letter) if open == letter => quote = None,
+            (Some(_), _) => {}
+            (None, '"' | '\'') => quote = Some(letter),
+            (None, '[' | '{') => depth += 1,
+            (None, ']' | '}') => depth -= 1,
+            (None, '|') if depth == 0 => {
+                values.push(inner[start..index].trim());
+                start = index + 1;
+            }
+            (None, _) => {}
+        }
+    }
+    (!values.is_empty()).then(|| values.into_iter().chain(iter::once(inner[start..].trim())).collect())
+}
+
+/// Joins the parts of a key by dots.
+fn path(keys: &[String]) -> String {
+    let needs_quotes = |key: &str| {
+        key.trim() != key || key.is_empty() || key.contains(['.', '=', '"', '\'']) || key.contains(char::is_control)
+    };
+    let part = |key: &String| if needs_quotes(key) { Value::from(key).to_string() } else { key.clone() };
+    keys.iter().map(part).collect::<Vec<String>>().join(".")
+}
+
+fn json(value: &Value, takes_integer: bool) -> serde_json::Value {
+    match value {
+        Value::Integer(number) if takes_integer => (*number.value()).into(),
+        Value::Integer(number) => (*number.value() as f64).into(),
+        Value::Float(number) if number.value().is_finite() => (*number.value()).into(),
+        Value::Float(number) => number.value().to_string().to_lowercase().into(),
+        Value::Boolean(value) => (*value.value()).into(),
+        Value::String(text) => text.value().as_str().into(),
+        Value::Array(values) => values.iter().map(|value| json(value, takes_integer)).collect(),
+        Value::Datetime(_) | Value::InlineTable(_) => value.to_string().trim().into(),
+    }
+}
 /// Applies overrides to the text of a scene. A text that is not TOML is returned unchanged: parsing it as a
 /// scene reports the error.
 ///
@@ -76,6 +239,8 @@ impl Target<'_> {
     fn set(&self, table: &mut dyn TableLike, depth: usize, value: &Value) {
         let key = &self.keys[depth];
         if depth + 1 == self.keys.len() {
+            let reversed = key.split_once('/').map(|(a, b)| format!("{b}/{a}")).filter(|pair| table.contains_key(pair));
+            let key = if self.keys[0] == "restitution" { reversed.as_ref().unwrap_or(key) } else { key };
             return set_value(table, key, value);
         }
         let is_repeated = depth == 0 && inputs::KEYS.iter().any(|repeated| repeated.name == key);
@@ -95,13 +260,13 @@ impl Target<'_> {
     /// Sets the value in the table that the key at `depth` names or numbers.
     fn set_in_one(&self, mut tables: Vec<&mut dyn TableLike>, depth: usize, value: &Value) {
         let name = &self.keys[depth];
-        if depth + 1 == self.keys.len() {
-            return self.report(DiagnosticKind::NotAValue { key: self.path(depth) }, depth);
-        }
         let names: Vec<Option<String>> = tables.iter().map(|table| name_of(*table)).collect();
         let named = names.iter().position(|known| known.as_deref() == Some(name));
         let number = name.parse::<usize>().ok().filter(|number| (1..=names.len()).contains(number));
         match named.or(number.map(|number| number - 1)) {
+            Some(_) if depth + 1 == self.keys.len() => {
+                self.report(DiagnosticKind::NotAValue { key: self.path(depth) }, depth);
+            }
             Some(index) => self.set(tables[index], depth + 1, value),
             None => self.report_no_such_table(depth - 1, first_known(&names)),
         }
@@ -217,7 +382,76 @@ mod tests {
     }
 
     #[test]
+    fn keys_are_typed_as_they_are_in_the_file_without_its_quotation_marks() {
+        let scene = "[restitution]\n\"steel/wood\" = 0.5\n[[spawn]]\nname = \"a b.c\"\nmass = 1.0\n";
+        let set = |key: &str| {
+            let overrides: Override = format!("{key}=0.25").parse().unwrap();
+            apply(Path::new("scene.toml"), scene, &[overrides]).map_err(|error| error.to_string())
+        };
+        let expected = Ok(scene.replace("0.5", "0.25"));
+        for key in [
+            "restitution.steel/wood",
+            "restitution.wood/steel",
+            "restitution.\"steel/wood\"",
+            " restitution . steel/wood ",
+        ] {
+            assert_eq!(set(key), expected, "{key}");
+        }
+        assert_eq!(set("spawn.\"a b.c\".mass"), Ok(scene.replace("1.0", "0.25")));
+        assert!(set("restitution.steel/steel").unwrap().contains("\"steel/steel\" = 0.25\n"));
+    }
+
+    #[test]
+    fn values_are_numbers_words_or_text() {
+        let stored = |text: &str| text.parse::<Override>().unwrap().stored()[1].clone();
+        assert_eq!(stored("restitution.default=.5"), "0.5");
+        assert_eq!(stored("title=2026"), "\"2026\"");
+        assert_eq!(stored("title=e = 0.5"), "\"e = 0.5\"");
+        assert_eq!(stored("spawn.c.color=#3366cc"), "\"#3366cc\"");
+        assert_eq!(stored("spawn.c.name=\"c\""), "\"c\"");
+        assert_eq!(stored("spawn.c.mass=inf"), "inf");
+        let json = |text: &str| text.parse::<Override>().unwrap().json().to_string();
+        assert_eq!(json("spawn.c.mass=2"), "2.0");
+        assert_eq!(json("spawn.c.mass=inf"), "\"inf\"");
+        assert_eq!(json("run.steps=2"), "2");
+        assert_eq!(json("world.size=[8, 8.5]"), "[8.0,8.5]");
+        assert_eq!(json("run.solver=handout"), "\"handout\"");
+    }
+
+    #[test]
+    fn a_stored_override_parses_to_itself() {
+        for text in
+            ["spawn.\"a.b\".mass=2", "title=x = \"y\"", "spawn.#3.velocity=[1, -0.0]", "spawn.\" \".name=' '", "a='\"'"]
+        {
+            let [key, value] = text.parse::<Override>().unwrap().stored();
+            let again: Override = format!("{key}={value}").parse().unwrap();
+            assert_eq!(again.stored(), [key, value], "{text}");
+        }
+    }
+
+    #[test]
+    fn several_values_are_run_in_all_combinations() {
+        let sweeps = ["a.e=[0.3 | 0.5]", "size=[[1, 2] | [3, 4]]", "title=x | [y]"].map(|text| text.parse().unwrap());
+        let runs = Sweep::combinations(&sweeps).unwrap();
+        let runs: Vec<String> = runs.iter().map(|run| run.iter().map(|set| format!("{set}; ")).collect()).collect();
+        let expected = [
+            "a.e=0.3; size=[1, 2]; title=x | [y]; ",
+            "a.e=0.3; size=[3, 4]; title=x | [y]; ",
+            "a.e=0.5; size=[1, 2]; title=x | [y]; ",
+            "a.e=0.5; size=[3, 4]; title=x | [y]; ",
+        ];
+        assert_eq!(runs, expected);
+        let twice = ["a.e=1", "a.\"e\"=2"].map(|text| text.parse().unwrap());
+        assert!(Sweep::combinations(&twice).unwrap_err().contains("a.e is set twice"));
+        let many = format!("a={:?}", vec![1; 200]).replace(", ", "|");
+        let many = ["b", "c", "d"].map(|key| many.replacen('a', key, 1).parse().unwrap());
+        assert!(Sweep::combinations(&many).unwrap_err().contains("more than 10000"));
+    }
+
+    #[test]
     fn an_override_needs_a_key_and_a_value() {
-        assert!("mass".parse::<Override>().is_err() && "=2".parse::<Override>().is_err());
+        for text in ["mass", "=2", "a..b=2", "a.=2", "a.\"b=2", "a=", "a=[1 | ]"] {
+            assert!(text.parse::<Sweep>().is_err(), "{text}");
+        }
     }
 }
