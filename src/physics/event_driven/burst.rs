@@ -2,8 +2,10 @@
 //! when no faces approach.
 //!
 //! An infinite sequence (inelastic collapse) is replaced by its limit. It is recognised
-//! - by decay: the next approach is slower than [`DECAYED`] of the greatest of the burst. The speeds are sums
-//!   of numbers of that magnitude, of which double-double arithmetic keeps 2⁻¹⁰⁴, so slower motion is rounding;
+//! - by decay: the next approach is slower than [`DECAYED`] of the greatest of the burst, or than [`UNDECIDED`] times the
+//!   rounding of the speeds. The speeds are sums of numbers of that magnitude, of which double-double arithmetic keeps
+//!   2⁻¹⁰⁴, so slower motion is rounding. Without the second condition, a burst that is slow in a fast frame of reference
+//!   would end without a limit when its approaches become 0 by rounding;
 //! - by a cycle (`impact_history`): three periods hit the same pairs and scale their relative velocities by the
 //!   same factor below 1. Impacts are linear, so all further periods are copies.
 
@@ -15,10 +17,13 @@ use super::impact::Impact;
 use super::impact_history::Cycle;
 use super::least_change::MASS_UNIT;
 use super::patch::{Local, Patch, Touch, TouchKind};
-use crate::physics::{Axis, Collision, Observer, Rect, Side, StepError, Vector, World};
+use crate::physics::{Axis, Collision, Observer, Rect, Side, StepError, Vector, World, larger};
 
 /// Approaches below this fraction of the greatest of a burst are rounding.
 const DECAYED: f64 = 1.0 / (1_u128 << 80) as f64;
+
+/// Approaches below this multiple of the rounding of velocities are rounding, too.
+const UNDECIDED: f64 = 256.0;
 
 /// The chains between infinite masses are searched again every so many impacts.
 const SQUEEZE_INTERVAL: u64 = 64;
@@ -83,8 +88,10 @@ impl EventDriven {
         let approach = patch.approach(&touch, axis).high;
         let root = patch.root_of_touch(&touch) as usize;
         let greatest = &mut patch.bursts[root].greatest;
-        *greatest = if approach > *greatest { approach } else { *greatest };
-        let threshold = *greatest * DECAYED;
+        *greatest = larger(*greatest, approach);
+        let decayed = *greatest * DECAYED;
+        let [first, second] = touch.bodies.map(|body| patch.axis(body, axis).speed);
+        let threshold = larger(decayed, (first + second) * VELOCITY_ROUNDING * UNDECIDED);
         if approach <= threshold && self.take_decayed_limit(patch, index, axis, threshold, world) {
             return Ok(());
         }
@@ -147,7 +154,7 @@ impl EventDriven {
             next += 1;
             for contact in self.contacts.of(slot_of(patch, body)) {
                 if contact.axis == axis && contact.side == side && !self.bodies[contact.other].infinite {
-                    let other = self.load(patch, contact.other);
+                    let other = self.load(patch, contact.other, patch.bodies[body as usize].at);
                     if !cluster.members.contains(&other) {
                         cluster.members.push(other);
                     }
@@ -297,7 +304,12 @@ impl EventDriven {
         let root = patch.root_of_touch(&patch.touches[index as usize]) as usize;
         let greatest = patch.bursts[root].greatest;
         let mut history = std::mem::take(&mut patch.bursts[root].histories[axis as usize]);
-        let cycle = history.push(index, greatest, |touch| patch.approach(&patch.touches[touch as usize], axis));
+        let approach = |touch: u32| patch.approach(&patch.touches[touch as usize], axis);
+        let rounding = |touch: u32| {
+            let [first, second] = patch.touches[touch as usize].bodies.map(|body| patch.axis(body, axis).speed);
+            (first + second) * VELOCITY_ROUNDING
+        };
+        let cycle = history.push(index, greatest, approach, rounding);
         patch.bursts[root].histories[axis as usize] = history;
         match cycle {
             None => Ok(()),
@@ -434,11 +446,12 @@ impl EventDriven {
             let [width, height] = Axis::BOTH.map(|axis| patch.axis(body, axis).size.high);
             Rect::new(Vector::new(x, y), width, height)
         };
-        let offset = self.step_start.seconds_until(self.now);
+        let at = patch.bodies[patch.finite_of(touch.bodies) as usize].at;
+        let offset = self.step_start.seconds_until(at);
         Collision {
             step: self.step,
             time: offset.clamp(0.0, self.clock.period),
-            instant: self.now.high,
+            instant: at.high,
             axis,
             bodies: slots.map(|slot| self.bodies.params(slot).id),
             rects: touch.bodies.map(rect),

@@ -130,7 +130,7 @@ impl EventDriven {
         self.bodies.adjust_size(slot, axis, size);
         let state = self.state_dd(slot, axis);
         if state.position != position {
-            self.set_trajectory(slot, axis, StateDd { position, ..state });
+            self.set_trajectory(slot, axis, StateDd { position, ..state }, self.now);
         }
     }
 }

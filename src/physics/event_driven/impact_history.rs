@@ -1,6 +1,7 @@
 //! The impacts of one instant among bodies connected by touching: when an infinite sequence has shown its limit.
 
 use super::double_double::DoubleDouble;
+use crate::physics::larger;
 
 /// The longest period that is looked for.
 const MAX_PERIOD: usize = 200;
@@ -8,11 +9,15 @@ const MAX_PERIOD: usize = 200;
 /// The history is searched for a period every so many impacts.
 const SEARCH_INTERVAL: u64 = 16;
 
-/// Directions that agree to this are the same.
+/// Directions that agree to this, or to the rounding of velocities, are the same.
 const SAME_DIRECTION: f64 = 1.0 / (1_u64 << 60) as f64;
 
-/// Cycles are proven only while the speeds are above this fraction of the greatest of the burst. Velocities are rounded
-/// to 2⁻¹⁰⁴, so slower ones have no direction to that accuracy unless everything comes to rest in this frame of reference.
+/// Cycles are proven only while the speeds are above this multiple of the rounding of velocities, which gives their
+/// direction to 30 bits, ...
+const LEAST_PRECISION: f64 = (1_u64 << 30) as f64;
+
+/// ... and above this fraction of the greatest of the burst, so that the first condition holds in all frames of reference
+/// that are not 2³⁰ times faster, and the same cycles are proven in them.
 const SLOWEST: f64 = 1.0 / (1_u64 << 32) as f64;
 
 /// Lengths that agree to this are the same.
@@ -56,12 +61,14 @@ impl ImpactHistory {
     }
 
     /// Records an impact; returns the touches of a cycle if it completes the proof of one. `approach` gives the
-    /// present approach speed of a touch, `greatest` is the greatest approach speed of the burst, m/s.
+    /// present approach speed of a touch and `rounding` that of its speed, `greatest` is the greatest approach speed of
+    /// the burst, m/s.
     pub fn push(
         &mut self,
         touch: u32,
         greatest: f64,
         approach: impl Fn(u32) -> DoubleDouble,
+        rounding: impl Fn(u32) -> f64,
     ) -> Option<(Cycle, Vec<u32>)> {
         if self.touches.len() >= 8 * MAX_PERIOD {
             self.touches.drain(..4 * MAX_PERIOD);
@@ -73,7 +80,9 @@ impl ImpactHistory {
             self.start_probe(&approach);
         }
         let probe = self.probe.take_if(|probe| probe.records.len() == 3)?;
-        Some((probe.verdict(greatest * SLOWEST)?, probe.touches))
+        let rounding = probe.touches.iter().map(|touch| rounding(*touch)).fold(0.0, larger);
+        let slowest = larger(greatest * SLOWEST, rounding * LEAST_PRECISION);
+        Some((probe.verdict(slowest, rounding)?, probe.touches))
     }
 
     fn continue_probe(&mut self, approach: &impl Fn(u32) -> DoubleDouble) {
@@ -107,8 +116,9 @@ impl ImpactHistory {
 }
 
 impl Probe {
-    /// The continuation that the records at the ends of three periods prove, if any; speeds below `slowest` decide nothing.
-    fn verdict(&self, slowest: f64) -> Option<Cycle> {
+    /// The continuation that the records at the ends of three periods prove, if any; speeds below `slowest` decide nothing,
+    /// and differences of directions below `rounding` are 0.
+    fn verdict(&self, slowest: f64, rounding: f64) -> Option<Cycle> {
         let [first, second, third] = self.records.as_slice() else { return None };
         let mut greatest = 0;
         for index in 0..first.len() {
@@ -128,7 +138,7 @@ impl Probe {
         }
         let is_parallel = |a: &[DoubleDouble], b: &[DoubleDouble]| {
             let ratio = b[greatest] / a[greatest];
-            let bound = b[greatest].high.abs() * SAME_DIRECTION;
+            let bound = larger(b[greatest].high.abs() * SAME_DIRECTION, rounding);
             ratio.high > 0.0 && a.iter().zip(b).all(|(a, b)| (*a * ratio - *b).high.abs() <= bound)
         };
         let shrinks = scale[0] > scale[1] && scale[1] > scale[2];
@@ -140,16 +150,18 @@ impl Probe {
 mod tests {
     use super::*;
 
-    /// Pushes impacts that alternate between two touches, whose approach speeds shrink by a factor per period.
-    fn verdict(factor: f64) -> Option<Cycle> {
+    /// Pushes impacts that alternate between two touches, whose approach speeds shrink by a factor per period and are
+    /// known to a rounding.
+    fn verdict(factor: f64, rounding: f64) -> Option<Cycle> {
         let mut history = ImpactHistory::default();
         let mut speed = 1.0;
         for impact in 0..100_u32 {
             if impact % 2 == 0 {
                 speed *= factor;
             }
-            let approach = |touch: u32| DoubleDouble::from(if touch == 0 { speed } else { -0.5 * speed });
-            if let Some((cycle, touches)) = history.push(impact % 2, 1.0, approach) {
+            let error = if impact % 3 == 0 { 0.25 * rounding } else { 0.0 };
+            let approach = |touch: u32| DoubleDouble::from(if touch == 0 { speed } else { error - 0.5 * speed });
+            if let Some((cycle, touches)) = history.push(impact % 2, 1.0, approach, |_| rounding) {
                 assert_eq!(touches, [0, 1]);
                 return Some(cycle);
             }
@@ -159,8 +171,14 @@ mod tests {
 
     #[test]
     fn a_cycle_is_proven_after_three_equal_periods() {
-        assert_eq!(verdict(0.75), Some(Cycle::Decays));
-        assert_eq!(verdict(1.0), Some(Cycle::Persists));
-        assert_eq!(verdict(1.5), None);
+        assert_eq!(verdict(0.75, 0.0), Some(Cycle::Decays));
+        assert_eq!(verdict(1.0, 0.0), Some(Cycle::Persists));
+        assert_eq!(verdict(1.5, 0.0), None);
+    }
+
+    #[test]
+    fn directions_are_compared_to_the_rounding_of_velocities() {
+        assert_eq!(verdict(0.75, 1e-16), Some(Cycle::Decays));
+        assert_eq!(verdict(0.75, 1e-3), None);
     }
 }

@@ -75,7 +75,7 @@ impl EventDriven {
                 (false, _) => anchor_position - self.bodies.size(pair[body], axis),
             };
             let velocity = after[place].or_zero(speed * VELOCITY_ROUNDING);
-            self.set_trajectory(pair[body], axis, StateDd { position, velocity, ..scaled[body].state });
+            self.set_trajectory(pair[body], axis, StateDd { position, velocity, ..scaled[body].state }, self.now);
         }
         let sign = if side == Side::High { -1.0 } else { 1.0 };
         observer.collision(&Collision {
@@ -100,7 +100,7 @@ impl EventDriven {
     /// True if a body certainly touches none but `partner`.
     fn touches_nothing_else(&mut self, slot: Slot, partner: Slot) -> bool {
         let mut neighbours = std::mem::take(&mut self.neighbour_buffer);
-        self.find_touching(slot, &mut neighbours);
+        self.find_touching(slot, self.now, &mut neighbours);
         let is_free = neighbours
             .slots()
             .iter()

@@ -110,6 +110,7 @@ use instant::{Clock, Instant};
 use least_change::ContactGroup;
 use pair_event::PairEvent;
 use patch::Patch;
+use simultaneous::Concerned;
 use swept_aabb::SweptAabb;
 
 /// Repeated predictions (after cell crossings and void events) allowed per body and step, beyond the
@@ -317,6 +318,8 @@ impl EventDriven {
             self.predict_changed();
             return Ok(());
         }
+        let at = self.now;
+        let concerned: Vec<Concerned> = concerned.into_iter().map(|slot| Concerned { slot, at }).collect();
         self.process_instant(world, &concerned, observer)
     }
 
@@ -358,7 +361,7 @@ impl EventDriven {
                     self.predict_changed();
                     continue;
                 }
-                let concerned = self.collect_simultaneous(event.pair);
+                let concerned = self.collect_simultaneous(&event);
                 self.process_instant(world, &concerned, observer)?;
                 #[cfg(debug_assertions)]
                 if self.asserts_invariants {
@@ -428,23 +431,6 @@ impl EventDriven {
         end_of_vicinity(self.now).is_before(self.event_queue.next_time())
     }
 
-    /// The bodies of all events at the present instant, `pair` among them.
-    fn collect_simultaneous(&mut self, pair: [Slot; 2]) -> Vec<Slot> {
-        let mut concerned = pair.to_vec();
-        let last = end_of_vicinity(self.now);
-        while let Some((other, event)) = self.event_queue.pop(last) {
-            if let Some(event) = self.next_exact_event(other, event, last) {
-                self.changed.push(other);
-                if self.coincides(&event, self.now) {
-                    concerned.extend(event.pair);
-                }
-            }
-        }
-        concerned.sort_unstable();
-        concerned.dedup();
-        concerned
-    }
-
     /// Counts an event against the limit of the step.
     fn count_event(&mut self, world: &World, pair: [Slot; 2]) -> Result<(), StepError> {
         self.events += 1;
@@ -457,9 +443,9 @@ impl EventDriven {
         self.bodies.state_at(slot, axis, self.now)
     }
 
-    /// Sets the trajectory of a body along one axis from the present instant on, and invalidates its predictions.
-    fn set_trajectory(&mut self, slot: Slot, axis: Axis, state: StateDd) {
-        self.bodies.set_trajectory(slot, axis, state, self.now);
+    /// Sets the trajectory of a body along one axis from an instant on, and invalidates its predictions.
+    fn set_trajectory(&mut self, slot: Slot, axis: Axis, state: StateDd, at: Instant) {
+        self.bodies.set_trajectory(slot, axis, state, at);
         self.invalidate(slot);
     }
 

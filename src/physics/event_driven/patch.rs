@@ -7,6 +7,7 @@ use super::cell_lists::NeighbourBuffer;
 use super::double_double::DoubleDouble;
 use super::exact::{ACCELERATION_ROUNDING, Resolution, VELOCITY_ROUNDING};
 use super::impact_history::ImpactHistory;
+use super::instant::Instant;
 use super::pair_event::Sample;
 use super::spatial_hash::NONE;
 use super::swept_aabb::SweptAabb;
@@ -38,6 +39,8 @@ pub struct LocalAxis {
 pub struct LocalBody {
     pub slot: Slot,
     pub infinite: bool,
+    /// The instant of its state: the same for all bodies connected by touching.
+    pub at: Instant,
     pub axes: [LocalAxis; 2],
     /// True once all bodies that touch it are in the patch; never for an infinite mass.
     explored: bool,
@@ -143,14 +146,15 @@ impl Patch {
         self.index.get(slot as usize).copied().filter(|index| *index != NONE)
     }
 
-    fn insert(&mut self, slot: Slot, infinite: bool, axes: [LocalAxis; 2]) -> Local {
+    fn insert(&mut self, slot: Slot, infinite: bool, at: Instant, axes: [LocalAxis; 2]) -> Local {
         if self.index.len() <= slot as usize {
             self.index.resize(slot as usize + 1, NONE);
         }
         let local = self.bodies.len() as Local;
         self.index[slot as usize] = local;
         let touches = self.spare.pop().unwrap_or_default();
-        let body = LocalBody { slot, infinite, axes, explored: false, contacts_changed: false, touches, parent: local };
+        let body =
+            LocalBody { slot, infinite, at, axes, explored: false, contacts_changed: false, touches, parent: local };
         self.bodies.push(body);
         self.bursts.push(Burst::default());
         local
@@ -230,8 +234,12 @@ impl Patch {
 
     /// The root of a touch.
     pub fn root_of_touch(&self, touch: &Touch) -> Local {
-        let [first, second] = touch.bodies;
-        self.root(if self.bodies[first as usize].infinite { second } else { first })
+        self.root(self.finite_of(touch.bodies))
+    }
+
+    /// The first of two bodies that has a finite mass.
+    pub fn finite_of(&self, [first, second]: [Local; 2]) -> Local {
+        if self.bodies[first as usize].infinite { second } else { first }
     }
 
     /// Joins the trees of two bodies of finite mass.
@@ -280,13 +288,13 @@ const EQUAL_APPROACH: f64 = 1.0 / (1_u128 << 85) as f64;
 const DEEPEST_ROUNDING: f64 = 1.0 / (1_u64 << 44) as f64;
 
 impl EventDriven {
-    /// The local index of a body, which is added to the patch if necessary.
-    pub(super) fn load(&self, patch: &mut Patch, slot: Slot) -> Local {
+    /// The local index of a body, which is added to the patch with its state at an instant if necessary.
+    pub(super) fn load(&self, patch: &mut Patch, slot: Slot, at: Instant) -> Local {
         if let Some(local) = patch.find(slot) {
             return local;
         }
         let axes = Axis::BOTH.map(|axis| {
-            let scaled = self.bodies.scaled_state_at(slot, axis, self.now);
+            let scaled = self.bodies.scaled_state_at(slot, axis, at);
             LocalAxis {
                 state: scaled.state,
                 size: self.bodies.size(slot, axis),
@@ -297,7 +305,7 @@ impl EventDriven {
                 is_dirty: false,
             }
         });
-        patch.insert(slot, self.bodies[slot].infinite, axes)
+        patch.insert(slot, self.bodies[slot].infinite, at, axes)
     }
 
     /// Adds all bodies that touch a body of finite mass to the patch.
@@ -307,16 +315,18 @@ impl EventDriven {
         }
         patch.bodies[body as usize].explored = true;
         let mut neighbours = std::mem::take(&mut self.neighbour_buffer);
-        self.find_touching(patch.bodies[body as usize].slot, &mut neighbours);
+        let LocalBody { slot, at, .. } = patch.bodies[body as usize];
+        self.find_touching(slot, at, &mut neighbours);
         for other in neighbours.slots() {
             self.examine_neighbour(patch, body, *other);
         }
         self.neighbour_buffer = neighbours;
     }
 
-    pub(super) fn find_touching(&self, slot: Slot, neighbours: &mut NeighbourBuffer) {
+    /// Finds the bodies that may touch one at an instant, and more.
+    pub(super) fn find_touching(&self, slot: Slot, at: Instant, neighbours: &mut NeighbourBuffer) {
         let state = &self.bodies[slot];
-        let reach = SweptAabb::new(&Sample::new(state, self.now), 0.0);
+        let reach = SweptAabb::new(&Sample::new(state, at), 0.0);
         self.cell_lists.find_neighbours(slot, state, &reach, neighbours);
     }
 
@@ -327,10 +337,11 @@ impl EventDriven {
         {
             return;
         }
-        if !self.bodies.may_touch([patch.bodies[body as usize].slot, other], self.now) {
+        let LocalBody { slot, at, .. } = patch.bodies[body as usize];
+        if !self.bodies.may_touch([slot, other], at) {
             return;
         }
-        let other = self.load(patch, other);
+        let other = self.load(patch, other, at);
         let [first, second] = if patch.bodies[body as usize].slot < patch.bodies[other as usize].slot {
             [body, other]
         } else {

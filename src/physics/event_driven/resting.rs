@@ -117,7 +117,7 @@ impl EventDriven {
             if contact.axis != axis {
                 continue;
             }
-            let other = self.load(patch, contact.other);
+            let other = self.load(patch, contact.other, patch.bodies[body as usize].at);
             if !lasts(patch, other) {
                 self.remove_contact(patch, [body, other], axis);
                 next -= 1;
@@ -400,8 +400,9 @@ impl EventDriven {
             patch.bodies[body as usize].contacts_changed = true;
             patch.mark_dirty(body, axis);
         }
+        let at = patch.bodies[patch.finite_of(pair) as usize].at;
         for slot in supports {
-            let body = self.load(patch, *slot);
+            let body = self.load(patch, *slot, at);
             patch.mark_dirty(body, axis);
         }
     }

@@ -49,7 +49,7 @@ impl EventDriven {
                 self.cell_lists.remove(slot);
                 for axis in Axis::BOTH {
                     let state = self.state_dd(slot, axis);
-                    self.set_trajectory(slot, axis, StateDd { position: low[axis].into(), ..state });
+                    self.set_trajectory(slot, axis, StateDd { position: low[axis].into(), ..state }, self.now);
                 }
                 self.cell_lists.insert(&self.clock, slot, &self.bodies[slot], self.now);
             }

@@ -8,18 +8,31 @@
 //! Only what depends on the bodies concerned is visited (`patch`): a body joins when its velocity, acceleration or
 //! contacts may change, and brings all that it touches.
 
-use super::EventDriven;
 use super::body_state::Slot;
+use super::cell_lists::NeighbourBuffer;
+use super::event_queue::ScheduledEvent;
 use super::exact::VELOCITY_ROUNDING;
-use super::patch::{Local, Patch, TouchKind};
+use super::instant::Instant;
+use super::patch::{Local, LocalBody, Patch, TouchKind};
+use super::{EventDriven, end_of_vicinity};
 use crate::physics::{Axis, Observer, Side, StepError, World};
+use std::collections::{BTreeMap, BTreeSet};
+use std::iter::repeat;
+
+/// A body that an instant concerns.
+#[derive(Clone, Copy, Debug)]
+pub struct Concerned {
+    pub slot: Slot,
+    /// The instant of its events, the same for all bodies connected with it by touching.
+    pub at: Instant,
+}
 
 impl EventDriven {
     /// Processes the present instant for the bodies concerned, and predicts their next events.
     pub(super) fn process_instant<O: Observer>(
         &mut self,
         world: &World,
-        concerned: &[Slot],
+        concerned: &[Concerned],
         observer: &mut O,
     ) -> Result<(), StepError> {
         let mut patch = std::mem::take(&mut self.patch);
@@ -33,11 +46,72 @@ impl EventDriven {
         result
     }
 
+    /// The bodies of the first event and of all events at the same instant.
+    ///
+    /// Bodies that touch share the time of the earliest of their events. Times that differ by less than the resolution of
+    /// positions are one instant also for bodies that do not touch, so that the order of their impacts does not follow
+    /// from rounding, but each group keeps its own time, so that it does not depend on the other groups.
+    pub(super) fn collect_simultaneous(&mut self, first: &ScheduledEvent) -> Vec<Concerned> {
+        let (mut events, last) = (vec![*first], end_of_vicinity(self.now));
+        while let Some((other, event)) = self.event_queue.pop(last) {
+            if let Some(event) = self.next_exact_event(other, event, last) {
+                self.changed.push(other);
+                events.push(event);
+            }
+        }
+        let is_first = |event: &&ScheduledEvent| event.at == first.at || self.coincides(event, first.at);
+        let simultaneous: Vec<&ScheduledEvent> = events.iter().filter(is_first).collect();
+        let mut concerned: Vec<Concerned> = Vec::new();
+        let mut add = |pair: [Slot; 2], at: Instant| concerned.extend(pair.map(|slot| Concerned { slot, at }));
+        if simultaneous.iter().all(|event| event.at == first.at) {
+            simultaneous.iter().for_each(|event| add(event.pair, first.at));
+        } else {
+            let finite_of = |pair: [Slot; 2]| if self.bodies[pair[0]].infinite { pair[1] } else { pair[0] };
+            let (mut group_of, mut times) = (BTreeMap::new(), Vec::new());
+            for event in simultaneous {
+                let start = finite_of(event.pair);
+                if !group_of.contains_key(&start) {
+                    group_of.extend(self.connected_by_touching(start, first.at).into_iter().zip(repeat(times.len())));
+                    times.push(event.at);
+                }
+                let time = &mut times[group_of[&start]];
+                *time = if event.at.is_before(*time) { event.at } else { *time };
+            }
+            for event in &events {
+                if let Some(group) = group_of.get(&finite_of(event.pair))
+                    && (event.at == times[*group] || self.coincides(event, times[*group]))
+                {
+                    add(event.pair, times[*group]);
+                }
+            }
+            times.into_iter().for_each(|time| self.advance_clock(time));
+        }
+        let order = |body: &Concerned| (body.slot, body.at.high.to_bits(), body.at.low.to_bits());
+        concerned.sort_unstable_by_key(order);
+        concerned.dedup_by_key(|body| body.slot);
+        concerned
+    }
+
+    /// A body of finite mass and all that are connected with it by touching, to the precision of doubles.
+    fn connected_by_touching(&self, start: Slot, at: Instant) -> BTreeSet<Slot> {
+        let (mut found, mut waiting) = (BTreeSet::from([start]), vec![start]);
+        let mut neighbours = NeighbourBuffer::default();
+        while let Some(body) = waiting.pop() {
+            self.find_touching(body, at, &mut neighbours);
+            for other in neighbours.slots() {
+                if !self.bodies[*other].infinite && self.bodies.may_touch([body, *other], at) && found.insert(*other) {
+                    waiting.push(*other);
+                }
+            }
+        }
+        found
+    }
+
     fn process_patch<O: Observer>(
         &mut self,
         patch: &mut Patch,
         world: &World,
-        concerned: &[Slot],
+        concerned: &[Concerned],
         observer: &mut O,
     ) -> Result<(), StepError> {
         self.load_concerned(patch, concerned);
@@ -53,8 +127,8 @@ impl EventDriven {
 
     /// Adds the bodies concerned to the patch, and in turn each body that begins or ceases to touch one of them now:
     /// of several such events of a body, the queue holds only one.
-    fn load_concerned(&mut self, patch: &mut Patch, concerned: &[Slot]) {
-        let mut waiting: Vec<Local> = concerned.iter().map(|slot| self.load(patch, *slot)).collect();
+    fn load_concerned(&mut self, patch: &mut Patch, concerned: &[Concerned]) {
+        let mut waiting: Vec<Local> = concerned.iter().map(|body| self.load(patch, body.slot, body.at)).collect();
         while let Some(body) = waiting.pop() {
             Axis::BOTH.into_iter().for_each(|axis| patch.mark_dirty(body, axis));
             self.explore(patch, body);
@@ -82,7 +156,8 @@ impl EventDriven {
                 }
                 state.state.velocity = state.state.velocity.or_zero(state.speed * VELOCITY_ROUNDING);
                 let state = state.state;
-                self.set_trajectory(patch.bodies[body as usize].slot, axis, state);
+                let LocalBody { slot, at, .. } = patch.bodies[body as usize];
+                self.set_trajectory(slot, axis, state, at);
             }
         }
         for body in patch.bodies.iter().filter(|body| body.contacts_changed) {
