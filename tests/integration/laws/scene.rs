@@ -3,7 +3,8 @@
 use super::run::{Run, State};
 use crate::world_builder::{BodySpec, INFINITE};
 use rebond::internals::physics::{
-    BodyId, Collision, Engine, EngineConfig, Event, Rect, Restitution, RestitutionPair, SolverKind, Spawn, Vector,
+    AccuracyProbe, BodyId, Collision, Engine, EngineConfig, Event, Rect, Restitution, RestitutionPair, SolverKind,
+    Spawn, Vector,
 };
 
 /// A body and the step at which it is spawned.
@@ -67,7 +68,7 @@ impl Scene {
                     break;
                 }
             }
-            self.apply_events(step, &mut engine);
+            self.apply_events(step, |event| _ = engine.apply(event));
             between(&mut engine);
             let states = engine.world().bodies.iter().map(|body| State {
                 id: body.id as usize,
@@ -79,34 +80,54 @@ impl Scene {
         run
     }
 
+    /// The last step up to which rounding and the resolution of positions cannot have changed the run.
+    pub fn horizon(&self) -> u64 {
+        let mut engine = Engine::new(self.config());
+        let mut probe = AccuracyProbe::new(&engine).expect("the event-driven solver");
+        for step in 0..=self.steps {
+            if step > 0 {
+                let result = engine.step(&mut probe);
+                probe.follow(&engine);
+                if result.is_err() {
+                    break;
+                }
+            }
+            self.apply_events(step, |event| {
+                engine.apply(event);
+                probe.apply(event);
+            });
+        }
+        probe.accuracy().until.unwrap_or(self.steps)
+    }
+
     /// Runs the scene until it has more collisions.
     pub fn has_more_collisions_than(&self, most: usize) -> bool {
         let mut engine = Engine::new(self.config().with_events_per_step(4 * most as u64));
         engine.assert_invariants();
         let mut collisions: Vec<Collision> = Vec::new();
-        self.apply_events(0, &mut engine);
+        self.apply_events(0, |event| _ = engine.apply(event));
         (1..=self.steps).any(|step| {
             // An error of the run is the business of the law.
             let is_stopped = engine.step(&mut collisions).is_err_and(|error| error.to_string().contains("more than"));
-            self.apply_events(step, &mut engine);
+            self.apply_events(step, |event| _ = engine.apply(event));
             is_stopped || collisions.len() > most
         })
     }
 
-    fn apply_events(&self, step: u64, engine: &mut Engine) {
+    /// Passes the deletes and spawns of a step to `apply`.
+    fn apply_events(&self, step: u64, mut apply: impl FnMut(&Event)) {
         for (_, label) in self.deletes.iter().filter(|(at, _)| *at == step) {
             let id = self.bodies.iter().position(|body| body.label == *label).expect("the label of a body");
-            engine.apply(&Event::Delete(id as BodyId));
+            apply(&Event::Delete(id as BodyId));
         }
-        for (index, body) in self.bodies.iter().enumerate().filter(|(_, body)| body.step == step) {
-            assert_eq!(engine.next_id(), index as BodyId, "bodies are sorted by step");
+        for body in self.bodies.iter().filter(|body| body.step == step) {
             let BodySpec { at, size, mass, velocity, force } = body.spec;
             let rect = Rect::new(vector(at), size[0], size[1]);
             let spawn = Spawn::new(format!("b{}", body.label), rect, mass)
                 .with_velocity(vector(velocity))
                 .with_force(vector(force))
                 .with_material(body.material);
-            engine.apply(&Event::Spawn(spawn));
+            apply(&Event::Spawn(spawn));
         }
     }
 

@@ -17,12 +17,17 @@ fn to_the_bit(expected: &Outcome, found: &Outcome) -> Result<Law, String> {
     expected.difference_to_the_bit(found).map_or(Ok(Law::Holds), Err)
 }
 
-/// Compares a run with that of a transformed scene, transformed back.
+/// Compares a run with that of a transformed scene, transformed back; if they differ, only as far as the result of both is
+/// known to be accurate.
 fn to_the_last_digits(scene: &Scene, expected: &Outcome, other: &Scene, found: &Outcome) -> Result<Law, String> {
-    if expected.is_beyond_the_horizon(scene) {
-        return Ok(Law::DoesNotApply);
+    let reach = larger(scene.extent(), other.extent());
+    let Some(difference) = expected.difference(found, scene, reach, scene.steps) else { return Ok(Law::Holds) };
+    let steps_of_other = (other.rate / scene.rate) as u64;
+    let horizon = scene.horizon().min(other.horizon() / steps_of_other);
+    if horizon == scene.steps {
+        return Err(difference);
     }
-    expected.difference(found, scene, larger(scene.extent(), other.extent())).map_or(Ok(Law::Holds), Err)
+    expected.difference(found, scene, reach, horizon).map_or(Ok(Law::HoldsToTheHorizon), Err)
 }
 
 #[test]
@@ -99,15 +104,26 @@ fn distant_bodies_change_nothing() {
         let far = random.pick(&[16384.0, -16384.0, 1048576.0]);
         let mass = random.pick(&[0.25, 1.0, 1e6]);
         let at = |x: f64, y: f64, mass: f64| spec([far + x, far + y], [1.0; 2], mass);
-        let others = match random.below(4) {
+        // A copy has all its events at the same instants, to rounding.
+        let can_be_copied = scene.pairs.is_empty() && !scene.has_overlapping_spawns();
+        let others = match random.below(if can_be_copied { 8 } else { 4 }) {
             0 => vec![at(0.0, 0.0, INFINITE)],
             1 => vec![at(0.0, 0.0, INFINITE), at(0.5, -1.0, mass), at(0.0, -2.0, mass), at(0.5, -3.5, mass)],
             2 => vec![at(0.0, 0.0, INFINITE), at(2.0, 0.0, mass).with_velocity(-1.5, 0.25), at(3.0, 0.0, mass)],
-            _ => vec![
+            3 => vec![
                 at(0.0, 0.0, mass).with_force(3.0, 1.0),
                 at(1.0, 0.0, 1.0).with_force(-7.0, 0.5),
                 at(1.0, 1.0, 1.0).with_force(0.0, -20.0),
             ],
+            _ => {
+                let copy = scene.moved([1.1 * far, 0.3], [0.0; 2]);
+                // Moved by a distance that is rounded, bodies that just fit into a slot can be crushed.
+                if copy.run().error.is_some() {
+                    return Ok(Law::DoesNotApply);
+                }
+                let first = copy.bodies.into_iter().filter(|body| body.step == 0);
+                first.map(|body| body.spec).collect()
+            }
         };
         let mut found = outcome(&scene.with_others(&others, random.chance(50)));
         let is_near = |label: usize| label < scene.next_label();
