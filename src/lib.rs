@@ -77,6 +77,8 @@ mod check;
 #[cfg(feature = "cli")]
 mod cli;
 pub mod guide;
+#[cfg(feature = "cli")]
+mod junit;
 mod physics;
 #[cfg(feature = "draw")]
 mod picture;

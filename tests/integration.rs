@@ -10,6 +10,10 @@ mod animations;
 mod bundled;
 #[path = "integration/check.rs"]
 mod check;
+#[path = "integration/check_formats.rs"]
+mod check_formats;
+#[path = "integration/check_update.rs"]
+mod check_update;
 #[path = "integration/clicks.rs"]
 mod clicks;
 #[path = "integration/coincident_events.rs"]
@@ -80,6 +84,8 @@ mod slow_motion;
 mod snapshot;
 #[path = "integration/stills.rs"]
 mod stills;
+#[path = "integration/testing.rs"]
+mod testing;
 #[path = "integration/threads.rs"]
 mod threads;
 #[path = "integration/videos.rs"]

@@ -1,33 +1,100 @@
-use crate::picture::{self, Format, PictureOptions, Provenance, SubjectOptions};
-use crate::recording::{self, Identity};
-use std::collections::{BTreeMap, BTreeSet};
-use std::ffi::OsStr;
-use std::path::{Component, Path, PathBuf};
-use std::str::FromStr;
-use std::{fs, io};
+use super::recording_index::RecordingIndex;
+use crate::picture::{Format, PictureOptions, Provenance, SubjectOptions};
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use super::files::{Files, canonical};
 
 /// A file to check.
 #[derive(Clone, Debug)]
 pub enum Case {
     /// A recording, which must replay the same.
-    Recording {
-        /// The recording.
-        path: PathBuf,
-        /// The scene next to it (`NAME.toml` next to `NAME.mcap`), a new run of which must match the recording.
-        scene: Option<PathBuf>,
-    },
+    Recording(ReferenceRecording),
     /// A picture, which must be redrawn the same.
     Picture(ReferenceImage),
+    /// A path or a line of a manifest that cannot be checked.
+    Problem(Problem),
 }
 
 impl Case {
     /// The path of the file.
     pub fn path(&self) -> &Path {
         match self {
-            Case::Recording { path, .. } => path,
+            Case::Recording(reference) => &reference.file,
             Case::Picture(reference) => &reference.file,
+            Case::Problem(problem) => &problem.path,
         }
     }
+}
+
+/// A line of a manifest.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct ManifestLine {
+    /// The manifest.
+    pub manifest: Arc<Path>,
+    /// The number of the line, from 1.
+    pub number: usize,
+}
+
+/// A path or a line of a manifest that cannot be checked.
+#[derive(Clone, Debug)]
+pub struct Problem {
+    /// The path of the file.
+    pub path: PathBuf,
+    /// The line, in a manifest.
+    pub line: Option<ManifestLine>,
+    /// The error.
+    pub reason: String,
+    /// True if the file is a reference that does not exist, false if it cannot be read.
+    pub is_missing: bool,
+}
+
+/// A recording to check.
+#[derive(Clone, Debug)]
+pub struct ReferenceRecording {
+    /// The file; it may be missing.
+    pub file: PathBuf,
+    /// The run that it must match.
+    pub recipe: RecordingRecipe,
+}
+
+/// The run that a recording must match.
+#[derive(Clone, Debug)]
+pub enum RecordingRecipe {
+    /// Its own events, because there is no scene.
+    OwnEvents,
+    /// A run of the scene next to it: `NAME.toml` next to `NAME.mcap`.
+    Scene(PathBuf),
+    /// A run that a manifest lists.
+    Listed {
+        /// The command.
+        command: RecordCommand,
+        /// The place of the command.
+        line: ManifestLine,
+    },
+}
+
+/// A command `rebond record`.
+#[derive(Clone, Debug)]
+pub struct RecordCommand {
+    /// The scene.
+    pub scene: PathBuf,
+    /// The values of the scene that the command overrides.
+    #[cfg(feature = "cli")]
+    pub overrides: Vec<crate::scene::Override>,
+    /// The file of live events.
+    pub events: Option<PathBuf>,
+    /// The number of steps, if it is not that of the scene.
+    pub steps: Option<u64>,
+    /// Every `every`-th state is recorded in full.
+    pub every: u64,
+    /// True to record boxes for viewers.
+    pub viewer: bool,
+    /// True to estimate the accuracy.
+    pub accuracy: bool,
+    /// True to skip invalid lines of events.
+    pub lenient: bool,
 }
 
 /// A picture to check, and the recipe for drawing it.
@@ -50,252 +117,335 @@ pub enum Recipe {
         options: Box<PictureOptions>,
         /// Scenes or recordings.
         sources: Vec<PathBuf>,
+        /// The place of the command.
+        line: ManifestLine,
     },
     /// Redraw it from the provenance that it contains.
-    Embedded {
-        /// The provenance.
-        provenance: Box<Provenance>,
-        /// The recordings that the provenance names, in the same order.
-        sources: Vec<PathBuf>,
-    },
-    /// It cannot be drawn: a recording that its provenance names was not found.
-    Orphaned {
-        /// The recording and why it is missing.
-        reason: String,
-    },
-    /// It cannot be drawn: its provenance, or the line of the manifest, is invalid.
-    Invalid {
-        /// The error, with the line number in a manifest.
-        reason: String,
-    },
+    Embedded(Box<Provenance>),
+    /// It cannot be drawn again: it is damaged, or has lost its provenance.
+    Damaged(String),
+    /// It carries no provenance. It was drawn by another program, or its provenance was removed.
+    Foreign,
 }
 
-/// The error of searching for cases.
-#[non_exhaustive]
-#[derive(Debug, thiserror::Error)]
-pub enum CheckError {
-    /// A file or folder cannot be read.
-    #[error("cannot read {}: {source}", path.display())]
-    Unreadable {
-        /// The file or folder.
-        path: PathBuf,
-        /// The error of the operating system.
-        source: io::Error,
-    },
-    /// No case was found.
-    #[error(
-        "nothing to check in {}: expected recordings (*.mcap), manifests (*.check) or pictures drawn by rebond",
-        paths.join(", ")
-    )]
-    NothingFound {
-        /// The files and folders searched.
-        paths: Vec<String>,
-    },
-}
-
-/// The files found by a search: recordings, pictures, scenes and manifests.
-pub struct Files {
-    /// The files and folders that were searched.
-    searched: Vec<PathBuf>,
-    /// All files found, sorted and without duplicates.
-    found: Vec<PathBuf>,
-}
-
-impl Files {
-    /// Finds all files below `paths`.
-    ///
-    /// Folders are searched recursively, except hidden ones and those marked as a cache by a `CACHEDIR.TAG`.
-    ///
-    /// # Errors
-    /// If a file or folder cannot be read.
-    pub fn find(paths: &[PathBuf]) -> Result<Files, CheckError> {
-        let mut found = BTreeMap::new();
-        for path in paths {
-            if fs::metadata(path).map_err(unreadable(path))?.is_dir() {
-                walk(path, &mut found)?;
-            } else {
-                found.insert(canonical(path), path.clone());
-            }
-        }
-        let mut found: Vec<PathBuf> = found.into_values().collect();
-        found.sort();
-        Ok(Files { searched: paths.to_vec(), found })
-    }
-
-    /// The manifests (`*.check`), which list reference images.
-    pub fn manifests(&self) -> impl Iterator<Item = &PathBuf> {
-        self.with_extension("check")
-    }
-
-    /// Returns all cases: first the recordings, then the pictures, both ordered by name. `listed` are the pictures that
-    /// the manifests list. A picture that no manifest lists is checked by its own provenance; it is orphaned if its
-    /// recording is not among the files found.
-    ///
-    /// # Errors
-    /// If a file cannot be read, or there is no case.
-    pub fn cases(&self, listed: Vec<ReferenceImage>) -> Result<Vec<Case>, CheckError> {
-        let listed_files: BTreeSet<PathBuf> = listed.iter().map(|reference| canonical(&reference.file)).collect();
-        let mut pictures = listed;
-        let recordings: Vec<&PathBuf> = self.with_extension("mcap").collect();
-        let mut index = None;
-        for file in &self.found {
-            if Format::from_path(file).is_none() || listed_files.contains(&canonical(file)) {
-                continue;
-            }
-            let content = fs::read(file).map_err(unreadable(file))?;
-            let recipe = match Provenance::read(&content) {
-                Ok(provenance) => index.get_or_insert_with(|| RecordingIndex::new(&recordings)).recipe(provenance),
-                Err(error @ picture::Error::DamagedProvenance { .. }) => Recipe::Invalid { reason: error.to_string() },
-                Err(_) => continue, // A picture of another program.
-            };
-            pictures.push(ReferenceImage { file: file.clone(), recipe });
-        }
-        pictures.sort_by(|a, b| a.file.cmp(&b.file));
-        let recordings =
-            recordings.into_iter().map(|path| Case::Recording { path: path.clone(), scene: scene_of(path) });
-        let cases: Vec<Case> = recordings.chain(pictures.into_iter().map(Case::Picture)).collect();
-        if cases.is_empty() {
-            let paths = self.searched.iter().map(|path| path.display().to_string()).collect();
-            return Err(CheckError::NothingFound { paths });
-        }
-        Ok(cases)
-    }
-
-    fn with_extension(&self, extension: &'static str) -> impl Iterator<Item = &PathBuf> {
-        self.found.iter().filter(move |path| path.extension() == Some(OsStr::new(extension)))
-    }
-}
-
-fn scene_of(recording: &Path) -> Option<PathBuf> {
-    Some(recording.with_extension("toml")).filter(|scene| scene.is_file())
-}
-
-fn unreadable(path: &Path) -> impl FnOnce(io::Error) -> CheckError {
-    move |source| CheckError::Unreadable { path: path.into(), source }
-}
-
-/// The file that marks a folder as a cache, see <https://bford.info/cachedir>.
-pub(super) const CACHE_TAG: &str = "CACHEDIR.TAG";
-
-fn walk(folder: &Path, found: &mut BTreeMap<PathBuf, PathBuf>) -> Result<(), CheckError> {
-    if folder.join(CACHE_TAG).is_file() {
-        return Ok(());
-    }
-    for entry in fs::read_dir(folder).map_err(unreadable(folder))? {
-        let entry = entry.map_err(unreadable(folder))?;
-        let (path, kind) = (entry.path(), entry.file_type().map_err(unreadable(folder))?);
-        if entry.file_name().to_string_lossy().starts_with('.') {
-            continue;
-        }
-        if kind.is_dir() {
-            walk(&path, found)?;
-        } else {
-            found.insert(canonical(&path), normalize(&path));
-        }
-    }
-    Ok(())
-}
-
-/// Returns a path that is the same for all names of a file, even if the file does not exist.
-fn canonical(path: &Path) -> PathBuf {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    match (folder.canonicalize(), path.file_name()) {
-        (Ok(folder), Some(name)) => folder.join(name),
-        _ => normalize(path),
-    }
-}
-
-/// Removes `.` from a path, and `..` after a name.
-pub fn normalize(path: &Path) -> PathBuf {
-    let mut normalized = PathBuf::new();
-    for component in path.components() {
-        match component {
-            Component::CurDir => {}
-            Component::ParentDir if matches!(normalized.components().next_back(), Some(Component::Normal(_))) => {
-                normalized.pop();
-            }
-            Component::Prefix(_) | Component::RootDir | Component::ParentDir | Component::Normal(_) => {
-                normalized.push(component);
-            }
-        }
-    }
-    normalized
-}
-
-/// The recordings that were found, by identity. Pictures name their recordings by identity.
-struct RecordingIndex(BTreeMap<String, Vec<FoundRecording>>);
-
-/// A recording that was found.
+/// The commands of a manifest: a file `NAME.check` that lists recordings and pictures.
 #[derive(Clone, Debug)]
-struct FoundRecording {
-    path: PathBuf,
-    /// Full states are recorded every `every` steps.
-    every: u64,
+pub struct Manifest {
+    /// The manifest.
+    pub path: Arc<Path>,
+    /// The recordings that it lists.
+    pub recordings: Vec<ReferenceRecording>,
+    /// The pictures that it lists.
+    pub pictures: Vec<ReferenceImage>,
+    /// Scenes of which no recording is kept.
+    pub skipped: Vec<PathBuf>,
+    /// Its invalid lines.
+    pub problems: Vec<Problem>,
 }
 
-impl RecordingIndex {
-    /// Indexes all readable recordings. Unreadable ones are reported by their own cases.
-    fn new(recordings: &[&PathBuf]) -> RecordingIndex {
-        let mut found: BTreeMap<String, Vec<FoundRecording>> = BTreeMap::new();
-        for path in recordings {
-            if let Some((identity, recording)) = identify(path) {
-                found.entry(identity).or_default().push(recording);
+impl Manifest {
+    /// The scenes and recordings that its pictures are drawn from.
+    fn picture_sources(&self) -> impl Iterator<Item = (&PathBuf, &ManifestLine)> {
+        self.pictures.iter().flat_map(|picture| match &picture.recipe {
+            Recipe::Listed { sources, line, .. } => sources.iter().map(|source| (source, line)).collect(),
+            Recipe::Embedded(_) | Recipe::Damaged(_) | Recipe::Foreign => Vec::new(),
+        })
+    }
+}
+
+/// All cases of a check.
+#[derive(Debug, Default)]
+pub struct Cases {
+    /// Paths and lines of manifests that cannot be checked.
+    pub problems: Vec<Problem>,
+    /// The recordings, ordered by name.
+    pub recordings: Vec<ReferenceRecording>,
+    /// The pictures, ordered by name.
+    pub pictures: Vec<ReferenceImage>,
+    /// The number of scenes of which a manifest says that no recording is kept.
+    pub skipped: usize,
+}
+
+impl Cases {
+    /// Returns the cases of files that were found, and of the manifests among them, which `read` reads.
+    pub fn find(files: &Files, read: impl Fn(&Path) -> Result<Manifest, Problem>) -> Cases {
+        let (mut manifests, mut problems) = (Vec::new(), Vec::new());
+        for path in files.manifests() {
+            match read(path) {
+                Ok(manifest) => manifests.push(manifest),
+                Err(problem) => problems.push(problem),
             }
         }
-        RecordingIndex(found)
+        let mut cases = Cases::new(files, manifests);
+        cases.problems.extend(problems);
+        cases
     }
 
-    fn recipe(&self, provenance: Provenance) -> Recipe {
+    /// Returns the cases of `files`: recordings, those that are missing, and pictures, ordered by name.
+    ///
+    /// A picture that no manifest lists is checked by its own provenance. Of manifests that are only next to a file to
+    /// check, the lines of that file alone count.
+    fn new(files: &Files, manifests: Vec<Manifest>) -> Cases {
+        let mut cases = Cases { problems: files.problems.clone(), ..Cases::default() };
+        let mut outputs = BTreeSet::new();
+        let mut skipped = BTreeSet::new();
         let mut sources = Vec::new();
-        for identity in &provenance.recordings {
-            let found = self.0.get(identity).map(Vec::as_slice).unwrap_or_default();
-            let Some(recording) = found.iter().find(|found| found.every <= provenance.recorded_every) else {
-                let reason = match Identity::from_str(identity) {
-                    Ok(_) => format!("its recording with identity {identity} was not found in the given paths"),
-                    Err(_) => "its recording was unfinished and has no identity to find it by".into(),
-                };
-                return Recipe::Orphaned { reason };
-            };
-            sources.push(recording.path.clone());
+        for manifest in manifests {
+            let is_checked = files.contains(&manifest.path);
+            if is_checked {
+                sources.extend(manifest.picture_sources().map(|(path, line)| (path.clone(), line.clone())));
+                skipped.extend(manifest.skipped.iter().map(|scene| canonical(scene)));
+                cases.problems.extend(manifest.problems);
+            }
+            for recording in manifest.recordings {
+                if is_checked || files.contains(&recording.file) {
+                    match outputs.insert(canonical(&recording.file)) {
+                        true => cases.recordings.push(recording),
+                        false => cases.problems.extend(listed_twice(&recording.file, recording.line())),
+                    }
+                }
+            }
+            for picture in manifest.pictures {
+                if is_checked || files.contains(&picture.file) {
+                    match outputs.insert(canonical(&picture.file)) {
+                        true => cases.pictures.push(picture),
+                        false => cases.problems.extend(listed_twice(&picture.file, picture.line())),
+                    }
+                }
+            }
         }
-        Recipe::Embedded { provenance: Box::new(provenance), sources }
+        cases.add_recordings(files, &mut outputs, &skipped, &sources);
+        // A file that was given and is missing is made by the command in a manifest or from the scene next to it.
+        let mut recordings = Vec::new();
+        cases.problems.retain(|problem| {
+            let found = ReferenceRecording::found(&problem.path);
+            let has_scene = problem.is_missing && problem.line.is_none() && found.scene().is_some();
+            let is_listed = problem.is_missing && problem.line.is_none() && outputs.contains(&canonical(&problem.path));
+            recordings.extend((has_scene && !is_listed).then_some(found));
+            !has_scene && !is_listed
+        });
+        cases.recordings.extend(recordings);
+        cases.add_pictures(files, &outputs);
+        cases.recordings.sort_by(|a, b| a.file.cmp(&b.file));
+        cases.pictures.sort_by(|a, b| a.file.cmp(&b.file));
+        cases
+    }
+
+    /// Adds the recordings that no manifest lists: those found, those of scenes without a recording, and those that
+    /// pictures are drawn from.
+    fn add_recordings(
+        &mut self,
+        files: &Files,
+        outputs: &mut BTreeSet<PathBuf>,
+        skipped: &BTreeSet<PathBuf>,
+        sources: &[(PathBuf, ManifestLine)],
+    ) {
+        let used: BTreeSet<PathBuf> = sources.iter().map(|(path, _)| canonical(path)).collect();
+        let recorded: BTreeSet<PathBuf> =
+            self.recordings.iter().filter_map(|recording| recording.scene().map(canonical)).collect();
+        for file in files.with_extension("mcap") {
+            if outputs.insert(canonical(file)) {
+                self.recordings.push(ReferenceRecording::found(file));
+            }
+        }
+        for scene in files.with_extension("toml") {
+            let (file, known) = (scene.with_extension("mcap"), canonical(scene));
+            if skipped.contains(&known) {
+                self.skipped += 1;
+            } else if !used.contains(&known)
+                && !recorded.contains(&known)
+                && is_scene(scene)
+                && outputs.insert(canonical(&file))
+            {
+                self.recordings.push(ReferenceRecording { file, recipe: RecordingRecipe::Scene(scene.clone()) });
+            }
+        }
+        for (source, line) in sources {
+            let is_recording = source.extension().is_some_and(|extension| extension == "mcap");
+            if is_recording && !source.exists() && outputs.insert(canonical(source)) {
+                let found = ReferenceRecording::found(source);
+                match found.recipe {
+                    RecordingRecipe::OwnEvents => self.problems.push(Problem {
+                        path: source.clone(),
+                        line: Some(line.clone()),
+                        reason: "the recording does not exist, and there is no scene next to it to record it from"
+                            .into(),
+                        is_missing: true,
+                    }),
+                    RecordingRecipe::Scene(_) | RecordingRecipe::Listed { .. } => self.recordings.push(found),
+                }
+            }
+        }
+    }
+
+    fn add_pictures(&mut self, files: &Files, outputs: &BTreeSet<PathBuf>) {
+        for file in files.pictures().filter(|file| !outputs.contains(&canonical(file))) {
+            match std::fs::read(file) {
+                Ok(content) => {
+                    self.pictures.push(ReferenceImage { file: file.clone(), recipe: Recipe::of_file(file, &content) });
+                }
+                Err(error) => self.problems.push(Problem::unreadable(file, &error)),
+            }
+        }
+    }
+
+    /// All cases, in the order in which they are checked.
+    pub fn iter(&self) -> impl Iterator<Item = Case> {
+        let problems = self.problems.iter().cloned().map(Case::Problem);
+        let recordings = self.recordings.iter().cloned().map(Case::Recording);
+        problems.chain(recordings).chain(self.pictures.iter().cloned().map(Case::Picture))
+    }
+
+    /// True if there is nothing to check.
+    pub fn is_empty(&self) -> bool {
+        self.problems.is_empty()
+            && self.recordings.is_empty()
+            && self.pictures.iter().all(|picture| matches!(picture.recipe, Recipe::Foreign))
     }
 }
 
-/// Reads the identity of a recording. `None` if it is unfinished or cannot be read.
-fn identify(path: &Path) -> Option<(String, FoundRecording)> {
-    let mut recording = recording::open(path).ok()?;
-    if recording.by_ref().any(|item| item.is_err()) {
-        return None;
+fn listed_twice(file: &Path, line: Option<&ManifestLine>) -> Option<Problem> {
+    let line = line?;
+    let reason = format!("line {}: another line writes {}, too", line.number, file.display());
+    Some(Problem { path: line.manifest.to_path_buf(), line: Some(line.clone()), reason, is_missing: false })
+}
+
+impl Problem {
+    /// The problem of a file that cannot be read.
+    pub fn unreadable(path: &Path, error: &std::io::Error) -> Problem {
+        let reason = format!("it cannot be read: {error}");
+        Problem { path: path.into(), line: None, reason, is_missing: false }
     }
-    let every = recording.header.every;
-    Some((recording.trailer()?.identity.to_string(), FoundRecording { path: path.into(), every }))
+}
+
+impl ReferenceRecording {
+    /// The case of a recording that no manifest lists.
+    fn found(file: &Path) -> ReferenceRecording {
+        let is_recording = file.extension().is_some_and(|extension| extension == "mcap");
+        let scene = Some(file.with_extension("toml")).filter(|scene| is_recording && scene.is_file());
+        let recipe = scene.map_or(RecordingRecipe::OwnEvents, RecordingRecipe::Scene);
+        ReferenceRecording { file: file.into(), recipe }
+    }
+
+    /// The scene that it must match.
+    pub fn scene(&self) -> Option<&Path> {
+        match &self.recipe {
+            RecordingRecipe::OwnEvents => None,
+            RecordingRecipe::Scene(scene) => Some(scene),
+            RecordingRecipe::Listed { command, .. } => Some(&command.scene),
+        }
+    }
+
+    /// The line that lists it.
+    pub fn line(&self) -> Option<&ManifestLine> {
+        match &self.recipe {
+            RecordingRecipe::Listed { line, .. } => Some(line),
+            RecordingRecipe::OwnEvents | RecordingRecipe::Scene(_) => None,
+        }
+    }
+}
+
+impl ReferenceImage {
+    /// The line that lists it.
+    pub fn line(&self) -> Option<&ManifestLine> {
+        match &self.recipe {
+            Recipe::Listed { line, .. } => Some(line),
+            Recipe::Embedded(_) | Recipe::Damaged(_) | Recipe::Foreign => None,
+        }
+    }
+
+    /// Returns the recordings that it is drawn from, as far as they are known. `index` finds those that provenance
+    /// names.
+    pub fn recordings<'a>(&'a self, index: &'a RecordingIndex) -> Vec<&'a Path> {
+        match &self.recipe {
+            Recipe::Listed { sources, .. } => sources.iter().map(PathBuf::as_path).collect(),
+            Recipe::Embedded(provenance) => index.find(provenance).unwrap_or_default(),
+            Recipe::Damaged(_) | Recipe::Foreign => Vec::new(),
+        }
+    }
+}
+
+impl Recipe {
+    /// The recipe in the content of a picture.
+    pub fn of_file(file: &Path, content: &[u8]) -> Recipe {
+        use crate::picture::Error;
+        match Provenance::read(content) {
+            Ok(provenance) => Recipe::Embedded(Box::new(provenance)),
+            Err(error @ Error::DamagedProvenance { .. }) => Recipe::Damaged(error.to_string()),
+            Err(Error::NoProvenance { .. }) => match damage(file, content) {
+                Some(damage) => Recipe::Damaged(damage.into()),
+                None => Recipe::Foreign,
+            },
+            Err(error) => Recipe::Damaged(format!("it is damaged: {error}")),
+        }
+    }
+}
+
+/// Returns the damage of a picture without provenance, if it is not whole or was drawn by rebond.
+fn damage(file: &Path, content: &[u8]) -> Option<&'static str> {
+    const LOST: &str = "another program has removed the provenance that rebond stored in it";
+    let contains = |text: &[u8]| content.windows(text.len()).any(|window| window == text);
+    let end = &content[content.len().saturating_sub(1024)..];
+    let ends_with = |text: &[u8]| end.windows(text.len()).any(|window| window == text);
+    if content.iter().all(u8::is_ascii_whitespace) {
+        return Some("it is empty");
+    }
+    match Format::from_path(file)?.name() {
+        "PNG" | "animated PNG" if content.starts_with(b"\x89PNG") && !ends_with(b"IEND") => Some("its end is missing"),
+        "GIF" if content.starts_with(b"GIF8") && content.last() != Some(&0x3b) => Some("its end is missing"),
+        "PDF" if content.starts_with(b"%PDF") && !ends_with(b"%%EOF") => Some("its end is missing"),
+        "SVG" if contains(b"<svg") && !ends_with(b"</svg>") && !ends_with(b"/>") => Some("its end is missing"),
+        // Text that is drawn as outlines lies invisibly above them, so that it can be searched and copied.
+        "SVG" if contains(b"lengthAdjust=\"spacingAndGlyphs\"") && contains(b"fill-opacity=\"0\"") => Some(LOST),
+        "PDF" if contains(b"/Producer(rebond") || contains(b"/Producer (rebond") => Some(LOST),
+        _ => None,
+    }
+}
+
+/// Returns true if a TOML file is a scene, valid or not, and not the configuration of another program.
+fn is_scene(path: &Path) -> bool {
+    const TABLES: [&str; 5] = ["[run]", "[[spawn]]", "[[scatter]]", "[[click]]", "[[delete]]"];
+    let text = std::fs::read(path).map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).unwrap_or_default();
+    let is_line_of_scene = |line: &str| {
+        let line = line.split('#').next().unwrap_or(line).trim();
+        TABLES.contains(&line) || line.starts_with("run.") || line.starts_with("run =")
+    };
+    crate::scene::parse("", &text).is_ok() || text.lines().any(is_line_of_scene)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
 
     #[test]
-    fn paths_are_normalized() {
-        for (given, expected) in
-            [("a/./b", "a/b"), ("a/b/../c", "a/c"), ("../a", "../a"), ("../../a/../b", "../../b"), ("/a/../b", "/b")]
-        {
-            assert_eq!(normalize(Path::new(given)), Path::new(expected), "{given}");
-        }
+    fn configurations_of_other_programs_are_no_scenes() {
+        let folder = tempfile::TempDir::new().unwrap();
+        let is_scene_with = |text: &str| {
+            let path = folder.path().join("a.toml");
+            fs::write(&path, text).unwrap();
+            is_scene(&path)
+        };
+        assert!(is_scene_with("[run]\nsteps = 5\n") && is_scene_with("run = { steps = 5 }\n"));
+        assert!(is_scene_with("[world]\nwals = true\n[[spawn]] # wrong\n"), "an invalid scene is a scene");
+        assert!(!is_scene_with("[package]\nname = \"a\"\n") && !is_scene_with("") && !is_scene_with("\u{0}\u{1}"));
     }
 
     #[test]
-    fn hidden_folders_and_caches_are_skipped() {
-        let folder = tempfile::TempDir::new().unwrap();
-        for name in [".git/a.mcap", "target/b.mcap", "deep/er/c.mcap", "d.mcap"] {
-            let path = folder.path().join(name);
-            fs::create_dir_all(path.parent().unwrap()).unwrap();
-            fs::write(path, "").unwrap();
+    fn a_picture_that_is_cut_or_emptied_is_damaged_and_a_foreign_one_is_not() {
+        let recipe = |name: &str, content: &[u8]| Recipe::of_file(Path::new(name), content);
+        for (name, content) in [
+            ("a.png", &b""[..]),
+            ("a.pdf", b"%PDF-1.7\n1 0 obj"),
+            ("a.svg", b"<svg xmlns=\"http://www.w3.org/2000/svg\"><g"),
+            ("a.gif", b"GIF89a"),
+            ("a.svg", b"<svg><text lengthAdjust=\"spacingAndGlyphs\" fill-opacity=\"0\">a</text></svg>"),
+        ] {
+            assert!(matches!(recipe(name, content), Recipe::Damaged(_)), "{name}: {:?}", recipe(name, content));
         }
-        fs::write(folder.path().join("target").join(CACHE_TAG), "").unwrap();
-        let files = Files::find(&[folder.path().into(), folder.path().join("d.mcap")]).unwrap();
-        let names: Vec<_> = files.found.iter().map(|path| path.strip_prefix(folder.path()).unwrap()).collect();
-        assert_eq!(names, [Path::new("d.mcap"), Path::new("deep/er/c.mcap")]);
+        for (name, content) in [("a.svg", &b"<svg><g/></svg>\n"[..]), ("a.pdf", b"%PDF-1.7\n%%EOF\n"), ("a.png", b"?")]
+        {
+            assert!(matches!(recipe(name, content), Recipe::Foreign), "{name}: {:?}", recipe(name, content));
+        }
     }
 }

@@ -1,41 +1,73 @@
 //! Snapshot regression tests of recordings and pictures.
 //!
-//! [`Files`] searches folders for [`Case`]s, [`check_cases`] replays or redraws each of them, and a [`Page`] shows the
+//! [`Files`] searches folders for [`Cases`], [`check_cases`] replays or redraws each of them, and a [`Page`] shows the
 //! differences. Comparison is exact. Of a recording, every bit of every state is compared; of a PNG, GIF or animated
 //! PNG, every pixel, every frame duration and the provenance, but not the compression; of an SVG or PDF, every byte
-//! except the version of the program that drew it.
+//! except the version of the program that drew it. An [`Acceptance`] decides which files may be replaced.
 
+mod acceptance;
 mod case;
 mod check_result;
+mod files;
 mod mismatch;
 mod page;
 mod recording;
+mod recording_index;
 mod reference_image;
+mod scene_mismatch;
 
-pub use case::{Case, CheckError, Files, Recipe, ReferenceImage, normalize};
-pub use check_result::{CheckResult, Outcome, Replacement, Severity};
-pub use mismatch::{Mismatch, mismatch};
+pub use acceptance::{Acceptance, Decision, carries_provenance};
+pub use case::{
+    Case, Cases, Manifest, ManifestLine, Problem, Recipe, RecordCommand, RecordingRecipe, ReferenceImage,
+    ReferenceRecording,
+};
+pub use check_result::{Basis, CheckResult, FileKind, Outcome, Replacement, Severity};
+pub use files::{Files, normalize, pending_path};
+pub use mismatch::{Mismatch, ShownPicture, mismatch};
 pub use page::Page;
-pub use recording::{SceneMismatch, TemporaryRecording};
+pub use recording::{TemporaryRecording, make_recording};
+pub use recording_index::RecordingIndex;
+pub use scene_mismatch::{RunDifference, SceneLine, SceneMismatch, ValueChange};
 
 use crate::picture::ordered_parallel_map;
+use std::any::Any;
 use std::num::NonZero;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// Checks every case on `threads` threads and passes the results to `on_result` in the order of the cases.
+/// Checks every case on `threads` threads and passes the results to `on_result` in the order of the cases. `index` finds
+/// the recordings of pictures.
+///
+/// A panic in a case is the result of that case.
 ///
 /// # Errors
 /// The first error of `on_result`.
 pub fn check_cases<E: Send>(
     cases: &[Case],
+    index: &RecordingIndex,
     threads: NonZero<usize>,
     on_result: impl FnMut(CheckResult) -> Result<(), E>,
 ) -> Result<(), E> {
-    ordered_parallel_map(cases.iter().map(Ok), threads, || check_case, on_result)
+    let check = |case: &Case| {
+        catch_unwind(AssertUnwindSafe(|| check_case(case, index)))
+            .unwrap_or_else(|panic| CheckResult::new(case.path().into(), Outcome::Failed(describe_panic(&*panic))))
+    };
+    ordered_parallel_map(cases.iter().map(Ok), threads, || check, on_result)
 }
 
-fn check_case(case: &Case) -> CheckResult {
+fn check_case(case: &Case, index: &RecordingIndex) -> CheckResult {
     match case {
-        Case::Recording { path, scene } => recording::check_recording(path, scene.as_deref()),
-        Case::Picture(reference) => reference_image::check_image(reference),
+        Case::Recording(reference) => recording::check_recording(reference),
+        Case::Picture(reference) => reference_image::check_image(reference, index),
+        Case::Problem(Problem { path, line, reason, is_missing }) => {
+            let outcome = if *is_missing { Outcome::Missing } else { Outcome::Failed };
+            CheckResult { line: line.clone(), ..CheckResult::new(path.clone(), outcome(reason.clone())) }
+        }
     }
+}
+
+/// The message of a panic.
+fn describe_panic(panic: &(dyn Any + Send)) -> String {
+    let message = panic.downcast_ref::<String>().map(String::as_str).or(panic.downcast_ref::<&str>().copied());
+    let message = message.unwrap_or("without a message");
+    format!("rebond panicked: {message}; this is a bug in rebond, please report it with this file")
 }

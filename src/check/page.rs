@@ -1,7 +1,8 @@
-use super::case::CACHE_TAG;
-use super::{CheckResult, Mismatch, Outcome, Replacement, Severity};
+use super::files::CACHE_TAG;
+use super::{CheckResult, Decision, Mismatch, Outcome, Replacement, Severity, ShownPicture};
 use crate::picture::{AnimationFormat, Format, StillFormat};
 use crate::picture::{Metadata, RenderError, png};
+use crate::temporary::TemporaryFolder;
 use crate::text::Escaped;
 use std::ffi::OsStr;
 use std::fs::{self, File};
@@ -11,10 +12,14 @@ use std::path::{Path, PathBuf};
 /// A folder with a page, `index.html`, that shows every difference: expected, difference and actual. The page loads
 /// nothing from outside the folder.
 ///
-/// The folder is created only if there is a difference to show.
+/// The folder is created only if there is a difference to show, and appears as a whole.
 pub struct Page {
     folder: PathBuf,
+    /// The folder until it is complete.
+    staging: Option<TemporaryFolder>,
     cards: Vec<String>,
+    /// The entries of the index.
+    entries: Vec<String>,
 }
 
 /// The content of the file that marks the folder as a cache, which backups and [`Files`](super::Files) skip, and as a
@@ -36,37 +41,59 @@ impl Page {
             let message = "it is not the report of an earlier check; choose another folder with --report";
             return Err(io::Error::new(io::ErrorKind::AlreadyExists, message));
         }
-        Ok(Page { folder: folder.into(), cards: Vec::new() })
+        Ok(Page { folder: folder.into(), staging: None, cards: Vec::new(), entries: Vec::new() })
     }
 
     /// Adds a result, unless it is [`Severity::Same`]. Returns the files written for it.
     ///
     /// # Errors
     /// If a file cannot be read or written.
-    pub fn add(&mut self, result: &CheckResult) -> io::Result<Vec<PathBuf>> {
+    pub fn add(&mut self, result: &CheckResult, decision: &Decision) -> io::Result<Vec<PathBuf>> {
         if result.outcome.severity() == Severity::Same {
             return Ok(Vec::new());
         }
-        if self.cards.is_empty() {
-            fs::create_dir_all(&self.folder)?;
-            fs::write(self.folder.join(CACHE_TAG), TAG)?;
-        }
+        let staging = match self.staging.take() {
+            Some(staging) => staging,
+            None => {
+                // The nearest folder that exists is on the same disk, so that the page can be renamed.
+                let existing = self.folder.ancestors().skip(1).find(|folder| folder.is_dir());
+                let staging = TemporaryFolder::create(existing.unwrap_or(Path::new(".")))?;
+                fs::write(staging.path().join(CACHE_TAG), TAG)?;
+                staging
+            }
+        };
+        let staging = self.staging.insert(staging);
         let name = format!("{:03}-{}", self.cards.len() + 1, file_name_of(&result.path));
-        let mut figures = Figures { folder: &self.folder, name, html: String::new(), files: Vec::new() };
+        let mut figures = Figures { folder: staging.path(), name, html: String::new(), files: Vec::new() };
         match (&result.outcome, &result.replacement) {
             (Outcome::Differs(mismatch), Some(Replacement::Picture(actual))) => {
                 figures.add_difference(mismatch, &result.path, actual)?;
             }
             (_, Some(Replacement::Picture(actual))) => figures.add_actual(actual)?,
-            (_, Some(Replacement::Recording(_)) | None) => {}
+            (_, Some(Replacement::Recording(_) | Replacement::Run(_)) | None) => {}
         }
         let Figures { html, files, .. } = figures;
         let [path, word, sentence] =
             [result.path.display().to_string(), result.outcome.word().to_owned(), result.outcome.to_string()]
                 .map(|text| Escaped(&text).to_string());
         let details = sentence.strip_prefix(&format!("{word}: ")).unwrap_or(&sentence);
-        self.cards.push(format!("<section>\n<h2>{path} <b>{word}</b></h2>\n<p>{details}</p>\n{html}</section>\n"));
-        Ok(files)
+        let note = match decision {
+            Decision::NothingToAccept | Decision::Accepted => String::new(),
+            Decision::Acceptable(command) => format!("<p>Accept: <code>{}</code></p>\n", Escaped(command)),
+            Decision::Refused(reason) => format!("<p>Not acceptable: {}</p>\n", Escaped(reason)),
+        };
+        let number = self.cards.len() + 1;
+        self.entries.push(format!("<li><a href=\"#case-{number}\">{path}</a> <b>{word}</b></li>\n"));
+        self.cards.push(format!(
+            "<section id=\"case-{number}\">\n<h2>{path} <b>{word}</b></h2>\n<p>{details}</p>\n{note}{html}</section>\n"
+        ));
+        Ok(files.iter().filter_map(|file| file.file_name()).map(|name| self.folder.join(name)).collect())
+    }
+
+    /// Returns the present place of a file of the page, before the page is finished.
+    pub fn staged(&self, file: &Path) -> PathBuf {
+        let staging = self.staging.as_ref().zip(file.file_name());
+        staging.map_or(file.into(), |(staging, name)| staging.path().join(name))
     }
 
     /// Writes the page, if there is anything to show, and returns its path.
@@ -74,13 +101,19 @@ impl Page {
     /// # Errors
     /// If it cannot be written.
     pub fn finish(self, summary: &str) -> io::Result<Option<PathBuf>> {
-        if self.cards.is_empty() {
-            return Ok(None);
-        }
-        let page = self.folder.join("index.html");
+        let Some(staging) = self.staging else { return Ok(None) };
+        let page = staging.path().join("index.html");
         let cards: String = self.cards.concat();
-        fs::write(&page, format!("{HEAD}<h1>rebond check</h1>\n<p>{}</p>\n{cards}</html>\n", Escaped(summary)))?;
-        Ok(Some(page))
+        let entries: String = self.entries.concat();
+        let title = format!("<h1>rebond check</h1>\n<p>{}</p>\n", Escaped(summary));
+        fs::write(&page, format!("{HEAD}{title}<ol>\n{entries}</ol>\n{cards}</html>\n"))?;
+        if let Some(parent) = self.folder.parent() {
+            fs::create_dir_all(parent)?;
+        }
+        // An empty folder may be there.
+        let _ = fs::remove_dir(&self.folder);
+        fs::rename(staging.path(), &self.folder)?;
+        Ok(Some(self.folder.join("index.html")))
     }
 }
 
@@ -94,14 +127,15 @@ struct Figures<'a> {
 
 impl Figures<'_> {
     fn add_difference(&mut self, mismatch: &Mismatch, expected: &Path, actual: &[u8]) -> io::Result<()> {
-        if let Some(comparison) = &mismatch.comparison {
-            let name = format!("{}.png", self.name);
+        for (index, ShownPicture { caption, picture }) in mismatch.shown.iter().enumerate() {
+            let number = if index == 0 { String::new() } else { format!("-{}", index + 1) };
+            let name = format!("{}{number}.png", self.name);
             let file = BufWriter::new(File::create(self.folder.join(&name))?);
-            png::encode(comparison, &Metadata::default(), file).map_err(to_io_error)?;
+            png::encode(picture, &Metadata::default(), file).map_err(to_io_error)?;
             self.files.push(self.folder.join(&name));
-            self.html += &format!("<div>{}</div>\n", figure(&name, "expected · difference · actual"));
+            self.html += &format!("<div>{}</div>\n", figure(&name, caption));
         }
-        if mismatch.comparison.is_some() && mismatch.format == Format::Still(StillFormat::Png) {
+        if !mismatch.shown.is_empty() && mismatch.format == Format::Still(StillFormat::Png) {
             return Ok(());
         }
         let expected = self.write("expected", &fs::read(expected)?)?;
@@ -181,7 +215,11 @@ mod tests {
         let picture = Picture { size: [1, 1], pixels: vec![[1, 2, 3, 255]] };
         let mut file = Vec::new();
         png::encode(&picture, &Metadata::default(), &mut file).unwrap();
-        CheckResult { path: path.into(), outcome: Outcome::Missing, replacement: Some(Replacement::Picture(file)) }
+        CheckResult {
+            path: path.into(),
+            replacement: Some(Replacement::Picture(file)),
+            ..CheckResult::new(path.into(), Outcome::Missing("it is missing".into()))
+        }
     }
 
     #[test]
@@ -190,9 +228,10 @@ mod tests {
         let report = folder.path().join("report");
         for name in ["a<b.png", "c.png"] {
             let mut page = Page::new(&report).unwrap();
-            let files = page.add(&missing(name)).unwrap();
-            assert!(files[0].exists());
+            let files = page.add(&missing(name), &Decision::Accepted).unwrap();
+            assert!(page.staged(&files[0]).exists() && !report.exists());
             let index = page.finish("one & all").unwrap().unwrap();
+            assert!(files[0].exists());
             let html = fs::read_to_string(index).unwrap();
             assert!(html.contains(&format!("<h2>{} <b>missing</b>", Escaped(name))) && html.contains("one &amp; all"));
             assert_eq!(fs::read_dir(&report).unwrap().count(), 3, "tag, picture, page");
@@ -209,7 +248,7 @@ mod tests {
         let folder = tempfile::TempDir::new().unwrap();
         let report = folder.path().join("report");
         let mut page = Page::new(&report).unwrap();
-        page.add(&CheckResult { path: "a".into(), outcome: Outcome::Identical, replacement: None }).unwrap();
+        page.add(&CheckResult::new("a".into(), Outcome::Identical), &Decision::NothingToAccept).unwrap();
         assert_eq!(page.finish("").unwrap(), None);
         assert!(!report.exists());
     }

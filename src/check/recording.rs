@@ -1,54 +1,139 @@
-//! Checking a recording: it must replay the same and match a new run of the scene next to it.
+//! Checking a recording: it must replay the same, and match a run of its scene.
 
-use super::{CheckResult, Outcome, Replacement};
-use crate::physics::{CollisionCount, Spawn, Vector};
-use crate::recording::{self, BodyTable, Change, Error, Header, Identity, Item, RecordedState, Recording};
-use crate::replay::{self, ALL_STEPS, Difference, Replayer, RunError, Verdict, ulps};
-use crate::scene;
+use super::case::{RecordCommand, RecordingRecipe, ReferenceRecording};
+use super::scene_mismatch::{SceneMismatch, option_changes};
+use super::{Basis, CheckResult, Outcome, Replacement};
+use crate::physics::CollisionCount;
+use crate::picture;
+use crate::recording::{self, ColorFn, Error, Header, Identity, Item, RecordedEvent};
+use crate::replay::{
+    self, ALL_STEPS, LiveEvents, NO_LIVE_EVENTS, OnBadEvent, RecordOptions, Replayer, Run, RunError, Verdict,
+};
+use crate::scene::{self, Scene};
 use crate::temporary::TemporaryFolder;
-use crate::text::counted;
-use std::fmt::{self, Display, Formatter};
+use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{self, Read, Seek};
+use std::io::{self, BufReader};
 use std::path::{Path, PathBuf};
 
-/// Checks the recording at `path`, and compares it with a new run of the scene, if one is given.
-pub fn check_recording(path: &Path, scene: Option<&Path>) -> CheckResult {
-    let replayed = replay_recording(path);
-    let (outcome, replacement) = match scene {
-        Some(scene) => compare_with_scene(path, replayed, scene),
-        None => (replayed, None),
+/// Checks a recording.
+pub fn check_recording(reference: &ReferenceRecording) -> CheckResult {
+    let path = &reference.file;
+    let (outcome, replacement) = match path.metadata() {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => missing(reference),
+        Err(error) => (Outcome::Failed(format!("it cannot be read: {error}")), None),
+        Ok(metadata) if !metadata.is_file() => (Outcome::Failed("it is no regular file".into()), None),
+        Ok(_) => compare_with_recipe(reference, replay_recording(path)),
     };
-    CheckResult { path: path.into(), outcome, replacement }
+    let line = reference.line().cloned();
+    CheckResult { replacement, line, ..CheckResult::new(path.clone(), outcome) }
 }
 
 fn replay_recording(path: &Path) -> Outcome {
     let replay = Replayer::open(path, ALL_STEPS);
     match replay.and_then(|replay| replay.run(&mut CollisionCount::default(), |_| ())) {
         Ok(Verdict::Diverged(divergence)) => Outcome::Diverged(divergence),
-        Ok(verdict) => Outcome::Replayed { verdict, matches_scene: false },
+        Ok(verdict) => Outcome::Replayed { verdict, basis: Basis::NoScene },
         Err(Error::OtherSemantics { found }) => Outcome::OtherSemantics { found },
         Err(error) if error.is_damage() => Outcome::Damaged(error.to_string()),
         Err(error) => Outcome::Failed(error.to_string()),
     }
 }
 
-/// Runs the scene again and compares the recording at `path` with the new run.
-fn compare_with_scene(path: &Path, replayed: Outcome, scene: &Path) -> (Outcome, Option<Replacement>) {
-    let new_recording = match record_scene(scene, path) {
-        Ok(new_recording) => new_recording,
+/// The outcome of a recording that does not exist. It is made only when that is accepted, because its run may be long.
+fn missing(reference: &ReferenceRecording) -> (Outcome, Option<Replacement>) {
+    let Some(scene) = reference.scene() else {
+        return (Outcome::Missing("the recording does not exist".into()), None);
+    };
+    match scene_of(&reference.recipe) {
+        Ok(_) => {
+            let missing = Outcome::Missing(format!("the recording of {} does not exist", scene.display()));
+            (missing, Some(Replacement::Run(Box::new(reference.clone()))))
+        }
+        Err(error) => (Outcome::Failed(format!("its scene {} cannot be run: {error}", scene.display())), None),
+    }
+}
+
+/// The scene of a recipe, with the values that a command overrides.
+fn scene_of(recipe: &RecordingRecipe) -> Result<Option<Scene>, RunError> {
+    Ok(match recipe {
+        RecordingRecipe::OwnEvents => None,
+        RecordingRecipe::Scene(scene) => Some(scene::load(scene)?),
+        RecordingRecipe::Listed { command, .. } => Some(command.scene()?),
+    })
+}
+
+/// Makes a recording that does not exist. `None` if it has no scene.
+///
+/// # Errors
+/// If the scene cannot be run.
+pub fn make_recording(reference: &ReferenceRecording) -> Result<Option<TemporaryRecording>, RunError> {
+    let new = match (&reference.recipe, scene_of(&reference.recipe)?) {
+        (RecordingRecipe::Listed { command, .. }, _) => NewRecording::of_command(command)?,
+        (_, Some(scene)) => NewRecording::of_scene(&scene, RecordOptions::complete(&scene))?,
+        (_, None) => return Ok(None),
+    };
+    Ok(Some(new.file))
+}
+
+/// Compares a recording that was replayed with a new run. A recording with values or events of its own is not compared
+/// with a run of the scene next to it, and never replaced by one without them.
+fn compare_with_recipe(reference: &ReferenceRecording, replayed: Outcome) -> (Outcome, Option<Replacement>) {
+    let Some(scene_path) = reference.scene() else { return (replayed, None) };
+    let recorded = RecordedRun::read(&reference.file);
+    let noted = recorded.as_ref().ok().and_then(RecordedRun::noted_inputs);
+    let new = match (&reference.recipe, &noted) {
+        (RecordingRecipe::OwnEvents, _) => return (replayed, None),
+        (RecordingRecipe::Scene(_), Some(own)) => return (replayed.with_basis(Basis::OwnEvents(own.clone())), None),
+        (RecordingRecipe::Listed { command, .. }, _) => NewRecording::of_command(command),
+        (RecordingRecipe::Scene(scene), None) => load(scene).and_then(|scene| {
+            let options = recorded.as_ref().map(|recorded| recorded.options(&scene));
+            NewRecording::of_scene(&scene, options.unwrap_or(RecordOptions::complete(&scene)))
+        }),
+    };
+    let new = match new {
+        Ok(new) => new,
         Err(error) => {
-            return (Outcome::Failed(format!("its scene {} cannot be run: {error}", scene.display())), None);
+            return (Outcome::Failed(format!("its scene {} cannot be run: {error}", scene_path.display())), None);
         }
     };
-    let Outcome::Replayed { verdict: verdict @ Verdict::Same { .. }, .. } = replayed else {
-        return (replayed, Some(Replacement::Recording(new_recording.file)));
+    let has_foreign_events = || recorded.as_ref().is_ok_and(|recorded| recorded.has_foreign_events(&replayed));
+    let is_protected = || match &noted {
+        Some(_) => !new.has_own_inputs,
+        None => !new.has_own_inputs && has_foreign_events(),
     };
-    match compare_with(path, &new_recording) {
-        Ok(None) => (Outcome::Replayed { verdict, matches_scene: true }, None),
-        Ok(Some(mismatch)) => (Outcome::Drifted(mismatch), Some(Replacement::Recording(new_recording.file))),
-        Err(error) => (Outcome::Failed(error.to_string()), None),
+    if !matches!(replayed, Outcome::Replayed { verdict: Verdict::Same { .. }, .. }) {
+        let replacement = (!is_protected()).then_some(Replacement::Recording(new.file));
+        return (replayed, replacement);
     }
+    match recorded
+        .as_ref()
+        .map_err(ToString::to_string)
+        .and_then(|recorded| recorded.difference(&new, reference.line().is_some()).map_err(|error| error.to_string()))
+    {
+        Ok(None) => (replayed.with_basis(Basis::Scene), None),
+        Ok(Some(mismatch)) if is_protected() => match reference.line() {
+            Some(_) => (Outcome::Drifted(mismatch), None),
+            None => (replayed.with_basis(Basis::OwnEvents("events that its scene does not have".into())), None),
+        },
+        Ok(Some(mismatch)) => (Outcome::Drifted(mismatch), Some(Replacement::Recording(new.file))),
+        Err(error) => (Outcome::Failed(error), None),
+    }
+}
+
+impl RecordCommand {
+    /// Reads the scene with the values that the command overrides.
+    fn scene(&self) -> Result<Scene, RunError> {
+        #[cfg(feature = "cli")]
+        if !self.overrides.is_empty() {
+            return Ok(scene::load_with(&self.scene, &self.overrides)?);
+        }
+        Ok(scene::load(&self.scene)?)
+    }
+}
+
+fn load(path: &Path) -> Result<Scene, RunError> {
+    Ok(scene::load(path)?)
 }
 
 /// A recording in a temporary folder, which is removed when this is dropped.
@@ -70,229 +155,150 @@ impl TemporaryRecording {
     }
 }
 
-/// A recording of a new run of a scene.
+/// A recording of a new run.
 struct NewRecording {
     file: TemporaryRecording,
     identity: Identity,
+    options: RecordOptions,
+    /// True if the run has live events or values given with `--set`.
+    has_own_inputs: bool,
 }
 
-/// Records a scene with the number of steps and the thinning of the recording at `path`, or in full if that recording
-/// cannot be read.
-fn record_scene(scene: &Path, path: &Path) -> Result<NewRecording, RunError> {
-    let scene = scene::load(scene)?;
-    let (steps, every, estimates_accuracy) = match recording::open(path) {
-        Ok(recording) => {
-            let header = &recording.header;
-            (header.steps, header.every, header.estimates_accuracy)
+impl NewRecording {
+    fn of_scene(scene: &Scene, options: RecordOptions) -> Result<NewRecording, RunError> {
+        NewRecording::record(scene, options, None)
+    }
+
+    fn of_command(command: &RecordCommand) -> Result<NewRecording, RunError> {
+        let scene = command.scene()?;
+        let mut options = RecordOptions::complete(&scene);
+        options.steps = command.steps.unwrap_or(options.steps);
+        options.every = command.every;
+        options.estimates_accuracy = command.accuracy;
+        options.viewer = command.viewer.then_some(picture::body_color as ColorFn);
+        NewRecording::record(&scene, options, command.events.as_deref().map(|events| (events, command.lenient)))
+    }
+
+    /// Records, with the live events of a file and a note if its invalid lines are skipped.
+    fn record(scene: &Scene, options: RecordOptions, live: Option<(&Path, bool)>) -> Result<NewRecording, RunError> {
+        let unwritable = |error| RunError::from(Error::Write(error));
+        let file = TemporaryRecording::create().map_err(unwritable)?;
+        let output = File::create_new(file.path()).map_err(unwritable)?;
+        let recorded = match live {
+            None => replay::record(scene, options, NO_LIVE_EVENTS, output, |_| ())?,
+            Some((path, is_lenient)) => {
+                let events = File::open(path).map_err(|source| RunError::Events { line: 0, source })?;
+                let on_bad_event = if is_lenient { OnBadEvent::Skip } else { OnBadEvent::Fail };
+                let mut live = LiveEvents::new(BufReader::new(events), on_bad_event, options.steps);
+                let options = RecordOptions { has_live_events: true, ..options };
+                replay::record(scene, options, Some(&mut live), output, |_| ())?
+            }
+        };
+        let has_own_inputs = live.is_some() || !scene.source.overrides.is_empty();
+        Ok(NewRecording { file, identity: recorded.trailer.identity, options, has_own_inputs })
+    }
+}
+
+/// The contents of a recording that its replay does not show.
+struct RecordedRun {
+    path: PathBuf,
+    header: Header,
+    identity: Option<Identity>,
+    has_viewer_topic: bool,
+    events: Vec<RecordedEvent>,
+}
+
+impl RecordedRun {
+    fn read(path: &Path) -> Result<RecordedRun, Error> {
+        let mut recording = recording::open(path)?;
+        let (mut has_viewer_topic, mut events) = (false, Vec::new());
+        for item in recording.by_ref() {
+            match item? {
+                Item::SceneUpdate { .. } => has_viewer_topic = true,
+                Item::Event(event) => events.push(event),
+                Item::State(_) | Item::SuspectState(_) | Item::Keyframe(_) => {}
+                Item::Damaged(_) | Item::Gap(_) | Item::Trailer(_) => {}
+            }
         }
-        Err(_) => (scene.run.steps, 1, false),
-    };
-    let unwritable = |error| RunError::from(Error::Write(error));
-    let recording = TemporaryRecording::create().map_err(unwritable)?;
-    let file = File::create_new(recording.path()).map_err(unwritable)?;
-    let plan = replay::RecordOptions { steps, every, estimates_accuracy, ..replay::RecordOptions::complete(&scene) };
-    let recorded = replay::record(&scene, plan, replay::NO_LIVE_EVENTS, file, |_| ())?;
-    Ok(NewRecording { file: recording, identity: recorded.trailer.identity })
-}
-
-/// Compares the recording at `path` with a new one. `None` if both have the same identity.
-fn compare_with(path: &Path, new_recording: &NewRecording) -> Result<Option<SceneMismatch>, Error> {
-    let mut recorded = recording::open(path)?;
-    for item in recorded.by_ref() {
-        item?;
+        let identity = recording.trailer().map(|end| end.identity);
+        Ok(RecordedRun { path: path.into(), header: recording.header.clone(), identity, has_viewer_topic, events })
     }
-    if recorded.trailer().is_some_and(|end| end.identity == new_recording.identity) {
-        return Ok(None);
-    }
-    let current = recording::open(&new_recording.file.path())?;
-    let lines = |header: &Header| header.scene.as_ref().map(|scene| scene.text.replace("\r\n", "\n"));
-    let has_same_lines = lines(&recorded.header) == lines(&current.header);
-    match SceneMismatch::between(recording::open(path)?, current)? {
-        SceneMismatch::Text if has_same_lines => Ok(None),
-        mismatch => Ok(Some(mismatch)),
-    }
-}
 
-/// The difference between a recording and a new run of the scene next to it.
-#[derive(Clone, Debug, PartialEq)]
-pub enum SceneMismatch {
-    /// Only the text of the scene differs; the runs are the same.
-    Text,
-    /// The engine configuration differs: solver, rate, gravity, restitution or event limit.
-    EngineConfig,
-    /// An event differs.
-    Events {
-        /// The step of the first difference.
-        step: u64,
-        /// The recorded event in words.
-        recorded: String,
-        /// The event of the new run in words.
-        current: String,
-    },
-    /// A state differs although all events up to it are the same.
-    State {
-        /// The step of the first difference.
-        step: u64,
-        /// The difference; its `replayed` value is the one of the new run.
-        difference: Difference,
-    },
-    /// The number of steps differs.
-    Length {
-        /// The last step of the recording.
-        recorded: u64,
-        /// The last step of the new run.
-        current: u64,
-    },
-}
+    /// The options to record `scene` with as this recording was: the same thinning, topics and estimate, and the number
+    /// of steps given with `--steps`, if that was not the one of the scene.
+    fn options(&self, scene: &Scene) -> RecordOptions {
+        let mut options = RecordOptions::complete(scene);
+        options.every = self.header.every;
+        options.estimates_accuracy = self.header.estimates_accuracy;
+        options.viewer = self.has_viewer_topic.then_some(picture::body_color as ColorFn);
+        if self.own_scene().is_some_and(|own| own.run.steps != self.header.steps) {
+            options.steps = self.header.steps;
+        }
+        options
+    }
 
-impl SceneMismatch {
-    /// Returns the first difference between two recordings of different identity.
+    /// The scene as it was recorded.
+    fn own_scene(&self) -> Option<Scene> {
+        let text = self.header.scene.as_ref()?;
+        scene::parse(&text.file_name, &text.text).ok()
+    }
+
+    /// The values and events that the recording says it has beside those of the scene, in words.
+    fn noted_inputs(&self) -> Option<String> {
+        let values = self.header.overrides.iter().map(|[key, value]| format!("--set {key}={value}"));
+        let live = self.header.has_live_events.then(|| "live events".to_owned());
+        let parts: Vec<String> = values.chain(live).collect();
+        (!parts.is_empty()).then(|| parts.join(" "))
+    }
+
+    /// Returns true if the recorded events are not all those of the scene in the recording. Older versions did not note
+    /// that there were live events.
     ///
-    /// # Errors
-    /// If one of them cannot be read.
-    pub fn between<R: Read + Seek, S: Read + Seek>(
-        mut recorded: Recording<R>,
-        mut current: Recording<S>,
-    ) -> Result<SceneMismatch, Error> {
-        if recorded.header.config != current.header.config {
-            return Ok(SceneMismatch::EngineConfig);
+    /// If the engine has changed, clicks may have other effects than they had.
+    fn has_foreign_events(&self, replayed: &Outcome) -> bool {
+        let Some(scene) = self.own_scene() else { return !self.events.is_empty() };
+        let is_comparable = match replayed {
+            Outcome::Replayed { verdict, .. } => !matches!(verdict, Verdict::Diverged(_)),
+            _ => !scene.inputs.iter().any(|input| matches!(input.action, scene::Action::Click { .. })),
+        };
+        let last = self.events.last().map_or(0, |event| event.step);
+        is_comparable && !self.events.is_empty() && !are_events_of(&self.events, &scene, last)
+    }
+
+    /// The difference to a new run. `None` if both are the same.
+    fn difference(&self, new: &NewRecording, is_listed: bool) -> Result<Option<SceneMismatch>, Error> {
+        let current = recording::open(&new.file.path())?;
+        let mut changes = Vec::new();
+        if is_listed {
+            let viewer = [self.has_viewer_topic, new.options.viewer.is_some()];
+            changes = option_changes(&self.header, &current.header, viewer);
         }
-        let mut last = 0;
-        loop {
-            match (next_item(&mut recorded)?, next_item(&mut current)?) {
-                (None, None) => return Ok(SceneMismatch::Text),
-                (Some(Item::State(old)), Some(Item::State(new))) => {
-                    if let Some(difference) = difference(&old, &new, recorded.table()) {
-                        return Ok(SceneMismatch::State { step: old.step, difference });
-                    }
-                    last = old.step;
-                }
-                (Some(Item::State(_)), None) => {
-                    return Ok(SceneMismatch::Length { recorded: recorded.header.steps, current: last });
-                }
-                (None, Some(Item::State(new))) => {
-                    return Ok(SceneMismatch::Length { recorded: last, current: current.header.steps.max(new.step) });
-                }
-                (old, new) if old == new => {}
-                (old, new) => return Ok(event_mismatch(old.as_ref(), new.as_ref())),
-            }
+        if changes.is_empty() && self.identity == Some(new.identity) {
+            return Ok(None);
         }
+        let mismatch = SceneMismatch::between(recording::open(&self.path)?, current)?;
+        let mismatch = SceneMismatch { changes: [changes, mismatch.changes].concat(), ..mismatch };
+        Ok(Some(mismatch).filter(|mismatch| !mismatch.is_empty()))
     }
 }
 
-/// Returns the next event or state.
-fn next_item<R: Read + Seek>(recording: &mut Recording<R>) -> Result<Option<Item>, Error> {
-    for item in recording.by_ref() {
-        match item? {
-            item @ (Item::Event(_) | Item::State(_)) => return Ok(Some(item)),
-            Item::SuspectState(_) | Item::Keyframe(_) | Item::SceneUpdate { .. } => {}
-            Item::Damaged(_) | Item::Gap(_) | Item::Trailer(_) => {}
+/// Returns true if each of the events up to step `last` is one that the scene has in that step.
+fn are_events_of(events: &[RecordedEvent], scene: &Scene, last: u64) -> bool {
+    let mut recorded: BTreeMap<u64, Vec<&RecordedEvent>> = BTreeMap::new();
+    for event in events {
+        recorded.entry(event.step).or_default().push(event);
+    }
+    let mut run = Run::new(scene);
+    loop {
+        let step = run.engine().current_step();
+        let Ok(applied) = run.apply_inputs(Vec::new(), |error| Err(error.into())) else { return false };
+        let recorded = recorded.remove(&step).unwrap_or_default();
+        if recorded.iter().any(|event| !applied.contains(event)) {
+            return false;
         }
-    }
-    Ok(None)
-}
-
-fn difference(old: &RecordedState, new: &RecordedState, table: Option<&BodyTable>) -> Option<Difference> {
-    if old.id == new.id {
-        for (index, &id) in old.id.iter().enumerate() {
-            let pairs = old.body_state(index).into_iter().zip(new.body_state(index)).zip(["x", "y", "vx", "vy"]);
-            for ((recorded, replayed), field) in pairs {
-                if ulps(recorded, replayed) > 0 {
-                    let info =
-                        table.and_then(|table| table.join_state(old).map(|(info, _)| info).find(|info| info.id == id));
-                    let body = info.map_or(format!("{id}"), |info| info.spawn.name.clone());
-                    return Some(Difference::Value { body, field, recorded, replayed });
-                }
-            }
-        }
-    }
-    (old.digest != new.digest).then_some(Difference::Digest { recorded: old.digest, replayed: new.digest })
-}
-
-fn event_mismatch(old: Option<&Item>, new: Option<&Item>) -> SceneMismatch {
-    let step = [old, new].into_iter().flatten().filter_map(step).min().unwrap_or(0);
-    match (old, new) {
-        (Some(Item::Event(old)), Some(Item::Event(new))) if old.step == new.step => {
-            let (recorded, current) = describe_difference(&old.change, &new.change);
-            SceneMismatch::Events { step, recorded, current }
-        }
-        (old, new) => {
-            SceneMismatch::Events { step, recorded: describe_item(old, step), current: describe_item(new, step) }
-        }
-    }
-}
-
-fn step(item: &Item) -> Option<u64> {
-    match item {
-        Item::Event(event) => Some(event.step),
-        Item::State(state) | Item::SuspectState(state) => Some(state.step),
-        Item::Keyframe(_) | Item::SceneUpdate { .. } | Item::Damaged(_) | Item::Gap(_) | Item::Trailer(_) => None,
-    }
-}
-
-/// Describes an item if it is an event of step `step`.
-fn describe_item(item: Option<&Item>, step: u64) -> String {
-    match item {
-        Some(Item::Event(event)) if event.step == step => describe(&event.change),
-        Some(_) | None => "no further event".into(),
-    }
-}
-
-fn describe(change: &Change) -> String {
-    match change {
-        Change::Spawn { spawn, .. } => format!("spawn {:?}", spawn.name),
-        Change::Delete { id } => format!("delete body {id}"),
-    }
-}
-
-/// Describes two events, including the first property in which they differ.
-fn describe_difference(old: &Change, new: &Change) -> (String, String) {
-    let (Change::Spawn { spawn: a, color: a_color, .. }, Change::Spawn { spawn: b, color: b_color, .. }) = (old, new)
-    else {
-        return (describe(old), describe(new));
-    };
-    let pair = |vector: Vector| format!("[{:?}, {:?}]", vector.x, vector.y);
-    let size = |spawn: &Spawn| format!("[{:?}, {:?}]", spawn.rect.width(), spawn.rect.height());
-    let color = |color: &Option<String>| color.clone().unwrap_or_else(|| "none".into());
-    let (property, [a_value, b_value]) = if a.name != b.name {
-        return (describe(old), describe(new));
-    } else if a.rect.origin != b.rect.origin {
-        ("at", [a, b].map(|spawn| pair(spawn.rect.origin)))
-    } else if a.mass != b.mass {
-        ("mass", [a, b].map(|spawn| format!("{:?}", spawn.mass)))
-    } else if a.velocity != b.velocity {
-        ("velocity", [a, b].map(|spawn| pair(spawn.velocity)))
-    } else if a.force != b.force {
-        ("force", [a, b].map(|spawn| pair(spawn.force)))
-    } else if a.material != b.material {
-        ("material", [a, b].map(|spawn| format!("{:?}", spawn.material)))
-    } else if a_color != b_color {
-        ("color", [a_color, b_color].map(color))
-    } else {
-        ("size", [a, b].map(size))
-    };
-    (format!("{} with {property} {a_value}", describe(old)), format!("{} with {property} {b_value}", describe(new)))
-}
-
-impl Display for SceneMismatch {
-    fn fmt(&self, out: &mut Formatter) -> fmt::Result {
-        match self {
-            SceneMismatch::Text => write!(out, "the text of its scene has changed, without effect on the run"),
-            SceneMismatch::EngineConfig => {
-                write!(out, "its scene now has a different solver, rate, gravity, restitution or event limit")
-            }
-            SceneMismatch::Events { step, recorded, current } => {
-                write!(out, "its scene now gives a different run: at step {step} recorded {recorded}, now {current}")
-            }
-            SceneMismatch::State { step, difference } => {
-                write!(
-                    out,
-                    "its scene now gives a different run, called \"replayed\" here: at step {step} {difference}"
-                )
-            }
-            SceneMismatch::Length { recorded, current } => {
-                write!(out, "its scene now runs {}, the recording has {recorded}", counted(*current, "step"))
-            }
+        // A run that fails has recorded no later event.
+        if step >= last || run.step(&mut CollisionCount::default()).is_err() {
+            return true;
         }
     }
 }

@@ -177,24 +177,32 @@ pub struct InfoOptions {
 #[derive(Args, Debug)]
 #[command(after_help = "\
 A recording must replay the same and, if NAME.toml is next to NAME.mcap, match a
-new run of that scene. A picture drawn by rebond must be redrawn the same. More
-pictures are listed in a manifest NAME.check, one command per line, with paths
-relative to its folder:
+new run of that scene. A scene without a recording is reported. A picture drawn
+by rebond must be redrawn the same. More recordings and pictures are listed in a
+manifest NAME.check, one command per line, with paths relative to its folder:
+  rebond record fall.toml -o slow.mcap --set run.rate=30
   rebond figure strobe fall.mcap -o fall.svg
+  skip large.toml        no recording is kept
 Exit codes: 0 same, 3 something differs, 4 a recording is incomplete or corrupt,
 1 a check failed. If several apply: 1 before 4 before 3.
 
 Examples:
   rebond check recordings
   rebond check lecture --update
+  rebond check lecture/fall.mcap --update      and pictures drawn from it
+  rebond check lecture --review                one by one
+  rebond check lecture --junit check.xml --github
   rebond check lecture --shard 2/4 --json > 2.jsonl")]
 pub struct CheckOptions {
     /// Files, or folders to search recursively
     #[arg(required = true, value_name = "PATH")]
     pub paths: Vec<PathBuf>,
-    /// Accept changes and draw missing pictures
+    /// Accept changes, and make what is missing
     #[arg(long)]
     pub update: bool,
+    /// Ask about each change: accept, reject or skip it
+    #[arg(long, conflicts_with_all = ["update", "json", "shard"])]
+    pub review: bool,
     /// Check only part I of N
     #[arg(long, value_name = "I/N", default_value = "1/1", hide_default_value = true, conflicts_with = "update")]
     pub shard: Shard,
@@ -207,6 +215,15 @@ pub struct CheckOptions {
     /// Print one JSON object per case
     #[arg(long)]
     pub json: bool,
+    /// Write a JUnit report to this file
+    #[arg(long, value_name = "FILE.xml")]
+    pub junit: Option<PathBuf>,
+    /// Overwrite a file that is no JUnit report
+    #[arg(short, long, requires = "junit")]
+    pub force: bool,
+    /// Annotate files on GitHub, and write the summary of the step
+    #[arg(long)]
+    pub github: bool,
 }
 
 /// Options of `recover`.

@@ -1,42 +1,81 @@
-use super::arguments::CheckOptions;
+use super::arguments::{CheckOptions, Shard};
 use super::error::CommandError;
+use super::github::{self, StepSummary};
 use super::output_file::{OutputFile, Overwrite};
 use super::replay::difference_json;
+use super::review::{self, Answer, Review};
 use super::{Exit, manifest, output};
-use crate::check::{self, Case, CheckResult, Files, Outcome, Page, Replacement, SceneMismatch, Severity};
-use crate::picture::Format;
+use crate::check::{
+    self, Acceptance, Case, Cases, CheckResult, Decision, FileKind, Files, Outcome, Page, Recipe, RecordingIndex,
+    Replacement, Severity, TemporaryRecording,
+};
+use crate::junit::{TestCase, TestOutcome, TestSuite};
 use crate::text::counted;
+use serde_json::{Value, json};
+use std::collections::BTreeSet;
 use std::fmt::{self, Display, Formatter};
-use std::fs::File;
-use std::io;
+use std::fs::{self, File};
+use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
 /// Checks that recordings and pictures are unchanged.
 pub fn run(options: &CheckOptions) -> Result<Exit, CommandError> {
-    let files = Files::find(&options.paths)?;
-    let mut listed = Vec::new();
-    for path in files.manifests() {
-        listed.extend(manifest::read(path)?);
+    let files = Files::find(&options.paths);
+    let found = Cases::find(&files, manifest::read);
+    if found.is_empty() {
+        let paths = options.paths.iter().map(|path| path.display().to_string()).collect();
+        return Err(CommandError::NothingToCheck { paths });
     }
-    let mut cases = files.cases(listed)?;
-    let range = options.shard.range(cases.len());
-    cases = cases.drain(range).collect();
-    let unwritable = CommandError::unwritable(&options.report);
-    let page = Page::new(&options.report).map_err(&unwritable)?;
-    let mut session = Session { options, page, summary: CheckSummary::default(), worst: Severity::Same };
+    let all: Vec<Case> = found.iter().collect();
+    let cases = &all[options.shard.range(all.len())];
+    let mut index = RecordingIndex::default();
+    let names_recordings =
+        |case: &Case| matches!(case, Case::Picture(picture) if matches!(picture.recipe, Recipe::Embedded(_)));
+    if options.update || options.review || cases.iter().any(names_recordings) {
+        index.add(files.recordings().map(PathBuf::as_path));
+    }
+    let junit =
+        options.junit.as_deref().map(|path| OutputFile::create(path, overwrite_report(path, options.force), &[]));
+    let junit = junit.transpose()?;
+    if options.review {
+        review::pending(&files)?;
+    }
+    let folder = report_folder(options);
+    let unwritable = CommandError::unwritable(&folder);
+    let mut session = Session {
+        options,
+        page: Page::new(&folder).map_err(&unwritable)?,
+        acceptance: Acceptance::new(&files, &found),
+        commands: Commands { paths: &options.paths },
+        summary: CheckSummary { skipped: found.skipped as u64, ..CheckSummary::default() },
+        step_summary: StepSummary::default(),
+        suite: TestSuite { name: "rebond check".into(), cases: Vec::new() },
+        worst: Severity::Same,
+        review: options.review.then_some(Review::Asking),
+        replaced: Vec::new(),
+    };
     // All recordings are checked, and changes to them accepted, before pictures are drawn from them.
-    let recordings = cases.iter().take_while(|case| matches!(case, Case::Recording { .. })).count();
-    let (recordings, pictures) = cases.split_at(recordings);
-    let bar = output::progress_bar("checking", cases.len() as u64);
-    for cases in [recordings, pictures] {
-        check::check_cases(cases, options.jobs.threads(), |result| {
-            let handled = bar.suspend(|| session.handle(result));
-            bar.inc(1);
-            handled
+    let first_picture = cases.iter().take_while(|case| !matches!(case, Case::Picture(_))).count();
+    let (recordings, pictures) = cases.split_at(first_picture);
+    session.check(recordings, &index)?;
+    if !session.replaced.is_empty() {
+        index.add(files.recordings().map(PathBuf::as_path).chain(session.replaced.iter().map(PathBuf::as_path)));
+    }
+    let followers = session.followers(pictures, &mut index);
+    session.check(pictures, &index)?;
+    session.check(&followers, &index)?;
+    let Session { page, mut summary, step_summary, suite, worst, .. } = session;
+    summary.pending = files.pending().count() as u64;
+    if options.github {
+        step_summary
+            .write(&summary.to_string())
+            .map_err(|error| CommandError::unwritable(Path::new("the file that GITHUB_STEP_SUMMARY names"))(error))?;
+    }
+    if let Some(file) = junit {
+        file.write(|file| {
+            write!(file, "{suite}").map_err(CommandError::unwritable(options.junit.as_deref().unwrap_or(Path::new(""))))
         })?;
     }
-    bar.finish_and_clear();
-    let Session { page, summary, worst, .. } = session;
     let index = page.finish(&summary.to_string()).map_err(&unwritable)?;
     let summary = match index {
         Some(index) => format!("{summary}; see {}{}\n", index.display(), summary.advice()),
@@ -55,77 +94,231 @@ pub fn run(options: &CheckOptions) -> Result<Exit, CommandError> {
     })
 }
 
+/// The policy for a JUnit report that exists: an earlier one is replaced, any other file only with `--force`.
+fn overwrite_report(path: &Path, force: bool) -> Overwrite {
+    let mut start = String::new();
+    let read = File::open(path).and_then(|file| file.take(200).read_to_string(&mut start));
+    Overwrite::from_force(force || read.is_ok() && start.contains("<testsuites>"))
+}
+
+/// The folder of the page. Each shard has its own.
+fn report_folder(options: &CheckOptions) -> PathBuf {
+    let CheckOptions { report, shard, .. } = options;
+    if *shard == Shard::WHOLE {
+        return report.clone();
+    }
+    let mut name = report.components().collect::<PathBuf>().into_os_string();
+    name.push(format!("-{}-of-{}", shard.number, shard.count));
+    name.into()
+}
+
 /// The state of a check in progress.
 struct Session<'a> {
     options: &'a CheckOptions,
     page: Page,
+    acceptance: Acceptance<'a>,
+    commands: Commands<'a>,
     summary: CheckSummary,
+    step_summary: StepSummary,
+    suite: TestSuite,
     worst: Severity,
+    /// The review of changes one by one, if that was requested.
+    review: Option<Review>,
+    /// The recordings that were replaced.
+    replaced: Vec<PathBuf>,
 }
 
 impl Session<'_> {
+    fn check(&mut self, cases: &[Case], index: &RecordingIndex) -> Result<(), CommandError> {
+        let bar = output::progress_bar("checking", cases.len() as u64);
+        check::check_cases(cases, index, self.options.jobs.threads(), |result| {
+            let handled = bar.suspend(|| self.handle(&result));
+            bar.inc(1);
+            handled
+        })?;
+        bar.finish_and_clear();
+        Ok(())
+    }
+
     /// Prints a result, adds it to the page and, with `--update`, accepts it.
-    fn handle(&mut self, result: CheckResult) -> Result<(), CommandError> {
-        let files = self.page.add(&result).map_err(CommandError::unwritable(&self.options.report))?;
-        let is_accepted = match &result.replacement {
-            Some(replacement) if self.options.update => accept(&result.path, replacement).map(|()| true)?,
-            Some(_) | None => false,
+    fn handle(&mut self, result: &CheckResult) -> Result<(), CommandError> {
+        let command = self.commands.accepting(result);
+        let (acceptance, decision) = match self.acceptance.replacement(result) {
+            Ok(None) => (None, Decision::NothingToAccept),
+            Ok(Some(replacement)) => (Some(replacement), Decision::Acceptable(command)),
+            Err(reason) => (None, Decision::Refused(reason)),
         };
-        self.summary.count(&result, is_accepted);
-        let severity = if is_accepted { Severity::Same } else { result.outcome.severity() };
+        let files = self.page.add(result, &decision).map_err(CommandError::unwritable(&self.options.report))?;
+        let is_accepted = match (&acceptance, &mut self.review) {
+            (Some(_), Some(review)) => {
+                review.ask(&result.path, &result.outcome, files.first().map(|file| self.page.staged(file)))?
+                    == Answer::Accept
+            }
+            (Some(_), None) => self.options.update,
+            (None, _) => false,
+        };
+        let decision = match (acceptance, is_accepted) {
+            (Some(replacement), true) => match accept(&result.path, replacement) {
+                Ok(()) => Decision::Accepted,
+                Err(error) => Decision::Refused(error.to_string()),
+            },
+            (Some(_) | None, _) => decision,
+        };
+        if matches!((&decision, result.kind()), (Decision::Accepted, FileKind::Recording)) {
+            self.replaced.push(result.path.clone());
+        }
+        self.summary.count(result, &decision);
+        let severity = if decision == Decision::Accepted { Severity::Same } else { result.outcome.severity() };
+        self.suite.cases.push(test_case(result, severity, &decision));
+        if self.options.github && severity != Severity::Same {
+            self.step_summary.add(result, &decision);
+            let annotation = github::annotation(result);
+            // Workflow commands are read from both streams.
+            match self.options.json {
+                true => output::warn(&annotation),
+                false => output::print(&annotation)?,
+            }
+        }
         self.worst = self.worst.max(severity);
         if self.options.json {
-            return output::print(&json(&result, &files, is_accepted));
+            return output::print(&format!("{}\n", json(result, &files, &decision)));
         }
         if output::is_quiet() && result.outcome.severity() == Severity::Same {
             return Ok(());
         }
-        output::print(&line(&result, is_accepted))
+        let note = match &decision {
+            Decision::Accepted => "; accepted".to_owned(),
+            Decision::Refused(reason) if self.options.update => format!("; not accepted: {reason}"),
+            Decision::NothingToAccept | Decision::Acceptable(_) | Decision::Refused(_) => String::new(),
+        };
+        output::print(&format!("{}: {}{note}\n", result.path.display(), result.outcome))
+    }
+
+    /// The pictures next to recordings that were replaced, which are drawn from them and were not to be checked. They
+    /// would be orphaned.
+    fn followers(&mut self, pictures: &[Case], index: &mut RecordingIndex) -> Vec<Case> {
+        if self.replaced.is_empty() {
+            return Vec::new();
+        }
+        let folder = |path: &PathBuf| path.parent().map_or(PathBuf::from("."), |folder| Path::new(".").join(folder));
+        let folders: BTreeSet<PathBuf> =
+            self.replaced.iter().map(folder).map(|folder| check::normalize(&folder)).collect();
+        let folders: Vec<PathBuf> =
+            folders.into_iter().map(|folder| if folder == Path::new("") { ".".into() } else { folder }).collect();
+        let around = Files::find(&folders);
+        let known: BTreeSet<PathBuf> = pictures.iter().map(|case| check::normalize(case.path())).collect();
+        let replaced: BTreeSet<PathBuf> = self.replaced.iter().map(|path| check::normalize(path)).collect();
+        let mut followers = Vec::new();
+        for picture in Cases::find(&around, manifest::read).pictures {
+            let is_drawn_from = picture.recordings(index).iter().any(|path| replaced.contains(&check::normalize(path)));
+            if is_drawn_from && !known.contains(&check::normalize(&picture.file)) && around.encloses(&picture.file) {
+                self.acceptance.follow(&picture.file);
+                followers.push(Case::Picture(picture));
+            }
+        }
+        followers
     }
 }
 
-/// Replaces the file at `path`.
+/// The result as a case of a JUnit report: a difference is a failure, a case that cannot be checked an error.
+fn test_case(result: &CheckResult, severity: Severity, decision: &Decision) -> TestCase {
+    let path = result.path.display().to_string();
+    let message = result.outcome.to_string();
+    let advice = match decision {
+        Decision::Acceptable(command) => format!("\nAccept: {command}"),
+        Decision::Refused(reason) => format!("\nNot acceptable: {reason}"),
+        Decision::Accepted | Decision::NothingToAccept => String::new(),
+    };
+    let outcome = match severity {
+        Severity::Same => TestOutcome::Passed,
+        Severity::Different | Severity::Damaged => {
+            TestOutcome::Failed { details: format!("{path}: {message}{advice}"), message }
+        }
+        Severity::Failed => TestOutcome::Error { message },
+    };
+    TestCase { class: format!("rebond.{}", result.kind().name()), name: path, outcome }
+}
+
+/// Replaces the file at `path`, or makes it, and removes new content that a test has left beside it.
 fn accept(path: &Path, replacement: &Replacement) -> Result<(), CommandError> {
     let unwritable = CommandError::unwritable(path);
+    if let Some(folder) = path.parent() {
+        fs::create_dir_all(folder).map_err(&unwritable)?;
+    }
+    let copy = |recording: &TemporaryRecording, file: &mut dyn Write| {
+        let mut content = File::open(recording.path()).map_err(&unwritable)?;
+        io::copy(&mut content, file).map(drop).map_err(&unwritable)
+    };
     OutputFile::create(path, Overwrite::Allowed, &[])?.write(|file| match replacement {
         Replacement::Picture(content) => file.write_all(content).map_err(&unwritable),
-        Replacement::Recording(recording) => {
-            let mut content = File::open(recording.path()).map_err(&unwritable)?;
-            io::copy(&mut content, file).map(drop).map_err(&unwritable)
-        }
-    })
+        Replacement::Recording(recording) => copy(recording, file),
+        Replacement::Run(reference) => check::make_recording(reference)?.iter().try_for_each(|new| copy(new, file)),
+    })?;
+    review::remove_pending(path)
 }
 
-/// The line of text about a result.
-fn line(result: &CheckResult, is_accepted: bool) -> String {
-    let accepted = if is_accepted { "; accepted" } else { "" };
-    format!("{}: {}{accepted}\n", result.path.display(), result.outcome)
+/// The commands that accept one case each.
+struct Commands<'a> {
+    /// The paths to check.
+    paths: &'a [PathBuf],
 }
 
-/// The line of JSON about a result.
-fn json(result: &CheckResult, shown: &[PathBuf], is_accepted: bool) -> String {
-    let outcome = &result.outcome;
-    let shown: Vec<String> = shown.iter().map(|path| path.display().to_string()).collect();
-    let object = serde_json::json!({
-        "path": result.path.display().to_string(),
-        "outcome": outcome.word(),
-        "what": outcome.to_string(),
-        "divergence": divergence(outcome),
-        "accepted": is_accepted,
-        "shown": shown,
-    });
-    format!("{object}\n")
-}
-
-/// The first state or number that differs, if the runs differ.
-fn divergence(outcome: &Outcome) -> Option<serde_json::Value> {
-    match outcome {
-        Outcome::Diverged(divergence) => Some(difference_json(divergence.step, &divergence.difference)),
-        Outcome::Drifted(SceneMismatch::State { step, difference: found }) => Some(difference_json(*step, found)),
-        Outcome::Drifted(_) | Outcome::Replayed { .. } | Outcome::OtherSemantics { .. } | Outcome::Damaged(_) => None,
-        Outcome::Identical | Outcome::Differs(_) | Outcome::Missing | Outcome::Orphaned { .. } => None,
-        Outcome::Unrenderable { .. } | Outcome::Failed(_) => None,
+impl Commands<'_> {
+    /// The command that accepts the change of a file alone: of the file, of its manifest if that is in another folder, or
+    /// of all paths if its recordings are in another folder.
+    fn accepting(&self, result: &CheckResult) -> String {
+        let folder = |path: &Path| path.parent().map(Path::to_owned);
+        let paths: Vec<&Path> = match &result.line {
+            Some(line) if folder(&line.manifest) != folder(&result.path) => vec![&line.manifest],
+            Some(_) => vec![&result.path],
+            None if result.kind() == FileKind::Recording => vec![&result.path],
+            None if self.paths.iter().any(|path| path.is_dir() && folder(&path.join("x")) == folder(&result.path)) => {
+                vec![&result.path]
+            }
+            None => self.paths.iter().map(PathBuf::as_path).collect(),
+        };
+        let quoted = paths.into_iter().map(|path| {
+            let path = path.display().to_string();
+            let path = if path.starts_with('-') { format!("./{path}") } else { path };
+            shlex::try_quote(&path).map_or(path.clone(), |quoted| quoted.into_owned())
+        });
+        format!("rebond check {} --update", quoted.collect::<Vec<String>>().join(" "))
     }
+}
+
+/// The version of the JSON objects. It is raised if a key is removed or changes its meaning.
+const JSON_VERSION: u32 = 1;
+
+/// The JSON object about a result. The guide has its schema.
+fn json(result: &CheckResult, shown: &[PathBuf], decision: &Decision) -> Value {
+    let outcome = &result.outcome;
+    let text = |path: &Path| path.display().to_string();
+    let causes: Vec<Value> = result
+        .causes()
+        .into_iter()
+        .map(|cause| json!({ "name": cause.name, "recorded": cause.recorded, "current": cause.current }))
+        .collect();
+    let line = result.line.as_ref().map(|line| json!({ "path": text(&line.manifest), "line": line.number }));
+    let (command, refusal) = match decision {
+        Decision::Acceptable(command) => (Some(command), None),
+        Decision::Refused(reason) => (None, Some(reason)),
+        Decision::NothingToAccept | Decision::Accepted => (None, None),
+    };
+    json!({
+        "version": JSON_VERSION,
+        "path": text(&result.path),
+        "kind": result.kind().name(),
+        "outcome": outcome.word(),
+        "severity": outcome.severity().name(),
+        "what": outcome.to_string(),
+        "causes": causes,
+        "divergence": result.divergence().map(|(step, difference)| difference_json(step, difference)),
+        "accepted": *decision == Decision::Accepted,
+        "accept_command": command,
+        "refusal": refusal,
+        "manifest": line,
+        "shown": shown.iter().map(|path| text(path)).collect::<Vec<String>>(),
+    })
 }
 
 /// The number of cases checked, by kind and outcome.
@@ -133,26 +326,37 @@ fn divergence(outcome: &Outcome) -> Option<serde_json::Value> {
 struct CheckSummary {
     recordings: u64,
     pictures: u64,
+    others: u64,
     failed: u64,
     accepted: u64,
+    /// Pictures without provenance.
+    foreign: u64,
+    /// Scenes of which no recording is kept.
+    skipped: u64,
+    /// Files with new content beside them, from failed assertions.
+    pending: u64,
     /// True if `--update` would accept a change.
     has_acceptable: bool,
 }
 
 impl CheckSummary {
     /// Counts one result.
-    fn count(&mut self, result: &CheckResult, is_accepted: bool) {
-        let is_recording = match &result.replacement {
-            Some(Replacement::Recording(_)) => true,
-            Some(Replacement::Picture(_)) => false,
-            None => Format::from_path(&result.path).is_none(),
+    fn count(&mut self, result: &CheckResult, decision: &Decision) {
+        if matches!(result.outcome, Outcome::Foreign) {
+            self.foreign += 1;
+            return;
+        }
+        let kind = match result.kind() {
+            FileKind::Recording => &mut self.recordings,
+            FileKind::Picture => &mut self.pictures,
+            FileKind::Other => &mut self.others,
         };
-        let kind = if is_recording { &mut self.recordings } else { &mut self.pictures };
         *kind += 1;
         let is_failed = result.outcome.severity() != Severity::Same;
+        let is_accepted = *decision == Decision::Accepted;
         self.accepted += u64::from(is_failed && is_accepted);
         self.failed += u64::from(is_failed && !is_accepted);
-        self.has_acceptable |= result.replacement.is_some() && !is_accepted;
+        self.has_acceptable |= matches!(decision, Decision::Acceptable(_));
     }
 
     /// A hint what to do next, if anything can be accepted.
@@ -164,12 +368,23 @@ impl CheckSummary {
 /// Formats the verdict on all cases.
 impl Display for CheckSummary {
     fn fmt(&self, out: &mut Formatter) -> fmt::Result {
-        let CheckSummary { recordings, pictures, failed, accepted, .. } = self;
+        let CheckSummary { recordings, pictures, others, failed, accepted, foreign, skipped, pending, .. } = self;
+        let all = recordings + pictures + others;
         match (failed, accepted) {
-            (0, 0) => write!(out, "same: {}, {}", counted(*recordings, "recording"), counted(*pictures, "picture")),
-            (0, _) => write!(out, "accepted: {accepted} of {} changed", recordings + pictures),
-            (_, 0) => write!(out, "not the same: {failed} of {}", recordings + pictures),
-            (_, _) => write!(out, "not the same: {failed} of {}, {accepted} accepted", recordings + pictures),
+            (0, 0) => write!(out, "same: {}, {}", counted(*recordings, "recording"), counted(*pictures, "picture"))?,
+            (0, _) => write!(out, "accepted: {accepted} of {all} changed")?,
+            (_, 0) => write!(out, "not the same: {failed} of {all}")?,
+            (_, _) => write!(out, "not the same: {failed} of {all}, {accepted} accepted")?,
         }
+        if *foreign > 0 {
+            write!(out, "; unchecked: {} without provenance", counted(*foreign, "picture"))?;
+        }
+        if *skipped > 0 {
+            write!(out, "; skipped: {}", counted(*skipped, "scene"))?;
+        }
+        if *pending > 0 {
+            write!(out, "; pending: {}, see --review", counted(*pending, "file"))?;
+        }
+        Ok(())
     }
 }

@@ -85,9 +85,15 @@ pub enum CommandError {
     /// Another process is recording to the output.
     #[error("cannot write {}: another process is recording to it; wait for its end, or choose another name", .0.display())]
     Busy(PathBuf),
-    /// The check cannot start.
-    #[error(transparent)]
-    Check(#[from] crate::check::CheckError),
+    /// No case to check was found.
+    #[error(
+        "nothing to check in {}: expected recordings (*.mcap), scenes, manifests (*.check) or pictures drawn by rebond",
+        paths.join(", ")
+    )]
+    NothingToCheck {
+        /// The files and folders searched.
+        paths: Vec<String>,
+    },
     /// A picture cannot be drawn or read.
     #[error(transparent)]
     Picture(picture::Error),

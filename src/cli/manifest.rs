@@ -1,39 +1,89 @@
-//! Manifests: lists of commands that draw pictures, one per line, with paths relative to the folder of the manifest.
+//! Manifests: lists of commands that record scenes and draw pictures, one per line, with paths relative to the folder of
+//! the manifest.
 
+use super::arguments::RecordOptions;
 use super::picture_arguments::{FigureCommandOptions, RenderOptions};
 use super::render::OutputKind;
 use super::{Arguments, Command, arguments, figure};
-use crate::check::{CheckError, Recipe, ReferenceImage, normalize};
+use crate::check::{
+    Manifest, ManifestLine, Problem, Recipe, RecordCommand, RecordingRecipe, ReferenceImage, ReferenceRecording,
+    normalize,
+};
 use crate::picture::{PictureOptions, SubjectOptions};
 use clap::Parser;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// A parsed line.
-struct Line {
-    output: PathBuf,
-    sources: Vec<PathBuf>,
-    subject: SubjectOptions,
-    options: PictureOptions,
+#[derive(Debug)]
+enum Line {
+    /// Blank, or a comment.
+    Empty,
+    /// `skip SCENE…`: no recording of these scenes is kept.
+    Skip(Vec<PathBuf>),
+    Record {
+        output: PathBuf,
+        command: Box<RecordCommand>,
+    },
+    Draw {
+        output: PathBuf,
+        sources: Vec<PathBuf>,
+        subject: SubjectOptions,
+        options: Box<PictureOptions>,
+    },
 }
 
-/// Reads the pictures that the manifest at `path` lists.
-pub fn read(path: &Path) -> Result<Vec<ReferenceImage>, CheckError> {
-    let text = std::fs::read_to_string(path).map_err(|source| CheckError::Unreadable { path: path.into(), source })?;
+/// Reads the manifest at `path`.
+pub fn read(path: &Path) -> Result<Manifest, Problem> {
+    let bytes = std::fs::read(path).map_err(|error| Problem::unreadable(path, &error))?;
+    let text = String::from_utf8(bytes).map_err(|_| {
+        let error = std::io::Error::new(std::io::ErrorKind::InvalidData, "it is not UTF-8");
+        Problem::unreadable(path, &error)
+    })?;
     let folder = path.parent().unwrap_or(Path::new(""));
-    let mut references = Vec::new();
-    for (number, line) in lines(&text) {
-        let (file, recipe) = match parse(&line) {
-            Ok(None) => continue,
-            Ok(Some(line)) => {
-                let sources = line.sources.iter().map(|source| normalize(&folder.join(source))).collect();
-                let recipe = Recipe::Listed { subject: line.subject, options: Box::new(line.options), sources };
-                (normalize(&folder.join(line.output)), recipe)
+    let in_folder = |path: &Path| normalize(&folder.join(path));
+    let mut manifest = Manifest {
+        path: path.into(),
+        recordings: Vec::new(),
+        pictures: Vec::new(),
+        skipped: Vec::new(),
+        problems: Vec::new(),
+    };
+    for (number, text) in lines(&text) {
+        let line = ManifestLine { manifest: Arc::clone(&manifest.path), number };
+        match parse(&text) {
+            Ok(Line::Empty) => {}
+            Ok(Line::Skip(scenes)) => {
+                for scene in scenes.iter().map(|scene| in_folder(scene)) {
+                    match scene.is_file() {
+                        true => manifest.skipped.push(scene),
+                        false => manifest.problems.push(Problem {
+                            path: path.into(),
+                            line: Some(line.clone()),
+                            reason: format!("line {number}: the scene {} does not exist", scene.display()),
+                            is_missing: false,
+                        }),
+                    }
+                }
             }
-            Err(reason) => (path.into(), Recipe::Invalid { reason: format!("line {number}: {reason}") }),
-        };
-        references.push(ReferenceImage { file, recipe });
+            Ok(Line::Record { output, mut command }) => {
+                command.scene = in_folder(&command.scene);
+                command.events = command.events.as_deref().map(in_folder);
+                let recipe = RecordingRecipe::Listed { command: *command, line };
+                manifest.recordings.push(ReferenceRecording { file: in_folder(&output), recipe });
+            }
+            Ok(Line::Draw { output, sources, subject, options }) => {
+                let sources = sources.iter().map(|source| in_folder(source)).collect();
+                let recipe = Recipe::Listed { subject, options, sources, line };
+                manifest.pictures.push(ReferenceImage { file: in_folder(&output), recipe });
+            }
+            Err(reason) => {
+                let reason = format!("line {number}: {reason}");
+                manifest.problems.push(Problem { path: path.into(), line: Some(line), reason, is_missing: false });
+            }
+        }
     }
-    Ok(references)
+    Ok(manifest)
 }
 
 /// The lines with their numbers, from 1. A line that ends in a backslash continues on the next one.
@@ -51,25 +101,46 @@ fn lines(text: &str) -> Vec<(usize, String)> {
     lines
 }
 
-fn parse(line: &str) -> Result<Option<Line>, String> {
+fn parse(line: &str) -> Result<Line, String> {
     let words = shlex::split(line).ok_or("a quotation mark is not closed")?;
-    match words.first().map(String::as_str) {
-        None => return Ok(None),
-        Some("rebond") => {}
-        Some(other) => return Err(format!("expected a command that begins with rebond, not with {other}")),
+    match words.split_first() {
+        None => return Ok(Line::Empty),
+        Some((word, _)) if word == "rebond" => {}
+        Some((word, scenes)) if word == "skip" && !scenes.is_empty() => {
+            return Ok(Line::Skip(scenes.iter().map(PathBuf::from).collect()));
+        }
+        Some((word, _)) if word == "skip" => return Err("expected the names of scenes after skip".into()),
+        Some((other, _)) => return Err(format!("expected a command that begins with rebond, not with {other}")),
     }
     let arguments = Arguments::try_parse_from(words).map_err(|error| first_paragraph(&error.to_string()))?;
-    match &arguments.command {
-        Command::Render(options) => render_line(options).map(Some),
-        Command::Figure(options) => figure_line(options).map(Some),
-        _ => Err("only rebond render and rebond figure draw pictures".into()),
+    match arguments.command {
+        Command::Record(options) => record_line(options),
+        Command::Render(options) => render_line(&options),
+        Command::Figure(options) => figure_line(&options),
+        _ => Err("only rebond record, rebond render and rebond figure make files to check".into()),
     }
+}
+
+fn record_line(options: RecordOptions) -> Result<Line, String> {
+    let RecordOptions { scene, output, events, set, steps, every, viewer, accuracy, lenient, .. } = options;
+    if [Some(&scene), Some(&output), events.as_ref()]
+        .into_iter()
+        .flatten()
+        .any(|path| arguments::is_standard_output(path))
+    {
+        return Err("expected file names, not - for standard input and output".into());
+    }
+    if output.extension().is_none_or(|extension| extension != "mcap") {
+        return Err(format!("expected a name that ends in .mcap after -o, not {}", output.display()));
+    }
+    let command = RecordCommand { scene, overrides: set, events, steps, every, viewer, accuracy, lenient };
+    Ok(Line::Record { output, command: Box::new(command) })
 }
 
 fn render_line(options: &RenderOptions) -> Result<Line, String> {
     match OutputKind::from_options(options).map_err(|error| error.to_string())? {
         OutputKind::File(subject) => {
-            line(&options.output.output, vec![options.source.clone()], subject, options.picture_options())
+            draw_line(&options.output.output, vec![options.source.clone()], subject, options.picture_options())
         }
         OutputKind::Video(_) | OutputKind::Sequence => Err(
             "expected a single picture or animation: OUT.gif, OUT.apng, or with --at STEP OUT.png, OUT.svg or OUT.pdf"
@@ -80,10 +151,10 @@ fn render_line(options: &RenderOptions) -> Result<Line, String> {
 
 fn figure_line(options: &FigureCommandOptions) -> Result<Line, String> {
     let subject = figure::subject(options).map_err(|error| error.to_string())?;
-    line(&options.output.output, options.sources.clone(), subject, options.picture_options())
+    draw_line(&options.output.output, options.sources.clone(), subject, options.picture_options())
 }
 
-fn line(
+fn draw_line(
     output: &Path,
     sources: Vec<PathBuf>,
     subject: SubjectOptions,
@@ -92,7 +163,7 @@ fn line(
     if arguments::is_standard_output(output) {
         return Err("expected a file name after -o, not standard output".into());
     }
-    Ok(Line { output: output.into(), sources, subject, options })
+    Ok(Line::Draw { output: output.into(), sources, subject, options: Box::new(options) })
 }
 
 /// The first paragraph of an error of the argument parser. The rest explains how to get help.
@@ -110,20 +181,22 @@ mod tests {
     fn a_manifest_has_commands_comments_and_continued_lines() {
         let text = "# all figures\n\nrebond figure strobe \\\n  'a b.mcap' -o out/strobe.svg --theme dark # comment\n";
         let found: Vec<_> = lines(text).into_iter().map(|(number, line)| (number, parse(&line).unwrap())).collect();
-        let [(1, None), (2, None), (3, Some(line))] = &found[..] else { panic!("{} lines", found.len()) };
-        assert_eq!(
-            (line.output.as_path(), line.sources.as_slice()),
-            (Path::new("out/strobe.svg"), &["a b.mcap".into()][..])
-        );
-        assert_eq!(line.options.theme, Some(crate::picture::Theme::Dark));
+        let [(1, Line::Empty), (2, Line::Empty), (3, Line::Draw { output, sources, options, .. })] = &found[..] else {
+            panic!("{found:?}")
+        };
+        assert_eq!((output.as_path(), sources.as_slice()), (Path::new("out/strobe.svg"), &["a b.mcap".into()][..]));
+        assert_eq!(options.theme, Some(crate::picture::Theme::Dark));
     }
 
     #[test]
-    fn a_line_that_draws_no_single_picture_is_an_error_of_one_line() {
+    fn a_line_that_makes_no_file_to_check_is_an_error_of_one_line() {
         for (line, expected) in [
             ("rebond figure strobe a.mcap -o 'b.svg", "not closed"),
             ("convert a.png b.png", "begins with rebond"),
-            ("rebond replay a.mcap", "only rebond render"),
+            ("rebond replay a.mcap", "only rebond record"),
+            ("rebond record a.toml -o -", "file names"),
+            ("rebond record a.toml -o a.toml", "ends in .mcap"),
+            ("skip", "names of scenes"),
             ("rebond render a.mcap -o frames/", "single picture or animation"),
             ("rebond render a.mcap -o a.mp4", "single picture or animation"),
             ("rebond render a.mcap -o a.png", "--at STEP"),

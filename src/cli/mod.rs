@@ -6,6 +6,7 @@ mod check;
 mod error;
 mod export;
 mod figure;
+mod github;
 mod info;
 mod manifest;
 mod output;
@@ -15,11 +16,13 @@ mod record;
 mod render;
 mod replay;
 mod report;
+mod review;
 mod shell;
 mod source;
 mod video;
 
 pub use error::ErrorReport;
+pub(crate) use manifest::read as read_manifest;
 
 use crate::temporary;
 use arguments::{

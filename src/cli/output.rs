@@ -47,6 +47,11 @@ pub fn info(text: std::fmt::Arguments) {
     }
 }
 
+/// Prints text on standard error.
+pub fn warn(text: &str) {
+    let _ = write!(io::stderr(), "{}", Printable(text));
+}
+
 /// Prints a line about the result at `path`: on standard output, or on standard error if the result itself goes to
 /// standard output.
 pub fn print_result(path: &Path, text: &str) -> Result<(), CommandError> {

@@ -88,6 +88,18 @@ impl Provenance {
         Metadata { entries }
     }
 
+    /// Names and values of all that determines the picture: recording, steps and options.
+    pub fn values(&self) -> Vec<(String, String)> {
+        let entries = self.metadata().entries.into_iter();
+        let values = entries.filter(|(key, _)| [RECORDING, STEPS, OPTIONS].contains(&key.as_str()));
+        values
+            .flat_map(|(key, value)| match OptionLine::parse(&value).filter(|_| key == OPTIONS) {
+                Some(options) => options.0,
+                None => vec![(key.trim_start_matches("rebond ").to_owned(), value)],
+            })
+            .collect()
+    }
+
     /// Parses metadata written by [`Provenance::metadata`] in a file of this format.
     ///
     /// # Errors

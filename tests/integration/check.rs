@@ -80,9 +80,16 @@ fn threads_and_shards_do_not_change_the_output() {
     for of in [2, 3, 9] {
         let parts: String =
             (1..=of).map(|part| workplace.rebond(&format!("check . --json --shard {part}/{of}")).output).collect();
-        // Each part numbers the pictures of its own page.
-        let renumbered = |text: &str| text.replace("/002-", "/001-");
-        assert_eq!(renumbered(&parts), renumbered(&whole.output));
+        // Each part has a page of its own, and numbers the pictures on it.
+        let pages = |text: &str| {
+            let without_shards = (1..=of).fold(text.to_owned(), |text, part| {
+                text.replace(&format!("rebond-check-{part}-of-{of}/"), "rebond-check/")
+            });
+            without_shards.replace("/002-", "/001-")
+        };
+        assert_eq!(pages(&parts), pages(&whole.output));
+        let page_count = workplace.names().iter().filter(|name| name.ends_with(&format!("-of-{of}"))).count();
+        assert_eq!(page_count, 1, "one part has a difference, and its page is kept");
     }
     assert_eq!(workplace.rebond("check . --shard 3/2").code, 2);
 }
@@ -93,7 +100,8 @@ fn the_change_of_an_edited_scene_is_described() {
     workplace.write("scene.toml", &SCENE.replace("mass = 2.0", "mass = 3.0"));
     let line = line_about(&workplace, 3, "scene.mcap");
     let expected = "drifted: it replays the same, but its scene now gives a different run: at step 0 \
-                    recorded spawn \"c\" with mass 2.0, now spawn \"c\" with mass 3.0";
+                    recorded spawn \"c\" with mass 2.0, now spawn \"c\" with mass 3.0; \
+                    line 18 of the scene: \"mass = 2.0\" → \"mass = 3.0\"";
     assert_eq!(line, expected);
     accept_changes(&workplace);
     workplace.write("scene.toml", &SCENE.replace("mass = 2.0", "mass = 3.0 # heavier"));
@@ -103,7 +111,7 @@ fn the_change_of_an_edited_scene_is_described() {
     );
     accept_changes(&workplace);
     workplace.write("scene.toml", &SCENE.replace("rate = 60", "rate = 50"));
-    assert!(line_about(&workplace, 3, "scene.mcap").contains("a different solver, rate, gravity"));
+    assert!(line_about(&workplace, 3, "scene.mcap").contains("gives a different run: rate: 60 → 50; line "));
     let later = SCENE.replace("mass = 2.0", "mass = 3.0 # heavier").replace("step = 60\nname", "step = 61\nname");
     workplace.write("scene.toml", &later);
     assert!(
@@ -175,6 +183,10 @@ fn a_difference_of_one_pixel_is_found_shown_and_accepted() {
     assert!(page.contains("<h2>fall.png <b>differs</b></h2>") && page.contains("src=\"001-fall-png.png\""), "{page}");
     for part in page.split("src=\"").skip(1).chain(page.split("href=\"").skip(1)) {
         let name = part.split('"').next().unwrap();
+        if let Some(id) = name.strip_prefix('#') {
+            assert!(page.contains(&format!("<section id=\"{id}\">")), "{name} is not on the page");
+            continue;
+        }
         assert!(workplace.path("rebond-check").join(name).is_file(), "{name} is not next to the page");
     }
     assert!(!page.contains("http") && page.contains("color-scheme: light dark"), "{page}");
@@ -206,7 +218,7 @@ fn animations_are_compared_frame_by_frame() {
     assert!(line.starts_with("differs: ") && line.contains("frame"), "{line}");
     workplace.done("render scene.mcap -o fall.gif --force --to 20 --show trail");
     let line = line_about(&workplace, 3, "fall.gif");
-    assert!(line.starts_with("differs: frame 1 of 11: "), "{line}");
+    assert!(line.starts_with("differs: show: trail → trail,clock; frame 1 of 11: "), "{line}");
     assert!(workplace.names().contains(&"rebond-check".to_owned()));
     let delay = good.windows(4).position(|bytes| bytes == [0x21, 0xf9, 4, 0] || bytes == [0x21, 0xf9, 4, 4]).unwrap();
     let mut slower = good.clone();
@@ -224,7 +236,7 @@ fn vector_graphics_are_compared_byte_by_byte() {
     let good = String::from_utf8(workplace.read("hit.svg")).unwrap();
     workplace.write("hit.svg", &good.replacen("½", "¼", 1).replacen("½", "¼", 1));
     let line = line_about(&workplace, 3, "hit.svg");
-    assert!(line.starts_with("differs: line "), "{line}");
+    assert!(line.starts_with("differs: caption: \"e = ¼\" → \"e = ½\"; line "), "{line}");
     accept_changes(&workplace);
     assert_eq!(String::from_utf8(workplace.read("hit.svg")).unwrap(), good);
 }
@@ -236,11 +248,12 @@ fn the_difference_of_a_figure_of_another_run_is_described() {
     workplace.write("scene.toml", &SCENE.replace("mass = 1.0", "mass = 1.5"));
     workplace.done("record scene.toml -o scene.mcap --force");
     let line = line_about(&workplace, 3, "hit.svg");
-    assert!(line.starts_with("differs: line ") && !line.contains("rebond recording"), "{line}");
+    assert!(line.starts_with("differs: recording: ") && line.contains("; line "), "{line}");
+    assert!(!line.contains("rebond recording"), "{line}");
     workplace.write("scene.toml", &SCENE.replace("steps = 90", "steps = 91"));
     workplace.done("record scene.toml -o scene.mcap --force");
     let line = line_about(&workplace, 3, "hit.svg");
-    assert!(line.starts_with("differs: the drawing is the same, but its recording is "), "{line}");
+    assert!(line.starts_with("differs: recording: ") && line.ends_with("; the drawing is the same"), "{line}");
 }
 
 #[test]
@@ -261,6 +274,9 @@ fn another_version_of_rebond_is_named_only_if_it_draws_differently() {
 fn pictures_of_a_missing_recording_are_orphaned() {
     let workplace = lecture_folder();
     fs::remove_file(workplace.path("scene.mcap")).unwrap();
+    fs::remove_file(workplace.path("scene.toml")).unwrap();
+    let recording = line_about(&workplace, 3, "scene.mcap");
+    assert!(recording.starts_with("missing: the recording does not exist, and there is no scene"), "{recording}");
     assert!(line_about(&workplace, 3, "fall.png").starts_with("orphaned: its recording scene.mcap does not exist"));
     assert!(line_about(&workplace, 3, "alone.png").starts_with("orphaned: its recording with identity "));
     let outcome = workplace.rebond("check . --update");
@@ -299,11 +315,13 @@ fn damage_exits_with_4_and_a_failed_check_with_1() {
 
 #[test]
 fn a_folder_with_nothing_to_check_is_an_error() {
-    let workplace = Workplace::with_scene(SCENE);
+    let workplace = Workplace::new();
+    workplace.write("Cargo.toml", "[package]\nname = \"lecture\"\n");
     let outcome = workplace.rebond("check .");
     assert_eq!(outcome.code, 1);
     assert!(outcome.errors.contains("nothing to check in ."), "{outcome:?}");
     assert_eq!(workplace.rebond("check nowhere").code, 1);
+    workplace.write("scene.toml", SCENE);
     workplace.done("record scene.toml -o scene.mcap");
     let outcome = workplace.rebond("check . --report .");
     assert_eq!(outcome.code, 1);

@@ -76,8 +76,62 @@ const GAP: usize = 8;
 /// A picture of the expected picture, the differences and the actual picture side by side. Differing
 /// pixels are red on a faded copy of the expected picture.
 pub fn side_by_side(expected: &Picture, actual: &Picture) -> Picture {
-    let difference = difference(expected, actual);
-    let panels = [expected, &difference, actual];
+    let mut difference = difference(expected, actual);
+    if let Comparison::Pixels(found) = compare(expected, actual) {
+        frame(&mut difference, found.bounds);
+    }
+    beside([expected, &difference, actual])
+}
+
+/// The differing pixels with those around them, magnified: the expected picture, the differences and the actual picture
+/// side by side. Of differences that are far apart, those near the first one.
+pub fn magnified(expected: &Picture, actual: &Picture, found: &Difference) -> Picture {
+    const MARGIN: u32 = 8;
+    const MAX_SIDE: u32 = 64;
+    const SHOWN: u32 = 320;
+    let [left, top, right, bottom] = found.bounds;
+    let range = |first: u32, last: u32, at: u32, length: u32| {
+        let (from, to) = (first.saturating_sub(MARGIN), (last + MARGIN + 1).min(length));
+        if to - from <= MAX_SIDE {
+            return from..to;
+        }
+        let from = at.saturating_sub(MAX_SIDE / 2).max(from);
+        from..(from + MAX_SIDE).min(to)
+    };
+    let columns = range(left, right, found.first[0], expected.size[0]);
+    let rows = range(top, bottom, found.first[1], expected.size[1]);
+    let factor = (SHOWN / columns.len().max(rows.len()) as u32).max(1);
+    let part = |picture: &Picture| {
+        let size = [columns.len() as u32 * factor, rows.len() as u32 * factor];
+        let pixel = |x: u32, y: u32| {
+            let (column, row) = (columns.start + x / factor, rows.start + y / factor);
+            picture.pixels[row as usize * picture.size[0] as usize + column as usize]
+        };
+        let pixels = (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| (x, y)));
+        Picture { size, pixels: pixels.map(|(x, y)| pixel(x, y)).collect() }
+    };
+    let [expected, difference, actual] = [&part(expected), &part(&difference(expected, actual)), &part(actual)];
+    beside([expected, difference, actual])
+}
+
+/// Draws a frame around a part of a picture, so that even a single pixel in it is found.
+fn frame(picture: &mut Picture, [left, top, right, bottom]: [u32; 4]) {
+    const DISTANCE: i64 = 6;
+    const WIDTH: i64 = 2;
+    let [width, height] = picture.size.map(i64::from);
+    let [left, top, right, bottom] = [left, top, right, bottom].map(i64::from);
+    for y in (top - DISTANCE - WIDTH).max(0)..(bottom + DISTANCE + WIDTH + 1).min(height) {
+        for x in (left - DISTANCE - WIDTH).max(0)..(right + DISTANCE + WIDTH + 1).min(width) {
+            let is_outside = x < left - DISTANCE || x > right + DISTANCE || y < top - DISTANCE || y > bottom + DISTANCE;
+            if is_outside {
+                picture.pixels[(y * width + x) as usize] = canvas::pixel(Color::hex(0xd000d0));
+            }
+        }
+    }
+}
+
+/// Joins three pictures, with gaps between them.
+fn beside(panels: [&Picture; 3]) -> Picture {
     let widths = panels.map(|panel| panel.size[0] as usize);
     let height = panels.iter().map(|panel| panel.size[1]).max().unwrap_or(0);
     let width = widths.iter().sum::<usize>() + 2 * GAP;
@@ -161,6 +215,33 @@ mod tests {
         assert_eq!(panels.size, [12 + 2 * GAP as u32, 3]);
         let red: Vec<usize> = (0..panels.pixels.len()).filter(|&at| panels.pixels[at] == [0xe0, 0, 0, 255]).collect();
         assert_eq!(red, [panels.size[0] as usize + 4 + GAP + 1]);
+    }
+
+    #[test]
+    fn a_single_pixel_is_framed_and_magnified() {
+        let mut other = gray([200, 100]);
+        other.pixels[60 * 200 + 90][0] ^= 1;
+        let Comparison::Pixels(found) = compare(&gray([200, 100]), &other) else { panic!("a difference") };
+        let whole = side_by_side(&gray([200, 100]), &other);
+        let frame = canvas::pixel(Color::hex(0xd000d0));
+        let framed: Vec<usize> = (0..whole.pixels.len()).filter(|&at| whole.pixels[at] == frame).collect();
+        let column = |at: usize| at % whole.size[0] as usize - 200 - GAP;
+        assert!(framed.iter().all(|&at| (82..=98).contains(&column(at))), "the middle panel, around column 90");
+        assert_eq!(framed.len(), 17 * 17 - 13 * 13);
+        let large = magnified(&gray([200, 100]), &other, &found);
+        assert_eq!(large.size, [3 * 17 * 18 + 2 * GAP as u32, 17 * 18]);
+        let red = large.pixels.iter().filter(|&&pixel| pixel == [0xe0, 0, 0, 255]).count();
+        assert_eq!(red, 18 * 18, "one pixel, magnified");
+    }
+
+    #[test]
+    fn differences_far_apart_are_magnified_near_the_first_one() {
+        let mut other = gray([400, 300]);
+        for at in [3, 400 * 299 + 399] {
+            other.pixels[at][0] ^= 1;
+        }
+        let Comparison::Pixels(found) = compare(&gray([400, 300]), &other) else { panic!("a difference") };
+        assert_eq!(magnified(&gray([400, 300]), &other, &found).size, [3 * 64 * 5 + 2 * GAP as u32, 64 * 5]);
     }
 
     #[test]
