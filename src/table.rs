@@ -4,6 +4,8 @@ use crate::physics::{Axis, BodyId, Collision, Engine, Observer};
 use crate::picture::{self, EnergySample};
 use crate::recording::{BodyInfo, SampledState};
 use crate::text::csv_field;
+use serde_json::Value;
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 use std::ops::RangeInclusive;
@@ -79,6 +81,8 @@ pub struct Rows<'a> {
     pub columns: &'static [&'static str],
     /// The source of the rows, if there are several.
     pub source: Option<&'a str>,
+    /// The keys that were set in any of several sources, with the value of this one.
+    pub settings: Vec<(String, Option<Value>)>,
 }
 
 /// A value in a row.
@@ -86,6 +90,7 @@ enum Cell<'a> {
     Integer(u64),
     Number(f64),
     Text(&'a str),
+    Setting(&'a Value),
     Unknown,
 }
 
@@ -95,9 +100,12 @@ impl Rows<'_> {
     /// # Errors
     /// Those of the file; this holds for all rows.
     pub fn header(&mut self) -> io::Result<()> {
+        let source = self.source.map(|_| "source".into());
+        let settings = self.settings.iter().map(|(key, _)| csv_field(key));
+        let columns = self.columns.iter().map(|column| (*column).into());
+        let names: Vec<Cow<str>> = source.into_iter().chain(settings).chain(columns).collect();
         match self.format {
-            TableFormat::Csv if self.source.is_some() => writeln!(self.output, "source,{}", self.columns.join(",")),
-            TableFormat::Csv => writeln!(self.output, "{}", self.columns.join(",")),
+            TableFormat::Csv => writeln!(self.output, "{}", names.join(",")),
             TableFormat::JsonLines => Ok(()),
         }
     }
@@ -106,12 +114,16 @@ impl Rows<'_> {
     fn row<const N: usize>(&mut self, cells: [Cell; N]) -> io::Result<()> {
         debug_assert_eq!(N, self.columns.len());
         let source = self.source.map(|source| ("source", Cell::Text(source)));
-        let cells = source.into_iter().chain(self.columns.iter().copied().zip(cells));
+        let settings = self.settings.iter().map(|(key, value)| {
+            let cell = value.as_ref().map_or(Cell::Unknown, Cell::Setting);
+            (key.as_str(), cell)
+        });
+        let cells = source.into_iter().chain(settings).chain(self.columns.iter().copied().zip(cells));
         for (index, (column, cell)) in cells.enumerate() {
             match self.format {
                 TableFormat::Csv => cell.write_csv(if index == 0 { "" } else { "," }, self.output)?,
                 TableFormat::JsonLines => {
-                    write!(self.output, "{}\"{column}\":", if index == 0 { "{" } else { "," })?;
+                    write!(self.output, "{}{}:", if index == 0 { "{" } else { "," }, Value::from(column))?;
                     cell.write_json(self.output)?;
                 }
             }
@@ -189,6 +201,8 @@ impl Cell<'_> {
             Cell::Integer(number) => write!(output, "{separator}{number}"),
             Cell::Number(number) => write!(output, "{separator}{}", shortest_decimal(*number)),
             Cell::Text(text) => write!(output, "{separator}{}", csv_field(text)),
+            Cell::Setting(Value::String(text)) => write!(output, "{separator}{}", csv_field(text)),
+            Cell::Setting(value) => write!(output, "{separator}{}", csv_field(&value.to_string())),
             Cell::Unknown => output.write_all(separator.as_bytes()),
         }
     }
@@ -200,6 +214,7 @@ impl Cell<'_> {
             Cell::Number(number) if number.is_finite() => output.write_all(shortest_decimal(*number).as_bytes()),
             Cell::Number(number) => write!(output, "\"{}\"", shortest_decimal(*number)),
             Cell::Text(text) => Ok(serde_json::to_writer(output, text)?),
+            Cell::Setting(value) => write!(output, "{value}"),
             Cell::Unknown => output.write_all(b"null"),
         }
     }

@@ -84,6 +84,10 @@ mod slow_motion;
 mod snapshot;
 #[path = "integration/stills.rs"]
 mod stills;
+#[path = "integration/student_engine.rs"]
+mod student_engine;
+#[path = "integration/studies.rs"]
+mod studies;
 #[path = "integration/testing.rs"]
 mod testing;
 #[path = "integration/threads.rs"]

@@ -1,6 +1,7 @@
 use crate::picture::Theme;
 use crate::picture_options::{StepOrTime, parse_size};
 use crate::recording::limits;
+use crate::scene::{Override, Sweep};
 use crate::table::Table;
 use clap::Args;
 use std::num::NonZero;
@@ -47,7 +48,7 @@ Examples:
   rebond record scene.toml -o heavy.mcap --set spawn.c.mass=2
   rebond record scene.toml -o clicked.mcap --events - < clicks.jsonl")]
 pub struct RecordOptions {
-    /// The scene to run (TOML)
+    /// The scene to run (TOML), - for standard input
     pub scene: PathBuf,
     /// Write the recording to this file, - for standard output
     #[arg(short, long, value_name = "OUT.mcap")]
@@ -58,9 +59,12 @@ pub struct RecordOptions {
     /// Read more events from a JSON Lines file, - for standard input
     #[arg(long, value_name = "FILE.jsonl")]
     pub events: Option<PathBuf>,
-    /// Override a value of the scene, for example spawn.c.mass=2
-    #[arg(long, value_name = "KEY=VALUE")]
-    pub set: Vec<crate::scene::Override>,
+    /// Override a value of the scene: spawn.c.mass=2
+    #[arg(long, value_name = "KEY=VALUE", value_parser = single_override)]
+    pub set: Vec<Override>,
+    /// Skip the run if OUT.mcap has it already; replace a part of it
+    #[arg(long, conflicts_with = "events")]
+    pub skip_existing: bool,
     /// Run N steps instead of the number in the scene
     #[arg(long, value_name = "N")]
     pub steps: Option<u64>,
@@ -84,15 +88,24 @@ pub struct RecordOptions {
     pub json: bool,
 }
 
+/// Parses an override of a command that runs a scene once.
+pub fn single_override(text: &str) -> Result<Override, String> {
+    let several = || "this command runs one scene; give one value, and run it once for each value".to_owned();
+    text.parse::<Sweep>()?.single().ok_or_else(several)
+}
+
 /// Options of `replay`.
 #[derive(Args, Debug)]
 #[command(after_help = "\
 The last line of standard output is the verdict.
 Exit codes: 0 same, 1 error, 3 diverged, 4 incomplete or corrupt.
+STATES.csv has the columns step,name,x,y,vx,vy; rows may have any order, and
+columns may be missing, as may the rows of bodies of infinite mass.
 
 Examples:
   rebond replay recordings/figure-1.mcap
-  rebond replay long.mcap --from 500 --to 600")]
+  rebond replay long.mcap --from 500 --to 600
+  rebond replay figure-1.mcap --against my-engine.csv --junit marks.xml")]
 pub struct ReplayOptions {
     /// The recording
     pub recording: PathBuf,
@@ -102,9 +115,27 @@ pub struct ReplayOptions {
     /// Stop comparing after this step
     #[arg(long, value_name = "STEP")]
     pub to: Option<u64>,
+    /// Compare the states of another program; - for standard input
+    #[arg(long, value_name = "STATES.csv")]
+    pub against: Option<PathBuf>,
+    /// Accept differences up to T (m, m/s) of that program
+    #[arg(long, value_name = "T", requires = "against", value_parser = tolerance)]
+    pub tolerance: Option<f64>,
+    /// Write the result of --against to a JUnit file
+    #[arg(long, value_name = "FILE.xml", requires = "against")]
+    pub junit: Option<PathBuf>,
+    /// Overwrite an existing JUnit file
+    #[arg(short, long, requires = "junit")]
+    pub force: bool,
     /// Print the verdict as a JSON object
     #[arg(long)]
     pub json: bool,
+}
+
+/// Parses a number, 0 or more.
+fn tolerance(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number >= 0.0);
+    number.ok_or_else(|| "expected a number, 0 or more, such as 1e-9".into())
 }
 
 /// Options of `export`.
@@ -118,16 +149,17 @@ Tables and their columns:
   energy      step,time,kinetic,potential,total,px,py: the bodies of finite mass
   bodies      name,id,mass,width,height,material,e_default,spawned_step,
               deleted_step,fx,fy,color
-Several sources have a first column, source. Numbers are the shortest decimals
-that read back to the same value, in SI units. FILE.mcap has one topic per body,
-for plots in Foxglove or PlotJuggler.
+Several sources have a first column, source, and one for each key that --set
+has changed in any of them. A folder stands for its recordings. Numbers are the
+shortest decimals that read back to the same value, in SI units. FILE.mcap has
+one topic per body, for plots in Foxglove or PlotJuggler.
 
 Examples:
   rebond export figure-1.mcap > figure-1.csv
-  rebond export figure-1.mcap -o figure-1.jsonl --from 60 --to 120
+  rebond export study/ --table energy -o study.csv
   rebond export --table energy elastic.mcap plastic.toml -o energy.csv")]
 pub struct ExportOptions {
-    /// Recordings (.mcap) or scenes (.toml)
+    /// Recordings (.mcap), folders of recordings, or scenes (.toml)
     #[arg(required = true, value_name = "SOURCE")]
     pub sources: Vec<PathBuf>,
     /// Export states, collisions, energy or bodies
@@ -145,6 +177,9 @@ pub struct ExportOptions {
     /// Stop after this step or time
     #[arg(long, value_name = "STEP")]
     pub to: Option<StepOrTime>,
+    /// Override values of scenes; KEY=[A | B] are two runs
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<Sweep>,
     /// Export part I of N; the parts concatenate to the whole table
     #[arg(long, value_name = "I/N", default_value = "1/1", hide_default_value = true)]
     pub shard: Shard,
@@ -160,9 +195,9 @@ Examples:
   rebond info figure-1.mcap
   rebond info figure-1.mcap --json
   rebond info collision.svg
-  rebond info *.mcap --json | jq .identity")]
+  rebond info study/ --json | jq .identity")]
 pub struct InfoOptions {
-    /// Recordings, or pictures made by rebond
+    /// Recordings, folders of recordings, or pictures made by rebond
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
     /// Print one JSON object per file, each on its own line
@@ -259,6 +294,9 @@ pub struct ReportOptions {
     /// Measure these scenes instead of the built-in ones
     #[arg(value_name = "SCENE.toml", conflicts_with_all = ["growth", "read"])]
     pub scenes: Vec<PathBuf>,
+    /// Override values of scenes; KEY=[A | B] are two runs
+    #[arg(long, value_name = "KEY=VALUE", requires = "scenes")]
+    pub set: Vec<Sweep>,
     /// Include runs that take long
     #[arg(long)]
     pub full: bool,

@@ -40,6 +40,59 @@ pub enum CommandError {
         /// The scene.
         path: PathBuf,
     },
+    /// The scene and its events are both to be read from standard input.
+    #[error("the scene and the events cannot both come from standard input; write one of them to a file")]
+    TwoFromStandardInput,
+    /// The values of `--set` cannot be combined.
+    #[error("{0}")]
+    Set(String),
+    /// `--set` is given, but no scene.
+    #[error(
+        "--set changes scenes, and {} is a recording; give the scene that it was made from",
+        path.display()
+    )]
+    SetOfRecordings {
+        /// The first source.
+        path: PathBuf,
+    },
+    /// A folder has no recordings.
+    #[error("the folder {} has no recordings (*.mcap)", .0.display())]
+    NoRecordings(PathBuf),
+    /// `--skip-existing` found the recording of another run.
+    #[error(
+        "{} is not the recording of this run: {difference}; choose another name, or record it again with --force",
+        path.display()
+    )]
+    OtherRun {
+        /// The existing recording.
+        path: PathBuf,
+        /// A description of the difference.
+        difference: String,
+    },
+    /// The states of another program cannot be read.
+    #[error("{}: {source}", path.display())]
+    StatesTable {
+        /// The table.
+        path: PathBuf,
+        /// The cause.
+        source: super::states_table::TableError,
+    },
+    /// The table and the recording have no step in common.
+    #[error("{} has no rows for the compared steps; the recording has the steps 0 to {last}", path.display())]
+    NoCommonSteps {
+        /// The table.
+        path: PathBuf,
+        /// The last step of the recording.
+        last: u64,
+    },
+    /// The recording that states are to be compared with does not replay the same itself.
+    #[error("{} cannot be compared with: it does not replay the same: {verdict}", path.display())]
+    NoReference {
+        /// The recording.
+        path: PathBuf,
+        /// The verdict on it.
+        verdict: Box<crate::replay::Verdict>,
+    },
     /// A recording cannot be opened; the error names it.
     #[error(transparent)]
     RecordingFile(recording::Error),
@@ -281,6 +334,8 @@ pub fn report(error: CommandError) -> Exit {
     }
     match error {
         CommandError::NotReproducible | CommandError::Picture(picture::Error::Diverged { .. }) => Exit::Diverged,
+        CommandError::NoReference { verdict, .. } if verdict.health().is_some() => Exit::Damaged,
+        CommandError::NoReference { .. } => Exit::Diverged,
         CommandError::Recording { source, .. } if source.is_damage() => Exit::Damaged,
         CommandError::Picture(picture::Error::Render(RenderError::PictureCount { .. })) => Exit::Damaged,
         _ => Exit::Error,

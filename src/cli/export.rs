@@ -2,14 +2,16 @@ use super::arguments::{ExportOptions, Shard, is_standard_output};
 use super::body_topics::BodyTopics;
 use super::error::CommandError;
 use super::output_file::{OutputFile, Overwrite};
-use super::source::{SourceFile, Verification};
+use super::source::{SourceArgument, SourceFile, Verification, with_recordings_of_folders};
 use super::{Exit, output};
 use crate::physics::BodyId;
 use crate::picture::{self, EnergySample, ReadExtent, ReadStatus, recorded_world};
 use crate::picture_options::StepOrTime;
 use crate::recording::{self, BodyInfo, Change, Health, Item, Playback, SampledState};
 use crate::replay::Replayer;
+use crate::scene;
 use crate::table::{CollisionRows, Lifetime, Rows, Table, TableFormat};
+use serde_json::Value;
 use std::collections::BTreeMap;
 use std::io;
 use std::ops::RangeInclusive;
@@ -22,24 +24,30 @@ pub fn run(options: &ExportOptions) -> Result<Exit, CommandError> {
         return export_topics(options);
     }
     let format = table_format(&options.output)?;
-    let inputs: Vec<&Path> = options.sources.iter().map(PathBuf::as_path).collect();
+    let paths = with_recordings_of_folders(&options.sources)?;
+    let inputs: Vec<&Path> = paths.iter().map(PathBuf::as_path).collect();
     let output = OutputFile::create(&options.output, Overwrite::from_force(options.force), &inputs)?;
-    if options.shard != Shard::WHOLE && options.sources.len() > 1 {
+    let sources = SourceArgument::all(&paths, &options.set)?;
+    if options.shard != Shard::WHOLE && sources.len() > 1 {
         return Err(CommandError::ShardOfSeveral);
     }
-    let open = |path: &PathBuf| SourceFile::open(path, Verification::Replay);
-    let files = options.sources.iter().map(open).collect::<Result<Vec<_>, CommandError>>()?;
+    let open = |source| SourceFile::open(source, Verification::Replay);
+    let files = sources.iter().map(open).collect::<Result<Vec<_>, CommandError>>()?;
+    let settings = settings_of_several(&sources, &files)?;
     let statuses = output.write(|file| {
-        let mut rows = Rows { format, output: file, columns: options.table.columns(), source: None };
+        let columns = options.table.columns();
+        let mut rows = Rows { format, output: file, columns, source: None, settings: Vec::new() };
         let has_header = options.shard.number == 1;
-        let names: Vec<String> = options.sources.iter().map(|path| path.display().to_string()).collect();
-        rows.source = (names.len() > 1).then(|| names[0].as_str());
-        if has_header {
-            rows.header().map_err(CommandError::unwritable(&options.output))?;
-        }
+        let names: Vec<String> = sources.iter().map(|source| source.path.display().to_string()).collect();
         let mut statuses = Vec::new();
-        for ((path, file), name) in options.sources.iter().zip(&files).zip(&names) {
-            rows.source = (names.len() > 1).then_some(name.as_str());
+        for (index, (SourceArgument { path, .. }, file)) in sources.iter().zip(&files).enumerate() {
+            if let Some(settings) = settings.get(index) {
+                rows.source = Some(names[index].as_str());
+                rows.settings.clone_from(settings);
+            }
+            if has_header && index == 0 {
+                rows.header().map_err(CommandError::unwritable(&options.output))?;
+            }
             let (health, extent) = export(path, &file.path, options, &mut rows)?;
             statuses.push(ReadStatus { path: path.clone(), health, extent });
         }
@@ -48,16 +56,47 @@ pub fn run(options: &ExportOptions) -> Result<Exit, CommandError> {
     Ok(files.iter().fold(output::warn_of_damage(&statuses), |exit, file| file.exit(exit)))
 }
 
+/// The values that were set with `--set`, for each of several sources: of all keys that were set in any of them, in the
+/// order of their first appearance. Empty for a single source.
+fn settings_of_several(sources: &[SourceArgument], files: &[SourceFile]) -> Result<Vec<Settings>, CommandError> {
+    if sources.len() < 2 {
+        return Ok(Vec::new());
+    }
+    let mut found = Vec::new();
+    let mut keys: Vec<String> = Vec::new();
+    for (source, file) in sources.iter().zip(files) {
+        let recording = recording::open(&file.path).map_err(CommandError::in_recording(&source.path))?;
+        let settings = scene::settings(&recording.header.overrides);
+        for (key, _) in &settings {
+            if !keys.contains(key) {
+                keys.push(key.clone());
+            }
+        }
+        found.push(settings);
+    }
+    let of_all_keys = |settings: Vec<(String, Value)>| -> Settings {
+        let value = |key: &String| settings.iter().find(|(set, _)| set == key).map(|(_, value)| value.clone());
+        keys.iter().map(|key| (key.clone(), value(key))).collect()
+    };
+    Ok(found.into_iter().map(of_all_keys).collect())
+}
+
+/// Keys with their values; `None` where a source does not set the key.
+type Settings = Vec<(String, Option<Value>)>;
+
 /// Writes the states of one source as an MCAP file with one topic per body.
 fn export_topics(options: &ExportOptions) -> Result<Exit, CommandError> {
-    let ([path], Table::States, Shard::WHOLE) = (&options.sources[..], options.table, options.shard) else {
+    let sources = SourceArgument::all(&options.sources, &options.set)?;
+    let ([source @ SourceArgument { path, .. }], Table::States, Shard::WHOLE) =
+        (&sources[..], options.table, options.shard)
+    else {
         return Err(CommandError::UnsupportedOutput {
             path: options.output.clone(),
             expected: "an .mcap file has the states of one source, without --table and --shard",
         });
     };
     let output = OutputFile::create(&options.output, Overwrite::from_force(options.force), &[path])?;
-    let file = SourceFile::open(path, Verification::Replay)?;
+    let file = SourceFile::open(source, Verification::Replay)?;
     let recording = recording::open(&file.path).map_err(CommandError::in_recording(path))?;
     let header = recording.header.clone();
     let step = |point: StepOrTime| point.step(header.config.rate);

@@ -1,16 +1,19 @@
 use super::arguments::InfoOptions;
 use super::error::CommandError;
 use super::replay::missing_json;
+use super::source::with_recordings_of_folders;
 use super::{Exit, output};
-use crate::picture::{Format, Provenance};
+use crate::picture::{EnergySample, Format, Provenance, recorded_world};
 use crate::recording::{
-    self, Change, Damage, Header, Health, Item, RecordedError, RecordedEvent, Recording, Summary, Trailer, Versions,
+    self, Change, Damage, Header, Health, Item, Playback, RecordedError, RecordedEvent, Recording, SampledState,
+    Summary, Trailer, Versions,
 };
 use crate::scene;
 use serde::Serialize;
 use std::{
     fs::{self, File},
     io::{Read, Seek},
+    iter,
     path::Path,
 };
 
@@ -19,18 +22,20 @@ use std::{
 pub fn run(options: &InfoOptions) -> Result<Exit, CommandError> {
     let mut exit = Exit::Done;
     let mut separator = "";
-    for path in &options.files {
+    let files = with_recordings_of_folders(&options.files)?;
+    for path in &files {
         let described = match Description::read(path, options) {
             Ok(described) => described,
-            Err(error) if options.files.len() == 1 => return Err(error),
+            Err(error) if files.len() == 1 => return Err(error),
             Err(error) => {
                 exit = exit.max(super::error::report(error));
                 continue;
             }
         };
         exit = exit.max(described.exit);
-        let name = (options.files.len() > 1).then(|| path.display().to_string());
-        let text = if options.json { described.json(name) } else { described.lines(name) };
+        let name = path.display().to_string();
+        let is_named = files.len() > 1;
+        let text = if options.json { described.json(name) } else { described.lines(is_named.then_some(name)) };
         output::print(&format!("{separator}{text}"))?;
         separator = if options.json { "" } else { "\n" };
     }
@@ -61,16 +66,17 @@ impl Description {
             Some(summary) => Info::from_index(&recording.header, summary, bytes),
             None => Info::read(path, &mut recording, bytes)?,
         };
-        let (info, exit) = info.with_health(&recording.health());
+        let (mut info, exit) = info.with_health(&recording.health());
+        info.energies = info.steps.and_then(|last| Energies::read(path, last)).unwrap_or_default();
         let value = serde_json::to_value(&info).expect("plain values with text for keys");
         let entries = value.as_object().cloned().unwrap_or_default();
         Ok(Description { entries, condition: info.condition, exit })
     }
 
     /// Returns one line with a JSON object.
-    fn json(self, name: Option<String>) -> String {
-        let file = name.map(|name| ("file".to_owned(), name.into()));
-        let object: serde_json::Map<String, serde_json::Value> = file.into_iter().chain(self.entries).collect();
+    fn json(self, name: String) -> String {
+        let file = ("file".to_owned(), name.into());
+        let object: serde_json::Map<String, serde_json::Value> = iter::once(file).chain(self.entries).collect();
         format!("{}\n", serde_json::Value::Object(object))
     }
 
@@ -80,6 +86,10 @@ impl Description {
         for (key, value) in &self.entries {
             let text = match value {
                 serde_json::Value::Null if ["title", "error", "accuracy_method"].contains(&key.as_str()) => continue,
+                serde_json::Value::Object(set) if key == "set" && set.is_empty() => continue,
+                serde_json::Value::Bool(false) if key == "live_events" => continue,
+                serde_json::Value::Object(set) if key == "set" => set_text(set),
+                serde_json::Value::Bool(true) => "yes".into(),
                 _ if key == "damage" || key == "missing" => continue,
                 _ if key == "health" => self.condition.clone(),
                 serde_json::Value::Null => "unknown".into(),
@@ -91,6 +101,16 @@ impl Description {
         }
         lines
     }
+}
+
+/// The values of `--set` as they are typed.
+fn set_text(set: &serde_json::Map<String, serde_json::Value>) -> String {
+    let value = |(key, value): (&String, &serde_json::Value)| match value {
+        serde_json::Value::String(text) => format!("{key}={text}"),
+        serde_json::Value::Number(number) => format!("{key}={}", without_trailing_zero(number)),
+        value => format!("{key}={value}"),
+    };
+    set.iter().map(value).collect::<Vec<String>>().join(", ")
 }
 
 /// Recordings up to this size are verified without `--verify`, bytes: that takes about 0.1 s.
@@ -121,6 +141,9 @@ fn picture_entries(path: &Path) -> Result<Option<serde_json::Map<String, serde_j
 struct Info {
     title: Option<String>,
     scene: Option<String>,
+    /// The values of `--set`.
+    set: serde_json::Map<String, serde_json::Value>,
+    live_events: bool,
     solver: &'static str,
     versions: String,
     /// Hz.
@@ -141,6 +164,8 @@ struct Info {
     deletes: Option<u64>,
     /// Unknown until the run has ended.
     collisions: Option<u64>,
+    #[serde(flatten)]
+    energies: Energies,
     keyframes: u64,
     chunks: u64,
     bytes: u64,
@@ -215,6 +240,8 @@ impl Info {
         Info {
             title: header.scene.as_ref().and_then(|text| scene::parse(&text.file_name, &text.text).ok()?.title),
             scene: header.scene.as_ref().map(|scene| scene.file_name.clone()),
+            set: scene::settings(&header.overrides).into_iter().collect(),
+            live_events: header.has_live_events,
             solver: header.config.solver.name(),
             versions: format!("format {format}, semantics {semantics}"),
             rate: header.config.rate,
@@ -227,6 +254,7 @@ impl Info {
             spawns: Some(0),
             deletes: None,
             collisions: None,
+            energies: Energies::default(),
             keyframes: 0,
             chunks: 0,
             bytes,
@@ -264,6 +292,45 @@ impl Info {
             self.accuracy = Some(accuracy.to_string());
         }
         self.identity = Some(trailer.identity.to_string());
+    }
+}
+
+/// The energies of the first and of the last state that is recorded in full, J; unknown if one of them is lost.
+#[derive(Default, Serialize)]
+struct Energies {
+    kinetic_start: Option<f64>,
+    potential_start: Option<f64>,
+    total_start: Option<f64>,
+    kinetic_end: Option<f64>,
+    potential_end: Option<f64>,
+    total_end: Option<f64>,
+}
+
+impl Energies {
+    /// Reads them from the recording at `path`, whose last state is that of step `last`.
+    fn read(path: &Path, last: u64) -> Option<Energies> {
+        let recording = recording::open(path).ok()?;
+        let header = recording.header.clone();
+        let mut playback = Playback::new(recording);
+        let sample = |state: &SampledState| EnergySample::of(&recorded_world(state, &header.config), state.time);
+        let first = playback.next()?.ok().filter(|state| state.step == 0)?;
+        let full = last - last % header.every;
+        let end = match full {
+            0 => sample(&first),
+            full => {
+                playback.seek(full).ok()?;
+                sample(&playback.next()?.ok().filter(|state| state.step == full)?)
+            }
+        };
+        let start = sample(&first);
+        Some(Energies {
+            kinetic_start: Some(start.kinetic),
+            potential_start: Some(start.potential),
+            total_start: Some(start.total()),
+            kinetic_end: Some(end.kinetic),
+            potential_end: Some(end.potential),
+            total_end: Some(end.total()),
+        })
     }
 }
 

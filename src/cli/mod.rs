@@ -1,5 +1,6 @@
 //! The command line: one file per command. Errors are printed here and nowhere else.
 
+mod against;
 mod arguments;
 mod body_topics;
 mod check;
@@ -19,6 +20,7 @@ mod report;
 mod review;
 mod shell;
 mod source;
+mod states_table;
 mod video;
 
 pub use error::ErrorReport;

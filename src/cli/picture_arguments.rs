@@ -1,9 +1,10 @@
 //! The options of the commands that draw.
 
-use super::arguments::{JobOptions, OutputOptions, Shard};
+use super::arguments::{JobOptions, OutputOptions, Shard, single_override};
 use crate::physics::Axis;
 use crate::picture::{CollisionFigure, FigureOptions, MAX_HOLD, MIN_HOLD, PictureOptions, SPEEDS, StatesFigure};
 use crate::picture_options::StepOrTime;
+use crate::scene::{Override, Sweep};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -15,7 +16,6 @@ OUT.svg and OUT.pdf need --at. Any other name is a folder with one PNG per step.
 Options that are not given come from the [figure] section of the scene.
 
 Examples:
-  rebond render run.mcap -o frames/ --from 60 --to 120 --show name,clock
   rebond render run.mcap -o slow.apng --slow 0.1 --hold 0.5 at collisions
   rebond render run.mcap -o impact.svg --at 24 --theme dark --size 1920x1080")]
 pub struct RenderOptions {
@@ -24,6 +24,9 @@ pub struct RenderOptions {
     /// The output file or folder.
     #[command(flatten)]
     pub output: OutputOptions,
+    /// Override a value of a scene: spawn.c.mass=2
+    #[arg(long, value_name = "KEY=VALUE", value_parser = single_override)]
+    pub set: Vec<Override>,
     /// Draw only the state of this step or time (1.5s)
     #[arg(long, value_name = "STEP", conflicts_with_all = ["from", "to", "every", "fps"])]
     pub at: Option<StepOrTime>,
@@ -79,6 +82,9 @@ pub struct FigureCommandOptions {
     /// The output file: .png, .svg or .pdf.
     #[command(flatten)]
     pub output: OutputOptions,
+    /// Override values of scenes; KEY=[A | B] are two
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<Sweep>,
     /// The appearance.
     #[command(flatten)]
     pub picture: PictureOptions,

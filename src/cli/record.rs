@@ -1,11 +1,11 @@
-use super::arguments::{RecordOptions, RecoverOptions};
+use super::arguments::{RecordOptions, RecoverOptions, is_standard_output};
 use super::error::CommandError;
 use super::output_file::{Durability, OutputFile, Overwrite};
 use super::{Exit, output};
 use crate::physics::SolverKind;
 use crate::picture;
-use crate::recording::{self, ColorFn, RecordedError};
-use crate::replay::{self, LiveEvents, OnBadEvent, Recorded, RunError};
+use crate::recording::{self, ColorFn, Header, Health, Item, RecordedError, Trailer, Versions};
+use crate::replay::{self, IdleClicks, LiveEvents, OnBadEvent, Recorded, RunError};
 use crate::scene::{self, Scene};
 use crate::text::counted;
 use std::{
@@ -18,18 +18,19 @@ use std::{
 /// Runs a scene and records it.
 pub fn run(options: &RecordOptions) -> Result<Exit, CommandError> {
     let inputs: Vec<&Path> = iter::once(&options.scene).chain(&options.events).map(PathBuf::as_path).collect();
-    let output = OutputFile::create(&options.output, Overwrite::from_force(options.force), &inputs)?;
-    let scene = match options.set.as_slice() {
-        [] => scene::load(&options.scene)?,
-        overrides => scene::load_with(&options.scene, overrides)?,
+    if is_standard_output(&options.scene) && options.events.as_deref().is_some_and(is_standard_output) {
+        return Err(CommandError::TwoFromStandardInput);
+    }
+    let load = || scene::load_with(&options.scene, &options.set);
+    let loaded = options.skip_existing.then(load).transpose()?;
+    let overwrite = match loaded.as_ref().map_or(Ok(ExistingRun::None), |scene| ExistingRun::find(options, scene))? {
+        ExistingRun::Whole(trailer) => return skip(options, &trailer),
+        ExistingRun::Part => Overwrite::Allowed,
+        ExistingRun::None => Overwrite::from_force(options.force),
     };
-    let plan = replay::RecordOptions {
-        steps: options.steps.unwrap_or(scene.run.steps),
-        every: options.every,
-        estimates_accuracy: options.accuracy,
-        has_live_events: options.events.is_some(),
-        viewer: options.viewer.then_some(picture::body_color as ColorFn),
-    };
+    let output = OutputFile::create(&options.output, overwrite, &inputs)?;
+    let scene = loaded.map_or_else(load, Ok)?;
+    let plan = plan(options, &scene);
     warn_of_unreached_inputs(&scene, plan.steps);
     if plan.estimates_accuracy && scene.run.solver == SolverKind::Handout {
         output::info(format_args!("the accuracy is not estimated: --accuracy needs the event-driven solver"));
@@ -46,6 +47,108 @@ pub fn run(options: &RecordOptions) -> Result<Exit, CommandError> {
     }
 }
 
+/// The options of the recording that a command asks for.
+fn plan(options: &RecordOptions, scene: &Scene) -> replay::RecordOptions {
+    replay::RecordOptions {
+        steps: options.steps.unwrap_or(scene.run.steps),
+        every: options.every,
+        estimates_accuracy: options.accuracy,
+        has_live_events: options.events.is_some(),
+        viewer: options.viewer.then_some(picture::body_color as ColorFn),
+    }
+}
+
+/// The recording that `--skip-existing` finds at the place of the output.
+enum ExistingRun {
+    /// None, or one of another run that `--force` replaces.
+    None,
+    /// The first part of the same run, which was interrupted.
+    Part,
+    /// The same run.
+    Whole(Box<Trailer>),
+}
+
+impl ExistingRun {
+    /// Compares the scene with its values, the settings and versions of the run with those of an existing recording.
+    ///
+    /// # Errors
+    /// Without `--force`, an error that says what differs.
+    fn find(options: &RecordOptions, scene: &Scene) -> Result<ExistingRun, CommandError> {
+        let path = &options.output;
+        if !path.is_file() {
+            return Ok(ExistingRun::None);
+        }
+        let expected = replay::header(scene, plan(options, scene));
+        let found = recording::open(path).map_err(CommandError::in_recording(path));
+        let difference = match found {
+            Ok(mut found) => match difference(&found.header, &expected) {
+                None => {
+                    let mut has_scene_updates = false;
+                    let mut is_readable = true;
+                    for item in found.by_ref() {
+                        has_scene_updates |= matches!(item, Ok(Item::SceneUpdate { .. }));
+                        is_readable &= item.is_ok();
+                    }
+                    match found.trailer().cloned().filter(|_| is_readable && found.health() == Health::Whole) {
+                        None => return Ok(ExistingRun::Part),
+                        Some(trailer) if has_scene_updates == options.viewer => {
+                            return Ok(ExistingRun::Whole(Box::new(trailer)));
+                        }
+                        Some(_) if options.viewer => "it was recorded without --viewer".to_owned(),
+                        Some(_) => "it was recorded with --viewer".to_owned(),
+                    }
+                }
+                Some(difference) => difference,
+            },
+            Err(error) => error.to_string(),
+        };
+        match options.force {
+            true => Ok(ExistingRun::None),
+            false => Err(CommandError::OtherRun { path: path.clone(), difference }),
+        }
+    }
+}
+
+/// Returns the first setting in which a recording is not the expected one, in words.
+fn difference(header: &Header, expected: &Header) -> Option<String> {
+    let text = |header: &Header| header.scene.as_ref().map(|scene| scene.text.clone());
+    let versions = |Versions { format, semantics }: Versions| format!("format {format}, semantics {semantics}");
+    let set = |header: &Header| {
+        let values: Vec<String> = header.overrides.iter().map(|[key, value]| format!("{key}={value}")).collect();
+        if values.is_empty() { "none".to_owned() } else { values.join(", ") }
+    };
+    let yes = |value: bool| if value { "yes" } else { "no" }.to_owned();
+    let settings = [
+        ("version", versions(header.versions), versions(expected.versions)),
+        ("values of --set", set(header), set(expected)),
+        ("live events", yes(header.has_live_events), yes(expected.has_live_events)),
+        ("steps", header.steps.to_string(), expected.steps.to_string()),
+        ("--every", header.every.to_string(), expected.every.to_string()),
+        ("--accuracy", yes(header.estimates_accuracy), yes(expected.estimates_accuracy)),
+    ];
+    let different = settings.into_iter().find(|(_, found, expected)| found != expected);
+    let different = different.map(|(name, found, expected)| format!("{name}: {found} recorded, {expected} asked for"));
+    different.or_else(|| (text(header) != text(expected)).then(|| "its scene has another text".to_owned()))
+}
+
+/// Says that the run is recorded already. A run that ended in an error ends in it again.
+fn skip(options: &RecordOptions, trailer: &Trailer) -> Result<Exit, CommandError> {
+    let recorded = Recorded { trailer: trailer.clone(), error: None, idle_clicks: IdleClicks::default() };
+    if options.json {
+        print_summary(options, &recorded, 0)?;
+    } else {
+        let line = format!("{}: skipped, it has this run, identity {}", options.output.display(), trailer.identity);
+        output::print_result(&options.output, &line)?;
+    }
+    match &trailer.error {
+        Some(RecordedError::Step(error)) => {
+            Err(CommandError::Step { path: options.output.clone(), error: error.clone() })
+        }
+        Some(RecordedError::Text(_)) => Ok(Exit::Error),
+        None => Ok(Exit::Done),
+    }
+}
+
 /// Records with a progress bar. `path` is the name of the output in errors.
 pub fn record<W: Write + Send + 'static>(
     scene: &Scene,
@@ -57,6 +160,11 @@ pub fn record<W: Write + Send + 'static>(
     let bar = output::progress_bar("recording", plan.steps);
     let recorded = replay::record(scene, plan, live, output, |step| bar.set_position(step));
     bar.finish_and_clear();
+    if let Ok(Recorded { idle_clicks, .. }) = &recorded
+        && idle_clicks.count > 0
+    {
+        output::info(format_args!("{idle_clicks}"));
+    }
     recorded.map_err(|error| match error {
         RunError::Recording(error) => CommandError::in_recording(path)(error),
         error => error.into(),

@@ -4,7 +4,7 @@ use super::error::CommandError;
 use super::output;
 use super::output_file::{OutputFile, OutputFolder, Overwrite};
 use super::picture_arguments::RenderOptions;
-use super::source::{OpenedSource, Verification};
+use super::source::{OpenedSource, SourceArgument, Verification};
 use super::video::{self, VideoContainer};
 use crate::picture::{self, AnimationFormat, Format, PictureOptions, SOFTWARE, StillFormat, Subject, SubjectOptions};
 use crate::picture_options::StepOrTime;
@@ -18,7 +18,7 @@ pub fn run(options: &RenderOptions) -> Result<Exit, CommandError> {
     kind.refuse_shard(path, options.shard)?;
     let output = kind.open(path, overwrite, &options.source)?;
     let verification = if options.at.is_some() { Verification::None } else { Verification::Replay };
-    let source = OpenedSource::open(&options.source, verification)?;
+    let source = OpenedSource::open(&SourceArgument::one(&options.source, &options.set)?, verification)?;
     let recording = &source.recording;
     let picture_options = options.picture_options();
     let threads = options.jobs.threads();

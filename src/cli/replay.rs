@@ -1,6 +1,6 @@
 use super::arguments::ReplayOptions;
 use super::error::CommandError;
-use super::{Exit, output};
+use super::{Exit, against, output};
 use crate::physics::{CollisionCount, Observer};
 use crate::recording::{self, Health, Missing};
 use crate::replay::{Difference, Replayer, Verdict, ulps};
@@ -9,6 +9,9 @@ use std::{ops::RangeInclusive, path::Path};
 
 /// Runs a recording again and prints the verdict.
 pub fn run(options: &ReplayOptions) -> Result<Exit, CommandError> {
+    if let Some(states) = &options.against {
+        return against::run(options, states);
+    }
     let steps = options.from.unwrap_or(0)..=options.to.unwrap_or(u64::MAX);
     let verdict = replay_with_progress(&options.recording, steps, &mut CollisionCount::default())?;
     let text = if options.json { verdict_json(&verdict).to_string() } else { verdict.to_string() };

@@ -4,7 +4,7 @@ use super::output_file::{OutputFile, Overwrite};
 use super::{Exit, output};
 use crate::picture::{Metadata, PictureOptions, StillFormat, TextAs, figures};
 use crate::report::{self, Budget, Case, Cost, Expectation, Row, RunSpec, cases};
-use crate::scene;
+use crate::scene::{self, Sweep};
 use indicatif::ProgressBar;
 use std::{
     env, fs,
@@ -75,9 +75,13 @@ fn all_cases(options: &ReportOptions) -> Result<Vec<Case>, CommandError> {
         return Ok(cases::all(budget(options)));
     }
     let mut cases = Vec::new();
+    let runs = Sweep::combinations(&options.set).map_err(CommandError::Set)?;
     for path in &options.scenes {
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-        cases.push(Case::of_scene(&name, &scene::load(path)?));
+        for overrides in &runs {
+            let values: String = overrides.iter().map(|value| format!(" {value}")).collect();
+            cases.push(Case::of_scene(&format!("{name}{values}"), &scene::load_with(path, overrides)?));
+        }
     }
     Ok(cases)
 }
@@ -149,6 +153,7 @@ fn cost_of_process(number: usize, options: &ReportOptions) -> Result<Cost, Strin
     let mut command = Command::new(env::current_exe().map_err(|error| error.to_string())?);
     command.arg("report").arg("--cost-of").arg(number.to_string());
     command.args(options.full.then_some("--full")).args(options.growth.then_some("--growth"));
+    options.set.iter().for_each(|sweep| _ = command.arg("--set").arg(sweep.to_string()));
     let result = command.arg("--").args(&options.scenes).output().map_err(|error| error.to_string())?;
     match serde_json::from_slice(&result.stdout) {
         Ok(cost) if result.status.success() => Ok(cost),

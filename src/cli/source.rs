@@ -3,9 +3,67 @@ use super::{Exit, output, record, replay};
 use crate::physics::{CollisionCount, StepError};
 use crate::picture;
 use crate::replay::{ALL_STEPS, NO_LIVE_EVENTS, RecordOptions, Verdict};
-use crate::scene;
+use crate::scene::{self, Override, Sweep};
 use crate::temporary::TemporaryFolder;
-use std::{fs::File, path::Path, path::PathBuf};
+use std::{fs, fs::File, path::Path, path::PathBuf};
+
+/// A recording or a scene, as a command names it.
+#[derive(Clone, Debug)]
+pub struct SourceArgument {
+    /// The path as given.
+    pub path: PathBuf,
+    /// The values to set in the scene; none for a recording.
+    pub overrides: Vec<Override>,
+}
+
+impl SourceArgument {
+    /// Returns the sources that `paths` and `--set` name: each recording, and each scene once for every combination of the
+    /// values. `--set` needs a scene among the paths.
+    pub fn all(paths: &[PathBuf], set: &[Sweep]) -> Result<Vec<SourceArgument>, CommandError> {
+        let runs = Sweep::combinations(set).map_err(CommandError::Set)?;
+        let mut sources = Vec::new();
+        for path in paths {
+            let overrides = if is_recording(path)? { vec![Vec::new()] } else { runs.clone() };
+            sources.extend(overrides.into_iter().map(|overrides| SourceArgument { path: path.clone(), overrides }));
+        }
+        match sources.iter().all(|source| source.overrides.is_empty()) {
+            true if !set.is_empty() => Err(CommandError::SetOfRecordings { path: paths[0].clone() }),
+            _ => Ok(sources),
+        }
+    }
+
+    /// Returns the source `path` of a command that takes one.
+    pub fn one(path: &Path, overrides: &[Override]) -> Result<SourceArgument, CommandError> {
+        match !overrides.is_empty() && is_recording(path)? {
+            true => Err(CommandError::SetOfRecordings { path: path.into() }),
+            false => Ok(SourceArgument { path: path.into(), overrides: overrides.to_vec() }),
+        }
+    }
+}
+
+fn is_recording(path: &Path) -> Result<bool, CommandError> {
+    picture::Source::is_recording(path).map_err(CommandError::unreadable(path))
+}
+
+/// Replaces each folder by the recordings in it, sorted by name.
+pub fn with_recordings_of_folders(paths: &[PathBuf]) -> Result<Vec<PathBuf>, CommandError> {
+    let mut files = Vec::new();
+    for path in paths {
+        if !path.is_dir() {
+            files.push(path.clone());
+            continue;
+        }
+        let entries = fs::read_dir(path).and_then(|entries| entries.map(|entry| Ok(entry?.path())).collect());
+        let mut found: Vec<PathBuf> = entries.map_err(CommandError::unreadable(path))?;
+        found.retain(|file| file.extension().is_some_and(|extension| extension == "mcap") && file.is_file());
+        if found.is_empty() {
+            return Err(CommandError::NoRecordings(path.clone()));
+        }
+        found.sort();
+        files.extend(found);
+    }
+    Ok(files)
+}
 
 /// A recording given as such, or a temporary one made from a scene.
 pub struct SourceFile {
@@ -19,11 +77,12 @@ pub struct SourceFile {
 
 impl SourceFile {
     /// Takes a recording as it is, or records a scene, with or without verifying that it replays the same.
-    pub fn open(path: &Path, verification: Verification) -> Result<SourceFile, CommandError> {
-        if picture::Source::is_recording(path).map_err(CommandError::unreadable(path))? {
-            return Ok(SourceFile { path: path.into(), failure: None, _temporary: None });
+    pub fn open(source: &SourceArgument, verification: Verification) -> Result<SourceFile, CommandError> {
+        let SourceArgument { path, overrides } = source;
+        if is_recording(path)? {
+            return Ok(SourceFile { path: path.clone(), failure: None, _temporary: None });
         }
-        let scene = scene::load(path)?;
+        let scene = scene::load_with(path, overrides)?;
         let folder = TemporaryFolder::create_in_system().map_err(CommandError::unwritable(&std::env::temp_dir()))?;
         let recording = folder.path().join("scene.mcap");
         let file = File::create(&recording).map_err(CommandError::unwritable(&recording))?;
@@ -66,8 +125,8 @@ pub struct OpenedSource {
 
 impl OpenedSource {
     /// Opens a recording, or records a scene, with or without verifying that it replays the same.
-    pub fn open(path: &Path, verification: Verification) -> Result<OpenedSource, CommandError> {
-        let file = SourceFile::open(path, verification)?;
+    pub fn open(source: &SourceArgument, verification: Verification) -> Result<OpenedSource, CommandError> {
+        let file = SourceFile::open(source, verification)?;
         Ok(OpenedSource { recording: picture::Source::open(&file.path)?, file })
     }
 }

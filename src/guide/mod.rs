@@ -41,6 +41,18 @@ pub mod page {}
 pub mod handout {}
 
 #[doc = include_str!("links.md")]
+#[doc = include_str!("student-engine.md")]
+pub mod student_engine {}
+
+#[doc = include_str!("links.md")]
+#[doc = include_str!("studies.md")]
+pub mod studies {}
+
+#[doc = include_str!("links.md")]
+#[doc = include_str!("notebooks.md")]
+pub mod notebooks {}
+
+#[doc = include_str!("links.md")]
 #[doc = include_str!("architecture.md")]
 pub mod architecture {}
 
@@ -49,7 +61,7 @@ mod tests {
     const README: &str = include_str!("../../README.md");
     const FIRST_SCENE: &str = include_str!("../../recordings/first-scene.toml");
     const RUSTDOC_LINKS: &str = include_str!("links.md");
-    const CHAPTERS: [&str; 11] = [
+    const CHAPTERS: [&str; 14] = [
         include_str!("overview.md"),
         include_str!("scene-format.md"),
         include_str!("recording-format.md"),
@@ -60,6 +72,9 @@ mod tests {
         include_str!("pictures.md"),
         include_str!("page.md"),
         include_str!("handout.md"),
+        include_str!("student-engine.md"),
+        include_str!("studies.md"),
+        include_str!("notebooks.md"),
         include_str!("architecture.md"),
     ];
 

@@ -10,9 +10,9 @@ mod scene_run;
 mod verdict;
 
 pub use live_events::{LiveEvents, NO_LIVE_EVENTS, OnBadEvent};
-pub use record::{RecordOptions, Recorded, RecordingRun, record};
+pub use record::{RecordOptions, Recorded, RecordingRun, header, record};
 pub use replayer::{ALL_STEPS, Replayer};
-pub use scene_run::{Run, RunError, RunSnapshot, engine_config};
+pub use scene_run::{IdleClicks, Run, RunError, RunSnapshot, engine_config};
 pub use verdict::{Difference, Divergence, Verdict, ulps};
 
 #[cfg(test)]

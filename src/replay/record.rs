@@ -1,4 +1,4 @@
-use super::{LiveEvents, Run, RunError, engine_config};
+use super::{IdleClicks, LiveEvents, Run, RunError, engine_config};
 use crate::physics::{AccuracyProbe, CollisionCount, SolverKind, StepError};
 use crate::recording::{ColorFn, Header, RecordedError, RunEnd, SceneText, Trailer, Writer};
 use crate::scene::{Scene, SceneError};
@@ -57,6 +57,8 @@ pub struct Recorded {
     pub trailer: Trailer,
     /// The error of the step that the engine could not complete, if any.
     pub error: Option<StepError>,
+    /// The clicks that changed nothing.
+    pub idle_clicks: IdleClicks,
 }
 
 /// Runs `scene` and writes its recording to `output`. Memory does not grow with the number of steps.
@@ -166,11 +168,13 @@ impl<W: Write + Send + 'static> RecordingRun<W> {
             error: error.clone().map(RecordedError::Step),
             accuracy: probe.map(|probe| probe.accuracy()),
         };
-        Ok(Recorded { trailer: self.writer.finish(run_end)?.trailer, error })
+        let idle_clicks = self.run.idle_clicks();
+        Ok(Recorded { trailer: self.writer.finish(run_end)?.trailer, error, idle_clicks })
     }
 }
 
-fn header(scene: &Scene, options: RecordOptions) -> Header {
+/// The header of the recording of `scene`.
+pub fn header(scene: &Scene, options: RecordOptions) -> Header {
     let text = SceneText { file_name: scene.source.file_name().to_owned(), text: scene.source.text.clone() };
     Header {
         every: options.every,

@@ -163,6 +163,11 @@ impl<R: Read + Seek> Replayer<R> {
         (is_at_last && matches!(self.phase, Phase::InSync)).then_some(&self.engine)
     }
 
+    /// Returns the last event of the recording so far, such as `spawn "b" at step 30`.
+    pub fn last_event(&self) -> Option<&str> {
+        self.last_event.as_deref()
+    }
+
     /// Returns the verdict on the part replayed so far; final once [`Replayer::next_state`] has returned `None`.
     pub fn verdict(&self) -> Verdict {
         if let Phase::Diverged(divergence) = &self.phase {

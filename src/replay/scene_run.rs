@@ -4,6 +4,7 @@ use crate::scene::{
     Action, Blueprint, DiagnosticKind, Input, InputLocation, Scene, SceneError, SceneSource, SpawnRequest,
 };
 use std::collections::{BTreeMap, VecDeque};
+use std::fmt::{self, Display, Formatter};
 use std::io;
 
 /// A run of a scene that is advanced step by step: the engine, and the inputs of later steps.
@@ -14,6 +15,34 @@ pub struct Run {
     scheduled: VecDeque<Input>,
     source: SceneSource,
     names: Names,
+    idle_clicks: IdleClicks,
+}
+
+/// The clicks of a run that hit no body and have none to spawn, so that they change nothing.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct IdleClicks {
+    /// Their number.
+    pub count: u64,
+    /// The step and the point (m) of the first one.
+    pub first: Option<(u64, Vector)>,
+}
+
+/// Formats what there is to report, if there are any.
+impl Display for IdleClicks {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Some((step, at)) = self.first else { return Ok(()) };
+        let place = format!("at step {step} on the point ({:?}, {:?})", at.x, at.y);
+        match self.count {
+            1 => write!(
+                f,
+                "the click {place} changes nothing: there is no body of finite mass, and the click has no spawn"
+            ),
+            count => write!(
+                f,
+                "{count} clicks change nothing, the first one {place}: there is no body of finite mass, and they have no spawn"
+            ),
+        }
+    }
 }
 
 impl Run {
@@ -24,12 +53,18 @@ impl Run {
             scheduled: scene.inputs.iter().cloned().collect(),
             source: scene.source.clone(),
             names: Names::default(),
+            idle_clicks: IdleClicks::default(),
         }
     }
 
     /// The engine.
     pub fn engine(&self) -> &Engine {
         &self.engine
+    }
+
+    /// The clicks so far that changed nothing, since the run was created or restored.
+    pub fn idle_clicks(&self) -> IdleClicks {
+        self.idle_clicks
     }
 
     /// Returns a snapshot from which [`Run::restore`] continues bit for bit. The inputs of the current step must have
@@ -51,6 +86,7 @@ impl Run {
             scheduled: scheduled.cloned().collect(),
             source: scene.source.clone(),
             names: Names { alive, spawns: snapshot.spawns },
+            idle_clicks: IdleClicks::default(),
         })
     }
 
@@ -165,6 +201,10 @@ impl Run {
     fn click(&mut self, at: Vector, spawn: Option<Blueprint>) -> Result<Option<Change>, DiagnosticKind> {
         if let Some(name) = topmost_body(self.engine.world(), at) {
             return self.delete(&name).map(Some);
+        }
+        if spawn.is_none() {
+            self.idle_clicks.count += 1;
+            self.idle_clicks.first.get_or_insert((self.engine.current_step(), at));
         }
         spawn.map(|blueprint| self.spawn(blueprint.centered_on(at))).transpose()
     }

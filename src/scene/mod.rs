@@ -20,7 +20,11 @@ mod tree;
 
 use crate::physics::{Restitution, Vector};
 use crate::recording::limits;
-use std::{fs::File, io::Read, path::Path};
+use std::{
+    fs::File,
+    io::{self, Read},
+    path::Path,
+};
 
 pub use crate::picture_options::{ColorBy, Overlay, Overlays, PictureOptions, Theme, Window};
 pub use action::{Action, Blueprint, Phase, SpawnRequest};
@@ -28,7 +32,7 @@ pub use diagnostic::{Diagnostic, DiagnosticKind, Diagnostics, Excerpt, SceneErro
 pub use inputs::{Input, InputLocation};
 pub use options::{RunOptions, Walls};
 #[cfg(feature = "cli")]
-pub use overrides::{Override, Sweep};
+pub use overrides::{Override, Sweep, settings};
 
 use diagnostic::{ErrorReported, Reporter};
 use options::WorldOptions;
@@ -101,12 +105,12 @@ pub fn parse(path: &str, text: &str) -> Result<Scene, SceneError> {
     reporter.finish(scene, excerpt).map_err(SceneError::Scene)
 }
 
-/// Reads the scene in the file at `path`.
+/// Reads the scene in the file at `path`; `-` stands for standard input.
 ///
 /// # Errors
 /// Those of [`parse`], and errors of a file that is unreadable, too long or not text.
 pub fn load(path: &Path) -> Result<Scene, SceneError> {
-    parse(&path.to_string_lossy(), &read_text(path)?)
+    parse(&name(path), &read_text(path)?)
 }
 
 /// Reads the scene in the file at `path` with some values overridden, for parameter studies.
@@ -117,19 +121,33 @@ pub fn load(path: &Path) -> Result<Scene, SceneError> {
 /// Those of [`load`], and [`SceneError::Override`] if a value cannot be set.
 #[cfg(feature = "cli")]
 pub fn load_with(path: &Path, overrides: &[Override]) -> Result<Scene, SceneError> {
+    if overrides.is_empty() {
+        return load(path);
+    }
     let text = overrides::apply(path, &read_text(path)?, overrides)?;
     let options: Vec<String> = overrides.iter().map(|value| format!(" --set {value}")).collect();
-    let name = path.to_string_lossy();
+    let name = name(path);
     let mut scene = parse(&(name.to_string() + &options.concat()), &text)?;
     scene.source.path = name.into();
     scene.source.overrides = overrides.iter().map(Override::stored).collect();
     Ok(scene)
 }
 
+/// The path that stands for standard input.
+const STANDARD_INPUT: &str = "-";
+
+/// The name of a scene in its recording and in errors.
+fn name(path: &Path) -> std::borrow::Cow<'_, str> {
+    if path == Path::new(STANDARD_INPUT) { "stdin.toml".into() } else { path.to_string_lossy() }
+}
+
 fn read_text(path: &Path) -> Result<String, SceneError> {
     let mut bytes = Vec::new();
-    File::open(path)
-        .and_then(|file| file.take(MAX_SCENE_BYTES + 1).read_to_end(&mut bytes))
+    let file: io::Result<Box<dyn Read>> = match path == Path::new(STANDARD_INPUT) {
+        true => Ok(Box::new(io::stdin())),
+        false => File::open(path).map(|file| Box::new(file) as Box<dyn Read>),
+    };
+    file.and_then(|file| file.take(MAX_SCENE_BYTES + 1).read_to_end(&mut bytes))
         .map_err(|error| SceneError::Unreadable { path: path.into(), error })?;
     if bytes.len() as u64 > MAX_SCENE_BYTES {
         return Err(SceneError::TooLong { path: path.into(), limit: MAX_SCENE_BYTES });

@@ -28,14 +28,14 @@ impl FromStr for Override {
 impl Override {
     fn new(keys: &[String], value: &str, text: &str) -> Result<Override, String> {
         match value {
-            "" => Err(format!("the value after {}= is missing", path(keys))),
+            "" => Err(format!("the value after {}= is missing", joined(keys))),
             value => Ok(Override { keys: keys.to_vec(), value: parse_value(keys, value), text: text.into() }),
         }
     }
 
     /// Returns the path of the key, with quotation marks only where they are needed.
     pub fn key(&self) -> String {
-        path(&self.keys)
+        joined(&self.keys)
     }
 
     /// Returns key and value as a recording stores them: together they parse to the same override.
@@ -70,7 +70,7 @@ impl FromStr for Sweep {
         let Some(values) = several_values(value) else { return Ok(Sweep(vec![Override::new(&keys, value, text)?])) };
         let key = &text[..text.len() - value.len()];
         if values.iter().any(|value| value.is_empty()) {
-            return Err(format!("a value of {} is missing beside |", path(&keys)));
+            return Err(format!("a value of {} is missing beside |", joined(&keys)));
         }
         let overrides = values.into_iter().map(|value| Override::new(&keys, value, &format!("{key}{value}")));
         Ok(Sweep(overrides.collect::<Result<_, String>>()?))
@@ -78,6 +78,11 @@ impl FromStr for Sweep {
 }
 
 impl Sweep {
+    /// Returns the value if there is only one.
+    pub fn single(mut self) -> Option<Override> {
+        self.0.pop().filter(|_| self.0.is_empty())
+    }
+
     /// Returns all combinations of one value of each sweep, in the order of their values; the last key changes fastest.
     ///
     /// # Errors
@@ -98,6 +103,20 @@ impl Sweep {
             runs.iter().flat_map(|run| sweep.0.iter().map(move |value| with(run, value))).collect()
         };
         Ok(sweeps.iter().fold(vec![Vec::new()], extend))
+    }
+}
+
+/// Formats the sweep as it was typed.
+impl fmt::Display for Sweep {
+    fn fmt(&self, formatter: &mut fmt::Formatter) -> fmt::Result {
+        match &self.0[..] {
+            [value] => formatter.write_str(&value.text),
+            values => {
+                let key = values[0].key();
+                let values: Vec<String> = values.iter().map(|value| value.stored()[1].clone()).collect();
+                write!(formatter, "{key}=[{}]", values.join(" | "))
+            }
+        }
     }
 }
 
@@ -182,7 +201,7 @@ fn several_values(text: &str) -> Option<Vec<&str>> {
 }
 
 /// Joins the parts of a key by dots.
-fn path(keys: &[String]) -> String {
+fn joined(keys: &[String]) -> String {
     let needs_quotes = |key: &str| {
         key.trim() != key || key.is_empty() || key.contains(['.', '=', '"', '\'']) || key.contains(char::is_control)
     };
@@ -202,6 +221,15 @@ fn json(value: &Value, takes_integer: bool) -> serde_json::Value {
         Value::Datetime(_) | Value::InlineTable(_) => value.to_string().trim().into(),
     }
 }
+/// The keys and values of overrides that a recording stores.
+pub fn settings(overrides: &[[String; 2]]) -> Vec<(String, serde_json::Value)> {
+    let setting = |[key, value]: &[String; 2]| match format!("{key}={value}").parse::<Override>() {
+        Ok(set) => (set.key(), set.json()),
+        Err(_) => (key.clone(), value.as_str().into()),
+    };
+    overrides.iter().map(setting).collect()
+}
+
 /// Applies overrides to the text of a scene. A text that is not TOML is returned unchanged: parsing it as a
 /// scene reports the error.
 ///
@@ -211,10 +239,13 @@ pub fn apply(path: &Path, text: &str, overrides: &[Override]) -> Result<String, 
     let Ok(mut document) = text.parse::<DocumentMut>() else { return Ok(text.to_owned()) };
     let reporter = Reporter::default();
     let mut lines = String::new();
-    for Override { keys, value, text } in overrides {
+    for (index, Override { keys, value, text }) in overrides.iter().enumerate() {
         lines += "--set ";
         let target = Target { keys, text, start: lines.len(), reporter: &reporter };
-        target.set(document.as_table_mut(), 0, value);
+        match overrides[..index].iter().any(|earlier| earlier.keys == *keys) {
+            true => target.report(DiagnosticKind::DuplicateKey { key: joined(keys) }, keys.len() - 1),
+            false => target.set(document.as_table_mut(), 0, value),
+        }
         lines += &text.replace(|letter: char| letter.is_ascii_control(), "?");
         lines.push('\n');
     }
