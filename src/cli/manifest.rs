@@ -137,7 +137,14 @@ fn record_line(options: RecordOptions) -> Result<Line, String> {
     Ok(Line::Record { output, command: Box::new(command) })
 }
 
+/// The message for a picture of a scene with other values: the picture belongs to a recording, which must be kept, too.
+const SET_OF_PICTURE: &str =
+    "list the recording with rebond record SCENE.toml -o NAME.mcap --set KEY=VALUE, and draw NAME.mcap without --set";
+
 fn render_line(options: &RenderOptions) -> Result<Line, String> {
+    if !options.set.is_empty() {
+        return Err(SET_OF_PICTURE.into());
+    }
     match OutputKind::from_options(options).map_err(|error| error.to_string())? {
         OutputKind::File(subject) => {
             draw_line(&options.output.output, vec![options.source.clone()], subject, options.picture_options())
@@ -150,6 +157,9 @@ fn render_line(options: &RenderOptions) -> Result<Line, String> {
 }
 
 fn figure_line(options: &FigureCommandOptions) -> Result<Line, String> {
+    if !options.set.is_empty() {
+        return Err(SET_OF_PICTURE.into());
+    }
     let subject = figure::subject(options).map_err(|error| error.to_string())?;
     draw_line(&options.output.output, options.sources.clone(), subject, options.picture_options())
 }
