@@ -134,7 +134,7 @@ pub use picture::{
     AnimationFormat, Error as PictureError, FigureOptions, Provenance, Source, StillFormat, SubjectOptions,
     draw_to_vec, redraw,
 };
-pub use picture_options::{ColorBy, Overlay, Overlays, PictureOptions, StepOrTime, Theme, Window};
+pub use picture_options::{ColorBy, Language, Overlay, Overlays, PictureOptions, StepOrTime, Theme, Window};
 
 /// Modules of this crate for its own command, tests and benchmarks. They are not part of the API and may change in
 /// any version.

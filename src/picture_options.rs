@@ -124,6 +124,10 @@ picture_options! {
         /// The form of text in SVG files. In PDF files text is always text, in raster files always pixels.
         flag(long, value_name = "FORM", help = "Write the text of SVG files as outlines or as text")
         text: TextAs = TextAs::Outlines, IfChanged;
+
+        /// The language of the words in figures and legends. Numbers keep the decimal point, as in tables and scenes.
+        flag(long, value_name = "CODE", help = "Write the words of figures in en (English) or fr (French)")
+        language: Language = Language::English, IfChanged;
     }
 
     other {
@@ -407,6 +411,8 @@ named! {
     Overlay {
         /// The velocity of each body, as an arrow.
         Velocity = "velocity",
+        /// The momentum of each body, as an arrow.
+        Momentum = "momentum",
         /// The sum of the weight of each body and its constant force, as an arrow.
         Force = "force",
         /// The unit normal of each collision.
@@ -415,6 +421,8 @@ named! {
         Impulse = "impulse",
         /// The penetration vector of each collision.
         Penetration = "penetration",
+        /// The centre of mass of all bodies of finite mass.
+        Com = "com",
         /// The past path of each body.
         Trail = "trail",
         /// The name of each body.
@@ -463,6 +471,28 @@ named! {
         Text = "text",
     }
     accepts("", "or", "")
+}
+
+named! {
+    /// The language of the words in pictures.
+    Language {
+        /// English.
+        English = "en",
+        /// French.
+        French = "fr",
+    }
+    accepts("", "or", "")
+}
+
+impl Language {
+    /// The text in this language, of one in English and one in French.
+    #[cfg(feature = "draw")]
+    pub(crate) const fn of<T: Copy>(self, english: T, french: T) -> T {
+        match self {
+            Language::English => english,
+            Language::French => french,
+        }
+    }
 }
 
 /// A set of overlays. Its text form is `none`, or names separated by commas.

@@ -131,7 +131,7 @@ impl Figures<'_> {
             let number = if index == 0 { String::new() } else { format!("-{}", index + 1) };
             let name = format!("{}{number}.png", self.name);
             let file = BufWriter::new(File::create(self.folder.join(&name))?);
-            png::encode(picture, &Metadata::default(), file).map_err(to_io_error)?;
+            png::encode(picture, &Metadata::default(), png::PngEffort::Fast, file).map_err(to_io_error)?;
             self.files.push(self.folder.join(&name));
             self.html += &format!("<div>{}</div>\n", figure(&name, caption));
         }
@@ -214,7 +214,7 @@ mod tests {
     fn missing(path: &str) -> CheckResult {
         let picture = Picture { size: [1, 1], pixels: vec![[1, 2, 3, 255]] };
         let mut file = Vec::new();
-        png::encode(&picture, &Metadata::default(), &mut file).unwrap();
+        png::encode(&picture, &Metadata::default(), png::PngEffort::Small, &mut file).unwrap();
         CheckResult {
             path: path.into(),
             replacement: Some(Replacement::Picture(file)),

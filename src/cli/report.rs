@@ -2,7 +2,7 @@ use super::arguments::{ReportOptions, Shard};
 use super::error::CommandError;
 use super::output_file::{OutputFile, Overwrite};
 use super::{Exit, output};
-use crate::picture::{Metadata, PictureOptions, StillFormat, TextAs, figures};
+use crate::picture::{Metadata, PictureOptions, PngEffort, StillFormat, TextAs, figures};
 use crate::report::{self, Budget, Case, Cost, Expectation, Row, RunSpec, cases};
 use crate::scene::{self, Sweep};
 use indicatif::ProgressBar;
@@ -54,7 +54,7 @@ fn plot(rows: &[Row], output: OutputFile, format: StillFormat, options: &ReportO
             diagrams.iter().map(|diagram| diagram.title.as_str()).collect::<Vec<_>>().join("; "),
         ),
     ];
-    output.write(|file| Ok(format.write(&list, &Metadata { entries }, TextAs::Outlines, file)?))
+    output.write(|file| Ok(format.write(&list, &Metadata { entries }, TextAs::Outlines, PngEffort::Small, file)?))
 }
 
 /// The header of the table. Only the first shard has one, so that the outputs can be concatenated.

@@ -8,7 +8,7 @@ use crate::{
     When, draw, table,
 };
 use rebond::internals::table::Table;
-use rebond::{Theme, Verdict};
+use rebond::{Language, Theme, Verdict};
 use serde_json::json;
 use std::cell::RefCell;
 
@@ -315,10 +315,11 @@ pub extern "C" fn energy_now(which: usize) {
 
 /// Draws Figure 1 (`kind` 0) or 2 (1) of a collision of the last step as SVG.
 #[unsafe(no_mangle)]
-pub extern "C" fn figure(which: usize, index: usize, kind: u32, dark: u32) -> i32 {
+pub extern "C" fn figure(which: usize, index: usize, kind: u32, dark: u32, french: u32) -> i32 {
     let kind = if kind == 1 { FigureKind::Minkowski } else { FigureKind::Stages };
     let theme = if dark == 1 { Theme::Dark } else { Theme::Light };
-    answer(with(which, |session| session.figure(index, kind, theme)))
+    let language = if french == 1 { Language::French } else { Language::English };
+    answer(with(which, |session| session.figure(index, kind, theme, language)))
 }
 
 /// Starts the recording of a session.

@@ -685,7 +685,7 @@ function pageMain(source) {
     for (const kind of [0, 1]) {
       const image = $(`figure-${kind + 1}`);
       attempt(() => {
-        const svg = engine.file(engine.x.figure(0, index, kind, view.theme === 'dark' ? 1 : 0));
+        const svg = engine.file(engine.x.figure(0, index, kind, view.theme === 'dark' ? 1 : 0, state.language === 'fr' ? 1 : 0));
         if (image.src.startsWith('blob:')) URL.revokeObjectURL(image.src);
         image.src = URL.createObjectURL(new Blob([svg], { type: 'image/svg+xml' }));
         image.alt = `${T()[`figure${kind + 1}`]}: ${T().collided(a, b, short(n[8]))}`;
@@ -724,20 +724,18 @@ function pageMain(source) {
   }
 
   function lookOptions(size) {
-    const names = ['velocity', 'normal', 'penetration', 'impulse', 'trail', 'name', 'grid', 'clock'];
-    const show = names.filter((name) => view.show.has(name));
+    const names = { velocity: 'velocity', momentum: 'momentum', normal: 'normal', impulse: 'impulse', penetration: 'penetration', centre: 'com', trail: 'trail', name: 'name', grid: 'grid', clock: 'clock' };
+    const show = Object.keys(names).filter((name) => view.show.has(name)).map((name) => names[name]);
     const color = ['body', 'material', 'speed'][view.color];
-    const flags = `--size ${size.join('x')} --theme ${view.theme} --show ${show.join(',') || 'none'} --color-by ${color}`;
-    return { json: JSON.stringify({ size, theme: view.theme, show, color_by: color }), flags };
+    const flags = `--size ${size.join('x')} --theme ${view.theme} --show ${show.join(',') || 'none'} --color-by ${color}${state.language === 'fr' ? ' --language fr' : ''}`;
+    return { json: JSON.stringify({ size, theme: view.theme, show, color_by: color, language: state.language }), flags };
   }
 
   const present = () => (state.film ? state.film.step : engine.x.step_now(side()));
 
   function showCommand() {
     const { flags } = lookOptions([1280, 720]);
-    const left = ['momentum', 'centre'].filter((name) => view.show.has(name)).map((name) => T()[name]);
     $('command').textContent = T().command(`rebond render ${base()}.mcap -o ${base()}.png --at ${present()} ${flags}`);
-    $('not-drawn').textContent = left.length ? T().notDrawn(left.join(', ')) : '';
   }
 
   /** Does a job in a worker, so that the page stays usable; without workers, here. */

@@ -1,10 +1,10 @@
 use rebond::internals::picture::figures::{self, CollisionSubject};
-use rebond::internals::picture::{Appearance, Metadata, Style, TextAs};
+use rebond::internals::picture::{Appearance, Metadata, PngEffort, Style, TextAs};
 use rebond::internals::table::{CollisionRows, Rows, Table, TableFormat};
 use rebond::recordings::{BodyInfo, Playback, Recording};
 use rebond::{
-    ALL_STEPS, AnimationFormat, Collision, PictureOptions, Replayer, Source, StillFormat, SubjectOptions, Theme,
-    Vector, draw_to_vec,
+    ALL_STEPS, AnimationFormat, Collision, Language, PictureOptions, Replayer, Source, StillFormat, SubjectOptions,
+    Theme, Vector, draw_to_vec,
 };
 use std::io::Cursor;
 use std::sync::Arc;
@@ -66,6 +66,7 @@ pub fn collision_figure(
     gravity: Option<Vector>,
     kind: FigureKind,
     theme: Theme,
+    language: Language,
 ) -> Result<Vec<u8>, String> {
     let appearance = |info: &BodyInfo| Arc::new(Appearance::new(info.id, &info.spawn, info.color.as_deref(), gravity));
     let bodies = infos.map(appearance);
@@ -74,6 +75,7 @@ pub fn collision_figure(
     let top_speed = speeds.fold(0.0, |top, speed| if speed > top { speed } else { top });
     let mut style = Style { top_speed, top_impulse: collision.impulse.abs(), body_count: 2, ..Style::default() };
     style.look.theme = theme;
+    style.look.language = language;
     style.look.size = [960, 540];
     let list = match kind {
         FigureKind::Stages => figures::collision(&[subject], &style),
@@ -82,7 +84,7 @@ pub fn collision_figure(
     let list = list.map_err(|error| error.to_string())?;
     let mut file = Vec::new();
     StillFormat::Svg
-        .write(&list, &Metadata::default(), TextAs::Outlines, &mut file)
+        .write(&list, &Metadata::default(), TextAs::Outlines, PngEffort::Small, &mut file)
         .map_err(|error| error.to_string())?;
     Ok(file)
 }

@@ -5,7 +5,9 @@ use rebond::internals::picture::{EnergySample, body_color};
 use rebond::internals::replay::RunSnapshot;
 use rebond::internals::scene::{Action, Blueprint, Input, InputLocation, SpawnRequest};
 use rebond::recordings::{BodyInfo, Change};
-use rebond::{Body, BodyId, Collision, Diagnostic, Run, Scene, SceneError, StepError, Theme, Vector, parse_scene};
+use rebond::{
+    Body, BodyId, Collision, Diagnostic, Language, Run, Scene, SceneError, StepError, Theme, Vector, parse_scene,
+};
 use std::collections::{BTreeMap, VecDeque};
 
 /// The largest number of bodies alive.
@@ -390,11 +392,11 @@ impl Session {
     ///
     /// # Errors
     /// If there is no such collision.
-    pub fn figure(&self, index: usize, kind: FigureKind, theme: Theme) -> Result<Vec<u8>, String> {
+    pub fn figure(&self, index: usize, kind: FigureKind, theme: Theme, language: Language) -> Result<Vec<u8>, String> {
         let collision = self.collisions.get(index).ok_or("there is no collision in this step")?;
         let [c, b] = collision.bodies.map(|id| self.infos.get(&id));
         let (Some(c), Some(b)) = (c, b) else { return Err("the bodies of the collision are unknown".into()) };
-        collision_figure(collision, [c, b], self.scene.gravity, kind, theme)
+        collision_figure(collision, [c, b], self.scene.gravity, kind, theme, language)
     }
 
     /// A name that no body alive and no event has, numbered from `number` on.

@@ -1,6 +1,6 @@
 use crate::*;
 use proptest::prelude::*;
-use rebond::{LiveEvents, OnBadEvent, RecordOptions, Theme, parse_scene};
+use rebond::{Language, LiveEvents, OnBadEvent, RecordOptions, Theme, parse_scene};
 use std::sync::{Arc, Mutex};
 
 const ROOM: &str = "[world]\nwalls = true\ngravity = [0.0, 9.81]\n[run]\nsteps = 120\n[restitution]\ndefault = 0.8\n\
@@ -387,10 +387,12 @@ fn the_collisions_of_a_step_have_both_figures() {
             session.step();
         }
         for kind in [FigureKind::Stages, FigureKind::Minkowski] {
-            let figure = session.figure(0, kind, Theme::Dark).unwrap();
-            assert!(figure.starts_with(b"<svg"), "{solver} {kind:?}");
+            let [english, french] = [Language::English, Language::French]
+                .map(|language| session.figure(0, kind, Theme::Dark, language).unwrap());
+            assert!(english.starts_with(b"<svg") && french.starts_with(b"<svg"), "{solver} {kind:?}");
+            assert_ne!(english, french);
         }
-        assert!(session.figure(99, FigureKind::Stages, Theme::Light).is_err());
+        assert!(session.figure(99, FigureKind::Stages, Theme::Light, Language::English).is_err());
         assert!(session.recent.back().unwrap().1.contains(&"wall-bottom".to_owned()));
     }
 }

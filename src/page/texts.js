@@ -158,10 +158,6 @@ const PAIRS = {
       'Un enregistrement fait ici se rejoue au bit près avec « rebond replay ».',
     ],
   ],
-  notDrawn: [
-    (names) => `Only the page shows this; pictures do not: ${names}.`,
-    (names) => `Seule la page montre ceci ; pas les images : ${names}.`,
-  ],
   figure1Texts: [
     'The boxes c and b before the collision, where they overlap, and after it. v′ is the velocity after the collision.',
     'Les boîtes c et b avant le choc (before), où elles se recouvrent (overlap), et après (after). v′ est la vitesse après le choc ; « no impulse » : aucune impulsion ; « step » : pas.',

@@ -1,5 +1,5 @@
 use super::collisions::{find_collision, freeze_frames, max_impulse};
-use super::encode::{write_apng, write_gif, write_png_sequence};
+use super::encode::{PngEffort, write_apng, write_gif, write_png_sequence};
 use super::figures::{self, CollisionSubject, EnergyRun, FigureRun, Range, SpacetimeRun, Timeline};
 use super::layers::lanes::{LaneConflicts, Lanes, MAX_KEPT};
 use super::layers::{LayoutContext, arrows};
@@ -15,7 +15,7 @@ use super::{
 };
 use super::{Appearance, Palette, color};
 use crate::physics::larger;
-use crate::recording::BodyInfo;
+use crate::recording::{BodyInfo, Playback};
 use std::collections::BTreeSet;
 use std::io::Write;
 use std::num::NonZero;
@@ -49,7 +49,11 @@ pub fn draw(
     match &picture.subject {
         Subject::Page { page, format } => {
             let (list, statuses) = compose_page(page, picture, sources, progress)?;
-            format.write(&list, &metadata, picture.look.text, output)?;
+            let effort = match page {
+                Page::State { every: Some(_), .. } => PngEffort::Fast,
+                _ => PngEffort::Small,
+            };
+            format.write(&list, &metadata, picture.look.text, effort, output)?;
             Ok(Drawn { statuses, schedule: None, warnings: warnings(picture, sources) })
         }
         Subject::Animation { animation, format } => {
@@ -174,7 +178,7 @@ pub fn draw_sequence<E: From<Error>>(
     // Each picture is that of its step alone, which lacks nothing.
     let view = View::new(source.world(), Style { gaps: Vec::new(), ..view.style }).map_err(Error::from)?;
     let metadata = |step| {
-        let subject = Subject::Page { page: Page::State { step, every: *every }, format: StillFormat::Png };
+        let subject = Subject::Page { page: Page::State { step, every: Some(*every) }, format: StillFormat::Png };
         let picture = ResolvedPicture { subject, look: look.clone(), titles: Vec::new() };
         Provenance::new(&picture, std::slice::from_ref(source)).metadata()
     };
@@ -264,7 +268,9 @@ impl Clip {
     /// If the recording cannot be read.
     fn with_common_lanes(mut self, source: &Source) -> Result<Clip, Error> {
         let look = &self.view.style.look;
-        let has_arrows = [Overlay::Velocity, Overlay::Force].into_iter().any(|overlay| look.show.contains(overlay));
+        let has_arrows = [Overlay::Velocity, Overlay::Momentum, Overlay::Force]
+            .into_iter()
+            .any(|overlay| look.show.contains(overlay));
         if has_arrows && self.view.style.body_count as usize <= MAX_KEPT {
             let mut conflicts = LaneConflicts::default();
             for frame in Frames::new(source, &self.schedule, &look.show)? {
@@ -290,11 +296,20 @@ impl Style {
                 top_impulse = larger(max_impulse(source, progress)?, top_impulse);
             }
         }
-        Ok(Style::with_top_impulse(look, sources, top_impulse))
+        Style::with_top_impulse(look, sources, top_impulse)
     }
 
     /// The style of a picture of these recordings, whose largest impulse is known, N·s.
-    fn with_top_impulse(look: &Look, sources: &[Source], top_impulse: f64) -> Style {
+    ///
+    /// # Errors
+    /// If the scale of momentum arrows requires all states and they cannot be read.
+    fn with_top_impulse(look: &Look, sources: &[Source], top_impulse: f64) -> Result<Style, Error> {
+        let mut top_momentum = 0.0;
+        if look.show.contains(Overlay::Momentum) {
+            for source in sources {
+                top_momentum = larger(max_momentum(source)?, top_momentum);
+            }
+        }
         let top = |of: fn(&Source) -> f64| sources.iter().map(of).fold(0.0, larger);
         let mut materials: Vec<String> =
             sources.iter().flat_map(|source| source.statistics.materials.clone()).collect();
@@ -302,9 +317,10 @@ impl Style {
         materials.dedup();
         // The shortest step of all runs, and the longest run.
         let rate = top(|source| source.header.config.rate);
-        Style {
+        Ok(Style {
             look: look.clone(),
             top_speed: top(|source| source.statistics.top_speed),
+            top_momentum,
             top_force: top(|source| source.statistics.top_force),
             top_impulse,
             body_count: sources.iter().map(|source| source.statistics.names.len() as u32).max().unwrap_or(0),
@@ -312,8 +328,19 @@ impl Style {
             materials,
             gaps: Vec::new(),
             lanes: Lanes::default(),
-        }
+        })
     }
+}
+
+/// The largest momentum of a body in any recorded state, kg·m/s. The end record has only the highest speed.
+fn max_momentum(source: &Source) -> Result<f64, Error> {
+    let mut max = 0.0;
+    for state in Playback::new(source.recording()?) {
+        let state = state.map_err(|error| source.read_error(error))?;
+        let finite = state.bodies.iter().filter(|body| body.info.spawn.mass.is_finite());
+        max = finite.map(|body| body.velocity.norm() * body.info.spawn.mass).fold(max, larger);
+    }
+    Ok(max)
 }
 
 /// The colour of a body in pictures with default options: red, green, blue.
@@ -341,7 +368,7 @@ fn compose_page(
     progress: Progress,
 ) -> Result<(DisplayList, Vec<ReadStatus>), Error> {
     match page {
-        Page::State { step, every } => state(*step, *every, &picture.look, &sources[0], progress),
+        Page::State { step, every } => state(*step, every.unwrap_or(1), &picture.look, &sources[0], progress),
         Page::Collision { figure, collisions } => {
             let style = Style::new(&picture.look, sources, progress)?;
             let mut subjects = Vec::new();
@@ -437,7 +464,7 @@ fn state(
         let mut run = Resimulation::of_whole_run(source, schedule, trails)?;
         let frame = run.next().transpose()?.ok_or_else(missing)?;
         let top_impulse = run.finish_run()?;
-        let style = Style::with_top_impulse(look, std::slice::from_ref(source), top_impulse);
+        let style = Style::with_top_impulse(look, std::slice::from_ref(source), top_impulse)?;
         return Ok((compose(&frame, &View::new(source.world(), style)?), vec![run.read_status()]));
     }
     let animation = Animation { steps: step..=step, every, timing: Timing::REAL_TIME };

@@ -1,4 +1,4 @@
-use super::encode::{apng, gif, pdf, png, svg};
+use super::encode::{PngEffort, apng, gif, pdf, png, svg};
 use super::{DisplayList, MAX_GIF_FPS, Metadata, Painter, RenderError, TextAs};
 use std::io::Write;
 use std::path::Path;
@@ -99,7 +99,7 @@ impl StillFormat {
         }
     }
 
-    /// Writes one page. `text` is the form of text in SVG.
+    /// Writes one page. `text` is the form of text in SVG, `effort` that of compressing PNG.
     ///
     /// # Errors
     /// If writing to `output` fails.
@@ -108,10 +108,11 @@ impl StillFormat {
         list: &DisplayList,
         metadata: &Metadata,
         text: TextAs,
+        effort: PngEffort,
         output: &mut dyn Write,
     ) -> Result<(), RenderError> {
         match self {
-            StillFormat::Png => png::encode(&Painter::new().draw(list), metadata, output),
+            StillFormat::Png => png::encode(&Painter::new().draw(list), metadata, effort, output),
             StillFormat::Svg => svg::encode(list, metadata, text, output),
             StillFormat::Pdf => pdf::encode(list, metadata, output),
         }

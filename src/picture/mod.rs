@@ -41,13 +41,13 @@ use crate::scene::SceneError;
 use std::path::PathBuf;
 
 pub use crate::picture_options::{
-    CameraTarget, ColorBy, Look, Overlay, Overlays, PictureOptions, TextAs, Theme, Window,
+    CameraTarget, ColorBy, Language, Look, Overlay, Overlays, PictureOptions, TextAs, Theme, Window,
 };
 pub use draw::{Clip, Drawn, body_color, draw, draw_options, draw_sequence, draw_to_vec, redraw};
 pub(crate) use encode::ordered_parallel_map;
 pub use encode::{
-    AnimationDecoder, DecodedFrame, Metadata, RenderError, apng, compare, draw_frames, gif, pdf, png, svg, write_apng,
-    write_gif, write_png, write_png_sequence,
+    AnimationDecoder, DecodedFrame, Metadata, PngEffort, RenderError, apng, compare, draw_frames, gif, pdf, png, svg,
+    write_apng, write_gif, write_png, write_png_sequence,
 };
 pub use figures::EnergySample;
 pub use format::{AnimationFormat, Format, StillFormat};

@@ -124,7 +124,7 @@ impl Unit {
     /// Impulse.
     pub const NEWTON_SECOND: Unit = Unit { symbol: "N·s", prefixes: [-18, 18] };
     /// Momentum.
-    pub const MOMENTUM: Unit = Unit { symbol: "(kg·m/s)", prefixes: [0, 0] };
+    pub const MOMENTUM: Unit = Unit { symbol: "kg·m/s", prefixes: [0, 0] };
 
     /// The unit with the prefix for quantities of this size: none from 0.01 to 100 000.
     pub fn for_size(self, size: f64) -> ScaledUnit {

@@ -136,23 +136,26 @@ impl Provenance {
 
 /// The kind of a picture and the titles of its recordings, in one line.
 fn title(picture: &ResolvedPicture, sources: &[Source]) -> String {
+    let language = picture.look.language;
     let kind = match &picture.subject {
         Subject::Animation { .. } => "Animation",
-        Subject::Page { page: Page::State { .. }, .. } => "State",
+        Subject::Page { page: Page::State { .. }, .. } => language.of("State", "État"),
         Subject::Page { page: Page::Collision { figure: CollisionFigure::Stages, .. }, .. } => "Collision",
         Subject::Page { page: Page::Collision { figure: CollisionFigure::Minkowski, .. }, .. } => {
-            "Minkowski difference"
+            language.of("Minkowski difference", "Différence de Minkowski")
         }
         Subject::Page { page: Page::States { figure, .. }, .. } => match figure {
-            StatesFigure::Strobe => "Stroboscopic picture",
-            StatesFigure::Spacetime(_) => "Position over time",
-            StatesFigure::Filmstrip => "Filmstrip",
+            StatesFigure::Strobe => language.of("Stroboscopic picture", "Image stroboscopique"),
+            StatesFigure::Spacetime(_) => language.of("Position over time", "Position en fonction du temps"),
+            StatesFigure::Filmstrip => language.of("Filmstrip", "Suite d’instants"),
         },
-        Subject::Page { page: Page::Energy { .. }, .. } => "Energy and momentum over time",
+        Subject::Page { page: Page::Energy { .. }, .. } => {
+            language.of("Energy and momentum over time", "Énergie et quantité de mouvement en fonction du temps")
+        }
     };
     let own: Vec<String> = sources.iter().map(|source| source.title().to_owned()).collect();
     let titles = if picture.titles.is_empty() { &own } else { &picture.titles };
-    in_one_line(&format!("{kind}: {}", titles.join("; ")))
+    in_one_line(&format!("{kind}{}: {}", language.of("", "\u{a0}"), titles.join("; ")))
 }
 
 /// The caption and the steps of a picture, in one line.
@@ -165,7 +168,11 @@ fn description(picture: &ResolvedPicture) -> String {
     } else {
         ". "
     };
-    in_one_line(&format!("{caption}{separator}Steps {}", steps(&picture.subject)))
+    in_one_line(&format!(
+        "{caption}{separator}{} {}",
+        picture.look.language.of("Steps", "Pas"),
+        steps(&picture.subject)
+    ))
 }
 
 /// A text without control characters and line breaks, which the text form of metadata cannot contain.
@@ -182,8 +189,8 @@ fn steps(subject: &Subject) -> String {
     match subject {
         Subject::Animation { animation: Animation { steps, every, .. }, .. } => range(steps, *every),
         Subject::Page { page, .. } => match page {
-            Page::State { step, every: 1 } => step.to_string(),
-            Page::State { step, every } => format!("{step} every {every}"),
+            Page::State { step, every: None } => step.to_string(),
+            Page::State { step, every: Some(every) } => format!("{step} every {every}"),
             Page::States { steps, .. } | Page::Energy { steps } => {
                 steps.iter().map(|one| range(&one.steps, one.every)).collect::<Vec<String>>().join(", ")
             }
@@ -253,8 +260,11 @@ fn read_page(steps: &str, options: &OptionLine) -> Option<Page> {
     let collision = |figure| Some(Page::Collision { figure, collisions: read_collisions(steps, options)? });
     match options.get("figure") {
         None => {
-            let (step, every) = steps.split_once(" every ").unwrap_or((steps, "1"));
-            Some(Page::State { step: read_step(step)?, every: read_interval(every)? })
+            let (step, every) = match steps.split_once(" every ") {
+                Some((step, every)) => (step, Some(read_interval(every)?)),
+                None => (steps, None),
+            };
+            Some(Page::State { step: read_step(step)?, every })
         }
         Some("collision") => collision(CollisionFigure::Stages),
         Some("minkowski") => collision(CollisionFigure::Minkowski),
@@ -438,8 +448,9 @@ mod tests {
         let states = |figure| page(Page::States { figure, steps: steps.clone() });
         let collision = |figure| page(Page::Collision { figure, collisions: collisions.clone() });
         let subjects = [
-            page(Page::State { step: 7, every: 1 }),
-            page(Page::State { step: 8, every: 4 }),
+            page(Page::State { step: 7, every: None }),
+            page(Page::State { step: 8, every: Some(1) }),
+            page(Page::State { step: 8, every: Some(4) }),
             animation(0..=600, 2, Timing::REAL_TIME),
             animation(5..=5, 1, Timing { frames_per_step: 5, slow: 0.1, hold: 0.5 }),
             states(StatesFigure::Strobe),
@@ -478,7 +489,7 @@ mod tests {
     fn a_page_is_not_read_from_an_animation_nor_an_animation_from_a_page() {
         let clip = provenance(animation(0..=600, 2, Timing::REAL_TIME), CameraTarget::World).metadata();
         assert!(Provenance::parse(&clip, Format::Still(StillFormat::Pdf)).is_err());
-        let still = provenance(page(Page::State { step: 7, every: 1 }), CameraTarget::World).metadata();
+        let still = provenance(page(Page::State { step: 7, every: None }), CameraTarget::World).metadata();
         assert!(Provenance::parse(&still, Format::Animation(AnimationFormat::Gif)).is_err());
     }
 
@@ -509,7 +520,7 @@ mod tests {
 
     #[test]
     fn the_error_names_the_missing_entry() {
-        let subject = page(Page::State { step: 7, every: 1 });
+        let subject = page(Page::State { step: 7, every: None });
         let mut metadata = provenance(subject, CameraTarget::World).metadata();
         metadata.entries.truncate(3);
         let error = Provenance::parse(&metadata, Format::Still(StillFormat::Pdf)).unwrap_err().to_string();

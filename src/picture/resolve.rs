@@ -320,7 +320,7 @@ fn state(step: u64, source: &Source) -> Result<Page, Error> {
     if last_step(source)? < step || grid.restrict_to_every(source.header.every).count() == 0 {
         return Err(no_frames(step, step, source.header.every, source));
     }
-    Ok(Page::State { step, every: 1 })
+    Ok(Page::State { step, every: None })
 }
 
 /// The step of the last full state.

@@ -49,8 +49,9 @@ pub enum Page {
     State {
         /// The step of the state.
         step: u64,
-        /// Steps since the previous picture of a sequence; collisions of these steps are shown.
-        every: u64,
+        /// Steps since the previous picture of a sequence; collisions of these steps are shown. `None` for a single
+        /// picture, which shows those of one step.
+        every: Option<u64>,
     },
     /// A figure of one collision of each recording.
     Collision {

@@ -1,5 +1,6 @@
 use super::figures::CollisionSubject;
 
+use super::trace::GapReason;
 use super::{Appearance, Error, RunStatistics, StepGrid, TraceGap};
 use crate::physics::{Body, BodyId, EngineConfig, Material, Vector, World};
 use crate::recording::{
@@ -128,7 +129,7 @@ impl Source {
         let gap = |gap: &Gap| TraceGap {
             steps: gap.first_missing()..=gap.before - 1,
             times: [gap.after.unwrap_or(0), gap.before].map(|step| step as f64 / rate),
-            reason: "lost in a damaged recording",
+            reason: GapReason::Lost,
         };
         gaps.map(gap).collect()
     }

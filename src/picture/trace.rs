@@ -1,4 +1,4 @@
-use super::{Error, Progress, ReadExtent, ReadStatus, Source, StepGrid, recorded_world};
+use super::{Error, Language, Progress, ReadExtent, ReadStatus, Source, StepGrid, recorded_world};
 use crate::physics::{Collision, CollisionCount, Engine, Observer, World};
 use crate::recording::{Change, Error as RecordingError, Health, Item, Playback};
 use crate::replay::Replayer;
@@ -36,8 +36,27 @@ pub struct TraceGap {
     pub steps: RangeInclusive<u64>,
     /// The time of the last state before and of the first state after the gap, s.
     pub times: [f64; 2],
-    /// The reason, in words.
-    pub reason: &'static str,
+    /// The reason.
+    pub reason: GapReason,
+}
+
+/// The reason why states are missing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum GapReason {
+    /// They were lost before the recording was recovered.
+    Lost,
+    /// They cannot be read.
+    Unreadable,
+}
+
+impl GapReason {
+    /// The reason in words that follow the steps.
+    pub fn text(self, language: Language) -> &'static str {
+        match self {
+            GapReason::Lost => language.of("lost in a damaged recording", "perdus dans un enregistrement endommagé"),
+            GapReason::Unreadable => language.of("unreadable", "illisibles"),
+        }
+    }
 }
 
 /// Passes the world in each state of `grid` to `visit`, in the order of time, and between two states the world before and
@@ -176,7 +195,7 @@ impl Tracer<'_> {
         if is_after_gap {
             let mut recovered = self.source.header.gaps.iter();
             let is_recovered = recovered.any(|gap| gap.first_missing() <= step && gap.before >= expected);
-            let reason = if is_recovered { "lost in a damaged recording" } else { "unreadable" };
+            let reason = if is_recovered { GapReason::Lost } else { GapReason::Unreadable };
             let from = self.last.unwrap_or(first) as f64 / rate;
             self.gaps.push(TraceGap { steps: expected..=step - 1, times: [from, step as f64 / rate], reason });
         }

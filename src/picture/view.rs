@@ -75,11 +75,13 @@ pub struct Style {
     /// The maximum of the whole run rather than of the part that is drawn, so that parts drawn separately have the
     /// same scale. Faster bodies, between two states, have the colour of this speed and longer arrows.
     pub top_speed: f64,
+    /// The momentum, kg·m/s, of the longest momentum arrow; also of the whole run.
+    pub top_momentum: f64,
     /// The force, N, of the longest force arrow; also of the whole run.
     pub top_force: f64,
     /// The impulse, N·s, of the longest impulse arrow; also of the whole run.
     pub top_impulse: f64,
-    /// Number of bodies of the whole run; velocity and force arrows are shorter if there are many.
+    /// Number of bodies of the whole run; arrows of bodies are shorter if there are many.
     pub body_count: u32,
     /// The format of simulated times, common to all frames.
     pub time_format: TimeFormat,
@@ -100,9 +102,9 @@ impl Style {
     /// Returns true if the picture has a strip below the world for the clock, a scale bar or a legend, which
     /// explains colours and arrows.
     pub fn has_footer(&self) -> bool {
-        let arrows = [Overlay::Velocity, Overlay::Force, Overlay::Impulse];
+        let marks = [Overlay::Velocity, Overlay::Momentum, Overlay::Force, Overlay::Impulse, Overlay::Com];
         let has_strip = |overlay| self.shows(overlay);
-        [Overlay::Clock, Overlay::Scale].into_iter().chain(arrows).any(has_strip)
+        [Overlay::Clock, Overlay::Scale].into_iter().chain(marks).any(has_strip)
             || self.look.color_by != ColorBy::Body
             || !self.gaps.is_empty()
     }
@@ -114,6 +116,7 @@ impl Default for Style {
         Style {
             look: Look::default(),
             top_speed: 10.0,
+            top_momentum: 10.0,
             top_force: 10.0,
             top_impulse: 10.0,
             body_count: 0,

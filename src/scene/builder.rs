@@ -299,6 +299,7 @@ fn solver_name<S: Serializer>(solver: &SolverKind, out: S) -> Result<S::Ok, S::E
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::picture_options::Language;
     use crate::scene::{Action, ColorBy, Overlay, Theme};
 
     #[test]
@@ -336,6 +337,7 @@ mod tests {
             fps: Some(25.0),
             show: Some([Overlay::Clock].into()),
             color_by: Some(ColorBy::Speed),
+            language: Some(Language::French),
             ..PictureOptions::default()
         };
         let builder = SceneBuilder::new()

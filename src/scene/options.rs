@@ -6,7 +6,7 @@ use super::{
     tree::{Entry, Key, Node, Table, Value, unknown_key},
 };
 use crate::physics::{DEFAULT_EVENTS_PER_STEP, Restitution, RestitutionPair, SolverKind, Vector};
-use crate::picture_options::{ColorBy, MAX_SIDE, Overlay, Overlays, PictureOptions, Theme};
+use crate::picture_options::{ColorBy, Language, MAX_SIDE, Overlay, Overlays, PictureOptions, Theme};
 use crate::recording::limits;
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -248,9 +248,10 @@ const THEME: Key = Key { name: "theme", accepts: Theme::ACCEPTED };
 const FPS: Key = Key { name: "fps", accepts: "a positive number of frames per second, at most 1000" };
 const SHOW: Key = Key { name: "show", accepts: Overlay::ACCEPTED };
 const COLOR_BY: Key = Key { name: "color_by", accepts: ColorBy::ACCEPTED };
+const LANGUAGE: Key = Key { name: "language", accepts: Language::ACCEPTED };
 
 /// The keys of `[figure]`.
-pub(super) const FIGURE_KEYS: &[Key] = &[FIGURE_SIZE, THEME, FPS, SHOW, COLOR_BY];
+pub(super) const FIGURE_KEYS: &[Key] = &[FIGURE_SIZE, THEME, FPS, SHOW, COLOR_BY, LANGUAGE];
 
 /// Reads `[figure]`.
 pub(super) fn read_figure(table: &Table) -> Result<PictureOptions, ErrorReported> {
@@ -259,12 +260,14 @@ pub(super) fn read_figure(table: &Table) -> Result<PictureOptions, ErrorReported
     let fps = table.optional(FPS, |node| node.number_where(|fps| 0.0 < fps && fps <= 1000.0));
     let show = table.optional(SHOW, overlays);
     let color_by = table.optional(COLOR_BY, |node| ColorBy::named(node.text()?).ok_or(node));
+    let language = table.optional(LANGUAGE, |node| Language::named(node.text()?).ok_or(node));
     Ok(PictureOptions {
         size: size?,
         theme: theme?,
         fps: fps?,
         show: show?,
         color_by: color_by?,
+        language: language?,
         ..PictureOptions::default()
     })
 }

@@ -55,7 +55,8 @@ fn stills(frames: &[Frame], view: &View) {
     let mut painter = Painter::new();
     for frame in frames {
         let picture = painter.draw(&picture::compose(frame, view));
-        png::encode(&picture, &Metadata::default(), temporary_file()).expect("space for a picture");
+        png::encode(&picture, &Metadata::default(), png::PngEffort::Fast, temporary_file())
+            .expect("space for a picture");
     }
 }
 

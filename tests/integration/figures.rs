@@ -8,8 +8,8 @@ use rebond::internals::picture::figures::{
     self, Axis, CollisionSubject, EnergyRun, EnergySample, FigureRun, Range, SpacetimeRun,
 };
 use rebond::internals::picture::{
-    Appearance, CameraTarget, ColorBy, DisplayList, Frame, Look, Metadata, Overlay, Overlays, Painter, RenderError,
-    Shape, Sprite, Style, TextAs, Theme, View, compose, svg,
+    Appearance, CameraTarget, Color, ColorBy, DisplayList, Frame, Look, Metadata, Overlay, Overlays, Painter,
+    RenderError, Shape, Sprite, Style, TextAs, Theme, View, compose, svg,
 };
 use std::sync::Arc;
 
@@ -387,6 +387,73 @@ fn pictures_of_every_size_and_number_of_recordings_are_legible_or_refused_with_a
             }
         }
     }
+}
+
+/// Every text of figures 1 and 2 and the colours below it have a contrast of at least 4.5, whatever the colours of the
+/// boxes.
+#[test]
+fn texts_of_collisions_contrast_with_the_boxes_below_them() {
+    let colors = [0x0072b2, 0xd55e00, 0x56b4e9, 0xf0e442, 0x000000, 0xffffff, 0x7f7f7f, 0x808000];
+    let mut texts_on_boxes = 0;
+    for run in [pair(), fall()] {
+        for (at, theme) in (0..colors.len()).flat_map(|at| Theme::ALL.iter().map(move |theme| (at, *theme))) {
+            let mut subject = run.first_collision();
+            for (body, shift) in subject.bodies.iter_mut().zip([0, 3]) {
+                let color = Some(Color::hex(colors[(at + shift) % colors.len()]));
+                *body = Arc::new(Appearance { color, ..(**body).clone() });
+            }
+            for size in [[800, 450], [450, 800], [1600, 500], [2400, 1600]] {
+                let mut style = options(theme, "");
+                style.look.size = size;
+                let subjects = [subject.clone()];
+                for list in [figures::collision(&subjects, &style), figures::minkowski(&subjects, &style)] {
+                    texts_on_boxes += assert_contrast(&list.unwrap(), &format!("{at} {} {size:?}", theme.name()));
+                }
+            }
+        }
+    }
+    assert!(texts_on_boxes > 500, "{texts_on_boxes} texts on boxes");
+}
+
+/// Asserts the contrast of all texts with the rectangles below them. Returns the number of texts on another colour than
+/// that of the page.
+fn assert_contrast(list: &DisplayList, case: &str) -> usize {
+    let [width, height] = list.size.map(f64::from);
+    let page = Rect::new(Vector::ZERO, width, height);
+    let mut fills: Vec<(Rect, Rect, Color)> = vec![(page, page, list.background)];
+    let mut on_boxes = 0;
+    visit(&list.shapes, &page, false, &mut 0, &mut |_, shape, window, _| match shape {
+        Shape::Rect { rect, ink } if ink.opacity == 255 => {
+            // A box is a rectangle in the colour of its border and a smaller one in its own.
+            if let Some((_, outer, color)) = fills.last_mut()
+                && outer.contains(rect)
+                && rect.contains(&outer.inset(8.0))
+            {
+                *color = ink.color;
+            }
+            fills.push((*window, *rect, ink.color));
+        }
+        Shape::Text { line, at, ink } if !line.text.is_empty() => {
+            let bounds = Rect::new(at.sub(Vector::new(0.0, line.height())), line.width, line.height());
+            let steps = [0.05, 0.25, 0.5, 0.75, 0.95];
+            let points = steps.iter().flat_map(|x| steps.map(|y| [x * bounds.width(), y * bounds.height()]));
+            let points = points.map(|[x, y]| Rect::new(bounds.origin.add(Vector::new(x, y)), 0.0, 0.0));
+            let grounds: Vec<Color> = points
+                .filter_map(|at| {
+                    let is_below =
+                        |(window, rect, _): &&(Rect, Rect, Color)| window.contains(&at) && rect.contains(&at);
+                    fills.iter().rev().find(is_below).map(|(_, _, color)| *color)
+                })
+                .collect();
+            for ground in &grounds {
+                let contrast = ink.color.contrast(*ground);
+                assert!(contrast >= 4.5, "{case}: {:?} in {} on {ground}: {contrast:.2}", line.text, ink.color);
+            }
+            on_boxes += usize::from(grounds.iter().any(|ground| *ground != list.background));
+        }
+        _ => {}
+    });
+    on_boxes
 }
 
 #[test]

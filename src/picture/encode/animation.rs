@@ -1,4 +1,5 @@
 use super::ordered_parallel_map::ordered_parallel_map;
+use super::png::PngEffort;
 use crate::picture::{
     AnimationSchedule, Frame, Metadata, Painter, Picture, RenderError, View, apng, compose, gif, png,
 };
@@ -10,7 +11,7 @@ use std::num::NonZero;
 /// # Errors
 /// If writing to `output` fails.
 pub fn write_png(frame: &Frame, view: &View, metadata: &Metadata, output: impl Write) -> Result<(), RenderError> {
-    png::encode(&Painter::new().draw(&compose(frame, view)), metadata, output)
+    png::encode(&Painter::new().draw(&compose(frame, view)), metadata, PngEffort::Small, output)
 }
 
 /// Encodes each frame as a PNG file and passes its step and content to `output`, in order.
@@ -33,7 +34,7 @@ pub fn write_png_sequence<E: From<RenderError>>(
         move |frame: Frame| {
             let picture = painter.draw(&compose(&frame, view));
             let mut file = Vec::new();
-            png::encode(&picture, &metadata(frame.step), &mut file).map(|()| (frame.step, file))
+            png::encode(&picture, &metadata(frame.step), PngEffort::Fast, &mut file).map(|()| (frame.step, file))
         }
     };
     ordered_parallel_map(frames, threads, worker, |result| {

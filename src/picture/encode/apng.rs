@@ -149,7 +149,7 @@ mod tests {
         let metadata = Metadata { entries: vec![("Caption".into(), "acTL".into())] };
         let picture = Picture { size: [2, 1], pixels: vec![[1, 2, 3, 255]; 2] };
         let (mut file, mut animation) = (Vec::new(), Vec::new());
-        still::encode(&picture, &metadata, &mut file).unwrap();
+        still::encode(&picture, &metadata, still::PngEffort::Small, &mut file).unwrap();
         assert!(file.windows(4).any(|bytes| bytes == b"acTL"));
         let mut writer = ApngWriter::new(picture.size, 1, &metadata, &mut animation).unwrap();
         let frame = EncodedFrame::new(&FrameDelta::between(None, &picture)).unwrap();

@@ -198,11 +198,11 @@ fn read_error(error: impl std::fmt::Display) -> RenderError {
 mod tests {
     use super::*;
     use crate::picture::Metadata;
-    use crate::picture::encode::png::encode;
+    use crate::picture::encode::png::{PngEffort, encode};
 
     fn encoded(picture: &Picture) -> Vec<u8> {
         let mut file = Vec::new();
-        encode(picture, &Metadata::default(), &mut file).unwrap();
+        encode(picture, &Metadata::default(), PngEffort::Small, &mut file).unwrap();
         file
     }
 

@@ -15,6 +15,7 @@ pub mod svg;
 pub use animation::{draw_frames, write_apng, write_gif, write_png, write_png_sequence};
 pub use decode::{AnimationDecoder, DecodedFrame};
 pub(crate) use ordered_parallel_map::ordered_parallel_map;
+pub use png::PngEffort;
 
 use crate::picture_options::MAX_SIDE;
 use crate::text::counted;

@@ -97,7 +97,10 @@ impl Scale {
     /// The title of an axis: the symbol of its quantity, divided by the unit of a linear scale.
     pub fn title(self, symbol: &str) -> String {
         match self {
-            Scale::Linear { unit, .. } => format!("{symbol} / \"{unit}\""),
+            Scale::Linear { unit, .. } => match unit.to_string() {
+                product if product.contains(['·', '/']) => format!("{symbol} / \"({product})\""),
+                unit => format!("{symbol} / \"{unit}\""),
+            },
             Scale::Log { .. } => symbol.to_owned(),
         }
     }

@@ -2,10 +2,10 @@ use super::pair::{Pair, ROLES};
 use super::panels::Panels;
 use crate::physics::{Axis, Rect, Vector, smaller};
 use crate::picture::layers::contacts::contact_center;
-use crate::picture::layers::labels::{Label, LabelPlacer};
+use crate::picture::layers::labels::{Halo, Label, LabelPlacer};
 use crate::picture::number::{format_significant, nice_below, nice_spacing};
 use crate::picture::text::Line;
-use crate::picture::{Arrow, Camera, Color, DrawingMetrics, Shape};
+use crate::picture::{Arrow, Camera, Color, DrawingMetrics, Language, Shape};
 
 /// A close-up of the contact, magnified until the penetration is clearly visible.
 pub struct CloseUp {
@@ -40,10 +40,12 @@ impl CloseUp {
         let origin = contact_center(rects).sub(panel.center().mult(1.0 / self.scale));
         let camera = Camera { scale: self.scale, origin, ..self.pair.camera(panel, self.scale) };
         let mut shapes = self.pair.boxes(&camera, rects, &metrics);
+        let mut fills = self.pair.fills(&camera, rects).to_vec();
         let page_rects = rects.map(|rect| camera.rect(&rect));
         if let Some(rect) = page_rects[0].intersection(&page_rects[1]) {
             let pale = metrics.palette.penetration.mix(metrics.palette.background, 70);
             shapes.push(Shape::Rect { rect, ink: pale.into() });
+            fills.push((rect, pale));
         }
         let mut placer = LabelPlacer::within(*panel);
         if self.zoom == 1.0 {
@@ -52,19 +54,19 @@ impl CloseUp {
             let arrow = Arrow::new(from, from.add(normal.mult(1.4)), metrics.line_width, metrics.palette.normal);
             let names = self.pair.names(&camera, rects, &[arrow.into()], &metrics);
             names.iter().for_each(|name| placer.reserve(name.bounds()));
-            names.into_iter().for_each(|name| name.draw_bare(&mut shapes));
+            names.into_iter().for_each(|name| name.draw_over(&fills, Halo::None, &metrics, &mut shapes));
         } else {
             for at in [0, 1] {
                 let label = self.role_label(at, panel, &metrics);
                 placer.reserve(label.bounds());
-                label.draw_bare(&mut shapes);
+                label.draw_over(&fills, Halo::None, &metrics, &mut shapes);
             }
         }
         panels.shapes.push(Shape::Clip { window: *panel, shapes });
         if page_rects.iter().any(|rect| !panel.contains(rect)) {
             panels.draw_frame(panel);
         }
-        self.draw_vectors(panel, &mut placer, panels);
+        self.draw_vectors(panel, &fills, &mut placer, panels);
     }
 
     /// The handout's name of a box as a label on the box's side of the contact.
@@ -73,14 +75,16 @@ impl CloseUp {
         // Within the panel, however small it is.
         let distance = |extent: f64| smaller(0.4 * extent, extent / 2.0 - line.size);
         let side = self.pair.collision.normal.mult(if at == 0 { 1.0 } else { -1.0 });
-        let offset = Vector::new(side.x * distance(panel.width()), side.y * distance(panel.height()));
+        // Beside the arrows, so that no label of an arrow follows the name.
+        let beside = Vector::new(side.y.abs() * distance(panel.width()), side.x.abs() * distance(panel.height()));
+        let offset = Vector::new(side.x * distance(panel.width()), side.y * distance(panel.height())).sub(beside);
         let middle = panel.center().add(offset);
         let baseline = middle.add(Vector::new(-line.width / 2.0, line.height() / 2.0));
         Label { line, at: baseline, color: metrics.palette.text_on(self.pair.colors[at]) }
     }
 
     /// Draws normal, penetration and its shares side by side along the contact.
-    fn draw_vectors(&self, panel: &Rect, placer: &mut LabelPlacer, panels: &mut Panels) {
+    fn draw_vectors(&self, panel: &Rect, fills: &[(Rect, Color)], placer: &mut LabelPlacer, panels: &mut Panels) {
         let metrics = panels.metrics;
         let normal = self.pair.collision.normal;
         let penetration = self.pair.collision.penetration.mult(self.scale);
@@ -106,7 +110,7 @@ impl CloseUp {
         for (from, vector, color, name) in vectors.into_iter().filter(|(_, vector, _, _)| vector.norm() > 0.0) {
             let arrow = Arrow::new(from, from.add(vector), 1.5 * metrics.line_width, color);
             arrow.draw(&metrics, &mut panels.shapes);
-            label_arrow(&arrow, name, placer, panels);
+            label_arrow(&arrow, name, fills, placer, panels);
         }
     }
 
@@ -117,25 +121,34 @@ impl CloseUp {
     }
 
     /// A long and a short caption below the panel, as markup.
-    pub fn titles(&self) -> [String; 2] {
-        let state = if self.pair.collision.penetration == Vector::ZERO { "they touch" } else { "they overlap" };
+    pub fn titles(&self, language: Language) -> [String; 2] {
+        let state = match self.pair.collision.penetration {
+            Vector::ZERO => language.of("they touch", "contact"),
+            _ => language.of("they overlap", "chevauchement"),
+        };
+        let larger = language.of("times larger", "fois plus grand");
         let zoom = format_significant(self.zoom, 1);
         match self.zoom {
             1.0 => [0, 1].map(|_| format!("\"(b) {state}\"")),
-            _ => [format!("\"(b) {state}\", {zoom} \"times larger\""), format!("\"(b) {state}, \"×{zoom}")],
+            _ => [format!("\"(b) {state}\", {zoom} \"{larger}\""), format!("\"(b) {state}, \"×{zoom}")],
         }
     }
 }
 
-/// Draws the label of an arrow at its tip.
-pub fn label_arrow(arrow: &Arrow, markup: &str, placer: &mut LabelPlacer, panels: &mut Panels) {
+/// Draws the label of an arrow at its tip, over boxes of these areas and colours.
+pub fn label_arrow(
+    arrow: &Arrow,
+    markup: &str,
+    fills: &[(Rect, Color)],
+    placer: &mut LabelPlacer,
+    panels: &mut Panels,
+) {
     let direction = arrow.to.sub(arrow.from);
     if direction.norm() < arrow.width {
         return;
     }
     let line = Line::math(markup, 1.1 * panels.metrics.font_size);
-    let color = panels.metrics.palette.label(arrow.color);
-    if let Some(label) = placer.place(line, arrow.to, direction, panels.metrics.font_size, color) {
-        label.draw(&panels.metrics, &mut panels.shapes);
+    if let Some(label) = placer.place(line, arrow.to, direction, panels.metrics.font_size, arrow.color) {
+        label.draw_over(fills, Halo::Around, &panels.metrics, &mut panels.shapes);
     }
 }

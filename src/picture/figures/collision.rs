@@ -9,7 +9,9 @@ use crate::picture::layers::footer::{Alignment, Legend};
 use crate::picture::layers::labels::LabelPlacer;
 use crate::picture::number::{TimeFormat, Unit, format_significant};
 use crate::picture::text::Line;
-use crate::picture::{Arrow, ArrowLength, Camera, DisplayList, DrawingMetrics, Ink, RenderError, Shape, Style};
+use crate::picture::{
+    Arrow, ArrowLength, Camera, DisplayList, DrawingMetrics, Ink, Language, RenderError, Shape, Style,
+};
 
 /// Figure 1 of the handout: (a) boxes c and b at contact, with their velocities; (b) a close-up of their overlap with
 /// the unit normal n̂, the penetration vector n⃗ and the share of it by which each box is displaced; (c) the boxes
@@ -25,11 +27,13 @@ pub fn collision(subjects: &[CollisionSubject], style: &Style) -> Result<Display
         collision.before.iter().chain(&collision.after).map(|velocity| velocity.norm()).fold(0.0, larger)
     };
     let top = subjects.iter().map(speeds).filter(|speed| speed.is_finite()).fold(0.0, larger);
+    let language = style.look.language;
     let rows: Vec<Vec<String>> =
-        subjects.iter().map(|subject| values(&subject.collision, style.time_format.finer(2))).collect();
+        subjects.iter().map(|subject| values(&subject.collision, style.time_format.finer(2), language)).collect();
     let fits = |cell: &Rect, metrics: &DrawingMetrics| {
         let lines = rows.iter().map(|values| value_lines(values, cell.width(), metrics));
-        let caption = Line::math("\"(b) they overlap, \"×1000", metrics.text(0.7)).width;
+        let longest = language.of("\"(b) they overlap, \"×1000", "\"(b) chevauchement, \"×1000");
+        let caption = Line::math(longest, metrics.text(0.7)).width;
         let is_legible = |lines: Vec<Line>| {
             let panel = Row::new(cell, lines.len(), metrics).panels[0];
             let least = larger(caption, 10.0 * metrics.font_size);
@@ -58,7 +62,7 @@ pub fn collision(subjects: &[CollisionSubject], style: &Style) -> Result<Display
             let row = Row::new(cell, most_lines, &panels.metrics);
             let lines = value_lines(values, cell.width(), &panels.metrics);
             row.draw_values(lines, top, panels);
-            row.draw(&Pair::new(subject, row.arrow_scale(top), style), panels);
+            row.draw(&Pair::new(subject, row.arrow_scale(top), style), language, panels);
         });
     }
     Ok(panels.finish())
@@ -113,16 +117,16 @@ impl Row {
     }
 
     /// Draws the three panels.
-    fn draw(&self, pair: &Pair, panels: &mut Panels) {
+    fn draw(&self, pair: &Pair, language: Language, panels: &mut Panels) {
         let [before, center, after] = self.panels[..] else { return };
         let scale = pair.scale(&before);
         draw_before(pair, &before, scale, panels);
         let close_up = CloseUp::new(pair, &center, scale, &panels.metrics);
         panels.clip(&center, |panels| close_up.draw(&center, panels));
         draw_after(pair, &after, scale, panels);
-        caption(&before, ["\"(a) before\""; 2], panels);
-        caption(&center, close_up.titles().each_ref().map(String::as_str), panels);
-        caption(&after, ["\"(c) after\""; 2], panels);
+        caption(&before, [language.of("\"(a) before\"", "\"(a) avant\""); 2], panels);
+        caption(&center, close_up.titles(language).each_ref().map(String::as_str), panels);
+        caption(&after, [language.of("\"(c) after\"", "\"(c) après\""); 2], panels);
     }
 }
 
@@ -134,7 +138,10 @@ fn draw_before(pair: &Pair, panel: &Rect, scale: f64, panels: &mut Panels) {
         panels.shapes.extend(pair.named_boxes(&camera, &rects, &arrows, &metrics));
         let mut placer = placer(pair, panel, &camera, &rects, &arrows, &metrics);
         arrows.iter().for_each(|LabeledArrow { arrow, .. }| arrow.draw(&metrics, &mut panels.shapes));
-        arrows.iter().for_each(|LabeledArrow { arrow, label, .. }| label_arrow(arrow, label, &mut placer, panels));
+        let fills = pair.fills(&camera, &rects);
+        for LabeledArrow { arrow, label, .. } in &arrows {
+            label_arrow(arrow, label, &fills, &mut placer, panels);
+        }
     });
 }
 
@@ -150,7 +157,10 @@ fn draw_after(pair: &Pair, panel: &Rect, scale: f64, panels: &mut Panels) {
         }
         let mut placer = placer(pair, panel, &camera, &rects, &arrows, &metrics);
         arrows.iter().for_each(|LabeledArrow { arrow, .. }| draw_dashed(arrow, &metrics, &mut panels.shapes));
-        arrows.iter().for_each(|LabeledArrow { arrow, label, .. }| label_arrow(arrow, label, &mut placer, panels));
+        let fills = pair.fills(&camera, &rects);
+        for LabeledArrow { arrow, label, .. } in &arrows {
+            label_arrow(arrow, label, &fills, &mut placer, panels);
+        }
     });
 }
 
@@ -192,9 +202,9 @@ fn value_lines(values: &[String], width: f64, metrics: &DrawingMetrics) -> Vec<L
 }
 
 /// The values of the collision, as markup.
-fn values(collision: &Collision, format: TimeFormat) -> Vec<String> {
+fn values(collision: &Collision, format: TimeFormat, language: Language) -> Vec<String> {
     let time = format!("t = {} \"{}\"", format.number(collision.instant), format.unit());
-    let mut values = vec![format!("\"step\" {}", collision.step), time];
+    let mut values = vec![format!("\"{}\" {}", language.of("step", "pas"), collision.step), time];
     if collision.penetration != Vector::ZERO {
         values.push(format!("|n⃗| = {}", Unit::METRE.format(collision.penetration.norm(), 3)));
         let shares = ["N_c", "N_b"].into_iter().zip(collision.shares);
@@ -202,7 +212,11 @@ fn values(collision: &Collision, format: TimeFormat) -> Vec<String> {
     }
     if collision.impulse == 0.0 {
         let is_at_rest = collision.before.iter().all(|velocity| *velocity == Vector::ZERO);
-        values.push(if is_at_rest { "|v⃗_c| = |v⃗_b| = 0".to_owned() } else { "\"no impulse\"".to_owned() });
+        values.push(if is_at_rest {
+            "|v⃗_c| = |v⃗_b| = 0".to_owned()
+        } else {
+            format!("\"{}\"", language.of("no impulse", "sans impulsion"))
+        });
     } else {
         values.push(format!("e = {}", format_significant(collision.restitution, 3)));
         values.push(format!("j = {}", Unit::NEWTON_SECOND.format(collision.impulse, 3)));

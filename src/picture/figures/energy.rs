@@ -6,7 +6,7 @@ use crate::physics::{Rect, Vector, World, larger, smaller};
 use crate::picture::layers::footer::{Entry, Legend};
 use crate::picture::number::{Unit, format_significant};
 use crate::picture::text::Line;
-use crate::picture::{Color, DisplayList, DrawingMetrics, Ink, RenderError, Shape, Style, color};
+use crate::picture::{Color, DisplayList, DrawingMetrics, Ink, Language, RenderError, Shape, Style, color};
 
 /// Energy and momentum of a state.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -111,27 +111,33 @@ impl EnergyRun {
 
     /// The energy curves, J; only the kinetic energy if there is no potential energy. Potential energy is counted from
     /// its least value, because its zero is arbitrary; so the total is the energy available in the run.
-    fn energy_series(&self, metrics: &DrawingMetrics) -> Vec<Series> {
+    fn energy_series(&self, language: Language, metrics: &DrawingMetrics) -> Vec<Series> {
         let [kinetic, potential, total] = &self.energies;
-        let series = |name, color, curve: &TimeCurve, zero| Series { name, color, parts: curve.parts(), zero };
-        let kinetic = series("kinetic", color::BODY_COLORS[5], kinetic, 0.0);
+        let series =
+            |name, color, curve: &TimeCurve, zero| Series { name, color, parts: curve.parts(), zero, width: 1.25 };
+        let kinetic = series(language.of("kinetic", "cinétique"), color::BODY_COLORS[5], kinetic, 0.0);
         if !self.has_potential {
             return vec![kinetic];
         }
         let zero = self.least_potential;
-        let potential = series("potential", color::BODY_COLORS[0], potential, zero);
+        let potential = series(language.of("potential", "potentielle"), color::BODY_COLORS[0], potential, zero);
         // The total is drawn first and wider, so that it stays visible where it equals another curve.
-        vec![series("total", metrics.palette.muted, total, zero), kinetic, potential]
+        vec![
+            Series { width: 3.0, ..series(language.of("total", "totale"), metrics.palette.muted, total, zero) },
+            kinetic,
+            potential,
+        ]
     }
 
     fn momentum_series(&self) -> Vec<Series> {
-        let series = |name, color, curve: &TimeCurve| Series { name, color, parts: curve.parts(), zero: 0.0 };
+        let series =
+            |name, color, curve: &TimeCurve| Series { name, color, parts: curve.parts(), zero: 0.0, width: 1.25 };
         let [x, y] = &self.momenta;
         vec![series("p_x", color::BODY_COLORS[6], x), series("p_y", color::BODY_COLORS[2], y)]
     }
 
     /// The change of the total energy since the last spawn or delete as a label, relative if the energy was not 0.
-    fn drift(&self) -> String {
+    fn drift(&self, language: Language) -> String {
         let Some(Account { first, last, least_potential }) = self.since_change else { return String::new() };
         let zero = if self.has_potential { least_potential } else { 0.0 };
         let (change, size) = (last.total() - first.total(), (first.total() - zero).abs());
@@ -141,7 +147,9 @@ impl EnergyRun {
         };
         match self.start == Some(first.time) {
             true => drift,
-            false => format!("{drift} \" since \" t = {}", Unit::SECOND.format(first.time, 4)),
+            false => {
+                format!("{drift} \" {} \" t = {}", language.of("since", "depuis"), Unit::SECOND.format(first.time, 4))
+            }
         }
     }
 }
@@ -153,6 +161,8 @@ struct Series {
     parts: Vec<Vec<[f64; 2]>>,
     /// Subtracted from the values.
     zero: f64,
+    /// Its width, in line widths.
+    width: f64,
 }
 
 impl Series {
@@ -167,13 +177,14 @@ impl Series {
 /// # Errors
 /// If the page is too small.
 pub fn energy(runs: &[EnergyRun], time: Range, style: &Style) -> Result<DisplayList, RenderError> {
+    let language = style.look.language;
     let metrics = DrawingMetrics::new(style.look.theme, style.look.size);
-    let energies: Vec<Vec<Series>> = runs.iter().map(|run| run.energy_series(&metrics)).collect();
+    let energies: Vec<Vec<Series>> = runs.iter().map(|run| run.energy_series(language, &metrics)).collect();
     let momenta: Vec<Vec<Series>> = runs.iter().map(EnergyRun::momentum_series).collect();
     let time = Scale::linear(time, Unit::SECOND);
     let [e, p] =
         [(&energies, Unit::JOULE), (&momenta, Unit::MOMENTUM)].map(|(series, unit)| Scale::linear(range(series), unit));
-    let notes: Vec<String> = runs.iter().map(EnergyRun::drift).collect();
+    let notes: Vec<String> = runs.iter().map(|run| run.drift(language)).collect();
     let fits = |cell: &Rect, metrics: &DrawingMetrics| {
         let [above, below] = split(cell).map(|panel| Axes::within(&panel, time, e, 0.0, metrics).plot_area);
         let title = Line::math(&e.title("E"), metrics.text(0.9)).width + metrics.font_size;
@@ -186,7 +197,7 @@ pub fn energy(runs: &[EnergyRun], time: Range, style: &Style) -> Result<DisplayL
         size: style.look.size,
         metrics,
         caption: &style.look.caption,
-        legend: &|metrics| legend(&energies, &momenta, runs, metrics),
+        legend: &|metrics| legend(&energies, &momenta, runs, language, metrics),
         titles: &runs.iter().map(|run| run.title.as_str()).collect::<Vec<&str>>(),
         shape: Vector::new(1.0, 1.0),
         text_height: 0.0,
@@ -237,10 +248,9 @@ fn draw_diagram(
     draw_timeline(timeline, axes, panels);
     for series in series {
         let ink = Ink::from(series.color);
-        let width = if series.name == "total" { 3.0 } else { 1.25 };
         for part in &series.parts {
             let points = part.iter().map(|[time, value]| [*time, value - series.zero]);
-            panels.shapes.push(axes.curve(points, width * panels.metrics.line_width, ink));
+            panels.shapes.push(axes.curve(points, series.width * panels.metrics.line_width, ink));
         }
     }
     if let Some(note) = note {
@@ -255,10 +265,16 @@ fn draw_diagram(
 }
 
 /// The common legend of all diagrams: the curves that any of them has, changes and gaps.
-fn legend(energies: &[Vec<Series>], momenta: &[Vec<Series>], runs: &[EnergyRun], metrics: &DrawingMetrics) -> Legend {
+fn legend(
+    energies: &[Vec<Series>],
+    momenta: &[Vec<Series>],
+    runs: &[EnergyRun],
+    language: Language,
+    metrics: &DrawingMetrics,
+) -> Legend {
     let widest = energies.iter().max_by_key(|series| series.len());
     let series = widest.into_iter().chain(momenta.first()).flatten();
     let entry = |series: &Series| Entry { name: series.name.to_owned(), ..Entry::new(series.color, "") };
     let timelines = runs.iter().map(|run| &run.timeline);
-    Legend { entries: series.map(entry).chain(timeline_legend(timelines, metrics)).collect() }
+    Legend { entries: series.map(entry).chain(timeline_legend(timelines, language, metrics)).collect() }
 }

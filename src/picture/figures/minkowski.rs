@@ -4,10 +4,10 @@ use super::panels::{Layout, Panels, TITLE, caption, captioned_panels, dashed, ou
 use crate::physics::{Rect, Vector, larger, smaller};
 use crate::picture::layers::bodies::border_color;
 use crate::picture::layers::footer::Legend;
-use crate::picture::layers::labels::LabelPlacer;
+use crate::picture::layers::labels::{Halo, LabelPlacer};
 use crate::picture::number::{Unit, format_significant, nice_spacing};
 use crate::picture::text::Line;
-use crate::picture::{Arrow, Camera, Color, DisplayList, DrawingMetrics, RenderError, Shape, Style};
+use crate::picture::{Arrow, Camera, Color, DisplayList, DrawingMetrics, Language, RenderError, Shape, Style};
 
 /// Figure 2 of the handout: (a) boxes c and b at contact; (b) their Minkowski difference s = b ⊖ c around the origin,
 /// with the vectors from the origin to its four sides; the shortest one is the penetration vector n⃗; (c) the same
@@ -18,7 +18,7 @@ use crate::picture::{Arrow, Camera, Color, DisplayList, DrawingMetrics, RenderEr
 pub fn minkowski(subjects: &[CollisionSubject], style: &Style) -> Result<DisplayList, RenderError> {
     let fits = |cell: &Rect, metrics: &DrawingMetrics| {
         let panel = captioned_panels(cell, 3, metrics)[0];
-        let caption = Line::math(TITLES_B[1], metrics.text(0.7)).width;
+        let caption = Line::math(titles_b(style.look.language)[1], metrics.text(0.7)).width;
         panel.width() >= larger(caption, 7.0 * metrics.font_size) && panel.height() >= 6.0 * metrics.font_size
     };
     let layout = Layout {
@@ -39,12 +39,16 @@ pub fn minkowski(subjects: &[CollisionSubject], style: &Style) -> Result<Display
 }
 
 /// A long and a short title of the difference.
-const TITLES_B: [&str; 2] = ["\"(b)\" s = b ⊖ c \"around the origin\"", "\"(b)\" s = b ⊖ c"];
+fn titles_b(language: Language) -> [&'static str; 2] {
+    let short = "\"(b)\" s = b ⊖ c";
+    let english = "\"(b)\" s = b ⊖ c \"around the origin\"";
+    [language.of(english, "\"(b)\" s = b ⊖ c \"autour de l’origine\""), short]
+}
 
 /// Draws the panels of one collision.
 fn row(subject: &CollisionSubject, cell: &Rect, panels: &mut Panels, style: &Style) {
     let pair = Pair::new(subject, 0.0, style);
-    let metrics = panels.metrics;
+    let (metrics, language) = (panels.metrics, style.look.language);
     let difference = MinkowskiDifference::new(&pair, &metrics);
     let scale = |panel: &Rect| smaller(pair.scale(panel), difference.scale(panel));
     let two = captioned_panels(cell, 2, &metrics);
@@ -54,14 +58,16 @@ fn row(subject: &CollisionSubject, cell: &Rect, panels: &mut Panels, style: &Sty
     let camera = pair.camera(&panel_rects[0], scale);
     let shapes = pair.named_boxes(&camera, &pair.collision.rects, &[], &metrics);
     panels.shapes.push(Shape::Clip { window: panel_rects[0], shapes });
-    caption(&panel_rects[0], ["\"(a) the boxes\" c \"and\" b", "\"(a)\" c, b"], panels);
+    let boxes = language.of("\"(a) the boxes\" c \"and\" b", "\"(a) les boîtes\" c \"et\" b");
+    caption(&panel_rects[0], [boxes, "\"(a)\" c, b"], panels);
     let length_label = if zoom == 1.0 { LengthLabel::Shown } else { LengthLabel::Hidden };
     difference.draw(&panel_rects[1], scale, difference.middle, length_label, panels);
-    caption(&panel_rects[1], TITLES_B, panels);
+    caption(&panel_rects[1], titles_b(language), panels);
     if let Some(panel) = panel_rects.get(2) {
         difference.draw(panel, scale * zoom, Vector::ZERO, LengthLabel::Shown, panels);
         let zoom = format_significant(zoom, 1);
-        caption(panel, [&format!("\"(c)\" {zoom} \"times larger\""), &format!("\"(c)\" ×{zoom}")], panels);
+        let larger = language.of("times larger", "fois plus grand");
+        caption(panel, [&format!("\"(c)\" {zoom} \"{larger}\""), &format!("\"(c)\" ×{zoom}")], panels);
     }
 }
 
@@ -146,7 +152,8 @@ impl MinkowskiDifference {
         let origin_on_page = camera.point(Vector::ZERO);
         let mut placer = LabelPlacer::within(*panel);
         placer.avoid_border(&page_rect, 1.0);
-        draw_axes(origin_on_page, panel, &mut placer, &metrics, &mut shapes);
+        let fills = [(page_rect, self.fill)];
+        draw_axes(origin_on_page, panel, &fills, &mut placer, &metrics, &mut shapes);
         for (vector, color, width) in self.candidates(&metrics) {
             let arrow = Arrow::new(origin_on_page, origin_on_page.add(vector.mult(scale)), width, color);
             placer.avoid_line(arrow.from, arrow.to, 2.0);
@@ -159,7 +166,7 @@ impl MinkowskiDifference {
         }
         self.draw_name(&page_rect, panel, &mut placer, &metrics, &mut shapes);
         if length_label == LengthLabel::Shown {
-            self.label_shortest(origin_on_page, scale, &mut placer, &metrics, &mut shapes);
+            self.label_shortest(origin_on_page, scale, &fills, &mut placer, &metrics, &mut shapes);
         }
         panels.shapes.push(Shape::Clip { window: *panel, shapes });
         if !panel.contains(&page_rect) {
@@ -191,7 +198,8 @@ impl MinkowskiDifference {
         let corners = [far, near, Vector::new(near.x, far.y), Vector::new(far.x, near.y)];
         let line = Line::math("s", 1.2 * metrics.font_size);
         let name = placer.place_along(line, &corners, Vector::new(-1.0, -1.0), 0.0, metrics.palette.ink);
-        name.into_iter().for_each(|name| name.draw(metrics, shapes));
+        let fills = [(*page_rect, self.fill)];
+        name.into_iter().for_each(|name| name.draw_over(&fills, Halo::Around, metrics, shapes));
     }
 
     /// Draws the label with the length of the shortest vector.
@@ -199,6 +207,7 @@ impl MinkowskiDifference {
         &self,
         origin_on_page: Vector,
         scale: f64,
+        fills: &[(Rect, Color)],
         placer: &mut LabelPlacer,
         metrics: &DrawingMetrics,
         shapes: &mut Vec<Shape>,
@@ -208,7 +217,7 @@ impl MinkowskiDifference {
         let normal = Vector::new(vector.y, -vector.x);
         let middle = origin_on_page.add(vector.mult(scale / 2.0));
         let label = placer.place(line, middle, normal, metrics.font_size, metrics.palette.penetration);
-        label.into_iter().for_each(|label| label.draw(metrics, shapes));
+        label.into_iter().for_each(|label| label.draw_over(fills, Halo::Around, metrics, shapes));
     }
 }
 
@@ -237,6 +246,7 @@ fn blue(metrics: &DrawingMetrics) -> Color {
 fn draw_axes(
     origin_on_page: Vector,
     panel: &Rect,
+    fills: &[(Rect, Color)],
     placer: &mut LabelPlacer,
     metrics: &DrawingMetrics,
     shapes: &mut Vec<Shape>,
@@ -255,10 +265,10 @@ fn draw_axes(
         let inward = origin_on_page.sub(*end).mult(metrics.font_size / origin_on_page.sub(*end).norm());
         let line = Line::math(name, metrics.font_size);
         let name = placer.place(line, end.add(inward), Vector::new(-1.0, -1.0), 0.6 * metrics.font_size, muted);
-        name.into_iter().for_each(|name| name.draw(metrics, shapes));
+        name.into_iter().for_each(|name| name.draw_over(fills, Halo::Around, metrics, shapes));
     }
     let line = Line::math("0", metrics.font_size);
     let (towards, gap) = (Vector::new(-1.0, 1.0), 0.5 * metrics.font_size);
     let origin = placer.place(line, origin_on_page, towards, gap, metrics.palette.ink);
-    origin.into_iter().for_each(|origin| origin.draw(metrics, shapes));
+    origin.into_iter().for_each(|origin| origin.draw_over(fills, Halo::Around, metrics, shapes));
 }

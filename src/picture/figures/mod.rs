@@ -30,8 +30,7 @@ pub use timeline::Timeline;
 
 use crate::physics::{BodyId, Collision, Vector};
 use crate::picture::ColorBy;
-use crate::picture::layers::arrows;
-use crate::picture::layers::footer::{Entry, Legend, gap_entries};
+use crate::picture::layers::footer::{Entry, Legend, marks};
 use crate::picture::{Appearance, CameraTarget, Color, DrawingMetrics, Frame, Sprite, Style, color};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -62,14 +61,13 @@ pub struct CollisionSubject {
 const MAX_IN_LEGEND: usize = 12;
 
 /// The common legend of all panels: the meaning of the colours or, if bodies are coloured individually and there are
-/// several panels, the names of the visible bodies; and the lengths of arrows.
+/// several panels, the names of the visible bodies; and the lengths of arrows and other marks.
 pub fn legend(runs: &[FigureRun], style: &Style, metrics: &DrawingMetrics) -> Legend {
     let sprites = runs.iter().flat_map(|run| &run.frames).flat_map(|frame| &frame.sprites);
     let visible = sprites.filter(|sprite| is_visible(sprite, &style.look.camera_target));
     let bodies = visible.map(|sprite| (&*sprite.appearance, color::body_color(sprite, style)));
     let mut legend = legend_of_bodies(bodies, runs.len(), style);
-    legend.entries.extend(arrows::keys(style, metrics));
-    legend.entries.extend(gap_entries(&style.gaps, metrics.palette.muted));
+    legend.entries.extend(marks(style, metrics));
     legend
 }
 

@@ -3,7 +3,7 @@ use crate::physics::{Axis, Collision, Rect, Vector, larger, smaller};
 use crate::picture::layers::arrows::LabeledArrow;
 use crate::picture::layers::bodies::draw_box;
 use crate::picture::layers::contacts::contact_center;
-use crate::picture::layers::labels::{Label, LabelPlacer};
+use crate::picture::layers::labels::{Halo, Label, LabelPlacer};
 use crate::picture::layers::lanes::{Lanes, separate};
 use crate::picture::text::Line;
 use crate::picture::{Appearance, Arrow, Camera, Color, DrawingMetrics, Shape, Sprite, Style, color};
@@ -110,8 +110,9 @@ impl Pair {
         metrics: &DrawingMetrics,
     ) -> Vec<Shape> {
         let mut shapes = self.boxes(camera, rects, metrics);
+        let fills = self.fills(camera, rects);
         for name in self.names(camera, rects, arrows, metrics) {
-            name.draw_bare(&mut shapes);
+            name.draw_over(&fills, Halo::None, metrics, &mut shapes);
         }
         shapes
     }
@@ -136,15 +137,21 @@ impl Pair {
         names
     }
 
-    /// The boxes, the larger one first, so that the smaller one stays visible.
+    /// The boxes in drawing order.
     pub fn boxes(&self, camera: &Camera, rects: &[Rect; 2], metrics: &DrawingMetrics) -> Vec<Shape> {
         let mut shapes = Vec::new();
-        let size = |at: usize| rects[at].width() * rects[at].height();
-        let order = if size(0) > size(1) { [0, 1] } else { [1, 0] };
-        for at in order {
-            draw_box(&camera.rect(&rects[at]), self.colors[at], metrics, &mut shapes);
+        for (rect, color) in self.fills(camera, rects) {
+            draw_box(&rect, color, metrics, &mut shapes);
         }
         shapes
+    }
+
+    /// The areas of the boxes on the page and their colours in drawing order: the larger one first, so that the smaller
+    /// one stays visible.
+    pub fn fills(&self, camera: &Camera, rects: &[Rect; 2]) -> [(Rect, Color); 2] {
+        let size = |at: usize| rects[at].width() * rects[at].height();
+        let order = if size(0) > size(1) { [0, 1] } else { [1, 0] };
+        order.map(|at| (camera.rect(&rects[at]), self.colors[at]))
     }
 
     /// The name of a box, or only its role if the name does not fit, in the corner of the least label cost. Of equal

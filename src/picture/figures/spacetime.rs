@@ -92,7 +92,7 @@ pub fn spacetime(runs: &[SpacetimeRun], time: Range, axis: Axis, style: &Style) 
     let bodies = || visible().filter_map(|band| Some((&*band.appearance, band.parts.first()?.0)));
     let legend = |metrics: &DrawingMetrics| {
         let mut legend = legend_of_bodies(bodies(), runs.len(), style);
-        legend.entries.extend(timeline_legend(runs.iter().map(|run| &run.timeline), metrics));
+        legend.entries.extend(timeline_legend(runs.iter().map(|run| &run.timeline), style.look.language, metrics));
         legend
     };
     let (scale, symbol) = match axis {

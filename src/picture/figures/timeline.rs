@@ -5,7 +5,7 @@ use super::panels::{Panels, dashed};
 use crate::physics::{Rect, Vector, larger, smaller};
 use crate::picture::layers::footer::{Entry, gap_entries, quoted};
 use crate::picture::trace::TraceGap;
-use crate::picture::{DrawingMetrics, Ink, Shape};
+use crate::picture::{DrawingMetrics, Ink, Language, Shape};
 
 /// The instants of a run at which its curves jump or are interrupted.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -58,13 +58,18 @@ fn hatched(area: &Rect, metrics: &DrawingMetrics) -> Vec<Shape> {
 /// The legend entries of the marks of all runs of a figure.
 pub fn timeline_legend<'a>(
     timelines: impl Iterator<Item = &'a Timeline> + Clone,
+    language: Language,
     metrics: &DrawingMetrics,
 ) -> Vec<Entry> {
     let mut entries = Vec::new();
     let color = metrics.palette.muted;
     if timelines.clone().any(|timeline| !timeline.changes.is_empty()) {
-        entries.push(Entry { name: quoted("¦ spawn or delete"), colors: Vec::new(), ..Entry::new(color, "") });
+        entries.push(Entry {
+            name: quoted(language.of("¦ spawn or delete", "¦ création ou suppression")),
+            colors: Vec::new(),
+            ..Entry::new(color, "")
+        });
     }
-    entries.extend(gap_entries(timelines.flat_map(|timeline| &timeline.gaps), color));
+    entries.extend(gap_entries(timelines.flat_map(|timeline| &timeline.gaps), language, color));
     entries
 }

@@ -125,13 +125,17 @@ impl From<Arrow> for LabeledArrow {
     }
 }
 
-/// The velocity arrows, then the arrows for the sum of weight and constant force, each from the middle of a box. Contact
+/// The velocity arrows, those of momenta, then those for the sum of weight and constant force, each from the middle of a box. Contact
 /// forces are not part of a recording.
 pub fn of_bodies(frame: &Frame, context: &LayoutContext) -> Vec<LabeledArrow> {
     let shows = |quantity: &Quantity| context.view.style.shows(quantity.overlay);
     let mut arrows = Vec::new();
     if shows(&VELOCITY) {
         arrows.extend(from_centers(frame, |sprite| sprite.velocity, &VELOCITY, context));
+    }
+    if shows(&MOMENTUM) {
+        let momentum = |sprite: &Sprite| sprite.appearance.momentum(sprite.velocity);
+        arrows.extend(from_centers(frame, momentum, &MOMENTUM, context));
     }
     if shows(&FORCE) {
         arrows.extend(from_centers(frame, |sprite| sprite.appearance.force, &FORCE, context));
@@ -173,6 +177,14 @@ pub const VELOCITY: Quantity = Quantity {
     unit: Unit::METRE_PER_SECOND,
     top: |style| style.top_speed,
     color: |metrics| metrics.palette.ink,
+};
+
+/// Momentum, kg·m/s.
+pub const MOMENTUM: Quantity = Quantity {
+    overlay: Overlay::Momentum,
+    unit: Unit::MOMENTUM,
+    top: |style| style.top_momentum,
+    color: |metrics| metrics.palette.momentum,
 };
 
 /// Force, N.
@@ -227,7 +239,7 @@ pub fn key_entries(scale: f64, top: f64, unit: Unit, width: f64, color: Color) -
 
 /// The entries of the legend for all arrows of frames.
 pub fn keys(style: &Style, metrics: &DrawingMetrics) -> Vec<Entry> {
-    [&VELOCITY, &FORCE, &IMPULSE].into_iter().flat_map(|quantity| quantity.keys(style, metrics)).collect()
+    [&VELOCITY, &MOMENTUM, &FORCE, &IMPULSE].into_iter().flat_map(|quantity| quantity.keys(style, metrics)).collect()
 }
 
 /// With more bodies than this, arrows are shorter and thinner, so that their density stays about the same.

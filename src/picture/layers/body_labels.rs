@@ -1,6 +1,6 @@
 use super::bodies::{Hatching, marked_rect};
 use super::footer::quoted;
-use super::{LabeledArrow, LayoutContext, grid};
+use super::{LabeledArrow, LayoutContext, center_of_mass, grid};
 use crate::physics::{Rect, Vector, smaller};
 use crate::picture::Overlay;
 use crate::picture::layers::labels::{Label, LabelPlacer};
@@ -21,6 +21,7 @@ pub fn draw(frame: &Frame, context: &LayoutContext, arrows: &[LabeledArrow], sha
     for LabeledArrow { arrow, .. } in arrows {
         placer.avoid_line(arrow.from, arrow.to, 3.0);
     }
+    center_of_mass::bounds(frame, context).into_iter().for_each(|mark| placer.reserve(mark));
     let boxes = visible_boxes(frame, context);
     if are_placed(boxes.len()) && has_labels(context) {
         boxes.iter().for_each(|(_, rect)| placer.avoid(*rect, BOX_WEIGHT));
@@ -182,7 +183,7 @@ fn candidates_inside(line: &Line, rect: &Rect, context: &LayoutContext) -> Vec<R
 
 /// Returns true if arrows begin in the middle of boxes.
 fn has_centered_arrows(context: &LayoutContext) -> bool {
-    context.view.style.shows(Overlay::Velocity) || context.view.style.shows(Overlay::Force)
+    [Overlay::Velocity, Overlay::Momentum, Overlay::Force].into_iter().any(|overlay| context.view.style.shows(overlay))
 }
 
 /// Candidate bounds of a label above, below, right and left of a box, and at its corners, within the viewport.

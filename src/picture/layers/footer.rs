@@ -6,7 +6,7 @@ use crate::picture::number::{Unit, nice_spacing};
 use crate::picture::raster::color::{self, SPEED_COLORS};
 use crate::picture::text::{Line, truncated, wrapped};
 use crate::picture::{Color, DrawingMetrics, Frame, Ink, Shape, Style};
-use crate::picture::{ColorBy, Overlay, TraceGap};
+use crate::picture::{ColorBy, Language, Overlay, TraceGap};
 
 /// The strips below the world: clock, scale bar and legend in one row, or in rows of their own if the picture is narrow;
 /// below them the caption.
@@ -250,8 +250,7 @@ impl Legend {
     /// The legend of frames: the box colours, unless boxes are coloured individually, the lengths of arrows and the missing steps.
     pub fn of(style: &Style, metrics: &DrawingMetrics) -> Legend {
         let mut entries = Legend::of_colors(style).entries;
-        entries.extend(arrows::keys(style, metrics));
-        entries.extend(gap_entries(&style.gaps, metrics.palette.muted));
+        entries.extend(marks(style, metrics));
         Legend { entries }
     }
 
@@ -266,7 +265,8 @@ impl Legend {
                 };
                 let mut entries: Vec<Entry> = style.materials.iter().take(MAX_MATERIALS).map(entry).collect();
                 if let Some(more) = style.materials.len().checked_sub(MAX_MATERIALS).filter(|more| *more > 0) {
-                    let name = quoted(&format!("and {more} more"));
+                    let [and, others] = style.look.language.of(["and", "more"], ["et", "autres"]);
+                    let name = quoted(&format!("{and} {more} {others}"));
                     entries.push(Entry { colors: Vec::new(), name, ..Entry::new(color::BODY_COLORS[0], "") });
                 }
                 entries
@@ -331,21 +331,34 @@ impl Legend {
     }
 }
 
+/// The legend entries of frames that explain arrows, the mark of the centre of mass and missing steps.
+pub fn marks(style: &Style, metrics: &DrawingMetrics) -> Vec<Entry> {
+    let (language, color) = (style.look.language, metrics.palette.muted);
+    let mut entries = arrows::keys(style, metrics);
+    if style.shows(Overlay::Com) {
+        let name = quoted(language.of("⊕ centre of mass", "⊕ centre de masse"));
+        entries.push(Entry { name, colors: Vec::new(), ..Entry::new(color, "") });
+    }
+    entries.extend(gap_entries(&style.gaps, language, color));
+    entries
+}
+
 /// Maximum number of gaps with an entry of their own in a legend.
 const MAX_LISTED_GAPS: usize = 3;
 
 /// The legend entries of parts that a recording lacks.
-pub fn gap_entries<'a>(gaps: impl IntoIterator<Item = &'a TraceGap>, color: Color) -> Vec<Entry> {
+pub fn gap_entries<'a>(gaps: impl IntoIterator<Item = &'a TraceGap>, language: Language, color: Color) -> Vec<Entry> {
     let mut gaps = gaps.into_iter();
     let entry = |gap: &TraceGap| {
         let (first, last) = (gap.steps.start(), gap.steps.end());
-        let text = if first == last { format!("step {first}") } else { format!("steps {first}–{last}") };
-        Entry::new(color, &format!("{text} {}", gap.reason))
+        let [step, steps] = language.of(["step", "steps"], ["pas", "pas"]);
+        let text = if first == last { format!("{step} {first}") } else { format!("{steps} {first}–{last}") };
+        Entry::new(color, &format!("{text} {}", gap.reason.text(language)))
     };
     let mut entries: Vec<Entry> = gaps.by_ref().take(MAX_LISTED_GAPS).map(entry).collect();
     match gaps.count() {
         0 => {}
-        more => entries.push(Entry::new(color, &format!("{more} more gaps"))),
+        more => entries.push(Entry::new(color, &format!("{more} {}", language.of("more gaps", "autres lacunes")))),
     }
     entries
 }

@@ -62,6 +62,11 @@ impl Appearance {
             is_wall,
         }
     }
+
+    /// The momentum at a velocity, kg·m/s; zero for an infinite mass, which has none.
+    pub fn momentum(&self, velocity: Vector) -> Vector {
+        if self.mass == f64::INFINITY { Vector::ZERO } else { velocity.mult(self.mass) }
+    }
 }
 
 /// The sum of weight and constant force, N; zero for an infinite mass.

@@ -28,7 +28,30 @@ impl Label {
 
     /// Appends the label to `shapes`, on a halo in the background colour that keeps it legible.
     pub fn draw(self, metrics: &DrawingMetrics, shapes: &mut Vec<Shape>) {
-        let halo = Ink { color: metrics.palette.background, opacity: 255 };
+        self.draw_on_halo(metrics.palette.background, metrics, shapes);
+    }
+
+    /// Appends the label to `shapes` over filled rectangles of the page, in drawing order, in a colour of sufficient
+    /// contrast with all that are below it. If there is none, the label is on a plate in the background colour.
+    pub fn draw_over(self, fills: &[(Rect, Color)], halo: Halo, metrics: &DrawingMetrics, shapes: &mut Vec<Shape>) {
+        let palette = &metrics.palette;
+        let bounds = with_overhang(&self.bounds()).inset(-metrics.line_width);
+        let grounds = grounds(&bounds, fills, palette.background);
+        match (palette.legible(self.color, &grounds), halo) {
+            (Some(color), Halo::None) => Label { color, ..self }.draw_bare(shapes),
+            (Some(color), Halo::Around) => {
+                let lowest = grounds.last().copied().unwrap_or(palette.background);
+                Label { color, ..self }.draw_on_halo(lowest, metrics, shapes);
+            }
+            (None, _) => {
+                shapes.push(Shape::Rect { rect: bounds, ink: palette.background.into() });
+                Label { color: palette.label(self.color), ..self }.draw_bare(shapes);
+            }
+        }
+    }
+
+    fn draw_on_halo(self, halo: Color, metrics: &DrawingMetrics, shapes: &mut Vec<Shape>) {
+        let halo = Ink { color: halo, opacity: 255 };
         let width = metrics.line_width;
         for (x, y) in
             [(-1.0, 0.0), (1.0, 0.0), (0.0, -1.0), (0.0, 1.0), (-0.7, -0.7), (0.7, -0.7), (-0.7, 0.7), (0.7, 0.7)]
@@ -43,6 +66,28 @@ impl Label {
     pub fn draw_bare(self, shapes: &mut Vec<Shape>) {
         shapes.push(Shape::Text { line: self.line, at: self.at, ink: self.color.into() });
     }
+}
+
+/// The margin of the glyphs of a label, which separates them from lines.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Halo {
+    /// Glyphs alone, for a label that crosses no line.
+    None,
+    /// A margin in a colour that is below the label.
+    Around,
+}
+
+/// The colours within `bounds`, from top to bottom: those of `fills`, the last of which is on top, and the page.
+fn grounds(bounds: &Rect, fills: &[(Rect, Color)], page: Color) -> Vec<Color> {
+    let mut colors = Vec::new();
+    for (rect, color) in fills.iter().rev().filter(|(rect, _)| rect.intersection(bounds).is_some()) {
+        colors.push(*color);
+        if rect.contains(bounds) {
+            return colors;
+        }
+    }
+    colors.push(page);
+    colors
 }
 
 /// Places labels where they cover as little as possible.

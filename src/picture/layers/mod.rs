@@ -3,6 +3,7 @@
 pub mod arrows;
 pub mod bodies;
 mod body_labels;
+mod center_of_mass;
 pub mod contacts;
 pub mod footer;
 mod frame;
@@ -44,7 +45,7 @@ pub fn backdrop(frame: &Frame, context: &LayoutContext) -> Shape {
     Shape::Clip { window: context.camera.viewport, shapes }
 }
 
-/// The layers that move, clipped to the viewport: trails, boxes, arrows and labels.
+/// The layers that move, clipped to the viewport: trails, boxes, arrows, the centre of mass and labels.
 pub fn foreground(frame: &Frame, context: &LayoutContext) -> Shape {
     let mut shapes = Vec::with_capacity(8 * frame.sprites.len());
     bodies::draw_trails(frame, context, &mut shapes);
@@ -52,6 +53,7 @@ pub fn foreground(frame: &Frame, context: &LayoutContext) -> Shape {
     contacts::draw_overlaps(frame, context, &mut shapes);
     let arrows = arrows(frame, context);
     arrows.iter().for_each(|arrow| arrow.arrow.draw(&context.metrics, &mut shapes));
+    center_of_mass::draw(frame, context, &mut shapes);
     body_labels::draw(frame, context, &arrows, &mut shapes);
     Shape::Clip { window: context.camera.viewport, shapes }
 }

@@ -119,6 +119,8 @@ pub struct Palette {
     pub impulse: Color,
     /// Forces.
     pub force: Color,
+    /// Momenta.
+    pub momentum: Color,
 }
 
 /// The palette of Okabe and Ito without its black, distinguishable with all common kinds of colour vision. A body's
@@ -168,6 +170,7 @@ const LIGHT: Palette = Palette {
     penetration: Color::hex(0xc81e1e),
     impulse: Color::hex(0x0050c8),
     force: Color::hex(0x006b4f),
+    momentum: Color::hex(0x5c10e8),
 };
 
 const DARK: Palette = Palette {
@@ -182,6 +185,7 @@ const DARK: Palette = Palette {
     penetration: Color::hex(0xff7b72),
     impulse: Color::hex(0x58a6ff),
     force: Color::hex(0x56d4a8),
+    momentum: Color::hex(0xffd84d),
 };
 
 impl Palette {
@@ -199,6 +203,15 @@ impl Palette {
         let candidates = [Color::hex(0x1f2328), Color::hex(0xffffff)];
         let sufficient = candidates.into_iter().find(|text| text.contrast(fill) >= TEXT_CONTRAST);
         sufficient.unwrap_or(Color::hex(0x000000))
+    }
+
+    /// A colour for text on all of these colours: the given one, mixed with the ink, white or black until its contrast
+    /// with each suffices. `None` if no such colour is found.
+    pub fn legible(&self, color: Color, grounds: &[Color]) -> Option<Color> {
+        let inks = [self.ink, Color::hex(0xffffff), Color::hex(0x000000)];
+        let mixed = inks.into_iter().flat_map(|ink| (0..=100).step_by(10).map(move |percent| color.mix(ink, percent)));
+        let suffices = |text: &Color| grounds.iter().all(|ground| text.contrast(*ground) >= TEXT_CONTRAST);
+        mixed.into_iter().find(suffices)
     }
 
     /// The colour of a label about something of this colour: mixed with the ink until its contrast with the page
@@ -258,9 +271,10 @@ mod tests {
     const THEMES: [Palette; 2] = [LIGHT, DARK];
 
     /// The colours of arrows, with their names.
-    fn arrow_colors(palette: &Palette) -> [(&'static str, Color); 5] {
+    fn arrow_colors(palette: &Palette) -> [(&'static str, Color); 6] {
         [
             ("velocity", palette.ink),
+            ("momentum", palette.momentum),
             ("force", palette.force),
             ("normal", palette.normal),
             ("penetration", palette.penetration),
