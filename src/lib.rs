@@ -72,6 +72,7 @@
 //! pictures. `report` adds measurements of error and cost on hard scenes. `cli`, the default, adds the command `rebond`
 //! and implies both.
 
+mod body_selector;
 #[cfg(feature = "draw")]
 mod check;
 #[cfg(feature = "cli")]
@@ -129,12 +130,13 @@ pub mod recordings {
 pub use replay::{ALL_STEPS, Difference, Divergence, Replayer, Verdict};
 
 // Pictures.
+pub use body_selector::BodySelector;
 #[cfg(feature = "draw")]
 pub use picture::{
     AnimationFormat, Error as PictureError, FigureOptions, Provenance, Source, StillFormat, SubjectOptions,
     draw_to_vec, redraw,
 };
-pub use picture_options::{ColorBy, Language, Overlay, Overlays, PictureOptions, StepOrTime, Theme, Window};
+pub use picture_options::{ColorBy, Language, Overlay, Overlays, PictureOptions, Quantity, StepOrTime, Theme, Window};
 
 /// Modules of this crate for its own command, tests and benchmarks. They are not part of the API and may change in
 /// any version.

@@ -1,5 +1,6 @@
 //! The options of pictures, from whichever source: the `[figure]` table of a scene, command-line flags, or code.
 
+use crate::body_selector::BodySelector;
 use crate::physics::{Rect, Vector};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
@@ -126,8 +127,12 @@ picture_options! {
         text: TextAs = TextAs::Outlines, IfChanged;
 
         /// The language of the words in figures and legends. Numbers keep the decimal point, as in tables and scenes.
-        flag(long, value_name = "CODE", help = "Write the words of figures in en (English) or fr (French)")
+        flag(long, value_name = "CODE", help = "Write words in en (English) or fr (French)")
         language: Language = Language::English, IfChanged;
+
+        /// The bodies that a figure shows; see [`BodySelector`].
+        flag(skip)
+        bodies: BodySelector = BodySelector::default(), IfChanged;
     }
 
     other {
@@ -239,6 +244,17 @@ impl OptionText for String {
 
     fn from_text(text: &str) -> Option<String> {
         serde_json::from_str(text).ok()
+    }
+}
+
+#[cfg(feature = "draw")]
+impl OptionText for BodySelector {
+    fn to_text(&self) -> String {
+        self.to_string().to_text()
+    }
+
+    fn from_text(text: &str) -> Option<BodySelector> {
+        String::from_text(text)?.parse().ok()
     }
 }
 
@@ -471,6 +487,46 @@ named! {
         Text = "text",
     }
     accepts("", "or", "")
+}
+
+named! {
+    /// The quantity of a diagram of lines over time.
+    Quantity {
+        /// Distance of the left side of a body from the left border of the world, m.
+        X = "x",
+        /// Distance of the upper side of a body below the upper border of the world, m.
+        Y = "y",
+        /// Velocity to the right, m/s.
+        Vx = "vx",
+        /// Velocity downwards, m/s.
+        Vy = "vy",
+        /// Speed, m/s.
+        Speed = "speed",
+        /// Height of the lower side of a body above the lower border of the world, m.
+        Height = "height",
+        /// Kinetic and potential energy, J, of chosen bodies or of all together.
+        Energy = "E",
+        /// Norm of the momentum, kg·m/s, of chosen bodies or of all together.
+        Momentum = "p",
+    }
+    accepts("", "or", "")
+}
+
+impl Quantity {
+    /// Its name in the title of a picture.
+    #[cfg(feature = "draw")]
+    pub(crate) const fn title(self, language: Language) -> &'static str {
+        match self {
+            Quantity::X => language.of("Position x", "Position x"),
+            Quantity::Y => language.of("Position y", "Position y"),
+            Quantity::Vx => language.of("Velocity v_x", "Vitesse v_x"),
+            Quantity::Vy => language.of("Velocity v_y", "Vitesse v_y"),
+            Quantity::Speed => language.of("Speed", "Vitesse"),
+            Quantity::Height => language.of("Height", "Hauteur"),
+            Quantity::Energy => language.of("Energy", "Énergie"),
+            Quantity::Momentum => language.of("Momentum", "Quantité de mouvement"),
+        }
+    }
 }
 
 named! {

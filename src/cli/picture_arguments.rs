@@ -1,8 +1,11 @@
 //! The options of the commands that draw.
 
 use super::arguments::{JobOptions, OutputOptions, Shard, single_override};
+use crate::body_selector::BodySelector;
 use crate::physics::Axis;
-use crate::picture::{CollisionFigure, FigureOptions, MAX_HOLD, MIN_HOLD, PictureOptions, SPEEDS, StatesFigure};
+use crate::picture::{
+    CollisionFigure, FigureOptions, MAX_HOLD, MIN_HOLD, PictureOptions, Quantity, SPEEDS, StatesFigure,
+};
 use crate::picture_options::StepOrTime;
 use crate::scene::{Override, Sweep};
 use clap::{Args, ValueEnum};
@@ -11,9 +14,8 @@ use std::path::PathBuf;
 /// Options of `render`.
 #[derive(Args, Debug)]
 #[command(after_help = "\
-OUT.gif and OUT.apng are animations; OUT.mp4 and OUT.webm need ffmpeg. OUT.png,
-OUT.svg and OUT.pdf need --at. Any other name is a folder with one PNG per step.
-Options that are not given come from the [figure] section of the scene.
+OUT.gif, .apng, .mp4, .webm (with ffmpeg) are animations; .png, .svg, .pdf need
+--at; a folder has a PNG per step. Options not given come from [figure].
 
 Examples:
   rebond render run.mcap -o slow.apng --slow 0.1 --hold 0.5 at collisions
@@ -69,14 +71,15 @@ impl RenderOptions {
 #[command(after_help = "\
 Examples:
   rebond figure collision recordings/figure-1.toml -o collision.svg
-  rebond figure minkowski figure-1.mcap -o minkowski.pdf --pair c,b
   rebond figure filmstrip run.mcap -o strip.png --from 40 --to 90 --every 10
+  rebond figure lines run.toml --set 'restitution.default=[0.9 | 0.5]' -o e.svg
   rebond figure strobe bullet-handout.mcap bullet-exact.mcap -o bullets.svg")]
 pub struct FigureCommandOptions {
-    /// The figure: collision, minkowski, strobe, spacetime, energy or filmstrip
+    /// The figure: collision, minkowski, strobe, spacetime, energy, filmstrip,
+    /// lines, speeds or velocity-space
     #[arg(hide_possible_values = true)]
     pub kind: FigureKind,
-    /// Scenes (.toml) or recordings (.mcap); several are drawn side by side
+    /// Scenes (.toml) or recordings (.mcap), side by side
     #[arg(required = true, value_name = "SOURCE")]
     pub sources: Vec<PathBuf>,
     /// The output file: .png, .svg or .pdf.
@@ -88,16 +91,22 @@ pub struct FigureCommandOptions {
     /// The appearance.
     #[command(flatten)]
     pub picture: PictureOptions,
-    /// collision, minkowski: first collision from this step or time on
-    #[arg(long, value_name = "STEP", default_value = "0")]
+    /// collision, minkowski: start at this step or time
+    #[arg(long, value_name = "STEP", default_value = "0", hide_default_value = true)]
     pub step: StepOrTime,
     /// collision, minkowski: only collisions of these bodies
     #[arg(long, value_name = "A,B", value_parser = pair)]
     pub pair: Option<[String; 2]>,
-    /// spacetime: draw x or y against time
+    /// Show only these bodies, for example 'a,b,#1..#9'
+    #[arg(long, value_name = "LIST")]
+    pub bodies: Option<BodySelector>,
+    /// lines: x, y, vx, vy, speed (default), height, E or p
+    #[arg(long, value_name = "NAME", default_value = "speed", hide_default_value = true)]
+    pub quantity: Quantity,
+    /// spacetime, velocity-space: draw x or y
     #[arg(long, default_value = "x", hide_possible_values = true)]
     pub axis: FigureAxis,
-    /// Write this above a source; repeatable [default: scene titles]
+    /// Title of a source; repeatable [default: the scene's]
     #[arg(long, value_name = "TEXT")]
     pub title: Vec<String>,
 }
@@ -105,7 +114,7 @@ pub struct FigureCommandOptions {
 impl FigureCommandOptions {
     /// The options of the picture.
     pub fn picture_options(&self) -> PictureOptions {
-        PictureOptions { titles: Some(self.title.clone()), ..self.picture.clone() }
+        PictureOptions { titles: Some(self.title.clone()), bodies: self.bodies.clone(), ..self.picture.clone() }
     }
 
     /// The figure to draw.
@@ -121,6 +130,9 @@ impl FigureCommandOptions {
             FigureKind::Strobe => FigureOptions::States(StatesFigure::Strobe),
             FigureKind::Spacetime => FigureOptions::States(StatesFigure::Spacetime(axis)),
             FigureKind::Energy => FigureOptions::Energy,
+            FigureKind::Speeds => FigureOptions::Speeds,
+            FigureKind::VelocitySpace => FigureOptions::VelocitySpace(axis),
+            FigureKind::Lines => FigureOptions::Lines(self.quantity),
             FigureKind::Filmstrip => FigureOptions::States(StatesFigure::Filmstrip),
         }
     }
@@ -141,6 +153,12 @@ pub enum FigureKind {
     Energy,
     /// Panels of chosen steps
     Filmstrip,
+    /// The distribution of speeds beside that of Maxwell and Boltzmann
+    Speeds,
+    /// Velocities of two bodies as a path on a circle, or of many as points
+    VelocitySpace,
+    /// A quantity of bodies against time, of all sources in one diagram
+    Lines,
 }
 
 /// The coordinate that a space-time figure shows.

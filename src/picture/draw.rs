@@ -1,6 +1,9 @@
 use super::collisions::{find_collision, freeze_frames, max_impulse};
 use super::encode::{PngEffort, write_apng, write_gif, write_png_sequence};
-use super::figures::{self, CollisionSubject, EnergyRun, FigureRun, Range, SpacetimeRun, Timeline};
+use super::figures::{
+    self, CollisionSubject, EnergyRun, FigureRun, LineRun, LineSubject, Range, SpacetimeRun, SpeedRun, Timeline,
+    Velocities, VelocityPath, VelocityRun,
+};
 use super::layers::lanes::{LaneConflicts, Lanes, MAX_KEPT};
 use super::layers::{LayoutContext, arrows};
 use super::number::TimeFormat;
@@ -9,17 +12,20 @@ use super::text::Font;
 use super::trace::trace;
 use super::{
     Animation, AnimationFormat, AnimationSchedule, CollisionFigure, ColorBy, DisplayList, EnergySample, Error, Frame,
-    Frames, Look, Overlay, Page, PictureOptions, Progress, Provenance, ReadStatus, RenderError, ResolvedPicture,
-    SOFTWARE, Sequence, Source, Sprite, StatesFigure, StepGrid, StepRange, StillFormat, Style, Subject, SubjectOptions,
-    Thinning, Timing, Trails, View, compose,
+    Frames, Look, Overlay, Page, PictureOptions, Progress, Provenance, Quantity, ReadStatus, RenderError,
+    ResolvedPicture, SOFTWARE, Sequence, Source, Sprite, StatesFigure, StepGrid, StepRange, StillFormat, Style,
+    Subject, SubjectOptions, Thinning, Timing, Trails, View, compose,
 };
 use super::{Appearance, Palette, color};
-use crate::physics::larger;
-use crate::recording::{BodyInfo, Playback};
-use std::collections::BTreeSet;
+use crate::body_selector::BodySelector;
+use crate::physics::{Axis, BodyId, larger};
+use crate::recording::{BodyInfo, Playback, SampledBody, SampledState};
+use crate::replay::{Replayer, Verdict};
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write;
 use std::num::NonZero;
 use std::ops::RangeInclusive;
+use std::sync::Arc;
 
 /// The result of drawing.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -388,6 +394,7 @@ fn compose_page(
             let style = Style::new(&picture.look, sources, progress)?;
             for ((source, title), grid) in sources.iter().zip(titles(picture, sources)).zip(grids(steps, sources)) {
                 let bodies = source.appearances()?;
+                let is_chosen = |body: &&Arc<Appearance>| body.is_wall || picture.look.bodies.contains(&body.name);
                 let column = column(&grid, &style);
                 let mut run = SpacetimeRun::new(title, source.world(), *axis, column);
                 let trace = trace(source, &grid, column, progress, |point| {
@@ -395,7 +402,7 @@ fn compose_page(
                         run.lift();
                     }
                     for body in &point.world.bodies {
-                        if let Some(appearance) = bodies.get(&body.id).cloned() {
+                        if let Some(appearance) = bodies.get(&body.id).filter(is_chosen).cloned() {
                             let (rect, velocity) = (body.rect, body.velocity);
                             run.push(point.time, &Sprite { appearance, rect, velocity, trail: Vec::new() }, &style);
                         }
@@ -414,7 +421,11 @@ fn compose_page(
                 style.gaps.extend(source.gaps_in(&grid));
                 let schedule = AnimationSchedule::from(grid);
                 let mut frames = Frames::new(source, &schedule, &picture.look.show)?;
-                let drawn = frames.by_ref().collect::<Result<Vec<Frame>, Error>>()?;
+                let mut drawn = frames.by_ref().collect::<Result<Vec<Frame>, Error>>()?;
+                let is_chosen = |sprite: &Sprite| {
+                    sprite.appearance.is_wall || picture.look.bodies.contains(&sprite.appearance.name)
+                };
+                drawn.iter_mut().for_each(|frame| frame.sprites.retain(is_chosen));
                 runs.push(FigureRun { title, world: source.world(), frames: drawn });
                 statuses.push(frames.read_status());
             }
@@ -423,6 +434,61 @@ fn compose_page(
                 StatesFigure::Filmstrip | StatesFigure::Spacetime(_) => figures::filmstrip(&runs, &style)?,
             };
             Ok((list, statuses))
+        }
+        Page::Speeds { steps } => {
+            let style = Style::new(&picture.look, sources, progress)?;
+            let top = sources.iter().map(|source| source.statistics.top_speed).fold(f64::MIN_POSITIVE, larger);
+            let (mut runs, mut statuses) = (Vec::new(), Vec::new());
+            for ((source, title), grid) in sources.iter().zip(titles(picture, sources)).zip(grids(steps, sources)) {
+                let bodies = chosen_bodies(&picture.look.bodies, source)?;
+                let mut run = SpeedRun::new(title, top);
+                // No instants between the states.
+                let trace = trace(source, &grid, f64::INFINITY, progress, |point| {
+                    for body in point.world.bodies.iter().filter(|body| bodies.contains_key(&body.id)) {
+                        run.push(body.velocity.norm(), body.mass);
+                    }
+                })?;
+                if !run.has_motion() {
+                    let reason = "all chosen bodies are at rest, so there is no distribution of speeds".into();
+                    return Err(Error::NothingToShow { reason });
+                }
+                runs.push(run);
+                statuses.push(trace.status);
+            }
+            Ok((figures::speeds(&runs, &style)?, statuses))
+        }
+        Page::VelocitySpace { axis, steps } => {
+            let style = Style::new(&picture.look, sources, progress)?;
+            let (mut runs, mut statuses) = (Vec::new(), Vec::new());
+            for ((source, title), grid) in sources.iter().zip(titles(picture, sources)).zip(grids(steps, sources)) {
+                let bodies = chosen_bodies(&picture.look.bodies, source)?;
+                let velocities = match bodies.len() {
+                    2 => Velocities::Pair(velocity_path(source, &bodies, *axis, &grid, progress)?),
+                    _ => velocity_cloud(source, &bodies, &grid, &style)?,
+                };
+                runs.push(VelocityRun { title, velocities });
+                statuses.push(source.declared_health()?);
+            }
+            Ok((figures::velocity_space(&runs, &style)?, statuses))
+        }
+        Page::Lines { quantity, steps } => {
+            let style = Style::new(&picture.look, sources, progress)?;
+            let (mut runs, mut statuses) = (Vec::new(), Vec::new());
+            for ((source, title), grid) in sources.iter().zip(run_names(picture, sources)).zip(grids(steps, sources)) {
+                let column = column(&grid, &style);
+                let subject = line_subject(*quantity, &picture.look.bodies, source)?;
+                let mut run = LineRun::new(title, *quantity, subject, source.world().y, column);
+                let trace = trace(source, &grid, column, progress, |point| {
+                    if point.is_after_gap {
+                        run.lift();
+                    }
+                    run.push(point.time, point.world);
+                })?;
+                run.timeline = Timeline { changes: trace.changes, gaps: trace.gaps };
+                runs.push(run);
+                statuses.push(trace.status);
+            }
+            Ok((figures::lines(&runs, time_range(steps, sources), *quantity, &style)?, statuses))
         }
         Page::Energy { steps } => {
             let style = Style::new(&picture.look, sources, progress)?;
@@ -445,6 +511,114 @@ fn compose_page(
             }
             Ok((figures::energy(&runs, time_range(steps, sources), &style)?, statuses))
         }
+    }
+}
+
+/// The bodies of a diagram of lines: the chosen ones of finite mass. Energy and momentum are those of all bodies together,
+/// unless bodies are chosen.
+fn line_subject(quantity: Quantity, selector: &BodySelector, source: &Source) -> Result<LineSubject, Error> {
+    if matches!(quantity, Quantity::Energy | Quantity::Momentum) && selector.is_all() {
+        return Ok(LineSubject::System);
+    }
+    Ok(LineSubject::Bodies(chosen_bodies(selector, source)?))
+}
+
+/// The chosen bodies of finite mass.
+fn chosen_bodies(selector: &BodySelector, source: &Source) -> Result<BTreeMap<BodyId, Arc<Appearance>>, Error> {
+    let mut bodies = source.appearances()?;
+    bodies.retain(|_, body| body.mass.is_finite() && selector.contains(&body.name));
+    if bodies.is_empty() {
+        return Err(Error::NothingToShow { reason: "no body of finite mass is chosen".into() });
+    }
+    Ok(bodies)
+}
+
+/// The velocities of two bodies along an axis in the steps of a grid, from a replay.
+fn velocity_path(
+    source: &Source,
+    bodies: &BTreeMap<BodyId, Arc<Appearance>>,
+    axis: Axis,
+    grid: &StepGrid,
+    progress: Progress,
+) -> Result<VelocityPath, Error> {
+    let (first, last) = (*grid.steps.start(), *grid.steps.end());
+    let state = Playback::new(source.recording()?)
+        .find(|state| state.as_ref().map_or(true, |state| state.step >= first && bodies_alive(state, bodies) == 2));
+    let Some(state) = state.transpose().map_err(|error| source.read_error(error))? else {
+        let reason = "the two chosen bodies are never alive at the same time".into();
+        return Err(Error::NothingToShow { reason });
+    };
+    let mut chosen = state.bodies.iter().filter_map(|body| Some((bodies.get(&body.info.id)?, body)));
+    let (Some(a), Some(b)) = (chosen.next(), chosen.next()) else {
+        return Err(Error::NothingToShow { reason: "two bodies are required".into() });
+    };
+    let body = |(appearance, body): (&Arc<Appearance>, &SampledBody)| {
+        (appearance.name.clone(), body.info.id, appearance.mass, body.velocity)
+    };
+    let mut path = VelocityPath::new([body(a), body(b)], axis);
+    let replayer = Replayer::new(source.recording()?, state.step..=last).map_err(|error| source.read_error(error))?;
+    let verdict = replayer.run(&mut path, |step| progress(step, last)).map_err(|error| source.read_error(error))?;
+    match verdict {
+        verdict @ Verdict::Diverged(_) => {
+            Err(Error::Diverged { path: source.path.clone(), verdict: Box::new(verdict) })
+        }
+        _ => Ok(path),
+    }
+}
+
+/// The number of these bodies in a state.
+fn bodies_alive(state: &SampledState, bodies: &BTreeMap<BodyId, Arc<Appearance>>) -> usize {
+    state.bodies.iter().filter(|body| bodies.contains_key(&body.info.id)).count()
+}
+
+/// The velocities of bodies in the last state of a grid.
+fn velocity_cloud(
+    source: &Source,
+    bodies: &BTreeMap<BodyId, Arc<Appearance>>,
+    grid: &StepGrid,
+    style: &Style,
+) -> Result<Velocities, Error> {
+    let mut last = None;
+    let mut playback = Playback::new(source.recording()?);
+    playback.seek(*grid.steps.end()).map_err(|error| source.read_error(error))?;
+    for state in playback {
+        let state = state.map_err(|error| source.read_error(error))?;
+        if state.step > *grid.steps.end() {
+            break;
+        }
+        last = Some(state);
+    }
+    let Some(state) = last.filter(|state| bodies_alive(state, bodies) > 0) else {
+        return Err(Error::NothingToShow { reason: "no chosen body is alive in the last state: use --to".into() });
+    };
+    let of_body = |body: &SampledBody| {
+        let appearance = bodies.get(&body.info.id)?.clone();
+        let rect = body.info.spawn.rect;
+        let sprite = Sprite { appearance, rect, velocity: body.velocity, trail: Vec::new() };
+        Some((body.velocity, color::body_color(&sprite, style)))
+    };
+    let time = state.step as f64 / grid.rate;
+    Ok(Velocities::Cloud { time, bodies: state.bodies.iter().filter_map(of_body).collect() })
+}
+
+/// The names of recordings in a common legend: titles, or the values given with `--set` if the recordings have the same
+/// title.
+fn run_names(picture: &ResolvedPicture, sources: &[Source]) -> Vec<String> {
+    let values = |source: &Source| {
+        let values = source.header.overrides.iter().map(|[key, value]| format!("{key} = {value}"));
+        values.collect::<Vec<String>>().join(", ")
+    };
+    let is_study = sources.windows(2).all(|pair| pair[0].title() == pair[1].title())
+        && sources.iter().all(|source| !source.header.overrides.is_empty());
+    let all_values: Vec<String> = sources.iter().map(values).collect();
+    let is_distinct = (1..all_values.len()).all(|at| !all_values[..at].contains(&all_values[at]));
+    let solvers = |at: usize| sources[at].header.config.solver;
+    match picture.titles.is_empty() {
+        true if is_study && is_distinct && sources.len() > 1 => all_values,
+        true if (1..sources.len()).all(|at| solvers(at) == solvers(0) && sources[at].title() != sources[0].title()) => {
+            sources.iter().map(|source| source.title().to_owned()).collect()
+        }
+        _ => titles(picture, sources),
     }
 }
 
@@ -478,8 +652,18 @@ fn state(
 /// Sentences about the contents of a picture that cannot be drawn as they are.
 fn warnings(picture: &ResolvedPicture, sources: &[Source]) -> Vec<String> {
     let is_of_pair = matches!(&picture.subject, Subject::Page { page: Page::Collision { .. }, .. });
-    let titles = if sources.len() > 1 { titles(picture, sources) } else { Vec::new() };
-    text_warnings(&picture.look, &titles, sources, if is_of_pair { BodyNames::Shown } else { BodyNames::IfOverlay })
+    let is_of_lines = matches!(&picture.subject, Subject::Page { page: Page::Lines { .. }, .. });
+    let titles = match sources.len() {
+        0 | 1 => Vec::new(),
+        _ if is_of_lines => run_names(picture, sources),
+        _ => titles(picture, sources),
+    };
+    text_warnings(
+        &picture.look,
+        &titles,
+        sources,
+        if is_of_pair || is_of_lines { BodyNames::Shown } else { BodyNames::IfOverlay },
+    )
 }
 
 /// The names of bodies in a picture.

@@ -41,7 +41,7 @@ use crate::scene::SceneError;
 use std::path::PathBuf;
 
 pub use crate::picture_options::{
-    CameraTarget, ColorBy, Language, Look, Overlay, Overlays, PictureOptions, TextAs, Theme, Window,
+    CameraTarget, ColorBy, Language, Look, Overlay, Overlays, PictureOptions, Quantity, TextAs, Theme, Window,
 };
 pub use draw::{Clip, Drawn, body_color, draw, draw_options, draw_sequence, draw_to_vec, redraw};
 pub(crate) use encode::ordered_parallel_map;

@@ -137,6 +137,7 @@ impl Provenance {
 /// The kind of a picture and the titles of its recordings, in one line.
 fn title(picture: &ResolvedPicture, sources: &[Source]) -> String {
     let language = picture.look.language;
+    let over_time;
     let kind = match &picture.subject {
         Subject::Animation { .. } => "Animation",
         Subject::Page { page: Page::State { .. }, .. } => language.of("State", "État"),
@@ -149,6 +150,14 @@ fn title(picture: &ResolvedPicture, sources: &[Source]) -> String {
             StatesFigure::Spacetime(_) => language.of("Position over time", "Position en fonction du temps"),
             StatesFigure::Filmstrip => language.of("Filmstrip", "Suite d’instants"),
         },
+        Subject::Page { page: Page::Speeds { .. }, .. } => {
+            language.of("Distribution of speeds", "Distribution des vitesses")
+        }
+        Subject::Page { page: Page::VelocitySpace { .. }, .. } => language.of("Velocity space", "Espace des vitesses"),
+        Subject::Page { page: Page::Lines { quantity, .. }, .. } => {
+            over_time = format!("{} {}", quantity.title(language), language.of("over time", "en fonction du temps"));
+            &over_time
+        }
         Subject::Page { page: Page::Energy { .. }, .. } => {
             language.of("Energy and momentum over time", "Énergie et quantité de mouvement en fonction du temps")
         }
@@ -191,7 +200,11 @@ fn steps(subject: &Subject) -> String {
         Subject::Page { page, .. } => match page {
             Page::State { step, every: None } => step.to_string(),
             Page::State { step, every: Some(every) } => format!("{step} every {every}"),
-            Page::States { steps, .. } | Page::Energy { steps } => {
+            Page::States { steps, .. }
+            | Page::Energy { steps }
+            | Page::Lines { steps, .. }
+            | Page::Speeds { steps }
+            | Page::VelocitySpace { steps, .. } => {
                 steps.iter().map(|one| range(&one.steps, one.every)).collect::<Vec<String>>().join(", ")
             }
             Page::Collision { collisions, .. } => {
@@ -227,6 +240,15 @@ fn write_subject(subject: &Subject, options: &mut OptionLine) {
                 }
             }
             Page::Energy { .. } => options.push("figure", "energy"),
+            Page::Speeds { .. } => options.push("figure", "speeds"),
+            Page::VelocitySpace { axis, .. } => {
+                options.push("figure", "velocity-space");
+                options.push("axis", if *axis == Axis::X { "x" } else { "y" });
+            }
+            Page::Lines { quantity, .. } => {
+                options.push("figure", "lines");
+                options.push("quantity", quantity);
+            }
         },
     }
 }
@@ -274,6 +296,15 @@ fn read_page(steps: &str, options: &OptionLine) -> Option<Page> {
         }
         Some("filmstrip") => states(StatesFigure::Filmstrip),
         Some("energy") => ranges().map(|steps| Page::Energy { steps }),
+        Some("speeds") => ranges().map(|steps| Page::Speeds { steps }),
+        Some("velocity-space") => {
+            let axis = if options.get("axis")? == "x" { Axis::X } else { Axis::Y };
+            ranges().map(|steps| Page::VelocitySpace { axis, steps })
+        }
+        Some("lines") => {
+            let quantity = options.get("quantity")?.parse().ok()?;
+            ranges().map(|steps| Page::Lines { quantity, steps })
+        }
         Some(_) => None,
     }
 }
@@ -408,7 +439,7 @@ impl std::fmt::Display for OptionLine {
 mod tests {
     use super::*;
     use crate::physics::{Rect, Vector};
-    use crate::picture::{AnimationFormat, ColorBy, Overlay, Overlays, StillFormat, TextAs, Theme};
+    use crate::picture::{AnimationFormat, ColorBy, Language, Overlay, Overlays, Quantity, StillFormat, TextAs, Theme};
 
     fn provenance(subject: Subject, camera_target: CameraTarget) -> Provenance {
         let look = Look {
@@ -419,6 +450,8 @@ mod tests {
             camera_target,
             caption: "a \"b\" = c".into(),
             text: TextAs::Text,
+            language: Language::French,
+            bodies: "a b,#1..#9".parse().unwrap(),
         };
         Provenance {
             software: "rebond 0".into(),
@@ -457,6 +490,9 @@ mod tests {
             states(StatesFigure::Spacetime(Axis::Y)),
             states(StatesFigure::Filmstrip),
             page(Page::Energy { steps: steps[..1].to_vec() }),
+            page(Page::Lines { quantity: Quantity::Energy, steps: steps.clone() }),
+            page(Page::Speeds { steps: steps.clone() }),
+            page(Page::VelocitySpace { axis: Axis::Y, steps: steps.clone() }),
             collision(CollisionFigure::Stages),
             collision(CollisionFigure::Minkowski),
         ];

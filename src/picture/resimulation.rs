@@ -124,35 +124,46 @@ impl Iterator for Resimulation {
     }
 }
 
-/// The collisions to be shown in the next frame. Of those of one pair that are indistinguishable on any page, only the
-/// one with the largest impulse is kept, so memory is bounded by the page and not by the number of collisions.
+/// The collisions to be shown in the next frame, so few that memory is bounded whatever their number. Of those of one pair
+/// that are indistinguishable on any page, only the one with the largest impulse is kept. If there are still too many, which
+/// would cover a page several times, only the one with the largest impulse of all that are near each other is kept.
 struct PendingCollisions {
     collisions: Vec<Collision>,
-    /// The index of the collision of a pair, along an axis, at a place in cells.
-    index: BTreeMap<([BodyId; 2], Axis, [i64; 2]), usize>,
+    /// The index of the collision at each place.
+    index: BTreeMap<Place, usize>,
     /// Width of a cell, m.
     cell: f64,
+    /// Width of the cells of a frame without too many collisions, m.
+    finest: f64,
 }
+
+/// The pair of a collision, unless there are too many to distinguish pairs, its axis, and its place in cells.
+type Place = (Option<[BodyId; 2]>, Axis, [i64; 2]);
 
 /// The number of cells along the longer side of the world: the largest size of a page, px.
 const CELLS: f64 = 16_384.0;
 
+/// The largest number of collisions that a frame shows.
+const MAX_SHOWN: usize = 20_000;
+
 impl PendingCollisions {
     fn new(world: Vector) -> PendingCollisions {
-        PendingCollisions { collisions: Vec::new(), index: BTreeMap::new(), cell: larger(world.x, world.y) / CELLS }
+        let finest = larger(world.x, world.y) / CELLS;
+        PendingCollisions { collisions: Vec::new(), index: BTreeMap::new(), cell: finest, finest }
     }
 
     fn take(&mut self) -> Vec<Collision> {
         self.index.clear();
+        self.cell = self.finest;
         std::mem::take(&mut self.collisions)
     }
-}
 
-impl Observer for PendingCollisions {
-    fn collision(&mut self, collision: &Collision) {
+    /// Keeps a collision unless one at the same place has a larger impulse.
+    fn keep(&mut self, collision: &Collision) {
         let at = contact_center(&collision.rects);
         let place = [at.x, at.y].map(|at| (at / self.cell).floor() as i64);
-        match self.index.entry((collision.bodies, collision.axis, place)) {
+        let pair = (self.cell == self.finest).then_some(collision.bodies);
+        match self.index.entry((pair, collision.axis, place)) {
             Entry::Occupied(kept) => {
                 let kept = &mut self.collisions[*kept.get()];
                 if collision.impulse.abs() > kept.impulse.abs() {
@@ -163,6 +174,18 @@ impl Observer for PendingCollisions {
                 free.insert(self.collisions.len());
                 self.collisions.push(collision.clone());
             }
+        }
+    }
+}
+
+impl Observer for PendingCollisions {
+    fn collision(&mut self, collision: &Collision) {
+        self.keep(collision);
+        while self.collisions.len() > MAX_SHOWN && self.cell.is_finite() {
+            self.cell *= 2.0;
+            self.index.clear();
+            let collisions = std::mem::take(&mut self.collisions);
+            collisions.iter().for_each(|collision| self.keep(collision));
         }
     }
 }
@@ -294,4 +317,46 @@ fn unknown(body: &Body) -> Appearance {
         material: String::new(),
     };
     Appearance::new(body.id, &spawn, None, None)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::Rect;
+
+    fn collision(number: u32) -> Collision {
+        let at = Vector::new(f64::from(number % 400) * 0.04, f64::from(number / 400 % 250) * 0.036);
+        Collision {
+            bodies: [number % 60, 60 + number / 400_000],
+            axis: Axis::X,
+            rects: [Rect::new(at, 0.01, 0.01); 2],
+            impulse: f64::from(number * 79 % 100_003),
+            step: 0,
+            time: 0.0,
+            instant: 0.0,
+            normal: Vector::new(1.0, 0.0),
+            penetration: Vector::ZERO,
+            shares: [0.5; 2],
+            restitution: 1.0,
+            normal_velocity: [-1.0, 1.0],
+            before: [Vector::ZERO; 2],
+            after: [Vector::ZERO; 2],
+        }
+    }
+
+    #[test]
+    fn a_frame_shows_all_collisions_or_the_largest_ones_of_very_many() {
+        let mut pending = PendingCollisions::new(Vector::new(16.0, 9.0));
+        (0..MAX_SHOWN as u32).for_each(|number| pending.collision(&collision(number)));
+        assert_eq!(pending.take().len(), MAX_SHOWN);
+        let mut top = 0.0;
+        for number in 0..300_000 {
+            top = larger(top, collision(number).impulse);
+            pending.collision(&collision(number));
+            assert!(pending.collisions.len() <= MAX_SHOWN);
+        }
+        let shown = pending.take();
+        assert!(shown.len() > MAX_SHOWN / 8, "{}", shown.len());
+        assert_eq!(shown.iter().map(|collision| collision.impulse).fold(0.0, larger), top);
+    }
 }

@@ -1,10 +1,10 @@
 use super::MAX_FRAMES_PER_STEP;
 use super::collisions::{collision_selector, find_collision};
 use super::{
-    Animation, AnimationFormat, CameraTarget, CollisionFigure, Error, Look, Page, PictureOptions, Progress,
+    Animation, AnimationFormat, CameraTarget, CollisionFigure, Error, Look, Page, PictureOptions, Progress, Quantity,
     ResolvedPicture, Source, StatesFigure, StepGrid, StepRange, StillFormat, Subject, Thinning, Timing, Window,
 };
-use crate::physics::{Rect, Vector, larger, smaller};
+use crate::physics::{Axis, Rect, Vector, larger, smaller};
 use crate::picture_options::StepOrTime;
 use crate::recording;
 use crate::text::counted;
@@ -52,6 +52,12 @@ pub enum FigureOptions {
     States(StatesFigure),
     /// Energy and momentum against time.
     Energy,
+    /// The distribution of speeds.
+    Speeds,
+    /// Velocities in their own space, of two bodies along this axis.
+    VelocitySpace(Axis),
+    /// A quantity against time, of all recordings in one diagram.
+    Lines(Quantity),
 }
 
 /// A folder of still PNG pictures, one per step.
@@ -217,7 +223,28 @@ impl PictureOptions {
         non_empty(grid.restrict_to_every(source.header.every), source)
     }
 
+    /// Returns an error if bodies are chosen for a figure that shows all, or if a name belongs to no body.
+    fn check_bodies(&self, figure: &FigureOptions, sources: &[Source]) -> Result<(), Error> {
+        let Some(selector) = &self.bodies else { return Ok(()) };
+        match figure {
+            FigureOptions::States(_) | FigureOptions::Lines(_) => {}
+            FigureOptions::Speeds | FigureOptions::VelocitySpace(_) => {}
+            FigureOptions::Collision { .. } | FigureOptions::Energy => {
+                let reason = "this figure shows a pair or all bodies: choose bodies with --pair, or use the figures lines, \
+                              speeds, velocity-space, spacetime, strobe or filmstrip";
+                return Err(Error::Incompatible { reason: reason.into() });
+            }
+        }
+        for source in sources {
+            if let Some(part) = selector.first_unmatched(&source.statistics.names) {
+                return Err(source.unknown_body(&part));
+            }
+        }
+        Ok(())
+    }
+
     fn figure(&self, figure: &FigureOptions, sources: &[Source], progress: Progress) -> Result<Page, Error> {
+        self.check_bodies(figure, sources)?;
         match figure {
             FigureOptions::Collision { figure, step, pair } => {
                 let mut collisions = Vec::new();
@@ -238,6 +265,13 @@ impl PictureOptions {
                 Ok(Page::States { figure: *figure, steps: steps? })
             }
             FigureOptions::Energy => Ok(Page::Energy { steps: self.common_steps(None, sources)? }),
+            FigureOptions::Speeds => Ok(Page::Speeds { steps: self.common_steps(None, sources)? }),
+            FigureOptions::VelocitySpace(axis) => {
+                Ok(Page::VelocitySpace { axis: *axis, steps: self.common_steps(None, sources)? })
+            }
+            FigureOptions::Lines(quantity) => {
+                Ok(Page::Lines { quantity: *quantity, steps: self.common_steps(None, sources)? })
+            }
         }
     }
 

@@ -1,4 +1,4 @@
-use super::{AnimationFormat, Format, Look, StillFormat, Timing};
+use super::{AnimationFormat, Format, Look, Quantity, StillFormat, Timing};
 use crate::physics::Axis;
 use std::ops::RangeInclusive;
 
@@ -69,6 +69,26 @@ pub enum Page {
     },
     /// Energy and momentum against time.
     Energy {
+        /// The steps of each recording, or of all of them if there is one range only.
+        steps: Vec<StepRange>,
+    },
+    /// The distribution of speeds.
+    Speeds {
+        /// The steps of each recording, or of all of them if there is one range only.
+        steps: Vec<StepRange>,
+    },
+    /// Velocities in their own space: those of two bodies along an axis during the run, or those of other numbers of
+    /// bodies in the last state.
+    VelocitySpace {
+        /// The axis, if there are two bodies.
+        axis: Axis,
+        /// The steps of each recording, or of all of them if there is one range only.
+        steps: Vec<StepRange>,
+    },
+    /// A quantity against time, of all recordings in one diagram.
+    Lines {
+        /// The quantity.
+        quantity: Quantity,
         /// The steps of each recording, or of all of them if there is one range only.
         steps: Vec<StepRange>,
     },

@@ -304,7 +304,9 @@ fn an_exported_range_equals_that_part_of_the_whole_table() {
 #[test]
 fn figures_of_every_kind_are_drawn_in_every_format() {
     let workplace = recorded();
-    for kind in ["collision", "minkowski", "strobe", "spacetime", "energy", "filmstrip"] {
+    for kind in
+        ["collision", "minkowski", "strobe", "spacetime", "energy", "filmstrip", "lines", "speeds", "velocity-space"]
+    {
         for (format, mark) in [("png", "PNG"), ("svg", "<svg"), ("pdf", "%PDF")] {
             workplace.done(&format!("figure {kind} run.mcap -o {kind}.{format}"));
             let file = workplace.read(&format!("{kind}.{format}"));
@@ -316,6 +318,10 @@ fn figures_of_every_kind_are_drawn_in_every_format() {
     }
     assert_eq!(workplace.rebond("figure collision run.mcap -o none.png --step 90").code, 1);
     assert_eq!(workplace.rebond("figure collision run.mcap -o none.bmp").code, 1);
+    let chosen = workplace.rebond("figure lines run.mcap -o none.png --bodies c,ghost7..ghost9");
+    assert!(chosen.code == 1 && chosen.errors.contains("no body is named \"ghost7..ghost9\""), "{chosen:?}");
+    let pair = workplace.rebond("figure collision run.mcap -o none.png --bodies c");
+    assert!(pair.code == 1 && pair.errors.contains("--pair"), "{pair:?}");
 }
 
 /// The rows of a CSV table as columns by name. No field of these tests is quoted.

@@ -2,13 +2,14 @@
 
 use crate::reference_image::assert_reference_image;
 use rebond::internals::physics::{
-    Collision, Engine, EngineConfig, Event, Rect, Restitution, SolverKind, Spawn, Vector,
+    Body, Collision, Engine, EngineConfig, Event, Observer, Rect, Restitution, SolverKind, Spawn, Vector, World,
 };
 use rebond::internals::picture::figures::{
-    self, Axis, CollisionSubject, EnergyRun, EnergySample, FigureRun, Range, SpacetimeRun,
+    self, Axis, CollisionSubject, EnergyRun, EnergySample, FigureRun, LineRun, LineSubject, Range, SpacetimeRun,
+    SpeedRun, Velocities, VelocityPath, VelocityRun,
 };
 use rebond::internals::picture::{
-    Appearance, CameraTarget, Color, ColorBy, DisplayList, Frame, Look, Metadata, Overlay, Overlays, Painter,
+    Appearance, CameraTarget, Color, ColorBy, DisplayList, Frame, Look, Metadata, Overlay, Overlays, Painter, Quantity,
     RenderError, Shape, Sprite, Style, TextAs, Theme, View, compose, svg,
 };
 use std::sync::Arc;
@@ -20,6 +21,7 @@ struct RunStates {
     bodies: Vec<Arc<Appearance>>,
     frames: Vec<Frame>,
     energy: Vec<EnergySample>,
+    worlds: Vec<World>,
     collisions: Vec<Collision>,
 }
 
@@ -35,7 +37,13 @@ fn run_with(solver: SolverKind, bodies: &[BodySpec], gravity: Option<Vector>, ra
     let config =
         EngineConfig::new(solver, rate).with_gravity(gravity).with_restitution(restitution).with_events_per_step(1000);
     let mut engine = Engine::new(config);
-    let mut run = RunStates { bodies: Vec::new(), frames: Vec::new(), energy: Vec::new(), collisions: Vec::new() };
+    let mut run = RunStates {
+        bodies: Vec::new(),
+        frames: Vec::new(),
+        energy: Vec::new(),
+        worlds: Vec::new(),
+        collisions: Vec::new(),
+    };
     for spec in bodies {
         engine.apply(&Event::Spawn(spawn(spec)));
         let id = run.bodies.len() as u32;
@@ -76,6 +84,7 @@ impl RunStates {
         let sprites = world.bodies.iter().map(sprite).collect();
         self.frames.push(Frame { step, time, sprites, collisions: Vec::new() });
         self.energy.push(EnergySample::of(world, time));
+        self.worlds.push(world.clone());
     }
 
     /// Every `steps`-th frame.
@@ -98,6 +107,43 @@ impl RunStates {
         run
     }
 
+    /// A quantity of all bodies of finite mass, or of all together.
+    fn lines(&self, title: &str, quantity: Quantity) -> LineRun {
+        let finite = || self.bodies.iter().filter(|body| body.mass.is_finite());
+        let subject = match quantity {
+            Quantity::Energy | Quantity::Momentum => LineSubject::System,
+            _ => LineSubject::Bodies(finite().map(|body| (body.id, body.clone())).collect()),
+        };
+        let mut run = LineRun::new(title.to_owned(), quantity, subject, WORLD.y, 0.0);
+        for (frame, world) in self.frames.iter().zip(&self.worlds) {
+            run.push(frame.time, world);
+        }
+        run
+    }
+
+    fn speeds(&self, title: &str) -> SpeedRun {
+        let mut run = SpeedRun::new(title.to_owned(), 15.0);
+        let bodies = self.worlds.iter().flat_map(|world| &world.bodies);
+        bodies.filter(|body| body.mass.is_finite()).for_each(|body| run.push(body.velocity.norm(), body.mass));
+        run
+    }
+
+    /// The path of the first two bodies of finite mass along x.
+    fn velocity_path(&self, title: &str) -> VelocityRun {
+        let finite: Vec<&Body> = self.worlds[0].bodies.iter().filter(|body| body.mass.is_finite()).collect();
+        let of_body = |body: &Body| (body.name.clone(), body.id, body.mass, body.velocity);
+        let mut path = VelocityPath::new([of_body(finite[0]), of_body(finite[1 % finite.len()])], Axis::X);
+        self.collisions.iter().for_each(|collision| path.collision(collision));
+        VelocityRun { title: title.to_owned(), velocities: Velocities::Pair(path) }
+    }
+
+    fn velocity_cloud(&self, title: &str) -> VelocityRun {
+        let frame = self.frames.last().unwrap();
+        let bodies = frame.sprites.iter().filter(|sprite| !sprite.appearance.is_wall);
+        let bodies = bodies.map(|sprite| (sprite.velocity, Color::hex(0x0072b2))).collect();
+        VelocityRun { title: title.to_owned(), velocities: Velocities::Cloud { time: frame.time, bodies } }
+    }
+
     fn time(&self) -> Range {
         Range { from: 0.0, to: self.frames.last().unwrap().time }
     }
@@ -114,6 +160,16 @@ impl RunStates {
 fn pair() -> RunStates {
     let bodies: [BodySpec; 2] = [("c", [1.0, 1.2, 2.0, 1.2], [2.5, 0.5]), ("b", [4.3, 1.9, 1.6, 1.6], [-1.2, -0.4])];
     run(&bodies, None, 6.0, 12)
+}
+
+/// A heavy box that pushes a light one between itself and a wall (Galperin's billiard).
+fn galperin() -> RunStates {
+    let bodies: [BodySpec; 3] = [
+        ("wall-left", [-1.0, 0.0, 1.0, 4.5], [0.0, 0.0]),
+        ("small", [1.0, 2.0, 0.4, 0.4], [0.0, 0.0]),
+        ("big", [3.0, 1.8, 0.8, 0.8], [-2.0, 0.0]),
+    ];
+    run_with(SolverKind::EventDriven, &bodies, None, 20.0, 60)
 }
 
 /// Three boxes that fall on a floor and collide.
@@ -151,6 +207,13 @@ fn figures(theme: Theme) -> Vec<(&'static str, DisplayList)> {
         ("spacetime-x", figures::spacetime(&[fall.spacetime(Axis::X)], fall.time(), Axis::X, &plain).unwrap()),
         ("spacetime-y", figures::spacetime(&[fall.spacetime(Axis::Y)], fall.time(), Axis::Y, &captioned).unwrap()),
         ("energy", figures::energy(&[fall.energies()], fall.time(), &captioned).unwrap()),
+        (
+            "lines",
+            figures::lines(&[fall.lines("", Quantity::Height)], fall.time(), Quantity::Height, &captioned).unwrap(),
+        ),
+        ("speeds", figures::speeds(&[fall.speeds("")], &captioned).unwrap()),
+        ("velocity-space-pair", figures::velocity_space(&[galperin().velocity_path("")], &captioned).unwrap()),
+        ("velocity-space-cloud", figures::velocity_space(&[fall.velocity_cloud("")], &plain).unwrap()),
     ]
 }
 
@@ -174,6 +237,7 @@ fn side_by_side(theme: Theme) -> Vec<(&'static str, DisplayList)> {
         bands
     });
     let time = both[0].1.time();
+    let lines = both.each_ref().map(|(title, run)| run.lines(title, Quantity::X));
     let subjects =
         both.each_ref().map(|(title, run)| CollisionSubject { title: title.clone(), ..run.first_collision() });
     let options = options(theme, "One shot, two solvers");
@@ -184,6 +248,7 @@ fn side_by_side(theme: Theme) -> Vec<(&'static str, DisplayList)> {
         ("filmstrip", figures::filmstrip(&strips, &options).unwrap()),
         ("spacetime", figures::spacetime(&bands, time, Axis::X, &options).unwrap()),
         ("energy", figures::energy(&energies, time, &options).unwrap()),
+        ("lines", figures::lines(&lines, time, Quantity::X, &options).unwrap()),
     ]
 }
 
@@ -288,8 +353,20 @@ fn visit(
 }
 
 /// The kinds of pictures of the layout test.
-const KINDS: [&str; 8] =
-    ["collision", "minkowski", "strobe", "filmstrip", "spacetime-x", "spacetime-y", "energy", "frame"];
+const KINDS: [&str; 12] = [
+    "collision",
+    "minkowski",
+    "strobe",
+    "filmstrip",
+    "spacetime-x",
+    "spacetime-y",
+    "energy",
+    "lines",
+    "speeds",
+    "velocity-space-pair",
+    "velocity-space-cloud",
+    "frame",
+];
 
 /// A picture of `count` copies of a run.
 fn picture_of(kind: &str, run: &RunStates, count: usize, style: &Style) -> Result<DisplayList, RenderError> {
@@ -314,6 +391,18 @@ fn picture_of(kind: &str, run: &RunStates, count: usize, style: &Style) -> Resul
         "filmstrip" => figures::filmstrip(&runs(run.frames.len() / 4 + 1), style),
         "spacetime-x" => figures::spacetime(&bands(Axis::X), run.time(), Axis::X, style),
         "spacetime-y" => figures::spacetime(&bands(Axis::Y), run.time(), Axis::Y, style),
+        "lines" => {
+            let runs: Vec<LineRun> = titles.iter().map(|title| run.lines(title, Quantity::Speed)).collect();
+            figures::lines(&runs, run.time(), Quantity::Speed, style)
+        }
+        "speeds" => figures::speeds(&titles.iter().map(|title| run.speeds(title)).collect::<Vec<SpeedRun>>(), style),
+        "velocity-space-pair" | "velocity-space-cloud" => {
+            let of_run = |title: &String| match kind {
+                "velocity-space-pair" => run.velocity_path(title),
+                _ => run.velocity_cloud(title),
+            };
+            figures::velocity_space(&titles.iter().map(of_run).collect::<Vec<VelocityRun>>(), style)
+        }
         "energy" => {
             let copy = |title: &String| {
                 let mut energies = run.energies();
@@ -484,6 +573,7 @@ fn figures_without_data_have_only_a_caption() {
         figures::filmstrip(&[], &options).unwrap(),
         figures::spacetime(&[], Range { from: 0.0, to: 1.0 }, Axis::X, &options).unwrap(),
         figures::energy(&[], Range { from: 0.0, to: 1.0 }, &options).unwrap(),
+        figures::lines(&[], Range { from: 0.0, to: 1.0 }, Quantity::X, &options).unwrap(),
     ] {
         assert_eq!(list.leaves().count(), 1, "{list}");
     }

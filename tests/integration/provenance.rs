@@ -26,7 +26,8 @@ fn assert_redraws(workplace: &Workplace, line: &str, name: &str) {
     assert!(redrawn == file, "{name} is drawn differently");
 }
 
-const KINDS: [&str; 6] = ["collision", "minkowski", "strobe", "spacetime", "energy", "filmstrip"];
+const KINDS: [&str; 9] =
+    ["collision", "minkowski", "strobe", "spacetime", "energy", "filmstrip", "lines", "speeds", "velocity-space"];
 
 #[test]
 fn every_kind_of_figure_in_every_format_redraws_byte_for_byte() {
@@ -42,12 +43,18 @@ fn every_kind_of_figure_in_every_format_redraws_byte_for_byte() {
     assert_redraws(&workplace, "figure spacetime exact.mcap --axis y --from 10 --to 50 --every 5", "y.png");
     assert_redraws(&workplace, "figure strobe exact.mcap --window 0.5,0.25,4,2.25 --color-by speed", "window.png");
     assert_redraws(&workplace, "figure filmstrip exact.mcap --follow c --window 3x2 --show mass,axes", "follow.png");
+    assert_redraws(
+        &workplace,
+        "figure lines run.mcap exact.mcap --quantity E --bodies c --language fr",
+        "energies.svg",
+    );
+    assert_redraws(&workplace, "figure velocity-space exact.mcap --bodies c --axis y --from 5", "velocities.png");
 }
 
 #[test]
 fn still_pictures_and_animations_redraw_byte_for_byte() {
     let workplace = workplace_with_recordings();
-    let show = "--show velocity,force,normal,impulse,penetration,trail,name,mass,grid,axes,scale,clock";
+    let show = "--show velocity,momentum,force,normal,impulse,penetration,com,trail,name,mass,grid,axes,scale,clock";
     for (format, size) in [("png", "320x180"), ("svg", "320x180"), ("pdf", "320x180")] {
         assert_redraws(
             &workplace,

@@ -353,7 +353,8 @@ pub fn gap_entries<'a>(gaps: impl IntoIterator<Item = &'a TraceGap>, language: L
         let (first, last) = (gap.steps.start(), gap.steps.end());
         let [step, steps] = language.of(["step", "steps"], ["pas", "pas"]);
         let text = if first == last { format!("{step} {first}") } else { format!("{steps} {first}–{last}") };
-        Entry::new(color, &format!("{text} {}", gap.reason.text(language)))
+        // The reason is never cut, unlike a name.
+        Entry { name: quoted(&format!("{text} {}", gap.reason.text(language))), ..Entry::new(color, "") }
     };
     let mut entries: Vec<Entry> = gaps.by_ref().take(MAX_LISTED_GAPS).map(entry).collect();
     match gaps.count() {

@@ -214,6 +214,13 @@ impl Palette {
         mixed.into_iter().find(suffices)
     }
 
+    /// The colour of a line of this colour: mixed with the ink until it has a contrast of 3 with the page, which WCAG 2
+    /// demands of graphics.
+    pub fn line(&self, color: Color) -> Color {
+        let mixed = (0..=100).step_by(10).map(|percent| color.mix(self.ink, percent));
+        mixed.into_iter().find(|line| line.contrast(self.background) >= 3.0).unwrap_or(self.ink)
+    }
+
     /// The colour of a label about something of this colour: mixed with the ink until its contrast with the page
     /// suffices.
     pub fn label(&self, color: Color) -> Color {

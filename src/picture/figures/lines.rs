@@ -1,0 +1,287 @@
+use super::axes::{Axes, AxisTitles, Range, Scale};
+use super::panels::Layout;
+use super::timeline::{Timeline, draw_timeline, timeline_legend};
+use super::{MAX_IN_LEGEND, TimeCurve};
+use crate::physics::{Body, BodyId, Rect, Vector, World, larger, smaller};
+use crate::picture::layers::footer::{Entry, Legend, quoted};
+use crate::picture::number::Unit;
+use crate::picture::raster::color::SPEED_COLORS;
+use crate::picture::text::Line;
+use crate::picture::{
+    Appearance, Color, ColorBy, DisplayList, DrawingMetrics, Ink, Palette, Quantity, RenderError, Style, color,
+};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// A quantity of the bodies of one run over time. Memory is bounded by the width of the page and the number of bodies.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LineRun {
+    /// The name of the run in the legend.
+    pub title: String,
+    /// Spawns, deletes and gaps.
+    pub timeline: Timeline,
+    quantity: Quantity,
+    /// Height of the world, m.
+    world_height: f64,
+    /// Width of the columns of curves, s.
+    column: f64,
+    subject: LineSubject,
+    lines: BTreeMap<Option<BodyId>, LineOfBody>,
+}
+
+/// The bodies whose quantity is shown.
+#[derive(Clone, Debug, PartialEq)]
+pub enum LineSubject {
+    /// Each of these bodies has a line of its own.
+    Bodies(BTreeMap<BodyId, Arc<Appearance>>),
+    /// All bodies of finite mass together have one line: their energy, or the norm of their momentum.
+    System,
+}
+
+/// The curve of one body, or of all together.
+#[derive(Clone, Debug, PartialEq)]
+struct LineOfBody {
+    curve: TimeCurve,
+    /// The least potential energy, J; energies are counted from it. 0 for other quantities.
+    zero: f64,
+}
+
+impl LineRun {
+    /// Creates a run without values, for curves with columns of `column` seconds in a world of `world_height` metres.
+    pub fn new(title: String, quantity: Quantity, subject: LineSubject, world_height: f64, column: f64) -> LineRun {
+        let (timeline, lines) = (Timeline::default(), BTreeMap::new());
+        LineRun { title, timeline, quantity, world_height, column, subject, lines }
+    }
+
+    /// Adds the values of a state; times must not decrease.
+    pub fn push(&mut self, time: f64, world: &World) {
+        match &self.subject {
+            LineSubject::System => {
+                let potential = world.potential_energy();
+                let value = match self.quantity {
+                    Quantity::Momentum => world.momentum().norm(),
+                    _ => world.kinetic_energy() + potential,
+                };
+                self.add(None, time, value, potential);
+            }
+            LineSubject::Bodies(bodies) => {
+                let bodies = bodies.clone();
+                for (body, appearance) in world.bodies.iter().filter_map(|body| Some((body, bodies.get(&body.id)?))) {
+                    let potential = -appearance.force.dot(body.rect.center());
+                    self.add(Some(body.id), time, self.value(body, potential), potential);
+                }
+            }
+        }
+    }
+
+    fn add(&mut self, key: Option<BodyId>, time: f64, value: f64, potential: f64) {
+        let is_energy = self.quantity == Quantity::Energy;
+        let zero = if is_energy { potential } else { 0.0 };
+        let column = self.column;
+        let line = self.lines.entry(key).or_insert_with(|| LineOfBody { curve: TimeCurve::new(column), zero });
+        line.zero = smaller(line.zero, zero);
+        line.curve.push(time, value);
+    }
+
+    /// The value of the quantity for a body of this potential energy, J.
+    fn value(&self, body: &Body, potential: f64) -> f64 {
+        let (velocity, mass) = (body.velocity, body.mass);
+        match self.quantity {
+            Quantity::X => body.rect.origin.x,
+            Quantity::Y => body.rect.origin.y,
+            Quantity::Vx => velocity.x,
+            Quantity::Vy => velocity.y,
+            Quantity::Speed => velocity.norm(),
+            Quantity::Height => self.world_height - body.rect.far_corner().y,
+            Quantity::Energy => 0.5 * mass * velocity.dot(velocity) + potential,
+            Quantity::Momentum => mass * velocity.norm(),
+        }
+    }
+
+    /// Interrupts all lines: the next values are not joined to the last ones.
+    pub fn lift(&mut self) {
+        self.lines.values_mut().for_each(|line| line.curve.lift());
+    }
+
+    /// The appearance of the body of a line; `None` for all bodies together.
+    fn appearance(&self, key: Option<BodyId>) -> Option<&Appearance> {
+        match &self.subject {
+            LineSubject::Bodies(bodies) => bodies.get(&key?).map(|appearance| &**appearance),
+            LineSubject::System => None,
+        }
+    }
+}
+
+/// Draws a quantity over `time` (s) in one diagram: a line for each body of a single run, in the colours of the bodies,
+/// or the lines of several runs, each run in a colour of its own.
+///
+/// # Errors
+/// If the page is too small.
+pub fn lines(runs: &[LineRun], time: Range, quantity: Quantity, style: &Style) -> Result<DisplayList, RenderError> {
+    let metrics = DrawingMetrics::new(style.look.theme, style.look.size);
+    let drawn = drawn_lines(runs, style);
+    let x = Scale::linear(time, Unit::SECOND);
+    let y = Scale::linear(value_range(&drawn, quantity), unit(quantity));
+    let (x_title, y_title) = (x.title("t"), y.title(symbol(quantity)));
+    let timeline = joined_timeline(runs);
+    let fits = |cell: &Rect, metrics: &DrawingMetrics| {
+        let area = Axes::within(cell, x, y, 0.0, metrics).plot_area;
+        let title = Line::math(&y_title, metrics.text(0.9)).width;
+        area.width() >= larger(6.0 * metrics.font_size, title) && area.height() >= 4.0 * metrics.font_size
+    };
+    let layout = Layout {
+        size: style.look.size,
+        metrics,
+        caption: &style.look.caption,
+        legend: &|metrics| {
+            let mut legend = legend(runs, &drawn, style);
+            legend.entries.extend(timeline_legend(std::iter::once(&timeline), style.look.language, metrics));
+            legend
+        },
+        titles: if runs.is_empty() { &[] } else { &[""] },
+        shape: Vector::new(1.0, 1.0),
+        text_height: 0.0,
+        fits: &fits,
+    };
+    let (mut panels, cells) = layout.lay_out()?;
+    for cell in &cells {
+        panels.clip(cell, |panels| {
+            let axes = Axes::within(cell, x, y, 0.0, &panels.metrics);
+            axes.draw(&AxisTitles { x: &x_title, y: &y_title }, &panels.metrics, &mut panels.shapes);
+            draw_timeline(&timeline, &axes, panels);
+            let (width, opacity) = if drawn.len() > MAX_IN_LEGEND { (0.5, 160) } else { (1.25, 255) };
+            for line in &drawn {
+                let ink = Ink { color: line.color, opacity };
+                for part in &line.parts {
+                    let points = part.iter().map(|[time, value]| [*time, value - line.zero]);
+                    panels.shapes.push(axes.curve(points, width * panels.metrics.line_width, ink));
+                }
+            }
+        });
+    }
+    Ok(panels.finish())
+}
+
+/// A line with its colour.
+struct DrawnLine<'a> {
+    run: usize,
+    appearance: Option<&'a Appearance>,
+    color: Color,
+    parts: Vec<Vec<[f64; 2]>>,
+    /// Subtracted from the values.
+    zero: f64,
+}
+
+/// The lines of all runs in drawing order.
+fn drawn_lines<'a>(runs: &'a [LineRun], style: &Style) -> Vec<DrawnLine<'a>> {
+    let palette = Palette::of(style.look.theme);
+    let line = |(at, run): (usize, &'a LineRun)| {
+        run.lines.iter().map(move |(key, line)| {
+            let appearance = run.appearance(*key);
+            let color = match (runs.len(), appearance) {
+                (1, Some(appearance)) if style.look.color_by == ColorBy::Material => {
+                    color::color_by_material(&appearance.material, style)
+                }
+                (1, Some(appearance)) => color::color_by_body(appearance),
+                (count, _) => run_color(at, count, style),
+            };
+            DrawnLine { run: at, appearance, color: palette.line(color), parts: line.curve.parts(), zero: line.zero }
+        })
+    };
+    runs.iter().enumerate().flat_map(line).collect()
+}
+
+/// Indices into the body colours for runs, the most distinct ones first.
+const RUN_COLORS: [usize; 7] = [4, 5, 6, 1, 2, 0, 3];
+
+/// The colour of a run: one of a few that differ, or one of a scale from the first to the last run if there are many, which
+/// are usually values of a parameter.
+fn run_color(at: usize, count: usize, style: &Style) -> Color {
+    if count <= RUN_COLORS.len() {
+        return color::BODY_COLORS[RUN_COLORS[at]];
+    }
+    // The part of the scale that contrasts with the page.
+    let scale = match style.look.theme {
+        crate::picture::Theme::Light => &SPEED_COLORS[..13],
+        crate::picture::Theme::Dark => &SPEED_COLORS[4..],
+    };
+    let place = at as f64 / (count - 1) as f64 * (scale.len() - 1) as f64;
+    let (near, part) = (place.floor() as usize, place - place.floor());
+    scale[near].mix(scale[(near + 1).min(scale.len() - 1)], (100.0 * part) as u8)
+}
+
+/// The range of all values with a margin, and zero for quantities that are never negative. y points downwards, as in the
+/// world.
+fn value_range(lines: &[DrawnLine], quantity: Quantity) -> Range {
+    let values = lines.iter().flat_map(|line| line.parts.iter().flatten().map(|point| point[1] - line.zero));
+    let range = Range::of(values).unwrap_or(Range { from: 0.0, to: 1.0 });
+    match quantity {
+        Quantity::Y => {
+            let range = range.widened(0.06);
+            Range { from: range.to, to: range.from }
+        }
+        Quantity::X | Quantity::Vx | Quantity::Vy => range.widened(0.06),
+        Quantity::Speed | Quantity::Height | Quantity::Energy | Quantity::Momentum => {
+            range.including(0.0).widened(0.06)
+        }
+    }
+}
+
+fn unit(quantity: Quantity) -> Unit {
+    match quantity {
+        Quantity::X | Quantity::Y | Quantity::Height => Unit::METRE,
+        Quantity::Vx | Quantity::Vy | Quantity::Speed => Unit::METRE_PER_SECOND,
+        Quantity::Energy => Unit::JOULE,
+        Quantity::Momentum => Unit::MOMENTUM,
+    }
+}
+
+fn symbol(quantity: Quantity) -> &'static str {
+    match quantity {
+        Quantity::X => "x",
+        Quantity::Y => "y",
+        Quantity::Vx => "v_x",
+        Quantity::Vy => "v_y",
+        Quantity::Speed => "v",
+        Quantity::Height => "h",
+        Quantity::Energy => "E",
+        Quantity::Momentum => "p",
+    }
+}
+
+/// Spawns, deletes and gaps of all runs.
+fn joined_timeline(runs: &[LineRun]) -> Timeline {
+    let mut joined = Timeline::default();
+    for Timeline { changes, gaps } in runs.iter().map(|run| &run.timeline) {
+        joined.changes.extend(changes);
+        joined.gaps.extend(gaps.iter().filter(|gap| !joined.gaps.contains(gap)).cloned().collect::<Vec<_>>());
+    }
+    joined.changes.sort_by(f64::total_cmp);
+    joined.changes.dedup();
+    joined
+}
+
+/// The names of bodies, of materials or of runs. Too many bodies for a legend are counted.
+fn legend(runs: &[LineRun], lines: &[DrawnLine], style: &Style) -> Legend {
+    if let [_] = runs {
+        let bodies = lines.iter().filter_map(|line| Some((line.appearance?, line.color)));
+        let count = bodies.clone().count();
+        return match (style.look.color_by, count) {
+            (ColorBy::Material, _) => Legend::of_colors(style),
+            (_, ..=MAX_IN_LEGEND) => {
+                Legend { entries: bodies.map(|(body, color)| Entry::new(color, &body.name)).collect() }
+            }
+            (_, count) => {
+                let name = quoted(&format!("{count} {}", style.look.language.of("bodies", "corps")));
+                let color = Palette::of(style.look.theme).muted;
+                Legend { entries: vec![Entry { name, colors: Vec::new(), ..Entry::new(color, "") }] }
+            }
+        };
+    }
+    let entry = |(at, run): (usize, &LineRun)| {
+        let color =
+            lines.iter().find(|line| line.run == at).map_or(Palette::of(style.look.theme).muted, |line| line.color);
+        Entry::new(color, &run.title)
+    };
+    Legend { entries: runs.iter().enumerate().map(entry).collect() }
+}
