@@ -92,13 +92,13 @@ pub fn log10(value: f64) -> f64 {
 }
 
 /// The exponential function, bit-identical on every platform because it uses only + − × and ÷: the series of
-/// exp(x/1024) to the eighth power of x, squared ten times. Accurate to about twelve digits; 0 below −700.
+/// exp(x/1024) to the 14th power of x, squared ten times. Accurate to about twelve digits; 0 below −700.
 pub fn exp(value: f64) -> f64 {
     if value < -700.0 {
         return 0.0;
     }
     let part = value / 1024.0;
-    let series = (1..=8).rev().fold(1.0, |sum, order| 1.0 + part / f64::from(order) * sum);
+    let series = (1..=14).rev().fold(1.0, |sum, order| 1.0 + part / f64::from(order) * sum);
     (0..10).fold(series, |power, _| power * power)
 }
 

@@ -516,8 +516,8 @@ mod tests {
         let text = provenance(clip, CameraTarget::World).metadata().to_string();
         let expected = "Software: rebond 0\nrebond recording: 12; ab\nrebond steps: 0 to 600 every 2\nrebond options: \
                         slow=0.5 size=640x360 theme=dark show=velocity,clock color_by=speed recorded_every=5 \
-                        title=\"one\",\"and two\" caption=\"a \\\"b\\\" = c\" text=text\nTitle: State: one; and \
-                        two\nDescription: Step 3\n";
+                        title=\"one\",\"and two\" caption=\"a \\\"b\\\" = c\" text=text language=fr \
+                        bodies=\"a b,#1..#9\"\nTitle: State: one; and two\nDescription: Step 3\n";
         assert_eq!(text, expected);
     }
 
