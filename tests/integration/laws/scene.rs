@@ -68,7 +68,7 @@ impl Scene {
                     break;
                 }
             }
-            self.apply_events(step, |event| _ = engine.apply(event));
+            self.apply_events(step, |event| engine.apply(event));
             between(&mut engine);
             let states = engine.world().bodies.iter().map(|body| State {
                 id: body.id as usize,
@@ -105,11 +105,11 @@ impl Scene {
         let mut engine = Engine::new(self.config().with_events_per_step(4 * most as u64));
         engine.assert_invariants();
         let mut collisions: Vec<Collision> = Vec::new();
-        self.apply_events(0, |event| _ = engine.apply(event));
+        self.apply_events(0, |event| engine.apply(event));
         (1..=self.steps).any(|step| {
             // An error of the run is the business of the law.
             let is_stopped = engine.step(&mut collisions).is_err_and(|error| error.to_string().contains("more than"));
-            self.apply_events(step, |event| _ = engine.apply(event));
+            self.apply_events(step, |event| engine.apply(event));
             is_stopped || collisions.len() > most
         })
     }
