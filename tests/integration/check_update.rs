@@ -404,7 +404,7 @@ fn a_manifest_lists_recordings_with_the_options_of_the_command() {
     let outcome = workplace.rebond("check .");
     assert_eq!(outcome.code, 3, "{outcome:?}");
     assert!(!outcome.output.contains("scene.mcap"), "the scene has recordings: {outcome:?}");
-    workplace.done("check . --update");
+    workplace.done("check runs.check --update");
     workplace.done("record scene.toml -o other.mcap --set spawn.c.mass=4 --every 3");
     assert!(workplace.read("heavy.mcap") == workplace.read("other.mcap"));
     fs::remove_file(workplace.path("other.mcap")).unwrap();
