@@ -281,7 +281,8 @@ fn legend(runs: &[LineRun], lines: &[DrawnLine], style: &Style) -> Legend {
     let entry = |(at, run): (usize, &LineRun)| {
         let color =
             lines.iter().find(|line| line.run == at).map_or(Palette::of(style.look.theme).muted, |line| line.color);
-        Entry::new(color, &run.title)
+        // Never cut: runs of a study often differ in the last characters.
+        Entry { name: quoted(&run.title), ..Entry::new(color, "") }
     };
     Legend { entries: runs.iter().enumerate().map(entry).collect() }
 }
