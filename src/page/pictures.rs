@@ -36,7 +36,8 @@ pub fn draw(bytes: Arc<[u8]>, format: &str, step: u64, options: &str) -> Result<
 pub fn table(bytes: Arc<[u8]>, table: Table) -> Result<Vec<u8>, String> {
     let recording = Recording::read(Cursor::new(bytes)).map_err(|error| error.to_string())?;
     let mut file = Vec::new();
-    let mut rows = Rows { format: TableFormat::Csv, output: &mut file, columns: table.columns(), source: None };
+    let (format, columns) = (TableFormat::Csv, table.columns());
+    let mut rows = Rows { format, output: &mut file, columns, source: None, settings: Vec::new() };
     rows.header().map_err(|error| error.to_string())?;
     if table == Table::Collisions {
         let mut collisions = CollisionRows::new(ALL_STEPS, &mut rows);
