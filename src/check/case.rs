@@ -1,5 +1,6 @@
 use super::recording_index::RecordingIndex;
 use crate::picture::{Format, PictureOptions, Provenance, SubjectOptions};
+use crate::recording;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -248,6 +249,15 @@ impl Cases {
                 self.recordings.push(ReferenceRecording::found(file));
             }
         }
+        let mut recorded_by_name: Option<BTreeSet<PathBuf>> = None;
+        let mut has_recording = |scene: &PathBuf| {
+            let scene_of = |file: &PathBuf| {
+                let scene = recording::open(file).ok()?.header.scene?;
+                Some(canonical(&file.with_file_name(scene.file_name)))
+            };
+            let all = || files.with_extension("mcap").filter_map(scene_of).collect();
+            recorded_by_name.get_or_insert_with(all).contains(scene)
+        };
         for scene in files.with_extension("toml") {
             let (file, known) = (scene.with_extension("mcap"), canonical(scene));
             if skipped.contains(&known) {
@@ -255,6 +265,7 @@ impl Cases {
             } else if !used.contains(&known)
                 && !recorded.contains(&known)
                 && is_scene(scene)
+                && (file.exists() || !has_recording(&known))
                 && outputs.insert(canonical(&file))
             {
                 self.recordings.push(ReferenceRecording { file, recipe: RecordingRecipe::Scene(scene.clone()) });

@@ -314,6 +314,16 @@ fn damage_exits_with_4_and_a_failed_check_with_1() {
 }
 
 #[test]
+fn a_scene_is_missing_unless_a_recording_of_any_name_was_made_from_it() {
+    let workplace = Workplace::with_scene(SCENE);
+    workplace.done("record scene.toml -o first-try.mcap");
+    assert_eq!(workplace.rebond("check .").code, 0);
+    workplace.write("other.toml", SCENE);
+    let checked = workplace.rebond("check .");
+    assert!(checked.code == 3 && checked.output.contains("missing: the recording of other.toml"), "{checked:?}");
+}
+
+#[test]
 fn a_folder_with_nothing_to_check_is_an_error() {
     let workplace = Workplace::new();
     workplace.write("Cargo.toml", "[package]\nname = \"lecture\"\n");
