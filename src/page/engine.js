@@ -40,23 +40,24 @@ function toBase64(bytes) {
 const encoder = new TextEncoder();
 const decoder = new TextDecoder();
 
-/** The inverse of `base85` in inline.mjs. */
-function fromBase85(text, length) {
-  const bytes = new Uint8Array((length + 3) & ~3);
-  const words = new DataView(bytes.buffer);
-  for (let at = 0, from = 0; at < bytes.length; at += 4) {
-    let number = 0;
-    for (const end = from + 5; from < end; from += 1) {
-      const code = text.charCodeAt(from);
-      number = number * 85 + (code === 120 ? 60 : code) - 35;
+/** The inverse of `base91` in inline.mjs. */
+function fromBase91(text, length) {
+  const bytes = new Uint8Array(length);
+  const digit = (code) => (code === 126 ? 25 : code - 35);
+  for (let at = 0, from = 0, bits = 0, count = 0; at < length; from += 2) {
+    bits = (bits << 13) | (digit(text.charCodeAt(from)) * 91 + digit(text.charCodeAt(from + 1)));
+    count += 13;
+    for (; count >= 8 && at < length; at += 1) {
+      count -= 8;
+      bytes[at] = bits >> count;
     }
-    words.setUint32(at, number);
+    bits &= (1 << count) - 1;
   }
-  return bytes.subarray(0, length);
+  return bytes;
 }
 
 /** The bytes of a part of the module. */
-const unpacked = ({ text, length }) => fzstd.decompress(fromBase85(text, length));
+const unpacked = ({ text, length }) => fzstd.decompress(fromBase91(text, length));
 
 /** A part of the module as the page holds it. */
 function packed(part) {

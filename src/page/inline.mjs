@@ -15,17 +15,26 @@ const script = ["'use strict';", `/* fzstd: ${zstd[0]} */`, zstd[1], room, ...sc
 const arrived = "dispatchEvent(new Event('core'));";
 const style = read(`${folder}/page.css`);
 
-/** Four bytes as five of 85 ASCII characters: '#' to 'w', with 'x' for '<'. A sixteenth shorter than base64. */
-function base85(bytes) {
-  const padded = Buffer.concat([bytes, Buffer.alloc(-bytes.length & 3)]);
-  const characters = Buffer.alloc((padded.length / 4) * 5);
-  for (let at = 0, to = 0; at < padded.length; at += 4, to += 5) {
-    let number = padded.readUInt32BE(at);
-    for (let digit = 4; digit >= 0; digit -= 1, number = Math.floor(number / 85)) {
-      const code = 35 + (number % 85);
-      characters[to + digit] = code === 60 ? 120 : code;
+/** Each 13 bits as two of 91 ASCII characters: '#' to '}', with '~' for '<'. A thirteenth shorter than base64. */
+function base91(bytes) {
+  const characters = Buffer.alloc(2 * Math.ceil((8 * bytes.length) / 13));
+  const character = (digit) => (digit === 25 ? 126 : 35 + digit);
+  let [bits, count, to] = [0, 0, 0];
+  const put = (number) => {
+    characters[to] = character(Math.floor(number / 91));
+    characters[to + 1] = character(number % 91);
+    to += 2;
+  };
+  for (const byte of bytes) {
+    bits = (bits << 8) | byte;
+    count += 8;
+    if (count >= 13) {
+      count -= 13;
+      put(bits >> count);
+      bits &= (1 << count) - 1;
     }
   }
+  if (count > 0) put(bits << (13 - count));
   return characters.toString('latin1');
 }
 
@@ -37,11 +46,11 @@ const parts = {
   ].join('; '),
   STYLE: style,
   CORELENGTH: core.length,
-  CORE: base85(core),
+  CORE: base91(core),
   SCRIPT: script,
   ARRIVED: arrived,
   RESTLENGTH: rest.length,
-  REST: base85(rest),
+  REST: base91(rest),
 };
 const html = read(`${folder}/page.html`).replace(/@([A-Z]+)@/g, (_, name) => parts[name]);
 writeFileSync(output, html);
