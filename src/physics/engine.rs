@@ -93,6 +93,42 @@ pub struct Engine {
     failure: Option<StepError>,
 }
 
+/// The worlds between the current step of an engine and the next.
+///
+/// [`Engine::world_after`] gives the same worlds, bit for bit, but processes the events since the current step each time.
+#[derive(Debug)]
+pub struct WithinStep<'a> {
+    engine: &'a Engine,
+    /// The last offset, s, and the solver there.
+    reached: Option<(f64, EventDriven)>,
+}
+
+impl WithinStep<'_> {
+    /// Returns the world `offset` seconds (0 to 1/rate) after the current step. The observer receives the collisions since
+    /// the last offset; an offset that is smaller than the last one starts again at the current step.
+    ///
+    /// # Errors
+    /// Returns the errors of [`Engine::step`].
+    pub fn world_after<O: Observer>(&mut self, offset: f64, observer: &mut O) -> Result<World, StepError> {
+        let Engine { world, step, solver, failure, .. } = self.engine;
+        if let Some(failure) = failure.clone().or_else(|| self.engine.thin_spawn()) {
+            return Err(failure);
+        }
+        match solver {
+            Solver::EventDriven(solver) if offset > 0.0 => {
+                let mut reached = match self.reached.take() {
+                    Some((last, reached)) if last <= offset => reached,
+                    _ => solver.begun(world, *step, observer)?,
+                };
+                let found = reached.world_after(world, offset, observer)?;
+                self.reached = Some((offset, reached));
+                Ok(found)
+            }
+            Solver::EventDriven(_) | Solver::Handout => Ok(world.clone()),
+        }
+    }
+}
+
 #[derive(Clone, Debug)]
 enum Solver {
     Handout,
@@ -200,13 +236,12 @@ impl Engine {
     /// # Errors
     /// Returns the errors of [`Engine::step`].
     pub fn world_after<O: Observer>(&self, offset: f64, observer: &mut O) -> Result<World, StepError> {
-        if let Some(failure) = self.failure.clone().or_else(|| self.thin_spawn()) {
-            return Err(failure);
-        }
-        match &self.solver {
-            Solver::EventDriven(solver) if offset > 0.0 => solver.world_after(&self.world, self.step, offset, observer),
-            Solver::EventDriven(_) | Solver::Handout => Ok(self.world.clone()),
-        }
+        self.within_step().world_after(offset, observer)
+    }
+
+    /// Returns the worlds between the current step and the next, in the order of their times.
+    pub fn within_step(&self) -> WithinStep<'_> {
+        WithinStep { engine: self, reached: None }
     }
 
     /// Asserts the invariants of the event-driven solver after each instant from now on, in debug builds and with few

@@ -23,6 +23,7 @@ pub use axis::{Axis, Side};
 pub use collision::{Collision, CollisionCount, Observer};
 pub use engine::{
     DEFAULT_EVENTS_PER_STEP, Engine, EngineConfig, Snapshot, SnapshotError, SolverKind, SolverSnapshot, StepError,
+    WithinStep,
 };
 pub use event::{Event, Spawn};
 pub use rect::Rect;

@@ -2,7 +2,7 @@ use super::layers::contacts::contact_center;
 use super::source::{ReadExtent, ReadStatus, RecordingFile};
 use super::{Error, Source};
 use crate::physics::{
-    Axis, Body, BodyId, Collision, Engine, Observer, SolverKind, Spawn, StepError, Vector, World, larger,
+    Axis, Body, BodyId, Collision, Engine, Observer, SolverKind, Spawn, StepError, Vector, WithinStep, World, larger,
 };
 use crate::picture::{AnimationSchedule, Appearance, Frame, Moment, Sprite, Trails};
 use crate::recording::Health;
@@ -242,13 +242,14 @@ impl FrameRecorder {
         if let Some(trails) = &mut self.trails {
             trails.update(step, &mut sprites_at_step);
         }
+        let mut within = engine.within_step();
         while self.next_frame < self.schedule.count() {
             let moment = self.schedule.moment(self.next_frame);
             if moment.step > step {
                 break;
             }
             if moment.step == step {
-                let frame = self.record_frame(engine, moment, &sprites_at_step)?;
+                let frame = self.record_frame(engine, &mut within, moment, &sprites_at_step)?;
                 self.ready.push_back(frame);
             }
             self.next_frame += 1;
@@ -264,12 +265,13 @@ impl FrameRecorder {
     fn record_frame(
         &mut self,
         engine: &Engine,
+        within: &mut WithinStep,
         moment: Moment,
         sprites_at_step: &[Sprite],
     ) -> Result<Frame, StepError> {
         let sprites = if moment.offset > 0.0 {
             let mut unseen = Unseen { shown_until: self.shown_until, pending: &mut self.pending_collisions };
-            let world = engine.world_after(moment.offset, &mut unseen)?;
+            let world = within.world_after(moment.offset, &mut unseen)?;
             self.shown_until = moment.offset;
             let mut sprites = self.sprites(&world);
             if let Some(trails) = &self.trails {

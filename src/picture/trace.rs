@@ -213,6 +213,7 @@ impl Tracer<'_> {
             (self.visit)(TracePoint { time: start + offset, world, is_after_gap: false, is_after_change: false });
         };
         if self.source.header.config.solver.is_continuous() {
+            let mut within = engine.within_step();
             // Under a force the curves between two instants are not straight.
             let parts = match self.source.statistics.top_force > 0.0 {
                 true => (duration / (SMOOTH_COLUMNS * self.column)).ceil().clamp(1.0, 1e4) as u32,
@@ -221,18 +222,18 @@ impl Tracer<'_> {
             let mut between = (1..parts).map(|part| f64::from(part) * duration / f64::from(parts)).peekable();
             for &collision in collisions {
                 while let Some(offset) = between.next_if(|&offset| offset < collision) {
-                    visit(offset, &engine.world_after(offset, &mut ignored).map_err(failed)?);
+                    visit(offset, &within.world_after(offset, &mut ignored).map_err(failed)?);
                 }
                 // Before and after the collision, whose instant is rounded like a time since step 0.
                 let margin = 4.0 * f64::EPSILON * (start + duration);
                 for offset in [collision - margin, collision + margin] {
                     if offset > 0.0 && offset < duration {
-                        visit(collision, &engine.world_after(offset, &mut ignored).map_err(failed)?);
+                        visit(collision, &within.world_after(offset, &mut ignored).map_err(failed)?);
                     }
                 }
             }
             for offset in between {
-                visit(offset, &engine.world_after(offset, &mut ignored).map_err(failed)?);
+                visit(offset, &within.world_after(offset, &mut ignored).map_err(failed)?);
             }
         }
         if self.changes.contains(&(step + 1)) {

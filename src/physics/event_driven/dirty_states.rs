@@ -133,18 +133,13 @@ impl DirtyStates {
     /// Returns the world at an instant of the present step. All events before it must have been processed.
     pub fn world_at(&self, bodies: &Bodies, world: &World, instant: Instant) -> World {
         let mut sampled = world.clone();
-        for slot in &self.moving {
+        // A body that has stopped can move again.
+        for slot in self.moving.iter().chain(&self.stopped) {
             let source = &bodies[*slot];
             let body = &mut sampled.bodies[source.world_index as usize];
             let [[x, y], [vx, vy]] = source.trajectory.at(instant);
             body.rect.origin = Vector::new(x, y);
             body.velocity = Vector::new(vx, vy);
-        }
-        for slot in &self.stopped {
-            let source = &bodies[*slot];
-            let body = &mut sampled.bodies[source.world_index as usize];
-            body.rect.origin = Vector::new(source.trajectory.position[0], source.trajectory.position[1]);
-            body.velocity = Vector::ZERO;
         }
         sampled
     }

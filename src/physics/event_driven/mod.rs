@@ -252,23 +252,31 @@ impl EventDriven {
         Ok(())
     }
 
-    /// The world `offset` seconds after the start of `step`; the solver itself does not advance.
+    /// A copy that has begun `step`, for [`EventDriven::world_after`].
+    ///
+    /// # Errors
+    /// Returns the errors of [`EventDriven::step`].
+    pub fn begun<O: Observer>(&self, world: &World, step: u64, observer: &mut O) -> Result<EventDriven, StepError> {
+        let mut copy = self.clone();
+        copy.begin_at(step);
+        copy.apply_inputs(world, observer)?;
+        Ok(copy)
+    }
+
+    /// Advances within the step that was [begun](Self::begun), and returns the world `offset` seconds after its start.
+    /// `world` is that at the start. The offsets must not decrease.
     ///
     /// # Errors
     /// Returns the errors of [`EventDriven::step`].
     pub fn world_after<O: Observer>(
-        &self,
+        &mut self,
         world: &World,
-        step: u64,
         offset: f64,
         observer: &mut O,
     ) -> Result<World, StepError> {
-        let instant = self.clock.start_of(step).after(offset);
-        let mut copy = self.clone();
-        copy.begin_at(step);
-        copy.apply_inputs(world, observer)?;
-        copy.process_events(world, instant, observer)?;
-        Ok(copy.dirty_states.world_at(&copy.bodies, world, instant))
+        let instant = self.step_start.after(offset);
+        self.process_events(world, instant, observer)?;
+        Ok(self.dirty_states.world_at(&self.bodies, world, instant))
     }
 
     /// Asserts the invariants after each instant from now on, in debug builds and with few bodies.

@@ -145,6 +145,29 @@ fn an_engine_restored_at_every_step_continues_bit_for_bit() {
 }
 
 #[test]
+fn worlds_within_a_step_do_not_depend_on_those_before_them() {
+    check("within steps", random_scene, |scene| {
+        let mut difference = None;
+        scene.run_with(|engine| {
+            let (mut within, mut collisions) = (engine.within_step(), Vec::new());
+            for part in 1..=3 {
+                let offset = f64::from(part) / (3.0 * scene.rate);
+                let mut all = Vec::new();
+                let [step_by_step, at_once] =
+                    [within.world_after(offset, &mut collisions), engine.world_after(offset, &mut all)];
+                if format!("{step_by_step:?} {collisions:?}") != format!("{at_once:?} {all:?}") {
+                    difference = difference.take().or(Some(format!("step {} + {offset} s", engine.current_step())));
+                }
+                if step_by_step.is_err() {
+                    break;
+                }
+            }
+        });
+        difference.map_or(Ok(Law::Holds), Err)
+    });
+}
+
+#[test]
 fn a_mirrored_scene_has_a_mirrored_run() {
     check("mirror", random_scene, |scene| {
         // A body in the middle of another one leaves it to one of the two sides.
