@@ -158,12 +158,22 @@ fn row(time: f64, start: &[State], restitution: f64) -> Vec<State> {
     start.iter().zip(after).map(state).collect()
 }
 
-/// Each box yields on the axis on which they are pressed together less, x: both accelerate at (6 + 3)/2 m/s² to the right,
-/// at 10 m/s² down and at 15 m/s² up.
+/// Each box yields on the axis on which they are pressed together less, x: until they have passed each other, both
+/// accelerate at (6 + 3)/2 m/s² to the right, at 10 m/s² down and at 15 m/s² up.
 fn corners(time: f64, start: &[State]) -> Vec<State> {
-    let state =
-        |(&[x, y, ..], ay): (&State, f64)| [x + 2.25 * time * time, y + 0.5 * ay * time * time, 4.5 * time, ay * time];
-    start.iter().zip([10.0, -15.0]).map(state).collect()
+    // Their faces have passed each other after 2 m at 25 m/s². From then on the forces act on each box alone.
+    let passed = (2.0_f64 * 2.0 / 25.0).sqrt();
+    let alone = if time > passed { time - passed } else { 0.0 };
+    let state = |(&[x, y, ..], [ax, ay]): (&State, [f64; 2])| {
+        let (own, common) = (ax - 4.5, 4.5);
+        [
+            x + 0.5 * (common * time * time + own * alone * alone),
+            y + 0.5 * ay * time * time,
+            common * time + own * alone,
+            ay * time,
+        ]
+    };
+    start.iter().zip([[6.0, 10.0], [3.0, -15.0]]).map(state).collect()
 }
 
 /// Falls from rest in the time √(2h/g), then rises and falls in twice that time.
