@@ -29,7 +29,9 @@ fn recorded(name: &str, scene: &str, lines: &str) -> Vec<u8> {
     let options = RecordOptions::complete(&scene);
     let mut live = LiveEvents::new(lines.as_bytes(), OnBadEvent::Fail, options.steps);
     let file = File::default();
-    rebond::record(&scene, options, Some(&mut live), file.clone(), |_| ()).unwrap();
+    // Without lines it is `rebond record SCENE`, whose recording has no note of live events.
+    let live = if lines.is_empty() { None } else { Some(&mut live) };
+    rebond::record(&scene, options, live, file.clone(), |_| ()).unwrap();
     file.0.lock().unwrap().clone()
 }
 
