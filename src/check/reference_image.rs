@@ -57,7 +57,7 @@ fn compare(reference: &ReferenceImage, index: &RecordingIndex) -> (Outcome, Opti
         }
         Some(Err(error)) => Outcome::Failed(error.to_string()),
     };
-    // What remains of a corrupt recording is no reference.
+    // A picture of the readable part of a corrupt recording must not become a reference.
     if matches!(damage, Some((_, Health::Corrupt { .. }))) {
         return (outcome, None);
     }

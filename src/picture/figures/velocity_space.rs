@@ -12,7 +12,7 @@ use std::collections::BTreeSet;
 pub struct VelocityRun {
     /// Title, shown if there are several runs.
     pub title: String,
-    /// What is shown.
+    /// The velocities to show.
     pub velocities: Velocities,
 }
 
