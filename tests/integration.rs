@@ -78,6 +78,8 @@ mod report;
 mod scene_errors;
 #[path = "integration/shards.rs"]
 mod shards;
+#[path = "integration/side_by_side.rs"]
+mod side_by_side;
 #[path = "integration/slow_motion.rs"]
 mod slow_motion;
 #[path = "integration/snapshot.rs"]

@@ -5,8 +5,6 @@ use super::picture_arguments::FigureCommandOptions;
 use super::source::{OpenedSource, SourceArgument, Verification};
 use super::{Exit, output};
 use crate::picture::{self, SOFTWARE, StillFormat, SubjectOptions};
-use crate::scene;
-use serde_json::Value;
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
 
@@ -17,14 +15,13 @@ pub fn run(options: &FigureCommandOptions) -> Result<Exit, CommandError> {
     let inputs: Vec<&Path> = options.sources.iter().map(PathBuf::as_path).collect();
     let output = OutputFile::create(path, Overwrite::from_force(options.output.force), &inputs)?;
     let sources = SourceArgument::all(&options.sources, &options.set)?;
-    let opened = sources.iter().map(|source| OpenedSource::open(source, Verification::None));
-    let sources = opened.collect::<Result<Vec<OpenedSource>, CommandError>>()?;
+    let sources = OpenedSource::open_all(&sources, Verification::None)?;
     let recordings: Vec<picture::Source> = sources.iter().map(|source| source.recording.clone()).collect();
     let bar = output::progress_bar("drawing", 0);
     let mut on_progress = output::progress_updater(&bar);
     let (mut picture_options, threads) = (options.picture_options(), NonZero::<usize>::MIN);
     if options.title.is_empty() && recordings.len() > 1 && !options.set.is_empty() {
-        picture_options.titles = Some(recordings.iter().map(title_with_settings).collect());
+        picture_options.titles = Some(sources.iter().map(OpenedSource::title_with_settings).collect());
     }
     let (_, drawn) = output.write(|output| {
         let (options, progress) = (&picture_options, &mut on_progress);
@@ -33,19 +30,6 @@ pub fn run(options: &FigureCommandOptions) -> Result<Exit, CommandError> {
     bar.finish_and_clear();
     drawn.warnings.iter().for_each(|warning| output::info(format_args!("{warning}")));
     Ok(sources.iter().fold(output::warn_of_damage(&drawn.statuses), |exit, source| source.file.exit(exit)))
-}
-
-/// The title of a recording with the values that were set, unless the title is one of them.
-fn title_with_settings(recording: &picture::Source) -> String {
-    let settings = scene::settings(&recording.header.overrides);
-    let is_titled = settings.iter().any(|(key, _)| key == "title");
-    let value = |(key, value): &(String, Value)| match value {
-        Value::String(text) => format!("{key} = {text}"),
-        value => format!("{key} = {value}"),
-    };
-    let values = if is_titled { Vec::new() } else { settings.iter().map(value).collect() };
-    let title = Some(recording.title().to_owned()).filter(|title| !title.is_empty());
-    title.into_iter().chain(values).collect::<Vec<String>>().join(", ")
 }
 
 /// The figure, and the format that the name of the output indicates.

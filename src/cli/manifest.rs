@@ -147,7 +147,7 @@ fn render_line(options: &RenderOptions) -> Result<Line, String> {
     }
     match OutputKind::from_options(options).map_err(|error| error.to_string())? {
         OutputKind::File(subject) => {
-            draw_line(&options.output.output, vec![options.source.clone()], subject, options.picture_options())
+            draw_line(&options.output.output, options.sources.clone(), subject, options.picture_options())
         }
         OutputKind::Video(_) | OutputKind::Sequence => Err(
             "expected a single picture or animation: OUT.gif, OUT.apng, or with --at STEP OUT.png, OUT.svg or OUT.pdf"

@@ -1,13 +1,13 @@
 //! The options of the commands that draw.
 
-use super::arguments::{JobOptions, OutputOptions, Shard, single_override};
+use super::arguments::{JobOptions, OutputOptions, Shard};
 use crate::body_selector::BodySelector;
 use crate::physics::Axis;
 use crate::picture::{
     CollisionFigure, FigureOptions, MAX_HOLD, MIN_HOLD, PictureOptions, Quantity, SPEEDS, StatesFigure,
 };
 use crate::picture_options::StepOrTime;
-use crate::scene::{Override, Sweep};
+use crate::scene::Sweep;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -19,16 +19,18 @@ OUT.gif, .apng, .mp4, .webm (with ffmpeg) are animations; .png, .svg, .pdf need
 
 Examples:
   rebond render run.mcap -o slow.apng --slow 0.1 --hold 0.5 at collisions
-  rebond render run.mcap -o impact.svg --at 24 --theme dark --size 1920x1080")]
+  rebond render run.mcap -o impact.svg --at 24 --theme dark --size 1920x1080
+  rebond render bullet-handout.mcap bullet-exact.mcap -o bullets.gif")]
 pub struct RenderOptions {
-    /// A scene (.toml) or a recording (.mcap)
-    pub source: PathBuf,
+    /// Scenes (.toml) or recordings (.mcap), side by side
+    #[arg(required = true, value_name = "SOURCE")]
+    pub sources: Vec<PathBuf>,
     /// The output file or folder.
     #[command(flatten)]
     pub output: OutputOptions,
-    /// Override a value of a scene: spawn.c.mass=2
-    #[arg(long, value_name = "KEY=VALUE", value_parser = single_override)]
-    pub set: Vec<Override>,
+    /// Override values of scenes; KEY=[A | B] are two
+    #[arg(long, value_name = "KEY=VALUE")]
+    pub set: Vec<Sweep>,
     /// Draw only the state of this step or time (1.5s)
     #[arg(long, value_name = "STEP", conflicts_with_all = ["from", "to", "every", "fps"])]
     pub at: Option<StepOrTime>,
@@ -47,6 +49,9 @@ pub struct RenderOptions {
     /// Allow more than an hour or 100,000 frames
     #[arg(long)]
     pub long: bool,
+    /// Title of a source; repeatable [default: the scene's]
+    #[arg(long, value_name = "TEXT")]
+    pub title: Vec<String>,
     /// The appearance.
     #[command(flatten)]
     pub picture: PictureOptions,
@@ -62,7 +67,8 @@ impl RenderOptions {
             HoldWord::Seconds(seconds) => Some(*seconds),
             HoldWord::At | HoldWord::Collisions => None,
         });
-        PictureOptions { fps: self.fps, slow: self.slow, hold, ..self.picture.clone() }
+        let titles = Some(self.title.clone()).filter(|titles| !titles.is_empty());
+        PictureOptions { fps: self.fps, slow: self.slow, hold, titles, ..self.picture.clone() }
     }
 }
 

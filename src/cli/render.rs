@@ -6,69 +6,83 @@ use super::output_file::{OutputFile, OutputFolder, Overwrite};
 use super::picture_arguments::RenderOptions;
 use super::source::{OpenedSource, SourceArgument, Verification};
 use super::video::{self, VideoContainer};
-use crate::picture::{self, AnimationFormat, Format, PictureOptions, SOFTWARE, StillFormat, Subject, SubjectOptions};
-use crate::picture_options::StepOrTime;
+use crate::picture::{self, Animation, AnimationFormat, Format, Page, SOFTWARE, StillFormat, Subject, SubjectOptions};
 use crate::text::counted;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-/// Draws a scene or a recording.
+/// Draws scenes or recordings.
 pub fn run(options: &RenderOptions) -> Result<Exit, CommandError> {
     let (path, overwrite) = (&options.output.output, Overwrite::from_force(options.output.force));
     let kind = OutputKind::from_options(options)?;
     kind.refuse_shard(path, options.shard)?;
-    let output = kind.open(path, overwrite, &options.source)?;
+    let inputs: Vec<&Path> = options.sources.iter().map(PathBuf::as_path).collect();
+    let output = kind.open(path, overwrite, &inputs)?;
     let verification = if options.at.is_some() { Verification::None } else { Verification::Replay };
-    let source = OpenedSource::open(&SourceArgument::one(&options.source, &options.set)?, verification)?;
-    let recording = &source.recording;
-    let picture_options = options.picture_options();
+    let opened = OpenedSource::open_all(&SourceArgument::all(&options.sources, &options.set)?, verification)?;
+    let sources: Vec<picture::Source> = opened.iter().map(|source| source.recording.clone()).collect();
+    let mut picture_options = options.picture_options();
+    if picture_options.titles.is_none() && sources.len() > 1 && !options.set.is_empty() {
+        picture_options.titles = Some(opened.iter().map(OpenedSource::title_with_settings).collect());
+    }
     let threads = options.jobs.threads();
     let bar = output::progress_bar("drawing frames", 0);
     let mut on_progress = output::progress_updater(&bar);
+    let mut step = 0;
     let drawn = match output {
         Output::File(subject, file) => {
-            let sources = std::slice::from_ref(recording);
-            let picture = picture_options.resolve(&subject, sources, &mut on_progress)?;
-            if let Subject::Animation { animation, .. } = &picture.subject {
-                let schedule = animation.schedule(recording);
-                refuse_long(schedule.count(), schedule.start_time(schedule.count()), options)?;
+            let picture = picture_options.resolve(&subject, &sources, &mut on_progress)?;
+            match &picture.subject {
+                Subject::Animation { animation, .. } => refuse_long_animation(animation, &sources, options)?,
+                Subject::Page { page: Page::State { step: shown, .. }, .. } => step = *shown,
+                Subject::Page { .. } => {}
             }
             let drawn = file.write(|output| {
                 let (options, progress) = (&picture_options, &mut on_progress);
-                Ok(picture::draw_options(&subject, options, sources, SOFTWARE, threads, progress, output)?)
+                Ok(picture::draw_options(&subject, options, &sources, SOFTWARE, threads, progress, output)?)
             })?;
             drawn.1
         }
         Output::Video(container, file) => {
-            let (clip, provenance) = picture::Clip::video(&picture_options, recording, &mut on_progress)?;
+            let (clip, provenance) = picture::Clip::video(&picture_options, &sources, &mut on_progress)?;
             if let Subject::Animation { animation, .. } = &provenance.picture.subject {
-                let schedule = animation.schedule(recording);
-                refuse_long(schedule.count(), schedule.start_time(schedule.count()), options)?;
+                refuse_long_animation(animation, &sources, options)?;
             }
             video::write(clip, &provenance, container, threads, &mut on_progress, file)?
         }
         Output::Sequence(mut folder) => {
-            let Some(shard) = shard_options(picture_options, options.shard, recording) else {
+            let mut sequence = picture_options.resolve_sequence(&sources)?;
+            let Some(steps) = options.shard.steps(*sequence.steps.start(), *sequence.steps.end()) else {
                 folder.finish()?;
                 return Ok(Exit::Done);
             };
-            let sequence = shard.resolve_sequence(recording)?;
+            sequence.steps = steps;
             refuse_long((sequence.steps.end() - sequence.steps.start()) / sequence.every, 0.0, options)?;
             let write = |step, file: Vec<u8>| folder.write(format!("{step:06}.png"), &file);
-            let drawn = picture::draw_sequence(&sequence, recording, threads, &mut on_progress, write)?;
+            let drawn = picture::draw_sequence(&sequence, &sources, threads, &mut on_progress, write)?;
             folder.finish()?;
             drawn
         }
     };
-    let exit = source.file.exit(output::warn_of_damage(&drawn.statuses));
+    let exit = opened.iter().fold(output::warn_of_damage(&drawn.statuses), |exit, source| source.file.exit(exit));
     drawn.warnings.iter().for_each(|warning| output::info(format_args!("{warning}")));
     bar.finish_and_clear();
     // The message names the steps shown, because an animation may skip steps.
-    let shown = match (drawn.schedule, options.at) {
-        (Some(schedule), _) => format!("{}, {schedule}", counted(schedule.count(), "frame")),
-        (None, at) => format!("step {}", at.map_or(0, |at| at.step(recording.header.config.rate))),
+    let shown = match drawn.schedule {
+        Some(schedule) => format!("{}, {schedule}", counted(schedule.count(), "frame")),
+        None => format!("step {step}"),
     };
     output::print_result(path, &format!("{}: {shown}", path.display()))?;
     Ok(exit)
+}
+
+/// Returns an error for an animation that is long, which is usually a mistake, unless it is allowed.
+fn refuse_long_animation(
+    animation: &Animation,
+    sources: &[picture::Source],
+    options: &RenderOptions,
+) -> Result<(), CommandError> {
+    let schedule = animation.schedule(sources)?;
+    refuse_long(schedule.count(), schedule.start_time(schedule.count()), options)
 }
 
 /// The longest clip that needs no confirmation, s, and its largest number of frames.
@@ -86,18 +100,6 @@ fn refuse_long(frames: u64, seconds: f64, options: &RenderOptions) -> Result<(),
         (false, true) if !is_allowed => Err(CommandError::LongClip { frames, seconds }),
         (false, _) => Ok(()),
     }
-}
-
-/// Restricts the options to the steps of one shard. Returns `None` if the shard has no steps.
-fn shard_options(options: PictureOptions, shard: Shard, recording: &picture::Source) -> Option<PictureOptions> {
-    if shard == Shard::WHOLE {
-        return Some(options);
-    }
-    let (rate, end) = (recording.header.config.rate, recording.statistics.last_step.unwrap_or(0));
-    let (from, to) = (options.from.map_or(0, |from| from.step(rate)), options.to.map_or(end, |to| to.step(rate)));
-    let steps = shard.steps(from, to.min(end))?;
-    let (from, to) = (StepOrTime::Step(*steps.start()), StepOrTime::Step(*steps.end()));
-    Some(PictureOptions { from: Some(from), to: Some(to), ..options })
 }
 
 /// The kind of output of `render`.
@@ -160,12 +162,12 @@ impl OutputKind {
     }
 
     /// Opens the output, or returns an error before any work is done if it cannot be written.
-    fn open(self, path: &Path, overwrite: Overwrite, source: &Path) -> Result<Output, CommandError> {
+    fn open(self, path: &Path, overwrite: Overwrite, sources: &[&Path]) -> Result<Output, CommandError> {
         Ok(match self {
-            OutputKind::File(subject) => Output::File(subject, OutputFile::create(path, overwrite, &[source])?),
+            OutputKind::File(subject) => Output::File(subject, OutputFile::create(path, overwrite, sources)?),
             OutputKind::Video(container) => {
                 video::require_ffmpeg(path)?;
-                Output::Video(container, OutputFile::create(path, overwrite, &[source])?)
+                Output::Video(container, OutputFile::create(path, overwrite, sources)?)
             }
             OutputKind::Sequence => Output::Sequence(OutputFolder::create(path, overwrite)?),
         })

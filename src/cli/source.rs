@@ -5,6 +5,8 @@ use crate::picture;
 use crate::replay::{ALL_STEPS, NO_LIVE_EVENTS, RecordOptions, Verdict};
 use crate::scene::{self, Override, Sweep};
 use crate::temporary::TemporaryFolder;
+use serde_json::Value;
+use std::fmt::{self, Display, Formatter};
 use std::{fs, fs::File, path::Path, path::PathBuf};
 
 /// A recording or a scene, as a command names it.
@@ -29,14 +31,6 @@ impl SourceArgument {
         match sources.iter().all(|source| source.overrides.is_empty()) {
             true if !set.is_empty() => Err(CommandError::SetOfRecordings { path: paths[0].clone() }),
             _ => Ok(sources),
-        }
-    }
-
-    /// Returns the source `path` of a command that takes one.
-    pub fn one(path: &Path, overrides: &[Override]) -> Result<SourceArgument, CommandError> {
-        match !overrides.is_empty() && is_recording(path)? {
-            true => Err(CommandError::SetOfRecordings { path: path.into() }),
-            false => Ok(SourceArgument { path: path.into(), overrides: overrides.to_vec() }),
         }
     }
 }
@@ -65,6 +59,14 @@ pub fn with_recordings_of_folders(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Com
     Ok(files)
 }
 
+/// The path with the values that are set, for messages: `scene.toml --set restitution.default=0.5`.
+impl Display for SourceArgument {
+    fn fmt(&self, out: &mut Formatter) -> fmt::Result {
+        write!(out, "{}", self.path.display())?;
+        self.overrides.iter().try_for_each(|value| write!(out, " --set {value}"))
+    }
+}
+
 /// A recording given as such, or a temporary one made from a scene.
 pub struct SourceFile {
     /// The path of the recording.
@@ -78,6 +80,11 @@ pub struct SourceFile {
 impl SourceFile {
     /// Takes a recording as it is, or records a scene, with or without verifying that it replays the same.
     pub fn open(source: &SourceArgument, verification: Verification) -> Result<SourceFile, CommandError> {
+        SourceFile::open_as("", source, verification)
+    }
+
+    /// Takes a recording or records a scene as [`SourceFile::open`], with `prefix` before messages about it.
+    fn open_as(prefix: &str, source: &SourceArgument, verification: Verification) -> Result<SourceFile, CommandError> {
         let SourceArgument { path, overrides } = source;
         if is_recording(path)? {
             return Ok(SourceFile { path: path.clone(), failure: None, _temporary: None });
@@ -88,10 +95,10 @@ impl SourceFile {
         let file = File::create(&recording).map_err(CommandError::unwritable(&recording))?;
         let recorded = record::record(&scene, RecordOptions::complete(&scene), NO_LIVE_EVENTS, file, &recording)?;
         if let Some(error) = &recorded.error {
-            output::info(format_args!("{error}; using the steps before it"));
+            output::info(format_args!("{prefix}{error}; using the steps before it"));
         }
         if verification == Verification::Replay {
-            verify(&recording)?;
+            verify(prefix, &recording)?;
         }
         let failure = recorded.error;
         Ok(SourceFile { path: recording, failure, _temporary: Some(folder) })
@@ -124,17 +131,36 @@ pub struct OpenedSource {
 }
 
 impl OpenedSource {
-    /// Opens a recording, or records a scene, with or without verifying that it replays the same.
-    pub fn open(source: &SourceArgument, verification: Verification) -> Result<OpenedSource, CommandError> {
-        let file = SourceFile::open(source, verification)?;
-        Ok(OpenedSource { recording: picture::Source::open(&file.path)?, file })
+    /// Opens recordings and records scenes, with or without verifying that these replay the same. Messages about one of
+    /// several name it.
+    pub fn open_all(sources: &[SourceArgument], verification: Verification) -> Result<Vec<OpenedSource>, CommandError> {
+        let open = |source: &SourceArgument| {
+            let prefix = if sources.len() > 1 { format!("{source}: ") } else { String::new() };
+            let file = SourceFile::open_as(&prefix, source, verification)?;
+            let recording = picture::Source::open(&file.path)?.named(source.to_string().as_ref());
+            Ok(OpenedSource { recording, file })
+        };
+        sources.iter().map(open).collect()
+    }
+
+    /// The title of the recording with the values that were set, unless the title is one of them.
+    pub fn title_with_settings(&self) -> String {
+        let settings = scene::settings(&self.recording.header.overrides);
+        let is_titled = settings.iter().any(|(key, _)| key == "title");
+        let value = |(key, value): &(String, Value)| match value {
+            Value::String(text) => format!("{key} = {text}"),
+            value => format!("{key} = {value}"),
+        };
+        let values = if is_titled { Vec::new() } else { settings.iter().map(value).collect() };
+        let title = Some(self.recording.title().to_owned()).filter(|title| !title.is_empty());
+        title.into_iter().chain(values).collect::<Vec<String>>().join(", ")
     }
 }
 
 /// Replays a recording. A verdict other than `same` is an error.
-fn verify(recording: &Path) -> Result<(), CommandError> {
+fn verify(prefix: &str, recording: &Path) -> Result<(), CommandError> {
     let verdict = replay::replay_with_progress(recording, ALL_STEPS, &mut CollisionCount::default())?;
-    output::info(format_args!("{verdict}"));
+    output::info(format_args!("{prefix}{verdict}"));
     match verdict {
         Verdict::Same { .. } => Ok(()),
         Verdict::Diverged(_) | Verdict::Incomplete { .. } | Verdict::Corrupt { .. } => {

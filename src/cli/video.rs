@@ -3,7 +3,7 @@
 use super::error::CommandError;
 use super::output_file::OutputFile;
 use crate::picture::{
-    self, AnimationSchedule, Clip, Drawn, Frame, Palette, Picture, Progress, Provenance, View, draw_frames,
+    self, AnimationSchedule, Clip, Drawn, Instant, Palette, Picture, Progress, Provenance, Stage, draw_frames,
 };
 use std::io::{self, BufWriter, Read, Write};
 use std::num::NonZero;
@@ -41,28 +41,28 @@ pub fn write(
     progress: Progress,
     output: OutputFile,
 ) -> Result<Drawn, CommandError> {
-    let Clip { view, schedule, mut frames, warnings } = clip;
+    let Clip { stage, schedule, mut instants, warnings } = clip;
     let name = output.name().to_owned();
     output.write_by_path(|temp_path| {
-        let mut ffmpeg = start(&view, &schedule, container, &provenance.metadata().to_string(), temp_path)
+        let mut ffmpeg = start(&stage, &schedule, container, &provenance.metadata().to_string(), temp_path)
             .map_err(|source| CommandError::NoFfmpeg { path: name.clone(), source })?;
-        let sent = send(&mut ffmpeg, frames.by_ref(), &view, &schedule, threads, progress);
+        let sent = send(&mut ffmpeg, instants.by_ref(), &stage, &schedule, threads, progress);
         finish(ffmpeg, sent, &name)
     })?;
-    Ok(Drawn { statuses: vec![frames.read_status()], schedule: Some(schedule), warnings })
+    Ok(Drawn { statuses: instants.read_statuses(), schedule: Some(schedule), warnings })
 }
 
 /// Starts ffmpeg, which reads raw RGBA frames on its standard input.
 fn start(
-    view: &View,
+    stage: &Stage,
     schedule: &AnimationSchedule,
     container: VideoContainer,
     comment: &str,
     output: &Path,
 ) -> io::Result<Child> {
-    let [width, height] = view.camera.size;
+    let [width, height] = stage.size();
     let rate = schedule.frames_per_second();
-    let background = Palette::of(view.style.look.theme).background;
+    let background = Palette::of(stage.style().look.theme).background;
     let even = format!("pad=ceil(iw/2)*2:ceil(ih/2)*2:color={background},scale=out_color_matrix=bt709:out_range=tv");
     let codec: &[&str] = match container {
         VideoContainer::Mp4 => &["-c:v", "libx264", "-crf", "18", "-movflags", "+faststart", "-f", "mp4"],
@@ -86,8 +86,8 @@ fn start(
 /// Sends each picture to ffmpeg, repeated for the number of frames for which it is shown.
 fn send(
     ffmpeg: &mut Child,
-    frames: impl Iterator<Item = Result<Frame, picture::Error>>,
-    view: &View,
+    instants: impl Iterator<Item = Result<Instant, picture::Error>>,
+    stage: &Stage,
     schedule: &AnimationSchedule,
     threads: NonZero<usize>,
     progress: Progress,
@@ -96,8 +96,8 @@ fn send(
     let mut input = BufWriter::new(input);
     let (rate, count) = (schedule.frames_per_second(), schedule.count());
     let mut shown = 0;
-    let frames = frames.map(|frame| frame.map_err(CommandError::from));
-    draw_frames(frames, view, threads, |picture: Picture| {
+    let instants = instants.map(|instant| instant.map_err(CommandError::from));
+    draw_frames(instants, stage, threads, |picture: Picture| {
         for _ in 0..schedule.ticks_shown(shown, rate) {
             input.write_all(picture.pixels.as_flattened()).map_err(CommandError::Pipe)?;
         }

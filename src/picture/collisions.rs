@@ -111,8 +111,9 @@ pub fn max_impulse(source: &Source, progress: Progress) -> Result<f64, Error> {
 }
 
 /// Returns the moments of new collisions at which an animation with this schedule freezes, in order, found by a replay: of
-/// several moments between two frames only the first, so their number is bounded by that of frames. A collision is new if
-/// its two bodies did not collide in the previous step.
+/// several moments between two frames only the first, so their number is bounded by that of frames. The moments are those
+/// of the schedule, whose rate may differ from that of the recording. A collision is new if its two bodies did not collide
+/// in the previous step.
 ///
 /// The event-driven solver gives exact instants; the handout's solver gives the state in which it
 /// detected the collision.
@@ -121,7 +122,9 @@ pub fn max_impulse(source: &Source, progress: Progress) -> Result<f64, Error> {
 /// If the recording cannot be read.
 pub fn freeze_frames(source: &Source, schedule: &AnimationSchedule, progress: Progress) -> Result<Vec<Moment>, Error> {
     let grid = &schedule.grid;
-    let (from, rate) = (*grid.steps.start(), grid.rate);
+    let rate = source.header.config.rate;
+    let own_step = |step: u64| Moment { step, offset: 0.0 }.at_rate(grid.rate, rate).step;
+    let from = own_step(*grid.steps.start());
     let mut finder = FreezeFrameFinder {
         schedule,
         from,
@@ -132,7 +135,7 @@ pub fn freeze_frames(source: &Source, schedule: &AnimationSchedule, progress: Pr
         last: None,
         moments: Vec::new(),
     };
-    let last = *grid.steps.end();
+    let last = own_step(*grid.steps.end());
     let recording = source.recording()?;
     // The collisions of the step before the first decide which ones of the first step are new.
     let replayer = Replayer::new(recording, from.saturating_sub(2)..=last);
@@ -175,12 +178,13 @@ impl Observer for FreezeFrameFinder<'_> {
         let mut pair = collision.bodies;
         pair.sort_unstable();
         let is_new = !self.previous_pairs.contains(&pair) && self.pairs.insert(pair);
+        let shown = moment.at_rate(self.rate, self.schedule.grid.rate);
         if is_new
             && moment.step >= self.from
-            && let Some(frame) = self.schedule.grid_index(moment).filter(|frame| self.last != Some(*frame))
+            && let Some(frame) = self.schedule.grid_index(shown).filter(|frame| self.last != Some(*frame))
         {
             self.last = Some(frame);
-            self.moments.push(moment);
+            self.moments.push(shown);
         }
         self.pairs.insert(pair);
     }

@@ -1,20 +1,20 @@
-use super::collisions::{find_collision, freeze_frames, max_impulse};
+use super::clip::clock;
+use super::collisions::{find_collision, max_impulse};
 use super::encode::{PngEffort, write_apng, write_gif, write_png_sequence};
 use super::figures::{
     self, CollisionSubject, EnergyRun, FigureRun, LineRun, LineSubject, Range, SpacetimeRun, SpeedRun, Timeline,
     Velocities, VelocityPath, VelocityRun,
 };
-use super::layers::lanes::{LaneConflicts, Lanes, MAX_KEPT};
-use super::layers::{LayoutContext, arrows};
+use super::layers::lanes::Lanes;
 use super::number::TimeFormat;
 use super::resimulation::Resimulation;
 use super::text::Font;
 use super::trace::trace;
 use super::{
-    Animation, AnimationFormat, AnimationSchedule, CollisionFigure, ColorBy, DisplayList, EnergySample, Error, Frame,
-    Frames, Look, Overlay, Page, PictureOptions, Progress, Provenance, Quantity, ReadStatus, RenderError,
-    ResolvedPicture, SOFTWARE, Sequence, Source, Sprite, StatesFigure, StepGrid, StepRange, StillFormat, Style,
-    Subject, SubjectOptions, Thinning, Timing, Trails, View, compose,
+    Animation, AnimationFormat, AnimationSchedule, Clip, CollisionFigure, ColorBy, DisplayList, EnergySample, Error,
+    Frame, Frames, Instant, Look, Overlay, Page, PictureOptions, Progress, Provenance, Quantity, ReadStatus,
+    RenderError, ResolvedPicture, SOFTWARE, Sequence, Source, Sprite, Stage, StatesFigure, StepGrid, StepRange,
+    StillFormat, Style, Subject, SubjectOptions, Thinning, Timing, Trails, View, compose,
 };
 use super::{Appearance, Palette, color};
 use crate::body_selector::BodySelector;
@@ -63,18 +63,18 @@ pub fn draw(
             Ok(Drawn { statuses, schedule: None, warnings: warnings(picture, sources) })
         }
         Subject::Animation { animation, format } => {
-            let Clip { view, schedule, mut frames, warnings } =
-                Clip::new(animation, &picture.look, &sources[0], progress)?.with_common_lanes(&sources[0])?;
+            let clip = Clip::new(animation, &picture.look, &picture.titles, sources, progress)?;
+            let Clip { stage, schedule, mut instants, warnings } = clip.with_common_lanes(sources)?;
             let mut done = 0;
-            let observed_frames = frames.by_ref().inspect(|_| {
+            let observed = instants.by_ref().inspect(|_| {
                 done += 1;
                 progress(done, schedule.count());
             });
             match format {
-                AnimationFormat::Gif => write_gif(observed_frames, &view, &schedule, &metadata, threads, output)?,
-                AnimationFormat::Apng => write_apng(observed_frames, &view, &schedule, &metadata, threads, output)?,
+                AnimationFormat::Gif => write_gif(observed, &stage, &schedule, &metadata, threads, output)?,
+                AnimationFormat::Apng => write_apng(observed, &stage, &schedule, &metadata, threads, output)?,
             }
-            Ok(Drawn { statuses: vec![frames.read_status()], schedule: Some(schedule), warnings })
+            Ok(Drawn { statuses: instants.read_statuses(), schedule: Some(schedule), warnings })
         }
     }
 }
@@ -167,31 +167,39 @@ pub fn redraw(file: &[u8], recordings: &[Source]) -> Result<Vec<u8>, Error> {
 }
 
 /// Draws each picture of a sequence and passes its step and its PNG file to `output`, in order. Each file carries the
-/// provenance of that picture alone, so the files do not depend on how the sequence was divided into shards.
+/// provenance of that picture alone, so the files do not depend on how the sequence was divided into shards. A step that
+/// all recordings lack has no picture.
 ///
 /// # Errors
 /// As for [`draw`], and the first error of `output`.
 pub fn draw_sequence<E: From<Error>>(
     sequence: &Sequence,
-    source: &Source,
+    sources: &[Source],
     threads: NonZero<usize>,
     progress: Progress,
     mut output: impl FnMut(u64, Vec<u8>) -> Result<(), E>,
 ) -> Result<Drawn, E> {
-    let Sequence { steps, every, look } = sequence;
+    let Sequence { steps, every, look, titles } = sequence;
     let animation = Animation { steps: steps.clone(), every: *every, timing: Timing::REAL_TIME };
-    let Clip { view, schedule, mut frames, warnings } = Clip::new(&animation, look, source, progress)?;
-    // Each picture is that of its step alone, which lacks nothing.
-    let view = View::new(source.world(), Style { gaps: Vec::new(), ..view.style }).map_err(Error::from)?;
+    let Clip { stage, schedule, mut instants, warnings } = Clip::new(&animation, look, titles, sources, progress)?;
+    let stage = match (stage, sources) {
+        // Each picture is that of its step alone, which lacks nothing.
+        (Stage::One(view), [source]) => {
+            let style = Style { gaps: Vec::new(), ..view.style };
+            Stage::One(View::new(source.world(), style).map_err(Error::from)?)
+        }
+        (stage, _) => stage,
+    };
     let metadata = |step| {
         let subject = Subject::Page { page: Page::State { step, every: Some(*every) }, format: StillFormat::Png };
-        let picture = ResolvedPicture { subject, look: look.clone(), titles: Vec::new() };
-        Provenance::new(&picture, std::slice::from_ref(source)).metadata()
+        let picture = ResolvedPicture { subject, look: look.clone(), titles: titles.clone() };
+        Provenance::new(&picture, sources).metadata()
     };
+    let is_shown = |instant: &Result<Instant, Error>| !instant.as_ref().is_ok_and(Instant::is_missing);
     let mut done = 0;
     let result = write_png_sequence(
-        frames.by_ref().map(|frame| frame.map_err(Failure::Drawing)),
-        &view,
+        instants.by_ref().filter(is_shown).map(|instant| instant.map_err(Failure::Drawing)),
+        &stage,
         metadata,
         threads,
         |step, file| {
@@ -201,7 +209,7 @@ pub fn draw_sequence<E: From<Error>>(
         },
     );
     match result {
-        Ok(()) => Ok(Drawn { statuses: vec![frames.read_status()], schedule: Some(schedule), warnings }),
+        Ok(()) => Ok(Drawn { statuses: instants.read_statuses(), schedule: Some(schedule), warnings }),
         Err(Failure::Drawing(error)) => Err(error.into()),
         Err(Failure::Output(error)) => Err(error),
     }
@@ -216,77 +224,6 @@ enum Failure<E> {
 impl<E> From<RenderError> for Failure<E> {
     fn from(error: RenderError) -> Failure<E> {
         Failure::Drawing(error.into())
-    }
-}
-
-/// The input of an encoder of animations: the frames, how they are drawn, and when they are shown.
-pub struct Clip {
-    /// Camera and style.
-    pub view: View,
-    /// The time at which each frame is shown.
-    pub schedule: AnimationSchedule,
-    /// The frames, with the data that the overlays need.
-    pub frames: Frames,
-    /// Sentences about contents that cannot be drawn as they are.
-    pub warnings: Vec<String>,
-}
-
-impl Clip {
-    /// The frames of a video, whose frame rate is unlimited, and its provenance: that of an animated PNG of the same
-    /// frames.
-    ///
-    /// # Errors
-    /// As for [`PictureOptions::resolve`] and [`Clip::new`].
-    pub fn video(options: &PictureOptions, source: &Source, progress: Progress) -> Result<(Clip, Provenance), Error> {
-        let (animation, look) = options.resolve_video(source)?;
-        let clip = Clip::new(&animation, &look, source, progress)?.with_common_lanes(source)?;
-        let subject = Subject::Animation { animation, format: AnimationFormat::Apng };
-        let picture = ResolvedPicture { subject, look, titles: Vec::new() };
-        Ok((clip, Provenance::new(&picture, std::slice::from_ref(source))))
-    }
-
-    /// The frames of an animation of a recording.
-    ///
-    /// # Errors
-    /// If the recording cannot be read, if the picture is too small for its content, or if the scale of impulse arrows
-    /// or freeze frames require a replay and that fails.
-    pub fn new(animation: &Animation, look: &Look, source: &Source, progress: Progress) -> Result<Clip, Error> {
-        let style = Style::new(look, std::slice::from_ref(source), progress)?;
-        let interval = 1.0 / (source.header.config.rate * animation.timing.frames_per_step as f64);
-        let time_format = TimeFormat::new(interval, source.duration());
-        let grid = grid(&animation.steps, animation.every, source);
-        let view = View::new(source.world(), Style { time_format, gaps: source.gaps_in(&grid), ..style })?;
-        let has_freeze_frames = animation.timing.hold > 0.0;
-        let mut schedule = AnimationSchedule::new(grid, animation.timing, &[]);
-        if has_freeze_frames {
-            let moments = freeze_frames(source, &schedule, progress)?;
-            schedule = AnimationSchedule::new(schedule.grid, animation.timing, &moments);
-        }
-        let frames = Frames::new(source, &schedule, &look.show)?;
-        let warnings = text_warnings(look, &[], std::slice::from_ref(source), BodyNames::IfOverlay);
-        Ok(Clip { view, schedule, frames, warnings })
-    }
-
-    /// The same clip with lanes for the arrows of bodies that are common to all frames, so that no arrow jumps. They
-    /// follow from the frames, which are read once more for this.
-    ///
-    /// # Errors
-    /// If the recording cannot be read.
-    fn with_common_lanes(mut self, source: &Source) -> Result<Clip, Error> {
-        let look = &self.view.style.look;
-        let has_arrows = [Overlay::Velocity, Overlay::Momentum, Overlay::Force]
-            .into_iter()
-            .any(|overlay| look.show.contains(overlay));
-        if has_arrows && self.view.style.body_count as usize <= MAX_KEPT {
-            let mut conflicts = LaneConflicts::default();
-            for frame in Frames::new(source, &self.schedule, &look.show)? {
-                let frame = frame?;
-                let context = LayoutContext::new(&self.view, self.view.camera_for(&frame));
-                conflicts.add(&arrows::of_bodies(&frame, &context));
-            }
-            self.view.style.lanes = conflicts.lanes();
-        }
-        Ok(self)
     }
 }
 
@@ -360,9 +297,12 @@ pub fn body_color(info: &BodyInfo) -> [u8; 3] {
 }
 
 impl Animation {
-    /// The schedule of this animation of a recording, without freeze frames.
-    pub fn schedule(&self, source: &Source) -> AnimationSchedule {
-        AnimationSchedule::new(grid(&self.steps, self.every, source), self.timing, &[])
+    /// The schedule of this animation of recordings, without freeze frames.
+    ///
+    /// # Errors
+    /// If there is no recording.
+    pub fn schedule(&self, sources: &[Source]) -> Result<AnimationSchedule, Error> {
+        Ok(AnimationSchedule::new(grid(&self.steps, self.every, clock(sources)?), self.timing, &[]))
     }
 }
 
@@ -374,11 +314,11 @@ fn compose_page(
     progress: Progress,
 ) -> Result<(DisplayList, Vec<ReadStatus>), Error> {
     match page {
-        Page::State { step, every } => state(*step, every.unwrap_or(1), &picture.look, &sources[0], progress),
+        Page::State { step, every } => state(*step, every.unwrap_or(1), picture, sources, progress),
         Page::Collision { figure, collisions } => {
             let style = Style::new(&picture.look, sources, progress)?;
             let mut subjects = Vec::new();
-            for ((source, selector), title) in sources.iter().zip(collisions).zip(titles(picture, sources)) {
+            for ((source, selector), title) in sources.iter().zip(collisions).zip(titles(&picture.titles, sources)) {
                 let collision = find_collision(source, selector.step, Some(&selector.pair), progress)?;
                 subjects.push(CollisionSubject { title, ..collision });
             }
@@ -392,7 +332,9 @@ fn compose_page(
         Page::States { figure: StatesFigure::Spacetime(axis), steps } => {
             let (mut runs, mut statuses) = (Vec::new(), Vec::new());
             let style = Style::new(&picture.look, sources, progress)?;
-            for ((source, title), grid) in sources.iter().zip(titles(picture, sources)).zip(grids(steps, sources)) {
+            for ((source, title), grid) in
+                sources.iter().zip(titles(&picture.titles, sources)).zip(grids(steps, sources))
+            {
                 let bodies = source.appearances()?;
                 let is_chosen = |body: &&Arc<Appearance>| body.is_wall || picture.look.bodies.contains(&body.name);
                 let column = column(&grid, &style);
@@ -417,8 +359,10 @@ fn compose_page(
         Page::States { figure, steps } => {
             let mut style = Style::new(&picture.look, sources, progress)?;
             let (mut runs, mut statuses) = (Vec::new(), Vec::new());
-            for ((source, title), grid) in sources.iter().zip(titles(picture, sources)).zip(grids(steps, sources)) {
-                style.gaps.extend(source.gaps_in(&grid));
+            for ((source, title), grid) in
+                sources.iter().zip(titles(&picture.titles, sources)).zip(grids(steps, sources))
+            {
+                style.gaps.extend(source.gaps_in(&grid.steps));
                 let schedule = AnimationSchedule::from(grid);
                 let mut frames = Frames::new(source, &schedule, &picture.look.show)?;
                 let mut drawn = frames.by_ref().collect::<Result<Vec<Frame>, Error>>()?;
@@ -439,7 +383,9 @@ fn compose_page(
             let style = Style::new(&picture.look, sources, progress)?;
             let top = sources.iter().map(|source| source.statistics.top_speed).fold(f64::MIN_POSITIVE, larger);
             let (mut runs, mut statuses) = (Vec::new(), Vec::new());
-            for ((source, title), grid) in sources.iter().zip(titles(picture, sources)).zip(grids(steps, sources)) {
+            for ((source, title), grid) in
+                sources.iter().zip(titles(&picture.titles, sources)).zip(grids(steps, sources))
+            {
                 let bodies = chosen_bodies(&picture.look.bodies, source)?;
                 let mut run = SpeedRun::new(title, top);
                 // No instants between the states.
@@ -460,7 +406,9 @@ fn compose_page(
         Page::VelocitySpace { axis, steps } => {
             let style = Style::new(&picture.look, sources, progress)?;
             let (mut runs, mut statuses) = (Vec::new(), Vec::new());
-            for ((source, title), grid) in sources.iter().zip(titles(picture, sources)).zip(grids(steps, sources)) {
+            for ((source, title), grid) in
+                sources.iter().zip(titles(&picture.titles, sources)).zip(grids(steps, sources))
+            {
                 let bodies = chosen_bodies(&picture.look.bodies, source)?;
                 let velocities = match bodies.len() {
                     2 => Velocities::Pair(velocity_path(source, &bodies, *axis, &grid, progress)?),
@@ -474,7 +422,9 @@ fn compose_page(
         Page::Lines { quantity, steps } => {
             let style = Style::new(&picture.look, sources, progress)?;
             let (mut runs, mut statuses) = (Vec::new(), Vec::new());
-            for ((source, title), grid) in sources.iter().zip(run_names(picture, sources)).zip(grids(steps, sources)) {
+            for ((source, title), grid) in
+                sources.iter().zip(run_names(&picture.titles, sources)).zip(grids(steps, sources))
+            {
                 let column = column(&grid, &style);
                 let subject = line_subject(*quantity, &picture.look.bodies, source)?;
                 let mut run = LineRun::new(title, *quantity, subject, source.world().y, column);
@@ -493,7 +443,9 @@ fn compose_page(
         Page::Energy { steps } => {
             let style = Style::new(&picture.look, sources, progress)?;
             let (mut runs, mut statuses) = (Vec::new(), Vec::new());
-            for ((source, title), grid) in sources.iter().zip(titles(picture, sources)).zip(grids(steps, sources)) {
+            for ((source, title), grid) in
+                sources.iter().zip(titles(&picture.titles, sources)).zip(grids(steps, sources))
+            {
                 let column = column(&grid, &style);
                 let mut run = EnergyRun::new(title, column, source.statistics.top_force > 0.0);
                 let trace = trace(source, &grid, column, progress, |point| {
@@ -601,9 +553,9 @@ fn velocity_cloud(
     Ok(Velocities::Cloud { time, bodies: state.bodies.iter().filter_map(of_body).collect() })
 }
 
-/// The names of recordings in a common legend: titles, or the values given with `--set` if the recordings have the same
+/// The names of recordings in a common legend or side by side in an animation: titles, or the values given with `--set` if the recordings have the same
 /// title.
-fn run_names(picture: &ResolvedPicture, sources: &[Source]) -> Vec<String> {
+pub(super) fn run_names(given: &[String], sources: &[Source]) -> Vec<String> {
     let values = |source: &Source| {
         let values = source.header.overrides.iter().map(|[key, value]| format!("{key} = {value}"));
         values.collect::<Vec<String>>().join(", ")
@@ -613,50 +565,54 @@ fn run_names(picture: &ResolvedPicture, sources: &[Source]) -> Vec<String> {
     let all_values: Vec<String> = sources.iter().map(values).collect();
     let is_distinct = (1..all_values.len()).all(|at| !all_values[..at].contains(&all_values[at]));
     let solvers = |at: usize| sources[at].header.config.solver;
-    match picture.titles.is_empty() {
+    match given.is_empty() {
         true if is_study && is_distinct && sources.len() > 1 => all_values,
         true if (1..sources.len()).all(|at| solvers(at) == solvers(0) && sources[at].title() != sources[0].title()) => {
             sources.iter().map(|source| source.title().to_owned()).collect()
         }
-        _ => titles(picture, sources),
+        _ => titles(given, sources),
     }
 }
 
-/// The shapes of one state. The recording is replayed at most once.
+/// The shapes of one state. A single recording is replayed at most once.
 fn state(
     step: u64,
     every: u64,
-    look: &Look,
-    source: &Source,
+    picture: &ResolvedPicture,
+    sources: &[Source],
     progress: Progress,
 ) -> Result<(DisplayList, Vec<ReadStatus>), Error> {
     let missing = || Error::NothingToShow { reason: "the step is not recorded".into() };
-    if look.show.contains(Overlay::Impulse) {
+    let look = &picture.look;
+    if let [source] = sources
+        && look.show.contains(Overlay::Impulse)
+    {
         // The scale of the arrows needs all impulses of the run, so the frame comes from the same replay.
         let schedule = AnimationSchedule::from(grid(&(step..=step), every, source));
         let trails = look.show.contains(Overlay::Trail).then(|| Trails::of_one_second(schedule.grid.rate));
         let mut run = Resimulation::of_whole_run(source, schedule, trails)?;
         let frame = run.next().transpose()?.ok_or_else(missing)?;
         let top_impulse = run.finish_run()?;
-        let style = Style::with_top_impulse(look, std::slice::from_ref(source), top_impulse)?;
+        let style = Style::with_top_impulse(look, sources, top_impulse)?;
         return Ok((compose(&frame, &View::new(source.world(), style)?), vec![run.read_status()]));
     }
     let animation = Animation { steps: step..=step, every, timing: Timing::REAL_TIME };
-    let Clip { view, mut frames, .. } = Clip::new(&animation, look, source, progress)?;
-    let frame = frames.next().transpose()?.ok_or_else(missing)?;
+    let Clip { stage, mut instants, .. } = Clip::new(&animation, look, &picture.titles, sources, progress)?;
+    let instant = instants.next().transpose()?.filter(|instant| !instant.is_missing()).ok_or_else(missing)?;
     // Damage directly after this state is found only by reading on.
-    frames.next().transpose()?;
-    Ok((compose(&frame, &view), vec![frames.read_status()]))
+    instants.next().transpose()?;
+    Ok((stage.compose(&instant), instants.read_statuses()))
 }
 
 /// Sentences about the contents of a picture that cannot be drawn as they are.
 fn warnings(picture: &ResolvedPicture, sources: &[Source]) -> Vec<String> {
     let is_of_pair = matches!(&picture.subject, Subject::Page { page: Page::Collision { .. }, .. });
     let is_of_lines = matches!(&picture.subject, Subject::Page { page: Page::Lines { .. }, .. });
+    let is_of_state = matches!(&picture.subject, Subject::Page { page: Page::State { .. }, .. });
     let titles = match sources.len() {
         0 | 1 => Vec::new(),
-        _ if is_of_lines => run_names(picture, sources),
-        _ => titles(picture, sources),
+        _ if is_of_lines || is_of_state => run_names(&picture.titles, sources),
+        _ => titles(&picture.titles, sources),
     };
     text_warnings(
         &picture.look,
@@ -668,7 +624,7 @@ fn warnings(picture: &ResolvedPicture, sources: &[Source]) -> Vec<String> {
 
 /// The names of bodies in a picture.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum BodyNames {
+pub(super) enum BodyNames {
     /// Shown with the overlay `name`.
     IfOverlay,
     /// Always shown.
@@ -676,7 +632,7 @@ enum BodyNames {
 }
 
 /// Warns of characters in the texts of a picture that the font lacks.
-fn text_warnings(look: &Look, titles: &[String], sources: &[Source], names: BodyNames) -> Vec<String> {
+pub(super) fn text_warnings(look: &Look, titles: &[String], sources: &[Source], names: BodyNames) -> Vec<String> {
     let mut missing: BTreeSet<char> = BTreeSet::new();
     let mut add = |text: &str| {
         let is_missing = |character: &char| !character.is_whitespace() && Font::embedded().glyph(*character) == 0;
@@ -725,14 +681,14 @@ fn grids<'a>(steps: &'a [StepRange], sources: &'a [Source]) -> impl Iterator<Ite
         .filter_map(move |(at, source)| range(at).map(|range| grid(&range.steps, range.every, source)))
 }
 
-fn grid(steps: &RangeInclusive<u64>, every: u64, source: &Source) -> StepGrid {
+pub(super) fn grid(steps: &RangeInclusive<u64>, every: u64, source: &Source) -> StepGrid {
     StepGrid::new(steps.clone(), source.header.config.rate, Thinning::Every(every))
 }
 
-/// The titles of recordings shown side by side: those of the picture, or the recordings' own.
-fn titles(picture: &ResolvedPicture, sources: &[Source]) -> Vec<String> {
-    if picture.titles.len() == sources.len() {
-        return picture.titles.clone();
+/// The titles of recordings shown side by side: those that are given, or the recordings' own.
+fn titles(given: &[String], sources: &[Source]) -> Vec<String> {
+    if given.len() == sources.len() {
+        return given.to_vec();
     }
     let title = |source: &Source| format!("{} ({})", source.title(), source.header.config.solver.name());
     sources.iter().map(title).collect()

@@ -21,7 +21,7 @@ impl Frames {
     /// # Errors
     /// If the recording cannot be read.
     pub fn new(source: &Source, schedule: &AnimationSchedule, show: &Overlays) -> Result<Frames, Error> {
-        let trails = show.contains(Overlay::Trail).then(|| Trails::of_one_second(schedule.grid.rate));
+        let trails = show.contains(Overlay::Trail).then(|| Trails::of_one_second(schedule.recorded_rate()));
         if show.show_collisions() || !schedule.is_on_grid() {
             let frames = Resimulation::start(source, schedule.clone(), trails)?;
             return Ok(Frames::Resimulated(Box::new(frames)));

@@ -10,11 +10,13 @@
 //!    [`Provenance::read`] and [`redraw`] restore the picture. It contains no path, date, number of threads or shard.
 //! 5. [`draw`] computes a [`Style`], that is, the look with the scales of the run, and reads [`Frames`] from the
 //!    recording, or from a replay if it needs collisions or instants between steps.
-//! 6. `layers` and [`figures`] lay out a frame or figure as a [`DisplayList`] of shapes.
+//! 6. `layers` and [`figures`] lay out a frame or figure as a [`DisplayList`] of shapes; a [`Stage`] lays out the
+//!    [`Instants`] of an animation, of one recording or of several side by side.
 //! 7. [`encode`] writes the shapes as SVG or PDF, or rasterises them with a [`Painter`] to PNG, animated PNG or GIF.
 //!
 //! A [`Sequence`] of still pictures and a [`Clip`] for an external video encoder follow the same stages.
 
+mod clip;
 mod collisions;
 mod draw;
 pub mod encode;
@@ -30,6 +32,7 @@ mod resolve;
 mod resolved;
 mod run_statistics;
 mod schedule;
+mod side_by_side;
 mod source;
 pub mod text;
 mod trace;
@@ -43,7 +46,8 @@ use std::path::PathBuf;
 pub use crate::picture_options::{
     CameraTarget, ColorBy, Language, Look, Overlay, Overlays, PictureOptions, Quantity, TextAs, Theme, Window,
 };
-pub use draw::{Clip, Drawn, body_color, draw, draw_options, draw_sequence, draw_to_vec, redraw};
+pub use clip::{Clip, Instant, Instants, Shot};
+pub use draw::{Drawn, body_color, draw, draw_options, draw_sequence, draw_to_vec, redraw};
 pub(crate) use encode::ordered_parallel_map;
 pub use encode::{
     AnimationDecoder, DecodedFrame, Metadata, PngEffort, RenderError, apng, compare, draw_frames, gif, pdf, png, svg,
@@ -64,6 +68,7 @@ pub use run_statistics::RunStatistics;
 pub use schedule::{
     AnimationSchedule, MAX_FRAMES_PER_STEP, MAX_GIF_FPS, MAX_HOLD, MIN_HOLD, Moment, SPEEDS, StepGrid, Thinning, Timing,
 };
+pub use side_by_side::{SideBySide, Stage};
 pub use source::{ReadExtent, ReadStatus, Source, recorded_world};
 pub use trace::TraceGap;
 pub use view::{Camera, DrawingMetrics, Style, View};
@@ -135,4 +140,16 @@ pub enum Error {
         /// The recording that is missing or unsuitable.
         reason: String,
     },
+}
+
+impl Error {
+    /// The same error, which names its recording if there are several.
+    fn of_source(self, source: &Source, sources: &[Source]) -> Error {
+        match self {
+            Error::NothingToShow { reason } if sources.len() > 1 => {
+                Error::NothingToShow { reason: format!("{}: {reason}", source.path.display()) }
+            }
+            error => error,
+        }
+    }
 }

@@ -29,8 +29,8 @@ impl Resimulation {
     /// If the recording cannot be read.
     pub fn start(source: &Source, schedule: AnimationSchedule, trails: Option<Trails>) -> Result<Resimulation, Error> {
         let trail = trails.as_ref().map_or(0, Trails::steps);
-        let first = schedule.moment(0).step.saturating_sub(trail.max(schedule.grid.every));
-        let steps = source.steps_to_read(first, *schedule.grid.steps.end());
+        let first = schedule.recorded_moment(0).step.saturating_sub(trail.max(schedule.recorded_interval()));
+        let steps = source.steps_to_read(first, *schedule.recorded_steps().end());
         Resimulation::of_steps(steps, source, schedule, trails)
     }
 
@@ -52,7 +52,7 @@ impl Resimulation {
         schedule: AnimationSchedule,
         trails: Option<Trails>,
     ) -> Result<Resimulation, Error> {
-        let rate = schedule.grid.rate;
+        let rate = schedule.recorded_rate();
         let replayer = Replayer::new(source.recording()?, steps).map_err(|error| source.read_error(error))?;
         let recorder = FrameRecorder {
             ready: VecDeque::new(),
@@ -244,7 +244,7 @@ impl FrameRecorder {
         }
         let mut within = engine.within_step();
         while self.next_frame < self.schedule.count() {
-            let moment = self.schedule.moment(self.next_frame);
+            let moment = self.schedule.recorded_moment(self.next_frame);
             if moment.step > step {
                 break;
             }
@@ -255,7 +255,7 @@ impl FrameRecorder {
             self.next_frame += 1;
         }
         // The first frame shows the collisions of one frame interval, as every other frame does.
-        if self.next_frame == 0 && step + self.schedule.grid.every <= self.schedule.moment(0).step {
+        if self.next_frame == 0 && step + self.schedule.recorded_interval() <= self.schedule.recorded_moment(0).step {
             self.pending_collisions.take();
         }
         Ok(())

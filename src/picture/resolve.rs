@@ -1,8 +1,9 @@
-use super::MAX_FRAMES_PER_STEP;
+use super::clip::clock;
 use super::collisions::{collision_selector, find_collision};
 use super::{
-    Animation, AnimationFormat, CameraTarget, CollisionFigure, Error, Look, Page, PictureOptions, Progress, Quantity,
-    ResolvedPicture, Source, StatesFigure, StepGrid, StepRange, StillFormat, Subject, Thinning, Timing, Window,
+    Animation, AnimationFormat, CameraTarget, CollisionFigure, Error, Look, MAX_FRAMES_PER_STEP, Moment, Page,
+    PictureOptions, Progress, Quantity, ResolvedPicture, Source, StatesFigure, StepGrid, StepRange, StillFormat,
+    Subject, Thinning, Timing, Window,
 };
 use crate::physics::{Axis, Rect, Vector, larger, smaller};
 use crate::picture_options::StepOrTime;
@@ -69,6 +70,8 @@ pub struct Sequence {
     pub every: u64,
     /// The appearance.
     pub look: Look,
+    /// The titles above several recordings; their own titles if empty.
+    pub titles: Vec<String>,
 }
 
 /// The number of recordings on a page of the default size. A page of more grows with their number.
@@ -101,49 +104,53 @@ impl PictureOptions {
         let options = self.clone().or_scene(sources)?;
         let subject = match subject {
             SubjectOptions::State { step, format } => {
-                let source = only_source(sources)?;
-                Subject::Page { page: state(step.step(source.header.config.rate), source)?, format: *format }
+                Subject::Page { page: PictureOptions::state(*step, sources)?, format: *format }
             }
             SubjectOptions::Figure { figure, format } => {
                 Subject::Page { page: options.figure(figure, sources, progress)?, format: *format }
             }
             SubjectOptions::Animation { format } => {
-                let animation = options.animation(only_source(sources)?, format.max_fps())?;
+                let animation = options.animation(sources, format.max_fps())?;
                 Subject::Animation { animation, format: *format }
             }
         };
+        let look = self.sized_look(&options, sources)?;
+        Ok(ResolvedPicture { subject, look, titles: options.resolved_titles(sources)? })
+    }
+
+    /// The look of a picture with these options, which `options` complete: larger for many recordings, unless a size is
+    /// given.
+    fn sized_look(&self, options: &PictureOptions, sources: &[Source]) -> Result<Look, Error> {
         let mut look = options.look(options.camera_target(sources)?);
         if self.size.is_none() {
             look.size = default_size(look.size, sources.len());
         }
-        Ok(ResolvedPicture { subject, look, titles: options.resolved_titles(sources)? })
+        Ok(look)
     }
 
     /// Resolves a sequence of still pictures. The frame rate of the scene applies only to animations and is ignored.
     ///
     /// # Errors
     /// As for [`PictureOptions::resolve`], and if an option requires an animation.
-    pub fn resolve_sequence(&self, source: &Source) -> Result<Sequence, Error> {
+    pub fn resolve_sequence(&self, sources: &[Source]) -> Result<Sequence, Error> {
         if self.slow.is_some() || self.hold.is_some() {
             let reason = "slow motion and freeze frames require an animation: OUT.gif, OUT.apng, OUT.mp4 or OUT.webm";
             return Err(Error::Incompatible { reason: reason.into() });
         }
-        let grid = self.grid(source, self.fps)?;
-        let sources = std::slice::from_ref(source);
+        let grid = self.grid(sources, self.fps)?;
         let options = self.clone().or_scene(sources)?;
-        let look = options.look(options.camera_target(sources)?);
-        Ok(Sequence { steps: grid.steps, every: grid.every, look })
+        let (look, titles) = (self.sized_look(&options, sources)?, options.resolved_titles(sources)?);
+        Ok(Sequence { steps: grid.steps, every: grid.every, look, titles })
     }
 
-    /// Resolves a video, whose frame rate is unlimited.
+    /// Resolves a video, whose frame rate is unlimited: its animation, its appearance and the titles of its recordings.
     ///
     /// # Errors
     /// As for [`PictureOptions::resolve`].
-    pub fn resolve_video(&self, source: &Source) -> Result<(Animation, Look), Error> {
-        let sources = std::slice::from_ref(source);
+    pub fn resolve_video(&self, sources: &[Source]) -> Result<(Animation, Look, Vec<String>), Error> {
         let options = self.clone().or_scene(sources)?;
-        let animation = options.animation(source, f64::INFINITY)?;
-        Ok((animation, options.look(options.camera_target(sources)?)))
+        let animation = options.animation(sources, f64::INFINITY)?;
+        Ok((animation, self.sized_look(&options, sources)?, options.resolved_titles(sources)?))
     }
 
     /// These options, with the open ones taken from the scene of the first recording.
@@ -191,13 +198,13 @@ impl PictureOptions {
         }
     }
 
-    fn animation(&self, source: &Source, max_fps: f64) -> Result<Animation, Error> {
-        let (slow, rate) = (self.slow.unwrap_or(1.0), source.header.config.rate);
+    fn animation(&self, sources: &[Source], max_fps: f64) -> Result<Animation, Error> {
+        let (slow, rate) = (self.slow.unwrap_or(1.0), clock(sources)?.header.config.rate);
         // Frames per simulated second.
         let (desired, max) = (self.fps.unwrap_or(DEFAULT_FPS) / slow, max_fps / slow);
-        let grid = self.grid(source, Some(desired))?.limit_fps(max);
-        let grid = non_empty(grid.restrict_to_every(source.header.every), source)?;
-        let is_subdivided = self.every.is_none() && grid.every == 1 && source.header.config.solver.is_continuous();
+        let grid = restricted(self.grid(sources, Some(desired))?.limit_fps(max), sources)?;
+        let has_instants = sources.iter().any(|source| source.header.config.solver.is_continuous());
+        let is_subdivided = self.every.is_none() && grid.every == 1 && has_instants;
         let desired = smaller(desired, max);
         let frames_per_step = if is_subdivided {
             ((desired / rate).round() as u64).min((max / rate) as u64).clamp(1, MAX_FRAMES_PER_STEP)
@@ -208,19 +215,43 @@ impl PictureOptions {
         Ok(Animation { steps: grid.steps, every: grid.every, timing })
     }
 
-    /// The recorded steps to draw, thinned by `every`, else to `fps` frames per simulated second.
-    fn grid(&self, source: &Source, fps: Option<f64>) -> Result<StepGrid, Error> {
+    /// The steps to draw, in those of the [`clock`], thinned by `every`, else to `fps` frames per simulated second.
+    fn grid(&self, sources: &[Source], fps: Option<f64>) -> Result<StepGrid, Error> {
         let thinning = match (self.every, fps) {
             (Some(every), _) => Thinning::Every(every),
             (None, Some(fps)) => Thinning::FramesPerSecond(fps),
             (None, None) => Thinning::All,
         };
-        let last = last_step(source)?;
-        let rate = source.header.config.rate;
-        let (from, to) =
-            (self.from.map_or(0, |from| from.step(rate)), self.to.map_or(last, |to| to.step(rate).min(last)));
-        let grid = StepGrid::new(from..=to, rate, thinning);
-        non_empty(grid.restrict_to_every(source.header.every), source)
+        let rate = clock(sources)?.header.config.rate;
+        restricted(StepGrid::new(self.clock_steps(sources)?, rate, thinning), sources)
+    }
+
+    /// The steps of the [`clock`] in the time that all recordings contain.
+    fn clock_steps(&self, sources: &[Source]) -> Result<RangeInclusive<u64>, Error> {
+        let rate = clock(sources)?.header.config.rate;
+        let [mut from, mut to] = [0, u64::MAX];
+        for source in sources {
+            let own = source.header.config.rate;
+            let last = last_step(source)?;
+            let first = Moment { step: self.from.map_or(0, |from| from.step(own)), offset: 0.0 }.at_rate(own, rate);
+            let last = Moment { step: self.to.map_or(last, |to| to.step(own).min(last)), offset: 0.0 };
+            from = from.max(first.step + u64::from(first.offset > 0.0));
+            to = to.min(last.at_rate(own, rate).step);
+        }
+        Ok(from..=to)
+    }
+
+    /// The page of one state: a step of the [`clock`], or the one nearest to a time.
+    fn state(step: StepOrTime, sources: &[Source]) -> Result<Page, Error> {
+        let clock = clock(sources)?;
+        let common = PictureOptions::default().clock_steps(sources)?;
+        let (step, last) = (step.step(clock.header.config.rate), *common.end());
+        let grid = StepGrid::new(step..=step, clock.header.config.rate, Thinning::All);
+        if last < step || step < *common.start() {
+            return Err(no_frames(step, step, clock.header.every, last));
+        }
+        restricted(grid, sources)?;
+        Ok(Page::State { step, every: None })
     }
 
     /// Returns an error if bodies are chosen for a figure that shows all, or if a name belongs to no body.
@@ -237,7 +268,7 @@ impl PictureOptions {
         }
         for source in sources {
             if let Some(part) = selector.first_unmatched(&source.statistics.names) {
-                return Err(source.unknown_body(&part));
+                return Err(source.unknown_body(&part).of_source(source, sources));
             }
         }
         Ok(())
@@ -251,7 +282,8 @@ impl PictureOptions {
                 for source in sources {
                     last_step(source)?;
                     let step = step.step_before(source.header.config.rate);
-                    collisions.push(collision_selector(&find_collision(source, step, pair.as_ref(), progress)?));
+                    let found = find_collision(source, step, pair.as_ref(), progress);
+                    collisions.push(collision_selector(&found.map_err(|error| error.of_source(source, sources))?));
                 }
                 Ok(Page::Collision { figure: *figure, collisions })
             }
@@ -300,7 +332,7 @@ impl PictureOptions {
                 (None, None) => 1,
             };
             let grid = StepGrid::new(steps, rate, Thinning::Every(every)).restrict_to_every(source.header.every);
-            let grid = non_empty(grid, source)?;
+            let grid = non_empty(grid, source, sources)?;
             if count.is_some() && grid.count() > MAX_INSTANTS {
                 return Err(too_many_instants(&grid));
             }
@@ -328,7 +360,7 @@ fn too_many_instants(grid: &StepGrid) -> Error {
 fn follow(name: &str, window: Option<Window>, sources: &[Source]) -> Result<CameraTarget, Error> {
     let is_missing = |source: &&Source| !source.statistics.names.iter().any(|existing| existing == name);
     if let Some(source) = sources.iter().find(is_missing) {
-        return Err(source.unknown_body(name));
+        return Err(source.unknown_body(name).of_source(source, sources));
     }
     let size = match window {
         Some(Window::Size(size)) => size,
@@ -338,23 +370,20 @@ fn follow(name: &str, window: Option<Window>, sources: &[Source]) -> Result<Came
     Ok(CameraTarget::Follow { name: name.to_owned(), size })
 }
 
-/// The recording of a picture that shows exactly one.
-fn only_source(sources: &[Source]) -> Result<&Source, Error> {
-    match sources {
-        [source] => Ok(source),
-        [] | [..] => {
-            let reason = "a picture or animation shows one recording; only figures show several side by side";
-            Err(Error::Incompatible { reason: reason.into() })
-        }
+/// The grid without the steps that a recording does not store, of those with the rate of the grid. Others are shown at
+/// instants between their steps, for which they are replayed.
+///
+/// # Errors
+/// If there is no step.
+fn restricted(grid: StepGrid, sources: &[Source]) -> Result<StepGrid, Error> {
+    let rate = grid.rate;
+    let alike = sources.iter().filter(|source| source.header.config.rate == rate);
+    let grid = alike.fold(grid, |grid, source| grid.restrict_to_every(source.header.every));
+    let last = sources.iter().filter_map(|source| source.statistics.last_step).min().unwrap_or(0);
+    match grid.count() {
+        0 => Err(no_frames(*grid.steps.start(), *grid.steps.end(), grid.every, last)),
+        _ => Ok(grid),
     }
-}
-
-fn state(step: u64, source: &Source) -> Result<Page, Error> {
-    let grid = StepGrid::new(step..=step, source.header.config.rate, Thinning::All);
-    if last_step(source)? < step || grid.restrict_to_every(source.header.every).count() == 0 {
-        return Err(no_frames(step, step, source.header.every, source));
-    }
-    Ok(Page::State { step, every: None })
 }
 
 /// The step of the last full state.
@@ -365,16 +394,18 @@ fn last_step(source: &Source) -> Result<u64, Error> {
     source.statistics.last_step.ok_or_else(|| source.read_error(recording::Error::NoReadableState))
 }
 
-/// Returns `grid` if it contains a step.
-fn non_empty(grid: StepGrid, source: &Source) -> Result<StepGrid, Error> {
+/// Returns `grid` if it contains a step of `source`, which is one of `sources`.
+fn non_empty(grid: StepGrid, source: &Source, sources: &[Source]) -> Result<StepGrid, Error> {
     match grid.count() {
-        0 => Err(no_frames(*grid.steps.start(), *grid.steps.end(), grid.every, source)),
+        0 => {
+            let last = source.statistics.last_step.unwrap_or(0);
+            Err(no_frames(*grid.steps.start(), *grid.steps.end(), grid.every, last).of_source(source, sources))
+        }
         _ => Ok(grid),
     }
 }
 
-fn no_frames(from: u64, to: u64, every: u64, source: &Source) -> Error {
-    let last = source.statistics.last_step.unwrap_or(0);
+fn no_frames(from: u64, to: u64, every: u64, last: u64) -> Error {
     let steps = if from == to { format!("at step {from}") } else { format!("in steps {from} to {to} by {every}") };
     Error::NothingToShow { reason: format!("the recording has no state {steps}; its last step is {last}") }
 }

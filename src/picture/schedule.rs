@@ -85,6 +85,21 @@ pub struct Moment {
     pub offset: f64,
 }
 
+impl Moment {
+    /// The same moment of a run at `from` Hz in a run at `to` Hz. A time that is a step up to rounding is that step.
+    pub fn at_rate(self, from: f64, to: f64) -> Moment {
+        if from == to {
+            return self;
+        }
+        let steps = (self.step as f64 / from + self.offset) * to;
+        let nearest = steps.round();
+        if (steps - nearest).abs() <= 1e-9 + 1e-15 * steps {
+            return Moment { step: nearest as u64, offset: 0.0 };
+        }
+        Moment { step: steps.floor() as u64, offset: (steps - steps.floor()) / to }
+    }
+}
+
 /// The relation between playback time and simulated time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Timing {
@@ -113,6 +128,9 @@ pub const SPEEDS: RangeInclusive<f64> = 1e-6..=1e6;
 /// The largest number of frames per step.
 pub const MAX_FRAMES_PER_STEP: u64 = 1 << 20;
 
+/// Whole numbers below this are exact as f64.
+const MAX_EXACT: f64 = 9_007_199_254_740_992.0;
+
 /// The shortest delay of a GIF frame that browsers respect, 1/100 s.
 const MIN_GIF_DELAY: u64 = 2;
 
@@ -129,6 +147,17 @@ pub struct AnimationSchedule {
     /// Playback speed, frames per step and duration of freeze frames.
     pub timing: Timing,
     freezes: Vec<Freeze>,
+    /// The recording that is shown, if its steps are not those of the grid.
+    sampling: Option<Sampling>,
+}
+
+/// A recording that is shown at the times of a grid of another rate, or at instants between its steps.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Sampling {
+    /// Steps per second, Hz.
+    rate: f64,
+    /// True if the recording has states between its steps; else the state of the last step is shown.
+    is_continuous: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -143,7 +172,7 @@ struct Freeze {
 impl From<StepGrid> for AnimationSchedule {
     /// Real time, without freeze frames.
     fn from(grid: StepGrid) -> AnimationSchedule {
-        AnimationSchedule { grid, timing: Timing::REAL_TIME, freezes: Vec::new() }
+        AnimationSchedule { grid, timing: Timing::REAL_TIME, freezes: Vec::new(), sampling: None }
     }
 }
 
@@ -153,7 +182,8 @@ impl AnimationSchedule {
     pub fn new(grid: StepGrid, timing: Timing, moments: &[Moment]) -> AnimationSchedule {
         // Several frames per step require every step.
         let every = if timing.frames_per_step > 1 { 1 } else { grid.every };
-        let mut schedule = AnimationSchedule { grid: StepGrid { every, ..grid }, timing, freezes: Vec::new() };
+        let grid = StepGrid { every, ..grid };
+        let mut schedule = AnimationSchedule { grid, timing, freezes: Vec::new(), sampling: None };
         let mut extra = 0;
         let mut last = None;
         for &moment in moments {
@@ -164,6 +194,63 @@ impl AnimationSchedule {
             schedule.freezes.push(Freeze { moment, frame: index + extra, extra });
         }
         schedule
+    }
+
+    /// The schedule of one of several recordings that are shown at the times of this schedule, with `rate` Hz. At an
+    /// instant between two of its steps a recording shows its state at that instant if its solver defines one
+    /// (`is_continuous`), else the state before.
+    pub fn of_recording(&self, rate: f64, is_continuous: bool) -> AnimationSchedule {
+        if rate == self.grid.rate && (is_continuous || self.is_on_grid()) {
+            return self.clone();
+        }
+        let ratio = rate / self.grid.rate;
+        let (every, first) = (self.grid.every as f64 * ratio, self.first_step() as f64 * ratio);
+        let is_whole = |steps: f64| steps >= 0.0 && steps.fract() == 0.0 && steps < MAX_EXACT;
+        if self.timing.frames_per_step == 1
+            && self.freezes.is_empty()
+            && every >= 1.0
+            && is_whole(every)
+            && is_whole(first)
+        {
+            let last = first as u64 + self.grid.count().saturating_sub(1) * every as u64;
+            let grid = StepGrid { every: every as u64, steps: first as u64..=last, rate };
+            return AnimationSchedule { grid, ..self.clone() };
+        }
+        AnimationSchedule { sampling: Some(Sampling { rate, is_continuous }), ..self.clone() }
+    }
+
+    /// The moment of its recording that a frame shows, in steps of the recording.
+    pub fn recorded_moment(&self, frame: u64) -> Moment {
+        let moment = self.moment(frame);
+        match self.sampling {
+            None => moment,
+            Some(Sampling { rate, is_continuous }) => {
+                let moment = moment.at_rate(self.grid.rate, rate);
+                if is_continuous { moment } else { Moment { offset: 0.0, ..moment } }
+            }
+        }
+    }
+
+    /// The steps per second of the recording, Hz.
+    pub fn recorded_rate(&self) -> f64 {
+        self.sampling.map_or(self.grid.rate, |sampling| sampling.rate)
+    }
+
+    /// The steps of the recording from one frame to the next, at least 1.
+    pub fn recorded_interval(&self) -> u64 {
+        let steps = self.grid.every as f64 * self.recorded_rate() / self.grid.rate;
+        if self.sampling.is_some() { (steps.ceil() as u64).max(1) } else { self.grid.every }
+    }
+
+    /// The first and the last step of the recording that may be shown or that a shown instant follows.
+    pub fn recorded_steps(&self) -> RangeInclusive<u64> {
+        match self.sampling {
+            None => self.grid.steps.clone(),
+            Some(_) => {
+                let last = self.count().saturating_sub(1);
+                self.recorded_moment(0).step..=self.recorded_moment(last).step
+            }
+        }
     }
 
     /// The index of the last grid moment that is not after `moment`; `None` outside of the animation.
@@ -215,7 +302,9 @@ impl AnimationSchedule {
 
     /// Returns true if every frame shows the state of a step on the grid, so recorded states suffice.
     pub fn is_on_grid(&self) -> bool {
-        self.timing.frames_per_step == 1 && self.freezes.iter().all(|freeze| freeze.extra == 0)
+        self.sampling.is_none()
+            && self.timing.frames_per_step == 1
+            && self.freezes.iter().all(|freeze| freeze.extra == 0)
     }
 
     /// The moment shown by a frame; frames are counted from 0.

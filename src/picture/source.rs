@@ -1,7 +1,7 @@
 use super::figures::CollisionSubject;
 
 use super::trace::GapReason;
-use super::{Appearance, Error, RunStatistics, StepGrid, TraceGap};
+use super::{Appearance, Error, RunStatistics, TraceGap};
 use crate::physics::{Body, BodyId, EngineConfig, Material, Vector, World};
 use crate::recording::{
     self, BodyInfo, Change, Gap, Header, Health, Item, Playback, RecordedEvent, Recording, SampledBody, SampledState,
@@ -18,8 +18,10 @@ use std::sync::{Arc, Mutex};
 /// A recording to draw.
 #[derive(Clone, Debug)]
 pub struct Source {
-    /// The path of the recording; in errors, the name of a recording in memory.
+    /// The name of the recording in errors: its path, that of its scene if it is temporary, or that of a recording in memory.
     pub path: PathBuf,
+    /// The path of the file.
+    file: PathBuf,
     /// The file, if it is in memory.
     bytes: Option<Arc<[u8]>>,
     /// The header of the recording.
@@ -58,12 +60,25 @@ impl Source {
         let world = Vector::new(scene.size[0], scene.size[1]);
         let read_error = |source| Error::Recording { path: path.into(), source };
         let statistics = RunStatistics::read(open(path, bytes.as_ref())?, world).map_err(read_error)?;
-        Ok(Source { path: path.into(), bytes, header, scene, statistics, found_collisions: Arc::default() })
+        Ok(Source {
+            path: path.into(),
+            file: path.into(),
+            bytes,
+            header,
+            scene,
+            statistics,
+            found_collisions: Arc::default(),
+        })
     }
 
     /// Opens the recording for reading.
     pub(super) fn recording(&self) -> Result<Recording<RecordingFile>, Error> {
-        open(&self.path, self.bytes.as_ref())
+        open(&self.file, self.bytes.as_ref())
+    }
+
+    /// The same recording, which errors call by another name.
+    pub fn named(self, name: &Path) -> Source {
+        Source { path: name.into(), ..self }
     }
 
     /// Returns true if the file at `path` is a recording, false if it is a scene. A file is a recording if it begins
@@ -120,9 +135,9 @@ impl Source {
         first..=if is_to_the_end { u64::MAX } else { last }
     }
 
-    /// The parts of `grid` that a recovered recording lacks.
-    pub(super) fn gaps_in(&self, grid: &StepGrid) -> Vec<TraceGap> {
-        let (rate, steps) = (self.header.config.rate, &grid.steps);
+    /// The parts of `steps` that a recovered recording lacks.
+    pub(super) fn gaps_in(&self, steps: &RangeInclusive<u64>) -> Vec<TraceGap> {
+        let rate = self.header.config.rate;
         let gaps = self.header.gaps.iter().filter(|gap| {
             gap.missing_states() > 0 && gap.first_missing() <= *steps.end() && gap.before > *steps.start()
         });

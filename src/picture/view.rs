@@ -269,7 +269,8 @@ pub fn validate_size(size: [u32; 2]) -> Result<(), RenderError> {
     }
 }
 
-fn validate(area: &Rect, size: [u32; 2]) -> Result<(), RenderError> {
+/// Returns an error for an area that is not finite and positive, or for a page of an invalid size.
+pub fn validate(area: &Rect, size: [u32; 2]) -> Result<(), RenderError> {
     validate_size(size)?;
     let (width, height) = (area.width(), area.height());
     if !(area.origin.is_finite() && width.is_finite() && height.is_finite()) || width <= 0.0 || height <= 0.0 {

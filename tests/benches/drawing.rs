@@ -65,16 +65,16 @@ fn schedule() -> AnimationSchedule {
 }
 
 fn gif(frames: &[Frame], view: &View) {
-    let frames = frames.iter().cloned().map(Ok::<_, picture::RenderError>);
-    let one = NonZero::<usize>::MIN;
-    picture::write_gif(frames, view, &schedule(), &Metadata::default(), one, temporary_file())
+    let instants = frames.iter().cloned().map(|frame| Ok::<_, picture::RenderError>(frame.into()));
+    let (one, stage) = (NonZero::<usize>::MIN, picture::Stage::from(view.clone()));
+    picture::write_gif(instants, &stage, &schedule(), &Metadata::default(), one, temporary_file())
         .expect("space for an animation");
 }
 
 fn apng(frames: &[Frame], view: &View) {
-    let frames = frames.iter().cloned().map(Ok::<_, picture::RenderError>);
-    let one = NonZero::<usize>::MIN;
-    picture::write_apng(frames, view, &schedule(), &Metadata::default(), one, temporary_file())
+    let instants = frames.iter().cloned().map(|frame| Ok::<_, picture::RenderError>(frame.into()));
+    let (one, stage) = (NonZero::<usize>::MIN, picture::Stage::from(view.clone()));
+    picture::write_apng(instants, &stage, &schedule(), &Metadata::default(), one, temporary_file())
         .expect("space for an animation");
 }
 

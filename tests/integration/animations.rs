@@ -2,8 +2,8 @@
 
 use crate::frames::{WORLD, moving, resized, view};
 use rebond::internals::picture::{
-    AnimationSchedule, ColorBy, Frame, Metadata, Overlay, Painter, Picture, RenderError, StepGrid, Theme, Thinning,
-    View, compose, png, write_apng, write_gif, write_png_sequence,
+    AnimationSchedule, ColorBy, Frame, Instant, Metadata, Overlay, Painter, Picture, RenderError, StepGrid, Theme,
+    Thinning, View, compose, png, write_apng, write_gif, write_png_sequence,
 };
 use std::io::Cursor;
 use std::num::NonZero;
@@ -24,12 +24,23 @@ fn frames(count: u32) -> Vec<Frame> {
     (0..80).filter(|&step| grid().contains(step)).map(|step| moving(count, step)).collect()
 }
 
+fn instants(frames: &[Frame]) -> impl Iterator<Item = Result<Instant, RenderError>> {
+    frames.iter().cloned().map(|frame| Ok(frame.into()))
+}
+
 fn gif(frames: &[Frame], view: &View, threads: usize) -> Vec<u8> {
     let metadata = Metadata { entries: vec![("rebond steps".into(), "0 to 79 every 2".into())] };
     let mut file = Vec::new();
-    let frames = frames.iter().cloned().map(Ok::<_, RenderError>);
-    write_gif(frames, view, &AnimationSchedule::from(grid()), &metadata, NonZero::new(threads).unwrap(), &mut file)
-        .unwrap();
+    let instants = instants(frames);
+    write_gif(
+        instants,
+        &view.clone().into(),
+        &AnimationSchedule::from(grid()),
+        &metadata,
+        NonZero::new(threads).unwrap(),
+        &mut file,
+    )
+    .unwrap();
     file
 }
 
@@ -148,15 +159,16 @@ fn a_long_animation_matches_the_hashes_of_its_pictures() {
         let mut options = PictureOptions::default();
         (options.every, options.size) = (Some(5), Some([320, 180]));
         (options.theme, options.show) = (Some(theme), Some(Overlays::all()));
-        let Sequence { steps, every, look } = options.resolve_sequence(&source).unwrap();
+        let sources = [source];
+        let Sequence { steps, every, look, titles } = options.resolve_sequence(&sources).unwrap();
         let animation = Animation { steps, every, timing: Timing::REAL_TIME };
-        let Clip { view, frames, .. } = Clip::new(&animation, &look, &source, &mut |_, _| ()).unwrap();
+        let Clip { stage, instants, .. } = Clip::new(&animation, &look, &titles, &sources, &mut |_, _| ()).unwrap();
         let mut painter = Painter::new();
-        for frame in frames {
-            let frame = frame.unwrap();
-            let drawn = painter.draw(&compose(&frame, &view));
+        for instant in instants {
+            let instant = instant.unwrap();
+            let drawn = painter.draw(&stage.compose(&instant));
             let hash = xxhash_rust::xxh3::xxh3_64(drawn.pixels.as_flattened());
-            writeln!(hashes, "{name} {:04} {hash:016x}", frame.step).unwrap();
+            writeln!(hashes, "{name} {:04} {hash:016x}", instant.step).unwrap();
         }
     }
     crate::snapshot::assert_text("clip-hashes", &hashes);
@@ -165,9 +177,16 @@ fn a_long_animation_matches_the_hashes_of_its_pictures() {
 fn apng(frames: &[Frame], view: &View, threads: usize) -> Vec<u8> {
     let metadata = Metadata { entries: vec![("rebond steps".into(), "0 to 79 every 2".into())] };
     let mut file = Vec::new();
-    let frames = frames.iter().cloned().map(Ok::<_, RenderError>);
-    write_apng(frames, view, &AnimationSchedule::from(grid()), &metadata, NonZero::new(threads).unwrap(), &mut file)
-        .unwrap();
+    let instants = instants(frames);
+    write_apng(
+        instants,
+        &view.clone().into(),
+        &AnimationSchedule::from(grid()),
+        &metadata,
+        NonZero::new(threads).unwrap(),
+        &mut file,
+    )
+    .unwrap();
     file
 }
 
@@ -223,10 +242,10 @@ fn the_bytes_of_an_animated_png_do_not_depend_on_the_number_of_threads() {
 #[test]
 fn an_animated_png_of_too_few_frames_is_an_error() {
     let view = small(Theme::Light, &[], ColorBy::Body);
-    let frames = frames(1)[..39].to_vec().into_iter().map(Ok::<_, RenderError>);
+    let frames = frames(1);
     let end = write_apng(
-        frames,
-        &view,
+        instants(&frames[..39]),
+        &view.into(),
         &AnimationSchedule::from(grid()),
         &Metadata::default(),
         NonZero::<usize>::MIN,
@@ -240,11 +259,16 @@ fn an_animated_png_of_too_few_frames_is_an_error() {
 fn sequence(frames: &[Frame], view: &View, threads: usize) -> Vec<(u64, Vec<u8>)> {
     let mut files = Vec::new();
     let metadata = |step: u64| Metadata { entries: vec![("rebond steps".into(), step.to_string())] };
-    let frames = frames.iter().cloned().map(Ok::<_, RenderError>);
-    write_png_sequence(frames, view, metadata, NonZero::new(threads).unwrap(), |step, file| {
-        files.push((step, file));
-        Ok(())
-    })
+    write_png_sequence(
+        instants(frames),
+        &view.clone().into(),
+        metadata,
+        NonZero::new(threads).unwrap(),
+        |step, file| {
+            files.push((step, file));
+            Ok(())
+        },
+    )
     .unwrap();
     files
 }

@@ -288,7 +288,7 @@ fn labels_neither_overlap_nor_leave_the_page() {
 
 /// Asserts that texts are at least 8 px high, within the page and their panel, and do not overlap where they are visible,
 /// and that everything that no panel clips is on the page.
-fn assert_legible(list: &DisplayList, case: &str) {
+pub fn assert_legible(list: &DisplayList, case: &str) {
     let [width, height] = list.size.map(f64::from);
     let mut texts: Vec<(usize, String, Rect)> = Vec::new();
     let mut covers: Vec<(usize, Rect)> = Vec::new();

@@ -89,8 +89,9 @@ fn a_freeze_frame_shows_the_bodies_in_contact() {
     let source = Source::open(&workplace.path("run.mcap")).unwrap();
     let mut options = PictureOptions::default();
     (options.hold, options.fps) = (Some(0.5), Some(10.0));
-    let (clip, _) = Clip::video(&options, &source, &mut |_, _| ()).unwrap();
-    let frames: Vec<_> = clip.frames.map(Result::unwrap).collect();
+    let (clip, _) = Clip::video(&options, std::slice::from_ref(&source), &mut |_, _| ()).unwrap();
+    let frames: Vec<_> =
+        clip.instants.flat_map(|instant| instant.unwrap().frames().cloned().collect::<Vec<_>>()).collect();
     assert_eq!(frames.len(), 14);
     let right = |frame: &rebond::internals::picture::Frame| frame.sprites[0].rect.far_corner().x;
     assert_eq!(right(&frames[5]), 5.25, "the ball does not touch the plate");

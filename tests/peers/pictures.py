@@ -11,6 +11,7 @@ whose artists are moved.
 """
 
 import csv
+import math
 import os
 import resource
 import subprocess
@@ -194,6 +195,33 @@ def draw_strobe(table, sizes):
     return figure
 
 
+def draw_lines(table, sizes):
+    """The position x of each box over time."""
+    figure, axes = pyplot.subplots(figsize=(WIDTH / 100, HEIGHT / 100), dpi=100)
+    time = [step / RATE for step in range(FRAMES)]
+    for number, name in enumerate(sizes):
+        axes.plot(time, [frame[name][0] for frame in table], color=COLORS[number % 7], linewidth=0.8)
+    axes.set_xlabel("t / s")
+    axes.set_ylabel("x / m")
+    axes.grid(True)
+    return figure
+
+
+def draw_speeds(table, sizes):
+    """The distribution of speeds, from the differences of positions, beside that of Maxwell and Boltzmann."""
+    figure, axes = pyplot.subplots(figsize=(WIDTH / 100, HEIGHT / 100), dpi=100)
+    steps = zip(table, table[1:])
+    pairs = [(before[name], after[name]) for before, after in steps for name in sizes]
+    speeds = [((x1 - x0) ** 2 + (y1 - y0) ** 2) ** 0.5 * RATE for (x0, y0), (x1, y1) in pairs]
+    temperature = sum(speed**2 for speed in speeds) / (2 * len(speeds))
+    curve = [number * max(speeds) / 200 for number in range(201)]
+    axes.hist(speeds, bins=30, density=True)
+    axes.plot(curve, [v / temperature * math.exp(-v * v / (2 * temperature)) for v in curve])
+    axes.set_xlabel("v / (m/s)")
+    axes.set_ylabel("f / (s/m)")
+    return figure
+
+
 def compare_figures(program, folder, frames, sizes):
     print("\n| figure | format | rebond ms | matplotlib ms | ratio | rebond kB | matplotlib kB |")
     print("|---|---|---:|---:|---:|---:|---:|")
@@ -202,6 +230,8 @@ def compare_figures(program, folder, frames, sizes):
         "energy": lambda: draw_energy(folder),
         "spacetime": lambda: draw_spacetime(frames, sizes),
         "strobe": lambda: draw_strobe(frames, sizes),
+        "lines": lambda: draw_lines(frames, sizes),
+        "speeds": lambda: draw_speeds(frames, sizes),
     }
     for kind, draw in drawings.items():
         for extension in ("png", "svg", "pdf"):
@@ -212,7 +242,9 @@ def compare_figures(program, folder, frames, sizes):
                 figure.savefig(theirs, dpi=100)
                 pyplot.close(figure)
 
-            fast = measure(lambda: run(program, "figure", kind, folder / "run.mcap", "-o", ours, "--force"), 5, 1) * 1e3
+            quantity = ("--quantity", "x") if kind == "lines" else ()
+            command = ("figure", kind, folder / "run.mcap", "-o", ours, "--force", *quantity)
+            fast = measure(lambda: run(program, *command), 5, 1) * 1e3
             slow = measure(peer, 5, 1) * 1e3
             kilobytes = [file.stat().st_size / 1000 for file in (ours, theirs)]
             print(

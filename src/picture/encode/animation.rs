@@ -1,7 +1,7 @@
 use super::ordered_parallel_map::ordered_parallel_map;
 use super::png::PngEffort;
 use crate::picture::{
-    AnimationSchedule, Frame, Metadata, Painter, Picture, RenderError, View, apng, compose, gif, png,
+    AnimationSchedule, Frame, Instant, Metadata, Painter, Picture, RenderError, Stage, View, apng, compose, gif, png,
 };
 use std::io::Write;
 use std::num::NonZero;
@@ -14,16 +14,16 @@ pub fn write_png(frame: &Frame, view: &View, metadata: &Metadata, output: impl W
     png::encode(&Painter::new().draw(&compose(frame, view)), metadata, PngEffort::Small, output)
 }
 
-/// Encodes each frame as a PNG file and passes its step and content to `output`, in order.
+/// Encodes each instant as a PNG file and passes its step and content to `output`, in order.
 ///
-/// Frames are drawn and encoded on `threads` threads; the bytes do not depend on their number.
+/// Instants are drawn and encoded on `threads` threads; the bytes do not depend on their number.
 /// `metadata` returns the metadata of the file of a step.
 ///
 /// # Errors
-/// The first error of `frames` or of `output`.
+/// The first error of `instants` or of `output`.
 pub fn write_png_sequence<E: From<RenderError>>(
-    frames: impl Iterator<Item = Result<Frame, E>>,
-    view: &View,
+    instants: impl Iterator<Item = Result<Instant, E>>,
+    stage: &Stage,
     metadata: impl Fn(u64) -> Metadata + Sync,
     threads: NonZero<usize>,
     mut output: impl FnMut(u64, Vec<u8>) -> Result<(), E>,
@@ -31,33 +31,33 @@ pub fn write_png_sequence<E: From<RenderError>>(
     let worker = || {
         let mut painter = Painter::new();
         let metadata = &metadata;
-        move |frame: Frame| {
-            let picture = painter.draw(&compose(&frame, view));
+        move |instant: Instant| {
+            let picture = painter.draw(&stage.compose(&instant));
             let mut file = Vec::new();
-            png::encode(&picture, &metadata(frame.step), PngEffort::Fast, &mut file).map(|()| (frame.step, file))
+            png::encode(&picture, &metadata(instant.step), PngEffort::Fast, &mut file).map(|()| (instant.step, file))
         }
     };
-    ordered_parallel_map(frames, threads, worker, |result| {
+    ordered_parallel_map(instants, threads, worker, |result| {
         let (step, file) = result?;
         output(step, file)
     })
 }
 
-/// Draws frames on `threads` threads and passes the pictures to `output`, in order.
+/// Draws instants on `threads` threads and passes the pictures to `output`, in order.
 ///
 /// # Errors
-/// The first error of `frames` or of `output`.
+/// The first error of `instants` or of `output`.
 pub fn draw_frames<E>(
-    frames: impl Iterator<Item = Result<Frame, E>>,
-    view: &View,
+    instants: impl Iterator<Item = Result<Instant, E>>,
+    stage: &Stage,
     threads: NonZero<usize>,
     output: impl FnMut(Picture) -> Result<(), E>,
 ) -> Result<(), E> {
     let worker = || {
         let mut painter = Painter::new();
-        move |frame: Frame| painter.draw(&compose(&frame, view))
+        move |instant: Instant| painter.draw(&stage.compose(&instant))
     };
-    ordered_parallel_map(frames, threads, worker, output)
+    ordered_parallel_map(instants, threads, worker, output)
 }
 
 /// Consecutive frames that one thread encodes. The frame before them is drawn once more to find the
@@ -68,25 +68,25 @@ const BATCH: usize = 16;
 /// is bounded for crowded frames, too.
 const BATCH_ITEMS: usize = 20_000;
 
-/// Writes frames as an endlessly repeating GIF animation.
+/// Writes instants as an endlessly repeating GIF animation.
 ///
 /// `schedule` gives the display time of each frame. Frames are drawn on `threads` threads; the bytes do
 /// not depend on their number. Memory use does not depend on the number of frames.
 ///
 /// # Errors
-/// The first error of `frames` or of writing to `output`.
+/// The first error of `instants` or of writing to `output`.
 pub fn write_gif<E: From<RenderError>>(
-    frames: impl Iterator<Item = Result<Frame, E>>,
-    view: &View,
+    instants: impl Iterator<Item = Result<Instant, E>>,
+    stage: &Stage,
     schedule: &AnimationSchedule,
     metadata: &Metadata,
     threads: NonZero<usize>,
     output: impl Write,
 ) -> Result<(), E> {
-    let mut writer = gif::GifWriter::new(view.camera.size, metadata, output)?;
+    let mut writer = gif::GifWriter::new(stage.size(), metadata, output)?;
     let mut written = 0;
     let encode = |delta: FrameDelta| gif::EncodedFrame::new(&delta);
-    encode_deltas(frames, view, threads, encode, |encoded| {
+    encode_deltas(instants, stage, threads, encode, |encoded| {
         writer.add(encoded, schedule.gif_delay(written))?;
         written += 1;
         Ok(())
@@ -94,27 +94,27 @@ pub fn write_gif<E: From<RenderError>>(
     Ok(writer.finish()?)
 }
 
-/// Writes frames as an endlessly repeating animated PNG, with exact colours and times.
+/// Writes instants as an endlessly repeating animated PNG, with exact colours and times.
 ///
 /// `schedule` gives the number of frames and the display time of each. Threads and memory are as for
 /// [`write_gif`].
 ///
 /// # Errors
-/// The first error of `frames` or of writing to `output`. Also if there are fewer frames than in the
+/// The first error of `instants` or of writing to `output`. Also if there are fewer frames than in the
 /// schedule, because the file begins with their number.
 pub fn write_apng<E: From<RenderError>>(
-    frames: impl Iterator<Item = Result<Frame, E>>,
-    view: &View,
+    instants: impl Iterator<Item = Result<Instant, E>>,
+    stage: &Stage,
     schedule: &AnimationSchedule,
     metadata: &Metadata,
     threads: NonZero<usize>,
     output: impl Write,
 ) -> Result<(), E> {
     let count = schedule.count();
-    let mut writer = apng::ApngWriter::new(view.camera.size, count, metadata, output)?;
+    let mut writer = apng::ApngWriter::new(stage.size(), count, metadata, output)?;
     let mut written = 0;
     let encode = |delta: FrameDelta| apng::EncodedFrame::new(&delta);
-    encode_deltas(frames, view, threads, encode, |encoded| {
+    encode_deltas(instants, stage, threads, encode, |encoded| {
         writer.add(&encoded?, schedule.apng_delay(written))?;
         written += 1;
         Ok(())
@@ -125,8 +125,8 @@ pub fn write_apng<E: From<RenderError>>(
 /// Draws frames and calls `encode` with the difference of each one to the previous one, both on several
 /// threads, and passes the results to `output` in order.
 fn encode_deltas<T: Send, E: From<RenderError>>(
-    frames: impl Iterator<Item = Result<Frame, E>>,
-    view: &View,
+    instants: impl Iterator<Item = Result<Instant, E>>,
+    stage: &Stage,
     threads: NonZero<usize>,
     encode: impl Fn(FrameDelta) -> T + Sync,
     mut output: impl FnMut(T) -> Result<(), E>,
@@ -134,25 +134,25 @@ fn encode_deltas<T: Send, E: From<RenderError>>(
     let worker = || {
         let mut painter = Painter::new();
         let encode = &encode;
-        move |batch: Batch| batch.encode(view, &mut painter, encode)
+        move |batch: Batch| batch.encode(stage, &mut painter, encode)
     };
-    ordered_parallel_map(batches(frames), threads, worker, |encoded| encoded.into_iter().try_for_each(&mut output))
+    ordered_parallel_map(batches(instants), threads, worker, |encoded| encoded.into_iter().try_for_each(&mut output))
 }
 
-/// Consecutive frames, and the frame before them unless they are the first.
+/// Consecutive instants, and the one before them unless they are the first.
 struct Batch {
-    previous: Option<Frame>,
-    frames: Vec<Frame>,
+    previous: Option<Instant>,
+    instants: Vec<Instant>,
 }
 
 impl Batch {
-    /// Draws the frames and encodes the difference of each one to the previous one.
-    fn encode<T>(&self, view: &View, painter: &mut Painter, encode: impl Fn(FrameDelta) -> T) -> Vec<T> {
-        let mut draw = |frame: &Frame| painter.draw(&compose(frame, view));
+    /// Draws the instants and encodes the difference of each one to the previous one.
+    fn encode<T>(&self, stage: &Stage, painter: &mut Painter, encode: impl Fn(FrameDelta) -> T) -> Vec<T> {
+        let mut draw = |instant: &Instant| painter.draw(&stage.compose(instant));
         let mut previous: Option<Picture> = self.previous.as_ref().map(&mut draw);
-        let mut encoded = Vec::with_capacity(self.frames.len());
-        for frame in &self.frames {
-            let picture = draw(frame);
+        let mut encoded = Vec::with_capacity(self.instants.len());
+        for instant in &self.instants {
+            let picture = draw(instant);
             encoded.push(encode(FrameDelta::between(previous.as_ref(), &picture)));
             previous = Some(picture);
         }
@@ -160,23 +160,23 @@ impl Batch {
     }
 }
 
-/// Divides frames into batches of at most [`BATCH`] frames, fewer if these have many bodies or collisions.
-fn batches<E>(mut frames: impl Iterator<Item = Result<Frame, E>>) -> impl Iterator<Item = Result<Batch, E>> {
+/// Divides instants into batches of at most [`BATCH`], fewer if these have many bodies or collisions.
+fn batches<E>(mut instants: impl Iterator<Item = Result<Instant, E>>) -> impl Iterator<Item = Result<Batch, E>> {
     let mut previous = None;
     std::iter::from_fn(move || {
         let (mut batch, mut items) = (Vec::new(), 0);
         while batch.len() < BATCH && items < BATCH_ITEMS {
-            match frames.next() {
-                Some(Ok(frame)) => {
-                    items += frame.sprites.len() + frame.collisions.len();
-                    batch.push(frame);
+            match instants.next() {
+                Some(Ok(instant)) => {
+                    items += instant.frames().map(|frame| frame.sprites.len() + frame.collisions.len()).sum::<usize>();
+                    batch.push(instant);
                 }
                 Some(Err(error)) => return Some(Err(error)),
                 None => break,
             }
         }
         let last = batch.last()?.clone();
-        Some(Ok(Batch { previous: previous.replace(last), frames: batch }))
+        Some(Ok(Batch { previous: previous.replace(last), instants: batch }))
     })
 }
 

@@ -13,7 +13,7 @@ mod instants;
 mod lines;
 mod minkowski;
 mod pair;
-mod panels;
+pub(crate) mod panels;
 mod spacetime;
 mod speeds;
 mod time_curve;
@@ -32,6 +32,7 @@ pub use spacetime::{SpacetimeRun, spacetime};
 pub use speeds::{SpeedRun, speeds};
 pub use time_curve::TimeCurve;
 pub use timeline::Timeline;
+pub(crate) use timeline::hatched;
 pub use velocity_space::{Velocities, VelocityPath, VelocityRun, velocity_space};
 
 use crate::physics::{BodyId, Collision, Vector};

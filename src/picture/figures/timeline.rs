@@ -38,8 +38,8 @@ pub fn draw_timeline(timeline: &Timeline, axes: &Axes, panels: &mut Panels) {
     panels.shapes.push(Shape::Clip { window: area, shapes });
 }
 
-/// Diagonal lines over an area.
-fn hatched(area: &Rect, metrics: &DrawingMetrics) -> Vec<Shape> {
+/// Diagonal lines over an area that a recording lacks.
+pub fn hatched(area: &Rect, metrics: &DrawingMetrics) -> Vec<Shape> {
     let (near, far, gap) = (area.origin, area.far_corner(), 6.0 * metrics.line_width);
     let ink = Ink { color: metrics.palette.muted, opacity: 160 };
     let count = ((area.width() + area.height()) / gap).clamp(0.0, 10_000.0) as u32;

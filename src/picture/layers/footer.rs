@@ -29,6 +29,11 @@ pub struct Footer {
 impl Footer {
     /// Lays out the strips of a picture.
     pub fn new(style: &Style, metrics: &DrawingMetrics) -> Footer {
+        Footer::with_legend(style, metrics, Legend::of(style, metrics))
+    }
+
+    /// Lays out the strips of a picture with another legend, such as one with the arrows of smaller panels.
+    pub fn with_legend(style: &Style, metrics: &DrawingMetrics, legend: Legend) -> Footer {
         let [width, height] = style.look.size.map(f64::from);
         let strip = larger((smaller(width, height) / 18.0).floor(), (1.5 * metrics.font_size).ceil());
         let free_width = width - 2.0 * metrics.font_size.round();
@@ -39,7 +44,6 @@ impl Footer {
             true => vec![shown.iter().map(|(overlay, _)| *overlay).collect()],
             false => shown.iter().map(|(overlay, _)| vec![*overlay]).collect(),
         };
-        let legend = Legend::of(style, metrics);
         let is_below = info.len() > 1 || !legend.fits(free_width - info_width, metrics);
         let legend_height = if is_below { legend.height(free_width, metrics) } else { 0.0 };
         let info = if info.iter().all(Vec::is_empty) && is_below { Vec::new() } else { info };
@@ -349,19 +353,22 @@ const MAX_LISTED_GAPS: usize = 3;
 /// The legend entries of parts that a recording lacks.
 pub fn gap_entries<'a>(gaps: impl IntoIterator<Item = &'a TraceGap>, language: Language, color: Color) -> Vec<Entry> {
     let mut gaps = gaps.into_iter();
-    let entry = |gap: &TraceGap| {
-        let (first, last) = (gap.steps.start(), gap.steps.end());
-        let [step, steps] = language.of(["step", "steps"], ["pas", "pas"]);
-        let text = if first == last { format!("{step} {first}") } else { format!("{steps} {first}–{last}") };
-        // The reason is never cut, unlike a name.
-        Entry { name: quoted(&format!("{text} {}", gap.reason.text(language))), ..Entry::new(color, "") }
-    };
+    // The reason is never cut, unlike a name.
+    let entry = |gap: &TraceGap| Entry { name: quoted(&gap_text(gap, language)), ..Entry::new(color, "") };
     let mut entries: Vec<Entry> = gaps.by_ref().take(MAX_LISTED_GAPS).map(entry).collect();
     match gaps.count() {
         0 => {}
         more => entries.push(Entry::new(color, &format!("{more} {}", language.of("more gaps", "autres lacunes")))),
     }
     entries
+}
+
+/// The steps of a gap and the reason.
+pub fn gap_text(gap: &TraceGap, language: Language) -> String {
+    let (first, last) = (gap.steps.start(), gap.steps.end());
+    let [step, steps] = language.of(["step", "steps"], ["pas", "pas"]);
+    let text = if first == last { format!("{step} {first}") } else { format!("{steps} {first}–{last}") };
+    format!("{text} {}", gap.reason.text(language))
 }
 
 /// The width of entries side by side, px.
