@@ -56,7 +56,7 @@ impl EventDriven {
         observer: &mut O,
     ) -> Result<u64, StepError> {
         let mut count = 0;
-        while let Some((_, _, _, index)) = patch.approaching.first().copied() {
+        while let Some(index) = patch.first_approaching() {
             if count % SQUEEZE_INTERVAL == 0 {
                 self.check_squeezed(patch, world)?;
             }
@@ -169,10 +169,13 @@ impl EventDriven {
 
     /// The total mass of bodies in units of [`MASS_UNIT`], summed in creation order.
     fn total_mass(&self, patch: &Patch, members: &[Local]) -> DoubleDouble {
+        let mass = |slot: Slot| DoubleDouble::from(self.bodies.params(slot).mass * MASS_UNIT);
+        if let [single] = members {
+            return mass(patch.bodies[*single as usize].slot);
+        }
         let mut slots: Vec<Slot> = members.iter().map(|body| patch.bodies[*body as usize].slot).collect();
         slots.sort_unstable();
-        let masses = slots.iter().map(|slot| DoubleDouble::from(self.bodies.params(*slot).mass * MASS_UNIT));
-        masses.reduce(|sum, mass| sum + mass).unwrap_or(DoubleDouble::ZERO)
+        slots.into_iter().map(mass).reduce(|sum, mass| sum + mass).unwrap_or(DoubleDouble::ZERO)
     }
 
     /// Gives the clusters on both sides of an impact their velocities and ends their contacts with bodies of

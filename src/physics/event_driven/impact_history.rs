@@ -54,6 +54,12 @@ struct Probe {
 }
 
 impl ImpactHistory {
+    /// Forgets everything, for the next instant.
+    pub fn clear(&mut self) {
+        self.restart();
+        self.count = 0;
+    }
+
     /// Forgets the sequence, after the limit of a cycle was taken.
     pub fn restart(&mut self) {
         self.touches.clear();

@@ -109,7 +109,7 @@ use event_queue::{EventQueue, Precision, ScheduledEvent};
 use instant::{Clock, Instant};
 use least_change::ContactGroup;
 use pair_event::PairEvent;
-use patch::Patch;
+use patch::{Local, Patch};
 use simultaneous::Concerned;
 use swept_aabb::SweptAabb;
 
@@ -156,6 +156,8 @@ pub struct EventDriven {
     indexed_bodies: usize,
     /// Buffer for the bodies concerned by an instant.
     patch: Patch,
+    /// Buffer for the bodies of which contacts were examined.
+    examined: Vec<Local>,
     /// Buffer for a component of bodies in contact.
     contact_group: ContactGroup,
     /// Buffers for the two clusters of an impact.
@@ -189,6 +191,7 @@ impl EventDriven {
             changed: Vec::new(),
             indexed_bodies: 0,
             patch: Patch::default(),
+            examined: Vec::new(),
             contact_group: ContactGroup::default(),
             clusters: [Cluster::default(), Cluster::default()],
             due: Vec::new(),

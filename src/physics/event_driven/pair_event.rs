@@ -76,6 +76,8 @@ struct Relative {
     tolerance: [f64; 2],
     /// The sum of the speeds of the two, m/s.
     speed_sum: [f64; 2],
+    /// Relative speed up to which the boxes may be at rest relative to each other, m/s: the rounding of the velocities.
+    speed_tolerance: [f64; 2],
     /// The sum of the magnitudes of the accelerations of the two, m/s².
     acceleration_sum: [f64; 2],
 }
@@ -101,7 +103,13 @@ impl Relative {
         let a = first.position;
         let [b, velocity] = second.trajectory.at(first.at);
         let sizes = [first.body.size, second.size];
-        let accelerations = [first.body.trajectory.acceleration, second.trajectory.acceleration];
+        let [first_trajectory, second_trajectory] = [first.body, second].map(|body| &body.trajectory);
+        let accelerations = [first_trajectory.acceleration, second_trajectory.acceleration];
+        let speed_sum = Axis::BOTH.map(|axis| velocity[axis].abs() + first.velocity[axis].abs());
+        // A velocity is that at the reference instant plus a gain, which is no greater than the sum of the two speeds.
+        let greatest_sum = Axis::BOTH.map(|axis| {
+            speed_sum[axis] + (first_trajectory.velocity[axis].abs() + second_trajectory.velocity[axis].abs())
+        });
         Relative {
             ahead: Axis::BOTH.map(|axis| (b[axis] - a[axis]) - sizes[0][axis]),
             behind: Axis::BOTH.map(|axis| (a[axis] - b[axis]) - sizes[1][axis]),
@@ -109,7 +117,8 @@ impl Relative {
             acceleration: Axis::BOTH.map(|axis| accelerations[1][axis] - accelerations[0][axis]),
             tolerance: Axis::BOTH
                 .map(|axis| tolerance(a[axis].abs() + b[axis].abs() + (sizes[0][axis] + sizes[1][axis]))),
-            speed_sum: Axis::BOTH.map(|axis| velocity[axis].abs() + first.velocity[axis].abs()),
+            speed_sum,
+            speed_tolerance: greatest_sum.map(tolerance),
             acceleration_sum: Axis::BOTH.map(|axis| accelerations[0][axis].abs() + accelerations[1][axis].abs()),
         }
     }
@@ -129,7 +138,10 @@ impl Relative {
             let sign = if self.ahead[axis] > self.behind[axis] { -1.0 } else { 1.0 };
             let (speed, acceleration) = (sign * self.velocity[axis], sign * self.acceleration[axis]);
             let gap = self.gap(axis);
-            let is_receding = (gap > self.tolerance[axis]) & (speed <= 0.0) & (acceleration <= 0.0);
+            let is_apart = (gap > self.tolerance[axis]) & (speed <= 0.0);
+            // For instance, two boxes that have just collided.
+            let touches_and_recedes = (gap > -self.tolerance[axis]) & (speed < -self.speed_tolerance[axis]);
+            let is_receding = (is_apart | touches_and_recedes) & (acceleration <= 0.0);
             let displacement = seconds * (positive(speed) + 0.5 * positive(acceleration) * seconds);
             is_receding | (gap - displacement > self.tolerance[axis])
         });

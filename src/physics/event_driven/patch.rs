@@ -11,7 +11,7 @@ use super::instant::Instant;
 use super::pair_event::Sample;
 use super::spatial_hash::NONE;
 use super::swept_aabb::SweptAabb;
-use crate::physics::{Axis, Side};
+use crate::physics::{Axis, Side, larger};
 use std::collections::BTreeSet;
 
 /// An index into [`Patch::bodies`].
@@ -72,6 +72,8 @@ pub struct Touch {
     pub blocks: [bool; 2],
     /// True if a block of the corner was released since contacts were last settled.
     pub was_released: bool,
+    /// True if it is listed in [`Patch::approaching`].
+    is_listed: bool,
 }
 
 impl Touch {
@@ -108,6 +110,17 @@ pub struct Burst {
     pub histories: [ImpactHistory; 2],
 }
 
+impl Burst {
+    /// Forgets all impacts; keeps the memory.
+    fn clear(&mut self) {
+        self.greatest = 0.0;
+        self.histories.iter_mut().for_each(ImpactHistory::clear);
+    }
+}
+
+/// Up to this number of bodies, a patch keeps its memory for the next instant.
+const KEPT_BODIES: usize = 1024;
+
 /// The bodies concerned by an instant and what they touch; grows as the instant is processed.
 #[derive(Clone, Debug, Default)]
 pub struct Patch {
@@ -117,12 +130,12 @@ pub struct Patch {
     index: Vec<u32>,
     /// The touches whose bodies approach each other: first the faces, then, marked true, the corners; each in creation
     /// order of the bodies.
-    pub approaching: BTreeSet<(bool, Slot, Slot, u32)>,
+    approaching: BTreeSet<(bool, Slot, Slot, u32)>,
     /// For each axis, the bodies whose contacts must be examined.
     pub dirty: [Vec<Local>; 2],
     /// Spare lists of touches.
     spare: Vec<Vec<u32>>,
-    /// By local index, for the roots of the forest: the impacts so far.
+    /// By local index, for the roots of the forest: the impacts so far. Those of earlier instants follow.
     pub bursts: Vec<Burst>,
 }
 
@@ -138,7 +151,9 @@ impl Patch {
         self.touches.clear();
         self.approaching.clear();
         self.dirty.iter_mut().for_each(Vec::clear);
-        self.bursts.clear();
+        if self.bodies.capacity() > KEPT_BODIES {
+            *self = Patch { index: std::mem::take(&mut self.index), ..Patch::default() };
+        }
     }
 
     /// The local index of a body, if it is in the patch.
@@ -156,7 +171,10 @@ impl Patch {
         let body =
             LocalBody { slot, infinite, at, axes, explored: false, contacts_changed: false, touches, parent: local };
         self.bodies.push(body);
-        self.bursts.push(Burst::default());
+        match self.bursts.get_mut(local as usize) {
+            Some(burst) => burst.clear(),
+            None => self.bursts.push(Burst::default()),
+        }
         local
     }
 
@@ -246,10 +264,9 @@ impl Patch {
     fn join(&mut self, first: Local, second: Local) {
         let [first, second] = [self.root(first), self.root(second)];
         if first != second {
-            let other = std::mem::take(&mut self.bursts[second as usize]);
-            let burst = &mut self.bursts[first as usize];
-            let greatest = if burst.greatest > other.greatest { burst.greatest } else { other.greatest };
-            *burst = Burst { greatest, ..Burst::default() };
+            let greatest = larger(self.bursts[first as usize].greatest, self.bursts[second as usize].greatest);
+            self.bursts[first as usize].clear();
+            self.bursts[first as usize].greatest = greatest;
             self.bodies[second as usize].parent = first;
         }
     }
@@ -264,6 +281,11 @@ impl Patch {
         }
     }
 
+    /// The first of the approaching touches.
+    pub fn first_approaching(&self) -> Option<u32> {
+        self.approaching.first().map(|(_, _, _, index)| *index)
+    }
+
     /// Lists a touch among the approaching ones, or removes it from them.
     pub fn refresh(&mut self, index: u32) {
         let touch = self.touches[index as usize];
@@ -271,6 +293,9 @@ impl Patch {
             TouchKind::Face(axis) => self.approach(&touch, axis).high > 0.0,
             TouchKind::Corner => Axis::BOTH.into_iter().all(|axis| self.approach(&touch, axis).high > 0.0),
         };
+        if approaches == touch.is_listed {
+            return;
+        }
         let [first, second] = touch.bodies.map(|body| self.bodies[body as usize].slot);
         let entry = (touch.kind == TouchKind::Corner, first, second, index);
         if approaches {
@@ -278,6 +303,7 @@ impl Patch {
         } else {
             self.approaching.remove(&entry);
         }
+        self.touches[index as usize].is_listed = approaches;
     }
 }
 
@@ -349,7 +375,14 @@ impl EventDriven {
         };
         let Some((kind, side)) = touch_kind(patch, first, second, self.bodies.resolution()) else { return };
         let index = patch.touches.len() as u32;
-        patch.touches.push(Touch { bodies: [first, second], kind, side, blocks: [false; 2], was_released: false });
+        patch.touches.push(Touch {
+            bodies: [first, second],
+            kind,
+            side,
+            blocks: [false; 2],
+            was_released: false,
+            is_listed: false,
+        });
         patch.bodies[first as usize].touches.push(index);
         patch.bodies[second as usize].touches.push(index);
         if !patch.bodies[first as usize].infinite && !patch.bodies[second as usize].infinite {

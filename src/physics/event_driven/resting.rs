@@ -51,7 +51,7 @@ impl EventDriven {
 
     /// Examines the dirty bodies and all that depend on them.
     fn settle_axis(&mut self, patch: &mut Patch, axis: Axis) {
-        let mut examined = Vec::new();
+        let mut examined = std::mem::take(&mut self.examined);
         while let Some(body) = patch.dirty[axis].pop() {
             patch.axis_mut(body, axis).is_dirty = false;
             self.explore(patch, body);
@@ -71,9 +71,11 @@ impl EventDriven {
                 Load::OwnForces => self.solve_component(patch, *body, axis, &mut solved),
             }
         }
-        for body in examined {
-            self.end_separating_contacts(patch, body, axis);
+        for body in &examined {
+            self.end_separating_contacts(patch, *body, axis);
         }
+        examined.clear();
+        self.examined = examined;
     }
 
     /// True if a touch constrains the accelerations along an axis.

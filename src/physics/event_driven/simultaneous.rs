@@ -59,6 +59,9 @@ impl EventDriven {
                 events.push(event);
             }
         }
+        if events.len() == 1 {
+            return first.pair.map(|slot| Concerned { slot, at: first.at }).to_vec();
+        }
         let is_first = |event: &&ScheduledEvent| event.at == first.at || self.coincides(event, first.at);
         let simultaneous: Vec<&ScheduledEvent> = events.iter().filter(is_first).collect();
         let mut concerned: Vec<Concerned> = Vec::new();
@@ -173,13 +176,17 @@ impl EventDriven {
 fn align_faces(patch: &mut Patch, axis: Axis) {
     let mut changed: Vec<Local> =
         (0..patch.bodies.len() as Local).filter(|body| patch.axis(*body, axis).has_changed).collect();
+    if changed.is_empty() {
+        return;
+    }
     changed.sort_unstable_by_key(|body| patch.bodies[*body as usize].slot);
+    let mut faces = Vec::new();
     let mut is_placed: Vec<bool> = patch.bodies.iter().map(|body| !body.axes[axis].has_changed).collect();
     let mut queue: Vec<Local> = Vec::new();
     for body in &changed {
-        let anchor = faces_of(patch, *body, axis).find(|(other, _)| !patch.axis(*other, axis).has_changed);
-        if let Some((other, touch)) = anchor {
-            place_on(patch, *body, other, touch, axis);
+        find_faces(patch, *body, axis, &mut faces);
+        if let Some((other, touch)) = faces.iter().find(|(other, _)| !patch.axis(*other, axis).has_changed) {
+            place_on(patch, *body, *other, *touch, axis);
             is_placed[*body as usize] = true;
             queue.push(*body);
         }
@@ -189,10 +196,11 @@ fn align_faces(patch: &mut Patch, axis: Axis) {
         loop {
             while let Some(by) = queue.get(next).copied() {
                 next += 1;
-                for (other, touch) in faces_of(patch, by, axis) {
-                    if !std::mem::replace(&mut is_placed[other as usize], true) {
-                        place_on(patch, other, by, touch, axis);
-                        queue.push(other);
+                find_faces(patch, by, axis, &mut faces);
+                for (other, touch) in &faces {
+                    if !std::mem::replace(&mut is_placed[*other as usize], true) {
+                        place_on(patch, *other, by, *touch, axis);
+                        queue.push(*other);
                     }
                 }
             }
@@ -204,13 +212,13 @@ fn align_faces(patch: &mut Patch, axis: Axis) {
     }
 }
 
-/// The bodies that touch one on a face along an axis, in creation order, with their touches.
-fn faces_of(patch: &Patch, body: Local, axis: Axis) -> impl Iterator<Item = (Local, u32)> + use<> {
+/// Replaces `found` by the bodies that touch one on a face along an axis, in creation order, with their touches.
+fn find_faces(patch: &Patch, body: Local, axis: Axis, found: &mut Vec<(Local, u32)>) {
     let touches = patch.bodies[body as usize].touches.iter().copied();
     let faces = touches.filter(|touch| patch.touches[*touch as usize].kind == TouchKind::Face(axis));
-    let mut found: Vec<(Local, u32)> = faces.map(|touch| (patch.touches[touch as usize].other(body), touch)).collect();
+    found.clear();
+    found.extend(faces.map(|touch| (patch.touches[touch as usize].other(body), touch)));
     found.sort_unstable_by_key(|(other, _)| patch.bodies[*other as usize].slot);
-    found.into_iter()
 }
 
 /// Places a body on a face of another that it touches.
