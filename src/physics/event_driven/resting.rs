@@ -38,10 +38,12 @@ impl EventDriven {
     fn forget_blocks(&mut self, patch: &mut Patch) {
         for index in 0..patch.touches.len() {
             let touch = patch.touches[index];
-            let contacts = Axis::BOTH.map(|axis| self.is_contact(patch, &touch, axis));
-            if touch.kind == TouchKind::Corner && (touch.blocks != [false; 2] || contacts == [true; 2]) {
-                for axis in Axis::BOTH.into_iter().filter(|axis| contacts[*axis]) {
-                    self.remove_contact(patch, touch.bodies, axis);
+            if touch.kind == TouchKind::Corner {
+                let contacts = Axis::BOTH.map(|axis| self.is_contact(patch, &touch, axis));
+                if touch.blocks != [false; 2] || contacts == [true; 2] {
+                    for axis in Axis::BOTH.into_iter().filter(|axis| contacts[*axis]) {
+                        self.remove_contact(patch, touch.bodies, axis);
+                    }
                 }
             }
             let touch = &mut patch.touches[index];
