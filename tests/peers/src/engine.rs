@@ -3,6 +3,7 @@
 use crate::{
     box2d,
     drive::{Build, drive},
+    edmd,
     job::{Answer, Job},
     ours, rapier,
 };
@@ -31,11 +32,13 @@ pub enum Engine {
     Matter,
     /// planck, a port of Box2D v2 to JavaScript.
     Planck,
+    /// Event-driven molecular dynamics after Smallenburg (2022), for gases.
+    Edmd,
 }
 
 impl Engine {
     /// All engines, in the order of the table.
-    pub const ALL: [Engine; 8] = [
+    pub const ALL: [Engine; 9] = [
         Engine::EventDriven,
         Engine::Handout,
         Engine::RapierSingle,
@@ -44,6 +47,7 @@ impl Engine {
         Engine::Pymunk,
         Engine::Matter,
         Engine::Planck,
+        Engine::Edmd,
     ];
 
     /// The name in the table.
@@ -57,6 +61,7 @@ impl Engine {
             Engine::Pymunk => "pymunk",
             Engine::Matter => "matter-js",
             Engine::Planck => "planck",
+            Engine::Edmd => "EDMD",
         }
     }
 
@@ -73,6 +78,7 @@ impl Engine {
             Engine::RapierSingle => (rapier::single::build, locked("rapier2d")),
             Engine::RapierDouble => (rapier::double::build, locked("rapier2d-f64")),
             Engine::Box2d => (box2d::build, box2d::version()),
+            Engine::Edmd => (edmd::build, "of the paper of 2022".to_owned()),
             Engine::Pymunk | Engine::Matter | Engine::Planck => return None,
         };
         Some(drive(job, version, build))

@@ -9,6 +9,7 @@
 mod box2d;
 mod clock;
 mod drive;
+mod edmd;
 mod engine;
 mod job;
 mod judge;
