@@ -71,12 +71,23 @@ pub fn uninterrupted<T>(place: impl FnOnce() -> T) -> T {
 
 /// Removes all temporary folders, and lets no other thread create one: the process is about to end.
 #[cfg(feature = "cli")]
-fn remove_all() {
+pub fn remove_all() {
     let folders = folders();
     for folder in folders.iter() {
         remove_in_use(folder);
     }
     std::mem::forget(folders);
+}
+
+/// Removes the temporary folders in `parent` that a process which has ended left behind.
+#[cfg(feature = "cli")]
+pub fn remove_those_of(process: u32, parent: &Path) {
+    let prefix = format!(".rebond-{process}-");
+    for entry in fs::read_dir(parent).into_iter().flatten().flatten() {
+        if entry.file_name().to_string_lossy().starts_with(&prefix) {
+            let _ = fs::remove_dir_all(entry.path());
+        }
+    }
 }
 
 /// Removes a folder to which other threads and a running ffmpeg still add files.

@@ -27,6 +27,15 @@ impl Case {
             Case::Problem(problem) => &problem.path,
         }
     }
+
+    /// The line of a manifest that lists the file.
+    pub fn line(&self) -> Option<&ManifestLine> {
+        match self {
+            Case::Recording(reference) => reference.line(),
+            Case::Picture(reference) => reference.line(),
+            Case::Problem(problem) => problem.line.as_ref(),
+        }
+    }
 }
 
 /// A line of a manifest.
@@ -76,14 +85,21 @@ pub enum RecordingRecipe {
     },
 }
 
+/// A value of a scene that a command overrides.
+#[cfg(feature = "cli")]
+pub use crate::scene::Override;
+/// There are no commands, and so no overridden values.
+#[cfg(not(feature = "cli"))]
+#[derive(Clone, Debug)]
+pub enum Override {}
+
 /// A command `rebond record`.
 #[derive(Clone, Debug)]
 pub struct RecordCommand {
     /// The scene.
     pub scene: PathBuf,
     /// The values of the scene that the command overrides.
-    #[cfg(feature = "cli")]
-    pub overrides: Vec<crate::scene::Override>,
+    pub overrides: Vec<Override>,
     /// The file of live events.
     pub events: Option<PathBuf>,
     /// The number of steps, if it is not that of the scene.
@@ -118,6 +134,8 @@ pub enum Recipe {
         options: Box<PictureOptions>,
         /// Scenes or recordings.
         sources: Vec<PathBuf>,
+        /// The values that each run of a scene overrides.
+        runs: Vec<Vec<Override>>,
         /// The place of the command.
         line: ManifestLine,
     },

@@ -18,7 +18,7 @@ mod scene_mismatch;
 
 pub use acceptance::{Acceptance, Decision, carries_provenance};
 pub use case::{
-    Case, Cases, Manifest, ManifestLine, Problem, Recipe, RecordCommand, RecordingRecipe, ReferenceImage,
+    Case, Cases, Manifest, ManifestLine, Override, Problem, Recipe, RecordCommand, RecordingRecipe, ReferenceImage,
     ReferenceRecording,
 };
 pub use check_result::{Basis, CheckResult, FileKind, Outcome, Replacement, Severity};
@@ -34,8 +34,8 @@ use std::any::Any;
 use std::num::NonZero;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// Checks every case on `threads` threads and passes the results to `on_result` in the order of the cases. `index` finds
-/// the recordings of pictures.
+/// Calls `check`, such as [`check_case`], for every case on `threads` threads, and passes the results to `on_result` in the
+/// order of the cases.
 ///
 /// A panic in a case is the result of that case.
 ///
@@ -43,18 +43,19 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 /// The first error of `on_result`.
 pub fn check_cases<E: Send>(
     cases: &[Case],
-    index: &RecordingIndex,
+    check: impl Fn(&Case) -> CheckResult + Sync,
     threads: NonZero<usize>,
     on_result: impl FnMut(CheckResult) -> Result<(), E>,
 ) -> Result<(), E> {
     let check = |case: &Case| {
-        catch_unwind(AssertUnwindSafe(|| check_case(case, index)))
+        catch_unwind(AssertUnwindSafe(|| check(case)))
             .unwrap_or_else(|panic| CheckResult::new(case.path().into(), Outcome::Failed(describe_panic(&*panic))))
     };
     ordered_parallel_map(cases.iter().map(Ok), threads, || check, on_result)
 }
 
-fn check_case(case: &Case, index: &RecordingIndex) -> CheckResult {
+/// Checks one case. `index` finds the recordings of pictures.
+pub fn check_case(case: &Case, index: &RecordingIndex) -> CheckResult {
     match case {
         Case::Recording(reference) => recording::check_recording(reference),
         Case::Picture(reference) => reference_image::check_image(reference, index),
@@ -70,4 +71,36 @@ fn describe_panic(panic: &(dyn Any + Send)) -> String {
     let message = panic.downcast_ref::<String>().map(String::as_str).or(panic.downcast_ref::<&str>().copied());
     let message = message.unwrap_or("without a message");
     format!("rebond panicked: {message}; this is a bug in rebond, please report it with this file")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_in_a_case_is_the_result_of_that_case_and_the_others_are_checked() {
+        let problem = |name: &str| Problem { path: name.into(), line: None, reason: "it".into(), is_missing: true };
+        let cases = ["a", "b", "c", "d"].map(|name| Case::Problem(problem(name)));
+        let check = |case: &Case| match case.path().to_str() {
+            Some("b") => panic!("a bug at b"),
+            Some("c") => std::panic::panic_any(3_u8),
+            _ => check_case(case, &RecordingIndex::default()),
+        };
+        for threads in [1, 3] {
+            let mut lines = Vec::new();
+            let add = |result: CheckResult| {
+                lines.push(format!("{}: {}", result.path.display(), result.outcome));
+                Ok::<(), ()>(())
+            };
+            check_cases(&cases, check, NonZero::new(threads).unwrap(), add).unwrap();
+            let bug = "this is a bug in rebond, please report it with this file";
+            let expected = [
+                "a: missing: it".to_owned(),
+                format!("b: failed: rebond panicked: a bug at b; {bug}"),
+                format!("c: failed: rebond panicked: without a message; {bug}"),
+                "d: missing: it".to_owned(),
+            ];
+            assert_eq!(lines, expected);
+        }
+    }
 }

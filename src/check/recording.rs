@@ -1,6 +1,6 @@
 //! Checking a recording: it must replay the same, and match a run of its scene.
 
-use super::case::{RecordCommand, RecordingRecipe, ReferenceRecording};
+use super::case::{Override, RecordCommand, RecordingRecipe, ReferenceRecording};
 use super::scene_mismatch::{SceneMismatch, option_changes};
 use super::{Basis, CheckResult, Outcome, Replacement};
 use crate::physics::CollisionCount;
@@ -58,7 +58,7 @@ fn missing(reference: &ReferenceRecording) -> (Outcome, Option<Replacement>) {
 fn scene_of(recipe: &RecordingRecipe) -> Result<Option<Scene>, RunError> {
     Ok(match recipe {
         RecordingRecipe::OwnEvents => None,
-        RecordingRecipe::Scene(scene) => Some(scene::load(scene)?),
+        RecordingRecipe::Scene(scene) => Some(load(scene, &[])?),
         RecordingRecipe::Listed { command, .. } => Some(command.scene()?),
     })
 }
@@ -86,7 +86,7 @@ fn compare_with_recipe(reference: &ReferenceRecording, replayed: Outcome) -> (Ou
         (RecordingRecipe::OwnEvents, _) => return (replayed, None),
         (RecordingRecipe::Scene(_), Some(own)) => return (replayed.with_basis(Basis::OwnEvents(own.clone())), None),
         (RecordingRecipe::Listed { command, .. }, _) => NewRecording::of_command(command),
-        (RecordingRecipe::Scene(scene), None) => load(scene).and_then(|scene| {
+        (RecordingRecipe::Scene(scene), None) => load(scene, &[]).and_then(|scene| {
             let options = recorded.as_ref().map(|recorded| recorded.options(&scene));
             NewRecording::of_scene(&scene, options.unwrap_or(RecordOptions::complete(&scene)))
         }),
@@ -124,16 +124,19 @@ fn compare_with_recipe(reference: &ReferenceRecording, replayed: Outcome) -> (Ou
 impl RecordCommand {
     /// Reads the scene with the values that the command overrides.
     fn scene(&self) -> Result<Scene, RunError> {
-        #[cfg(feature = "cli")]
-        if !self.overrides.is_empty() {
-            return Ok(scene::load_with(&self.scene, &self.overrides)?);
-        }
-        Ok(scene::load(&self.scene)?)
+        load(&self.scene, &self.overrides)
     }
 }
 
-fn load(path: &Path) -> Result<Scene, RunError> {
-    Ok(scene::load(path)?)
+/// Reads a scene with some values overridden.
+pub fn load(path: &Path, overrides: &[Override]) -> Result<Scene, RunError> {
+    #[cfg(feature = "cli")]
+    return Ok(scene::load_with(path, overrides)?);
+    #[cfg(not(feature = "cli"))]
+    match overrides {
+        [] => Ok(scene::load(path)?),
+        [value, ..] => match *value {},
+    }
 }
 
 /// A recording in a temporary folder, which is removed when this is dropped.

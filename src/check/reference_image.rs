@@ -1,6 +1,6 @@
 //! Checking a picture: it must be redrawn the same.
 
-use super::case::{Recipe, ReferenceImage};
+use super::case::{Override, Recipe, ReferenceImage};
 use super::{CheckResult, Outcome, RecordingIndex, Replacement, Severity, ShownPicture, TemporaryRecording, mismatch};
 use crate::picture::{
     self, Error, Format, Picture, PictureOptions, Provenance, SOFTWARE, Source, StillFormat, Subject, SubjectOptions,
@@ -8,7 +8,6 @@ use crate::picture::{
 };
 use crate::recording::{self, Health};
 use crate::replay::{self, NO_LIVE_EVENTS};
-use crate::scene;
 use std::fs::File;
 use std::io::{Cursor, ErrorKind};
 use std::num::NonZero;
@@ -125,9 +124,19 @@ fn rasterize(provenance: &Provenance, sources: &[Source]) -> Option<Picture> {
 /// Redraws a picture with `software` in its provenance.
 fn redraw(reference: &ReferenceImage, index: &RecordingIndex, software: &str) -> Result<Redrawn, Box<Outcome>> {
     let redrawn = match &reference.recipe {
-        Recipe::Listed { subject, options, sources, .. } => {
+        Recipe::Listed { subject, options, sources, runs, .. } => {
             require_sources(sources)?;
-            draw_listed(subject, options, sources, software)
+            OpenedSource::all(sources, runs).and_then(|opened| {
+                // As the command does, which names the runs of one scene by their values.
+                #[cfg(feature = "cli")]
+                let title = Source::title_with_settings;
+                #[cfg(not(feature = "cli"))]
+                let title = |source: &Source| source.title().to_owned();
+                let has_values = opened.len() > 1 && runs.iter().any(|overrides| !overrides.is_empty());
+                let titles = has_values.then(|| opened.iter().map(|opened| title(&opened.source)).collect());
+                let titles = options.titles.clone().or(titles);
+                draw_listed(subject, &PictureOptions { titles, ..PictureOptions::clone(options) }, opened, software)
+            })
         }
         Recipe::Embedded(provenance) => {
             let sources = index.find(provenance).map_err(|reason| Box::new(Outcome::Orphaned { reason }))?;
@@ -175,6 +184,8 @@ enum Failure {
     Picture(Error),
     #[error("its scene cannot be run: {0}")]
     Run(#[from] replay::RunError),
+    #[error("--set changes values of a scene, but it is drawn from recordings; list the recording with --set")]
+    SetOfRecordings,
 }
 
 impl From<Error> for Failure {
@@ -191,7 +202,9 @@ impl Failure {
         match self {
             Failure::Picture(Error::Diverged { .. }) => Severity::Different,
             Failure::Recording { source, .. } if source.is_damage() => Severity::Damaged,
-            Failure::Recording { .. } | Failure::Picture(_) | Failure::Run(_) => Severity::Failed,
+            Failure::Recording { .. } | Failure::Picture(_) | Failure::Run(_) | Failure::SetOfRecordings => {
+                Severity::Failed
+            }
         }
     }
 }
@@ -199,11 +212,9 @@ impl Failure {
 fn draw_listed(
     subject: &SubjectOptions,
     options: &PictureOptions,
-    sources: &[PathBuf],
+    opened: Vec<OpenedSource>,
     software: &str,
 ) -> Result<Redrawn, Failure> {
-    let opened =
-        sources.iter().map(|source| OpenedSource::open(source)).collect::<Result<Vec<OpenedSource>, Failure>>()?;
     let recordings: Vec<Source> = opened.iter().map(|opened| opened.source.clone()).collect();
     let (mut file, threads) = (Vec::new(), NonZero::<usize>::MIN);
     let (provenance, _) = draw_options(subject, options, &recordings, software, threads, &mut |_, _| (), &mut file)?;
@@ -230,12 +241,29 @@ struct OpenedSource {
 }
 
 impl OpenedSource {
-    fn open(path: &Path) -> Result<OpenedSource, Failure> {
-        // A file that cannot be read is reported by the attempt to open it.
-        if Source::is_recording(path).unwrap_or(true) {
-            return Ok(OpenedSource { source: Source::open(path)?, _temporary: None });
+    /// Opens each recording, and each scene once for every run.
+    fn all(paths: &[PathBuf], runs: &[Vec<Override>]) -> Result<Vec<OpenedSource>, Failure> {
+        let mut opened = Vec::new();
+        let mut has_scene = false;
+        for path in paths {
+            // A file that cannot be read is reported by the attempt to open it.
+            if Source::is_recording(path).unwrap_or(true) {
+                opened.push(OpenedSource { source: Source::open(path)?, _temporary: None });
+                continue;
+            }
+            has_scene = true;
+            for overrides in runs {
+                opened.push(OpenedSource::record(path, overrides)?);
+            }
         }
-        let scene = scene::load(path).map_err(replay::RunError::from)?;
+        match has_scene || runs.iter().all(Vec::is_empty) {
+            true => Ok(opened),
+            false => Err(Failure::SetOfRecordings),
+        }
+    }
+
+    fn record(path: &Path, overrides: &[Override]) -> Result<OpenedSource, Failure> {
+        let scene = super::recording::load(path, overrides)?;
         let unwritable = |error| replay::RunError::from(recording::Error::Write(error));
         let temporary = TemporaryRecording::create().map_err(unwritable)?;
         let file = File::create_new(temporary.path()).map_err(unwritable)?;

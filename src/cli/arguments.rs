@@ -259,6 +259,9 @@ pub struct CheckOptions {
     /// Annotate files on GitHub, and write the summary of the step
     #[arg(long)]
     pub github: bool,
+    /// The journal of a child process.
+    #[arg(long, hide = true)]
+    pub journal: Option<PathBuf>,
 }
 
 /// Options of `recover`.

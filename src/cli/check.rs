@@ -4,6 +4,7 @@ use super::github::{self, StepSummary};
 use super::output_file::{OutputFile, Overwrite};
 use super::replay::difference_json;
 use super::review::{self, Answer, Review};
+use super::supervisor::{self, Journal};
 use super::{Exit, manifest, output};
 use crate::check::{
     self, Acceptance, Case, Cases, CheckResult, Decision, FileKind, Files, Outcome, Page, Recipe, RecordingIndex,
@@ -12,14 +13,40 @@ use crate::check::{
 use crate::junit::{TestCase, TestOutcome, TestSuite};
 use crate::text::counted;
 use serde_json::{Value, json};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::{self, Display, Formatter};
 use std::fs::{self, File};
 use std::io::{self, Read, Write};
+use std::num::NonZero;
 use std::path::{Path, PathBuf};
 
 /// Checks that recordings and pictures are unchanged.
 pub fn run(options: &CheckOptions) -> Result<Exit, CommandError> {
+    // A review needs standard input, and the user sees where it ends.
+    let journal = match &options.journal {
+        Some(path) => Journal::open(path).map_err(CommandError::unwritable(path))?,
+        None if options.review => Journal::default(),
+        None => match supervise(options)? {
+            Some(exit) => return Ok(exit),
+            None => Journal::default(),
+        },
+    };
+    if options.journal.is_some() {
+        supervisor::end_with_supervisor();
+    }
+    check(options, &journal)
+}
+
+/// Checks in child processes, if they can be started.
+fn supervise(options: &CheckOptions) -> Result<Option<Exit>, CommandError> {
+    let outputs = [Some(report_folder(options)), options.junit.clone()];
+    let folder =
+        |path: &PathBuf| path.ancestors().skip(1).find(|folder| folder.is_dir()).unwrap_or(Path::new(".")).to_owned();
+    let folders: Vec<PathBuf> = outputs.iter().flatten().map(folder).collect();
+    supervisor::supervise(&folders).map_err(CommandError::Supervisor)
+}
+
+fn check(options: &CheckOptions, journal: &Journal) -> Result<Exit, CommandError> {
     let files = Files::find(&options.paths);
     let found = Cases::find(&files, manifest::read);
     if found.is_empty() {
@@ -32,7 +59,10 @@ pub fn run(options: &CheckOptions) -> Result<Exit, CommandError> {
     let names_recordings =
         |case: &Case| matches!(case, Case::Picture(picture) if matches!(picture.recipe, Recipe::Embedded(_)));
     if options.update || options.review || cases.iter().any(names_recordings) {
-        index.add(files.recordings().map(PathBuf::as_path));
+        for recording in files.recordings() {
+            // A recording that ends the process is one line of the result below.
+            let _ = journal.watch(&supervisor::key(recording, None), || index.add([recording.as_path()]));
+        }
     }
     let junit =
         options.junit.as_deref().map(|path| OutputFile::create(path, overwrite_report(path, options.force), &[]));
@@ -44,6 +74,7 @@ pub fn run(options: &CheckOptions) -> Result<Exit, CommandError> {
     let unwritable = CommandError::unwritable(&folder);
     let mut session = Session {
         options,
+        journal,
         page: Page::new(&folder).map_err(&unwritable)?,
         acceptance: Acceptance::new(&files, &found),
         commands: Commands { paths: &options.paths },
@@ -53,6 +84,7 @@ pub fn run(options: &CheckOptions) -> Result<Exit, CommandError> {
         worst: Severity::Same,
         review: options.review.then_some(Review::Asking),
         replaced: Vec::new(),
+        foreign: Vec::new(),
     };
     // All recordings are checked, and changes to them accepted, before pictures are drawn from them.
     let first_picture = cases.iter().take_while(|case| !matches!(case, Case::Picture(_))).count();
@@ -64,6 +96,7 @@ pub fn run(options: &CheckOptions) -> Result<Exit, CommandError> {
     let followers = session.followers(pictures, &mut index);
     session.check(pictures, &index)?;
     session.check(&followers, &index)?;
+    session.print_foreign()?;
     let Session { page, mut summary, step_summary, suite, worst, .. } = session;
     summary.pending = files.pending().count() as u64;
     if options.github {
@@ -115,6 +148,7 @@ fn report_folder(options: &CheckOptions) -> PathBuf {
 /// The state of a check in progress.
 struct Session<'a> {
     options: &'a CheckOptions,
+    journal: &'a Journal,
     page: Page,
     acceptance: Acceptance<'a>,
     commands: Commands<'a>,
@@ -126,13 +160,19 @@ struct Session<'a> {
     review: Option<Review>,
     /// The recordings that were replaced.
     replaced: Vec<PathBuf>,
+    /// The pictures of other programs.
+    foreign: Vec<PathBuf>,
 }
 
 impl Session<'_> {
     fn check(&mut self, cases: &[Case], index: &RecordingIndex) -> Result<(), CommandError> {
         let bar = output::progress_bar("checking", cases.len() as u64);
-        check::check_cases(cases, index, self.options.jobs.threads(), |result| {
-            let handled = bar.suspend(|| self.handle(&result));
+        let journal = self.journal;
+        let threads = if journal.is_alone { NonZero::<usize>::MIN } else { self.options.jobs.threads() };
+        let check = |case: &Case| journal.check(case, || check::check_case(case, index));
+        check::check_cases(cases, check, threads, |result| {
+            let key = supervisor::key(&result.path, result.line.as_ref());
+            let handled = bar.suspend(|| self.handle(&result, &key));
             bar.inc(1);
             handled
         })?;
@@ -141,7 +181,7 @@ impl Session<'_> {
     }
 
     /// Prints a result, adds it to the page and, with `--update`, accepts it.
-    fn handle(&mut self, result: &CheckResult) -> Result<(), CommandError> {
+    fn handle(&mut self, result: &CheckResult, key: &str) -> Result<(), CommandError> {
         let command = self.commands.accepting(result);
         let (acceptance, decision) = match self.acceptance.replacement(result) {
             Ok(None) => (None, Decision::NothingToAccept),
@@ -168,10 +208,32 @@ impl Session<'_> {
             self.replaced.push(result.path.clone());
         }
         self.summary.count(result, &decision);
+        if decision == Decision::Accepted {
+            self.journal.accept(key);
+        } else if self.journal.was_accepted(key) {
+            self.summary.accepted += 1;
+        }
         let severity = if decision == Decision::Accepted { Severity::Same } else { result.outcome.severity() };
         self.suite.cases.push(test_case(result, severity, &decision));
+        self.worst = self.worst.max(severity);
         if self.options.github && severity != Severity::Same {
             self.step_summary.add(result, &decision);
+        }
+        match self.journal.is_first(key) {
+            true => self.print(result, &files, &decision, severity),
+            false => Ok(()),
+        }
+    }
+
+    /// Prints a result. Pictures of other programs are printed at the end, by folder.
+    fn print(
+        &mut self,
+        result: &CheckResult,
+        files: &[PathBuf],
+        decision: &Decision,
+        severity: Severity,
+    ) -> Result<(), CommandError> {
+        if self.options.github && severity != Severity::Same {
             let annotation = github::annotation(result);
             // Workflow commands are read from both streams.
             match self.options.json {
@@ -179,19 +241,38 @@ impl Session<'_> {
                 false => output::print(&annotation)?,
             }
         }
-        self.worst = self.worst.max(severity);
         if self.options.json {
-            return output::print(&format!("{}\n", json(result, &files, &decision)));
+            return output::print(&format!("{}\n", json(result, files, decision)));
         }
         if output::is_quiet() && result.outcome.severity() == Severity::Same {
             return Ok(());
         }
-        let note = match &decision {
+        if matches!(result.outcome, Outcome::Foreign) && !self.options.paths.contains(&result.path) {
+            self.foreign.push(result.path.clone());
+            return Ok(());
+        }
+        let note = match decision {
             Decision::Accepted => "; accepted".to_owned(),
             Decision::Refused(reason) if self.options.update => format!("; not accepted: {reason}"),
             Decision::NothingToAccept | Decision::Acceptable(_) | Decision::Refused(_) => String::new(),
         };
         output::print(&format!("{}: {}{note}\n", result.path.display(), result.outcome))
+    }
+
+    /// Prints one line about the pictures of other programs in each folder.
+    fn print_foreign(&self) -> Result<(), CommandError> {
+        let mut folders: BTreeMap<&Path, Vec<&Path>> = BTreeMap::new();
+        for picture in &self.foreign {
+            folders.entry(picture.parent().unwrap_or(picture)).or_default().push(picture);
+        }
+        folders.into_iter().try_for_each(|(folder, pictures)| match &pictures[..] {
+            [picture] => output::print(&format!("{}: {}\n", picture.display(), Outcome::Foreign)),
+            [..] => {
+                let folder = if folder == Path::new("") { Path::new(".") } else { folder };
+                let count = counted(pictures.len() as u64, "picture");
+                output::print(&format!("{}: unchecked: {count} without rebond provenance\n", folder.display()))
+            }
+        })
     }
 
     /// The pictures next to recordings that were replaced, which are drawn from them and were not to be checked. They

@@ -55,6 +55,9 @@ pub enum CommandError {
         /// The first source.
         path: PathBuf,
     },
+    /// The process that checks cannot be watched, or was ended outside of a case.
+    #[error("{0}")]
+    Supervisor(io::Error),
     /// A folder has no recordings.
     #[error("the folder {} has no recordings (*.mcap)", .0.display())]
     NoRecordings(PathBuf),

@@ -21,7 +21,7 @@ pub fn run(options: &FigureCommandOptions) -> Result<Exit, CommandError> {
     let mut on_progress = output::progress_updater(&bar);
     let (mut picture_options, threads) = (options.picture_options(), NonZero::<usize>::MIN);
     if options.title.is_empty() && recordings.len() > 1 && !options.set.is_empty() {
-        picture_options.titles = Some(sources.iter().map(OpenedSource::title_with_settings).collect());
+        picture_options.titles = Some(recordings.iter().map(picture::Source::title_with_settings).collect());
     }
     let (_, drawn) = output.write(|output| {
         let (options, progress) = (&picture_options, &mut on_progress);

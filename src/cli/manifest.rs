@@ -10,6 +10,7 @@ use crate::check::{
     normalize,
 };
 use crate::picture::{PictureOptions, SubjectOptions};
+use crate::scene::{Override, Sweep};
 use clap::Parser;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -28,6 +29,7 @@ enum Line {
     Draw {
         output: PathBuf,
         sources: Vec<PathBuf>,
+        runs: Vec<Vec<Override>>,
         subject: SubjectOptions,
         options: Box<PictureOptions>,
     },
@@ -72,9 +74,9 @@ pub fn read(path: &Path) -> Result<Manifest, Problem> {
                 let recipe = RecordingRecipe::Listed { command: *command, line };
                 manifest.recordings.push(ReferenceRecording { file: in_folder(&output), recipe });
             }
-            Ok(Line::Draw { output, sources, subject, options }) => {
+            Ok(Line::Draw { output, sources, runs, subject, options }) => {
                 let sources = sources.iter().map(|source| in_folder(source)).collect();
-                let recipe = Recipe::Listed { subject, options, sources, line };
+                let recipe = Recipe::Listed { subject, options, sources, runs, line };
                 manifest.pictures.push(ReferenceImage { file: in_folder(&output), recipe });
             }
             Err(reason) => {
@@ -137,17 +139,11 @@ fn record_line(options: RecordOptions) -> Result<Line, String> {
     Ok(Line::Record { output, command: Box::new(command) })
 }
 
-/// The message for a picture of a scene with other values: the picture belongs to a recording, which must be kept, too.
-const SET_OF_PICTURE: &str =
-    "list the recording with rebond record SCENE.toml -o NAME.mcap --set KEY=VALUE, and draw NAME.mcap without --set";
-
 fn render_line(options: &RenderOptions) -> Result<Line, String> {
-    if !options.set.is_empty() {
-        return Err(SET_OF_PICTURE.into());
-    }
     match OutputKind::from_options(options).map_err(|error| error.to_string())? {
         OutputKind::File(subject) => {
-            draw_line(&options.output.output, options.sources.clone(), subject, options.picture_options())
+            let runs = Sweep::combinations(&options.set)?;
+            draw_line(&options.output.output, options.sources.clone(), runs, subject, options.picture_options())
         }
         OutputKind::Video(_) | OutputKind::Sequence => Err(
             "expected a single picture or animation: OUT.gif, OUT.apng, or with --at STEP OUT.png, OUT.svg or OUT.pdf"
@@ -157,23 +153,22 @@ fn render_line(options: &RenderOptions) -> Result<Line, String> {
 }
 
 fn figure_line(options: &FigureCommandOptions) -> Result<Line, String> {
-    if !options.set.is_empty() {
-        return Err(SET_OF_PICTURE.into());
-    }
     let subject = figure::subject(options).map_err(|error| error.to_string())?;
-    draw_line(&options.output.output, options.sources.clone(), subject, options.picture_options())
+    let runs = Sweep::combinations(&options.set)?;
+    draw_line(&options.output.output, options.sources.clone(), runs, subject, options.picture_options())
 }
 
 fn draw_line(
     output: &Path,
     sources: Vec<PathBuf>,
+    runs: Vec<Vec<Override>>,
     subject: SubjectOptions,
     options: PictureOptions,
 ) -> Result<Line, String> {
     if arguments::is_standard_output(output) {
         return Err("expected a file name after -o, not standard output".into());
     }
-    Ok(Line::Draw { output: output.into(), sources, subject, options: Box::new(options) })
+    Ok(Line::Draw { output: output.into(), sources, runs, subject, options: Box::new(options) })
 }
 
 /// The first paragraph of an error of the argument parser. The rest explains how to get help.

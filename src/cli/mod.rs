@@ -21,6 +21,7 @@ mod review;
 mod shell;
 mod source;
 mod states_table;
+mod supervisor;
 mod video;
 
 pub use error::ErrorReport;
@@ -111,6 +112,13 @@ pub enum Exit {
     Diverged = 3,
     /// A recording is incomplete or corrupt; the part that could be read is the same.
     Damaged = 4,
+}
+
+impl Exit {
+    /// The exit code of a process of this program; another code is none of its own.
+    fn of_code(code: i32) -> Option<Exit> {
+        [Exit::Done, Exit::Error, Exit::Diverged, Exit::Damaged].into_iter().find(|exit| *exit as i32 == code)
+    }
 }
 
 impl From<Exit> for ExitCode {

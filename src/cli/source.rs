@@ -5,7 +5,6 @@ use crate::picture;
 use crate::replay::{ALL_STEPS, NO_LIVE_EVENTS, RecordOptions, Verdict};
 use crate::scene::{self, Override, Sweep};
 use crate::temporary::TemporaryFolder;
-use serde_json::Value;
 use std::fmt::{self, Display, Formatter};
 use std::{fs, fs::File, path::Path, path::PathBuf};
 
@@ -141,19 +140,6 @@ impl OpenedSource {
             Ok(OpenedSource { recording, file })
         };
         sources.iter().map(open).collect()
-    }
-
-    /// The title of the recording with the values that were set, unless the title is one of them.
-    pub fn title_with_settings(&self) -> String {
-        let settings = scene::settings(&self.recording.header.overrides);
-        let is_titled = settings.iter().any(|(key, _)| key == "title");
-        let value = |(key, value): &(String, Value)| match value {
-            Value::String(text) => format!("{key} = {text}"),
-            value => format!("{key} = {value}"),
-        };
-        let values = if is_titled { Vec::new() } else { settings.iter().map(value).collect() };
-        let title = Some(self.recording.title().to_owned()).filter(|title| !title.is_empty());
-        title.into_iter().chain(values).collect::<Vec<String>>().join(", ")
     }
 }
 

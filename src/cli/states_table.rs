@@ -1,3 +1,4 @@
+use crate::text::counted;
 use csv::StringRecord;
 use std::collections::BTreeMap;
 use std::io::Read;
@@ -31,9 +32,27 @@ pub struct StateRow {
 /// The reason why a table cannot be read.
 #[derive(Debug, thiserror::Error)]
 pub enum TableError {
-    /// The file cannot be read, or is not CSV.
+    /// The file cannot be read.
     #[error("{0}")]
-    Csv(#[from] csv::Error),
+    Unreadable(#[from] std::io::Error),
+    /// A line is not text.
+    #[error("line {line} is not UTF-8 text; write the table in UTF-8")]
+    NotText {
+        /// The line, from 1.
+        line: u64,
+    },
+    /// A row does not have the columns of the first line.
+    #[error("line {line} has {}, but the first line has {columns}{}", counted(*fields, "field"), cause(*is_last))]
+    Row {
+        /// The line, from 1.
+        line: u64,
+        /// Its number of fields.
+        fields: u64,
+        /// The number of columns.
+        columns: u64,
+        /// True if the file ends with this line, and without a line feed.
+        is_last: bool,
+    },
     /// The file is very long.
     #[error("the table is longer than {} MiB", MAX_BYTES >> 20)]
     TooLong,
@@ -75,6 +94,31 @@ pub enum TableError {
     },
 }
 
+/// The cause of a row with another number of fields than columns, and what to do.
+const fn cause(is_last: bool) -> &'static str {
+    match is_last {
+        true => "; the file ends there, so it may have been cut: write it again",
+        false => "; write one field for each column, and quotation marks around a name that contains the separator",
+    }
+}
+
+impl TableError {
+    /// The error of a file whose text ends with `text`.
+    fn new(error: csv::Error, text: &[u8]) -> TableError {
+        let line = |position: &Option<csv::Position>| position.as_ref().map_or(1, csv::Position::line);
+        match error.into_kind() {
+            csv::ErrorKind::Io(error) => TableError::Unreadable(error),
+            csv::ErrorKind::UnequalLengths { pos, expected_len, len } => {
+                let rest = pos.as_ref().map_or(text, |pos| text.get(pos.byte() as usize..).unwrap_or_default());
+                let is_last = !rest.contains(&b'\n');
+                TableError::Row { line: line(&pos), fields: len, columns: expected_len, is_last }
+            }
+            csv::ErrorKind::Utf8 { pos, .. } => TableError::NotText { line: line(&pos) },
+            other => TableError::Unreadable(std::io::Error::other(format!("{other:?}"))),
+        }
+    }
+}
+
 /// The largest size of a table, bytes; it is read into memory, because its rows may have any order.
 const MAX_BYTES: u64 = 1 << 30;
 
@@ -83,7 +127,7 @@ impl StatesTable {
     /// by the semicolons or tabs that the first line contains instead.
     pub fn read(file: impl Read, rate: f64) -> Result<StatesTable, TableError> {
         let mut text = Vec::new();
-        file.take(MAX_BYTES + 1).read_to_end(&mut text).map_err(csv::Error::from)?;
+        file.take(MAX_BYTES + 1).read_to_end(&mut text)?;
         if text.len() as u64 > MAX_BYTES {
             return Err(TableError::TooLong);
         }
@@ -92,10 +136,11 @@ impl StatesTable {
         let delimiter = [b';', b'\t'].into_iter().find(is_separator).unwrap_or(b',');
         let text = text.strip_prefix("\u{feff}".as_bytes()).unwrap_or(&text);
         let mut reader = csv::ReaderBuilder::new().delimiter(delimiter).trim(csv::Trim::All).from_reader(text);
-        let columns = Columns::find(reader.headers()?)?;
+        let refused = |error| TableError::new(error, text);
+        let columns = Columns::find(reader.headers().map_err(refused)?)?;
         let mut steps: BTreeMap<u64, BTreeMap<String, StateRow>> = BTreeMap::new();
         for record in reader.records() {
-            let (step, name, row) = columns.row(&record?, rate)?;
+            let (step, name, row) = columns.row(&record.map_err(refused)?, rate)?;
             let line = row.line;
             if let Some(earlier) = steps.entry(step).or_default().insert(name.clone(), row) {
                 return Err(TableError::TwoRows { lines: [earlier.line, line], name, step });
@@ -208,11 +253,26 @@ mod tests {
             ("step,name,x\n1.5,c,1\n", "line 2: step is \"1.5\""),
             ("time,name,x\n0.01,c,1\n", "line 2: time is \"0.01\""),
             ("step,name,x\n0,c,1\n0,c,2\n", "lines 2 and 3 are both about the body \"c\" at step 0"),
-            ("step,name,x\n0,c\n", "line: 2"),
+            ("step,name,x\n0,c\n0,b,1\n", "line 2 has 2 fields, but the first line has 3; write one field for each"),
+            ("step,name,x\n0,c,1,2\n", "line 2 has 4 fields, but the first line has 3; write one field for each"),
+            ("step,name,x\n0,c,1\n1,c", "line 3 has 2 fields, but the first line has 3; the file ends there"),
+            ("step,name,x\n0,c,1\n1", "line 3 has 1 field, but the first line has 3; the file ends there"),
         ];
         for (text, message) in cases {
             let error = read(text).unwrap_err();
             assert!(error.contains(message), "{text:?}: {error}");
+        }
+    }
+
+    #[test]
+    fn a_table_that_is_not_text_is_refused_with_its_line() {
+        for (bytes, line) in [
+            (b"step,name,x\n0,c,1\n1,\xe9,1\n".as_slice(), 3),
+            (b"step,n\xe9,x\n0,c,1\n", 1),
+            (b"\xff\xfes\0t\0e\0p\0", 1),
+        ] {
+            let error = StatesTable::read(bytes, 60.0).unwrap_err().to_string();
+            assert_eq!(error, format!("line {line} is not UTF-8 text; write the table in UTF-8"));
         }
     }
 }

@@ -34,7 +34,6 @@ class Stage {
     this.flashes = [];
     this.bodies = new Float64Array(0);
     this.names = [];
-    this.fit();
   }
 
   /** Fits the world, with a border for the walls, into the canvas. */

@@ -40,29 +40,38 @@ function toBase64(bytes) {
 const encoder = new TextEncoder();
 const decoder = new TextDecoder();
 
-/** The inverse of `base91` in inline.mjs. */
-function fromBase91(text, length) {
+/** The bytes of the first part of the module. */
+function inflated() {
+  const { textContent, dataset } = document.getElementById('core');
+  const { memory, inflate } = new WebAssembly.Instance(new WebAssembly.Module(fromBase64(INFLATE))).exports;
+  const [length, size] = [textContent.length, Number(dataset.size)];
+  const from = memory.buffer.byteLength;
+  memory.grow(Math.ceil((length + size) / 65_536));
+  encoder.encodeInto(textContent, new Uint8Array(memory.buffer, from, length));
+  inflate(from, length, from + length, size);
+  return new Uint8Array(memory.buffer, from + length, size);
+}
+
+/** The rest of the module as the page holds it. */
+function packedRest() {
+  const rest = document.getElementById('rest');
+  if (!rest) throw new WebAssembly.RuntimeError('the page is still being read');
+  return { text: rest.textContent, length: Number(rest.dataset.length) };
+}
+
+/** The bytes of the rest of the module. The inverse of `base91` in inline.mjs. */
+function unpacked({ text, length }) {
   const bytes = new Uint8Array(length);
   const digit = (code) => (code === 126 ? 25 : code - 35);
   for (let at = 0, from = 0, bits = 0, count = 0; at < length; from += 2) {
-    bits = (bits << 13) | (digit(text.charCodeAt(from)) * 91 + digit(text.charCodeAt(from + 1)));
-    count += 13;
-    for (; count >= 8 && at < length; at += 1) {
+    bits |= (digit(text.charCodeAt(from)) * 91 + digit(text.charCodeAt(from + 1))) << count;
+    for (count += 13; count >= 8 && at < length; at += 1) {
+      bytes[at] = bits;
+      bits >>= 8;
       count -= 8;
-      bytes[at] = bits >> count;
     }
-    bits &= (1 << count) - 1;
   }
-  return bytes;
-}
-
-/** The bytes of a part of the module. */
-const unpacked = ({ text, length }) => fzstd.decompress(fromBase91(text, length));
-
-/** A part of the module as the page holds it. */
-function packed(part) {
-  const { textContent, dataset } = document.getElementById(part);
-  return { text: textContent, length: Number(dataset.length) };
+  return fzstd.decompress(bytes);
 }
 
 /** A message of the engine, as opposed to a failure of the module. */
@@ -72,7 +81,7 @@ class Engine {
   static BODY = 10;
   static COLLISION = 19;
 
-  /** The parts of the module: `core` is enough for a session, `rest` is the other functions. */
+  /** The parts of the module: `core` is enough for clicks in the empty room, `rest` is the other functions. */
   static core = null;
   static rest = null;
 
@@ -92,7 +101,7 @@ class Engine {
   /** Adds the rest of the functions. */
   complete() {
     if (this.whole) return;
-    Engine.rest ??= new WebAssembly.Module(unpacked(packed('rest')));
+    Engine.rest ??= new WebAssembly.Module(unpacked(packedRest()));
     new WebAssembly.Instance(Engine.rest, { primary: this.x });
     this.whole = performance.now();
   }
@@ -142,7 +151,7 @@ class Engine {
 
 /** One job of the worker: compiles a part of the module, draws a picture of a recording, or writes a table of it. */
 async function work(job) {
-  if (job.part) return WebAssembly.compile(unpacked(job.part));
+  if (job.rest) return WebAssembly.compile(unpacked(job.rest));
   [Engine.core, Engine.rest] = job.modules;
   const engine = await Engine.create();
   engine.film(job.recording);

@@ -815,7 +815,7 @@ function pageMain(source) {
       }
       const wanted = new URLSearchParams(fragment);
       const name = wanted.get('scene');
-      const found = state.bundled.find(([other]) => other === name);
+      const found = bundled().find(([other]) => other === name);
       if (!found) throw new Error(name ? `there is no scene ${JSON.stringify(name)}` : 'it names no scene');
       choose(name);
       if (wanted.has('both')) await setSolver('both');
@@ -950,7 +950,7 @@ function pageMain(source) {
   }
 
   function choose(name) {
-    const text = state.bundled.find(([other]) => other === name)?.[1];
+    const text = name ? bundled().find(([other]) => other === name)?.[1] : undefined;
     load(name ? `${name}.toml` : 'room.toml', text ?? EMPTY_ROOM, '', text ? name : '');
     $('scenes').value = text ? name : '';
   }
@@ -1047,39 +1047,47 @@ function pageMain(source) {
     setTheme(view.theme);
     makeOverlays();
     translate();
+    $('scenes').add(new Option(T().emptyRoom, ''));
     pointer(0);
     pointer(1);
     wire();
     paint();
     document.documentElement.dataset.ready = 'clicks';
-    return performance.now();
   }
 
-  async function begin(clicks) {
-    Engine.core = await WebAssembly.compile(unpacked(packed('core')));
-    const made = await Engine.create();
-    made.x.bundled();
-    state.bundled = JSON.parse(made.text());
-    $('scenes').add(new Option(T().emptyRoom, ''));
-    for (const [name, text] of state.bundled) $('scenes').add(new Option(titleOf(text, name), name));
-    engine = made;
+  /** The bundled scenes, which are in the rest of the module. */
+  function bundled() {
+    if (!state.bundled.length) {
+      engine.x.bundled();
+      state.bundled = JSON.parse(engine.text());
+      for (const [name, text] of state.bundled) $('scenes').add(new Option(titleOf(text, name), name));
+    }
+    return state.bundled;
+  }
+
+  async function begin() {
+    const core = inflated();
+    const clicks = performance.now();
+    Engine.core = await WebAssembly.compile(core);
+    engine = await Engine.create();
     view.marks = [];
     choose('');
     started.resolve();
     const times = { clicks, engine: performance.now() };
     globalThis.rebond = { get engine() { return engine; }, state, view, stages, times, seek, click, openFile, recording };
     requestAnimationFrame(frame);
-    await openFragment();
-    document.documentElement.dataset.ready = 'yes';
-    // The browser shows the page first.
+    // The browser reads and shows the page first.
     if (document.readyState === 'loading') await new Promise((resolve) => { addEventListener('DOMContentLoaded', resolve); });
     await idle();
-    Engine.rest ??= await workBeside({ part: packed('rest') });
+    await openFragment();
+    Engine.rest ??= await workBeside({ rest: packedRest() });
     engine.complete();
+    bundled();
+    document.documentElement.dataset.ready = 'yes';
   }
 
-  const opened = openRoom();
-  addEventListener('core', () => begin(opened).catch((error) => { $('hint').textContent = String(error.message ?? error); }), { once: true });
+  openRoom();
+  begin().catch((error) => { $('hint').textContent = String(error.message ?? error); });
 }
 
 if (typeof document !== 'undefined') pageMain(document.currentScript.textContent);

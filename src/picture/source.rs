@@ -108,6 +108,20 @@ impl Source {
         self.scene.title.as_deref().unwrap_or(file.strip_suffix(".toml").unwrap_or(file))
     }
 
+    /// The title with the values that were set in the scene, unless the title is one of them.
+    #[cfg(feature = "cli")]
+    pub fn title_with_settings(&self) -> String {
+        let settings = scene::settings(&self.header.overrides);
+        let value = |(key, value): &(String, serde_json::Value)| match value.as_str() {
+            Some(text) => format!("{key} = {text}"),
+            None => format!("{key} = {value}"),
+        };
+        let is_titled = settings.iter().any(|(key, _)| key == "title");
+        let values = if is_titled { Vec::new() } else { settings.iter().map(value).collect() };
+        let title = Some(self.title().to_owned()).filter(|title| !title.is_empty());
+        title.into_iter().chain(values).collect::<Vec<String>>().join(", ")
+    }
+
     /// The appearance of every body that is ever spawned.
     pub(super) fn appearances(&self) -> Result<BTreeMap<BodyId, Arc<Appearance>>, Error> {
         let gravity = self.header.config.gravity;

@@ -122,7 +122,8 @@ pub fn hold(path: &Path, update: Update) -> Result<(), String> {
     let first_picture = cases.iter().take_while(|case| !matches!(case, Case::Picture(_))).count();
     for cases in [&cases[..first_picture], &cases[first_picture..]] {
         let threads = env::var("REBOND_JOBS").ok().and_then(|jobs| jobs.parse().ok()).unwrap_or(NonZero::<usize>::MIN);
-        check::check_cases(cases, &index, threads, |result| session.handle(&result, acceptance.replacement(&result)))?;
+        let check = |case: &Case| check::check_case(case, &index);
+        check::check_cases(cases, check, threads, |result| session.handle(&result, acceptance.replacement(&result)))?;
         if update == Update::Always {
             index.add(files.recordings().map(PathBuf::as_path));
         }

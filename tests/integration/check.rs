@@ -362,3 +362,55 @@ fn line_ends_are_no_difference() {
     assert!(checked.output.contains("same: 1 recording, 2 pictures"), "{checked:?}");
     assert!(workplace.done("info strobe.svg").output.contains("strobe"));
 }
+
+#[cfg(unix)]
+#[test]
+fn a_case_that_ends_the_process_is_one_line_of_the_result_and_the_others_are_checked() {
+    let workplace = lecture_folder();
+    // A picture that needs 1 GiB, of which the process gets less: the allocation ends it.
+    workplace.write("large.check", "rebond render scene.mcap -o large.png --at 20 --size 16384x16384\n");
+    let limited = |arguments: &str| {
+        let script = format!("ulimit -v 900000; exec '{}' {arguments}", env!("CARGO_BIN_EXE_rebond"));
+        workplace.run(assert_cmd::Command::new("sh").arg("-c").arg(script).current_dir(workplace.path("")))
+    };
+    for jobs in [1, 2] {
+        let outcome = limited(&format!("check . --jobs {jobs} --junit report.xml"));
+        assert_eq!(outcome.code, 1, "{outcome:?}");
+        let ended =
+            "failed: rebond was ended by signal 6 (SIGABRT) at this file; if there was enough memory, please report it";
+        assert!(line(&outcome, "large.png").starts_with(ended), "{outcome:?}");
+        for name in ["alone.png", "fall.gif", "fall.png", "hit.svg"] {
+            assert_eq!(line(&outcome, name), "same");
+        }
+        assert_eq!(outcome.output.lines().count(), 7, "each line once: {outcome:?}");
+        assert!(outcome.output.contains("not the same: 1 of 6"), "{outcome:?}");
+        let report = String::from_utf8(workplace.read("report.xml")).unwrap();
+        assert!(report.contains("tests=\"6\" failures=\"0\" errors=\"1\""), "{report}");
+    }
+    workplace.write("fall.png", "");
+    workplace.done("render scene.mcap -o fall.gif --to 10 --force");
+    let outcome = limited("check . --update");
+    assert!(line(&outcome, "fall.gif").ends_with("; accepted"), "{outcome:?}");
+    assert!(outcome.output.contains("not the same: 2 of 6, 1 accepted"), "{outcome:?}");
+    assert!(workplace.names().iter().all(|name| !name.starts_with(".rebond")), "{:?}", workplace.names());
+}
+
+#[cfg(unix)]
+#[test]
+fn the_process_that_checks_ends_with_the_command() {
+    use std::io::Read;
+    use std::process::{Command, Stdio};
+    use std::{sync::mpsc, thread, time::Duration};
+    let workplace = Workplace::with_scene(&SCENE.replace("steps = 90", "steps = 100000000"));
+    workplace.write("long.check", "rebond figure strobe scene.toml -o long.svg\n");
+    let mut command = workplace.start("check long.check", Stdio::null(), Stdio::null());
+    let mut errors = command.stderr.take().unwrap();
+    let (sender, ended) = mpsc::channel();
+    // The pipe has its end when all processes that hold it have ended.
+    thread::spawn(move || sender.send(errors.read_to_end(&mut Vec::new())));
+    assert!(ended.recv_timeout(Duration::from_millis(500)).is_err(), "it is still drawing");
+    assert!(Command::new("kill").arg(command.id().to_string()).status().unwrap().success());
+    assert!(!command.wait().unwrap().success());
+    assert!(ended.recv_timeout(Duration::from_secs(20)).is_ok(), "a process is left");
+    assert!(workplace.names().iter().all(|name| !name.starts_with(".rebond")), "{:?}", workplace.names());
+}

@@ -389,6 +389,50 @@ fn pictures_that_are_damaged_or_stripped_are_reported_and_foreign_ones_counted()
         assert!(outcome.output.contains(expected), "{expected}: {outcome:?}");
     }
     assert_eq!((workplace.read("photo.png").as_slice(), workplace.read("alone.png").len()), (PHOTO.as_bytes(), 0));
+    workplace.write("second.png", PHOTO);
+    let outcome = workplace.rebond("check photo.png second.png alone.png");
+    assert!(outcome.output.contains("photo.png: unchecked: it carries"), "a line about each given file: {outcome:?}");
+    let outcome = workplace.rebond("check .");
+    assert!(outcome.output.contains("\n.: unchecked: 2 pictures without rebond provenance\n"), "{outcome:?}");
+    assert!(!outcome.output.contains("photo.png"), "{outcome:?}");
+    assert!(outcome.output.contains("; unchecked: 2 pictures without provenance"), "{outcome:?}");
+    assert_eq!(workplace.rebond("check . --json").output.matches("\"unchecked\"").count(), 2);
+}
+
+#[test]
+fn a_manifest_lists_pictures_of_scenes_with_other_values() {
+    let workplace = Workplace::with_scene(SCENE);
+    workplace.write(
+        "pictures.check",
+        "skip scene.toml\n\
+         rebond render scene.toml -o heavy.png --at 21 --set spawn.c.mass=4\n\
+         rebond figure energy scene.toml -o energies.svg --set 'restitution.default=[0.1 | 0.9]'\n",
+    );
+    assert_eq!(workplace.rebond("check .").code, 3);
+    workplace.done("check . --update");
+    let outcome = workplace.done("check .");
+    assert!(outcome.output.contains("energies.svg: same\nheavy.png: same\n"), "{outcome:?}");
+    // The files are those that the commands make.
+    workplace.done("render scene.toml -o other.png --at 21 --set spawn.c.mass=4");
+    assert!(workplace.read("heavy.png") == workplace.read("other.png"));
+    workplace.done("figure energy scene.toml -o other.svg --set restitution.default=[0.1|0.9]");
+    assert!(workplace.read("energies.svg") == workplace.read("other.svg"));
+    for other in ["other.png", "other.svg"] {
+        fs::remove_file(workplace.path(other)).unwrap();
+    }
+    workplace.write("scene.toml", &SCENE.replace("mass = 2.0", "mass = 3.0"));
+    let outcome = workplace.rebond("check .");
+    assert!(outcome.output.contains("energies.svg: differs"), "{outcome:?}");
+    assert!(outcome.output.contains("heavy.png: same"), "its mass is set: {outcome:?}");
+    workplace.done("check . --update");
+    workplace.done("record scene.toml -o run.mcap");
+    workplace.write("pictures.check", "rebond render run.mcap -o heavy.png --at 21 --set spawn.c.mass=4\n");
+    let outcome = workplace.rebond("check .");
+    assert_eq!(outcome.code, 1, "{outcome:?}");
+    assert!(
+        outcome.output.contains("heavy.png: undrawn: --set changes values of a scene, but it is drawn from"),
+        "{outcome:?}"
+    );
 }
 
 #[test]

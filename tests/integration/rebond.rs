@@ -94,7 +94,8 @@ impl Workplace {
         command
     }
 
-    fn run(&self, command: &mut Command) -> Outcome {
+    /// Runs a command to its end.
+    pub fn run(&self, command: &mut Command) -> Outcome {
         let output = command.output().expect("the program runs");
         Outcome {
             code: output.status.code().unwrap_or(-1),
