@@ -134,7 +134,7 @@ fn redraw(reference: &ReferenceImage, index: &RecordingIndex, software: &str) ->
                 let title = |source: &Source| source.title().to_owned();
                 let has_values = opened.len() > 1 && runs.iter().any(|overrides| !overrides.is_empty());
                 let titles = has_values.then(|| opened.iter().map(|opened| title(&opened.source)).collect());
-                let titles = options.titles.clone().or(titles);
+                let titles = options.titles.clone().filter(|titles| !titles.is_empty()).or(titles);
                 draw_listed(subject, &PictureOptions { titles, ..PictureOptions::clone(options) }, opened, software)
             })
         }
