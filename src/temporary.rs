@@ -79,6 +79,17 @@ pub fn remove_all() {
     std::mem::forget(folders);
 }
 
+/// Removes temporary files and ends the process at the end of standard input: another process holds the pipe open as long
+/// as it needs this one.
+#[cfg(feature = "cli")]
+pub fn end_with_standard_input() {
+    std::thread::spawn(|| {
+        let _ = io::copy(&mut io::stdin(), &mut io::sink());
+        remove_all();
+        process::exit(1);
+    });
+}
+
 /// Removes the temporary folders in `parent` that a process which has ended left behind.
 #[cfg(feature = "cli")]
 pub fn remove_those_of(process: u32, parent: &Path) {

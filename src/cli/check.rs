@@ -11,6 +11,7 @@ use crate::check::{
     Replacement, Severity, TemporaryRecording,
 };
 use crate::junit::{TestCase, TestOutcome, TestSuite};
+use crate::temporary;
 use crate::text::counted;
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
@@ -32,7 +33,7 @@ pub fn run(options: &CheckOptions) -> Result<Exit, CommandError> {
         },
     };
     if options.journal.is_some() {
-        supervisor::end_with_supervisor();
+        temporary::end_with_standard_input();
     }
     check(options, &journal)
 }

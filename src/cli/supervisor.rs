@@ -8,7 +8,7 @@ use crate::temporary::{self, TemporaryFolder};
 use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::OsString;
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, Read, Write};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitStatus, Stdio};
 use std::sync::{Mutex, PoisonError};
@@ -176,13 +176,4 @@ impl Journal {
 pub fn key(path: &Path, line: Option<&ManifestLine>) -> String {
     let line = line.map_or(String::new(), |line| format!("{}:{}", line.manifest.display(), line.number));
     format!("{:?}", format!("{} {line}", path.display()))
-}
-
-/// Ends this process when the one that supervises it has ended.
-pub fn end_with_supervisor() {
-    std::thread::spawn(|| {
-        let _ = io::stdin().read_to_end(&mut Vec::new());
-        temporary::remove_all();
-        std::process::exit(Exit::Error as i32);
-    });
 }

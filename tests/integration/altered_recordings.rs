@@ -218,6 +218,7 @@ fn the_end_record_may_be_stored_before_the_messages() {
 
 /// Flips a bit of every few bytes of every record, with all checksums correct.
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow in debug")]
 fn no_altered_record_replays_the_same() {
     let (_workplace, file) = recorded();
     let parts = forge::take_apart(&file);
@@ -510,6 +511,7 @@ fn damaged() -> Workplace {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow in debug")]
 fn every_command_names_the_gap_of_a_recovered_recording_and_draws_its_bodies() {
     let workplace = damaged();
     let missing = "steps 20 to 39 are missing";
@@ -576,6 +578,7 @@ fn every_command_names_the_gap_of_a_recovered_recording_and_draws_its_bodies() {
 
 /// The table of the guide: the exit code of each command on each kind of damage.
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow in debug")]
 fn exit_codes_agree_between_commands_on_the_same_damaged_file() {
     let workplace = damaged();
     workplace.write("text.mcap", "\u{feff}not MCAP");

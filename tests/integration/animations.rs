@@ -137,6 +137,7 @@ fn a_gif_stores_only_changed_pixels() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow in debug")]
 fn the_bytes_of_a_gif_do_not_depend_on_the_number_of_threads() {
     for (count, show) in [(5, [Overlay::Name].as_slice()), (MANY, Overlay::ALL)] {
         let view = small(Theme::Dark, show, ColorBy::Speed);
@@ -149,6 +150,7 @@ fn the_bytes_of_a_gif_do_not_depend_on_the_number_of_threads() {
 
 /// The snapshot of a long animation contains a hash of each picture. To see a change, render both versions.
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow in debug")]
 fn a_long_animation_matches_the_hashes_of_its_pictures() {
     use rebond::internals::picture::{Animation, Clip, Overlays, PictureOptions, Sequence, Source, Timing};
     use std::fmt::Write;

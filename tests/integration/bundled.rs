@@ -17,6 +17,7 @@ fn every_bundled_scene_is_valid_and_has_a_title() {
 
 /// Fails if a state changes by one bit or a drawing by one pixel.
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow in debug")]
 fn committed_recordings_and_pictures_are_unchanged() {
     let mut command = assert_cmd::Command::new(env!("CARGO_BIN_EXE_rebond"));
     command.current_dir(env!("CARGO_MANIFEST_DIR"));

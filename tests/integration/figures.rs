@@ -421,6 +421,7 @@ fn picture_of(kind: &str, run: &RunStates, count: usize, style: &Style) -> Resul
 
 /// Every kind of figure at any size, of 1 to 24 recordings, is legible, or is refused with a size at which it is.
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow in debug")]
 fn pictures_of_every_size_and_number_of_recordings_are_legible_or_refused_with_a_sufficient_size() {
     let bullet: [BodySpec; 3] = [
         ("a body with a name that fits nowhere", [0.5, 1.8, 0.6, 0.6], [12.0, 0.0]),

@@ -41,6 +41,7 @@ fn with_materials(count: u32) -> String {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow in debug")]
 fn a_scene_and_a_recording_have_up_to_256_materials() {
     assert_accepted("materials", &with_materials(256), "");
     assert_refused(&with_materials(257), "", "more than 256 materials");
@@ -57,6 +58,7 @@ fn a_name_has_up_to_256_bytes() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow in debug")]
 fn a_scene_text_has_up_to_32_mebibytes() {
     let text = scene("");
     let padded = |length: usize| format!("{text}#{}\n", " ".repeat(length - text.len() - 2));

@@ -56,6 +56,7 @@ fn a_user_scene_is_compared_with_a_simulation_of_77_decimals() {
 }
 
 #[test]
+#[cfg_attr(debug_assertions, ignore = "slow in debug")]
 fn the_report_of_any_scene_says_how_rounding_errors_grow() {
     let exhausted = format!("{}/tests/coincident/precision-exhausted.toml", env!("CARGO_MANIFEST_DIR"));
     let resting = format!("{}/recordings/pile.toml", env!("CARGO_MANIFEST_DIR"));
