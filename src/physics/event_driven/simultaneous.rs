@@ -36,12 +36,12 @@ impl EventDriven {
         observer: &mut O,
     ) -> Result<(), StepError> {
         let mut patch = std::mem::take(&mut self.patch);
-        patch.clear();
         let result = self.process_patch(&mut patch, world, concerned, observer);
         if result.is_ok() {
             self.write_back(&mut patch);
             self.predict_changed();
         }
+        patch.clear();
         self.patch = patch;
         result
     }
