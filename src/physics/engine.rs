@@ -284,7 +284,7 @@ impl Engine {
     pub fn snapshot(&self) -> Snapshot {
         let solver = match &self.solver {
             Solver::Handout => SolverSnapshot::default(),
-            Solver::EventDriven(solver) => solver.snapshot(),
+            Solver::EventDriven(solver) => solver.snapshot(self.step),
         };
         Snapshot { step: self.step, next_id: self.next_id, bodies: self.world.bodies.clone(), solver }
     }

@@ -74,7 +74,7 @@ impl EventDriven {
 
     /// Removes the slots of deleted bodies.
     fn compact(&mut self, world: &World) {
-        let snapshot = self.snapshot();
+        let snapshot = self.snapshot(self.step);
         let restored = self.deserialize(world, self.step, &snapshot);
         debug_assert_eq!(restored, Ok(()));
     }

@@ -109,8 +109,9 @@ impl EventDriven {
         is_free
     }
 
-    /// Rectangles and velocities (m/s) of two bodies at the present instant.
-    #[inline]
+    /// Rectangles and velocities (m/s) of two bodies at the present instant; inlined, so that nothing is computed for an
+    /// observer that ignores it.
+    #[inline(always)]
     fn rects_and_velocities(&self, pair: [Slot; 2]) -> [(Rect, Vector); 2] {
         pair.map(|slot| {
             let [[x, y], [vx, vy]] = self.bodies[slot].trajectory.at(self.now);

@@ -243,7 +243,7 @@ impl EventDriven {
     /// holds the state before the step.
     pub fn step<O: Observer>(&mut self, world: &mut World, step: u64, observer: &mut O) -> Result<(), StepError> {
         if self.is_idle() {
-            self.skip_step(step);
+            self.event_queue.skip_step();
             return Ok(());
         }
         self.begin_at(step);
@@ -312,8 +312,10 @@ impl EventDriven {
 
     /// Sets the present step and instant.
     fn begin_at(&mut self, step: u64) {
-        self.step = step;
-        self.step_start = self.clock.start_of(step);
+        if step != self.step {
+            self.step = step;
+            self.step_start = self.clock.start_of(step);
+        }
         self.events = 0;
         self.advance_clock(self.step_start);
     }
@@ -340,12 +342,6 @@ impl EventDriven {
             && self.pending_wakes.is_empty()
             && self.dirty_states.is_empty()
             && self.event_queue.is_step_empty()
-    }
-
-    /// Skips a step in which [nothing happens](Self::is_idle).
-    fn skip_step(&mut self, step: u64) {
-        self.event_queue.skip_step();
-        self.begin_at(step + 1);
     }
 
     /// Processes the events up to the instant `last`, and those that coincide with it, in the order of their times.

@@ -19,12 +19,14 @@ use crate::physics::{Axis, Side, SnapshotError, SolverSnapshot, World};
 const LAYOUT_VERSION: u64 = 3;
 
 impl EventDriven {
-    /// Returns all state that [`EventDriven::restore`] needs besides the world.
-    pub fn snapshot(&self) -> SolverSnapshot {
+    /// Returns all state that [`EventDriven::restore`] needs besides the world, at the start of `step`.
+    pub fn snapshot(&self, step: u64) -> SolverSnapshot {
         let mut snapshot = SolverSnapshot::default();
         let alive: Vec<Slot> = self.bodies.alive().collect();
         snapshot.integers.extend([LAYOUT_VERSION, alive.len() as u64]);
-        snapshot.numbers.extend([self.now.high, self.now.low]);
+        // Steps in which nothing happens do not advance the clock.
+        let now = self.now.max(self.clock.start_of(step));
+        snapshot.numbers.extend([now.high, now.low]);
         let mut contacts: Vec<[u64; 3]> = Vec::new();
         for slot in alive {
             let state = &self.bodies[slot];
