@@ -20,6 +20,12 @@ impl Impact {
     /// (Newton's impact law). Two equal masses with e = 1 exchange their velocities without
     /// rounding, and with e = 0 both velocities are the same number.
     pub fn velocities_after(&self) -> [DoubleDouble; 2] {
+        self.velocities_with(|| self.shares())
+    }
+
+    /// The velocities after the impact, m/s, with known [shares](Self::shares).
+    #[inline]
+    pub fn velocities_with(&self, shares: impl FnOnce() -> [DoubleDouble; 2]) -> [DoubleDouble; 2] {
         let [first, second] = self.velocity;
         let e = DoubleDouble::from(self.restitution);
         if self.mass[0].high == f64::INFINITY {
@@ -31,7 +37,7 @@ impl Impact {
         if self.restitution == 1.0 && self.mass[0] == self.mass[1] {
             return [second, first];
         }
-        let [share_first, share_second] = self.shares();
+        let [share_first, share_second] = shares();
         if self.restitution == 0.0 {
             let common = first - share_first * (first - second);
             return [common; 2];
@@ -74,9 +80,36 @@ impl Impact {
     }
 }
 
+/// The shares of the latest impact, so that two bodies that collide again and again need no division.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct LatestShares {
+    mass: [DoubleDouble; 2],
+    shares: [DoubleDouble; 2],
+}
+
+impl LatestShares {
+    /// The [shares](Impact::shares) of an impact.
+    #[inline]
+    pub fn of(&mut self, impact: &Impact) -> [DoubleDouble; 2] {
+        if self.mass != impact.mass {
+            *self = LatestShares { mass: impact.mass, shares: impact.shares() };
+        }
+        self.shares
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_latest_shares_are_those_of_the_impact() {
+        let mut latest = LatestShares::default();
+        for mass in [[1.0, 3.0], [1.0, 3.0], [3.0, 1.0], [2.0, 2.0], [1.0, 3.0]] {
+            let impact = Impact { velocity: [1.0.into(), 0.0.into()], mass: mass.map(Into::into), restitution: 0.5 };
+            assert_eq!(latest.of(&impact), impact.shares());
+        }
+    }
 
     fn after(velocity: [f64; 2], mass: [f64; 2], restitution: f64) -> [f64; 2] {
         let (velocity, mass) = (velocity.map(DoubleDouble::from), mass.map(DoubleDouble::from));

@@ -56,7 +56,8 @@ impl EventDriven {
             false => (self.bodies.params(pair[body]).mass * MASS_UNIT).into(),
         });
         let impact = Impact { velocity: [low.state.velocity, high.state.velocity], mass, restitution };
-        let after = self.bodies.rounding().velocities(&impact, impact.velocities_after());
+        let after =
+            self.bodies.rounding().velocities(&impact, impact.velocities_with(|| self.latest_shares.of(&impact)));
         let before = self.rects_and_velocities(pair);
         let mut speed = 0.0;
         for body in [0, 1].into_iter().filter(|body| !is_infinite[*body]) {

@@ -106,6 +106,7 @@ use cell_lists::{CellLists, NeighbourBuffer};
 use contact::ContactGraph;
 use dirty_states::DirtyStates;
 use event_queue::{EventQueue, Precision, ScheduledEvent};
+use impact::LatestShares;
 use instant::{Clock, Instant};
 use least_change::ContactGroup;
 use pair_event::PairEvent;
@@ -160,6 +161,7 @@ pub struct EventDriven {
     examined: Vec<Local>,
     /// Buffer for a component of bodies in contact.
     contact_group: ContactGroup,
+    latest_shares: LatestShares,
     /// Buffers for the two clusters of an impact.
     clusters: [Cluster; 2],
     /// Buffer for the bodies that are due to cross a cell border.
@@ -193,6 +195,7 @@ impl EventDriven {
             patch: Patch::default(),
             examined: Vec::new(),
             contact_group: ContactGroup::default(),
+            latest_shares: LatestShares::default(),
             clusters: [Cluster::default(), Cluster::default()],
             due: Vec::new(),
             neighbour_buffer: NeighbourBuffer::default(),
