@@ -121,8 +121,8 @@ pub use physics::{
 pub mod recordings {
     pub use crate::recording::{
         BodyInfo, Change, Damage, Error, Gap, Header, Health, Identity, Item, Keyframe, Playback, RecordedEvent,
-        RecordedState, Recording, Recovery, SampledBody, SampledState, SceneText, StateDigest, Trailer, Versions, open,
-        recover,
+        RecordedState, Recording, Recovery, SampledBody, SampledState, SceneImage, SceneText, StateDigest, Trailer,
+        Versions, open, recover,
     };
 }
 

@@ -51,6 +51,8 @@ mod hard_scenes;
 #[cfg(target_os = "linux")]
 #[path = "integration/hostile_lengths.rs"]
 mod hostile_lengths;
+#[path = "integration/images.rs"]
+mod images;
 #[path = "integration/laws/mod.rs"]
 mod laws;
 #[path = "integration/library.rs"]

@@ -1,5 +1,5 @@
 use crate::physics::{EngineConfig, Restitution, Spawn, Vector};
-use crate::recording::{BodyTable, Change, Error, Header, Item, RecordedEvent, RecordedState, Recording};
+use crate::recording::{BodyTable, Change, Error, Header, Item, RecordedEvent, RecordedState, Recording, SceneImage};
 use crate::replay::{Difference, ulps};
 use std::collections::BTreeMap;
 use std::fmt::{self, Display, Formatter};
@@ -127,7 +127,18 @@ fn setting_changes(recorded: &Header, current: &Header) -> Vec<ValueChange> {
         values.get(name).map_or("none".to_owned(), |value| format!("{value}"))
     };
     changes.extend(names.into_iter().filter_map(|name| ValueChange::of(name, value(&old, name), value(&new, name))));
+    let [old, new] = [recorded, current].map(images);
+    let names: std::collections::BTreeSet<&String> = old.keys().chain(new.keys()).collect();
+    let value = |files: &BTreeMap<String, String>, name: &String| files.get(name).cloned().unwrap_or("none".into());
+    let image = |name: &String| ValueChange::of(&format!("image {name}"), value(&old, name), value(&new, name));
+    changes.extend(names.into_iter().filter_map(image));
     changes
+}
+
+/// The images of a scene with their sizes and digests.
+fn images(header: &Header) -> BTreeMap<String, String> {
+    let image = |image: &SceneImage| (image.name.clone(), format!("{} bytes, {:016x}", image.bytes, image.digest));
+    header.images.iter().map(image).collect()
 }
 
 /// The coefficients by the names that `--set` gives them.

@@ -117,10 +117,15 @@ fn difference(header: &Header, expected: &Header) -> Option<String> {
         let values: Vec<String> = header.overrides.iter().map(|[key, value]| format!("{key}={value}")).collect();
         if values.is_empty() { "none".to_owned() } else { values.join(", ") }
     };
+    let images = |header: &Header| {
+        let images = header.images.iter().map(|image| format!("{} {:016x}", image.name, image.digest));
+        images.collect::<Vec<String>>().join(", ")
+    };
     let yes = |value: bool| if value { "yes" } else { "no" }.to_owned();
     let settings = [
         ("version", versions(header.versions), versions(expected.versions)),
         ("values of --set", set(header), set(expected)),
+        ("images", images(header), images(expected)),
         ("live events", yes(header.has_live_events), yes(expected.has_live_events)),
         ("steps", header.steps.to_string(), expected.steps.to_string()),
         ("--every", header.every.to_string(), expected.every.to_string()),

@@ -100,7 +100,7 @@ impl Syntax {
     }
 
     fn blueprint(self, body: &Blueprint) -> Vec<String> {
-        let Blueprint { name, size, mass, velocity, force, material, color } = body;
+        let Blueprint { name, size, mass, velocity, force, material, color, image } = body;
         let mass = match (self, mass.is_finite()) {
             (_, true) => format!("{mass:?}"),
             (Syntax::Json, false) => "\"inf\"".into(),
@@ -112,7 +112,12 @@ impl Syntax {
         keys.extend(
             vectors.filter(|(_, vector)| *vector != [0.0; 2]).map(|(key, vector)| self.key(key, &pair(vector))),
         );
-        let texts = [("name", name.as_deref()), ("material", Some(material.as_str())), ("color", color.as_deref())];
+        let texts = [
+            ("name", name.as_deref()),
+            ("material", Some(material.as_str())),
+            ("color", color.as_deref()),
+            ("image", image.as_deref()),
+        ];
         let texts = texts.into_iter().filter_map(|(key, text)| Some((key, text.filter(|text| !text.is_empty())?)));
         keys.extend(texts.map(|(key, text)| self.key(key, &self.text(text))));
         keys

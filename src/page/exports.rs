@@ -155,6 +155,7 @@ pub extern "C" fn status(which: usize) -> i32 {
             "solver": scene.run.solver.name(), "gravity": gravity,
             "restitution": scene.restitution.default_restitution(), "materials": scene.restitution.names(),
             "failure": session.failure(), "refused": refused, "bodies": session.bodies().len(),
+            "images": session.scene().image_names().len(),
             "recorded_steps": session.recorded_steps(), "history": session.history_bytes(),
         })
         .to_string())

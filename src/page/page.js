@@ -94,6 +94,7 @@ function pageMain(source) {
     $('editor').value = engine.scene(0);
     $('editor-errors').textContent = '';
     refresh();
+    if (state.status[0].images) toast(T().images);
     sides().forEach(note);
   }
 

@@ -2,6 +2,7 @@ use crate::columns::{ColorKey, push_body, push_collision};
 use crate::scene_text::{SceneText, retimed, with_events, with_steps};
 use crate::{EnergyStrip, EventLine, FigureKind, History, Save, collision_figure};
 use rebond::internals::picture::{EnergySample, body_color};
+use rebond::internals::recording::color_and_image;
 use rebond::internals::replay::RunSnapshot;
 use rebond::internals::scene::{Action, Blueprint, Input, InputLocation, SpawnRequest};
 use rebond::recordings::{BodyInfo, Change};
@@ -261,6 +262,7 @@ impl Session {
             force: spawn.force,
             material: spawn.material.clone(),
             color: Some(format!("#{red:02x}{green:02x}{blue:02x}")),
+            image: color_and_image(info.color.as_deref()).1.map(str::to_owned),
         };
         let step = self.step_of(when);
         let request = SpawnRequest { origin: Vector::new(at[0], at[1]), blueprint };

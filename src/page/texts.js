@@ -112,6 +112,7 @@ const PAIRS = {
   nothingToUndo: ['there is nothing to undo', 'il n’y a rien à annuler'],
   cleared: ['removed', 'effacé'],
   refused: ['refused: ', 'refusé : '],
+  images: ['The page cannot read files beside a scene: it draws boxes in place of their images, and its recordings contain none.', 'La page ne peut pas lire les fichiers à côté d’une scène : elle dessine des boîtes à la place des images, et ses enregistrements n’en contiennent pas.'],
   stopped: ['The run stopped: ', 'Le calcul s’est arrêté : '],
   restarted: [
     'The engine failed and was restarted from the scene and its events: ',

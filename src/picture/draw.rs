@@ -18,7 +18,7 @@ use super::{
 };
 use super::{Appearance, Palette, color};
 use crate::body_selector::BodySelector;
-use crate::physics::{Axis, BodyId, larger};
+use crate::physics::{Axis, BodyId, Engine, larger};
 use crate::recording::{BodyInfo, Playback, SampledBody, SampledState};
 use crate::replay::{Replayer, Verdict};
 use std::collections::{BTreeMap, BTreeSet};
@@ -380,7 +380,7 @@ fn compose_page(
             Ok((list, statuses))
         }
         Page::Speeds { steps } => {
-            let style = Style::new(&picture.look, sources, progress)?;
+            let mut style = Style::new(&picture.look, sources, progress)?;
             let top = sources.iter().map(|source| source.statistics.top_speed).fold(f64::MIN_POSITIVE, larger);
             let (mut runs, mut statuses) = (Vec::new(), Vec::new());
             for ((source, title), grid) in
@@ -399,17 +399,19 @@ fn compose_page(
                     return Err(Error::NothingToShow { reason });
                 }
                 runs.push(run);
+                style.gaps.extend(trace.gaps);
                 statuses.push(trace.status);
             }
             Ok((figures::speeds(&runs, &style)?, statuses))
         }
         Page::VelocitySpace { axis, steps } => {
-            let style = Style::new(&picture.look, sources, progress)?;
+            let mut style = Style::new(&picture.look, sources, progress)?;
             let (mut runs, mut statuses) = (Vec::new(), Vec::new());
             for ((source, title), grid) in
                 sources.iter().zip(titles(&picture.titles, sources)).zip(grids(steps, sources))
             {
                 let bodies = chosen_bodies(&picture.look.bodies, source)?;
+                style.gaps.extend(source.gaps_in(&grid.steps));
                 let velocities = match bodies.len() {
                     2 => Velocities::Pair(velocity_path(source, &bodies, *axis, &grid, progress)?),
                     _ => velocity_cloud(source, &bodies, &grid, &style)?,
@@ -508,9 +510,19 @@ fn velocity_path(
         (appearance.name.clone(), body.info.id, appearance.mass, body.velocity)
     };
     let mut path = VelocityPath::new([body(a), body(b)], axis);
-    let replayer = Replayer::new(source.recording()?, state.step..=last).map_err(|error| source.read_error(error))?;
-    let verdict = replayer.run(&mut path, |step| progress(step, last)).map_err(|error| source.read_error(error))?;
-    match verdict {
+    let mut replayer =
+        Replayer::new(source.recording()?, state.step..=last).map_err(|error| source.read_error(error))?;
+    let mut expected = state.step;
+    while let Some(step) = replayer.next_state(&mut path).map_err(|error| source.read_error(error))? {
+        if step != expected {
+            // Collisions in a gap are unknown, so the path goes on where the bodies are after it.
+            let world = replayer.engine().map(Engine::world);
+            path.restart(world.iter().flat_map(|world| &world.bodies).map(|body| (body.id, body.velocity)));
+        }
+        expected = step + 1;
+        progress(step, last);
+    }
+    match replayer.verdict() {
         verdict @ Verdict::Diverged(_) => {
             Err(Error::Diverged { path: source.path.clone(), verdict: Box::new(verdict) })
         }

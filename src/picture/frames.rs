@@ -1,7 +1,7 @@
 use super::resimulation::Resimulation;
 use super::source::{ReadExtent, ReadStatus, RecordingFile};
 use super::{AnimationSchedule, Appearance, Error, Frame, Overlay, Overlays, Source, Sprite, StepGrid, Trails};
-use crate::physics::{BodyId, Vector};
+use crate::physics::BodyId;
 use crate::recording::{self, Playback, SampledBody};
 use std::{collections::BTreeMap, path::PathBuf, sync::Arc};
 
@@ -53,10 +53,12 @@ impl Iterator for Frames {
 pub struct RecordedFrames {
     path: PathBuf,
     playback: Playback<RecordingFile>,
-    gravity: Option<Vector>,
+    source: Source,
     grid: StepGrid,
     trails: Option<Trails>,
     appearances: BTreeMap<BodyId, Arc<Appearance>>,
+    /// The step of the next state, if none is missing.
+    expected: Option<u64>,
     extent: ReadExtent,
 }
 
@@ -69,10 +71,11 @@ impl RecordedFrames {
         Ok(RecordedFrames {
             path: source.path.clone(),
             playback,
-            gravity: source.header.config.gravity,
+            source: source.clone(),
             grid: grid.clone(),
             trails,
             appearances: BTreeMap::new(),
+            expected: None,
             extent: ReadExtent::End,
         })
     }
@@ -87,7 +90,12 @@ impl RecordedFrames {
             return None;
         }
         let mut sprites: Vec<Sprite> = state.bodies.iter().map(|body| self.sprite(body)).collect();
+        let is_after_gap = self.expected.is_some_and(|expected| state.step > expected);
+        self.expected = Some(state.step + self.playback.header().every);
         if let Some(trails) = &mut self.trails {
+            if is_after_gap {
+                trails.interrupt();
+            }
             trails.update(state.step, &mut sprites);
         }
         is_shown.then_some(Frame { step: state.step, time: state.time, sprites, collisions: Vec::new() })
@@ -95,8 +103,8 @@ impl RecordedFrames {
 
     fn sprite(&mut self, body: &SampledBody) -> Sprite {
         let info = &body.info;
-        let new = || Arc::new(Appearance::new(info.id, &info.spawn, info.color.as_deref(), self.gravity));
-        let appearance = self.appearances.entry(info.id).or_insert_with(new).clone();
+        let source = &self.source;
+        let appearance = self.appearances.entry(info.id).or_insert_with(|| Arc::new(source.appearance(info))).clone();
         let mut rect = info.spawn.rect;
         rect.origin = body.position;
         Sprite { appearance, rect, velocity: body.velocity, trail: Vec::new() }

@@ -59,7 +59,7 @@ pub use frames::Frames;
 pub use layers::{Appearance, Arrow, ArrowLength, Frame, Sprite, Trails, compose};
 pub use provenance::{Provenance, SOFTWARE};
 pub(crate) use raster::color;
-pub use raster::{Color, DisplayList, Ink, Painter, Palette, Picture, Shape, color_by_speed};
+pub use raster::{Bitmap, Color, DisplayList, Ink, Painter, Palette, Picture, Shape, color_by_speed};
 pub use resolve::{FigureOptions, Sequence, SubjectOptions};
 pub use resolved::{
     Animation, CollisionFigure, CollisionSelector, Page, ResolvedPicture, StatesFigure, StepRange, Subject,
@@ -91,6 +91,16 @@ pub enum Error {
     /// The scene stored in a recording is invalid.
     #[error(transparent)]
     Scene(#[from] SceneError),
+    /// An image of the scene cannot be drawn.
+    #[error("{}: the image {image:?} of its scene cannot be drawn: {reason}", path.display())]
+    Image {
+        /// The recording.
+        path: PathBuf,
+        /// The name of the image.
+        image: String,
+        /// The reason.
+        reason: String,
+    },
     /// Drawing, encoding or decoding failed.
     #[error(transparent)]
     Render(#[from] RenderError),

@@ -60,6 +60,7 @@ impl Resimulation {
             rate,
             trails,
             appearances: source.appearances()?,
+            last_step: None,
             next_frame: 0,
             schedule,
             pending_collisions: PendingCollisions::new(source.world()),
@@ -198,6 +199,8 @@ struct FrameRecorder {
     rate: f64,
     trails: Option<Trails>,
     appearances: BTreeMap<BodyId, Arc<Appearance>>,
+    /// The step of the last state.
+    last_step: Option<u64>,
     /// The number of the next frame to record.
     next_frame: u64,
     schedule: AnimationSchedule,
@@ -239,7 +242,12 @@ impl FrameRecorder {
         self.shown_until = 0.0;
         let step = engine.current_step();
         let mut sprites_at_step = self.sprites(engine.world());
+        let is_after_gap = self.last_step.is_some_and(|last| step > last + 1);
+        self.last_step = Some(step);
         if let Some(trails) = &mut self.trails {
+            if is_after_gap {
+                trails.interrupt();
+            }
             trails.update(step, &mut sprites_at_step);
         }
         let mut within = engine.within_step();

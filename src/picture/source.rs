@@ -1,10 +1,11 @@
 use super::figures::CollisionSubject;
 
 use super::trace::GapReason;
-use super::{Appearance, Error, RunStatistics, TraceGap};
+use super::{Appearance, Bitmap, Error, RunStatistics, TraceGap, png};
 use crate::physics::{Body, BodyId, EngineConfig, Material, Vector, World};
 use crate::recording::{
     self, BodyInfo, Change, Gap, Header, Health, Item, Playback, RecordedEvent, Recording, SampledBody, SampledState,
+    SceneImage, color_and_image, limits,
 };
 use crate::scene::{self, Scene};
 use crate::text::counted;
@@ -28,6 +29,8 @@ pub struct Source {
     pub header: Header,
     /// The scene stored in the recording.
     pub scene: Scene,
+    /// The images of the scene by their names.
+    images: Arc<BTreeMap<String, Arc<Bitmap>>>,
     /// Statistics of the whole run.
     pub statistics: RunStatistics,
     /// Collisions that were found by a replay, so that drawing needs no second one.
@@ -60,7 +63,9 @@ impl Source {
         let world = Vector::new(scene.size[0], scene.size[1]);
         let read_error = |source| Error::Recording { path: path.into(), source };
         let statistics = RunStatistics::read(open(path, bytes.as_ref())?, world).map_err(read_error)?;
+        let images = Arc::new(decoded_images(path, &header)?);
         Ok(Source {
+            images,
             path: path.into(),
             file: path.into(),
             bytes,
@@ -122,12 +127,18 @@ impl Source {
         title.into_iter().chain(values).collect::<Vec<String>>().join(", ")
     }
 
+    /// The appearance of a body.
+    pub(super) fn appearance(&self, info: &BodyInfo) -> Appearance {
+        let appearance = Appearance::new(info.id, &info.spawn, info.color.as_deref(), self.header.config.gravity);
+        let image = color_and_image(info.color.as_deref()).1.and_then(|name| self.images.get(name).cloned());
+        Appearance { image, ..appearance }
+    }
+
     /// The appearance of every body that is ever spawned.
     pub(super) fn appearances(&self) -> Result<BTreeMap<BodyId, Arc<Appearance>>, Error> {
-        let gravity = self.header.config.gravity;
         let mut bodies = BTreeMap::new();
         let mut add = |info: &BodyInfo| {
-            let new = || Arc::new(Appearance::new(info.id, &info.spawn, info.color.as_deref(), gravity));
+            let new = || Arc::new(self.appearance(info));
             bodies.entry(info.id).or_insert_with(new);
         };
         // The spawn of a body may be lost; keyframes have it, too.
@@ -209,6 +220,23 @@ pub struct ReadStatus {
     pub health: Health,
     /// The point up to which it was read.
     pub extent: ReadExtent,
+}
+
+/// Decodes the images in a header. Lost ones are left out.
+fn decoded_images(path: &Path, header: &Header) -> Result<BTreeMap<String, Arc<Bitmap>>, Error> {
+    let mut images = BTreeMap::new();
+    let mut pixels = 0;
+    for SceneImage { name, png, .. } in &header.images {
+        let Some(file) = png else { continue };
+        let failed = |reason| Error::Image { path: path.into(), image: name.clone(), reason };
+        let bitmap = png::decode_bitmap(file).map_err(failed)?;
+        pixels += bitmap.pixels.len() as u64;
+        if pixels > limits::IMAGES_PIXELS {
+            return Err(failed(format!("all images together have more than {} pixels", limits::IMAGES_PIXELS)));
+        }
+        images.insert(name.clone(), Arc::new(bitmap));
+    }
+    Ok(images)
 }
 
 /// A scene for a recording that has lost the text of its own: the world reaches to the walls or, without walls, as far

@@ -1,5 +1,5 @@
 use super::{Error, Language, Progress, ReadExtent, ReadStatus, Source, StepGrid, recorded_world};
-use crate::physics::{Collision, CollisionCount, Engine, Observer, World};
+use crate::physics::{Body, BodyId, Collision, CollisionCount, Engine, Observer, Vector, World, larger};
 use crate::recording::{Change, Error as RecordingError, Health, Item, Playback};
 use crate::replay::Replayer;
 use std::collections::BTreeSet;
@@ -164,19 +164,24 @@ impl Tracer<'_> {
         mut replayer: Replayer<R>,
         progress: Progress,
     ) -> Result<(Health, ReadExtent), Error> {
-        let mut instants = CollisionInstants { step: 0, column: self.column, offsets: Vec::new() };
+        let mut instants =
+            StepCollisions { step: 0, column: self.column, offsets: Vec::new(), changes: Some(Vec::new()) };
         let mut before: Option<Engine> = None;
         loop {
             let next = replayer.next_state(&mut instants).map_err(|error| self.source.read_error(error))?;
             let Some(step) = next else { break };
             if let Some(engine) = replayer.engine() {
                 if let Some(before) = before.take().filter(|before| before.current_step() + 1 == step) {
-                    self.within_step(before, &instants.offsets)?;
+                    let moved = MovingWorld::through(&before, &instants, engine.world(), 1.0 / self.grid.rate);
+                    match moved.filter(|_| !self.changes.contains(&step)) {
+                        Some(moving) => self.within_moving_step(moving, &instants),
+                        None => self.within_step(before, &instants.offsets)?,
+                    }
                 }
                 self.state(step, engine.world());
                 before = Some(engine.clone());
             }
-            instants = CollisionInstants { step, offsets: Vec::new(), ..instants };
+            instants = StepCollisions { step, offsets: Vec::new(), changes: Some(Vec::new()), ..instants };
             progress(step, *self.grid.steps.end());
         }
         let verdict = replayer.verdict();
@@ -204,22 +209,64 @@ impl Tracer<'_> {
         self.last = Some(step);
     }
 
-    /// The instants between the state of `engine` and the next one.
+    /// The instants between a state and the next one, from the collisions alone, so each vertex costs no more than the
+    /// positions of the bodies.
+    fn within_moving_step(&mut self, mut moving: MovingWorld, collisions: &StepCollisions) {
+        let (start, duration) = (collisions.step as f64 / self.grid.rate, 1.0 / self.grid.rate);
+        let mut between = self.between(duration);
+        let mut changes = collisions.changes.iter().flatten().peekable();
+        let mut visit = |offset: f64, world: &World| {
+            (self.visit)(TracePoint { time: start + offset, world, is_after_gap: false, is_after_change: false });
+        };
+        let margin = 4.0 * f64::EPSILON * (start + duration);
+        for &collision in &collisions.offsets {
+            while let Some(offset) = between.next_if(|&offset| offset < collision) {
+                while let Some(change) = changes.next_if(|change| change.time <= offset) {
+                    moving.apply(change);
+                }
+                visit(offset, moving.at(offset));
+            }
+            while let Some(change) = changes.next_if(|change| change.time < collision - margin) {
+                moving.apply(change);
+            }
+            visit(collision, moving.at(collision));
+            while let Some(change) = changes.next_if(|change| change.time <= collision + margin) {
+                moving.apply(change);
+            }
+            if collision + margin < duration {
+                visit(collision, moving.at(collision));
+            }
+        }
+        for offset in between {
+            while let Some(change) = changes.next_if(|change| change.time <= offset) {
+                moving.apply(change);
+            }
+            visit(offset, moving.at(offset));
+        }
+    }
+
+    /// The instants within a step of `duration` seconds at which curves are drawn because a force bends them.
+    fn between(&self, duration: f64) -> std::iter::Peekable<impl Iterator<Item = f64> + use<>> {
+        // Under a force the curves between two instants are not straight.
+        let parts = match self.source.statistics.top_force > 0.0 {
+            true => (duration / (SMOOTH_COLUMNS * self.column)).ceil().clamp(1.0, 1e4) as u32,
+            false => 1,
+        };
+        (1..parts).map(move |part| f64::from(part) * duration / f64::from(parts)).peekable()
+    }
+
+    /// The instants between the state of `engine` and the next one, computed by the engine once more.
     fn within_step(&mut self, engine: Engine, collisions: &[f64]) -> Result<(), Error> {
         let (step, duration) = (engine.current_step(), 1.0 / self.grid.rate);
         let failed = |source| Error::Step { path: self.source.path.clone(), source };
         let (start, mut ignored) = (step as f64 / self.grid.rate, CollisionCount::default());
+        let between = self.between(duration);
         let mut visit = |offset: f64, world: &World| {
             (self.visit)(TracePoint { time: start + offset, world, is_after_gap: false, is_after_change: false });
         };
         if self.source.header.config.solver.is_continuous() {
             let mut within = engine.within_step();
-            // Under a force the curves between two instants are not straight.
-            let parts = match self.source.statistics.top_force > 0.0 {
-                true => (duration / (SMOOTH_COLUMNS * self.column)).ceil().clamp(1.0, 1e4) as u32,
-                false => 1,
-            };
-            let mut between = (1..parts).map(|part| f64::from(part) * duration / f64::from(parts)).peekable();
+            let mut between = between;
             for &collision in collisions {
                 while let Some(offset) = between.next_if(|&offset| offset < collision) {
                     visit(offset, &within.world_after(offset, &mut ignored).map_err(failed)?);
@@ -249,19 +296,117 @@ impl Tracer<'_> {
 /// The distance of points on curves that are not straight, in columns.
 const SMOOTH_COLUMNS: f64 = 8.0;
 
-/// The first instant of a collision in each column of a step, s after its start.
-struct CollisionInstants {
+/// The collisions of a step.
+struct StepCollisions {
     step: u64,
     column: f64,
+    /// The first instant of a collision in each column, s after the start of the step.
     offsets: Vec<f64>,
+    /// The velocities after each collision, in order; `None` if there are more than [`MAX_CHANGES`].
+    changes: Option<Vec<VelocityChange>>,
 }
 
-impl Observer for CollisionInstants {
+/// The largest number of collisions of a step that are kept, 8 MB.
+const MAX_CHANGES: usize = 100_000;
+
+/// The velocities of two bodies after a collision.
+struct VelocityChange {
+    /// Seconds after the start of the step.
+    time: f64,
+    bodies: [BodyId; 2],
+    after: [Vector; 2],
+}
+
+impl Observer for StepCollisions {
     fn collision(&mut self, collision: &Collision) {
-        let is_new = self.offsets.last().is_none_or(|last| collision.time - last >= self.column);
-        if collision.step == self.step && collision.impulse != 0.0 && is_new {
-            self.offsets.push(collision.time);
+        if collision.step != self.step || collision.impulse == 0.0 {
+            return;
         }
+        let &Collision { time, bodies, after, .. } = collision;
+        if self.offsets.last().is_none_or(|last| time - last >= self.column) {
+            self.offsets.push(time);
+        }
+        match &mut self.changes {
+            Some(changes) if changes.len() < MAX_CHANGES => changes.push(VelocityChange { time, bodies, after }),
+            _ => self.changes = None,
+        }
+    }
+}
+
+/// The world within a step, moved on from its start by the collisions of two bodies each. Bodies move uniformly
+/// accelerated in between.
+struct MovingWorld {
+    world: World,
+    /// The instant of the position and velocity of each body, s after the start of the step.
+    since: Vec<f64>,
+    accelerations: Vec<Vector>,
+}
+
+impl MovingWorld {
+    /// The world at the start of a step, if its collisions explain the state at the end: no body rests on another or is
+    /// pushed together with one, and all collisions are known.
+    fn through(engine: &Engine, collisions: &StepCollisions, end: &World, duration: f64) -> Option<MovingWorld> {
+        let start = engine.world();
+        let changes = collisions.changes.as_ref()?;
+        let new = || MovingWorld::new(start);
+        let mut moved = new();
+        changes.iter().for_each(|change| moved.apply(change));
+        let moved = moved.at(duration);
+        let size = |value: Vector| larger(value.x.abs(), value.y.abs());
+        let reach = end.bodies.iter().map(|body| size(body.rect.far_corner())).fold(0.0, larger);
+        let speed = end.bodies.iter().map(|body| size(body.velocity)).fold(0.0, larger);
+        let is_near = |a: Vector, b: Vector, scale: f64| size(a.sub(b)) <= 1e-9 * scale;
+        let is_explained = moved.bodies.len() == end.bodies.len()
+            && moved.bodies.iter().zip(&end.bodies).all(|(a, b)| {
+                a.id == b.id
+                    && is_near(a.rect.origin, b.rect.origin, reach + speed * duration)
+                    && is_near(a.velocity, b.velocity, speed)
+            });
+        is_explained.then(new)
+    }
+
+    fn new(start: &World) -> MovingWorld {
+        let world = World {
+            // Names are not needed, and would have to be copied.
+            bodies: start.bodies.iter().map(|body| Body { name: String::new(), ..body.clone() }).collect(),
+            gravity: start.gravity,
+            restitution: start.restitution.clone(),
+        };
+        let gravity = start.gravity.unwrap_or(Vector::ZERO);
+        let acceleration = |body: &Body| match body.mass.is_finite() {
+            true => gravity.add(body.constant_force.mult(1.0 / body.mass)),
+            false => Vector::ZERO,
+        };
+        MovingWorld {
+            since: vec![0.0; world.bodies.len()],
+            accelerations: world.bodies.iter().map(acceleration).collect(),
+            world,
+        }
+    }
+
+    /// Moves a body to an instant of the step.
+    fn advance(&mut self, at: usize, time: f64) {
+        let (body, elapsed) = (&mut self.world.bodies[at], time - self.since[at]);
+        let change = self.accelerations[at].mult(elapsed);
+        let mean = body.velocity.add(change.mult(0.5));
+        body.rect.origin = body.rect.origin.add(mean.mult(elapsed));
+        body.velocity = body.velocity.add(change);
+        self.since[at] = time;
+    }
+
+    fn apply(&mut self, change: &VelocityChange) {
+        for (id, velocity) in change.bodies.iter().zip(change.after) {
+            if let Ok(at) = self.world.bodies.binary_search_by_key(id, |body| body.id) {
+                self.advance(at, change.time);
+                self.world.bodies[at].velocity = velocity;
+            }
+        }
+    }
+
+    /// The world at an instant of the step that is not before the last collision.
+    fn at(&mut self, time: f64) -> &World {
+        (0..self.world.bodies.len()).for_each(|at| self.advance(at, time));
+        &self.world
     }
 }
 

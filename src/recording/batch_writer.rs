@@ -46,7 +46,13 @@ impl<W: Write> BatchWriter<W> {
     pub fn new(output: W, profile: Profile, header: &Header) -> Result<BatchWriter<W>, Error> {
         Ok(BatchWriter {
             header: header.clone(),
-            mcap: McapWriter::new(output, profile, metadata::header_map(header), header.scene.as_ref())?,
+            mcap: McapWriter::new(
+                output,
+                profile,
+                metadata::header_map(header),
+                header.scene.as_ref(),
+                &header.images,
+            )?,
             identity: IdentityChain::new(header),
             table: BodyTable::default(),
             steps: 0,

@@ -11,8 +11,18 @@ pub struct BodyInfo {
     pub id: BodyId,
     /// The constants, and the position and velocity at the spawn.
     pub spawn: Spawn,
-    /// The colour that the scene gives it, for instance `#3366cc`.
+    /// The colour that the scene gives it and, after a space, the name of its image: `#3366cc`, `#3366cc car.png` or
+    /// ` car.png`.
     pub color: Option<String>,
+}
+
+/// The colour and the name of the image in the colour of a recorded body, either of which may be absent.
+pub fn color_and_image(recorded: Option<&str>) -> (Option<&str>, Option<&str>) {
+    let (color, image) = recorded.map_or(("", None), |text| match text.split_once(' ') {
+        Some((color, image)) => (color, Some(image)),
+        None => (text, None),
+    });
+    (Some(color).filter(|color| !color.is_empty()), image.filter(|image| !image.is_empty()))
 }
 
 impl BodyInfo {

@@ -3,8 +3,8 @@ use std::io::{self, Read, Seek, SeekFrom};
 use mcap::{MAGIC, McapError, records::op};
 
 use super::{
-    Error, Header, SceneText,
-    mcap_writer::SCENE_MEDIA_TYPE,
+    Error, Header, SceneImage, SceneText, limits,
+    mcap_writer::{IMAGE_MEDIA_TYPE, SCENE_MEDIA_TYPE},
     metadata::{self, HeaderError, Map},
     record_reader::{FieldReader, Malformed, ReadFault, RecordHeader, RecordReader, has_unknown_fields},
     resync::{self, Resync},
@@ -21,6 +21,8 @@ pub struct HeaderSection {
     pub trailers: Vec<(u64, Vec<u8>)>,
     /// The offset of the attachment with the scene.
     pub scene_offset: Option<u64>,
+    /// The offsets of the attachments with the images of the scene.
+    pub image_offsets: Vec<u64>,
     /// Opcode and index entry of the metadata and attachments before the messages.
     pub indexed: Vec<(u8, Vec<u8>)>,
     /// A record that was already read and belongs to the data after the header section.
@@ -49,6 +51,8 @@ struct SectionReader {
     settings: Option<Settings>,
     trailers: Vec<(u64, Vec<u8>)>,
     scene: Option<(u64, SceneText)>,
+    /// Offset, name and content of each attached image.
+    images: Vec<(u64, String, Vec<u8>)>,
     indexed: Vec<(u8, Vec<u8>)>,
     pending: Option<RecordHeader>,
     defects: Vec<Defect>,
@@ -85,11 +89,12 @@ pub fn read<R: Read + Seek>(records: &mut RecordReader<R>) -> Result<HeaderSecti
         Some(settings) => settings,
         None => section.find_settings(records)?,
     };
-    if section.scene.is_none() && !section.is_cut {
-        section.find_scene(records)?;
+    if !(section.scene.is_some() && section.has_images(&settings.header) || section.is_cut) {
+        section.find_attachments(&settings.header, records)?;
     }
     let (scene_offset, scene) = section.scene.take().unzip();
-    let header = Header { scene, ..settings.header.clone() };
+    let (images, image_offsets) = section.take_images(&settings.header);
+    let header = Header { scene, images, ..settings.header.clone() };
     section.defects.extend(settings_defect(&settings, &header, section.defects.is_empty() && !section.is_cut));
     let crc_suspect = (section.library.as_ref() != settings.map.get("library"))
         .then(|| Defect { offset: MAGIC.len() as u64, reason: "the header names another program".into() });
@@ -98,6 +103,7 @@ pub fn read<R: Read + Seek>(records: &mut RecordReader<R>) -> Result<HeaderSecti
         settings_offset: settings.offset,
         trailers: section.trailers,
         scene_offset,
+        image_offsets,
         indexed: section.indexed,
         pending: section.pending,
         padded: section.padded,
@@ -108,7 +114,32 @@ pub fn read<R: Read + Seek>(records: &mut RecordReader<R>) -> Result<HeaderSecti
 
 impl SectionReader {
     fn is_done(&self) -> bool {
-        self.settings.is_some() && self.scene.is_some() || self.pending.is_some() || self.is_cut
+        let has_all = |settings: &Settings| self.scene.is_some() && self.has_images(&settings.header);
+        self.settings.as_ref().is_some_and(has_all) || self.pending.is_some() || self.is_cut
+    }
+
+    /// Returns true if every image that the settings declare was found.
+    fn has_images(&self, header: &Header) -> bool {
+        header.images.iter().all(|image| self.images.iter().any(|(_, name, _)| *name == image.name))
+    }
+
+    /// The declared images with their content, and the offsets of their attachments. Content that does not match its digest
+    /// is a defect.
+    fn take_images(&mut self, header: &Header) -> (Vec<SceneImage>, Vec<u64>) {
+        let (mut images, mut offsets) = (header.images.clone(), Vec::new());
+        for image in &mut images {
+            let Some(at) = self.images.iter().position(|(_, name, _)| *name == image.name) else { continue };
+            let (offset, _, png) = self.images.swap_remove(at);
+            offsets.push(offset);
+            let found = SceneImage::new(&image.name, png);
+            if (found.bytes, found.digest) == (image.bytes, image.digest) {
+                *image = found;
+            } else {
+                let reason = format!("the image {:?} is not the one that the metadata describe", image.name);
+                self.defects.push(Defect { offset, reason });
+            }
+        }
+        (images, offsets)
     }
 
     fn add_record<R: Read + Seek>(&mut self, record: RecordHeader, records: &mut RecordReader<R>) -> Result<(), Error> {
@@ -125,7 +156,7 @@ impl SectionReader {
         let result = match record.opcode {
             op::HEADER => self.set_library(body),
             op::METADATA => self.set_settings(record.offset, body),
-            op::ATTACHMENT => self.set_scene(record.offset, body),
+            op::ATTACHMENT => self.add_attachment(record.offset, body),
             op::SCHEMA | op::CHANNEL | op::MESSAGE | op::CHUNK | op::DATA_END => {
                 self.pending = Some(record);
                 Ok(())
@@ -163,14 +194,24 @@ impl SectionReader {
         Ok(())
     }
 
-    fn set_scene(&mut self, offset: u64, body: &[u8]) -> Result<(), HeaderError> {
-        match (parse_scene(body)?, &self.scene) {
-            (Some(_), Some(_)) => Err("a second attachment with a scene".to_owned().into()),
-            (Some(scene), None) => {
-                self.scene = Some((offset, scene));
-                Ok(())
+    fn add_attachment(&mut self, offset: u64, body: &[u8]) -> Result<(), HeaderError> {
+        match parse_attachment(body)? {
+            Attached::Scene(_) if self.scene.is_some() => {
+                return Err("a second attachment with a scene".to_owned().into());
             }
-            (None, _) => Ok(()),
+            Attached::Scene(scene) => self.scene = Some((offset, scene)),
+            Attached::Image(name, png) => self.add_image(offset, name, png),
+            Attached::Other => {}
+        }
+        Ok(())
+    }
+
+    /// Keeps an image, unless there are more than any scene has.
+    fn add_image(&mut self, offset: u64, name: String, png: Vec<u8>) {
+        let bytes: usize = self.images.iter().map(|(_, _, png)| png.len()).sum();
+        let is_new = !self.images.iter().any(|(_, known, _)| *known == name);
+        if is_new && self.images.len() < limits::IMAGES && bytes + png.len() <= limits::IMAGES_BYTES {
+            self.images.push((offset, name, png));
         }
     }
 
@@ -204,13 +245,23 @@ impl SectionReader {
         Ok(())
     }
 
-    /// Searches the data section for the scene, which other programs may write after the messages, and returns to the
-    /// current position. A damaged one is reported when it is reached.
-    fn find_scene<R: Read + Seek>(&mut self, records: &mut RecordReader<R>) -> Result<(), Error> {
+    /// Searches the data section for the scene and its images, which other programs may write after the messages, and returns
+    /// to the current position. A damaged one is reported when it is reached.
+    fn find_attachments<R: Read + Seek>(
+        &mut self,
+        header: &Header,
+        records: &mut RecordReader<R>,
+    ) -> Result<(), Error> {
         let mut offset = self.pending.map_or(MAGIC.len() as u64, |record| record.offset);
         while let Some((opcode, body, next)) = resync::read_attachment(records.source(), offset).map_err(Error::Read)? {
-            if let (op::ATTACHMENT, Ok(Some(scene))) = (opcode, parse_scene(&body)) {
-                self.scene = Some((offset, scene));
+            match (opcode, parse_attachment(&body)) {
+                (op::ATTACHMENT, Ok(Attached::Scene(scene))) if self.scene.is_none() => {
+                    self.scene = Some((offset, scene))
+                }
+                (op::ATTACHMENT, Ok(Attached::Image(name, png))) => self.add_image(offset, name, png),
+                _ => {}
+            }
+            if self.scene.is_some() && self.has_images(header) {
                 break;
             }
             offset = next;
@@ -302,12 +353,22 @@ fn parse_library(body: &[u8]) -> Result<&str, Malformed> {
     fields.text()
 }
 
-/// Returns the scene in an attachment, or `None` if it is another one.
+/// The content of an attachment.
+pub enum Attached {
+    /// The scene.
+    Scene(SceneText),
+    /// An image: its name and file.
+    Image(String, Vec<u8>),
+    /// An attachment of another program.
+    Other,
+}
+
+/// Returns the scene or the image in an attachment.
 ///
 /// # Errors
 /// Returns a description of the problem if the attachment does not match its checksum or has other properties than those
 /// of rebond.
-pub fn parse_scene(body: &[u8]) -> Result<Option<SceneText>, String> {
+pub fn parse_attachment(body: &[u8]) -> Result<Attached, String> {
     let mut fields = FieldReader::new(body);
     let mut read = || {
         let times = [fields.u64()?, fields.u64()?];
@@ -323,14 +384,17 @@ pub fn parse_scene(body: &[u8]) -> Result<Option<SceneText>, String> {
     if !is_intact {
         return Err("an attachment does not match its checksum".into());
     }
+    if media_type == IMAGE_MEDIA_TYPE {
+        return Ok(Attached::Image(file_name.into(), text.into()));
+    }
     if media_type != SCENE_MEDIA_TYPE {
-        return Ok(None);
+        return Ok(Attached::Other);
     }
     if times != [0; 2] {
         return Err(format!("the scene attachment has the times {} ns and {} ns instead of 0", times[0], times[1]));
     }
     let text = str::from_utf8(text).map_err(|_| "the scene attachment is not UTF-8".to_string())?;
-    Ok(Some(SceneText { file_name: file_name.into(), text: text.into() }))
+    Ok(Attached::Scene(SceneText { file_name: file_name.into(), text: text.into() }))
 }
 
 /// Returns true if the file starts with the MCAP magic bytes, or with a part of them if it is shorter.

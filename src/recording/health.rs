@@ -69,6 +69,8 @@ pub struct Missing {
     pub end: Option<MissingEnd>,
     /// True if the text of the scene is missing.
     pub scene: bool,
+    /// The names of images of the scene that are missing.
+    pub images: Vec<String>,
     /// True if the recording was recovered from a damaged or unfinished one.
     pub recovered: bool,
 }
@@ -116,6 +118,7 @@ impl fmt::Display for Missing {
         if self.scene {
             parts.push("the text of the scene is missing".into());
         }
+        parts.extend(self.images.iter().map(|name| format!("the image {name:?} is missing")));
         f.write_str(&parts.join("; "))
     }
 }

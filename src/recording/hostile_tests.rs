@@ -37,7 +37,7 @@ fn damage(bytes: Vec<u8>) -> String {
 fn with_message(topic: Topic, bytes: &[u8]) -> Vec<u8> {
     let header = drop_and_delete().header;
     let mut mcap =
-        McapWriter::new(Vec::new(), Profile::Ros2, metadata::header_map(&header), header.scene.as_ref()).unwrap();
+        McapWriter::new(Vec::new(), Profile::Ros2, metadata::header_map(&header), header.scene.as_ref(), &[]).unwrap();
     mcap.write_message(topic, 0, bytes).unwrap();
     mcap.flush().unwrap();
     mcap.finish(metadata::Map::new()).unwrap()

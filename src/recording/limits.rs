@@ -34,6 +34,21 @@ pub const STRING_BYTES: usize = 4096;
 /// Bytes of the scene text.
 pub const SCENE_BYTES: usize = 32 << 20;
 
+/// Bytes of an image file of a scene.
+pub const IMAGE_BYTES: usize = 4 << 20;
+
+/// Bytes of all image files of a scene.
+pub const IMAGES_BYTES: usize = 16 << 20;
+
+/// Image files of a scene.
+pub const IMAGES: usize = 1000;
+
+/// Pixels along each side of an image of a scene.
+pub const IMAGE_SIDE: u32 = 4096;
+
+/// Pixels of all images of a scene: 32 MiB in memory.
+pub const IMAGES_PIXELS: u64 = 8 << 20;
+
 /// Bodies alive at the same time. A state (36 bytes per body) then fits into a message.
 pub const BODIES: usize = 1_000_000;
 

@@ -3,7 +3,7 @@ use std::io::{self, BufWriter, Write};
 use mcap::{Attachment, McapError, records::MessageHeader, write::NoSeek};
 
 use super::{
-    Error, SceneText, limits,
+    Error, SceneImage, SceneText, limits,
     metadata::{self, LIBRARY, Map},
     topic::Topic,
     writer::failed_earlier,
@@ -45,8 +45,14 @@ impl Profile {
 }
 
 impl<W: Write> McapWriter<W> {
-    /// Writes everything before the messages: metadata, the scene if there is one, and channels.
-    pub fn new(output: W, profile: Profile, header: Map, scene: Option<&SceneText>) -> Result<McapWriter<W>, Error> {
+    /// Writes everything before the messages: metadata, the scene and its images as far as there are any, and channels.
+    pub fn new(
+        output: W,
+        profile: Profile,
+        header: Map,
+        scene: Option<&SceneText>,
+        images: &[SceneImage],
+    ) -> Result<McapWriter<W>, Error> {
         let mut mcap = mcap::WriteOptions::new()
             .library(LIBRARY)
             .profile(profile.name())
@@ -58,7 +64,12 @@ impl<W: Write> McapWriter<W> {
             .map_err(write_error)?;
         put_metadata(&mut mcap, metadata::HEADER, header)?;
         if let Some(scene) = scene {
-            mcap.attach(&attachment(scene)).map_err(write_error)?;
+            mcap.attach(&attachment(&scene.file_name, SCENE_MEDIA_TYPE, scene.text.as_bytes())).map_err(write_error)?;
+        }
+        for SceneImage { name, png, .. } in images {
+            if let Some(png) = png {
+                mcap.attach(&attachment(name, IMAGE_MEDIA_TYPE, png)).map_err(write_error)?;
+            }
         }
         let mut writer = McapWriter { mcap: Some(mcap), channels: [None; Topic::ALL.len()] };
         for topic in Topic::ALL.into_iter().filter(|topic| topic.is_mandatory()) {
@@ -126,14 +137,11 @@ fn put_metadata<W: Write + io::Seek>(mcap: &mut mcap::Writer<W>, name: &str, met
 /// The media type of the attachment with the scene.
 pub const SCENE_MEDIA_TYPE: &str = "application/toml";
 
-fn attachment(scene: &SceneText) -> Attachment<'_> {
-    Attachment {
-        log_time: 0,
-        create_time: 0,
-        name: scene.file_name.clone(),
-        media_type: SCENE_MEDIA_TYPE.into(),
-        data: scene.text.as_bytes().into(),
-    }
+/// The media type of the attachments with the images of the scene.
+pub const IMAGE_MEDIA_TYPE: &str = "image/png";
+
+fn attachment<'a>(name: &str, media_type: &str, data: &'a [u8]) -> Attachment<'a> {
+    Attachment { log_time: 0, create_time: 0, name: name.into(), media_type: media_type.into(), data: data.into() }
 }
 
 fn write_error(error: McapError) -> Error {

@@ -16,7 +16,7 @@ use xxhash_rust::xxh3::{Xxh3, xxh3_64};
 use crate::physics::{Accuracy, EngineConfig, Restitution, RestitutionPair, SolverKind, Vector};
 
 use super::{
-    Bounds, FORMAT_VERSION, Gap, Header, RecordedError, SceneText, StateBounds, Trailer, Versions, limits,
+    Bounds, FORMAT_VERSION, Gap, Header, RecordedError, SceneImage, SceneText, StateBounds, Trailer, Versions, limits,
     record_reader::{FieldReader, Malformed},
 };
 
@@ -94,6 +94,10 @@ pub fn settings_map(header: &Header) -> Map {
     }
     if !header.overrides.is_empty() {
         insert(&mut map, "set", serde_json::json!(header.overrides));
+    }
+    if !header.images.is_empty() {
+        let image = |image: &SceneImage| (image.name.clone(), image.bytes, format!("{:016x}", image.digest));
+        insert(&mut map, "images", serde_json::json!(header.images.iter().map(image).collect::<Vec<_>>()));
     }
     if header.has_live_events {
         insert(&mut map, "live_events", "yes");
@@ -244,6 +248,7 @@ fn parse_header_fields(map: &Map, format: u32) -> Result<Header, String> {
         every,
         estimates_accuracy,
         scene: None,
+        images: parse_images(map)?,
         overrides: parse_overrides(map)?,
         has_live_events: map.contains_key("live_events"),
         gaps: parse_gaps(map)?,
@@ -254,6 +259,23 @@ fn parse_overrides(map: &Map) -> Result<Vec<[String; 2]>, String> {
     let Some(text) = map.get("set") else { return Ok(Vec::new()) };
     let damaged = |_| format!("the metadata has the invalid value \"set\" = {:?}", shortened(text));
     serde_json::from_str(text).map_err(damaged)
+}
+
+/// Parses names, lengths and digests of the images, which are attachments.
+fn parse_images(map: &Map) -> Result<Vec<SceneImage>, String> {
+    let Some(text) = map.get("images") else { return Ok(Vec::new()) };
+    let damaged = || format!("the metadata has the invalid value \"images\" = {:?}", shortened(text));
+    let images: Vec<(String, u64, String)> = serde_json::from_str(text).map_err(|_| damaged())?;
+    let is_ordered = images.windows(2).all(|pair| pair[0].0 < pair[1].0);
+    let total: u64 = images.iter().map(|(_, bytes, _)| (*bytes).min(limits::RECORD_BYTES as u64)).sum();
+    if !is_ordered || images.len() > limits::IMAGES || total > limits::IMAGES_BYTES as u64 {
+        return Err(damaged());
+    }
+    let image = |(name, bytes, digest): (String, u64, String)| {
+        let digest = u64::from_str_radix(&digest, 16).map_err(|_| damaged())?;
+        Ok(SceneImage { name, bytes, digest, png: None })
+    };
+    images.into_iter().map(image).collect()
 }
 
 fn parse_gaps(map: &Map) -> Result<Vec<Gap>, String> {
@@ -442,7 +464,10 @@ mod tests {
             let accuracy = accuracy.map(|until| Accuracy { until });
             let overrides = vec![[title, "\"a\"".to_owned()], ["restitution.default".into(), "0.5".into()]];
             let has_live_events = recovered;
-            let expected = Header { versions, config, steps, every, estimates_accuracy, scene, overrides, has_live_events, gaps };
+            let images = vec![SceneImage { name: "img/a \"b\".png".into(), bytes: 3, digest: 7, png: None }];
+            let expected = Header {
+                versions, config, steps, every, estimates_accuracy, scene, images, overrides, has_live_events, gaps,
+            };
             let identity = Identity(5);
             let trailer = Trailer { steps, collisions, bodies: 3, events: 4, error, accuracy, recovered, state_bounds, identity };
             for map in [header_map(&expected), trailer_map(&expected, &trailer)] {

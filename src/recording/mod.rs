@@ -45,14 +45,14 @@ mod topic;
 mod writer;
 mod writer_thread;
 
-pub use body_table::{BodyInfo, BodyTable};
+pub use body_table::{BodyInfo, BodyTable, color_and_image};
 pub use digest::{Identity, StateDigest};
 pub use error::Error;
 pub use health::{Damage, Gap, Health, Missing, MissingEnd};
 pub use index::Summary;
 pub use model::{
-    Change, FORMAT_VERSION, Header, Keyframe, KeyframeBody, RecordedError, RecordedEvent, SEMANTICS_VERSION, SceneText,
-    Trailer, Versions, error_text,
+    Change, FORMAT_VERSION, Header, Keyframe, KeyframeBody, RecordedError, RecordedEvent, SEMANTICS_VERSION,
+    SceneImage, SceneText, Trailer, Versions, error_text,
 };
 pub use playback::{Playback, SampledBody, SampledState};
 pub use reader::{Item, Recording, open};

@@ -38,6 +38,8 @@ pub struct Header {
     pub estimates_accuracy: bool,
     /// The scene's source text; `None` if that part of the recording is lost.
     pub scene: Option<SceneText>,
+    /// The images that the scene draws into boxes.
+    pub images: Vec<SceneImage>,
     /// The values of the scene that were set for this run (`record --set`): key and value of each, in the order in which
     /// they were applied. The text of the scene contains them.
     pub overrides: Vec<[String; 2]>,
@@ -57,6 +59,7 @@ impl Header {
             every: 1,
             estimates_accuracy: false,
             scene: Some(scene),
+            images: Vec::new(),
             overrides: Vec::new(),
             has_live_events: false,
             gaps: Vec::new(),
@@ -107,6 +110,27 @@ pub struct SceneText {
     pub file_name: String,
     /// The TOML text.
     pub text: String,
+}
+
+/// An image file of the scene at the time of recording: a PNG file.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SceneImage {
+    /// The path of the file relative to the folder of the scene, as the scene names it.
+    pub name: String,
+    /// Its length, bytes.
+    pub bytes: u64,
+    /// The XXH3-64 of the file.
+    pub digest: u64,
+    /// The file; `None` if that part of the recording is lost.
+    pub png: Option<Arc<[u8]>>,
+}
+
+impl SceneImage {
+    /// The image in a file.
+    pub fn new(name: &str, png: Vec<u8>) -> SceneImage {
+        let digest = xxhash_rust::xxh3::xxh3_64(&png);
+        SceneImage { name: name.into(), bytes: png.len() as u64, digest, png: Some(png.into()) }
+    }
 }
 
 /// The end record of a finished recording (metadata `rebond_end`): how the run ended.
@@ -198,7 +222,7 @@ pub enum Change {
         id: BodyId,
         /// The constants, initial position and initial velocity.
         spawn: Spawn,
-        /// The colour that the scene gives it, for instance `#3366cc`.
+        /// The colour that the scene gives it, for instance `#3366cc`, and after a space the name of its image.
         color: Option<String>,
     },
     /// A body was removed.

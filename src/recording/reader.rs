@@ -11,7 +11,7 @@ use super::{
     Trailer,
     chunk_reader::{ChunkReader, ChunkRecord},
     decoder::{Decoder, Location},
-    header_section::{self, Defect, HeaderSection, parse_scene},
+    header_section::{self, Attached, Defect, HeaderSection, parse_attachment},
     index::{self, Index, Summary},
     merge::{Merge, Parts},
     metadata,
@@ -50,6 +50,8 @@ pub struct Recording<R> {
     tally: Option<Tally>,
     settings_offset: u64,
     scene_offset: Option<u64>,
+    /// The offsets of the attachments with the images of the scene.
+    image_offsets: Vec<u64>,
     /// The offset of the last record, if it has unknown fields.
     padded: Option<u64>,
     /// The offset of the last record, at first that of a record of the header section.
@@ -139,6 +141,7 @@ impl<R: Read + Seek> Recording<R> {
             tally: None,
             settings_offset: section.settings_offset,
             scene_offset: section.scene_offset,
+            image_offsets: section.image_offsets.clone(),
             padded: section.padded,
             last_offset: section.settings_offset,
             private: None,
@@ -386,6 +389,13 @@ impl<R: Read + Seek> Recording<R> {
             gaps,
             end: (!is_ended).then_some(MissingEnd { after, last, is_cut }),
             scene: self.header.scene.is_none(),
+            images: self
+                .header
+                .images
+                .iter()
+                .filter(|image| image.png.is_none())
+                .map(|image| image.name.clone())
+                .collect(),
             recovered: trailer.is_some_and(|trailer| trailer.recovered),
         }
     }
@@ -547,9 +557,16 @@ impl<R: Read + Seek> Recording<R> {
             }
             op::ATTACHMENT => {
                 self.tally.iter_mut().for_each(|tally| tally.add_indexed(opcode, offset, body));
-                match parse_scene(body) {
-                    Ok(Some(_)) if self.scene_offset != Some(offset) => {
+                match parse_attachment(body) {
+                    Ok(Attached::Scene(_)) if self.scene_offset != Some(offset) => {
                         self.decoder.report_damage(location, "a second attachment with a scene".into());
+                    }
+                    Ok(Attached::Image(name, _))
+                        if !self.image_offsets.contains(&offset)
+                            && self.header.images.iter().any(|image| image.name == name) =>
+                    {
+                        let reason = format!("another attachment with the image {name:?}");
+                        self.decoder.report_damage(location, reason);
                     }
                     Ok(_) => {}
                     Err(reason) => self.decoder.report_damage(location, reason),

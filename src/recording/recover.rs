@@ -191,7 +191,9 @@ impl Recovery {
         let Recovery { gaps, health, lost_scene_updates, .. } = self;
         gaps.is_empty()
             && !lost_scene_updates
-            && health.missing().is_none_or(|missing| !missing.end.is_some_and(MissingEnd::has_states) && !missing.scene)
+            && health.missing().is_none_or(|missing| {
+                !missing.end.is_some_and(MissingEnd::has_states) && !missing.scene && missing.images.is_empty()
+            })
     }
 }
 
@@ -226,6 +228,7 @@ impl Display for Recovery {
                 if missing.scene {
                     write!(f, "\nlost the text of the scene")?;
                 }
+                missing.images.iter().try_for_each(|name| write!(f, "\nlost the image {name:?}"))?;
             }
         }
         match self.health.damage() {

@@ -108,7 +108,7 @@ pub fn record_with_processors(processors: NonZero<usize>, run: &Run) -> Vec<u8> 
 /// Records a run with altered states and correct checksums.
 pub fn record_altered(run: &Run, mut alter: impl FnMut(&mut RecordedState)) -> Vec<u8> {
     let mut mcap =
-        McapWriter::new(Vec::new(), Profile::Ros2, metadata::header_map(&run.header), run.header.scene.as_ref())
+        McapWriter::new(Vec::new(), Profile::Ros2, metadata::header_map(&run.header), run.header.scene.as_ref(), &[])
             .unwrap();
     let mut bytes = Vec::new();
     let original = record(run);

@@ -178,6 +178,7 @@ pub fn header(scene: &Scene, options: RecordOptions) -> Header {
     let text = SceneText { file_name: scene.source.file_name().to_owned(), text: scene.source.text.clone() };
     Header {
         every: options.every,
+        images: scene.images.clone(),
         overrides: scene.source.overrides.clone(),
         has_live_events: options.has_live_events,
         estimates_accuracy: options.estimates_accuracy && scene.run.solver == SolverKind::EventDriven,

@@ -3,9 +3,10 @@ use crate::recording::{self, Change, RecordedEvent, error_text};
 use crate::scene::{
     Action, Blueprint, DiagnosticKind, Input, InputLocation, Scene, SceneError, SceneSource, SpawnRequest,
 };
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::fmt::{self, Display, Formatter};
 use std::io;
+use std::sync::Arc;
 
 /// A run of a scene that is advanced step by step: the engine, and the inputs of later steps.
 #[doc(alias = "simulation")]
@@ -15,6 +16,8 @@ pub struct Run {
     scheduled: VecDeque<Input>,
     source: SceneSource,
     names: Names,
+    /// The images that the scene uses, and no other may.
+    images: Arc<BTreeSet<String>>,
     idle_clicks: IdleClicks,
 }
 
@@ -53,6 +56,7 @@ impl Run {
             scheduled: scene.inputs.iter().cloned().collect(),
             source: scene.source.clone(),
             names: Names::default(),
+            images: Arc::new(scene.image_names()),
             idle_clicks: IdleClicks::default(),
         }
     }
@@ -86,6 +90,7 @@ impl Run {
             scheduled: scheduled.cloned().collect(),
             source: scene.source.clone(),
             names: Names { alive, spawns: snapshot.spawns },
+            images: Arc::new(scene.image_names()),
             idle_clicks: IdleClicks::default(),
         })
     }
@@ -182,10 +187,14 @@ impl Run {
     fn spawn_named(&mut self, name: String, request: SpawnRequest) -> Result<Change, DiagnosticKind> {
         let id = self.engine.next_id();
         let step = self.engine.current_step();
+        if let Some(image) = request.blueprint.image.as_ref().filter(|image| !self.images.contains(*image)) {
+            let reason = "the scene does not use it, so the recording does not contain it".into();
+            return Err(DiagnosticKind::Image { image: image.clone(), reason });
+        }
         if !self.names.claim(&name, id) {
             return Err(DiagnosticKind::NameTaken { name, step });
         }
-        Ok(Change::Spawn { id, color: request.blueprint.color.clone(), spawn: request.spawn(name) })
+        Ok(Change::Spawn { id, color: request.blueprint.recorded_color(), spawn: request.spawn(name) })
     }
 
     fn delete(&mut self, name: &str) -> Result<Change, DiagnosticKind> {

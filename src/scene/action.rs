@@ -95,9 +95,19 @@ pub struct Blueprint {
     pub material: String,
     /// Colour in pictures, `#rrggbb`.
     pub color: Option<String>,
+    /// The path of a PNG file that pictures draw into the box, relative to the folder of the scene.
+    pub image: Option<String>,
 }
 
 impl Blueprint {
+    /// Colour and image as a recording stores them.
+    pub fn recorded_color(&self) -> Option<String> {
+        match (&self.color, &self.image) {
+            (color, None) => color.clone(),
+            (color, Some(image)) => Some(format!("{} {image}", color.as_deref().unwrap_or_default())),
+        }
+    }
+
     /// Places the upper-left corner at `origin`.
     pub fn placed_at(self, origin: Vector) -> SpawnRequest {
         SpawnRequest { origin, blueprint: self }
@@ -148,16 +158,20 @@ const VELOCITY: Key = Key { name: "velocity", accepts: "two finite numbers, m/s"
 pub const FORCE: Key = Key { name: "force", accepts: "two finite numbers, N" };
 pub const MATERIAL: Key = Key { name: "material", accepts: "1 to 256 bytes without control characters and without /" };
 pub const COLOR: Key = Key { name: "color", accepts: "a colour \"#rrggbb\" in hexadecimal digits" };
+pub const IMAGE: Key = Key {
+    name: "image",
+    accepts: "the path of a PNG file relative to the scene, in at most 256 bytes, with / between folders: \"car.png\"",
+};
 const BLUEPRINT: Key = Key { name: "spawn", accepts: "a table of the keys of a body, without at and step" };
 
 /// The keys of `[[spawn]]`.
-pub const SPAWN_KEYS: &[Key] = &[NAME, STEP, CORNER, SIZE, MASS, VELOCITY, FORCE, MATERIAL, COLOR];
+pub const SPAWN_KEYS: &[Key] = &[NAME, STEP, CORNER, SIZE, MASS, VELOCITY, FORCE, MATERIAL, COLOR, IMAGE];
 /// The keys of `[[delete]]`.
 pub const DELETE_KEYS: &[Key] = &[STEP, NAME_OF_BODY];
 /// The keys of `[[click]]`.
 pub const CLICK_KEYS: &[Key] = &[STEP, POINT, BLUEPRINT];
 /// The keys of the body that a `[[click]]` spawns.
-pub const BLUEPRINT_KEYS: &[Key] = &[NAME, SIZE, MASS, VELOCITY, FORCE, MATERIAL, COLOR];
+pub const BLUEPRINT_KEYS: &[Key] = &[NAME, SIZE, MASS, VELOCITY, FORCE, MATERIAL, COLOR, IMAGE];
 
 /// Reads `[[spawn]]`.
 pub fn read_spawn(table: &Table) -> Request<Action> {
@@ -239,6 +253,13 @@ pub fn color(node: &Node) -> Result<&str, &Node> {
     if digits.len() == 6 && digits.bytes().all(|digit| digit.is_ascii_hexdigit()) { Ok(text) } else { Err(node) }
 }
 
+/// Reads the path of an image: relative, so that no recording depends on the folders of a computer.
+pub fn image(node: &Node) -> Result<&str, &Node> {
+    let text = node.text()?;
+    let is_relative = !text.starts_with(['/', ' ']) && !text.contains(['\\', ':']);
+    if is_relative && text.to_ascii_lowercase().ends_with(".png") { Ok(text) } else { Err(node) }
+}
+
 /// Reads a body without its position; its name and whether its mass is infinite are partly known even if
 /// the body could not be read.
 fn read_blueprint(table: &Table) -> (Result<Blueprint, ErrorReported>, NameField, bool) {
@@ -249,6 +270,7 @@ fn read_blueprint(table: &Table) -> (Result<Blueprint, ErrorReported>, NameField
     let force = table.optional(FORCE, Node::vector);
     let material = table.optional(MATERIAL, material);
     let color = table.optional(COLOR, color);
+    let image = table.optional(IMAGE, image);
     let name_field = NameField::from(&name);
     let blueprint = || {
         Ok(Blueprint {
@@ -259,6 +281,7 @@ fn read_blueprint(table: &Table) -> (Result<Blueprint, ErrorReported>, NameField
             force: force?.unwrap_or_default(),
             material: material?.unwrap_or_default().into(),
             color: color?.map(String::from),
+            image: image?.map(String::from),
         })
     };
     (blueprint(), name_field, mass == Ok(f64::INFINITY))
@@ -298,6 +321,7 @@ mod tests {
             force: Vector::ZERO,
             material: String::new(),
             color: None,
+            image: None,
         };
         let request = blueprint.centered_on(Vector::new(4.0, 5.0));
         assert_eq!(request.rect(), Rect::new(Vector::new(3.5, 4.0), 1.0, 2.0));

@@ -100,6 +100,14 @@ pub enum DiagnosticKind {
         /// The last step.
         last: u64,
     },
+    /// An image file cannot be used.
+    #[error("the image {image:?} cannot be used: {reason}")]
+    Image {
+        /// The path as written.
+        image: String,
+        /// The reason.
+        reason: String,
+    },
     /// A body of that name is already alive.
     #[error("the name {name:?} is already in use at step {step}")]
     NameTaken {
@@ -193,6 +201,7 @@ impl DiagnosticKind {
             DiagnosticKind::AfterLastStep { last, .. } => {
                 format!("use a step from 0 to {last}, or increase the number of steps of the run")
             }
+            DiagnosticKind::Image { .. } => "use a PNG file of at most 4 MiB and 4096 × 4096 pixels, whose path is relative to the scene; live events may use the images of the scene".into(),
             DiagnosticKind::NameTaken { .. } => "choose another name, or delete the body of that name first".into(),
             DiagnosticKind::NotAlive { alive, .. } if alive.is_empty() => "no body is alive at that step".into(),
             DiagnosticKind::NotAlive { alive, .. } => format!("alive at that step: {}", alive.join(", ")),
@@ -221,6 +230,7 @@ impl DiagnosticKind {
             DiagnosticKind::NotOneEvent => "not one event",
             DiagnosticKind::TooMany { .. } => "too many",
             DiagnosticKind::AfterLastStep { .. } => "too late",
+            DiagnosticKind::Image { .. } => "not usable",
             DiagnosticKind::NameTaken { .. } => "in use",
             DiagnosticKind::NotAlive { .. } => "not alive",
             DiagnosticKind::NoRoom { .. } => "no room",

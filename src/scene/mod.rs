@@ -9,6 +9,7 @@ pub mod builder;
 mod diagnostic;
 #[cfg(test)]
 mod guide_tests;
+mod images;
 mod inputs;
 mod lifetimes;
 pub mod live;
@@ -19,7 +20,7 @@ mod scatter;
 mod tree;
 
 use crate::physics::{Restitution, Vector};
-use crate::recording::limits;
+use crate::recording::{SceneImage, limits};
 use std::{
     fs::File,
     io::{self, Read},
@@ -59,6 +60,8 @@ pub struct Scene {
     pub inputs: Vec<Input>,
     /// Defaults of the pictures.
     pub figure: PictureOptions,
+    /// The image files of the bodies, ordered by name, once they were read.
+    pub images: Vec<SceneImage>,
 }
 
 /// The text of a scene and its name.
@@ -105,12 +108,14 @@ pub fn parse(path: &str, text: &str) -> Result<Scene, SceneError> {
     reporter.finish(scene, excerpt).map_err(SceneError::Scene)
 }
 
-/// Reads the scene in the file at `path`; `-` stands for standard input.
+/// Reads the scene in the file at `path` and its images; `-` stands for standard input.
 ///
 /// # Errors
-/// Those of [`parse`], and errors of a file that is unreadable, too long or not text.
+/// Those of [`parse`] and [`Scene::load_images`], and errors of a file that is unreadable, too long or not text.
 pub fn load(path: &Path) -> Result<Scene, SceneError> {
-    parse(&name(path), &read_text(path)?)
+    let mut scene = parse(&name(path), &read_text(path)?)?;
+    scene.load_images(path.parent().unwrap_or(Path::new("")))?;
+    Ok(scene)
 }
 
 /// Reads the scene in the file at `path` with some values overridden, for parameter studies.
@@ -128,6 +133,7 @@ pub fn load_with(path: &Path, overrides: &[Override]) -> Result<Scene, SceneErro
     let options: Vec<String> = overrides.iter().map(|value| format!(" --set {value}")).collect();
     let name = name(path);
     let mut scene = parse(&(name.to_string() + &options.concat()), &text)?;
+    scene.load_images(path.parent().unwrap_or(Path::new("")))?;
     scene.source.path = name.into();
     scene.source.overrides = overrides.iter().map(Override::stored).collect();
     Ok(scene)
@@ -185,6 +191,7 @@ fn read(source: &SceneSource, reporter: &Reporter) -> Result<Scene, ErrorReporte
         restitution: restitution?,
         inputs: inputs?,
         figure: figure?,
+        images: Vec::new(),
     })
 }
 

@@ -92,6 +92,7 @@ impl Walls {
             force: Vector::ZERO,
             material: self.material.clone().unwrap_or_default(),
             color: None,
+            image: None,
         };
         blueprint.placed_at(origin)
     }

@@ -31,6 +31,7 @@ pub struct Scatter {
     force: Vector,
     material: String,
     color: Option<String>,
+    image: Option<String>,
 }
 
 /// The number of random positions tried for a body before the scatter is refused.
@@ -56,8 +57,20 @@ const OVERLAP: Key =
     Key { name: "overlap", accepts: "true or false; if true, bodies may overlap when they are spawned" };
 
 /// The keys of `[[scatter]]`.
-pub const KEYS: &[Key] =
-    &[action::STEP, COUNT, SEED, REGION, SIZE, MASS, VELOCITY, OVERLAP, action::FORCE, action::MATERIAL, action::COLOR];
+pub const KEYS: &[Key] = &[
+    action::STEP,
+    COUNT,
+    SEED,
+    REGION,
+    SIZE,
+    MASS,
+    VELOCITY,
+    OVERLAP,
+    action::FORCE,
+    action::MATERIAL,
+    action::COLOR,
+    action::IMAGE,
+];
 
 /// Reads `[[scatter]]`.
 pub fn read(table: &Table) -> Request<Scatter> {
@@ -75,6 +88,7 @@ pub fn read(table: &Table) -> Request<Scatter> {
     let force = table.optional(action::FORCE, Node::vector);
     let material = table.optional(action::MATERIAL, action::material);
     let color = table.optional(action::COLOR, action::color);
+    let image = table.optional(action::IMAGE, action::image);
     let effect = Effect::Scatter {
         count: count.as_ref().ok().map(|(count, _)| *count),
         is_infinite: mass.is_ok_and(|[from, _]| from == f64::INFINITY),
@@ -93,6 +107,7 @@ pub fn read(table: &Table) -> Request<Scatter> {
             force: force?.unwrap_or_default(),
             material: material?.unwrap_or_default().into(),
             color: color?.map(String::from),
+            image: image?.map(String::from),
         })
     };
     Request { step: action::read_step(table), event: scatter(), effect, span: table.span.clone() }
@@ -139,6 +154,7 @@ impl Scatter {
             force: self.force,
             material: self.material.clone(),
             color: self.color.clone(),
+            image: self.image.clone(),
         }
     }
 

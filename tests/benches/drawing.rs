@@ -93,6 +93,7 @@ fn frame(boxes: u32, step: u64) -> Frame {
             name: format!("#{number}"),
             material: String::new(),
             color: None,
+            image: None,
             mass: 1.0,
             force: Vector::ZERO,
             is_wall: false,

@@ -179,6 +179,7 @@ fn frame() -> Frame {
             name: body.name.clone(),
             material: String::new(),
             color: None,
+            image: None,
             mass: 1.0,
             force: Vector::ZERO,
             is_wall: false,

@@ -84,6 +84,7 @@ fn drawing(scene: &scene::Scene) {
             name: body.name.clone(),
             material: String::new(),
             color: None,
+            image: None,
             mass: body.mass,
             force: rebond::internals::physics::Vector::ZERO,
             is_wall: body.is_infinite(),

@@ -576,6 +576,30 @@ fn every_command_names_the_gap_of_a_recovered_recording_and_draws_its_bodies() {
     assert_ne!(range.code, 0, "{range:?}");
 }
 
+/// The kinds that show one collision show no part of a run.
+#[test]
+fn every_kind_of_figure_of_a_run_shows_a_gap_with_its_reason() {
+    let workplace = damaged();
+    let help = workplace.done("figure --help").output.split_whitespace().collect::<Vec<&str>>().join(" ");
+    let kinds = help.split("The figure: ").nth(1).unwrap().split(" <SOURCE>").next().unwrap();
+    let kinds = kinds.replace(" or ", ", ");
+    let kinds: Vec<&str> = kinds.split([',', ' ']).filter(|kind| !kind.is_empty() && *kind != "...").collect();
+    let kinds =
+        kinds.into_iter().take_while(|kind| kind.chars().all(|letter| letter.is_ascii_lowercase() || letter == '-'));
+    let kinds: Vec<&str> = kinds.filter(|kind| !["collision", "minkowski"].contains(kind)).collect();
+    assert!(kinds.len() >= 7 && kinds.contains(&"velocity-space"), "{kinds:?}");
+    let variants = ["x", "y", "vx", "vy", "speed", "height", "E", "p"].map(|name| format!("lines --quantity {name}"));
+    for kind in kinds.iter().map(|kind| (*kind).to_owned()).chain(variants) {
+        for sources in ["gap.mcap", "gap.mcap run.mcap"] {
+            let drawn = workplace.rebond(&format!("figure {kind} {sources} --force -o kind.svg"));
+            assert_eq!(drawn.code, 4, "{kind} {sources}: {drawn:?}");
+            let picture = String::from_utf8(workplace.read("kind.svg")).unwrap();
+            let words = "steps 20–39 lost in a damaged recording</text>";
+            assert!(picture.contains(words), "{kind} {sources} shows no gap");
+        }
+    }
+}
+
 /// The table of the guide: the exit code of each command on each kind of damage.
 #[test]
 #[cfg_attr(debug_assertions, ignore = "slow in debug")]

@@ -64,7 +64,7 @@ fn spawn((name, [x, y, width, height], [vx, vy]): &BodySpec) -> Spawn {
 fn appearance(id: u32, (name, _, _): &BodySpec) -> Appearance {
     let is_wall = name.starts_with("wall-");
     let (material, force) = (String::new(), Vector::ZERO);
-    Appearance { id, name: (*name).into(), material, color: None, mass: mass(name), force, is_wall }
+    Appearance { id, name: (*name).into(), material, color: None, image: None, mass: mass(name), force, is_wall }
 }
 
 fn mass(name: &str) -> f64 {
@@ -310,7 +310,7 @@ pub fn assert_legible(list: &DisplayList, case: &str) {
                 assert!(is_clipped || page.inset(-0.51).contains(rect), "{case}: {rect:?} leaves the page");
                 covers.extend(rect.intersection(window).map(|visible| (number, visible)));
             }
-            Shape::Rect { .. } | Shape::Clip { .. } => {}
+            Shape::Rect { .. } | Shape::Clip { .. } | Shape::Image { .. } => {}
             Shape::Polygon { points, .. } | Shape::Polyline { points, .. } => {
                 let is_on_page = |at: &Vector| page.inset(-2.0).contains(&Rect::new(*at, 0.0, 0.0));
                 assert!(is_clipped || points.iter().all(is_on_page), "{case}: {points:?} leaves the page");
@@ -344,7 +344,11 @@ fn visit(
                     visit(shapes, &visible, true, number, visitor);
                 }
             }
-            Shape::Rect { .. } | Shape::Polygon { .. } | Shape::Polyline { .. } | Shape::Text { .. } => {
+            Shape::Rect { .. }
+            | Shape::Polygon { .. }
+            | Shape::Polyline { .. }
+            | Shape::Text { .. }
+            | Shape::Image { .. } => {
                 *number += 1;
                 visitor(*number, shape, window, is_clipped);
             }

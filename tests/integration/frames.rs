@@ -99,7 +99,16 @@ fn sprite(id: u32, name: &str, material: &str, [x, y, width, height]: [f64; 4], 
 
 fn appearance(id: u32, name: &str, material: &str) -> Appearance {
     let force = Vector::new(0.0, 9.81);
-    Appearance { id, name: name.into(), material: material.into(), color: None, mass: 1.0, force, is_wall: false }
+    Appearance {
+        id,
+        name: name.into(),
+        material: material.into(),
+        color: None,
+        image: None,
+        mass: 1.0,
+        force,
+        is_wall: false,
+    }
 }
 
 /// The positions in the last half second of a body in free fall with this velocity.

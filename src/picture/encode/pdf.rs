@@ -1,13 +1,14 @@
 //! Writes display lists as PDF files, for Beamer and print.
 
 use crate::physics::Vector;
-use crate::picture::raster::simplified;
+use crate::picture::raster::{distinct_bitmaps, simplified};
 use crate::picture::text::{Font, Glyph, Line, UNITS_PER_EM, plain_letter};
-use crate::picture::{Color, DisplayList, Ink, Metadata, RenderError, Shape};
+use crate::picture::{Bitmap, Color, DisplayList, Ink, Metadata, RenderError, Shape};
 use pdf_writer::types::{CidFontType, FontFlags, LineCapStyle, LineJoinStyle, SystemInfo, UnicodeCmap};
 use pdf_writer::{Content, Filter, Finish, Name, Pdf, Rect, Ref, Str, TextStr};
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write;
+use std::sync::Arc;
 use subsetter::GlyphRemapper;
 
 /// A pixel is 1/96 inch, as in SVG; a point is 1/72 inch.
@@ -57,12 +58,23 @@ pub fn encode(list: &DisplayList, metadata: &Metadata, mut output: impl Write) -
     if !font.is_empty() {
         resources.fonts().pair(FONT_NAME, FONT);
     }
+    let images = distinct_bitmaps(list);
+    if !images.is_empty() {
+        let mut objects = resources.x_objects();
+        for number in 0..images.len() {
+            objects.pair(Name(image_name(number).as_bytes()), image_refs(number)[0]);
+        }
+        objects.finish();
+    }
     resources.finish();
     page.finish();
-    let compressed = compress(&content(list, height, &font));
+    let compressed = compress(&content(list, height, &font, &images));
     pdf.stream(CONTENT, &compressed).filter(Filter::FlateDecode);
     if !font.is_empty() {
         font.write(&mut pdf);
+    }
+    for (number, bitmap) in images.iter().enumerate() {
+        write_image(&mut pdf, image_refs(number), bitmap);
     }
     let mut info = pdf.document_info(INFO);
     for (key, value) in &metadata.entries {
@@ -71,6 +83,33 @@ pub fn encode(list: &DisplayList, metadata: &Metadata, mut output: impl Write) -
     info.finish();
     output.write_all(&pdf.finish())?;
     Ok(())
+}
+
+/// The objects of an image and of its opacity, after all others.
+fn image_refs(number: usize) -> [Ref; 2] {
+    let first = CHARACTERS.get() + 1 + 2 * number as i32;
+    [Ref::new(first), Ref::new(first + 1)]
+}
+
+fn image_name(number: usize) -> String {
+    format!("I{number}")
+}
+
+/// Writes an image and its opacity.
+fn write_image(pdf: &mut Pdf, [image, mask]: [Ref; 2], bitmap: &Bitmap) {
+    let [width, height] = bitmap.size.map(|side| side as i32);
+    let colors: Vec<u8> = bitmap.pixels.iter().flat_map(|[r, g, b, _]| [*r, *g, *b]).collect();
+    let opacities: Vec<u8> = bitmap.pixels.iter().map(|pixel| pixel[3]).collect();
+    let (colors, opacities) = (compress(&colors), compress(&opacities));
+    let mut object = pdf.image_xobject(image, &colors);
+    object.width(width).height(height).bits_per_component(8).filter(Filter::FlateDecode);
+    object.color_space().device_rgb();
+    object.s_mask(mask);
+    object.finish();
+    let mut object = pdf.image_xobject(mask, &opacities);
+    object.width(width).height(height).bits_per_component(8).filter(Filter::FlateDecode);
+    object.color_space().device_gray();
+    object.finish();
 }
 
 /// Compresses to a zlib stream. The encoder is called directly, so the bytes do not depend on the deflate
@@ -184,7 +223,7 @@ impl EmbeddedFont {
     fn of(list: &DisplayList) -> EmbeddedFont {
         let lines = list.leaves().filter_map(|shape| match shape {
             Shape::Text { line, .. } => Some(line),
-            Shape::Rect { .. } | Shape::Polygon { .. } | Shape::Polyline { .. } | Shape::Clip { .. } => None,
+            _ => None,
         });
         let glyphs = lines.flat_map(|line| &line.glyphs);
         let characters: BTreeMap<u16, char> = glyphs.map(|glyph| (glyph.id, plain_letter(glyph.character))).collect();
@@ -237,9 +276,13 @@ fn opacities(list: &DisplayList) -> BTreeSet<u8> {
     let inks = list.leaves().filter_map(|shape| match shape {
         Shape::Rect { ink, .. } | Shape::Polygon { ink, .. } => Some(ink),
         Shape::Polyline { ink, .. } | Shape::Text { ink, .. } => Some(ink),
-        Shape::Clip { .. } => None,
+        Shape::Clip { .. } | Shape::Image { .. } => None,
     });
-    inks.map(|ink| ink.opacity).chain([255]).collect()
+    let of_images = list.leaves().filter_map(|shape| match shape {
+        Shape::Image { opacity, .. } => Some(*opacity),
+        _ => None,
+    });
+    inks.map(|ink| ink.opacity).chain(of_images).chain([255]).collect()
 }
 
 fn opacity_name(opacity: u8) -> String {
@@ -247,7 +290,7 @@ fn opacity_name(opacity: u8) -> String {
 }
 
 /// The content stream. Its first matrix changes the coordinates to pixels with y pointing down.
-fn content(list: &DisplayList, height: f32, font: &EmbeddedFont) -> Vec<u8> {
+fn content(list: &DisplayList, height: f32, font: &EmbeddedFont, images: &[Arc<Bitmap>]) -> Vec<u8> {
     let mut content = Content::new();
     content.transform([POINTS_PER_PIXEL, 0.0, 0.0, -POINTS_PER_PIXEL, 0.0, height]);
     content.set_line_join(LineJoinStyle::RoundJoin).set_line_cap(LineCapStyle::RoundCap);
@@ -255,12 +298,18 @@ fn content(list: &DisplayList, height: f32, font: &EmbeddedFont) -> Vec<u8> {
     set_ink(&mut content, Ink::from(list.background), &mut last);
     content.rect(0.0, 0.0, list.size[0] as f32, list.size[1] as f32).fill_nonzero();
     for shape in list.backdrop.iter().chain(&list.shapes) {
-        draw_shape(&mut content, shape, font, &mut last);
+        draw_shape(&mut content, shape, font, images, &mut last);
     }
     content.finish().to_vec()
 }
 
-fn draw_shape(content: &mut Content, shape: &Shape, font: &EmbeddedFont, last: &mut Option<Ink>) {
+fn draw_shape(
+    content: &mut Content,
+    shape: &Shape,
+    font: &EmbeddedFont,
+    images: &[Arc<Bitmap>],
+    last: &mut Option<Ink>,
+) {
     match shape {
         Shape::Rect { rect, ink } => {
             set_ink(content, *ink, last);
@@ -279,7 +328,7 @@ fn draw_shape(content: &mut Content, shape: &Shape, font: &EmbeddedFont, last: &
             draw_points(content, &simplified(points));
             content.stroke();
         }
-        Shape::Clip { window, shapes } => draw_clip(content, window, shapes, font, last),
+        Shape::Clip { window, shapes } => draw_clip(content, window, shapes, font, images, last),
         Shape::Text { line, at, ink } => {
             set_ink(content, *ink, last);
             match line.text.is_empty() {
@@ -292,6 +341,17 @@ fn draw_shape(content: &mut Content, shape: &Shape, font: &EmbeddedFont, last: &
                 false => show_line(content, line, *at, font),
             }
         }
+        Shape::Image { bitmap, rect, opacity } => {
+            let number = images.iter().position(|image| image == bitmap).unwrap_or(0);
+            let [x, y, width, height] =
+                [rect.origin.x, rect.origin.y, rect.width(), rect.height()].map(|length| length as f32);
+            content.save_state();
+            content.set_parameters(Name(opacity_name(*opacity).as_bytes()));
+            // An image fills the unit square with its first row at the top, at y = 1.
+            content.transform([width, 0.0, 0.0, -height, x, y + height]);
+            content.x_object(Name(image_name(number).as_bytes()));
+            content.restore_state();
+        }
     }
 }
 
@@ -300,6 +360,7 @@ fn draw_clip(
     window: &crate::physics::Rect,
     shapes: &[Shape],
     font: &EmbeddedFont,
+    images: &[Arc<Bitmap>],
     last: &mut Option<Ink>,
 ) {
     let [x, y, width, height] =
@@ -307,7 +368,7 @@ fn draw_clip(
     content.save_state();
     content.rect(x, y, width, height).clip_nonzero().end_path();
     let outer = *last;
-    shapes.iter().for_each(|shape| draw_shape(content, shape, font, last));
+    shapes.iter().for_each(|shape| draw_shape(content, shape, font, images, last));
     content.restore_state();
     *last = outer;
 }
@@ -403,7 +464,7 @@ mod tests {
     fn the_text_of_a_page_is_shown_once_and_its_halo_has_none() {
         let list = list("abc");
         let font = EmbeddedFont::of(&list);
-        let content = content(&list, 45.0, &font);
+        let content = content(&list, 45.0, &font, &[]);
         let count = |word: &[u8]| content.windows(word.len()).filter(|bytes| *bytes == word).count();
         assert_eq!([count(b"BT"), count(b"/ActualText"), count(b"EMC")], [2, 1, 1]);
     }

@@ -3,13 +3,14 @@
 use super::MAX_PIXELS;
 use crate::picture::encode::quantize::IndexedImage;
 use crate::picture::raster::color::blend;
-use crate::picture::{Metadata, Picture, RenderError};
+use crate::picture::{Bitmap, Metadata, Picture, RenderError};
+use crate::recording::limits;
 use miniz_oxide::deflate::compress_to_vec_zlib;
 use png::{
     BitDepth, ColorType, Compression, Decoder, DecodingError, Encoder, EncodingError, Filter, Info, PixelDimensions,
     Transformations, Unit, chunk::IDAT,
 };
-use std::io::{BufRead, Seek, Write};
+use std::io::{BufRead, Cursor, Seek, Write};
 
 /// The effort of compressing a PNG file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -81,12 +82,49 @@ pub fn decode(input: impl BufRead + Seek) -> Result<(Picture, Metadata), RenderE
     Ok((Picture { size: [frame.width, frame.height], pixels }, text_chunks(reader.info())))
 }
 
+/// Reads the pixels of an image for boxes, with their opacity: of an animation the first picture.
+///
+/// # Errors
+/// A description of the problem if the file is damaged, has too many pixels along a side, or is no PNG file.
+pub fn decode_bitmap(file: &[u8]) -> Result<Bitmap, String> {
+    const MAX_BYTES: usize = 4 * limits::IMAGES_PIXELS as usize;
+    let mut decoder = Decoder::new_with_limits(Cursor::new(file), png::Limits { bytes: 2 * MAX_BYTES });
+    decoder.set_transformations(Transformations::normalize_to_color8() | Transformations::ALPHA);
+    decoder.set_ignore_text_chunk(true);
+    decoder.set_ignore_iccp_chunk(true);
+    let unreadable = |error: DecodingError| format!("it is not a valid PNG file: {error}");
+    let mut reader = decoder.read_info().map_err(unreadable)?;
+    let size @ [width, height] = [reader.info().width, reader.info().height];
+    if size.iter().any(|side| *side > limits::IMAGE_SIDE)
+        || u64::from(width) * u64::from(height) > limits::IMAGES_PIXELS
+    {
+        return Err(format!(
+            "it has {width} × {height} pixels, but at most {} along each side and {} in all are allowed",
+            limits::IMAGE_SIDE,
+            limits::IMAGES_PIXELS
+        ));
+    }
+    let bytes = reader.output_buffer_size().ok_or_else(|| "it has too many pixels".to_owned())?;
+    let mut samples = vec![0; bytes];
+    let frame = reader.next_frame(&mut samples).map_err(unreadable)?;
+    let pixels = samples[..frame.buffer_size()].chunks_exact(frame.color_type.samples()).map(rgba).collect();
+    Ok(Bitmap { size: [frame.width, frame.height], pixels })
+}
+
+/// Writes an image for boxes as a PNG file.
+pub(super) fn encode_bitmap(bitmap: &Bitmap) -> Result<Vec<u8>, RenderError> {
+    let mut file = Vec::new();
+    let encoder = encoder(bitmap.size, ColorType::Rgba, &Metadata::default(), &mut file)?;
+    finish(encoder, bitmap.pixels.as_flattened(), bitmap.size, PngEffort::Small)?;
+    Ok(file)
+}
+
 /// Reads the metadata of a PNG file without its pixels.
 ///
 /// # Errors
 /// If `file` is not a valid PNG file up to its pixels.
 pub fn metadata(file: &[u8]) -> Result<Metadata, RenderError> {
-    let decoder = Decoder::new_with_limits(std::io::Cursor::new(file), png::Limits { bytes: 4 * MAX_PIXELS });
+    let decoder = Decoder::new_with_limits(Cursor::new(file), png::Limits { bytes: 4 * MAX_PIXELS });
     let reader = decoder.read_info().map_err(read_error)?;
     Ok(text_chunks(reader.info()))
 }

@@ -2,13 +2,14 @@
 
 use crate::physics::{Rect, Vector, larger};
 use crate::picture::number::Hundredths;
-use crate::picture::raster::simplified;
+use crate::picture::raster::{distinct_bitmaps, simplified};
 use crate::picture::text::{Font, Glyph, Line, PathSegment, UNITS_PER_EM};
-use crate::picture::{DisplayList, Ink, Metadata, RenderError, Shape, TextAs};
+use crate::picture::{Bitmap, DisplayList, Ink, Metadata, RenderError, Shape, TextAs, png};
 use crate::text::Escaped;
 use std::collections::BTreeSet;
 use std::fmt::{self, Display, Formatter};
 use std::io::Write;
+use std::sync::Arc;
 
 /// Writes a display list as a self-contained SVG file.
 ///
@@ -36,12 +37,74 @@ pub fn encode(
     if text == TextAs::Outlines {
         encode_glyphs(list, &mut output)?;
     }
+    let images = distinct_bitmaps(list);
+    encode_images(&images, &mut output)?;
     writeln!(output, "<rect width=\"{width}\" height=\"{height}\" fill=\"{}\"/>", list.background)?;
     for shape in list.backdrop.iter().chain(&list.shapes) {
-        encode_shape(shape, text, &mut output)?;
+        encode_shape(shape, text, &images, &mut output)?;
     }
     writeln!(output, "</svg>")?;
     Ok(())
+}
+
+/// Writes a definition of every image.
+fn encode_images(images: &[Arc<Bitmap>], output: &mut impl Write) -> Result<(), RenderError> {
+    if images.is_empty() {
+        return Ok(());
+    }
+    writeln!(output, "<defs>")?;
+    for (number, bitmap) in images.iter().enumerate() {
+        let [width, height] = bitmap.size;
+        let file = png::encode_bitmap(bitmap)?;
+        writeln!(
+            output,
+            "<image id=\"i{number}\" width=\"{width}\" height=\"{height}\" preserveAspectRatio=\"none\" \
+             href=\"data:image/png;base64,{}\"/>",
+            Base64(&file)
+        )?;
+    }
+    writeln!(output, "</defs>")?;
+    Ok(())
+}
+
+/// Writes a use of an image. An enlarged one keeps its sharp pixels, as in raster files.
+fn encode_image(
+    number: usize,
+    bitmap: &Bitmap,
+    rect: &Rect,
+    opacity: u8,
+    output: &mut impl Write,
+) -> Result<(), RenderError> {
+    let [columns, rows] = bitmap.size.map(f64::from);
+    let [scale_x, scale_y] = [rect.width() / columns, rect.height() / rows];
+    let sharp = if scale_x >= 1.0 && scale_y >= 1.0 { " style=\"image-rendering:pixelated\"" } else { "" };
+    let opacity = if opacity == 255 { String::new() } else { format!(" opacity=\"{}\"", f32::from(opacity) / 255.0) };
+    let [x, y] = [rect.origin.x, rect.origin.y].map(Hundredths);
+    writeln!(
+        output,
+        "<use href=\"#i{number}\" transform=\"translate({x} {y}) scale({scale_x} {scale_y})\"{opacity}{sharp}/>"
+    )?;
+    Ok(())
+}
+
+/// Binary data in the alphabet of RFC 4648.
+struct Base64<'a>(&'a [u8]);
+
+impl Display for Base64<'_> {
+    fn fmt(&self, out: &mut Formatter) -> fmt::Result {
+        const DIGITS: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+        let mut text = String::with_capacity(self.0.len().div_ceil(3) * 4);
+        for bytes in self.0.chunks(3) {
+            let at = |index: usize| u32::from(bytes.get(index).copied().unwrap_or(0));
+            let bits = at(0) << 16 | at(1) << 8 | at(2);
+            for digit in 0..4 {
+                let is_padding = digit > bytes.len();
+                let value = DIGITS[(bits >> (18 - 6 * digit) & 63) as usize];
+                text.push(if is_padding { '=' } else { char::from(value) });
+            }
+        }
+        out.write_str(&text)
+    }
 }
 
 /// Reads the metadata of an SVG file written by [`encode`].
@@ -57,7 +120,7 @@ pub fn metadata(file: &[u8]) -> Metadata {
 fn encode_glyphs(list: &DisplayList, output: &mut impl Write) -> Result<(), RenderError> {
     let lines = list.leaves().filter_map(|shape| match shape {
         Shape::Text { line, .. } => Some(line),
-        Shape::Rect { .. } | Shape::Polygon { .. } | Shape::Polyline { .. } | Shape::Clip { .. } => None,
+        _ => None,
     });
     let used: BTreeSet<u16> = lines.flat_map(|line| line.glyphs.iter().map(|glyph| glyph.id)).collect();
     writeln!(output, "<defs>")?;
@@ -70,7 +133,12 @@ fn encode_glyphs(list: &DisplayList, output: &mut impl Write) -> Result<(), Rend
     Ok(())
 }
 
-fn encode_shape(shape: &Shape, text: TextAs, output: &mut impl Write) -> Result<(), RenderError> {
+fn encode_shape(
+    shape: &Shape,
+    text: TextAs,
+    images: &[Arc<Bitmap>],
+    output: &mut impl Write,
+) -> Result<(), RenderError> {
     match shape {
         Shape::Rect { rect, ink } => writeln!(
             output,
@@ -91,7 +159,7 @@ fn encode_shape(shape: &Shape, text: TextAs, output: &mut impl Write) -> Result<
             Hundredths(*width),
             Stroke(*ink)
         )?,
-        Shape::Clip { window, shapes } => encode_clip(window, shapes, text, output)?,
+        Shape::Clip { window, shapes } => encode_clip(window, shapes, text, images, output)?,
         Shape::Text { line, at, ink } => match text {
             TextAs::Outlines => {
                 encode_outlines(line, *at, *ink, output)?;
@@ -102,18 +170,28 @@ fn encode_shape(shape: &Shape, text: TextAs, output: &mut impl Write) -> Result<
             TextAs::Text if line.text.is_empty() => encode_halo(line, *at, *ink, output)?,
             TextAs::Text => encode_text(line, *at, *ink, output)?,
         },
+        Shape::Image { bitmap, rect, opacity } => {
+            let number = images.iter().position(|image| image == bitmap).unwrap_or(0);
+            encode_image(number, bitmap, rect, *opacity, output)?;
+        }
     }
     Ok(())
 }
 
 /// Writes a nested `svg` element, which clips its content.
-fn encode_clip(window: &Rect, shapes: &[Shape], text: TextAs, output: &mut impl Write) -> Result<(), RenderError> {
+fn encode_clip(
+    window: &Rect,
+    shapes: &[Shape],
+    text: TextAs,
+    images: &[Arc<Bitmap>],
+    output: &mut impl Write,
+) -> Result<(), RenderError> {
     let [x, y, width, height] = [window.origin.x, window.origin.y, window.width(), window.height()].map(f64::round);
     writeln!(
         output,
         "<svg x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" viewBox=\"{x} {y} {width} {height}\">"
     )?;
-    shapes.iter().try_for_each(|shape| encode_shape(shape, text, output))?;
+    shapes.iter().try_for_each(|shape| encode_shape(shape, text, images, output))?;
     writeln!(output, "</svg>")?;
     Ok(())
 }

@@ -3,7 +3,7 @@
 use super::panels::{Layout, Panels, TITLE, fitted_math, outline, target_extent, world_view};
 use super::{FigureRun, legend};
 use crate::physics::{Rect, Vector, larger, smaller};
-use crate::picture::layers::bodies::draw_box;
+use crate::picture::layers::bodies::{draw_box, image_of};
 use crate::picture::layers::{self, LayoutContext};
 use crate::picture::number::{TimeFormat, Unit};
 use crate::picture::text::Line;
@@ -89,6 +89,11 @@ fn ghosts(earlier: &[Frame], last: &Frame, context: &LayoutContext) -> Shape {
         for sprite in frame.sprites.iter().filter(|sprite| !sprite.appearance.is_wall && has_moved(sprite, last)) {
             let Some(rect) = context.visible_rect(sprite) else { continue };
             let fill = color::body_color(sprite, &context.view.style);
+            if let Some(image) = image_of(sprite, &context.view.style) {
+                let opacity = (255 * (100 - faded_percent(index, earlier.len())) / 100) as u8;
+                shapes.push(Shape::Image { bitmap: image.clone(), rect, opacity });
+                continue;
+            }
             draw_ghost(&rect, faded(fill, index, earlier.len(), context), context, &mut shapes);
         }
     }
@@ -105,8 +110,12 @@ fn has_moved(sprite: &Sprite, last: &Frame) -> bool {
 
 /// Fades a colour towards the background: from 25 % of it at the first of `count` instants to almost 70 % at the last.
 fn faded(color: Color, index: usize, count: usize, context: &LayoutContext) -> Color {
-    let percent = 75 - 45 * index / count;
-    color.mix(context.metrics.palette.background, percent as u8)
+    color.mix(context.metrics.palette.background, faded_percent(index, count) as u8)
+}
+
+/// The part of the background in the colour of an instant, %.
+fn faded_percent(index: usize, count: usize) -> usize {
+    75 - 45 * index / count
 }
 
 /// Draws a box semi-transparently.

@@ -1,7 +1,7 @@
 use super::axes::{Axes, AxisTitles, Range, Scale};
 use super::panels::Layout;
 use crate::physics::{Rect, Vector, larger, smaller};
-use crate::picture::layers::footer::{Entry, Legend, quoted};
+use crate::picture::layers::footer::{Entry, Legend, gap_entries, quoted};
 use crate::picture::number::{Unit, exp, format_significant};
 use crate::picture::text::Line;
 use crate::picture::{DisplayList, DrawingMetrics, Ink, RenderError, Shape, Style, color};
@@ -127,16 +127,15 @@ pub fn speeds(runs: &[SpeedRun], style: &Style) -> Result<DisplayList, RenderErr
         size: style.look.size,
         metrics,
         caption: &style.look.caption,
-        legend: &|_| Legend {
-            entries: vec![
+        legend: &|_| {
+            let distribution =
+                language.of("Maxwell–Boltzmann in two dimensions", "Maxwell–Boltzmann à deux dimensions");
+            let mut entries = vec![
                 Entry { name: quoted(language.of("bodies", "corps")), ..Entry::new(bar, "") },
-                Entry {
-                    name: quoted(
-                        language.of("Maxwell–Boltzmann in two dimensions", "Maxwell–Boltzmann à deux dimensions"),
-                    ),
-                    ..Entry::new(line, "")
-                },
-            ],
+                Entry { name: quoted(distribution), ..Entry::new(line, "") },
+            ];
+            entries.extend(gap_entries(&style.gaps, language, metrics.palette.muted));
+            Legend { entries }
         },
         titles: &runs.iter().map(|run| run.title.as_str()).collect::<Vec<&str>>(),
         shape: Vector::new(1.5, 1.0),

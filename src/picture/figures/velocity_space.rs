@@ -1,7 +1,7 @@
 use super::axes::{Axes, AxisTitles, Range, Scale};
 use super::panels::{Layout, TITLE};
 use crate::physics::{Axis, BodyId, Collision, Observer, Rect, Vector, larger, smaller};
-use crate::picture::layers::footer::{Entry, Legend, quoted};
+use crate::picture::layers::footer::{Entry, Legend, gap_entries, quoted};
 use crate::picture::number::{TimeFormat, Unit};
 use crate::picture::text::{Line, truncated};
 use crate::picture::{Color, DisplayList, DrawingMetrics, Ink, RenderError, Shape, Style, color};
@@ -73,6 +73,17 @@ impl VelocityPath {
         let ids = bodies.each_ref().map(|(_, id, ..)| *id);
         let names = bodies.map(|(name, ..)| name);
         VelocityPath { names, ids, roots, axis, start, now: start, lines: BTreeSet::new(), cell, count: 0 }
+    }
+
+    /// Continues the path at the velocities (m/s) of bodies, after a part of the run that is unknown.
+    pub fn restart(&mut self, velocities: impl Iterator<Item = (BodyId, Vector)>) {
+        let mut now = [self.now.x, self.now.y];
+        for (id, velocity) in velocities {
+            for at in [0, 1].into_iter().filter(|&at| self.ids[at] == id) {
+                now[at] = self.roots[at] * velocity[self.axis];
+            }
+        }
+        self.now = Vector::new(now[0], now[1]);
     }
 
     fn at_cell(&self, at: Vector) -> [i64; 2] {
@@ -149,7 +160,9 @@ pub fn velocity_space(runs: &[VelocityRun], style: &Style) -> Result<DisplayList
                 entry(circle, language.of("energy at the start", "énergie initiale")),
                 entry(metrics.palette.penetration, language.of("start", "début")),
             ];
-            if has_pair { Legend { entries } } else { Legend::of_colors(style) }
+            let mut legend = if has_pair { Legend { entries } } else { Legend::of_colors(style) };
+            legend.entries.extend(gap_entries(&style.gaps, language, metrics.palette.muted));
+            legend
         },
         titles: &runs.iter().map(|run| run.title.as_str()).collect::<Vec<&str>>(),
         shape: Vector::new(1.0, 1.1),

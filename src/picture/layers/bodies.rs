@@ -1,7 +1,8 @@
 use super::{LayoutContext, body_labels};
 use crate::physics::{Rect, Vector, larger, smaller};
-use crate::picture::{Color, DrawingMetrics, Frame, Ink, Shape, Sprite, color};
+use crate::picture::{Bitmap, Color, DrawingMetrics, Frame, Ink, Shape, Sprite, color};
 use crate::picture::{ColorBy, Overlay, Style};
+use std::sync::Arc;
 
 /// Draws the boxes, each with a border inside its edge. A few boxes that are hardly visible are marked by rings.
 pub fn draw(frame: &Frame, context: &LayoutContext, shapes: &mut Vec<Shape>) {
@@ -9,6 +10,11 @@ pub fn draw(frame: &Frame, context: &LayoutContext, shapes: &mut Vec<Shape>) {
     for sprite in frame.sprites.iter().filter(|sprite| !sprite.appearance.is_wall) {
         let Some(rect) = context.visible_rect(sprite) else { continue };
         let fill = color::body_color(sprite, &context.view.style);
+        if let Some(image) = image_of(sprite, &context.view.style) {
+            shapes.push(Shape::Image { bitmap: image.clone(), rect, opacity: 255 });
+            shapes.extend(body_labels::inside(sprite, &rect, fill, box_count, context));
+            continue;
+        }
         draw_box(&rect, fill, &context.metrics, shapes);
         if let Some(visible) = rect.intersection(&context.camera.viewport) {
             Hatching::of_body(sprite, &context.view.style).draw(&visible, fill, &context.metrics, shapes);
@@ -21,6 +27,11 @@ pub fn draw(frame: &Frame, context: &LayoutContext, shapes: &mut Vec<Shape>) {
         }
         shapes.extend(body_labels::inside(sprite, &rect, fill, box_count, context));
     }
+}
+
+/// The image that is drawn in place of the box of a body: its own, unless the colours of boxes have a meaning.
+pub fn image_of<'a>(sprite: &'a Sprite, style: &Style) -> Option<&'a Arc<Bitmap>> {
+    sprite.appearance.image.as_ref().filter(|_| style.look.color_by == ColorBy::Body)
 }
 
 /// The smallest box, px: a smaller one is drawn with this size.

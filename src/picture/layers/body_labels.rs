@@ -1,4 +1,4 @@
-use super::bodies::{Hatching, marked_rect};
+use super::bodies::{Hatching, image_of, marked_rect};
 use super::footer::quoted;
 use super::{LabeledArrow, LayoutContext, center_of_mass, grid};
 use crate::physics::{Rect, Vector, smaller};
@@ -6,7 +6,7 @@ use crate::picture::Overlay;
 use crate::picture::layers::labels::{Label, LabelPlacer};
 use crate::picture::number::format_significant;
 use crate::picture::text::{Line, truncated};
-use crate::picture::{Color, Frame, Shape, Sprite, color};
+use crate::picture::{Color, Frame, Shape, Sprite, Style, color};
 
 /// With more boxes than this only labels inside boxes are drawn, because labels next to them would be unreadable.
 const MAX_PLACED: usize = 40;
@@ -116,8 +116,8 @@ fn place(
     if let Some(bounds) = own_placer.first_free(candidates_inside(&line, rect, context)) {
         placer.reserve(bounds);
         let fill = color::body_color(sprite, &context.view.style);
-        if Hatching::of_body(sprite, &context.view.style) != Hatching::None {
-            // Text is not legible on hatching.
+        if has_pattern(sprite, &context.view.style) {
+            // Text is not legible on hatching or an image.
             shapes.push(Shape::Rect { rect: bounds.inset(-context.metrics.line_width), ink: fill.into() });
         }
         return Some(PlacedLabel::Inside(Label::in_bounds(&bounds, line, context.metrics.palette.text_on(fill))));
@@ -135,6 +135,11 @@ fn place(
 
 /// Weight of the area of a box covered by a label.
 const BOX_WEIGHT: f64 = 1.5;
+
+/// Returns true if a box has hatching or an image.
+fn has_pattern(sprite: &Sprite, style: &Style) -> bool {
+    Hatching::of_body(sprite, style) != Hatching::None || image_of(sprite, style).is_some()
+}
 
 /// A placed label: inside its box, where it needs no halo, or next to it.
 enum PlacedLabel {
@@ -227,7 +232,7 @@ pub fn inside(sprite: &Sprite, rect: &Rect, fill: Color, box_count: usize, conte
     });
     let Some((line, bounds)) = fitting else { return Vec::new() };
     let mut shapes = Vec::new();
-    if Hatching::of_body(sprite, &context.view.style) != Hatching::None {
+    if has_pattern(sprite, &context.view.style) {
         shapes.push(Shape::Rect { rect: bounds.inset(-context.metrics.line_width), ink: fill.into() });
     }
     Label::in_bounds(&bounds, line, context.metrics.palette.text_on(fill)).draw_bare(&mut shapes);

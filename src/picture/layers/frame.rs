@@ -1,5 +1,6 @@
 use crate::physics::{BodyId, Collision, Rect, Spawn, Vector};
-use crate::picture::Color;
+use crate::picture::{Bitmap, Color};
+use crate::recording::color_and_image;
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 
@@ -40,6 +41,8 @@ pub struct Appearance {
     pub material: String,
     /// The colour that its scene assigns, if any.
     pub color: Option<Color>,
+    /// The image that is drawn into its box, if any.
+    pub image: Option<Arc<Bitmap>>,
     /// Mass, kg; infinite for a static body.
     pub mass: f64,
     /// Sum of its weight and the constant force on it, N; zero for a static body.
@@ -49,14 +52,15 @@ pub struct Appearance {
 }
 
 impl Appearance {
-    /// The appearance of a body with these parameters.
+    /// The appearance of a body with these parameters, without its image.
     pub fn new(id: BodyId, spawn: &Spawn, color: Option<&str>, gravity: Option<Vector>) -> Appearance {
         let is_wall = spawn.mass == f64::INFINITY && spawn.name.starts_with("wall-");
         Appearance {
             id,
             name: spawn.name.clone(),
             material: spawn.material.clone(),
-            color: color.and_then(Color::parse),
+            color: color_and_image(color).0.and_then(Color::parse),
+            image: None,
             mass: spawn.mass,
             force: force(spawn, gravity),
             is_wall,
@@ -101,6 +105,11 @@ impl Trails {
     /// The number of steps that a trail covers.
     pub fn steps(&self) -> u64 {
         self.steps
+    }
+
+    /// Forgets all positions, because states are missing: no trail leads across a gap.
+    pub fn interrupt(&mut self) {
+        self.positions.clear();
     }
 
     /// Adds the positions of `sprites` at `step` and sets the trail of each sprite.

@@ -1,3 +1,4 @@
+use super::bitmap::{Bitmap, QuarterRect};
 use super::coverage_mask::CoverageMask;
 use super::{ClipRect, FULL_COVERAGE};
 use crate::physics::Rect;
@@ -68,6 +69,19 @@ impl Canvas {
             pixels[first..last].fill(pixel(ink.color));
         } else {
             pixels[first..last].iter_mut().for_each(|below| blend(below, ink, rows * 4));
+        }
+    }
+
+    /// Draws a bitmap into a rectangle (px), its edges rounded to quarter pixels, with an opacity up to 255.
+    pub fn draw_bitmap(&mut self, bitmap: &Bitmap, rect: &Rect, opacity: u8) {
+        let Some((quarters, [left, top])) = QuarterRect::of(rect) else { return };
+        let [width, height] = quarters.pixels().map(|side| side as i64);
+        let clip = self.clip;
+        let columns = (clip.left as i64 - left).max(0)..(clip.right as i64 - left).min(width);
+        let rows = (clip.top as i64 - top).max(0)..(clip.bottom as i64 - top).min(height);
+        if !columns.is_empty() && !rows.is_empty() {
+            let [columns, rows] = [columns, rows].map(|range| range.start as usize..range.end as usize);
+            bitmap.scaled(&quarters, columns, rows).draw(self, [left, top], opacity);
         }
     }
 

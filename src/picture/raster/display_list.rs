@@ -1,7 +1,8 @@
 use crate::physics::{Rect, Vector};
 use crate::picture::number::Hundredths;
-use crate::picture::{Color, text::Line};
+use crate::picture::{Bitmap, Color, text::Line};
 use std::fmt::{Display, Formatter, Result};
+use std::sync::Arc;
 
 /// A picture as resolution-independent shapes; every output format is made from it.
 ///
@@ -60,6 +61,15 @@ pub enum Shape {
         /// Fill of the glyphs.
         ink: Ink,
     },
+    /// A bitmap that fills a rectangle.
+    Image {
+        /// The pixels.
+        bitmap: Arc<Bitmap>,
+        /// Position and size, px.
+        rect: Rect,
+        /// Opacity: 0 is transparent, 255 opaque.
+        opacity: u8,
+    },
 }
 
 /// A colour with opacity.
@@ -85,7 +95,7 @@ impl Shape {
             Shape::Polygon { points, .. } => cut_points(points, Ends::Joined),
             Shape::Polyline { points, .. } => cut_points(points, Ends::Free),
             Shape::Clip { shapes, .. } => shapes.iter_mut().for_each(Shape::cut_to_reach),
-            Shape::Text { .. } => {}
+            Shape::Text { .. } | Shape::Image { .. } => {}
         }
     }
 
@@ -93,9 +103,11 @@ impl Shape {
     pub fn leaves(&self) -> Box<dyn Iterator<Item = &Shape> + '_> {
         match self {
             Shape::Clip { shapes, .. } => Box::new(shapes.iter().flat_map(Shape::leaves)),
-            Shape::Rect { .. } | Shape::Polygon { .. } | Shape::Polyline { .. } | Shape::Text { .. } => {
-                Box::new(std::iter::once(self))
-            }
+            Shape::Rect { .. }
+            | Shape::Polygon { .. }
+            | Shape::Polyline { .. }
+            | Shape::Text { .. }
+            | Shape::Image { .. } => Box::new(std::iter::once(self)),
         }
     }
 }
@@ -158,6 +170,19 @@ impl DisplayList {
     }
 }
 
+/// The different bitmaps of a page, in the order in which they are first drawn.
+pub fn distinct_bitmaps(list: &DisplayList) -> Vec<Arc<Bitmap>> {
+    let mut distinct: Vec<Arc<Bitmap>> = Vec::new();
+    for shape in list.leaves() {
+        if let Shape::Image { bitmap, .. } = shape
+            && !distinct.contains(bitmap)
+        {
+            distinct.push(bitmap.clone());
+        }
+    }
+    distinct
+}
+
 impl From<Color> for Ink {
     fn from(color: Color) -> Ink {
         Ink { color, opacity: 255 }
@@ -200,6 +225,11 @@ impl Display for Shape {
             }
             Shape::Text { line, at, ink } => {
                 write!(out, "text {:?} {} size {} {ink}", line.text, Position(*at), Hundredths(line.size))
+            }
+            Shape::Image { bitmap, rect, opacity } => {
+                let [width, height] = [rect.width(), rect.height()].map(Hundredths);
+                let [columns, rows] = bitmap.size;
+                write!(out, "image of {columns}×{rows} {} {width}×{height}/{opacity}", Position(rect.origin))
             }
         }
     }
@@ -260,7 +290,7 @@ mod tests {
                 assert!(cut.leaves().all(|shape| match shape {
                     Shape::Rect { rect, .. } => within(&rect.origin) && within(&rect.far_corner()),
                     Shape::Polygon { points, .. } | Shape::Polyline { points, .. } => points.iter().all(within),
-                    Shape::Clip { .. } | Shape::Text { .. } => false,
+                    Shape::Clip { .. } | Shape::Text { .. } | Shape::Image { .. } => false,
                 }));
                 assert_eq!(Painter::new().draw(&cut).pixels.len(), 96 * 64);
             }

@@ -7,6 +7,7 @@
 //! stored with a palette, which keeps them small and exact. For the same reason the camera rounds positions to quarter
 //! pixels. A frame of more colours is written as RGB in PNG and reduced to 256 colours in GIF.
 
+pub(crate) mod bitmap;
 pub(crate) mod canvas;
 pub(crate) mod color;
 pub(crate) mod coverage_mask;
@@ -14,15 +15,19 @@ mod display_list;
 mod simplified;
 mod stroke;
 
+pub use bitmap::Bitmap;
 pub use color::{Color, Palette, color_by_speed};
+pub(crate) use display_list::distinct_bitmaps;
 pub use display_list::{DisplayList, Ink, Shape};
 pub(crate) use simplified::simplified;
 
-use crate::physics::Vector;
+use crate::physics::{Rect, Vector};
 use crate::picture::text::{Glyph, Line};
+use bitmap::{QuarterRect, ScaledBitmap};
 use canvas::Canvas;
 use coverage_mask::CoverageMask;
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 /// A raster image: the output of the painter, the input of the encoders.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -65,6 +70,9 @@ pub(crate) fn quantize_coverage(coverage: f64) -> u8 {
 pub struct Painter {
     backdrop: Option<Backdrop>,
     glyphs: BTreeMap<GlyphKey, CoverageMask>,
+    /// Bitmaps at the sizes in which they were drawn, and the number of their pixels.
+    bitmaps: BTreeMap<(usize, QuarterRect), (Arc<Bitmap>, ScaledBitmap)>,
+    bitmap_pixels: usize,
 }
 
 struct Backdrop {
@@ -76,6 +84,9 @@ struct Backdrop {
 
 /// Glyph number, size, and subpixel position along x and y; all but the first in quarter pixels.
 type GlyphKey = (u16, u32, u8, u8);
+
+/// Maximum number of pixels of a cached bitmap, and of all of them.
+const MAX_BITMAP_PIXELS: [usize; 2] = [1 << 18, 1 << 22];
 
 /// Maximum number of cached glyphs, which bounds the memory for an animation whose text never repeats.
 const MAX_CACHED_GLYPHS: usize = 4096;
@@ -129,6 +140,7 @@ impl Painter {
                 canvas.clip = previous;
             }
             Shape::Text { line, at, ink } => self.draw_line(canvas, line, *at, *ink),
+            Shape::Image { bitmap, rect, opacity } => self.draw_bitmap(canvas, bitmap, rect, *opacity),
         }
     }
 
@@ -136,6 +148,26 @@ impl Painter {
         for glyph in &line.glyphs {
             self.draw_glyph(canvas, glyph, at.add(Vector::new(glyph.x, glyph.y)), ink);
         }
+    }
+
+    fn draw_bitmap(&mut self, canvas: &mut Canvas, bitmap: &Arc<Bitmap>, rect: &Rect, opacity: u8) {
+        let Some((quarters, corner)) = QuarterRect::of(rect) else { return };
+        let [width, height] = quarters.pixels();
+        let [of_one, of_all] = MAX_BITMAP_PIXELS;
+        if width.saturating_mul(height) > of_one {
+            return canvas.draw_bitmap(bitmap, rect, opacity);
+        }
+        if self.bitmap_pixels > of_all {
+            self.bitmaps.clear();
+            self.bitmap_pixels = 0;
+        }
+        // The cache keeps the bitmap alive, so no other one has its address.
+        let key = (Arc::as_ptr(bitmap) as usize, quarters);
+        let (_, scaled) = self.bitmaps.entry(key).or_insert_with(|| {
+            self.bitmap_pixels += width * height;
+            (bitmap.clone(), bitmap.scaled(&quarters, 0..width, 0..height))
+        });
+        scaled.draw(canvas, corner, opacity);
     }
 
     fn draw_glyph(&mut self, canvas: &mut Canvas, glyph: &Glyph, at: Vector, ink: Ink) {
