@@ -61,7 +61,7 @@ pub enum Command {
     Record(RecordOptions),
     /// Replay a recording and compare every state bit for bit
     Replay(ReplayOptions),
-    /// Draw a scene or recording as an animation or as pictures
+    /// Draw scenes or recordings as an animation or as pictures
     Render(RenderOptions),
     /// Draw a lecture figure of scenes or recordings as PNG, SVG or PDF
     Figure(FigureCommandOptions),

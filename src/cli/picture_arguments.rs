@@ -14,12 +14,10 @@ use std::path::PathBuf;
 /// Options of `render`.
 #[derive(Args, Debug)]
 #[command(after_help = "\
-OUT.gif, .apng, .mp4, .webm (with ffmpeg) are animations; .png, .svg, .pdf need
---at; a folder has a PNG per step. Options not given come from [figure].
+OUT is .gif, .apng, .mp4, .webm, a folder of PNG, or with --at .png, .svg, .pdf.
 
 Examples:
   rebond render run.mcap -o slow.apng --slow 0.1 --hold 0.5 at collisions
-  rebond render run.mcap -o impact.svg --at 24 --theme dark --size 1920x1080
   rebond render bullet-handout.mcap bullet-exact.mcap -o bullets.gif")]
 pub struct RenderOptions {
     /// Scenes (.toml) or recordings (.mcap), side by side
