@@ -83,6 +83,7 @@ mod junit;
 mod physics;
 #[cfg(feature = "draw")]
 mod picture;
+mod picture_choices;
 mod picture_options;
 mod recording;
 mod replay;
@@ -136,7 +137,9 @@ pub use picture::{
     AnimationFormat, Error as PictureError, FigureOptions, Provenance, Source, StillFormat, SubjectOptions,
     draw_to_vec, redraw,
 };
-pub use picture_options::{ColorBy, Language, Overlay, Overlays, PictureOptions, Quantity, StepOrTime, Theme, Window};
+pub use picture_options::{
+    ColorBy, Language, Overlay, Overlays, PictureOptions, Quantity, ReferenceFrame, StepOrTime, Theme, Window,
+};
 
 /// Modules of this crate for its own command, tests and benchmarks. They are not part of the API and may change in
 /// any version.

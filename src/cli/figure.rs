@@ -40,7 +40,7 @@ pub fn subject(options: &FigureCommandOptions) -> Result<SubjectOptions, Command
         format => format,
     };
     match format {
-        Some(format) => Ok(SubjectOptions::Figure { figure: options.figure(), format }),
+        Some(format) => Ok(SubjectOptions::Figure { figure: options.figure()?, format }),
         None => {
             let expected = "expected F.png, F.svg or F.pdf, or - for PNG on standard output";
             Err(CommandError::UnsupportedOutput { path: path.into(), expected })

@@ -4,7 +4,8 @@ use super::arguments::{JobOptions, OutputOptions, Shard};
 use crate::body_selector::BodySelector;
 use crate::physics::Axis;
 use crate::picture::{
-    CollisionFigure, FigureOptions, MAX_HOLD, MIN_HOLD, PictureOptions, Quantity, SPEEDS, StatesFigure,
+    self, CollisionFigure, FigureOptions, MAX_HOLD, MIN_HOLD, PictureOptions, Quantity, ReferenceFrame, SPEEDS,
+    StatesFigure,
 };
 use crate::picture_options::StepOrTime;
 use crate::scene::Sweep;
@@ -75,12 +76,11 @@ impl RenderOptions {
 #[command(after_help = "\
 Examples:
   rebond figure collision recordings/figure-1.toml -o collision.svg
-  rebond figure filmstrip run.mcap -o strip.png --from 40 --to 90 --every 10
   rebond figure lines run.toml --set 'restitution.default=[0.9 | 0.5]' -o e.svg
   rebond figure strobe bullet-handout.mcap bullet-exact.mcap -o bullets.svg")]
 pub struct FigureCommandOptions {
     /// The figure: collision, minkowski, strobe, spacetime, energy, filmstrip,
-    /// lines, speeds or velocity-space
+    /// lines, pressure, speeds or velocity-space
     #[arg(hide_possible_values = true)]
     pub kind: FigureKind,
     /// Scenes (.toml) or recordings (.mcap), side by side
@@ -96,8 +96,8 @@ pub struct FigureCommandOptions {
     #[command(flatten)]
     pub picture: PictureOptions,
     /// collision, minkowski: start at this step or time
-    #[arg(long, value_name = "STEP", default_value = "0", hide_default_value = true)]
-    pub step: StepOrTime,
+    #[arg(long, value_name = "STEP")]
+    pub step: Option<StepOrTime>,
     /// collision, minkowski: only collisions of these bodies
     #[arg(long, value_name = "A,B", value_parser = pair)]
     pub pair: Option<[String; 2]>,
@@ -105,11 +105,14 @@ pub struct FigureCommandOptions {
     #[arg(long, value_name = "LIST")]
     pub bodies: Option<BodySelector>,
     /// lines: x, y, vx, vy, speed (default), height, E or p
-    #[arg(long, value_name = "NAME", default_value = "speed", hide_default_value = true)]
-    pub quantity: Quantity,
-    /// spacetime, velocity-space: draw x or y
-    #[arg(long, default_value = "x", hide_possible_values = true)]
-    pub axis: FigureAxis,
+    #[arg(long, value_name = "NAME")]
+    pub quantity: Option<Quantity>,
+    /// spacetime, velocity-space: draw x (default) or y
+    #[arg(long, hide_possible_values = true)]
+    pub axis: Option<FigureAxis>,
+    /// collision: velocities in the frame lab (default) or com
+    #[arg(long, value_name = "NAME")]
+    pub frame: Option<ReferenceFrame>,
     /// Title of a source; repeatable [default: the scene's]
     #[arg(long, value_name = "TEXT")]
     pub title: Vec<String>,
@@ -122,23 +125,138 @@ impl FigureCommandOptions {
     }
 
     /// The figure to draw.
-    pub fn figure(&self) -> FigureOptions {
-        let (step, pair) = (self.step, self.pair.clone());
-        let axis = match self.axis {
-            FigureAxis::X => Axis::X,
-            FigureAxis::Y => Axis::Y,
+    ///
+    /// # Errors
+    /// If an option is given that the kind of figure does not have.
+    pub fn figure(&self) -> Result<FigureOptions, picture::Error> {
+        if let Some(option) = KIND_OPTIONS.iter().find(|option| option.is_misplaced(self)) {
+            return Err(picture::Error::Incompatible { reason: option.refusal(self.kind) });
+        }
+        let collision = |figure| FigureOptions::Collision {
+            figure,
+            step: self.step.unwrap_or(StepOrTime::Step(0)),
+            pair: self.pair.clone(),
         };
-        match self.kind {
-            FigureKind::Collision => FigureOptions::Collision { figure: CollisionFigure::Stages, step, pair },
-            FigureKind::Minkowski => FigureOptions::Collision { figure: CollisionFigure::Minkowski, step, pair },
+        let axis = match self.axis {
+            Some(FigureAxis::X) | None => Axis::X,
+            Some(FigureAxis::Y) => Axis::Y,
+        };
+        Ok(match self.kind {
+            FigureKind::Collision => {
+                collision(CollisionFigure::Stages(self.frame.unwrap_or(ReferenceFrame::Laboratory)))
+            }
+            FigureKind::Minkowski => collision(CollisionFigure::Minkowski),
             FigureKind::Strobe => FigureOptions::States(StatesFigure::Strobe),
             FigureKind::Spacetime => FigureOptions::States(StatesFigure::Spacetime(axis)),
             FigureKind::Energy => FigureOptions::Energy,
             FigureKind::Speeds => FigureOptions::Speeds,
+            FigureKind::Pressure => FigureOptions::Pressure,
             FigureKind::VelocitySpace => FigureOptions::VelocitySpace(axis),
-            FigureKind::Lines => FigureOptions::Lines(self.quantity),
+            FigureKind::Lines => FigureOptions::Lines(self.quantity.unwrap_or(Quantity::Speed)),
             FigureKind::Filmstrip => FigureOptions::States(StatesFigure::Filmstrip),
-        }
+        })
+    }
+}
+
+/// An option that only some kinds of figures have.
+struct KindOption {
+    flag: &'static str,
+    is_given: fn(&FigureCommandOptions) -> bool,
+    kinds: &'static [FigureKind],
+    /// The end of the refusal: what to do instead.
+    instead: &'static str,
+}
+
+/// The kinds that show instants of a run as pictures of the world.
+const OF_WORLD: &[FigureKind] = &[FigureKind::Strobe, FigureKind::Filmstrip];
+
+/// The kinds that show a single collision.
+const OF_COLLISION: &[FigureKind] = &[FigureKind::Collision, FigureKind::Minkowski];
+
+/// The kinds that show a part of a run.
+const OF_RUN: &[FigureKind] = &[
+    FigureKind::Strobe,
+    FigureKind::Spacetime,
+    FigureKind::Energy,
+    FigureKind::Filmstrip,
+    FigureKind::Lines,
+    FigureKind::Pressure,
+    FigureKind::Speeds,
+    FigureKind::VelocitySpace,
+];
+
+/// Every option that some kinds lack, with the kinds that have it.
+const KIND_OPTIONS: [KindOption; 11] = [
+    KindOption { flag: "--step", is_given: |all| all.step.is_some(), kinds: OF_COLLISION, instead: "" },
+    KindOption { flag: "--pair", is_given: |all| all.pair.is_some(), kinds: OF_COLLISION, instead: "" },
+    KindOption {
+        flag: "--bodies",
+        is_given: |all| all.bodies.is_some(),
+        kinds: &[
+            FigureKind::Strobe,
+            FigureKind::Spacetime,
+            FigureKind::Filmstrip,
+            FigureKind::Lines,
+            FigureKind::Pressure,
+            FigureKind::Speeds,
+            FigureKind::VelocitySpace,
+        ],
+        instead: "; the bodies of a collision are chosen with --pair",
+    },
+    KindOption { flag: "--quantity", is_given: |all| all.quantity.is_some(), kinds: &[FigureKind::Lines], instead: "" },
+    KindOption {
+        flag: "--axis",
+        is_given: |all| all.axis.is_some(),
+        kinds: &[FigureKind::Spacetime, FigureKind::VelocitySpace],
+        instead: "",
+    },
+    KindOption { flag: "--frame", is_given: |all| all.frame.is_some(), kinds: &[FigureKind::Collision], instead: "" },
+    KindOption {
+        flag: "--from",
+        is_given: |all| all.picture.from.is_some(),
+        kinds: OF_RUN,
+        instead: "; a collision is chosen with --step",
+    },
+    KindOption {
+        flag: "--to",
+        is_given: |all| all.picture.to.is_some(),
+        kinds: OF_RUN,
+        instead: "; a collision is chosen with --step",
+    },
+    KindOption {
+        flag: "--every",
+        is_given: |all| all.picture.every.is_some(),
+        kinds: &[
+            FigureKind::Strobe,
+            FigureKind::Spacetime,
+            FigureKind::Energy,
+            FigureKind::Filmstrip,
+            FigureKind::Lines,
+            FigureKind::Speeds,
+        ],
+        instead: "",
+    },
+    KindOption {
+        flag: "--window",
+        is_given: |all| all.picture.window.is_some(),
+        kinds: &[FigureKind::Strobe, FigureKind::Spacetime, FigureKind::Filmstrip],
+        instead: "",
+    },
+    KindOption { flag: "--follow", is_given: |all| all.picture.follow.is_some(), kinds: OF_WORLD, instead: "" },
+];
+
+impl KindOption {
+    /// Returns true if the option is given for a kind that does not have it.
+    fn is_misplaced(&self, options: &FigureCommandOptions) -> bool {
+        (self.is_given)(options) && !self.kinds.contains(&options.kind)
+    }
+
+    /// The reason why a kind of figure is not drawn with this option.
+    fn refusal(&self, kind: FigureKind) -> String {
+        let names: Vec<String> = self.kinds.iter().map(ToString::to_string).collect();
+        let (last, others) = names.split_last().expect("every option has a kind");
+        let kinds = if others.is_empty() { last.clone() } else { format!("{} and {last}", others.join(", ")) };
+        format!("the figure {kind} has no {}, which is an option of {kinds}{}", self.flag, self.instead)
     }
 }
 
@@ -159,10 +277,19 @@ pub enum FigureKind {
     Filmstrip,
     /// The distribution of speeds beside that of Maxwell and Boltzmann
     Speeds,
+    /// Impulse per time and length on walls and pistons, also against the volume
+    Pressure,
     /// Velocities of two bodies as a path on a circle, or of many as points
     VelocitySpace,
     /// A quantity of bodies against time, of all sources in one diagram
     Lines,
+}
+
+impl std::fmt::Display for FigureKind {
+    fn fmt(&self, out: &mut std::fmt::Formatter) -> std::fmt::Result {
+        let value = self.to_possible_value().expect("no kind is skipped");
+        out.write_str(value.get_name())
+    }
 }
 
 /// The coordinate that a space-time figure shows.
@@ -216,4 +343,53 @@ fn speed(text: &str) -> Result<f64, String> {
 fn positive(text: &str) -> Result<f64, String> {
     let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number > 0.0);
     number.ok_or_else(|| "expected a positive number".into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::Arguments;
+    use clap::Parser;
+
+    /// The options of `figure KIND` with further arguments.
+    fn parse(kind: FigureKind, arguments: &[&str]) -> FigureCommandOptions {
+        let kind = kind.to_string();
+        let line = [&["rebond", "figure", &kind, "run.mcap", "-o", "f.svg"], arguments].concat();
+        match Arguments::try_parse_from(line).unwrap().command {
+            crate::cli::Command::Figure(options) => options,
+            _ => unreachable!("the command is figure"),
+        }
+    }
+
+    #[test]
+    fn each_kind_accepts_its_options_and_refuses_the_others_by_the_kinds_that_have_them() {
+        let values = [
+            ("--step", "3"),
+            ("--pair", "a,b"),
+            ("--bodies", "a"),
+            ("--quantity", "x"),
+            ("--axis", "y"),
+            ("--frame", "com"),
+            ("--from", "1"),
+            ("--to", "1s"),
+            ("--every", "2"),
+            ("--window", "bodies"),
+            ("--follow", "a"),
+        ];
+        assert_eq!(values.map(|(flag, _)| flag), KIND_OPTIONS.each_ref().map(|option| option.flag));
+        for kind in FigureKind::value_variants() {
+            assert!(parse(*kind, &["--theme", "dark", "--caption", "any"]).figure().is_ok(), "{kind}");
+            for (option, (flag, value)) in KIND_OPTIONS.iter().zip(values) {
+                match parse(*kind, &[flag, value]).figure() {
+                    Ok(_) => assert!(option.kinds.contains(kind), "{kind} {flag}"),
+                    Err(error) => {
+                        let message = error.to_string();
+                        assert!(!option.kinds.contains(kind), "{kind} {flag}: {message}");
+                        assert!(message.starts_with(&format!("the figure {kind} has no {flag}, ")), "{message}");
+                        assert!(option.kinds.iter().all(|kind| message.contains(&kind.to_string())), "{message}");
+                    }
+                }
+            }
+        }
+    }
 }

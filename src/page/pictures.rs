@@ -1,5 +1,5 @@
 use rebond::internals::picture::figures::{self, CollisionSubject};
-use rebond::internals::picture::{Appearance, Metadata, PngEffort, Style, TextAs};
+use rebond::internals::picture::{Appearance, Metadata, PngEffort, ReferenceFrame, Style, TextAs};
 use rebond::internals::table::{CollisionRows, Rows, Table, TableFormat};
 use rebond::recordings::{BodyInfo, Playback, Recording};
 use rebond::{
@@ -79,7 +79,7 @@ pub fn collision_figure(
     style.look.language = language;
     style.look.size = [960, 540];
     let list = match kind {
-        FigureKind::Stages => figures::collision(&[subject], &style),
+        FigureKind::Stages => figures::collision(&[subject], ReferenceFrame::Laboratory, &style),
         FigureKind::Minkowski => figures::minkowski(&[subject], &style),
     };
     let list = list.map_err(|error| error.to_string())?;

@@ -10,7 +10,8 @@ use super::{
     Progress, Provenance, ReadStatus, ResolvedPicture, Source, Style, Subject, View,
 };
 use crate::physics::larger;
-use crate::picture::draw::{BodyNames, grid, run_names, text_warnings};
+use crate::picture::draw::{BodyNames, grid, text_warnings};
+use crate::picture::page::run_names;
 
 /// The input of an encoder of animations: the instants, how they are drawn, and when they are shown.
 pub struct Clip {

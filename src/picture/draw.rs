@@ -1,31 +1,23 @@
 use super::clip::clock;
-use super::collisions::{find_collision, max_impulse};
+use super::collisions::max_impulse;
 use super::encode::{PngEffort, write_apng, write_gif, write_png_sequence};
-use super::figures::{
-    self, CollisionSubject, EnergyRun, FigureRun, LineRun, LineSubject, Range, SpacetimeRun, SpeedRun, Timeline,
-    Velocities, VelocityPath, VelocityRun,
-};
 use super::layers::lanes::Lanes;
 use super::number::TimeFormat;
+use super::page::{compose_page, run_names, titles};
 use super::resimulation::Resimulation;
 use super::text::Font;
-use super::trace::trace;
 use super::{
-    Animation, AnimationFormat, AnimationSchedule, Clip, CollisionFigure, ColorBy, DisplayList, EnergySample, Error,
-    Frame, Frames, Instant, Look, Overlay, Page, PictureOptions, Progress, Provenance, Quantity, ReadStatus,
-    RenderError, ResolvedPicture, SOFTWARE, Sequence, Source, Sprite, Stage, StatesFigure, StepGrid, StepRange,
-    StillFormat, Style, Subject, SubjectOptions, Thinning, Timing, Trails, View, compose,
+    Animation, AnimationFormat, AnimationSchedule, Clip, ColorBy, DisplayList, Error, Instant, Look, Overlay, Page,
+    PictureOptions, Progress, Provenance, ReadStatus, RenderError, ResolvedPicture, SOFTWARE, Sequence, Source, Stage,
+    StepGrid, StillFormat, Style, Subject, SubjectOptions, Thinning, Timing, Trails, View, compose,
 };
 use super::{Appearance, Palette, color};
-use crate::body_selector::BodySelector;
-use crate::physics::{Axis, BodyId, Engine, larger};
-use crate::recording::{BodyInfo, Playback, SampledBody, SampledState};
-use crate::replay::{Replayer, Verdict};
-use std::collections::{BTreeMap, BTreeSet};
+use crate::physics::larger;
+use crate::recording::{BodyInfo, Playback};
+use std::collections::BTreeSet;
 use std::io::Write;
 use std::num::NonZero;
 use std::ops::RangeInclusive;
-use std::sync::Arc;
 
 /// The result of drawing.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -306,288 +298,8 @@ impl Animation {
     }
 }
 
-/// The shapes of a page, and how completely each recording was read.
-fn compose_page(
-    page: &Page,
-    picture: &ResolvedPicture,
-    sources: &[Source],
-    progress: Progress,
-) -> Result<(DisplayList, Vec<ReadStatus>), Error> {
-    match page {
-        Page::State { step, every } => state(*step, every.unwrap_or(1), picture, sources, progress),
-        Page::Collision { figure, collisions } => {
-            let style = Style::new(&picture.look, sources, progress)?;
-            let mut subjects = Vec::new();
-            for ((source, selector), title) in sources.iter().zip(collisions).zip(titles(&picture.titles, sources)) {
-                let collision = find_collision(source, selector.step, Some(&selector.pair), progress)?;
-                subjects.push(CollisionSubject { title, ..collision });
-            }
-            let list = match figure {
-                CollisionFigure::Stages => figures::collision(&subjects, &style)?,
-                CollisionFigure::Minkowski => figures::minkowski(&subjects, &style)?,
-            };
-            let statuses = sources.iter().map(Source::declared_health).collect::<Result<_, Error>>()?;
-            Ok((list, statuses))
-        }
-        Page::States { figure: StatesFigure::Spacetime(axis), steps } => {
-            let (mut runs, mut statuses) = (Vec::new(), Vec::new());
-            let style = Style::new(&picture.look, sources, progress)?;
-            for ((source, title), grid) in
-                sources.iter().zip(titles(&picture.titles, sources)).zip(grids(steps, sources))
-            {
-                let bodies = source.appearances()?;
-                let is_chosen = |body: &&Arc<Appearance>| body.is_wall || picture.look.bodies.contains(&body.name);
-                let column = column(&grid, &style);
-                let mut run = SpacetimeRun::new(title, source.world(), *axis, column);
-                let trace = trace(source, &grid, column, progress, |point| {
-                    if point.is_after_gap {
-                        run.lift();
-                    }
-                    for body in &point.world.bodies {
-                        if let Some(appearance) = bodies.get(&body.id).filter(is_chosen).cloned() {
-                            let (rect, velocity) = (body.rect, body.velocity);
-                            run.push(point.time, &Sprite { appearance, rect, velocity, trail: Vec::new() }, &style);
-                        }
-                    }
-                })?;
-                run.timeline = Timeline { changes: trace.changes, gaps: trace.gaps };
-                runs.push(run);
-                statuses.push(trace.status);
-            }
-            Ok((figures::spacetime(&runs, time_range(steps, sources), *axis, &style)?, statuses))
-        }
-        Page::States { figure, steps } => {
-            let mut style = Style::new(&picture.look, sources, progress)?;
-            let (mut runs, mut statuses) = (Vec::new(), Vec::new());
-            for ((source, title), grid) in
-                sources.iter().zip(titles(&picture.titles, sources)).zip(grids(steps, sources))
-            {
-                style.gaps.extend(source.gaps_in(&grid.steps));
-                let schedule = AnimationSchedule::from(grid);
-                let mut frames = Frames::new(source, &schedule, &picture.look.show)?;
-                let mut drawn = frames.by_ref().collect::<Result<Vec<Frame>, Error>>()?;
-                let is_chosen = |sprite: &Sprite| {
-                    sprite.appearance.is_wall || picture.look.bodies.contains(&sprite.appearance.name)
-                };
-                drawn.iter_mut().for_each(|frame| frame.sprites.retain(is_chosen));
-                runs.push(FigureRun { title, world: source.world(), frames: drawn });
-                statuses.push(frames.read_status());
-            }
-            let list = match figure {
-                StatesFigure::Strobe => figures::strobe(&runs, &style)?,
-                StatesFigure::Filmstrip | StatesFigure::Spacetime(_) => figures::filmstrip(&runs, &style)?,
-            };
-            Ok((list, statuses))
-        }
-        Page::Speeds { steps } => {
-            let mut style = Style::new(&picture.look, sources, progress)?;
-            let top = sources.iter().map(|source| source.statistics.top_speed).fold(f64::MIN_POSITIVE, larger);
-            let (mut runs, mut statuses) = (Vec::new(), Vec::new());
-            for ((source, title), grid) in
-                sources.iter().zip(titles(&picture.titles, sources)).zip(grids(steps, sources))
-            {
-                let bodies = chosen_bodies(&picture.look.bodies, source)?;
-                let mut run = SpeedRun::new(title, top);
-                // No instants between the states.
-                let trace = trace(source, &grid, f64::INFINITY, progress, |point| {
-                    for body in point.world.bodies.iter().filter(|body| bodies.contains_key(&body.id)) {
-                        run.push(body.velocity.norm(), body.mass);
-                    }
-                })?;
-                if !run.has_motion() {
-                    let reason = "all chosen bodies are at rest, so there is no distribution of speeds".into();
-                    return Err(Error::NothingToShow { reason });
-                }
-                runs.push(run);
-                style.gaps.extend(trace.gaps);
-                statuses.push(trace.status);
-            }
-            Ok((figures::speeds(&runs, &style)?, statuses))
-        }
-        Page::VelocitySpace { axis, steps } => {
-            let mut style = Style::new(&picture.look, sources, progress)?;
-            let (mut runs, mut statuses) = (Vec::new(), Vec::new());
-            for ((source, title), grid) in
-                sources.iter().zip(titles(&picture.titles, sources)).zip(grids(steps, sources))
-            {
-                let bodies = chosen_bodies(&picture.look.bodies, source)?;
-                style.gaps.extend(source.gaps_in(&grid.steps));
-                let velocities = match bodies.len() {
-                    2 => Velocities::Pair(velocity_path(source, &bodies, *axis, &grid, progress)?),
-                    _ => velocity_cloud(source, &bodies, &grid, &style)?,
-                };
-                runs.push(VelocityRun { title, velocities });
-                statuses.push(source.declared_health()?);
-            }
-            Ok((figures::velocity_space(&runs, &style)?, statuses))
-        }
-        Page::Lines { quantity, steps } => {
-            let style = Style::new(&picture.look, sources, progress)?;
-            let (mut runs, mut statuses) = (Vec::new(), Vec::new());
-            for ((source, title), grid) in
-                sources.iter().zip(run_names(&picture.titles, sources)).zip(grids(steps, sources))
-            {
-                let column = column(&grid, &style);
-                let subject = line_subject(*quantity, &picture.look.bodies, source)?;
-                let mut run = LineRun::new(title, *quantity, subject, source.world().y, column);
-                let trace = trace(source, &grid, column, progress, |point| {
-                    if point.is_after_gap {
-                        run.lift();
-                    }
-                    run.push(point.time, point.world);
-                })?;
-                run.timeline = Timeline { changes: trace.changes, gaps: trace.gaps };
-                runs.push(run);
-                statuses.push(trace.status);
-            }
-            Ok((figures::lines(&runs, time_range(steps, sources), *quantity, &style)?, statuses))
-        }
-        Page::Energy { steps } => {
-            let style = Style::new(&picture.look, sources, progress)?;
-            let (mut runs, mut statuses) = (Vec::new(), Vec::new());
-            for ((source, title), grid) in
-                sources.iter().zip(titles(&picture.titles, sources)).zip(grids(steps, sources))
-            {
-                let column = column(&grid, &style);
-                let mut run = EnergyRun::new(title, column, source.statistics.top_force > 0.0);
-                let trace = trace(source, &grid, column, progress, |point| {
-                    if point.is_after_gap {
-                        run.lift();
-                    }
-                    if point.is_after_gap || point.is_after_change {
-                        run.restart_account();
-                    }
-                    run.push(&EnergySample::of(point.world, point.time));
-                })?;
-                run.timeline = Timeline { changes: trace.changes, gaps: trace.gaps };
-                runs.push(run);
-                statuses.push(trace.status);
-            }
-            Ok((figures::energy(&runs, time_range(steps, sources), &style)?, statuses))
-        }
-    }
-}
-
-/// The bodies of a diagram of lines: the chosen ones of finite mass. Energy and momentum are those of all bodies together,
-/// unless bodies are chosen.
-fn line_subject(quantity: Quantity, selector: &BodySelector, source: &Source) -> Result<LineSubject, Error> {
-    if matches!(quantity, Quantity::Energy | Quantity::Momentum) && selector.is_all() {
-        return Ok(LineSubject::System);
-    }
-    Ok(LineSubject::Bodies(chosen_bodies(selector, source)?))
-}
-
-/// The chosen bodies of finite mass.
-fn chosen_bodies(selector: &BodySelector, source: &Source) -> Result<BTreeMap<BodyId, Arc<Appearance>>, Error> {
-    let mut bodies = source.appearances()?;
-    bodies.retain(|_, body| body.mass.is_finite() && selector.contains(&body.name));
-    if bodies.is_empty() {
-        return Err(Error::NothingToShow { reason: "no body of finite mass is chosen".into() });
-    }
-    Ok(bodies)
-}
-
-/// The velocities of two bodies along an axis in the steps of a grid, from a replay.
-fn velocity_path(
-    source: &Source,
-    bodies: &BTreeMap<BodyId, Arc<Appearance>>,
-    axis: Axis,
-    grid: &StepGrid,
-    progress: Progress,
-) -> Result<VelocityPath, Error> {
-    let (first, last) = (*grid.steps.start(), *grid.steps.end());
-    let state = Playback::new(source.recording()?)
-        .find(|state| state.as_ref().map_or(true, |state| state.step >= first && bodies_alive(state, bodies) == 2));
-    let Some(state) = state.transpose().map_err(|error| source.read_error(error))? else {
-        let reason = "the two chosen bodies are never alive at the same time".into();
-        return Err(Error::NothingToShow { reason });
-    };
-    let mut chosen = state.bodies.iter().filter_map(|body| Some((bodies.get(&body.info.id)?, body)));
-    let (Some(a), Some(b)) = (chosen.next(), chosen.next()) else {
-        return Err(Error::NothingToShow { reason: "two bodies are required".into() });
-    };
-    let body = |(appearance, body): (&Arc<Appearance>, &SampledBody)| {
-        (appearance.name.clone(), body.info.id, appearance.mass, body.velocity)
-    };
-    let mut path = VelocityPath::new([body(a), body(b)], axis);
-    let mut replayer =
-        Replayer::new(source.recording()?, state.step..=last).map_err(|error| source.read_error(error))?;
-    let mut expected = state.step;
-    while let Some(step) = replayer.next_state(&mut path).map_err(|error| source.read_error(error))? {
-        if step != expected {
-            // Collisions in a gap are unknown, so the path goes on where the bodies are after it.
-            let world = replayer.engine().map(Engine::world);
-            path.restart(world.iter().flat_map(|world| &world.bodies).map(|body| (body.id, body.velocity)));
-        }
-        expected = step + 1;
-        progress(step, last);
-    }
-    match replayer.verdict() {
-        verdict @ Verdict::Diverged(_) => {
-            Err(Error::Diverged { path: source.path.clone(), verdict: Box::new(verdict) })
-        }
-        _ => Ok(path),
-    }
-}
-
-/// The number of these bodies in a state.
-fn bodies_alive(state: &SampledState, bodies: &BTreeMap<BodyId, Arc<Appearance>>) -> usize {
-    state.bodies.iter().filter(|body| bodies.contains_key(&body.info.id)).count()
-}
-
-/// The velocities of bodies in the last state of a grid.
-fn velocity_cloud(
-    source: &Source,
-    bodies: &BTreeMap<BodyId, Arc<Appearance>>,
-    grid: &StepGrid,
-    style: &Style,
-) -> Result<Velocities, Error> {
-    let mut last = None;
-    let mut playback = Playback::new(source.recording()?);
-    playback.seek(*grid.steps.end()).map_err(|error| source.read_error(error))?;
-    for state in playback {
-        let state = state.map_err(|error| source.read_error(error))?;
-        if state.step > *grid.steps.end() {
-            break;
-        }
-        last = Some(state);
-    }
-    let Some(state) = last.filter(|state| bodies_alive(state, bodies) > 0) else {
-        return Err(Error::NothingToShow { reason: "no chosen body is alive in the last state: use --to".into() });
-    };
-    let of_body = |body: &SampledBody| {
-        let appearance = bodies.get(&body.info.id)?.clone();
-        let rect = body.info.spawn.rect;
-        let sprite = Sprite { appearance, rect, velocity: body.velocity, trail: Vec::new() };
-        Some((body.velocity, color::body_color(&sprite, style)))
-    };
-    let time = state.step as f64 / grid.rate;
-    Ok(Velocities::Cloud { time, bodies: state.bodies.iter().filter_map(of_body).collect() })
-}
-
-/// The names of recordings in a common legend or side by side in an animation: titles, or the values given with `--set` if the recordings have the same
-/// title.
-pub(super) fn run_names(given: &[String], sources: &[Source]) -> Vec<String> {
-    let values = |source: &Source| {
-        let values = source.header.overrides.iter().map(|[key, value]| format!("{key} = {value}"));
-        values.collect::<Vec<String>>().join(", ")
-    };
-    let is_study = sources.windows(2).all(|pair| pair[0].title() == pair[1].title())
-        && sources.iter().all(|source| !source.header.overrides.is_empty());
-    let all_values: Vec<String> = sources.iter().map(values).collect();
-    let is_distinct = (1..all_values.len()).all(|at| !all_values[..at].contains(&all_values[at]));
-    let solvers = |at: usize| sources[at].header.config.solver;
-    match given.is_empty() {
-        true if is_study && is_distinct && sources.len() > 1 => all_values,
-        true if (1..sources.len()).all(|at| solvers(at) == solvers(0) && sources[at].title() != sources[0].title()) => {
-            sources.iter().map(|source| source.title().to_owned()).collect()
-        }
-        _ => titles(given, sources),
-    }
-}
-
 /// The shapes of one state. A single recording is replayed at most once.
-fn state(
+pub(super) fn state(
     step: u64,
     every: u64,
     picture: &ResolvedPicture,
@@ -626,12 +338,16 @@ fn warnings(picture: &ResolvedPicture, sources: &[Source]) -> Vec<String> {
         _ if is_of_lines || is_of_state => run_names(&picture.titles, sources),
         _ => titles(&picture.titles, sources),
     };
-    text_warnings(
-        &picture.look,
-        &titles,
-        sources,
-        if is_of_pair || is_of_lines { BodyNames::Shown } else { BodyNames::IfOverlay },
-    )
+    let is_of_pressure = matches!(&picture.subject, Subject::Page { page: Page::Pressure { .. }, .. });
+    let names = if is_of_pair || is_of_lines || is_of_pressure { BodyNames::Shown } else { BodyNames::IfOverlay };
+    let mut warnings = text_warnings(&picture.look, &titles, sources, names);
+    let rests = |source: &Source| source.statistics.top_force > 0.0 && source.header.config.solver.is_continuous();
+    if is_of_pressure && sources.iter().any(rests) {
+        warnings.push(
+            "bodies that rest on a wall press on it without collisions: their weight is no part of the pressure".into(),
+        );
+    }
+    warnings
 }
 
 /// The names of bodies in a picture.
@@ -672,36 +388,6 @@ pub(super) fn text_warnings(look: &Look, titles: &[String], sources: &[Source], 
     )]
 }
 
-/// The columns of the curves of a figure, s: half a pixel of the page.
-fn column(grid: &StepGrid, style: &Style) -> f64 {
-    (grid.steps.end() - grid.steps.start()) as f64 / grid.rate / (2.0 * f64::from(style.look.size[0]))
-}
-
-/// The time of all runs, s.
-fn time_range(steps: &[StepRange], sources: &[Source]) -> Range {
-    let times = grids(steps, sources)
-        .flat_map(|grid| [*grid.steps.start(), *grid.steps.end()].map(|step| step as f64 / grid.rate));
-    Range::of(times).unwrap_or(Range { from: 0.0, to: 1.0 })
-}
-
-/// The grid of each recording.
-fn grids<'a>(steps: &'a [StepRange], sources: &'a [Source]) -> impl Iterator<Item = StepGrid> + 'a {
-    let range = |at: usize| steps.get(at).or(steps.first());
-    sources
-        .iter()
-        .enumerate()
-        .filter_map(move |(at, source)| range(at).map(|range| grid(&range.steps, range.every, source)))
-}
-
 pub(super) fn grid(steps: &RangeInclusive<u64>, every: u64, source: &Source) -> StepGrid {
     StepGrid::new(steps.clone(), source.header.config.rate, Thinning::Every(every))
-}
-
-/// The titles of recordings shown side by side: those that are given, or the recordings' own.
-fn titles(given: &[String], sources: &[Source]) -> Vec<String> {
-    if given.len() == sources.len() {
-        return given.to_vec();
-    }
-    let title = |source: &Source| format!("{} ({})", source.title(), source.header.config.solver.name());
-    sources.iter().map(title).collect()
 }

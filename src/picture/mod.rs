@@ -25,6 +25,7 @@ mod format;
 mod frames;
 pub(crate) mod layers;
 pub(crate) mod number;
+mod page;
 mod provenance;
 pub mod raster;
 mod resimulation;
@@ -44,7 +45,8 @@ use crate::scene::SceneError;
 use std::path::PathBuf;
 
 pub use crate::picture_options::{
-    CameraTarget, ColorBy, Language, Look, Overlay, Overlays, PictureOptions, Quantity, TextAs, Theme, Window,
+    CameraTarget, ColorBy, Language, Look, Overlay, Overlays, PictureOptions, Quantity, ReferenceFrame, TextAs, Theme,
+    Window,
 };
 pub use clip::{Clip, Instant, Instants, Shot};
 pub use draw::{Drawn, body_color, draw, draw_options, draw_sequence, draw_to_vec, redraw};

@@ -134,6 +134,12 @@ impl Unit {
     pub const NEWTON: Unit = Unit { symbol: "N", prefixes: [-18, 18] };
     /// Impulse.
     pub const NEWTON_SECOND: Unit = Unit { symbol: "N·s", prefixes: [-18, 18] };
+    /// Mass.
+    pub const KILOGRAM: Unit = Unit { symbol: "kg", prefixes: [0, 0] };
+    /// Pressure in two dimensions: force per length.
+    pub const NEWTON_PER_METRE: Unit = Unit { symbol: "N/m", prefixes: [-18, 18] };
+    /// Volume in two dimensions.
+    pub const SQUARE_METRE: Unit = Unit { symbol: "m²", prefixes: [0, 0] };
     /// Probability density of a speed.
     pub const SECOND_PER_METRE: Unit = Unit { symbol: "s/m", prefixes: [0, 0] };
     /// Velocity weighted by the square root of a mass.

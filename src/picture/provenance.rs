@@ -1,6 +1,6 @@
 use super::{
-    Animation, CameraTarget, CollisionFigure, CollisionSelector, Error, Format, Look, Metadata, Page, ResolvedPicture,
-    Source, StatesFigure, StepRange, Subject, Timing, Window,
+    Animation, CameraTarget, CollisionFigure, CollisionSelector, Error, Format, Look, Metadata, Page, ReferenceFrame,
+    ResolvedPicture, Source, StatesFigure, StepRange, Subject, Timing, Window,
 };
 use super::{MAX_FRAMES_PER_STEP, MAX_HOLD, MIN_HOLD, SPEEDS};
 use crate::physics::Axis;
@@ -141,7 +141,7 @@ fn title(picture: &ResolvedPicture, sources: &[Source]) -> String {
     let kind = match &picture.subject {
         Subject::Animation { .. } => "Animation",
         Subject::Page { page: Page::State { .. }, .. } => language.of("State", "État"),
-        Subject::Page { page: Page::Collision { figure: CollisionFigure::Stages, .. }, .. } => "Collision",
+        Subject::Page { page: Page::Collision { figure: CollisionFigure::Stages(_), .. }, .. } => "Collision",
         Subject::Page { page: Page::Collision { figure: CollisionFigure::Minkowski, .. }, .. } => {
             language.of("Minkowski difference", "Différence de Minkowski")
         }
@@ -153,6 +153,7 @@ fn title(picture: &ResolvedPicture, sources: &[Source]) -> String {
         Subject::Page { page: Page::Speeds { .. }, .. } => {
             language.of("Distribution of speeds", "Distribution des vitesses")
         }
+        Subject::Page { page: Page::Pressure { .. }, .. } => language.of("Pressure", "Pression"),
         Subject::Page { page: Page::VelocitySpace { .. }, .. } => language.of("Velocity space", "Espace des vitesses"),
         Subject::Page { page: Page::Lines { quantity, .. }, .. } => {
             over_time = format!("{} {}", quantity.title(language), language.of("over time", "en fonction du temps"));
@@ -204,6 +205,7 @@ fn steps(subject: &Subject) -> String {
             | Page::Energy { steps }
             | Page::Lines { steps, .. }
             | Page::Speeds { steps }
+            | Page::Pressure { steps }
             | Page::VelocitySpace { steps, .. } => {
                 steps.iter().map(|one| range(&one.steps, one.every)).collect::<Vec<String>>().join(", ")
             }
@@ -231,6 +233,11 @@ fn write_subject(subject: &Subject, options: &mut OptionLine) {
             Page::State { .. } => {}
             Page::Collision { figure, collisions } => {
                 options.push("figure", figure.name());
+                if let CollisionFigure::Stages(frame) = figure
+                    && *frame != ReferenceFrame::Laboratory
+                {
+                    options.push("frame", frame);
+                }
                 options.push_strings("pair", collisions.iter().flat_map(|selector| &selector.pair));
             }
             Page::States { figure, .. } => {
@@ -241,6 +248,7 @@ fn write_subject(subject: &Subject, options: &mut OptionLine) {
             }
             Page::Energy { .. } => options.push("figure", "energy"),
             Page::Speeds { .. } => options.push("figure", "speeds"),
+            Page::Pressure { .. } => options.push("figure", "pressure"),
             Page::VelocitySpace { axis, .. } => {
                 options.push("figure", "velocity-space");
                 options.push("axis", if *axis == Axis::X { "x" } else { "y" });
@@ -288,7 +296,9 @@ fn read_page(steps: &str, options: &OptionLine) -> Option<Page> {
             };
             Some(Page::State { step: read_step(step)?, every })
         }
-        Some("collision") => collision(CollisionFigure::Stages),
+        Some("collision") => {
+            collision(CollisionFigure::Stages(options.parsed_or("frame", ReferenceFrame::Laboratory)?))
+        }
         Some("minkowski") => collision(CollisionFigure::Minkowski),
         Some("strobe") => states(StatesFigure::Strobe),
         Some("spacetime") => {
@@ -296,6 +306,7 @@ fn read_page(steps: &str, options: &OptionLine) -> Option<Page> {
         }
         Some("filmstrip") => states(StatesFigure::Filmstrip),
         Some("energy") => ranges().map(|steps| Page::Energy { steps }),
+        Some("pressure") => ranges().map(|steps| Page::Pressure { steps }),
         Some("speeds") => ranges().map(|steps| Page::Speeds { steps }),
         Some("velocity-space") => {
             let axis = if options.get("axis")? == "x" { Axis::X } else { Axis::Y };
@@ -493,7 +504,9 @@ mod tests {
             page(Page::Lines { quantity: Quantity::Energy, steps: steps.clone() }),
             page(Page::Speeds { steps: steps.clone() }),
             page(Page::VelocitySpace { axis: Axis::Y, steps: steps.clone() }),
-            collision(CollisionFigure::Stages),
+            page(Page::Pressure { steps: steps.clone() }),
+            collision(CollisionFigure::Stages(ReferenceFrame::Laboratory)),
+            collision(CollisionFigure::Stages(ReferenceFrame::CenterOfMass)),
             collision(CollisionFigure::Minkowski),
         ];
         let aims = [

@@ -55,6 +55,8 @@ pub enum FigureOptions {
     Energy,
     /// The distribution of speeds.
     Speeds,
+    /// The pressure on walls and pistons.
+    Pressure,
     /// Velocities in their own space, of two bodies along this axis.
     VelocitySpace(Axis),
     /// A quantity against time, of all recordings in one diagram.
@@ -259,10 +261,10 @@ impl PictureOptions {
         let Some(selector) = &self.bodies else { return Ok(()) };
         match figure {
             FigureOptions::States(_) | FigureOptions::Lines(_) => {}
-            FigureOptions::Speeds | FigureOptions::VelocitySpace(_) => {}
+            FigureOptions::Speeds | FigureOptions::VelocitySpace(_) | FigureOptions::Pressure => {}
             FigureOptions::Collision { .. } | FigureOptions::Energy => {
                 let reason = "this figure shows a pair or all bodies: choose bodies with --pair, or use the figures lines, \
-                              speeds, velocity-space, spacetime, strobe or filmstrip";
+                              speeds, pressure, velocity-space, spacetime, strobe or filmstrip";
                 return Err(Error::Incompatible { reason: reason.into() });
             }
         }
@@ -298,6 +300,7 @@ impl PictureOptions {
             }
             FigureOptions::Energy => Ok(Page::Energy { steps: self.common_steps(None, sources)? }),
             FigureOptions::Speeds => Ok(Page::Speeds { steps: self.common_steps(None, sources)? }),
+            FigureOptions::Pressure => Ok(Page::Pressure { steps: self.common_steps(None, sources)? }),
             FigureOptions::VelocitySpace(axis) => {
                 Ok(Page::VelocitySpace { axis: *axis, steps: self.common_steps(None, sources)? })
             }

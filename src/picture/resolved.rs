@@ -1,4 +1,4 @@
-use super::{AnimationFormat, Format, Look, Quantity, StillFormat, Timing};
+use super::{AnimationFormat, Format, Look, Quantity, ReferenceFrame, StillFormat, Timing};
 use crate::physics::Axis;
 use std::ops::RangeInclusive;
 
@@ -77,6 +77,11 @@ pub enum Page {
         /// The steps of each recording, or of all of them if there is one range only.
         steps: Vec<StepRange>,
     },
+    /// The pressure on walls and pistons against time, and against the volume if that changes.
+    Pressure {
+        /// The steps of each recording, or of all of them if there is one range only.
+        steps: Vec<StepRange>,
+    },
     /// Velocities in their own space: those of two bodies along an axis during the run, or those of other numbers of
     /// bodies in the last state.
     VelocitySpace {
@@ -117,8 +122,8 @@ pub struct Animation {
 /// A kind of figure of a collision.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CollisionFigure {
-    /// Figure 1 of the handout: before, the overlap and its normal, after.
-    Stages,
+    /// Figure 1 of the handout: before, the overlap and its normal, after; and the momenta.
+    Stages(ReferenceFrame),
     /// Figure 2 of the handout: the Minkowski difference.
     Minkowski,
 }
@@ -127,7 +132,7 @@ impl CollisionFigure {
     /// Its name in provenance.
     pub const fn name(self) -> &'static str {
         match self {
-            CollisionFigure::Stages => "collision",
+            CollisionFigure::Stages(_) => "collision",
             CollisionFigure::Minkowski => "minkowski",
         }
     }

@@ -555,6 +555,7 @@ fn every_command_names_the_gap_of_a_recovered_recording_and_draws_its_bodies() {
         "figure energy gap.mcap",
         "figure lines gap.mcap",
         "figure speeds gap.mcap",
+        "figure pressure gap.mcap",
         "figure velocity-space gap.mcap",
         "figure filmstrip gap.mcap",
         "figure collision gap.mcap",

@@ -304,9 +304,18 @@ fn an_exported_range_equals_that_part_of_the_whole_table() {
 #[test]
 fn figures_of_every_kind_are_drawn_in_every_format() {
     let workplace = recorded();
-    for kind in
-        ["collision", "minkowski", "strobe", "spacetime", "energy", "filmstrip", "lines", "speeds", "velocity-space"]
-    {
+    for kind in [
+        "collision",
+        "minkowski",
+        "strobe",
+        "spacetime",
+        "energy",
+        "filmstrip",
+        "lines",
+        "pressure",
+        "speeds",
+        "velocity-space",
+    ] {
         for (format, mark) in [("png", "PNG"), ("svg", "<svg"), ("pdf", "%PDF")] {
             workplace.done(&format!("figure {kind} run.mcap -o {kind}.{format}"));
             let file = workplace.read(&format!("{kind}.{format}"));
@@ -322,6 +331,8 @@ fn figures_of_every_kind_are_drawn_in_every_format() {
     assert!(chosen.code == 1 && chosen.errors.contains("no body is named \"ghost7..ghost9\""), "{chosen:?}");
     let pair = workplace.rebond("figure collision run.mcap -o none.png --bodies c");
     assert!(pair.code == 1 && pair.errors.contains("--pair"), "{pair:?}");
+    let axis = workplace.rebond("figure strobe run.mcap -o none.png --axis y");
+    assert!(axis.code == 1 && axis.errors.contains("spacetime and velocity-space"), "{axis:?}");
 }
 
 /// The rows of a CSV table as columns by name. No field of these tests is quoted.

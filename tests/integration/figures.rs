@@ -5,8 +5,8 @@ use rebond::internals::physics::{
     Body, Collision, Engine, EngineConfig, Event, Observer, Rect, Restitution, SolverKind, Spawn, Vector, World,
 };
 use rebond::internals::picture::figures::{
-    self, Axis, CollisionSubject, EnergyRun, EnergySample, FigureRun, LineRun, LineSubject, Range, SpacetimeRun,
-    SpeedRun, Velocities, VelocityPath, VelocityRun,
+    self, Axis, CollisionSubject, EnergyRun, EnergySample, FigureRun, LineRun, LineSubject, PressureRun, Range,
+    ReferenceFrame, SpacetimeRun, SpeedRun, Velocities, VelocityPath, VelocityRun,
 };
 use rebond::internals::picture::{
     Appearance, CameraTarget, Color, ColorBy, DisplayList, Frame, Look, Metadata, Overlay, Overlays, Painter, Quantity,
@@ -144,6 +144,16 @@ impl RunStates {
         VelocityRun { title: title.to_owned(), velocities: Velocities::Cloud { time: frame.time, bodies } }
     }
 
+    /// The pressure on the bodies of infinite mass.
+    fn pressure(&self, title: &str) -> PressureRun {
+        let walls = self.bodies.iter().filter(|body| body.mass == f64::INFINITY);
+        let walls = walls.map(|body| (body.id, body.clone())).collect();
+        let mut run = PressureRun::new(title.to_owned(), WORLD, self.time(), walls);
+        self.collisions.iter().for_each(|collision| run.collision(collision));
+        self.frames.iter().zip(&self.worlds).for_each(|(frame, world)| run.push(frame.time, world));
+        run
+    }
+
     fn time(&self) -> Range {
         Range { from: 0.0, to: self.frames.last().unwrap().time }
     }
@@ -172,6 +182,20 @@ fn galperin() -> RunStates {
     run_with(SolverKind::EventDriven, &bodies, None, 20.0, 60)
 }
 
+/// A gas of small boxes that a piston compresses.
+fn piston() -> RunStates {
+    let mut bodies: Vec<BodySpec> = vec![
+        ("wall-piston", [-5.0, 0.0, 5.0, 4.5], [0.5, 0.0]),
+        ("wall-right", [8.0, -1.0, 1.0, 6.5], [0.0, 0.0]),
+        ("wall-top", [-1.0, -1.0, 10.0, 1.0], [0.0, 0.0]),
+        ("wall-bottom", [-1.0, 4.5, 10.0, 1.0], [0.0, 0.0]),
+    ];
+    let speeds = |at: i32| [f64::from(at * 7 % 11) - 5.0, f64::from(at * 5 % 13) - 6.0];
+    let place = |at: i32| [0.5 + 0.9 * f64::from(at % 8), 0.4 + 0.9 * f64::from(at / 8), 0.05, 0.05];
+    bodies.extend((0..32).map(|at| ("gas", place(at), speeds(at))));
+    run_with(SolverKind::EventDriven, &bodies, None, 10.0, 80)
+}
+
 /// Three boxes that fall on a floor and collide.
 fn fall() -> RunStates {
     let bodies: [BodySpec; 6] = [
@@ -198,8 +222,10 @@ fn figures(theme: Theme) -> Vec<(&'static str, DisplayList)> {
     let captioned = options(theme, "Three boxes let fall, e = 0.8");
     let (pair_subjects, fall_subjects) = ([pair.first_collision()], [fall.first_collision()]);
     vec![
-        ("collision", figures::collision(&pair_subjects, &plain).unwrap()),
-        ("collision-close", figures::collision(&fall_subjects, &captioned).unwrap()),
+        ("collision", figures::collision(&pair_subjects, ReferenceFrame::Laboratory, &plain).unwrap()),
+        ("collision-com", figures::collision(&pair_subjects, ReferenceFrame::CenterOfMass, &plain).unwrap()),
+        ("pressure", figures::pressure(&[piston().pressure("")], piston().time(), &captioned).unwrap()),
+        ("collision-close", figures::collision(&fall_subjects, ReferenceFrame::Laboratory, &captioned).unwrap()),
         ("minkowski", figures::minkowski(&pair_subjects, &plain).unwrap()),
         ("minkowski-close", figures::minkowski(&fall_subjects, &captioned).unwrap()),
         ("strobe", figures::strobe(&[fall.every_nth(6)], &captioned).unwrap()),
@@ -242,7 +268,7 @@ fn side_by_side(theme: Theme) -> Vec<(&'static str, DisplayList)> {
         both.each_ref().map(|(title, run)| CollisionSubject { title: title.clone(), ..run.first_collision() });
     let options = options(theme, "One shot, two solvers");
     vec![
-        ("collision", figures::collision(&subjects, &options).unwrap()),
+        ("collision", figures::collision(&subjects, ReferenceFrame::Laboratory, &options).unwrap()),
         ("minkowski", figures::minkowski(&subjects, &options).unwrap()),
         ("strobe", figures::strobe(&runs, &options).unwrap()),
         ("filmstrip", figures::filmstrip(&strips, &options).unwrap()),
@@ -357,8 +383,10 @@ fn visit(
 }
 
 /// The kinds of pictures of the layout test.
-const KINDS: [&str; 12] = [
+const KINDS: [&str; 14] = [
     "collision",
+    "collision-com",
+    "pressure",
     "minkowski",
     "strobe",
     "filmstrip",
@@ -389,7 +417,13 @@ fn picture_of(kind: &str, run: &RunStates, count: usize, style: &Style) -> Resul
         titles.iter().map(copy).collect()
     };
     match kind {
-        "collision" => figures::collision(&subjects, style),
+        "collision" => figures::collision(&subjects, ReferenceFrame::Laboratory, style),
+        "collision-com" => figures::collision(&subjects, ReferenceFrame::CenterOfMass, style),
+        "pressure" => figures::pressure(
+            &titles.iter().map(|title| run.pressure(title)).collect::<Vec<PressureRun>>(),
+            run.time(),
+            style,
+        ),
         "minkowski" => figures::minkowski(&subjects, style),
         "strobe" => figures::strobe(&runs(run.frames.len() / 5 + 1), style),
         "filmstrip" => figures::filmstrip(&runs(run.frames.len() / 4 + 1), style),
@@ -500,7 +534,10 @@ fn texts_of_collisions_contrast_with_the_boxes_below_them() {
                 let mut style = options(theme, "");
                 style.look.size = size;
                 let subjects = [subject.clone()];
-                for list in [figures::collision(&subjects, &style), figures::minkowski(&subjects, &style)] {
+                for list in [
+                    figures::collision(&subjects, ReferenceFrame::Laboratory, &style),
+                    figures::minkowski(&subjects, &style),
+                ] {
                     texts_on_boxes += assert_contrast(&list.unwrap(), &format!("{at} {} {size:?}", theme.name()));
                 }
             }
@@ -572,7 +609,7 @@ fn an_svg_figure_matches_its_snapshot() {
 fn figures_without_data_have_only_a_caption() {
     let options = options(Theme::Light, "nothing");
     for list in [
-        figures::collision(&[], &options).unwrap(),
+        figures::collision(&[], ReferenceFrame::Laboratory, &options).unwrap(),
         figures::minkowski(&[], &options).unwrap(),
         figures::strobe(&[], &options).unwrap(),
         figures::filmstrip(&[], &options).unwrap(),
@@ -607,7 +644,7 @@ fn extreme_coordinates_do_not_crash_a_figure() {
         let time = Range { from: 0.0, to: coordinate };
         let (subjects, options) = ([extreme], options(Theme::Dark, ""));
         for list in [
-            figures::collision(&subjects, &options).unwrap(),
+            figures::collision(&subjects, ReferenceFrame::Laboratory, &options).unwrap(),
             figures::minkowski(&subjects, &options).unwrap(),
             figures::strobe(&runs, &options).unwrap(),
             figures::filmstrip(&runs, &options).unwrap(),

@@ -26,8 +26,18 @@ fn assert_redraws(workplace: &Workplace, line: &str, name: &str) {
     assert!(redrawn == file, "{name} is drawn differently");
 }
 
-const KINDS: [&str; 9] =
-    ["collision", "minkowski", "strobe", "spacetime", "energy", "filmstrip", "lines", "speeds", "velocity-space"];
+const KINDS: [&str; 10] = [
+    "collision",
+    "minkowski",
+    "strobe",
+    "spacetime",
+    "energy",
+    "filmstrip",
+    "lines",
+    "pressure",
+    "speeds",
+    "velocity-space",
+];
 
 #[test]
 fn every_kind_of_figure_in_every_format_redraws_byte_for_byte() {
@@ -48,6 +58,8 @@ fn every_kind_of_figure_in_every_format_redraws_byte_for_byte() {
         "figure lines run.mcap exact.mcap --quantity E --bodies c --language fr",
         "energies.svg",
     );
+    assert_redraws(&workplace, "figure collision run.mcap exact.mcap --frame com", "center.png");
+    assert_redraws(&workplace, "figure pressure exact.mcap --bodies c --from 5", "pressure-c.png");
     assert_redraws(&workplace, "figure velocity-space exact.mcap --bodies c --axis y --from 5", "velocities.png");
 }
 

@@ -1,13 +1,14 @@
 use super::pair::{Pair, ROLES};
 use super::panels::Panels;
-use crate::physics::{Axis, Rect, Vector, smaller};
+use crate::physics::{Axis, Rect, Vector, larger, smaller};
 use crate::picture::layers::contacts::contact_center;
 use crate::picture::layers::labels::{Halo, Label, LabelPlacer};
 use crate::picture::number::{format_significant, nice_below, nice_spacing};
 use crate::picture::text::Line;
 use crate::picture::{Arrow, Camera, Color, DrawingMetrics, Language, Shape};
 
-/// A close-up of the contact, magnified until the penetration is clearly visible.
+/// A close-up of the contact, magnified until the penetration is clearly visible, but only as far as both boxes stay
+/// recognisable. A penetration that would then be too short to see is magnified further, as a detail.
 pub struct CloseUp {
     /// The pair in faded colours, so that vectors stand out.
     pair: Pair,
@@ -15,7 +16,20 @@ pub struct CloseUp {
     scale: f64,
     /// Magnification relative to the other panels of the figure.
     zoom: f64,
+    extent: Extent,
 }
+
+/// The part of the boxes that a close-up shows.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Extent {
+    /// Enough of both to recognise them.
+    Boxes,
+    /// The vicinity of the penetration.
+    Detail,
+}
+
+/// The part of the smaller box, on each side of the contact, by which boxes are recognised.
+const RECOGNISABLE: f64 = 0.4;
 
 impl CloseUp {
     /// Creates the close-up in a panel of a figure whose other panels have `scale` pixels per metre. On both sides of the
@@ -24,13 +38,24 @@ impl CloseUp {
         let depth = pair.collision.penetration.norm() * scale;
         let along = if pair.collision.normal.x == 0.0 { panel.height() } else { panel.width() };
         let target_length = smaller(5.0 * metrics.font_size, 0.3 * along);
-        let zoom = if depth > 0.0 && depth < target_length {
-            let zoom = smaller(nice_spacing(target_length / depth), nice_below(0.6 * along / depth));
-            smaller(zoom, 1e9)
+        let (zoom, extent) = if depth > 0.0 && depth < target_length {
+            let detail = smaller(nice_spacing(target_length / depth), nice_below(0.6 * along / depth));
+            let recognisable = recognisable_zoom(pair, panel, scale);
+            let is_visible = depth * recognisable >= MIN_DEPTH * metrics.font_size;
+            let boxes =
+                smaller(detail, if recognisable < 10.0 { recognisable.floor() } else { nice_below(recognisable) });
+            if is_visible { (larger(boxes, 1.0), Extent::Boxes) } else { (smaller(detail, 1e9), Extent::Detail) }
         } else {
-            1.0
+            (1.0, Extent::Boxes)
         };
-        CloseUp { pair: pair.faded(metrics), scale: scale * zoom, zoom }
+        CloseUp { pair: pair.faded(metrics), scale: scale * zoom, zoom, extent }
+    }
+
+    /// The area of a detail in a panel, m.
+    pub fn detail(&self, panel: &Rect) -> Option<Rect> {
+        let size = Vector::new(panel.width(), panel.height()).mult(1.0 / self.scale);
+        let origin = contact_center(&self.pair.collision.rects).sub(size.mult(0.5));
+        (self.extent == Extent::Detail).then(|| Rect::new(origin, size.x, size.y))
     }
 
     /// Draws the boxes, their overlap, and the vectors of the contact.
@@ -48,11 +73,11 @@ impl CloseUp {
             fills.push((rect, pale));
         }
         let mut placer = LabelPlacer::within(*panel);
-        if self.zoom == 1.0 {
-            let normal = self.pair.collision.normal.mult(5.0 * metrics.font_size);
-            let from = camera.point(contact_center(rects));
-            let arrow = Arrow::new(from, from.add(normal.mult(1.4)), metrics.line_width, metrics.palette.normal);
-            let names = self.pair.names(&camera, rects, &[arrow.into()], &metrics);
+        if self.extent == Extent::Boxes {
+            let arrows = self
+                .vectors(panel, &metrics)
+                .map(|(from, vector, color, _)| Arrow::new(from, from.add(vector), metrics.line_width, color).into());
+            let names = self.pair.names(&camera, rects, &arrows, &metrics);
             names.iter().for_each(|name| placer.reserve(name.bounds()));
             names.into_iter().for_each(|name| name.draw_over(&fills, Halo::None, &metrics, &mut shapes));
         } else {
@@ -83,9 +108,8 @@ impl CloseUp {
         Label { line, at: baseline, color: metrics.palette.text_on(self.pair.colors[at]) }
     }
 
-    /// Draws normal, penetration and its shares side by side along the contact.
-    fn draw_vectors(&self, panel: &Rect, fills: &[(Rect, Color)], placer: &mut LabelPlacer, panels: &mut Panels) {
-        let metrics = panels.metrics;
+    /// Normal, penetration and its shares side by side along the contact: start and vector, px, colour and name.
+    fn vectors(&self, panel: &Rect, metrics: &DrawingMetrics) -> [(Vector, Vector, Color, &'static str); 4] {
         let normal = self.pair.collision.normal;
         let penetration = self.pair.collision.penetration.mult(self.scale);
         let spacing = if penetration == Vector::ZERO { 0.0 } else { self.contact_length() * self.scale / 3.0 };
@@ -98,12 +122,18 @@ impl CloseUp {
         let blue = Color::hex(0x0072b2).mix(metrics.palette.ink, 20);
         let from =
             |steps: f64, penetrations: f64| panel.center().add(step.mult(steps)).sub(penetration.mult(penetrations));
-        let vectors = [
+        [
             (from(-1.0, 0.0), normal.mult(normal_length), metrics.palette.normal, "n̂"),
             (from(0.0, 0.5), penetration, metrics.palette.penetration, "n⃗"),
             (from(1.0, 0.0), penetration.mult(share_c), blue, "N_c n⃗"),
             (from(1.0, 0.0), penetration.mult(-share_b), blue, "-N_b n⃗"),
-        ];
+        ]
+    }
+
+    /// Draws the vectors.
+    fn draw_vectors(&self, panel: &Rect, fills: &[(Rect, Color)], placer: &mut LabelPlacer, panels: &mut Panels) {
+        let metrics = panels.metrics;
+        let vectors = self.vectors(panel, &metrics);
         for &(from, vector, _, _) in &vectors {
             placer.avoid_line(from, from.add(vector), 3.0);
         }
@@ -133,6 +163,17 @@ impl CloseUp {
             _ => [format!("\"(b) {state}\", {zoom} \"{larger}\""), format!("\"(b) {state}, \"×{zoom}")],
         }
     }
+}
+
+/// The shortest visible penetration, in font sizes.
+const MIN_DEPTH: f64 = 0.6;
+
+/// The largest magnification with which a panel around the contact shows the recognisable part of the smaller box, along
+/// both axes.
+fn recognisable_zoom(pair: &Pair, panel: &Rect, scale: f64) -> f64 {
+    let [c, b] = &pair.collision.rects;
+    let along = |panel: f64, c: f64, b: f64| panel / 2.0 / (RECOGNISABLE * smaller(c, b) * scale);
+    smaller(along(panel.width(), c.width(), b.width()), along(panel.height(), c.height(), b.height()))
 }
 
 /// Draws the label of an arrow at its tip, over boxes of these areas and colours.

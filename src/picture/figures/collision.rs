@@ -1,7 +1,9 @@
-use super::CollisionSubject;
 use super::close_up::{CloseUp, label_arrow};
-use super::pair::{ARROW_WIDTH, Pair};
-use super::panels::{Layout, Panels, TITLE, caption, captioned_panels, dashed};
+use super::formula::{FORMULA_BASELINE, FORMULA_HEIGHT, Formula, FormulaLine, Term};
+use super::momenta::Momenta;
+use super::pair::{ARROW_WIDTH, Pair, seen_from};
+use super::panels::{Layout, Panels, TITLE, caption, captioned_panels, dashed, joined_lines, outline};
+use super::{CollisionSubject, ReferenceFrame};
 use crate::physics::{Collision, Rect, Vector, larger, smaller};
 use crate::picture::layers::arrows::{LabeledArrow, key_entries};
 use crate::picture::layers::bodies::border_color;
@@ -15,33 +17,43 @@ use crate::picture::{
 
 /// Figure 1 of the handout: (a) boxes c and b at contact, with their velocities; (b) a close-up of their overlap with
 /// the unit normal n̂, the penetration vector n⃗ and the share of it by which each box is displaced; (c) the boxes
-/// after the displacement, with their velocities after the rebound, dashed.
+/// after the displacement, with their velocities after the rebound, dashed; (d) their momenta head to tail, before and
+/// after. Below them the formula of the impulse with the values inserted.
 ///
-/// All arrows have the same scale, which the first row explains.
+/// All arrows of velocities have the same scale, which the first row explains. Velocities and momenta are those in
+/// `frame`.
 ///
 /// # Errors
 /// If the page is too small.
-pub fn collision(subjects: &[CollisionSubject], style: &Style) -> Result<DisplayList, RenderError> {
+pub fn collision(
+    subjects: &[CollisionSubject],
+    frame: ReferenceFrame,
+    style: &Style,
+) -> Result<DisplayList, RenderError> {
+    let (subjects, velocities): (Vec<CollisionSubject>, Vec<Vector>) =
+        subjects.iter().map(|subject| seen_from(subject, frame)).unzip();
     let speeds = |subject: &CollisionSubject| {
         let collision = &subject.collision;
         collision.before.iter().chain(&collision.after).map(|velocity| velocity.norm()).fold(0.0, larger)
     };
     let top = subjects.iter().map(speeds).filter(|speed| speed.is_finite()).fold(0.0, larger);
-    let language = style.look.language;
-    let rows: Vec<Vec<String>> =
-        subjects.iter().map(|subject| values(&subject.collision, style.time_format.finer(2), language)).collect();
+    let symbol = symbol(frame);
+    let rows: Vec<Numbers> = subjects
+        .iter()
+        .zip(&velocities)
+        .map(|(subject, velocity)| {
+            let pair = Pair::new(subject, 0.0, style);
+            Numbers::new(&pair, (frame, *velocity), style.time_format.finer(2), style.look.language)
+        })
+        .collect();
     let fits = |cell: &Rect, metrics: &DrawingMetrics| {
-        let lines = rows.iter().map(|values| value_lines(values, cell.width(), metrics));
-        let longest = language.of("\"(b) they overlap, \"×1000", "\"(b) chevauchement, \"×1000");
-        let caption = Line::math(longest, metrics.text(0.7)).width;
-        let is_legible = |lines: Vec<Line>| {
-            let panel = Row::new(cell, lines.len(), metrics).panels[0];
-            let least = larger(caption, 10.0 * metrics.font_size);
-            lines.iter().all(|line| line.width <= cell.width())
-                && panel.width() >= least
-                && panel.height() >= 7.0 * metrics.font_size
-        };
-        lines.into_iter().all(is_legible)
+        let caption = Line::math(LONGEST_CAPTION, metrics.text(0.7)).width;
+        rows.iter().map(|numbers| numbers.lines(cell.width(), metrics)).all(|lines| {
+            let panel = Row::new(cell, lines.height(metrics), metrics).panels[0];
+            lines.width() <= cell.width()
+                && panel.width() >= larger(caption, 10.0 * metrics.font_size)
+                && panel.height() >= 8.0 * metrics.font_size
+        })
     };
     let layout = Layout {
         size: style.look.size,
@@ -49,30 +61,42 @@ pub fn collision(subjects: &[CollisionSubject], style: &Style) -> Result<Display
         caption: &style.look.caption,
         legend: &|_| Legend::of_colors(style),
         titles: &subjects.iter().map(|subject| subject.title.as_str()).collect::<Vec<&str>>(),
-        shape: Vector::new(3.2, 1.0),
+        shape: Vector::new(4.2, 1.0),
         text_height: TITLE,
         fits: &fits,
     };
     let (mut panels, cells) = layout.lay_out()?;
     // The same scale in all rows.
-    let line_count = |(values, cell): (&Vec<String>, &Rect)| value_lines(values, cell.width(), &panels.metrics).len();
-    let most_lines = rows.iter().zip(&cells).map(line_count).max().unwrap_or(1);
-    for ((subject, values), cell) in subjects.iter().zip(&rows).zip(&cells) {
+    let height =
+        |(numbers, cell): (&Numbers, &Rect)| numbers.lines(cell.width(), &panels.metrics).height(&panels.metrics);
+    let highest = rows.iter().zip(&cells).map(height).fold(0.0, larger);
+    for ((subject, numbers), cell) in subjects.iter().zip(&rows).zip(&cells) {
         panels.clip(cell, |panels| {
-            let row = Row::new(cell, most_lines, &panels.metrics);
-            let lines = value_lines(values, cell.width(), &panels.metrics);
-            row.draw_values(lines, top, panels);
-            row.draw(&Pair::new(subject, row.arrow_scale(top), style), language, panels);
+            let row = Row::new(cell, highest, &panels.metrics);
+            let lines = numbers.lines(cell.width(), &panels.metrics);
+            row.draw_numbers(lines, top, panels);
+            row.draw(&Pair::new(subject, row.arrow_scale(top), style), symbol, style.look.language, panels);
         });
     }
     Ok(panels.finish())
 }
 
+/// The symbol of velocities in a frame.
+const fn symbol(frame: ReferenceFrame) -> &'static str {
+    match frame {
+        ReferenceFrame::Laboratory => "v⃗",
+        ReferenceFrame::CenterOfMass => "u⃗",
+    }
+}
+
+/// The widest of the short captions below the panels.
+const LONGEST_CAPTION: &str = "\"(b) chevauchement, ×1000\"";
+
 /// The areas of the figure of one collision.
 struct Row {
     cell: Rect,
     panels: Vec<Rect>,
-    /// The strip below the panels for the values and the key of the arrows.
+    /// The strip below the panels for the key of the arrows and the numbers.
     strip: Rect,
 }
 
@@ -83,11 +107,11 @@ const VALUE_SPACING: f64 = 1.4;
 const MAX_ARROW: f64 = 0.35;
 
 impl Row {
-    fn new(cell: &Rect, value_lines: usize, metrics: &DrawingMetrics) -> Row {
+    fn new(cell: &Rect, height_of_numbers: f64, metrics: &DrawingMetrics) -> Row {
         let mut area = Panels::of_cell(cell, metrics);
         // One more line for the key of the arrows.
-        let strip = area.split_bottom((value_lines as f64 + 1.0) * VALUE_SPACING * metrics.font_size);
-        let panels = captioned_panels(&area.content, 3, metrics);
+        let strip = area.split_bottom(height_of_numbers + VALUE_SPACING * metrics.font_size);
+        let panels = captioned_panels(&area.content, 4, metrics);
         Row { cell: *cell, panels, strip }
     }
 
@@ -97,8 +121,8 @@ impl Row {
         if top > 0.0 { MAX_ARROW * smaller(panel.width(), panel.height()) / top } else { 0.0 }
     }
 
-    /// Draws the key of the arrows and the values of the collision.
-    fn draw_values(&self, lines: Vec<Line>, top: f64, panels: &mut Panels) {
+    /// Draws the key of the arrows and the numbers of the collision.
+    fn draw_numbers(&self, lines: NumberLines, top: f64, panels: &mut Panels) {
         let (metrics, ink) = (panels.metrics, panels.metrics.palette.ink.into());
         let spacing = VALUE_SPACING * metrics.font_size;
         let key = match self.arrow_scale(top) > 0.0 {
@@ -110,33 +134,53 @@ impl Row {
         };
         let strip = Rect::new(self.strip.origin, self.strip.width(), spacing);
         Legend { entries: key }.draw(&strip, Alignment::Center, &metrics, &mut panels.shapes);
-        for (number, line) in lines.into_iter().enumerate() {
-            let baseline = self.strip.origin.y + (number as f64 + 1.8) * spacing;
-            panels.centered(line, Vector::new(self.cell.center().x, baseline), ink);
+        let (middle, mut y) = (self.cell.center().x, self.strip.origin.y + spacing);
+        for line in lines.values {
+            panels.centered(line, Vector::new(middle, y + 0.8 * spacing), ink);
+            y += spacing;
+        }
+        for line in lines.formula {
+            let size = metrics.text(NUMBER_SIZE);
+            let at = Vector::new(middle - line.width / 2.0, y + FORMULA_BASELINE * size);
+            line.draw(at, (metrics.line_width / 2.0).ceil(), ink, &mut panels.shapes);
+            y += FORMULA_HEIGHT * size;
         }
     }
 
-    /// Draws the three panels.
-    fn draw(&self, pair: &Pair, language: Language, panels: &mut Panels) {
-        let [before, center, after] = self.panels[..] else { return };
+    /// Draws the four panels.
+    fn draw(&self, pair: &Pair, symbol: &str, language: Language, panels: &mut Panels) {
+        let [before, center, after, momenta] = self.panels[..] else { return };
         let scale = pair.scale(&before);
-        draw_before(pair, &before, scale, panels);
         let close_up = CloseUp::new(pair, &center, scale, &panels.metrics);
+        draw_before(pair, symbol, &before, scale, close_up.detail(&center), panels);
         panels.clip(&center, |panels| close_up.draw(&center, panels));
-        draw_after(pair, &after, scale, panels);
+        draw_after(pair, symbol, &after, scale, panels);
+        panels.clip(&momenta, |panels| Momenta::new(pair).draw(&momenta, language, panels));
         caption(&before, [language.of("\"(a) before\"", "\"(a) avant\""); 2], panels);
         caption(&center, close_up.titles(language).each_ref().map(String::as_str), panels);
         caption(&after, [language.of("\"(c) after\"", "\"(c) après\""); 2], panels);
+        let momenta_titles = language
+            .of(["\"(d) momenta, head to tail\"", "\"(d) momenta\""], ["\"(d) quantités de mouvement\"", "\"(d)\" p⃗"]);
+        caption(&momenta, momenta_titles, panels);
     }
 }
 
-fn draw_before(pair: &Pair, panel: &Rect, scale: f64, panels: &mut Panels) {
+/// Draws the pair before the collision, and the area of a detail in m, if there is one.
+fn draw_before(pair: &Pair, symbol: &str, panel: &Rect, scale: f64, detail: Option<Rect>, panels: &mut Panels) {
     let (camera, metrics) = (pair.camera(panel, scale), panels.metrics);
     let rects = pair.collision.rects;
-    let arrows = pair.arrows(&camera, &rects, &pair.collision.before, &metrics);
+    let arrows = pair.arrows(&camera, &rects, &pair.collision.before, symbol, &metrics);
     panels.clip(panel, |panels| {
         panels.shapes.extend(pair.named_boxes(&camera, &rects, &arrows, &metrics));
         let mut placer = placer(pair, panel, &camera, &rects, &arrows, &metrics);
+        if let Some(detail) = detail {
+            // A frame of a few pixels is still visible.
+            let detail = camera.rect(&detail);
+            let margin = larger(2.0 * metrics.line_width - smaller(detail.width(), detail.height()) / 2.0, 0.0);
+            let thin = (metrics.line_width / 2.0).ceil();
+            panels.shapes.extend(outline(&detail.inset(-margin), thin, metrics.palette.ink.into()));
+            placer.avoid_border(&detail, 1.0);
+        }
         arrows.iter().for_each(|LabeledArrow { arrow, .. }| arrow.draw(&metrics, &mut panels.shapes));
         let fills = pair.fills(&camera, &rects);
         for LabeledArrow { arrow, label, .. } in &arrows {
@@ -145,10 +189,10 @@ fn draw_before(pair: &Pair, panel: &Rect, scale: f64, panels: &mut Panels) {
     });
 }
 
-fn draw_after(pair: &Pair, panel: &Rect, scale: f64, panels: &mut Panels) {
+fn draw_after(pair: &Pair, symbol: &str, panel: &Rect, scale: f64, panels: &mut Panels) {
     let (camera, metrics) = (pair.camera(panel, scale), panels.metrics);
     let rects = pair.displaced();
-    let arrows = pair.arrows(&camera, &rects, &pair.collision.after, &metrics);
+    let arrows = pair.arrows(&camera, &rects, &pair.collision.after, &format!("{symbol}′"), &metrics);
     panels.clip(panel, |panels| {
         panels.shapes.extend(pair.named_boxes(&camera, &rects, &arrows, &metrics));
         for (initial, _) in pair.collision.rects.iter().zip(&rects).filter(|(initial, displaced)| initial != displaced)
@@ -188,41 +232,109 @@ fn placer(
     placer
 }
 
-/// The values in as many lines of at most `width` px as they need.
-fn value_lines(values: &[String], width: f64, metrics: &DrawingMetrics) -> Vec<Line> {
-    let line = |values: &[String]| Line::math(&values.join(",   "), metrics.text(0.9));
-    let (mut lines, mut start) = (Vec::new(), 0);
-    for end in 1..=values.len() {
-        if end == values.len() || line(&values[start..=end]).width > width {
-            lines.push(line(&values[start..end]));
-            start = end;
-        }
-    }
-    lines
+/// The numbers of a collision: values, as markup, and the formula of its impulse.
+struct Numbers {
+    values: Vec<String>,
+    formula: Formula,
 }
 
-/// The values of the collision, as markup.
-fn values(collision: &Collision, format: TimeFormat, language: Language) -> Vec<String> {
-    let time = format!("t = {} \"{}\"", format.number(collision.instant), format.unit());
-    let mut values = vec![format!("\"{}\" {}", language.of("step", "pas"), collision.step), time];
-    if collision.penetration != Vector::ZERO {
-        values.push(format!("|n⃗| = {}", Unit::METRE.format(collision.penetration.norm(), 3)));
-        let shares = ["N_c", "N_b"].into_iter().zip(collision.shares);
-        values.extend(shares.map(|(symbol, share)| format!("{symbol} = {}", format_significant(share, 3))));
-    }
-    if collision.impulse == 0.0 {
-        let is_at_rest = collision.before.iter().all(|velocity| *velocity == Vector::ZERO);
-        values.push(if is_at_rest {
-            "|v⃗_c| = |v⃗_b| = 0".to_owned()
-        } else {
-            format!("\"{}\"", language.of("no impulse", "sans impulsion"))
-        });
-    } else {
-        values.push(format!("e = {}", format_significant(collision.restitution, 3)));
-        values.push(format!("j = {}", Unit::NEWTON_SECOND.format(collision.impulse, 3)));
-    }
-    values
+/// [`Numbers`] in lines.
+struct NumberLines {
+    values: Vec<Line>,
+    formula: Vec<FormulaLine>,
 }
+
+/// The font size of numbers, relative to that of the page.
+const NUMBER_SIZE: f64 = 0.9;
+
+impl Numbers {
+    /// The numbers of a collision in a frame of reference that moves with a velocity, m/s.
+    fn new(
+        pair: &Pair,
+        (frame, velocity): (ReferenceFrame, Vector),
+        format: TimeFormat,
+        language: Language,
+    ) -> Numbers {
+        let collision = &pair.collision;
+        let time = format!("t = {} \"{}\"", format.number(collision.instant), format.unit());
+        let mut values = vec![format!("\"{}\" {}", language.of("step", "pas"), collision.step), time];
+        if frame == ReferenceFrame::CenterOfMass {
+            let of_center = language.of("\"centre of mass:\"", "\"centre de masse :\"");
+            let unit = Unit::METRE_PER_SECOND.for_size(velocity.norm());
+            let [x, y] = [velocity.x, velocity.y].map(|part| format_significant(unit.scaled(part), 3));
+            values.push(format!("{of_center} u⃗ = v⃗ - ({x}, {y}) \"{unit}\""));
+        }
+        if collision.penetration != Vector::ZERO {
+            values.push(format!("|n⃗| = {}", Unit::METRE.format(collision.penetration.norm(), 3)));
+            let shares = ["N_c", "N_b"].into_iter().zip(collision.shares);
+            values.extend(shares.map(|(symbol, share)| format!("{symbol} = {}", format_significant(share, 3))));
+        }
+        let mut formula = Formula::default();
+        if collision.impulse == 0.0 {
+            let is_at_rest = collision.before.iter().all(|velocity| *velocity == Vector::ZERO);
+            values.push(if is_at_rest {
+                "|v⃗_c| = |v⃗_b| = 0".to_owned()
+            } else {
+                format!("\"{}\"", language.of("no impulse", "sans impulsion"))
+            });
+        } else {
+            values.push(format!("e = {}", format_significant(collision.restitution, 3)));
+            formula = impulse_formula(collision, pair.masses, symbol(frame), language);
+        }
+        Numbers { values, formula }
+    }
+
+    /// The numbers in lines of at most `width` px.
+    fn lines(&self, width: f64, metrics: &DrawingMetrics) -> NumberLines {
+        let size = metrics.text(NUMBER_SIZE);
+        NumberLines { values: joined_lines(&self.values, size, width), formula: self.formula.lines(size, width) }
+    }
+}
+
+impl NumberLines {
+    /// The width of the widest line, px.
+    fn width(&self) -> f64 {
+        let values = self.values.iter().map(|line| line.width);
+        values.chain(self.formula.iter().map(|line| line.width)).fold(0.0, larger)
+    }
+
+    /// The height of all lines, px.
+    fn height(&self, metrics: &DrawingMetrics) -> f64 {
+        self.values.len() as f64 * VALUE_SPACING * metrics.font_size
+            + self.formula.len() as f64 * FORMULA_HEIGHT * metrics.text(NUMBER_SIZE)
+    }
+}
+
+/// The formula of the impulse with its values inserted: j = −(1 + e) v⃗·n̂ / (1/M_c + 1/M_b). If the bodies act together
+/// with others that they push, which the formula does not contain, the impulse alone.
+fn impulse_formula(collision: &Collision, masses: [f64; 2], symbol: &str, language: Language) -> Formula {
+    let (e, approach) = (collision.restitution, collision.normal_velocity[0]);
+    let impulse = Unit::NEWTON_SECOND.format(collision.impulse, 3);
+    let inverse: f64 = masses.iter().map(|mass| 1.0 / mass).sum();
+    let alone = -(1.0 + e) * approach / inverse;
+    let term = |text: String, fraction: Option<[String; 2]>| Term { text, fraction };
+    if (alone - collision.impulse).abs() > FORMULA_TOLERANCE * collision.impulse.abs() || !alone.is_finite() {
+        let together = language.of("with the bodies that they push", "avec les corps qu’elles poussent");
+        return Formula { terms: vec![term(format!("j = {impulse} \"({together})\""), None)] };
+    }
+    let inverse_mass = |mass: f64| match mass.is_finite() {
+        true => format!("1/({})", Unit::KILOGRAM.format(mass, 4)),
+        false => "0".to_owned(),
+    };
+    let symbols = [format!("-(1 + e) {symbol} · n̂"), "1/M_c + 1/M_b".to_owned()];
+    let numerator = format!("-(1 + {}) · ({})", format_significant(e, 4), Unit::METRE_PER_SECOND.format(approach, 4));
+    let denominator = masses.map(inverse_mass).join(" + ");
+    Formula {
+        terms: vec![
+            term("j =".to_owned(), Some(symbols)),
+            term("=".to_owned(), Some([numerator, denominator])),
+            term(format!("= {impulse}"), None),
+        ],
+    }
+}
+
+/// The formula must give the impulse up to this part of it: more than rounding errors, less than the digits shown.
+const FORMULA_TOLERANCE: f64 = 1e-6;
 
 /// Draws an arrow with a dashed shaft.
 fn draw_dashed(arrow: &Arrow, metrics: &DrawingMetrics, shapes: &mut Vec<Shape>) {

@@ -2,7 +2,7 @@ use super::axes::{Axes, AxisTitles, Range, Scale};
 use super::panels::Layout;
 use super::timeline::{Timeline, draw_timeline, timeline_legend};
 use super::{MAX_IN_LEGEND, TimeCurve};
-use crate::physics::{Body, BodyId, Rect, Vector, World, larger, smaller};
+use crate::physics::{Axis, Body, BodyId, Rect, Vector, World, larger, smaller};
 use crate::picture::layers::footer::{Entry, Legend, quoted};
 use crate::picture::number::Unit;
 use crate::picture::raster::color::SPEED_COLORS;
@@ -27,6 +27,8 @@ pub struct LineRun {
     column: f64,
     subject: LineSubject,
     lines: BTreeMap<Option<BodyId>, LineOfBody>,
+    /// The motion of each body, or of all together, in the last state.
+    last: BTreeMap<Option<BodyId>, Motion>,
 }
 
 /// The bodies whose quantity is shown.
@@ -36,6 +38,44 @@ pub enum LineSubject {
     Bodies(BTreeMap<BodyId, Arc<Appearance>>),
     /// All bodies of finite mass together have one line: their energy, or the norm of their momentum.
     System,
+}
+
+/// A motion at one instant: position and velocity of a body, m and m/s, or only the momentum of all bodies, kg·m/s.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Motion {
+    time: f64,
+    position: Vector,
+    velocity: Vector,
+}
+
+/// Rounding errors relative to the size of the numbers that are compared.
+const ROUNDING: f64 = 1e-9;
+
+impl Motion {
+    /// The motion at the turning point of a quantity between this instant and a later one, if it is free: with this constant
+    /// acceleration, and without any impulse. States between which a body bounced or rested are not joined by such a
+    /// motion.
+    fn turning_point(&self, later: &Motion, acceleration: Vector, quantity: Quantity) -> Option<Motion> {
+        let duration = later.time - self.time;
+        let is_free = later.velocity.sub(self.velocity).sub(acceleration.mult(duration)).norm()
+            <= ROUNDING * (self.velocity.norm() + later.velocity.norm());
+        let mean = self.velocity.add(later.velocity).mult(0.5);
+        let way = later.position.sub(self.position);
+        let is_joined = way.sub(mean.mult(duration)).norm()
+            <= ROUNDING * (self.position.norm() + later.position.norm() + mean.norm() * duration);
+        let along = |axis: Axis| -self.velocity[axis] / acceleration[axis];
+        let after = match quantity {
+            Quantity::X => along(Axis::X),
+            Quantity::Y | Quantity::Height => along(Axis::Y),
+            Quantity::Speed | Quantity::Momentum => -self.velocity.dot(acceleration) / acceleration.dot(acceleration),
+            Quantity::Vx | Quantity::Vy | Quantity::Energy => return None,
+        };
+        (is_free && is_joined && after > 0.0 && after < duration).then(|| Motion {
+            time: self.time + after,
+            position: self.position.add(self.velocity.mult(after)).add(acceleration.mult(after * after / 2.0)),
+            velocity: self.velocity.add(acceleration.mult(after)),
+        })
+    }
 }
 
 /// The curve of one body, or of all together.
@@ -49,26 +89,36 @@ struct LineOfBody {
 impl LineRun {
     /// Creates a run without values, for curves with columns of `column` seconds in a world of `world_height` metres.
     pub fn new(title: String, quantity: Quantity, subject: LineSubject, world_height: f64, column: f64) -> LineRun {
-        let (timeline, lines) = (Timeline::default(), BTreeMap::new());
-        LineRun { title, timeline, quantity, world_height, column, subject, lines }
+        let (timeline, lines, last) = (Timeline::default(), BTreeMap::new(), BTreeMap::new());
+        LineRun { title, timeline, quantity, world_height, column, subject, lines, last }
     }
 
-    /// Adds the values of a state; times must not decrease.
+    /// Adds the values of a state; times must not decrease. Where a quantity turns between two states of a free motion,
+    /// its extreme is a point of the line.
     pub fn push(&mut self, time: f64, world: &World) {
         match &self.subject {
             LineSubject::System => {
                 let potential = world.potential_energy();
-                let value = match self.quantity {
-                    Quantity::Momentum => world.momentum().norm(),
-                    _ => world.kinetic_energy() + potential,
-                };
-                self.add(None, time, value, potential);
+                if self.quantity == Quantity::Momentum {
+                    let motion = Motion { time, position: Vector::ZERO, velocity: world.momentum() };
+                    let last = self.last.insert(None, motion);
+                    let turn = last.and_then(|last| momentum_turn(&last, &motion, total_force(world)));
+                    turn.into_iter().chain([motion]).for_each(|at| self.add(None, at.time, at.velocity.norm(), 0.0));
+                } else {
+                    self.add(None, time, world.kinetic_energy() + potential, potential);
+                }
             }
             LineSubject::Bodies(bodies) => {
                 let bodies = bodies.clone();
                 for (body, appearance) in world.bodies.iter().filter_map(|body| Some((body, bodies.get(&body.id)?))) {
                     let potential = -appearance.force.dot(body.rect.center());
-                    self.add(Some(body.id), time, self.value(body, potential), potential);
+                    let motion = Motion { time, position: body.rect.origin, velocity: body.velocity };
+                    let acceleration = appearance.force.mult(1.0 / appearance.mass);
+                    let last = self.last.insert(Some(body.id), motion);
+                    let turn = last.and_then(|last| last.turning_point(&motion, acceleration, self.quantity));
+                    for at in turn.into_iter().chain([motion]) {
+                        self.add(Some(body.id), at.time, self.value(body, &at, potential), potential);
+                    }
                 }
             }
         }
@@ -83,17 +133,17 @@ impl LineRun {
         line.curve.push(time, value);
     }
 
-    /// The value of the quantity for a body of this potential energy, J.
-    fn value(&self, body: &Body, potential: f64) -> f64 {
-        let (velocity, mass) = (body.velocity, body.mass);
+    /// The value of the quantity for a motion of a body, whose potential energy is that in J.
+    fn value(&self, body: &Body, Motion { position, velocity, .. }: &Motion, potential: f64) -> f64 {
+        let mass = body.mass;
         match self.quantity {
-            Quantity::X => body.rect.origin.x,
-            Quantity::Y => body.rect.origin.y,
+            Quantity::X => position.x,
+            Quantity::Y => position.y,
             Quantity::Vx => velocity.x,
             Quantity::Vy => velocity.y,
             Quantity::Speed => velocity.norm(),
-            Quantity::Height => self.world_height - body.rect.far_corner().y,
-            Quantity::Energy => 0.5 * mass * velocity.dot(velocity) + potential,
+            Quantity::Height => self.world_height - (position.y + body.rect.height()),
+            Quantity::Energy => 0.5 * mass * velocity.dot(*velocity) + potential,
             Quantity::Momentum => mass * velocity.norm(),
         }
     }
@@ -101,6 +151,7 @@ impl LineRun {
     /// Interrupts all lines: the next values are not joined to the last ones.
     pub fn lift(&mut self) {
         self.lines.values_mut().for_each(|line| line.curve.lift());
+        self.last.clear();
     }
 
     /// The appearance of the body of a line; `None` for all bodies together.
@@ -110,6 +161,20 @@ impl LineRun {
             LineSubject::System => None,
         }
     }
+}
+
+/// The least momentum between two states, kg·m/s, if only this force, N, acts between them. All bodies together have no
+/// position, so that of a free motion takes its place.
+fn momentum_turn(last: &Motion, now: &Motion, force: Vector) -> Option<Motion> {
+    let way = now.velocity.add(last.velocity).mult(0.5 * (now.time - last.time));
+    last.turning_point(&Motion { position: way, ..*now }, force, Quantity::Momentum)
+}
+
+/// The sum of the weights and constant forces of all bodies of finite mass, N.
+fn total_force(world: &World) -> Vector {
+    let gravity = world.gravity.unwrap_or(Vector::ZERO);
+    let finite = world.bodies.iter().filter(|body| !body.is_infinite());
+    finite.fold(Vector::ZERO, |sum, body| sum.add(gravity.mult(body.mass)).add(body.constant_force))
 }
 
 /// Draws a quantity over `time` (s) in one diagram: a line for each body of a single run, in the colours of the bodies,
@@ -196,7 +261,7 @@ const RUN_COLORS: [usize; 7] = [4, 5, 6, 1, 2, 0, 3];
 
 /// The colour of a run: one of a few that differ, or one of a scale from the first to the last run if there are many, which
 /// are usually values of a parameter.
-fn run_color(at: usize, count: usize, style: &Style) -> Color {
+pub fn run_color(at: usize, count: usize, style: &Style) -> Color {
     if count <= RUN_COLORS.len() {
         return color::BODY_COLORS[RUN_COLORS[at]];
     }
@@ -285,4 +350,58 @@ fn legend(runs: &[LineRun], lines: &[DrawnLine], style: &Style) -> Legend {
         Entry { name: quoted(&run.title), ..Entry::new(color, "") }
     };
     Legend { entries: runs.iter().enumerate().map(entry).collect() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::Spawn;
+
+    const G: f64 = 9.81;
+
+    /// The points of a quantity of a body with weight, from states of time, upper left corner and velocity.
+    fn points(quantity: Quantity, states: &[(f64, [f64; 2], [f64; 2])]) -> Vec<[f64; 2]> {
+        let gravity = Some(Vector::new(0.0, G));
+        let spawn = |[x, y]: [f64; 2], [vx, vy]: [f64; 2]| {
+            Spawn::new("a", Rect::new(Vector::new(x, y), 1.0, 1.0), 2.0).with_velocity(Vector::new(vx, vy))
+        };
+        let appearance = Arc::new(Appearance::new(0, &spawn([0.0; 2], [0.0; 2]), None, gravity));
+        let subject = LineSubject::Bodies([(0, appearance)].into());
+        let mut run = LineRun::new(String::new(), quantity, subject, 10.0, 0.0);
+        for (time, at, velocity) in states {
+            let config = crate::physics::EngineConfig::new(crate::physics::SolverKind::EventDriven, 10.0);
+            let mut engine = crate::physics::Engine::new(config.with_gravity(gravity));
+            engine.apply(&crate::physics::Event::Spawn(spawn(*at, *velocity)));
+            run.push(*time, engine.world());
+        }
+        run.lines.values().flat_map(|line| line.curve.parts()).flatten().collect()
+    }
+
+    #[test]
+    fn a_throw_has_its_turning_point_between_two_states() {
+        let state = |time: f64| {
+            let (x, y) = (1.0 + 3.0 * time, 5.0 - 4.0 * time + G * time * time / 2.0);
+            (time, [x, y], [3.0, -4.0 + G * time])
+        };
+        let states = [state(0.0), state(0.3), state(0.6)];
+        let least = |points: &[[f64; 2]]| points.iter().map(|point| point[1]).fold(f64::INFINITY, smaller);
+        let most = |points: &[[f64; 2]]| points.iter().map(|point| point[1]).fold(0.0, larger);
+        let (speeds, heights) = (points(Quantity::Speed, &states), points(Quantity::Height, &states));
+        assert!((least(&speeds) - 3.0).abs() < 1e-12 && speeds.len() == 4, "{speeds:?}");
+        assert!((most(&heights) - (4.0 + 16.0 / (2.0 * G))).abs() < 1e-12, "{heights:?}");
+        assert!((least(&points(Quantity::Momentum, &states)) - 6.0).abs() < 1e-12);
+        assert!((least(&points(Quantity::Y, &states)) - (5.0 - 16.0 / (2.0 * G))).abs() < 1e-12);
+        assert_eq!(points(Quantity::X, &states).len(), 2, "x does not turn, and its line is straight");
+    }
+
+    #[test]
+    fn a_bounce_between_two_states_has_no_turning_point() {
+        // Symmetric in time: the body is at the same place with the opposite velocity, and was never at rest.
+        let states = [(0.0, [0.0, 0.0], [0.0, 2.0]), (0.1, [0.0, 0.0], [0.0, -2.0])];
+        for quantity in [Quantity::Speed, Quantity::Y, Quantity::Height] {
+            assert_eq!(points(quantity, &states).len(), 2, "{quantity:?}");
+        }
+        let at_rest = [(0.0, [0.0, 0.0], [0.0, 0.0]), (0.1, [0.0, 0.0], [0.0, 0.0])];
+        assert_eq!(points(Quantity::Speed, &at_rest).len(), 2);
+    }
 }

@@ -1,6 +1,6 @@
 use super::CollisionSubject;
 use super::pair::Pair;
-use super::panels::{Layout, Panels, TITLE, caption, captioned_panels, dashed, outline};
+use super::panels::{Layout, Panels, TITLE, caption, captioned_panels, dashed, joined_lines, outline};
 use crate::physics::{Rect, Vector, larger, smaller};
 use crate::picture::layers::bodies::border_color;
 use crate::picture::layers::footer::Legend;
@@ -10,16 +10,24 @@ use crate::picture::text::Line;
 use crate::picture::{Arrow, Camera, Color, DisplayList, DrawingMetrics, Language, RenderError, Shape, Style};
 
 /// Figure 2 of the handout: (a) boxes c and b at contact; (b) their Minkowski difference s = b ⊖ c around the origin,
-/// with the vectors from the origin to its four sides; the shortest one is the penetration vector n⃗; (c) the same
-/// magnified, if n⃗ is too short in (b).
+/// with the vectors from the origin to its four sides and their lengths; the shortest one is the penetration vector n⃗;
+/// (c) the same magnified, if n⃗ is too short in (b).
 ///
 /// # Errors
 /// If the page is too small.
 pub fn minkowski(subjects: &[CollisionSubject], style: &Style) -> Result<DisplayList, RenderError> {
+    let rows: Vec<Vec<String>> = subjects.iter().map(|subject| lengths(subject, style)).collect();
     let fits = |cell: &Rect, metrics: &DrawingMetrics| {
-        let panel = captioned_panels(cell, 3, metrics)[0];
+        let are_within = |lengths: &Vec<String>| {
+            joined_lines(lengths, metrics.text(LENGTH_SIZE), cell.width()).iter().all(|line| line.width <= cell.width())
+        };
+        let highest = rows.iter().map(|lengths| length_height(lengths, cell, metrics)).fold(0.0, larger);
+        let above = Rect::new(cell.origin, cell.width(), cell.height() - highest);
+        let panel = captioned_panels(&above, 3, metrics)[0];
         let caption = Line::math(titles_b(style.look.language)[1], metrics.text(0.7)).width;
-        panel.width() >= larger(caption, 7.0 * metrics.font_size) && panel.height() >= 6.0 * metrics.font_size
+        rows.iter().all(are_within)
+            && panel.width() >= larger(caption, 7.0 * metrics.font_size)
+            && panel.height() >= 6.0 * metrics.font_size
     };
     let layout = Layout {
         size: style.look.size,
@@ -32,10 +40,45 @@ pub fn minkowski(subjects: &[CollisionSubject], style: &Style) -> Result<Display
         fits: &fits,
     };
     let (mut panels, cells) = layout.lay_out()?;
-    for (subject, cell) in subjects.iter().zip(&cells) {
-        panels.clip(cell, |panels| row(subject, cell, panels, style));
+    for ((subject, lengths), cell) in subjects.iter().zip(&rows).zip(&cells) {
+        panels.clip(cell, |panels| {
+            let mut area = Panels::of_cell(cell, &panels.metrics);
+            let strip = area.split_bottom(length_height(lengths, cell, &panels.metrics));
+            let lines = joined_lines(lengths, panels.metrics.text(LENGTH_SIZE), cell.width());
+            for (number, line) in lines.into_iter().enumerate() {
+                let baseline = strip.origin.y + (number as f64 + 0.8) * LENGTH_SPACING * panels.metrics.font_size;
+                panels.centered(line, Vector::new(cell.center().x, baseline), panels.metrics.palette.ink.into());
+            }
+            row(subject, &area.content, panels, style);
+        });
     }
     Ok(panels.finish())
+}
+
+/// The font size of the lengths below the panels, relative to that of the page.
+const LENGTH_SIZE: f64 = 0.9;
+
+/// Distance of lines of lengths, in font sizes.
+const LENGTH_SPACING: f64 = 1.4;
+
+/// The lengths of the four vectors as markup, the shortest one first.
+fn lengths(subject: &CollisionSubject, style: &Style) -> Vec<String> {
+    let metrics = DrawingMetrics::new(style.look.theme, style.look.size);
+    let difference = MinkowskiDifference::new(&Pair::new(subject, 0.0, style), &metrics);
+    let length = |index: usize| Unit::METRE.format(difference.vectors[index].norm(), 3);
+    let mut others: Vec<usize> = (0..4).filter(|&index| index != difference.shortest).collect();
+    others.sort_by(|a, b| difference.vectors[*a].norm().total_cmp(&difference.vectors[*b].norm()));
+    let others: Vec<String> = others.into_iter().map(length).collect();
+    let name = style.look.language.of("\"to the other sides:\"", "\"vers les autres côtés :\"");
+    let mut lengths = vec![format!("|n⃗| = {}", length(difference.shortest)), format!("{name} {}", others[0])];
+    lengths.extend_from_slice(&others[1..]);
+    lengths
+}
+
+/// The height of the lines of lengths below a cell, px.
+fn length_height(lengths: &[String], cell: &Rect, metrics: &DrawingMetrics) -> f64 {
+    let lines = joined_lines(lengths, metrics.text(LENGTH_SIZE), cell.width());
+    lines.len() as f64 * LENGTH_SPACING * metrics.font_size
 }
 
 /// A long and a short title of the difference.
@@ -87,7 +130,7 @@ struct MinkowskiDifference {
     extent: Vector,
 }
 
-/// The label with the length of the shortest vector, shown in the panel where that vector is large enough.
+/// The label with the length of the shortest vector, shown in the panel in which that vector is large enough.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum LengthLabel {
     Shown,
@@ -135,7 +178,7 @@ impl MinkowskiDifference {
     /// The magnification that makes n⃗ clearly visible; 1 if it is large enough already.
     fn zoom(&self, scale: f64, metrics: &DrawingMetrics) -> f64 {
         let (length, target_length) = (self.vectors[self.shortest].norm() * scale, 5.0 * metrics.font_size);
-        let is_visible = length == 0.0 || length >= 0.5 * target_length;
+        let is_visible = length == 0.0 || length >= 0.3 * target_length;
         if is_visible { 1.0 } else { smaller(nice_spacing(target_length / length), 1e9) }
     }
 
@@ -165,8 +208,9 @@ impl MinkowskiDifference {
             shapes.push(Shape::Rect { rect: mark, ink: metrics.palette.penetration.into() });
         }
         self.draw_name(&page_rect, panel, &mut placer, &metrics, &mut shapes);
-        if length_label == LengthLabel::Shown {
-            self.label_shortest(origin_on_page, scale, &fills, &mut placer, &metrics, &mut shapes);
+        let vectors = [self.shortest].into_iter().chain((0..4).filter(|&index| index != self.shortest));
+        for index in vectors.filter(|&index| index != self.shortest || length_label == LengthLabel::Shown) {
+            self.label_length(index, (origin_on_page, scale), &fills, &mut placer, &metrics, &mut shapes);
         }
         panels.shapes.push(Shape::Clip { window: *panel, shapes });
         if !panel.contains(&page_rect) {
@@ -202,21 +246,25 @@ impl MinkowskiDifference {
         name.into_iter().for_each(|name| name.draw_over(&fills, Halo::Around, metrics, shapes));
     }
 
-    /// Draws the label with the length of the shortest vector.
-    fn label_shortest(
+    /// Draws the label with the length of a vector beside its visible part.
+    fn label_length(
         &self,
-        origin_on_page: Vector,
-        scale: f64,
+        index: usize,
+        (origin_on_page, scale): (Vector, f64),
         fills: &[(Rect, Color)],
         placer: &mut LabelPlacer,
         metrics: &DrawingMetrics,
         shapes: &mut Vec<Shape>,
     ) {
-        let vector = self.vectors[self.shortest];
-        let line = Line::math(&format!("|n⃗| = {}", Unit::METRE.format(vector.norm(), 3)), metrics.font_size);
+        let vector = self.vectors[index];
+        let length = Unit::METRE.format(vector.norm(), 3);
+        let (text, color, size) = match index == self.shortest {
+            true => (format!("|n⃗| = {length}"), metrics.palette.penetration, metrics.font_size),
+            false => (length, blue(metrics), metrics.text(0.9)),
+        };
         let normal = Vector::new(vector.y, -vector.x);
-        let middle = origin_on_page.add(vector.mult(scale / 2.0));
-        let label = placer.place(line, middle, normal, metrics.font_size, metrics.palette.penetration);
+        let anchors = [0.5, 0.35, 0.65, 0.8].map(|part| origin_on_page.add(vector.mult(part * scale)));
+        let label = placer.place_along(Line::math(&text, size), &anchors, normal, 0.7 * metrics.font_size, color);
         label.into_iter().for_each(|label| label.draw_over(fills, Halo::Around, metrics, shapes));
     }
 }

@@ -6,7 +6,7 @@ use crate::picture::layers::contacts::contact_center;
 use crate::picture::layers::labels::{Halo, Label, LabelPlacer};
 use crate::picture::layers::lanes::{Lanes, separate};
 use crate::picture::text::Line;
-use crate::picture::{Appearance, Arrow, Camera, Color, DrawingMetrics, Shape, Sprite, Style, color};
+use crate::picture::{Appearance, Arrow, Camera, Color, DrawingMetrics, ReferenceFrame, Shape, Sprite, Style, color};
 use std::sync::Arc;
 
 /// The two boxes of a collision and how they are drawn.
@@ -15,6 +15,8 @@ pub struct Pair {
     /// The collision, its bodies in the order of [`ROLES`].
     pub collision: Collision,
     names: [String; 2],
+    /// The masses of c and b, kg.
+    pub masses: [f64; 2],
     /// The colours of c and b.
     pub colors: [Color; 2],
     /// The boxes at contact and after the displacement, m. A box far larger than the other is cropped around it.
@@ -27,6 +29,29 @@ pub struct Pair {
 /// body created first. This does not depend on the order in the recorded collision.
 pub const ROLES: [&str; 2] = ["c", "b"];
 
+/// The collision of a subject in a frame of reference, and the velocity of that frame, m/s.
+pub fn seen_from(subject: &CollisionSubject, frame: ReferenceFrame) -> (CollisionSubject, Vector) {
+    let velocity = match frame {
+        ReferenceFrame::Laboratory => Vector::ZERO,
+        ReferenceFrame::CenterOfMass => {
+            velocity_of_center(subject.bodies.each_ref().map(|body| body.mass), subject.collision.before)
+        }
+    };
+    let mut subject = subject.clone();
+    let Collision { before, after, .. } = &mut subject.collision;
+    before.iter_mut().chain(after).for_each(|seen| *seen = seen.sub(velocity));
+    (subject, velocity)
+}
+
+/// The velocity of the centre of mass of two bodies, m/s; that of an infinite mass if there is one.
+fn velocity_of_center([c, b]: [f64; 2], velocities: [Vector; 2]) -> Vector {
+    // The ratio of the masses does not overflow, unlike their momenta.
+    let ([heavy, light], ratio) = if c >= b { (velocities, b / c) } else { ([velocities[1], velocities[0]], c / b) };
+    // Two infinite masses have no ratio.
+    let ratio = if ratio.is_nan() { 0.0 } else { ratio };
+    heavy.add(light.mult(ratio)).mult(1.0 / (1.0 + ratio))
+}
+
 impl Pair {
     /// Creates the pair of a collision.
     pub fn new(subject: &CollisionSubject, arrow_scale: f64, style: &Style) -> Pair {
@@ -36,9 +61,10 @@ impl Pair {
             name if name == ROLES[at] => format!("\"{name}\""),
             name => format!("{}: \"{}\"", ROLES[at], name.replace('"', "'")),
         });
+        let masses = bodies.map(|body| body.mass);
         let colors = [0, 1].map(|at| body_color(bodies[at], collision.before[at], style));
         let boxes = cropped_bounds(&collision.rects);
-        let mut pair = Pair { collision, names, colors, boxes, arrow_scale };
+        let mut pair = Pair { collision, names, masses, colors, boxes, arrow_scale };
         pair.boxes = boxes.union(&cropped_bounds(&pair.displaced()));
         pair
     }
@@ -52,11 +78,13 @@ impl Pair {
     fn area_on_page(&self, scale: f64) -> Rect {
         let on_page = |at: Vector| at.mult(scale);
         let boxes = Rect::new(on_page(self.boxes.origin), self.boxes.width() * scale, self.boxes.height() * scale);
-        let starts = self.collision.rects.map(|rect| on_page(visible_center(&rect, &self.boxes)));
-        let velocities = [self.collision.before, self.collision.after];
-        let tips = velocities
-            .into_iter()
-            .flat_map(|velocities| [0, 1].map(|at| starts[at].add(velocities[at].mult(self.arrow_scale))));
+        let arrows = [(self.collision.rects, self.collision.before), (self.displaced(), self.collision.after)];
+        let tips = arrows.into_iter().flat_map(|(rects, velocities)| {
+            [0, 1].map(|at| {
+                let start = on_page(visible_center(&rects[at], &self.boxes));
+                start.add(velocities[at].mult(self.arrow_scale))
+            })
+        });
         let all = tips.map(|tip| Rect::new(tip, 0.0, 0.0)).fold(boxes, |all, tip| all.union(&tip));
         all.inset(-MARGIN * larger(boxes.width(), boxes.height()))
     }
@@ -179,24 +207,24 @@ impl Pair {
         Some(Label::in_bounds(&bounds, line, metrics.palette.text_on(self.colors[at])))
     }
 
-    /// The velocity arrows, from the middle of the visible part of each box. A box at rest has none.
+    /// The velocity arrows with labels of this symbol, from the middle of the visible part of each box. A box at rest has none.
     pub fn arrows(
         &self,
         camera: &Camera,
         rects: &[Rect; 2],
         velocities: &[Vector; 2],
+        symbol: &str,
         metrics: &DrawingMetrics,
     ) -> Vec<LabeledArrow> {
         let longest = self.collision.before.iter().chain(&self.collision.after).map(|velocity| velocity.norm());
         let longest = longest.fold(0.0, larger) * self.arrow_scale;
-        let arrow = |at: usize, symbol: &str| {
+        let arrow = |at: usize| {
             let from = camera.point(visible_center(&rects[at], &self.boxes));
             let vector = velocities[at].mult(self.arrow_scale);
             let arrow = Arrow::of_vector(from, vector, ARROW_WIDTH * metrics.line_width, metrics.palette.ink, longest)?;
             Some(LabeledArrow { arrow, key: None, label: format!("{symbol}_{}", ROLES[at]) })
         };
-        let symbol = if *velocities == self.collision.before { "v⃗" } else { "v⃗′" };
-        let mut arrows: Vec<LabeledArrow> = [0, 1].into_iter().filter_map(|at| arrow(at, symbol)).collect();
+        let mut arrows: Vec<LabeledArrow> = [0, 1].into_iter().filter_map(arrow).collect();
         separate(&mut arrows, &Lanes::default());
         arrows
     }

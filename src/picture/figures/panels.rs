@@ -293,6 +293,19 @@ pub fn outline(rect: &Rect, width: f64, ink: Ink) -> [Shape; 4] {
     ]
 }
 
+/// Values, as markup, in as many lines of at most `width` px as they need.
+pub fn joined_lines(values: &[String], size: f64, width: f64) -> Vec<Line> {
+    let line = |values: &[String]| Line::math(&values.join(",   "), size);
+    let (mut lines, mut start) = (Vec::new(), 0);
+    for end in 1..=values.len() {
+        if end == values.len() || line(&values[start..=end]).width > width {
+            lines.push(line(&values[start..end]));
+            start = end;
+        }
+    }
+    lines
+}
+
 /// The segments of a dashed line.
 pub fn dashed(from: Vector, to: Vector, dash: f64, width: f64, ink: Ink) -> Vec<Shape> {
     let length = to.sub(from).norm();

@@ -131,11 +131,11 @@ pub fn spacetime(runs: &[SpacetimeRun], time: Range, axis: Axis, style: &Style) 
             let labels = labels_of(bands, &panels.metrics);
             let axes = axes_of(cell, &labels, &panels.metrics);
             axes.draw(&AxisTitles { x: &x.title("t"), y: &y.title(symbol) }, &panels.metrics, &mut panels.shapes);
-            let shapes: Vec<Shape> = bands
-                .iter()
-                .filter(|band| !band.spans_axis(positions))
-                .flat_map(|band| band.draw(&axes, panels))
-                .collect();
+            let visible: Vec<&&Band> = bands.iter().filter(|band| !band.spans_axis(positions)).collect();
+            // All edges are above all areas, so that no band hides another one.
+            let areas = visible.iter().flat_map(|band| band.areas(&axes));
+            let edges = visible.iter().flat_map(|band| band.edges(&axes, panels));
+            let shapes = areas.chain(edges).collect();
             panels.shapes.push(Shape::Clip { window: axes.plot_area, shapes });
             draw_timeline(&run.timeline, &axes, panels);
             draw_labels(labels, &axes, panels);
@@ -219,27 +219,32 @@ impl Band {
         self.is_static() && self.positions().all(|from| covered(from) > (high - low) / 2.0)
     }
 
-    fn draw(&self, axes: &Axes, panels: &Panels) -> Vec<Shape> {
-        let mut shapes = Vec::new();
-        let edge = |part: &[[f64; 2]], offset: f64| {
-            let points = part.iter().map(|[time, from]| axes.point(*time, from + offset));
-            let mut points: Vec<Vector> = points.filter(|at| at.is_finite()).collect();
-            points.dedup();
-            points
+    /// One end of the body over time in a part of a curve, px; `offset` is its distance from the lower end, m.
+    fn edge(part: &[[f64; 2]], offset: f64, axes: &Axes) -> Vec<Vector> {
+        let points = part.iter().map(|[time, from]| axes.point(*time, from + offset));
+        let mut points: Vec<Vector> = points.filter(|at| at.is_finite()).collect();
+        points.dedup();
+        points
+    }
+
+    /// The areas between both ends.
+    fn areas(&self, axes: &Axes) -> Vec<Shape> {
+        let parts = self.parts.iter().flat_map(|(color, curve)| curve.parts().into_iter().map(|part| (*color, part)));
+        let area = |(color, part): (Color, Vec<[f64; 2]>)| {
+            let high = Band::edge(&part, self.size, axes).into_iter().rev();
+            let points = Band::edge(&part, 0.0, axes).into_iter().chain(high).collect();
+            Shape::Polygon { points, ink: Ink { color, opacity: 150 } }
         };
-        let parts: Vec<(Color, Vec<[f64; 2]>)> =
-            self.parts.iter().flat_map(|(color, curve)| curve.parts().into_iter().map(|part| (*color, part))).collect();
-        for (color, part) in &parts {
-            let points = edge(part, 0.0).into_iter().chain(edge(part, self.size).into_iter().rev()).collect();
-            shapes.push(Shape::Polygon { points, ink: Ink { color: *color, opacity: 150 } });
-        }
+        parts.map(area).collect()
+    }
+
+    /// The lines along both ends.
+    fn edges(&self, axes: &Axes, panels: &Panels) -> Vec<Shape> {
         let color = self.parts.first().map_or(panels.metrics.palette.muted, |(color, _)| *color);
         let ink = border_color(color, &panels.metrics).into();
-        for (_, part) in &parts {
-            let line = |points| Shape::Polyline { points, width: 0.75 * panels.metrics.line_width, ink };
-            shapes.extend([line(edge(part, 0.0)), line(edge(part, self.size))]);
-        }
-        shapes
+        let line = |points| Shape::Polyline { points, width: 0.75 * panels.metrics.line_width, ink };
+        let ends = |part: Vec<[f64; 2]>| [0.0, self.size].map(|offset| line(Band::edge(&part, offset, axes)));
+        self.parts.iter().flat_map(|(_, curve)| curve.parts()).flat_map(ends).collect()
     }
 }
 

@@ -1,6 +1,7 @@
 use super::axes::{Axes, AxisTitles, Range, Scale};
 use super::panels::{Layout, TITLE};
 use crate::physics::{Axis, BodyId, Collision, Observer, Rect, Vector, larger, smaller};
+use crate::picture::layers::bodies::draw_box;
 use crate::picture::layers::footer::{Entry, Legend, gap_entries, quoted};
 use crate::picture::number::{TimeFormat, Unit};
 use crate::picture::text::{Line, truncated};
@@ -203,10 +204,10 @@ pub fn velocity_space(runs: &[VelocityRun], style: &Style) -> Result<DisplayList
                     shapes.push(mark(at(path.start), 3.0 * metrics.line_width, metrics.palette.penetration));
                 }
                 Velocities::Cloud { bodies, .. } => {
-                    let size = if bodies.len() > 1000 { 1.0 } else { 2.0 };
-                    shapes.extend(bodies.iter().map(|(velocity, color)| {
-                        mark(at(*velocity), size * metrics.line_width, metrics.palette.line(*color))
-                    }));
+                    let size = cloud_mark(bodies.len(), &axes.plot_area, &metrics);
+                    for (velocity, color) in bodies {
+                        draw_box(&mark_area(at(*velocity), size), metrics.palette.line(*color), &metrics, &mut shapes);
+                    }
                 }
             }
             panels.shapes.push(Shape::Clip { window, shapes });
@@ -269,8 +270,19 @@ fn square(cell: &Rect, metrics: &DrawingMetrics) -> Rect {
 }
 
 fn mark(at: Vector, side: f64, color: Color) -> Shape {
-    let near = at.sub(Vector::new(side, side).mult(0.5));
-    Shape::Rect { rect: Rect::new(near, side, side), ink: color.into() }
+    Shape::Rect { rect: mark_area(at, side), ink: color.into() }
+}
+
+/// A square of this side around a point.
+fn mark_area(at: Vector, side: f64) -> Rect {
+    Rect::new(at.sub(Vector::new(side, side).mult(0.5)), side, side)
+}
+
+/// The side of the marks of a cloud, px: all marks together cover a twentieth of the diagram, as far as each remains
+/// visible and is smaller than a letter.
+fn cloud_mark(count: usize, plot_area: &Rect, metrics: &DrawingMetrics) -> f64 {
+    let side = (plot_area.width() * plot_area.height() / 20.0 / count.max(1) as f64).sqrt();
+    smaller(larger(side, 1.5 * metrics.line_width), 0.6 * metrics.font_size).round()
 }
 
 fn note(run: &VelocityRun, format: TimeFormat) -> String {

@@ -53,6 +53,23 @@ impl Arrow {
     /// Appends the arrow to `shapes`, on a halo in the background colour. Appends nothing if the arrow is shorter
     /// than its shaft is wide.
     pub fn draw(&self, metrics: &DrawingMetrics, shapes: &mut Vec<Shape>) {
+        self.aligned().draw_at_place(metrics, shapes);
+    }
+
+    /// The arrow moved sideways by half a pixel at most, if it is horizontal or vertical, so that its edges are those of
+    /// pixels: a thin shaft between two rows of pixels would be pale.
+    fn aligned(&self) -> Arrow {
+        let place = |at: f64| if self.width.round() % 2.0 == 1.0 { at.floor() + 0.5 } else { at.round() };
+        let [from, to] = [self.from, self.to];
+        let [from, to] = match (from.x == to.x, from.y == to.y) {
+            (false, true) => [from, to].map(|at| Vector::new(at.x, place(at.y))),
+            (true, false) => [from, to].map(|at| Vector::new(place(at.x), at.y)),
+            _ => [from, to],
+        };
+        Arrow { from, to, ..*self }
+    }
+
+    fn draw_at_place(&self, metrics: &DrawingMetrics, shapes: &mut Vec<Shape>) {
         let direction = self.to.sub(self.from);
         let length = direction.norm();
         // A zero vector has no direction, and an arrow of infinite length cannot be drawn.
@@ -265,6 +282,18 @@ mod tests {
     use super::*;
 
     const INK: Color = Color::hex(0);
+
+    #[test]
+    fn the_shaft_of_a_horizontal_arrow_fills_whole_rows_of_pixels() {
+        for (y, width) in [(10.0, 1.0), (10.3, 1.0), (10.5, 2.0), (10.8, 2.0), (10.2, 3.0)] {
+            let aligned = Arrow::new(Vector::new(3.2, y), Vector::new(40.7, y), width, INK).aligned();
+            let edges = [aligned.from.y - width / 2.0, aligned.to.y + width / 2.0];
+            assert!(edges.iter().all(|edge| edge.fract() == 0.0) && (aligned.from.y - y).abs() <= 0.5, "{aligned:?}");
+            assert_eq!([aligned.from.x, aligned.to.x], [3.2, 40.7]);
+        }
+        let oblique = Arrow::new(Vector::new(3.2, 10.3), Vector::new(40.7, 11.0), 1.0, INK);
+        assert_eq!(oblique.aligned(), oblique);
+    }
 
     #[test]
     fn a_vector_shorter_than_a_head_has_an_open_head_of_full_length() {

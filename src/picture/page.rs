@@ -1,0 +1,420 @@
+//! The content of pages: states, collisions and traces of recordings, as the figures need them.
+
+use super::collisions::find_collision;
+use super::draw::{grid, state};
+use super::figures::{
+    self, CollisionSubject, EnergyRun, FigureRun, LineRun, LineSubject, PressureRun, Range, SpacetimeRun, SpeedRun,
+    Timeline, Velocities, VelocityPath, VelocityRun,
+};
+use super::trace::trace;
+use super::{
+    AnimationSchedule, Appearance, CollisionFigure, CollisionSelector, DisplayList, EnergySample, Error, Frame, Frames,
+    Page, Progress, Quantity, ReadStatus, ResolvedPicture, Source, Sprite, StatesFigure, StepGrid, StepRange, Style,
+    color,
+};
+use crate::body_selector::BodySelector;
+use crate::physics::{Axis, BodyId, Engine, larger};
+use crate::recording::{Playback, SampledBody, SampledState};
+use crate::replay::{Replayer, Verdict};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// A page, and how completely each recording was read.
+type Composed = (DisplayList, Vec<ReadStatus>);
+
+/// The shapes of a page.
+///
+/// # Errors
+/// If a recording cannot be read or does not contain the subject, or if the page is too small.
+pub fn compose_page(
+    page: &Page,
+    picture: &ResolvedPicture,
+    sources: &[Source],
+    progress: Progress,
+) -> Result<Composed, Error> {
+    if let Page::State { step, every } = page {
+        return state(*step, every.unwrap_or(1), picture, sources, progress);
+    }
+    let style = Style::new(&picture.look, sources, progress)?;
+    let mut composer = Composer { picture, sources, style, progress };
+    match page {
+        Page::State { step, every } => state(*step, every.unwrap_or(1), picture, sources, composer.progress),
+        Page::Collision { figure, collisions } => composer.collision(*figure, collisions),
+        Page::States { figure: StatesFigure::Spacetime(axis), steps } => composer.spacetime(*axis, steps),
+        Page::States { figure, steps } => composer.instants(*figure, steps),
+        Page::Energy { steps } => composer.energy(steps),
+        Page::Lines { quantity, steps } => composer.lines(*quantity, steps),
+        Page::Pressure { steps } => composer.pressure(steps),
+        Page::Speeds { steps } => composer.speeds(steps),
+        Page::VelocitySpace { axis, steps } => composer.velocity_space(*axis, steps),
+    }
+}
+
+/// Composes figures of recordings.
+struct Composer<'a> {
+    picture: &'a ResolvedPicture,
+    sources: &'a [Source],
+    style: Style,
+    progress: Progress<'a>,
+}
+
+impl Composer<'_> {
+    /// Reads one run of each recording. `read` receives the recording, its title and the grid of its steps.
+    fn runs<R>(
+        &mut self,
+        steps: &[StepRange],
+        mut read: impl FnMut(&mut Self, &Source, String, StepGrid) -> Result<(R, ReadStatus), Error>,
+    ) -> Result<(Vec<R>, Vec<ReadStatus>), Error> {
+        let sources = self.sources;
+        let (mut runs, mut statuses) = (Vec::new(), Vec::new());
+        for ((source, title), grid) in
+            sources.iter().zip(titles(&self.picture.titles, sources)).zip(grids(steps, sources))
+        {
+            let (run, status) = read(self, source, title, grid)?;
+            runs.push(run);
+            statuses.push(status);
+        }
+        Ok((runs, statuses))
+    }
+
+    fn collision(&mut self, figure: CollisionFigure, collisions: &[CollisionSelector]) -> Result<Composed, Error> {
+        let sources = self.sources;
+        let mut subjects = Vec::new();
+        for ((source, selector), title) in sources.iter().zip(collisions).zip(titles(&self.picture.titles, sources)) {
+            let collision = find_collision(source, selector.step, Some(&selector.pair), self.progress)?;
+            subjects.push(CollisionSubject { title, ..collision });
+        }
+        let list = match figure {
+            CollisionFigure::Stages(frame) => figures::collision(&subjects, frame, &self.style)?,
+            CollisionFigure::Minkowski => figures::minkowski(&subjects, &self.style)?,
+        };
+        let statuses = sources.iter().map(Source::declared_health).collect::<Result<_, Error>>()?;
+        Ok((list, statuses))
+    }
+
+    fn spacetime(&mut self, axis: Axis, steps: &[StepRange]) -> Result<Composed, Error> {
+        let (runs, statuses) = self.runs(steps, |all, source, title, grid| {
+            let (bodies, column) = (source.appearances()?, column(&grid, &all.style));
+            let is_chosen = |body: &&Arc<Appearance>| body.is_wall || all.picture.look.bodies.contains(&body.name);
+            let mut run = SpacetimeRun::new(title, source.world(), axis, column);
+            let trace = trace(source, &grid, column, all.progress, |point| {
+                if point.is_after_gap {
+                    run.lift();
+                }
+                for body in &point.world.bodies {
+                    if let Some(appearance) = bodies.get(&body.id).filter(is_chosen).cloned() {
+                        let (rect, velocity) = (body.rect, body.velocity);
+                        run.push(point.time, &Sprite { appearance, rect, velocity, trail: Vec::new() }, &all.style);
+                    }
+                }
+            })?;
+            run.timeline = Timeline { changes: trace.changes, gaps: trace.gaps };
+            Ok((run, trace.status))
+        })?;
+        Ok((figures::spacetime(&runs, time_range(steps, self.sources), axis, &self.style)?, statuses))
+    }
+
+    fn instants(&mut self, figure: StatesFigure, steps: &[StepRange]) -> Result<Composed, Error> {
+        let (runs, statuses) = self.runs(steps, |all, source, title, grid| {
+            all.style.gaps.extend(source.gaps_in(&grid.steps));
+            let (schedule, look) = (AnimationSchedule::from(grid), &all.picture.look);
+            let mut read = Frames::new(source, &schedule, &look.show)?;
+            let mut frames = read.by_ref().collect::<Result<Vec<Frame>, Error>>()?;
+            let is_chosen =
+                |sprite: &Sprite| sprite.appearance.is_wall || look.bodies.contains(&sprite.appearance.name);
+            frames.iter_mut().for_each(|frame| frame.sprites.retain(is_chosen));
+            Ok((FigureRun { title, world: source.world(), frames }, read.read_status()))
+        })?;
+        let list = match figure {
+            StatesFigure::Strobe => figures::strobe(&runs, &self.style)?,
+            StatesFigure::Filmstrip | StatesFigure::Spacetime(_) => figures::filmstrip(&runs, &self.style)?,
+        };
+        Ok((list, statuses))
+    }
+
+    fn energy(&mut self, steps: &[StepRange]) -> Result<Composed, Error> {
+        let (runs, statuses) = self.runs(steps, |all, source, title, grid| {
+            let column = column(&grid, &all.style);
+            let mut run = EnergyRun::new(title, column, source.statistics.top_force > 0.0);
+            let trace = trace(source, &grid, column, all.progress, |point| {
+                if point.is_after_gap {
+                    run.lift();
+                }
+                if point.is_after_gap || point.is_after_change {
+                    run.restart_account();
+                }
+                run.push(&EnergySample::of(point.world, point.time));
+            })?;
+            run.timeline = Timeline { changes: trace.changes, gaps: trace.gaps };
+            Ok((run, trace.status))
+        })?;
+        Ok((figures::energy(&runs, time_range(steps, self.sources), &self.style)?, statuses))
+    }
+
+    fn lines(&mut self, quantity: Quantity, steps: &[StepRange]) -> Result<Composed, Error> {
+        let mut names = run_names(&self.picture.titles, self.sources).into_iter();
+        let (runs, statuses) = self.runs(steps, |all, source, title, grid| {
+            let column = column(&grid, &all.style);
+            let subject = line_subject(quantity, &all.picture.look.bodies, source)?;
+            let name = names.next().unwrap_or(title);
+            let mut run = LineRun::new(name, quantity, subject, source.world().y, column);
+            let trace = trace(source, &grid, column, all.progress, |point| {
+                if point.is_after_gap {
+                    run.lift();
+                }
+                run.push(point.time, point.world);
+            })?;
+            run.timeline = Timeline { changes: trace.changes, gaps: trace.gaps };
+            Ok((run, trace.status))
+        })?;
+        Ok((figures::lines(&runs, time_range(steps, self.sources), quantity, &self.style)?, statuses))
+    }
+
+    fn speeds(&mut self, steps: &[StepRange]) -> Result<Composed, Error> {
+        let top = self.sources.iter().map(|source| source.statistics.top_speed).fold(f64::MIN_POSITIVE, larger);
+        let (runs, statuses) = self.runs(steps, |all, source, title, grid| {
+            let bodies = chosen_bodies(&all.picture.look.bodies, source)?;
+            let mut run = SpeedRun::new(title, top);
+            // No instants between the states.
+            let trace = trace(source, &grid, f64::INFINITY, all.progress, |point| {
+                for body in point.world.bodies.iter().filter(|body| bodies.contains_key(&body.id)) {
+                    run.push(body.velocity.norm(), body.mass);
+                }
+            })?;
+            if !run.has_motion() {
+                let reason = "all chosen bodies are at rest, so there is no distribution of speeds".into();
+                return Err(Error::NothingToShow { reason });
+            }
+            all.style.gaps.extend(trace.gaps);
+            Ok((run, trace.status))
+        })?;
+        Ok((figures::speeds(&runs, &self.style)?, statuses))
+    }
+
+    fn velocity_space(&mut self, axis: Axis, steps: &[StepRange]) -> Result<Composed, Error> {
+        let (runs, statuses) = self.runs(steps, |all, source, title, grid| {
+            let bodies = chosen_bodies(&all.picture.look.bodies, source)?;
+            all.style.gaps.extend(source.gaps_in(&grid.steps));
+            let velocities = match bodies.len() {
+                2 => Velocities::Pair(velocity_path(source, &bodies, axis, &grid, all.progress)?),
+                _ => velocity_cloud(source, &bodies, &grid, &all.style)?,
+            };
+            Ok((VelocityRun { title, velocities }, source.declared_health()?))
+        })?;
+        Ok((figures::velocity_space(&runs, &self.style)?, statuses))
+    }
+
+    /// The pressure: impulses from a replay, volume and energy from the states.
+    fn pressure(&mut self, steps: &[StepRange]) -> Result<Composed, Error> {
+        let (runs, statuses) = self.runs(steps, |all, source, title, grid| {
+            let time = [*grid.steps.start(), *grid.steps.end()].map(|step| step as f64 / grid.rate);
+            let walls = pressed_bodies(&all.picture.look.bodies, source)?;
+            let mut run = PressureRun::new(title, source.world(), Range { from: time[0], to: time[1] }, walls);
+            add_impulses(&mut run, source, &grid, all.progress)?;
+            let trace = trace(source, &grid, column(&grid, &all.style), all.progress, |point| {
+                if point.is_after_gap {
+                    run.lift();
+                }
+                run.push(point.time, point.world);
+            })?;
+            run.timeline = Timeline { changes: trace.changes, gaps: trace.gaps };
+            Ok((run, trace.status))
+        })?;
+        Ok((figures::pressure(&runs, time_range(steps, self.sources), &self.style)?, statuses))
+    }
+}
+
+/// The bodies of a diagram of lines: the chosen ones of finite mass. Energy and momentum are those of all bodies together,
+/// unless bodies are chosen.
+fn line_subject(quantity: Quantity, selector: &BodySelector, source: &Source) -> Result<LineSubject, Error> {
+    if matches!(quantity, Quantity::Energy | Quantity::Momentum) && selector.is_all() {
+        return Ok(LineSubject::System);
+    }
+    Ok(LineSubject::Bodies(chosen_bodies(selector, source)?))
+}
+
+/// The chosen bodies of finite mass.
+fn chosen_bodies(selector: &BodySelector, source: &Source) -> Result<BTreeMap<BodyId, Arc<Appearance>>, Error> {
+    let mut bodies = source.appearances()?;
+    bodies.retain(|_, body| body.mass.is_finite() && selector.contains(&body.name));
+    if bodies.is_empty() {
+        return Err(Error::NothingToShow { reason: "no body of finite mass is chosen".into() });
+    }
+    Ok(bodies)
+}
+
+/// The bodies on which a figure shows the pressure: the chosen ones, or all of infinite mass.
+fn pressed_bodies(selector: &BodySelector, source: &Source) -> Result<BTreeMap<BodyId, Arc<Appearance>>, Error> {
+    let mut bodies = source.appearances()?;
+    bodies.retain(|_, body| match selector.is_all() {
+        true => body.mass == f64::INFINITY,
+        false => selector.contains(&body.name),
+    });
+    let (count, most) = (bodies.len(), figures::MAX_PRESSURE_BODIES);
+    if count > most {
+        let reason =
+            format!("the pressure on {count} bodies is more than a figure shows: choose up to {most} with --bodies");
+        return Err(Error::Incompatible { reason });
+    }
+    Ok(bodies)
+}
+
+/// Adds the impulses of the collisions in the steps of a grid, from a replay.
+fn add_impulses(run: &mut PressureRun, source: &Source, grid: &StepGrid, progress: Progress) -> Result<(), Error> {
+    let (first, last) = (*grid.steps.start(), *grid.steps.end());
+    if first == last {
+        let reason = "a pressure is an impulse per time, which requires more than one state".into();
+        return Err(Error::NothingToShow { reason });
+    }
+    let replayer = Replayer::new(source.recording()?, first..=last).map_err(|error| source.read_error(error))?;
+    let verdict = replayer.run(run, |step| progress(step, last)).map_err(|error| source.read_error(error))?;
+    is_same(verdict, source)?;
+    match (run.side_count(), figures::MAX_PRESSURE_SIDES) {
+        (0, _) => {
+            let reason = "no body hits a wall in these steps: choose the bodies that are hit with --bodies".into();
+            Err(Error::NothingToShow { reason })
+        }
+        (count, most) if count > most => {
+            let reason = format!(
+                "{count} sides of bodies are hit, more than the {most} that a figure shows: choose with --bodies"
+            );
+            Err(Error::Incompatible { reason })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Returns an error if a replay diverged.
+fn is_same(verdict: Verdict, source: &Source) -> Result<(), Error> {
+    match verdict {
+        verdict @ Verdict::Diverged(_) => {
+            Err(Error::Diverged { path: source.path.clone(), verdict: Box::new(verdict) })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// The velocities of two bodies along an axis in the steps of a grid, from a replay.
+fn velocity_path(
+    source: &Source,
+    bodies: &BTreeMap<BodyId, Arc<Appearance>>,
+    axis: Axis,
+    grid: &StepGrid,
+    progress: Progress,
+) -> Result<VelocityPath, Error> {
+    let (first, last) = (*grid.steps.start(), *grid.steps.end());
+    let state = Playback::new(source.recording()?)
+        .find(|state| state.as_ref().map_or(true, |state| state.step >= first && bodies_alive(state, bodies) == 2));
+    let Some(state) = state.transpose().map_err(|error| source.read_error(error))? else {
+        let reason = "the two chosen bodies are never alive at the same time".into();
+        return Err(Error::NothingToShow { reason });
+    };
+    let mut chosen = state.bodies.iter().filter_map(|body| Some((bodies.get(&body.info.id)?, body)));
+    let (Some(a), Some(b)) = (chosen.next(), chosen.next()) else {
+        return Err(Error::NothingToShow { reason: "two bodies are required".into() });
+    };
+    let body = |(appearance, body): (&Arc<Appearance>, &SampledBody)| {
+        (appearance.name.clone(), body.info.id, appearance.mass, body.velocity)
+    };
+    let mut path = VelocityPath::new([body(a), body(b)], axis);
+    let mut replayer =
+        Replayer::new(source.recording()?, state.step..=last).map_err(|error| source.read_error(error))?;
+    let mut expected = state.step;
+    while let Some(step) = replayer.next_state(&mut path).map_err(|error| source.read_error(error))? {
+        if step != expected {
+            // Collisions in a gap are unknown, so the path goes on where the bodies are after it.
+            let world = replayer.engine().map(Engine::world);
+            path.restart(world.iter().flat_map(|world| &world.bodies).map(|body| (body.id, body.velocity)));
+        }
+        expected = step + 1;
+        progress(step, last);
+    }
+    is_same(replayer.verdict(), source)?;
+    Ok(path)
+}
+
+/// The number of these bodies in a state.
+fn bodies_alive(state: &SampledState, bodies: &BTreeMap<BodyId, Arc<Appearance>>) -> usize {
+    state.bodies.iter().filter(|body| bodies.contains_key(&body.info.id)).count()
+}
+
+/// The velocities of bodies in the last state of a grid.
+fn velocity_cloud(
+    source: &Source,
+    bodies: &BTreeMap<BodyId, Arc<Appearance>>,
+    grid: &StepGrid,
+    style: &Style,
+) -> Result<Velocities, Error> {
+    let mut last = None;
+    let mut playback = Playback::new(source.recording()?);
+    playback.seek(*grid.steps.end()).map_err(|error| source.read_error(error))?;
+    for state in playback {
+        let state = state.map_err(|error| source.read_error(error))?;
+        if state.step > *grid.steps.end() {
+            break;
+        }
+        last = Some(state);
+    }
+    let Some(state) = last.filter(|state| bodies_alive(state, bodies) > 0) else {
+        return Err(Error::NothingToShow { reason: "no chosen body is alive in the last state: use --to".into() });
+    };
+    let of_body = |body: &SampledBody| {
+        let appearance = bodies.get(&body.info.id)?.clone();
+        let rect = body.info.spawn.rect;
+        let sprite = Sprite { appearance, rect, velocity: body.velocity, trail: Vec::new() };
+        Some((body.velocity, color::body_color(&sprite, style)))
+    };
+    let time = state.step as f64 / grid.rate;
+    Ok(Velocities::Cloud { time, bodies: state.bodies.iter().filter_map(of_body).collect() })
+}
+
+/// The names of recordings in a common legend or side by side in an animation: titles, or the values given with `--set`
+/// if the recordings have the same title.
+pub fn run_names(given: &[String], sources: &[Source]) -> Vec<String> {
+    let values = |source: &Source| {
+        let values = source.header.overrides.iter().map(|[key, value]| format!("{key} = {value}"));
+        values.collect::<Vec<String>>().join(", ")
+    };
+    let is_study = sources.windows(2).all(|pair| pair[0].title() == pair[1].title())
+        && sources.iter().all(|source| !source.header.overrides.is_empty());
+    let all_values: Vec<String> = sources.iter().map(values).collect();
+    let is_distinct = (1..all_values.len()).all(|at| !all_values[..at].contains(&all_values[at]));
+    let solvers = |at: usize| sources[at].header.config.solver;
+    match given.is_empty() {
+        true if is_study && is_distinct && sources.len() > 1 => all_values,
+        true if (1..sources.len()).all(|at| solvers(at) == solvers(0) && sources[at].title() != sources[0].title()) => {
+            sources.iter().map(|source| source.title().to_owned()).collect()
+        }
+        _ => titles(given, sources),
+    }
+}
+
+/// The columns of the curves of a figure, s: half a pixel of the page.
+fn column(grid: &StepGrid, style: &Style) -> f64 {
+    (grid.steps.end() - grid.steps.start()) as f64 / grid.rate / (2.0 * f64::from(style.look.size[0]))
+}
+
+/// The time of all runs, s.
+fn time_range(steps: &[StepRange], sources: &[Source]) -> Range {
+    let times = grids(steps, sources)
+        .flat_map(|grid| [*grid.steps.start(), *grid.steps.end()].map(|step| step as f64 / grid.rate));
+    Range::of(times).unwrap_or(Range { from: 0.0, to: 1.0 })
+}
+
+/// The grid of each recording.
+fn grids<'a>(steps: &'a [StepRange], sources: &'a [Source]) -> impl Iterator<Item = StepGrid> + 'a {
+    let range = |at: usize| steps.get(at).or(steps.first());
+    sources
+        .iter()
+        .enumerate()
+        .filter_map(move |(at, source)| range(at).map(|range| grid(&range.steps, range.every, source)))
+}
+
+/// The titles of recordings shown side by side: those that are given, or the recordings' own.
+pub fn titles(given: &[String], sources: &[Source]) -> Vec<String> {
+    if given.len() == sources.len() {
+        return given.to_vec();
+    }
+    let title = |source: &Source| format!("{} ({})", source.title(), source.header.config.solver.name());
+    sources.iter().map(title).collect()
+}
