@@ -104,13 +104,19 @@ impl Momenta {
         if scale.is_finite() { scale } else { 0.0 }
     }
 
+    /// The title of a chain, with the sum of the momenta if that is zero, so that no arrow shows it, and there is space.
+    fn title(&self, title: &str, area: &Rect, metrics: &DrawingMetrics) -> Line {
+        let [short, long] =
+            [format!("\"{title}\""), format!("\"{title}\",  P⃗ = 0")].map(|title| Line::math(&title, metrics.text(0.8)));
+        let is_zero = self.total.norm() <= ROUNDING * self.longest();
+        if is_zero && long.width <= area.width() { long } else { short }
+    }
+
     /// Draws a chain in the colours of the bodies, and the sum of all momenta.
     fn draw_chain(&self, chain: &[Momentum], area: &Rect, title: &str, scale: f64, panels: &mut Panels) {
         let metrics = panels.metrics;
         let mut placer = LabelPlacer::within(*area);
-        let is_zero = self.total.norm() <= ROUNDING * self.longest();
-        let title = format!("\"{title}\"{}", if is_zero { ": P⃗ = 0" } else { "" });
-        let title = Line::math(&title, metrics.text(0.8));
+        let title = self.title(title, area, &metrics);
         let at = Vector::new(area.origin.x.round(), (area.origin.y + metrics.font_size).round());
         placer.reserve(Rect::new(at.sub(Vector::new(0.0, title.height())), title.width, title.height()));
         panels.shapes.push(Shape::Text { line: title, at, ink: metrics.palette.muted.into() });
