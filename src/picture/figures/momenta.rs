@@ -107,7 +107,7 @@ impl Momenta {
     /// The title of a chain, with the sum of the momenta if that is zero, so that no arrow shows it, and there is space.
     fn title(&self, title: &str, area: &Rect, metrics: &DrawingMetrics) -> Line {
         let [short, long] =
-            [format!("\"{title}\""), format!("\"{title}\",  P⃗ = 0")].map(|title| Line::math(&title, metrics.text(0.8)));
+            [format!("\"{title}\""), format!("\"{title}\": P⃗ = 0")].map(|title| Line::math(&title, metrics.text(0.8)));
         let is_zero = self.total.norm() <= ROUNDING * self.longest();
         if is_zero && long.width <= area.width() { long } else { short }
     }
