@@ -131,12 +131,13 @@ impl RecordCommand {
 /// Reads a scene with some values overridden.
 pub fn load(path: &Path, overrides: &[Override]) -> Result<Scene, RunError> {
     #[cfg(feature = "cli")]
-    return Ok(scene::load_with(path, overrides)?);
+    let scene = scene::load_with(path, overrides);
     #[cfg(not(feature = "cli"))]
-    match overrides {
-        [] => Ok(scene::load(path)?),
+    let scene = match overrides {
+        [] => scene::load(path),
         [value, ..] => match *value {},
-    }
+    };
+    Ok(scene?)
 }
 
 /// A recording in a temporary folder, which is removed when this is dropped.
