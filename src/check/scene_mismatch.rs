@@ -130,7 +130,7 @@ fn setting_changes(recorded: &Header, current: &Header) -> Vec<ValueChange> {
     let [old, new] = [recorded, current].map(images);
     let names: std::collections::BTreeSet<&String> = old.keys().chain(new.keys()).collect();
     let value = |files: &BTreeMap<String, String>, name: &String| files.get(name).cloned().unwrap_or("none".into());
-    let image = |name: &String| ValueChange::of(&format!("image {name}"), value(&old, name), value(&new, name));
+    let image = |name: &String| ValueChange::of(format!("image {name}"), value(&old, name), value(&new, name));
     changes.extend(names.into_iter().filter_map(image));
     changes
 }

@@ -50,9 +50,10 @@ fn quarters(file: &[u8]) -> [[u8; 4]; 5] {
 /// Left and upper edge of the world on the page, px, and its scale, px/m.
 fn world_area(size: [u32; 2]) -> [f64; 3] {
     let [width, height] = size.map(f64::from);
-    let strip = (height / 18.0).floor().max(17.0);
+    let strip = if height < 324.0 { 17.0 } else { (height / 18.0).floor() };
     let margin = (height / 40.0).floor();
-    let scale = ((width - 2.0 * margin) / 16.0).min((height - strip - 2.0 * margin) / 9.0);
+    let [wide, high] = [(width - 2.0 * margin) / 16.0, (height - strip - 2.0 * margin) / 9.0];
+    let scale = if wide < high { wide } else { high };
     [(width - 16.0 * scale) / 2.0, (height - strip - 9.0 * scale) / 2.0, scale]
 }
 

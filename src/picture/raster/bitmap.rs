@@ -1,6 +1,6 @@
 use super::canvas::Canvas;
 use super::color::blend;
-use crate::physics::Rect;
+use crate::physics::{Rect, larger, smaller};
 
 /// A picture that is drawn into boxes.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -125,8 +125,8 @@ impl QuarterRect {
         let first = (start.floor() as usize).min(count - 1);
         let last = (end.ceil() as usize).clamp(first + 1, count);
         let part = |pixel: usize| {
-            let covered = end.min(pixel as f64 + 1.0) - start.max(pixel as f64);
-            covered.max(0.0) / (end - start)
+            let covered = smaller(end, pixel as f64 + 1.0) - larger(start, pixel as f64);
+            larger(covered, 0.0) / (end - start)
         };
         Span { first, weights: (first..last).map(part).collect(), coverage: (to - from) as f64 / 4.0 }
     }
