@@ -211,7 +211,7 @@ fn there_is_a_manual_page_for_each_command() {
     let workplace = Workplace::new();
     workplace.done("man man1");
     let page = String::from_utf8(workplace.read("man1/rebond-render.1")).unwrap();
-    assert!(page.contains(".TH rebond-render 1") && page.contains(".nf\nOUT.gif, .apng"), "{page}");
+    assert!(page.contains(".TH rebond-render 1") && page.contains(".nf\nOUT is .gif, .apng"), "{page}");
     assert!(workplace.path("man1/rebond.1").exists() && workplace.path("man1/rebond-check.1").exists());
     assert_eq!(workplace.rebond("man man1").code, 1, "existing pages are not overwritten");
     workplace.done("man man1 --force");
