@@ -35,6 +35,11 @@ pub fn compose_page(
     if let Page::State { step, every } = page {
         return state(*step, every.unwrap_or(1), picture, sources, progress);
     }
+    if cfg!(not(feature = "figures")) {
+        return Err(Error::Incompatible {
+            reason: "this program draws no figures: build it with the feature figures".into(),
+        });
+    }
     let style = Style::new(&picture.look, sources, progress)?;
     let mut composer = Composer { picture, sources, style, progress };
     match page {
