@@ -184,6 +184,24 @@ fn boxes_of_mixed_sizes_far_from_the_origin_do_not_overlap() {
     assert!(engine.world().bodies.iter().all(|body| body.velocity == Vector::ZERO), "a body still moves");
 }
 
+/// Boxes of all sizes that would hit the ceiling at one instant if their times were not rounded: none is lost between
+/// those that coincide and those that do not.
+#[test]
+fn similar_boxes_of_all_sizes_hit_a_wall_at_times_that_differ_by_rounding() {
+    for variant in 0..300 {
+        let fraction = 0.37 + 0.001 * f64::from(variant);
+        let mut bodies = walls(60_000.0, 40_000.0);
+        for (number, size) in [1e-3, 1e-2, 0.1, 1.0, 10.0, 100.0, 1000.0].into_iter().enumerate() {
+            let at = [4000.0 * number as f64, 20.0 * size * fraction];
+            bodies.push(spec(at, [0.7 * size, 0.9 * size], 1.0).with_velocity(0.0, -2.0 * size * (1.3 - fraction)));
+        }
+        let mut engine = world(Conditions { rate: 1.0, ..Conditions::default() }, &bodies);
+        let hits = run(&mut engine, 40);
+        assert_eq!(hits.len(), 7, "variant {variant}: {hits:#?}");
+        assert!(engine.world().deepest_overlap() <= 1e-12, "variant {variant}");
+    }
+}
+
 #[test]
 fn positions_after_a_day_are_as_exact_as_after_a_second() {
     let mut bodies = walls(8.0, 8.0);

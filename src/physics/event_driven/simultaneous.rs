@@ -77,9 +77,15 @@ impl EventDriven {
                     group_of.extend(self.connected_by_touching(start, first.at).into_iter().zip(repeat(times.len())));
                     times.push(event.at);
                 }
-                let time = &mut times[group_of[&start]];
-                *time = if event.at.is_before(*time) { event.at } else { *time };
             }
+            // Also an event that does not coincide with the first can be the earliest of its group.
+            for event in &events {
+                if let Some(group) = group_of.get(&finite_of(event.pair)) {
+                    let time = &mut times[*group];
+                    *time = if event.at.is_before(*time) { event.at } else { *time };
+                }
+            }
+            // The clock stays at the first event: those of other groups may lie before the latest of these times.
             for event in &events {
                 if let Some(group) = group_of.get(&finite_of(event.pair))
                     && (event.at == times[*group] || self.coincides(event, times[*group]))
@@ -87,7 +93,6 @@ impl EventDriven {
                     add(event.pair, times[*group]);
                 }
             }
-            times.into_iter().for_each(|time| self.advance_clock(time));
         }
         let order = |body: &Concerned| (body.slot, body.at.high.to_bits(), body.at.low.to_bits());
         concerned.sort_unstable_by_key(order);
