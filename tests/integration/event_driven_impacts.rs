@@ -196,7 +196,7 @@ fn similar_boxes_of_all_sizes_hit_a_wall_at_times_that_differ_by_rounding() {
             bodies.push(spec(at, [0.7 * size, 0.9 * size], 1.0).with_velocity(0.0, -2.0 * size * (1.3 - fraction)));
         }
         let mut engine = world(Conditions { rate: 1.0, ..Conditions::default() }, &bodies);
-        let hits = run(&mut engine, 40);
+        let hits = run(&mut engine, 15);
         assert_eq!(hits.len(), 7, "variant {variant}: {hits:#?}");
         assert!(engine.world().deepest_overlap() <= 1e-12, "variant {variant}");
     }
