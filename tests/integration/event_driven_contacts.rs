@@ -1,7 +1,8 @@
 //! Resting contacts in the event-driven solver.
 
 use crate::world_builder::*;
-use rebond::internals::physics::{Event, Vector};
+use rebond::internals::physics::{CollisionCount, Event, Vector};
+use rebond::internals::{replay::Run, scene};
 
 const EARTH: Option<[f64; 2]> = Some([0.0, 9.81]);
 
@@ -258,4 +259,24 @@ fn a_light_box_between_a_wall_and_a_heavy_box_comes_to_rest_with_it() {
             assert_eq!(body(&engine, id).velocity, Vector::ZERO, "body {id} moves after the inelastic collapse");
         }
     }
+}
+
+/// Among the millions of impacts are approaches that doubles do not see, which push boxes onto their neighbours by
+/// rounding.
+#[test]
+#[ignore = "three million collisions"]
+fn a_heap_of_ten_thousand_boxes_has_no_overlaps() {
+    let width = 36_000_f64.sqrt();
+    let height = width * 0.8;
+    let scene = format!(
+        "[world]\nsize = [{width}, {height}]\nwalls = true\ngravity = [0.0, 9.81]\n[run]\nrate = 60\nsteps = 300\n\
+         events_per_step = 100000000\n[restitution]\ndefault = 0.3\n[[scatter]]\ncount = 10000\nseed = 1\n\
+         region = [0.0, 0.0, {width}, {height}]\nsize = [[0.6, 0.6], [1.4, 1.4]]\nmass = [1.0, 1.0]\n\
+         velocity = [[-3.0, 0.0], [3.0, 0.0]]\n"
+    );
+    let scene = scene::parse("heap.toml", &scene).unwrap();
+    let mut run = Run::new(&scene);
+    run.apply_inputs(Vec::new(), |error| Err(error.into())).unwrap();
+    (0..scene.run.steps).for_each(|_| run.step(&mut CollisionCount::default()).unwrap());
+    assert!(run.engine().world().deepest_overlap() <= 1e-12);
 }

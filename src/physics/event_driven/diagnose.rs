@@ -128,13 +128,11 @@ impl EventDriven {
         }
     }
 
-    /// True if two boxes overlap along both axes by more than rounding, at the present instant or at the time of their last
-    /// event if that is later by rounding.
+    /// True if two boxes overlap along both axes by more than rounding.
     #[cfg(debug_assertions)]
     fn overlaps(&self, pair: [Slot; 2]) -> bool {
-        let at = pair.into_iter().fold(self.now, |at, slot| at.max(self.bodies[slot].since));
         Axis::BOTH.into_iter().all(|axis| {
-            let [first, second] = pair.map(|slot| self.bodies.state_at(slot, axis, at).position);
+            let [first, second] = pair.map(|slot| self.state_dd(slot, axis).position);
             let [first_size, second_size] = pair.map(|slot| self.bodies.size(slot, axis));
             let scale = first.high.abs() + second.high.abs() + first_size.high + second_size.high;
             let gaps = [(second - first - first_size).high, (first - second - second_size).high];

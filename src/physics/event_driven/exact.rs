@@ -56,6 +56,10 @@ pub const VELOCITY_ROUNDING: f64 = 1.0 / (1_u128 << 92) as f64;
 /// The rounding of an acceleration, likewise.
 pub const ACCELERATION_ROUNDING: f64 = 1.0 / (1_u128 << 92) as f64;
 
+/// An overlap up to this fraction of the coordinates is an accumulated rounding error. Doubles do not see approaches
+/// below their rounding, so two boxes can come to overlap by as much, and an impact can move one of them onto a third.
+pub const DEEPEST_ROUNDING: f64 = 1.0 / (1_u64 << 44) as f64;
+
 /// The fraction of the path since step 0 that counts as one of the numbers a coordinate was computed from:
 /// the rounding of the instant is 2⁻¹⁰⁶ of the time.
 const TIME_SHARE: f64 = 1.0 / (1_u64 << 12) as f64;
@@ -89,6 +93,8 @@ struct ExactAxis {
     gap_rounding: f64,
     speed_rounding: f64,
     acceleration_rounding: f64,
+    /// An overlap up to this is an accumulated rounding error.
+    deepest_rounding: f64,
 }
 
 impl ExactAxis {
@@ -215,6 +221,7 @@ impl Bodies {
             gap_rounding: self.resolution().of_gap([first_size.high, second_size.high], first.length + second.length),
             speed_rounding: (first.speed + second.speed) * VELOCITY_ROUNDING,
             acceleration_rounding: (first.acceleration + second.acceleration) * ACCELERATION_ROUNDING,
+            deepest_rounding: (first.length + second.length) * DEEPEST_ROUNDING,
         }
     }
 
@@ -285,7 +292,8 @@ impl EventDriven {
                 }
             }
         }
-        if is_overdue
+        let overlaps = axes.iter().all(|axis| axis.gaps.iter().all(|gap| gap.high < -axis.gap_rounding));
+        if (is_overdue || overlaps)
             && contacts == [false; 2]
             && let Some(event) = self.approach_now(pair)
         {
@@ -304,7 +312,7 @@ impl EventDriven {
         [gap.or_zero(roundings[0]).high, speed.or_zero(roundings[1]).high, acceleration.or_zero(roundings[2]).high]
     }
 
-    /// The impact of two bodies that touch now and approach.
+    /// The impact of two bodies that touch now, or overlap by rounding errors, and approach.
     pub(super) fn approach_now(&self, pair: [Slot; 2]) -> Option<PairEvent> {
         let axes = Axis::BOTH.map(|axis| self.bodies.exact_axis(pair, axis, self.now));
         let side = |axis: Axis| {
@@ -316,14 +324,13 @@ impl EventDriven {
         if gaps[0] > 0.0 || gaps[1] > 0.0 {
             return None;
         }
-        let face = Axis::BOTH.into_iter().find(|axis| gaps[*axis] == 0.0 && gaps[axis.other()] < 0.0);
-        match face {
-            Some(axis) => (speeds[axis] > 0.0).then(|| PairEvent::FaceImpact(axis, side(axis))),
-            None if gaps == [0.0; 2] && speeds[0] > 0.0 && speeds[1] > 0.0 => {
-                Some(PairEvent::CornerImpact(Axis::X, side(Axis::X)))
-            }
-            None => None,
+        if gaps == [0.0; 2] {
+            let enters = speeds[0] > 0.0 && speeds[1] > 0.0;
+            return enters.then(|| PairEvent::CornerImpact(Axis::X, side(Axis::X)));
         }
+        let face = if gaps[0] >= gaps[1] { Axis::X } else { Axis::Y };
+        let touches = gaps[face] >= -axes[face].deepest_rounding;
+        (touches && speeds[face] > 0.0).then(|| PairEvent::FaceImpact(face, side(face)))
     }
 }
 

@@ -5,7 +5,7 @@ use super::axis_trajectory::StateDd;
 use super::body_state::Slot;
 use super::cell_lists::NeighbourBuffer;
 use super::double_double::DoubleDouble;
-use super::exact::{ACCELERATION_ROUNDING, Resolution, VELOCITY_ROUNDING};
+use super::exact::{ACCELERATION_ROUNDING, DEEPEST_ROUNDING, Resolution, VELOCITY_ROUNDING};
 use super::impact_history::ImpactHistory;
 use super::instant::Instant;
 use super::pair_event::Sample;
@@ -309,9 +309,6 @@ impl Patch {
 
 /// Approaches along two axes that differ by less than this fraction are equal.
 const EQUAL_APPROACH: f64 = 1.0 / (1_u128 << 85) as f64;
-
-/// An overlap up to this fraction of the coordinates is an accumulated rounding error.
-const DEEPEST_ROUNDING: f64 = 1.0 / (1_u64 << 44) as f64;
 
 impl EventDriven {
     /// The local index of a body, which is added to the patch with its state at an instant if necessary.

@@ -71,21 +71,17 @@ impl EventDriven {
         } else {
             let finite_of = |pair: [Slot; 2]| if self.bodies[pair[0]].infinite { pair[1] } else { pair[0] };
             let (mut group_of, mut times) = (BTreeMap::new(), Vec::new());
-            for event in simultaneous {
+            let latest = simultaneous.iter().fold(first.at, |latest, event| latest.max(event.at));
+            // The events in between belong to the instant, too: the clock stands after them then.
+            for event in events.iter().filter(|event| !latest.is_before(event.at)) {
                 let start = finite_of(event.pair);
                 if !group_of.contains_key(&start) {
                     group_of.extend(self.connected_by_touching(start, first.at).into_iter().zip(repeat(times.len())));
                     times.push(event.at);
                 }
+                let time = &mut times[group_of[&start]];
+                *time = if event.at.is_before(*time) { event.at } else { *time };
             }
-            // Also an event that does not coincide with the first can be the earliest of its group.
-            for event in &events {
-                if let Some(group) = group_of.get(&finite_of(event.pair)) {
-                    let time = &mut times[*group];
-                    *time = if event.at.is_before(*time) { event.at } else { *time };
-                }
-            }
-            // The clock stays at the first event: those of other groups may lie before the latest of these times.
             for event in &events {
                 if let Some(group) = group_of.get(&finite_of(event.pair))
                     && (event.at == times[*group] || self.coincides(event, times[*group]))
@@ -93,6 +89,7 @@ impl EventDriven {
                     add(event.pair, times[*group]);
                 }
             }
+            times.into_iter().for_each(|time| self.advance_clock(time));
         }
         let order = |body: &Concerned| (body.slot, body.at.high.to_bits(), body.at.low.to_bits());
         concerned.sort_unstable_by_key(order);
