@@ -6,6 +6,7 @@
 
 mod accelerations;
 mod bursts;
+mod crowds;
 mod kinds;
 mod mechanics;
 mod run;

@@ -1,0 +1,171 @@
+//! Laws on crowds: random scenes of about a hundred bodies in debug and up to thousands in release. There the candidates
+//! of a prediction come from cells, and coincidences that are rare in small scenes happen.
+
+use super::{
+    kinds::{COEFFICIENTS, Random},
+    seeds,
+};
+use crate::world_builder::{BodySpec, Conditions, INFINITE, all_bits, config, spawn, spec, walls, world};
+use rebond::internals::physics::{BodyId, Collision, Engine, Event, Observer};
+
+/// One crowd is run for so many scenes of the other laws.
+const SCENES_PER_CROWD: u64 = if cfg!(debug_assertions) { 40 } else { 100 };
+
+const STEPS: u64 = if cfg!(debug_assertions) { 60 } else { 150 };
+
+/// The distance of the places on which boxes are put, m. No box is longer.
+const PITCH: f64 = 1.5;
+
+/// A box, or a block of touching boxes of equal velocity, for the place whose corner is given.
+type Fill = fn(&mut Random, [f64; 2]) -> BodySpec;
+
+/// Boxes of different sizes in general position.
+fn scattered(r: &mut Random, corner: [f64; 2]) -> BodySpec {
+    let size = [r.between(0.3, 1.4), r.between(0.3, 1.4)];
+    let at = [0, 1].map(|k| corner[k] + r.between(0.0, PITCH - size[k]));
+    spec(at, size, r.between(0.5, 3.0)).with_velocity(r.between(-3.0, 3.0), r.between(-3.0, 3.0))
+}
+
+/// Boxes with faces and events that coincide; those that fill their places touch their neighbours.
+fn aligned(r: &mut Random, corner: [f64; 2]) -> BodySpec {
+    let size = [r.pick(&[0.5, 1.0, 1.5]), r.pick(&[0.5, 1.0, 1.5])];
+    let at = [0, 1].map(|k| corner[k] + 0.25 * r.below(1 + ((PITCH - size[k]) * 4.0) as u64) as f64);
+    spec(at, size, r.pick(&[1.0, 1.0, 2.0])).with_velocity(r.whole(-1, 1) as f64, r.whole(-1, 1) as f64)
+}
+
+/// Boxes at rest that fill their places, and some that fly.
+fn stacked(r: &mut Random, corner: [f64; 2]) -> BodySpec {
+    let body = spec(corner, [PITCH; 2], 1.0);
+    if r.chance(5) { body.with_velocity(r.whole(-4, 4) as f64, r.whole(-4, 4) as f64) } else { body }
+}
+
+/// A few boxes that are much smaller than the others.
+fn unequal(r: &mut Random, corner: [f64; 2]) -> BodySpec {
+    let mut body = scattered(r, corner);
+    if r.chance(30) {
+        body.size = body.size.map(|side| side / 64.0);
+    }
+    body
+}
+
+struct Crowd {
+    conditions: Conditions,
+    bodies: Vec<BodySpec>,
+    /// Deletions and spawns at the starts of steps.
+    changes: Vec<(u64, Change)>,
+}
+
+enum Change {
+    Delete(BodyId),
+    Spawn(BodySpec),
+}
+
+/// The random crowd of a seed.
+fn crowd(seed: u64) -> Crowd {
+    let mut r = Random::new(seed);
+    let fill: Fill = [scattered, aligned, stacked, unequal][(seed % 4) as usize];
+    let gravity = [None, Some([0.0, 9.81]), Some([0.0, 8.0]), Some([-2.0, 9.81])][r.below(4) as usize];
+    // An elastic crowd under a weight never comes to rest; one with touching boxes has bursts without end.
+    let coefficients = if seed % 4 == 2 || gravity.is_some() { &COEFFICIENTS[..4] } else { &COEFFICIENTS[..] };
+    let restitution = r.pick(coefficients);
+    let most = if cfg!(debug_assertions) { 12 } else { 60 };
+    let [columns, rows] = [r.whole(8, most), r.whole(8, most)];
+    let mut bodies = walls(columns as f64 * PITCH, rows as f64 * PITCH);
+    for (row, column) in (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column))) {
+        if r.chance(85) {
+            let mut body = fill(&mut r, [column as f64 * PITCH, row as f64 * PITCH]);
+            if r.chance(1) {
+                body = BodySpec { mass: INFINITE, velocity: [0.0; 2], ..body };
+            }
+            bodies.push(body);
+        }
+    }
+    let mut changes = Vec::new();
+    for id in 0..bodies.len() as BodyId {
+        if r.chance(3) {
+            changes.push((1 + r.below(STEPS - 1), Change::Delete(id)));
+        }
+    }
+    for number in 0..10 {
+        // Above the room, where there is no other body.
+        let at = [10.0 * number as f64, -20.0];
+        changes.push((1 + r.below(STEPS - 1), Change::Spawn(scattered(&mut r, at))));
+    }
+    changes.sort_by_key(|(step, _)| *step);
+    Crowd { conditions: Conditions { restitution, gravity, ..Conditions::default() }, bodies, changes }
+}
+
+/// Records the first collision with a negative impulse, or of bodies that do not approach.
+#[derive(Default)]
+struct Impossible(Option<Collision>);
+
+impl Observer for Impossible {
+    fn collision(&mut self, collision: &Collision) {
+        if collision.impulse < 0.0 || collision.normal_velocity[0] > 0.0 {
+            self.0.get_or_insert_with(|| collision.clone());
+        }
+    }
+}
+
+impl Crowd {
+    /// Runs the crowd and returns the first difference from the laws.
+    fn judge(&self) -> Result<(), String> {
+        let mut engine = world(self.conditions, &self.bodies);
+        let reach = self.bodies.iter().flat_map(|body| [body.at[0] + body.size[0], body.at[1] + body.size[1]]);
+        let reach = reach.fold(100.0, f64::max);
+        // J per kilogram
+        let weight = self.conditions.gravity.map_or(0.0, |[x, y]| x.abs() + y.abs()) * reach;
+        let mut restored = None;
+        let mut changes = self.changes.iter().peekable();
+        for step in 0..STEPS {
+            if step == STEPS / 2 {
+                let copy = Engine::restore(config(self.conditions), engine.snapshot());
+                restored = Some(copy.map_err(|error| error.to_string())?);
+            }
+            while let Some((_, change)) = changes.next_if(|(due, _)| *due == step) {
+                for engine in [Some(&mut engine), restored.as_mut()].into_iter().flatten() {
+                    match change {
+                        Change::Delete(id) => _ = engine.apply(&Event::Delete(*id)),
+                        Change::Spawn(body) => spawn(engine, body),
+                    }
+                }
+            }
+            let before = engine.world().kinetic_energy() + engine.world().potential_energy();
+            let mut impossible = Impossible::default();
+            engine.step(&mut impossible).map_err(|error| error.to_string())?;
+            if let Some(restored) = &mut restored {
+                restored.step(&mut Vec::new()).map_err(|error| error.to_string())?;
+            }
+            if let Impossible(Some(collision)) = impossible {
+                return Err(format!("step {step}: {collision:?}"));
+            }
+            let overlap = engine.world().deepest_overlap();
+            if overlap > 16.0 * f64::EPSILON * reach {
+                return Err(format!("step {step}: overlap of {overlap:e} m"));
+            }
+            let (kinetic, mass) = (engine.world().kinetic_energy(), 3.0 * engine.world().bodies.len() as f64);
+            let after = kinetic + engine.world().potential_energy();
+            if after > before + 1e-9 * (kinetic + mass * weight) {
+                return Err(format!("step {step}: energy {before} J, then {after} J"));
+            }
+        }
+        if restored.is_some_and(|restored| all_bits(&restored) != all_bits(&engine)) {
+            return Err("the engine restored halfway differs".into());
+        }
+        Ok(())
+    }
+}
+
+#[test]
+fn crowds_have_no_overlaps_no_impossible_impulses_and_no_more_energy_and_can_be_restored() {
+    let seeds = seeds();
+    let last = seeds.start + (seeds.end - seeds.start).div_ceil(SCENES_PER_CROWD);
+    let (mut bodies, mut failures) = (0, Vec::new());
+    for seed in seeds.start..last {
+        let crowd = crowd(seed);
+        bodies += crowd.bodies.len();
+        failures.extend(crowd.judge().err().map(|difference| format!("seed {seed}: {difference}\n")));
+    }
+    println!("crowds: {} with {bodies} bodies, {} fail", last - seeds.start, failures.len());
+    assert!(failures.is_empty(), "{}", failures.concat());
+}
