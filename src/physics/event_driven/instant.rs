@@ -80,7 +80,7 @@ impl Clock {
 
     /// The instant of the state of a step.
     pub fn start_of(&self, step: u64) -> Instant {
-        let DoubleDouble { high, low } = DoubleDouble::from(step as f64) / self.rate.into();
+        let DoubleDouble { high, low } = DoubleDouble::quotient(step as f64, self.rate);
         Instant { high, low }
     }
 }

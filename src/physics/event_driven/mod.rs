@@ -144,8 +144,9 @@ pub struct EventDriven {
     asserts_invariants: bool,
     /// The present step.
     step: u64,
-    /// The instant of the state before it.
+    /// The instants of the states before and after it.
     step_start: Instant,
+    step_end: Instant,
     /// The number of events in the present step.
     events: u64,
     cell_lists: CellLists,
@@ -186,6 +187,7 @@ impl EventDriven {
             asserts_invariants: false,
             step: 0,
             step_start: Instant::START,
+            step_end: clock.start_of(1),
             events: 0,
             cell_lists: CellLists::new(1.0),
             event_queue: EventQueue::new(clock, 0, 0),
@@ -251,9 +253,8 @@ impl EventDriven {
         }
         self.begin_at(step);
         self.apply_inputs(world, observer)?;
-        let end = self.clock.start_of(step + 1);
-        self.process_events(world, end, observer)?;
-        self.dirty_states.sample(&self.bodies, world, step, end)?;
+        self.process_events(world, self.step_end, observer)?;
+        self.dirty_states.sample(&self.bodies, world, step, self.step_end)?;
         self.cross_cells(step + 1);
         Ok(())
     }
@@ -316,8 +317,9 @@ impl EventDriven {
     /// Sets the present step and instant.
     fn begin_at(&mut self, step: u64) {
         if step != self.step {
+            self.step_start = if step == self.step + 1 { self.step_end } else { self.clock.start_of(step) };
+            self.step_end = self.clock.start_of(step + 1);
             self.step = step;
-            self.step_start = self.clock.start_of(step);
         }
         self.events = 0;
         self.advance_clock(self.step_start);
@@ -351,11 +353,12 @@ impl EventDriven {
     fn process_events<O: Observer>(&mut self, world: &World, last: Instant, observer: &mut O) -> Result<(), StepError> {
         let mut repredictions = 0;
         let max_repredictions = self.max_events.saturating_add(MAX_REPREDICTIONS_PER_BODY * self.bodies.len() as u64);
-        while let Some((slot, event)) = self.event_queue.pop(end_of_vicinity(last)) {
+        let end_of_vicinity = end_of_vicinity(last);
+        while let Some((slot, event)) = self.event_queue.pop(end_of_vicinity) {
             if event.pair_event.is_none() {
                 self.advance_clock(if last.is_before(event.at) { last } else { event.at });
             }
-            if let Some(event) = self.next_exact_event(slot, event, end_of_vicinity(last)) {
+            if let Some(event) = self.next_exact_event(slot, event, end_of_vicinity) {
                 if last.is_before(event.at) && !self.coincides(&event, last) {
                     self.event_queue.set(slot, Some(event));
                     self.predict_changed();
