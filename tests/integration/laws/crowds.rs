@@ -2,7 +2,7 @@
 //! of a prediction come from cells, and coincidences that are rare in small scenes happen.
 
 use super::{
-    kinds::{COEFFICIENTS, Random},
+    random::{COEFFICIENTS, Random},
     seeds,
 };
 use crate::world_builder::{BodySpec, Conditions, INFINITE, all_bits, config, spawn, spec, walls, world};

@@ -1,6 +1,6 @@
 //! Supported boxes slide over flush seams as over one plank.
 
-use super::kinds::Random;
+use super::random::{COEFFICIENTS, Random};
 use crate::world_builder::{BodySpec, Conditions, INFINITE, body, run, spec, world};
 use rebond::internals::physics::Axis;
 
@@ -48,7 +48,7 @@ fn slide(tile: i64, width: i64, seed: u64) {
         });
         gravity = gravity.map(|[x, y]| [y, x]);
     }
-    let restitution = random.pick(&super::kinds::COEFFICIENTS);
+    let restitution = random.pick(&COEFFICIENTS);
     let about =
         format!("tile {tile}, box {width}, seed {seed}, e = {restitution}, {sliding:?}, body {id} of {bodies:#?}");
     let mut engine = world(Conditions { restitution, gravity, rate: 16.0, ..Conditions::default() }, &bodies);

@@ -1,6 +1,6 @@
 //! A scene that the parser accepts starts: its events can be applied.
 
-use super::kinds::Random;
+use super::random::Random;
 use rebond::{Collision, Run, parse_scene};
 
 /// A scene with few names, which are spawned and deleted at random steps, in random order. It has no clicks: the parser

@@ -2,7 +2,8 @@
 
 use super::{
     Law, check,
-    kinds::{Random, random_scene},
+    kinds::random_scene,
+    random::Random,
     run::{Impact, Outcome, State, larger},
     scene::Scene,
 };
