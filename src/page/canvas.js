@@ -28,7 +28,6 @@ class Stage {
 
   constructor(canvas) {
     this.canvas = canvas;
-    this.pen = canvas.getContext('2d', { alpha: false });
     this.size = [16, 9];
     this.trails = new Map();
     this.flashes = [];
@@ -38,6 +37,7 @@ class Stage {
 
   /** Fits the world, with a border for the walls, into the canvas. */
   fit() {
+    this.pen ??= this.canvas.getContext('2d', { alpha: false });
     const { canvas, size: [width, height] } = this;
     const ratio = Math.min(globalThis.devicePixelRatio || 1, 2);
     const box = canvas.getBoundingClientRect();

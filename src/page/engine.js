@@ -94,7 +94,6 @@ class Engine {
     /** The time at which the rest was there, ms. */
     engine.whole = null;
     if (Engine.rest) engine.complete();
-    engine.x.start();
     return engine;
   }
 

@@ -2,6 +2,7 @@
 
 const LIMITS = { file: 64, link: 8000, fragment: 200_000, scene: 2_000_000, rows: 100 };
 const SLICE = 8; // ms of work between two frames
+const RATES = [15, 30, 60, 120, 240]; // of the slider, Hz; the rate of the scene is added
 
 function pageMain(source) {
   const $ = (id) => document.getElementById(id);
@@ -22,8 +23,8 @@ function pageMain(source) {
   };
   const state = {
     language: (navigator.language || 'en').startsWith('fr') ? 'fr' : 'en',
-    playing: false, held: false, both: false, behind: 0, last: 0, rate: 60, status: [null, null], journal: [null, null],
-    acts: [], film: null, panel: null, turn: 0, seeking: false, busy: 0, bundled: [], cursor: null, selected: null, hinted: false,
+    playing: false, held: false, both: false, behind: 0, last: 0, rate: 60, rates: RATES, status: [null, null], journal: [null, null],
+    acts: [], film: null, panel: null, turn: 0, seeking: false, busy: 0, scene: '', bundled: [], cursor: null, selected: null, hinted: false,
   };
   const T = () => TEXTS[state.language];
   const stages = [new Stage($('canvas-0')), new Stage($('canvas-1'))];
@@ -88,6 +89,11 @@ function pageMain(source) {
     state.scene = bundled;
     closeFilm();
     if (lines) engine.setLines(0, lines);
+    showSession();
+  }
+
+  /** Shows the session that the engine has started. */
+  function showSession() {
     Object.assign(state, { playing: false, behind: 0, acts: [], selected: null, cursor: null });
     if (state.both) splitSolvers();
     stages.forEach((stage) => { stage.trails.clear(); stage.flashes = []; });
@@ -139,9 +145,9 @@ function pageMain(source) {
       document.title = `${status.title || status.name} – rebond`;
       $('set-g').value = status.gravity?.[1] ?? 0;
       $('set-e').value = status.restitution;
-      const rate = String(status.rate);
-      if (![...$('set-rate').options].some((option) => option.value === rate)) $('set-rate').add(new Option(rate));
-      $('set-rate').value = rate;
+      state.rates = [...new Set([...RATES, status.rate])].sort((a, b) => a - b);
+      $('set-rate').max = state.rates.length - 1;
+      $('set-rate').value = state.rates.indexOf(status.rate);
       const value = state.both ? 'both' : status.solver;
       all('[name="solver"]').forEach((radio) => { radio.checked = radio.value === value; });
       const materials = new Set(['steel', 'wood', ...status.materials]);
@@ -156,7 +162,9 @@ function pageMain(source) {
 
   function showOutput(output) {
     const input = output.previousElementSibling;
-    if (input && output.id !== 'clock') output.value = short(Number(input.value));
+    if (!input || output.id === 'clock') return;
+    output.value = short(input.id === 'set-rate' ? state.rates[input.value] : Number(input.value));
+    input.setAttribute('aria-valuetext', output.value);
   }
 
   /** Metres of an arrow per m/s: a quarter in a world 9 m high. */
@@ -793,7 +801,7 @@ function pageMain(source) {
     const session = { n: state.film?.name ?? state.status[which].name, s: state.film?.scene ?? engine.scene(which), l: state.film ? '' : engine.lines(which), t: present() };
     const packed = toBase64(await compressed(encoder.encode(JSON.stringify(session)), 'deflate-raw'));
     const fragment = `s=${packed.replaceAll('+', '-').replaceAll('/', '_').replaceAll('=', '')}`;
-    if (fragment.length > LIMITS.link) { toast(T().linkLong(fragment.length)); return; }
+    if (fragment.length > LIMITS.link) { toast(T().linkLong(fragment.length)); document.querySelector('[data-file="clicks"]').focus(); return; }
     const link = `${location.href.split('#')[0]}#${fragment}`;
     $('link').value = link;
     $('link-label').hidden = false;
@@ -933,13 +941,9 @@ function pageMain(source) {
       element.setAttribute('aria-label', T()[element.dataset.l]);
       if (element.tagName === 'BUTTON') element.title = T()[element.dataset.l];
     }
-    for (const stage of stages) stage.canvas.setAttribute('aria-label', T().canvas);
-    $('strip').setAttribute('aria-label', T().strip);
     for (const input of all('#overlays input')) input.nextElementSibling.textContent = T()[input.value];
     $('help').replaceChildren(...T().helpLines.map((line) => { const li = document.createElement('li'); li.textContent = line; return li; }));
     if (!state.hinted) $('hint').textContent = T().hint;
-    const empty = [...$('scenes').options].find((option) => option.value === '');
-    if (empty) empty.textContent = T().emptyRoom;
     showPlay();
   }
 
@@ -985,7 +989,7 @@ function pageMain(source) {
     on('clear', 'click', async () => { stop(); for (const which of sides()) engine.setLines(which, ''); state.acts.push(sides()); await seek(0); sides().forEach(note); say(T().cleared); });
     on('set-g', 'change', () => setting('world.gravity', `[0.0, ${decimal(Number($('set-g').value))}]`));
     on('set-e', 'change', () => setting('restitution.default', decimal(Number($('set-e').value))));
-    on('set-rate', 'change', () => setting('run.rate', decimal(Number($('set-rate').value))));
+    on('set-rate', 'change', () => setting('run.rate', decimal(state.rates[$('set-rate').value])));
     on('solvers', 'change', (event) => setSolver(event.target.value));
     on('colour', 'change', () => { view.color = Number($('colour').value); refresh(); });
     on('collision-index', 'change', () => { state.figureKey = `${engine.x.step_now(0)} -`; showCollision(); });
@@ -1043,16 +1047,14 @@ function pageMain(source) {
     }
   }
 
-  /** Shows the empty room. Clicks are taken from here on, and make boxes as soon as there is an engine. */
+  /** Takes clicks, which make boxes as soon as there is an engine. The markup has the English texts. */
   function openRoom() {
     setTheme(view.theme);
-    makeOverlays();
-    translate();
-    $('scenes').add(new Option(T().emptyRoom, ''));
+    if (state.language !== 'en') translate();
+    stages[0].fit();
     pointer(0);
     pointer(1);
     wire();
-    paint();
     document.documentElement.dataset.ready = 'clicks';
   }
 
@@ -1071,7 +1073,7 @@ function pageMain(source) {
     Engine.core = new WebAssembly.Module(inflated());
     engine = await Engine.create();
     view.marks = [];
-    choose('');
+    showSession();
     started.resolve();
     const times = { engine: performance.now() };
     globalThis.rebond = { get engine() { return engine; }, state, view, stages, times, seek, click, openFile, recording };
@@ -1079,6 +1081,8 @@ function pageMain(source) {
     // The browser reads and shows the page first.
     if (document.readyState === 'loading') await new Promise((resolve) => { addEventListener('DOMContentLoaded', resolve); });
     await idle();
+    makeOverlays();
+    translate();
     await openFragment();
     Engine.rest ??= await workBeside({ rest: packedRest() });
     engine.complete();
@@ -1087,7 +1091,7 @@ function pageMain(source) {
   }
 
   openRoom();
-  begin().catch((error) => { $('hint').textContent = String(error.message ?? error); });
+  begin().catch((error) => { paint(); $('hint').textContent = String(error.message ?? error); });
 }
 
 if (typeof document !== 'undefined') pageMain(document.currentScript.textContent);

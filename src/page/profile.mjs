@@ -1,8 +1,8 @@
-// Clicks in the empty room in an instrumented module as the page does from its start on, and writes which functions that
-// needs: node profile.mjs MODULE ROOM PROFILE
+// Clicks in the empty room, which an instrumented module has opened, as the page does from its start on, and writes which
+// functions that needs: node profile.mjs MODULE PROFILE
 import { readFileSync, writeFileSync } from 'node:fs';
 
-const [module, room, output] = process.argv.slice(2);
+const [module, output] = process.argv.slice(2);
 const { instance: { exports: x } } = await WebAssembly.instantiate(readFileSync(module), {});
 const bytes = () => new Uint8Array(x.memory.buffer, x.output(), x.output_length());
 
@@ -25,9 +25,6 @@ function show(which) {
   x.step_now(which);
 }
 
-x.start();
-give(`room.toml\n${readFileSync(room, 'utf8')}`);
-ask(x.load(0));
 // Boxes are made, collide with each other and with the walls, are thrown and deleted; time stands, runs and goes back.
 for (const now of [1, 0]) {
   for (const at of [2, 5, 8]) {

@@ -242,7 +242,7 @@ const tests = {
     await open();
     await click(4, 3);
     await seek(60);
-    for (const [id, value, key, expected] of [['set-g', '1.6', 'gravity', [0, 1.6]], ['set-e', '0.5', 'restitution', 0.5], ['set-rate', '120', 'rate', 120]]) {
+    for (const [id, value, key, expected] of [['set-g', '1.6', 'gravity', [0, 1.6]], ['set-e', '0.5', 'restitution', 0.5], ['set-rate', '3', 'rate', 120]]) {
       await run((id, value) => { const input = document.getElementById(id); input.value = value; input.dispatchEvent(new Event('change')); }, id, value);
       await settle();
       assert.deepEqual(await run((key) => rebond.engine.status(0)[key], key), expected);
@@ -534,8 +534,16 @@ const tests = {
 
 /** Times that are reported and not asserted: they depend on the machine. */
 async function measure() {
-  await open();
-  const opened = await run(() => rebond.times);
+  const empty = join(folder, 'empty.html');
+  writeFileSync(empty, '<!doctype html><script>document.documentElement.dataset.ready = performance.now()</script>');
+  const [opened, least] = [[], []];
+  for (let i = 0; i < 7; i += 1) {
+    await page.goto(pathToFileURL(empty).href);
+    least.push(await run(() => Number(document.documentElement.dataset.ready)));
+    await open();
+    opened.push(await run(() => rebond.times.engine));
+  }
+  const median = (times) => `${times.sort((a, b) => a - b)[3].toFixed(0)} ms (${times[0].toFixed(0)} at least)`;
   const gas = (count, side) => `[world]\nsize = [${side * 1.6}, ${side}]\nwalls = true\n[run]\nsteps = 600\n[[scatter]]\ncount = ${count}\nseed = 7\nregion = [0, 0, ${side * 1.6}, ${side}]\nsize = [[0.1, 0.1], [0.3, 0.3]]\nmass = [1, 2]\nvelocity = [[-2, -2], [2, 2]]\n`;
   const frames = (count, side, overlays) => run(async (text, overlays) => {
     const { engine, stages, view } = rebond;
@@ -561,7 +569,7 @@ async function measure() {
     // The least and the median: other programs of the machine only add to a time.
     return [step, paint].map((times) => times.sort((a, b) => a - b)).map((times) => `${times[0].toFixed(1)} to ${times[30].toFixed(1)} ms`);
   }, gas(count, side), overlays);
-  const result = { 'a click makes a box after': `${opened.engine.toFixed(0)} ms` };
+  const result = { 'an empty page runs its script after': median(least), 'a click makes a box after': median(opened) };
   for (const [count, side, overlays] of [[300, 12, true], [1000, 22, false], [10_000, 70, false]]) {
     const [step, paint] = await frames(count, side, overlays);
     result[`${count} boxes${overlays ? ', all overlays' : ''}`] = `step ${step}, canvas ${paint}`;
