@@ -590,6 +590,7 @@ function pageMain(source) {
 
   function showData() {
     const stage = stages[0];
+    for (const id of ['strip', 'energy', 'bodies-help', 'recent']) $(id).hidden = state.film !== null;
     if (!state.film) {
       drawStrip($('strip'), engine.numbers(engine.x.energy(0), 5), state.rate, engine.x.step_now(0), view.theme);
       engine.x.energy_now(0);
@@ -616,7 +617,7 @@ function pageMain(source) {
       if (name === focused && document.activeElement !== button) button.focus();
     });
     if (hidden) { const row = table.insertRow(); row.insertCell().textContent = T().more(hidden); row.cells[0].colSpan = 6; }
-    if (state.film) { $('collisions').replaceChildren(); return; }
+    if (state.film) return;
     const recent = JSON.parse(engine.ask(engine.x.recent_collisions(0)));
     const collisions = recent.slice(-LIMITS.rows).reverse().map(([, t, a, b, nx, ny, e, before, after, j]) => {
       const row = document.createElement('tr');

@@ -35,7 +35,7 @@ const PAIRS = {
     'Chaque changement relance toute la session avec les mêmes clics.',
   ],
   gravity: ['Gravity (m/s²)', 'Gravité (m/s²)'],
-  restitution: ['Restitution e', 'Restitution e'],
+  restitution: ['Restitution\u00a0e', 'Restitution\u00a0e'],
   rate: ['Steps per second', 'Pas par seconde'],
   solver: ['Solver', 'Solveur'],
   eventDriven: ['event-driven: exact between collisions', 'événementiel : exact entre les chocs'],
@@ -160,16 +160,16 @@ const PAIRS = {
     ],
   ],
   figure1Texts: [
-    'The boxes c and b before the collision, where they overlap, and after it. v′ is the velocity after the collision.',
-    'Les boîtes c et b avant le choc (before), où elles se recouvrent (overlap), et après (after). v′ est la vitesse après le choc ; « no impulse » : aucune impulsion ; « step » : pas.',
+    'The boxes before the collision, where they overlap, and after it, with their velocities, momenta and the formula of the impulse. A prime marks what is after the collision.',
+    'Les boîtes avant le choc, où elles se recouvrent, et après, avec leurs vitesses, leurs quantités de mouvement et la formule de l’impulsion. Le prime désigne l’après.',
   ],
   figure2Texts: [
     'Where the boxes touch, the origin is on the boundary of s = b ⊖ c; where they overlap, it is inside, and n is the shortest way out.',
-    'Quand les boîtes (boxes) se touchent, l’origine (origin) est sur le bord de s = b ⊖ c ; quand elles se recouvrent, elle est dedans, et n est le plus court chemin dehors. « times larger » : agrandi.',
+    'Quand les boîtes se touchent, l’origine est sur le bord de s = b ⊖ c ; quand elles se recouvrent, elle est dedans, et n est le plus court chemin dehors.',
   ],
   numbers: [
-    { a: 'body c', b: 'body b', t: 'instant', n: 'normal n on c', e: 'restitution e', before: 'vₙ before', after: 'vₙ after', j: 'impulse j', p: 'penetration' },
-    { a: 'corps c', b: 'corps b', t: 'instant', n: 'normale n sur c', e: 'restitution e', before: 'vₙ avant', after: 'vₙ après', j: 'impulsion j', p: 'pénétration' },
+    { a: 'first body', b: 'second body', t: 'instant', n: 'normal n on the first', e: 'restitution e', before: 'vₙ before', after: 'vₙ after', j: 'impulse j', p: 'penetration' },
+    { a: 'premier corps', b: 'second corps', t: 'instant', n: 'normale n sur le premier', e: 'restitution e', before: 'vₙ avant', after: 'vₙ après', j: 'impulsion j', p: 'pénétration' },
   ],
 };
 

@@ -499,7 +499,7 @@ const tests = {
   },
 
   async 'a click before the engine is there makes its box as soon as it is'() {
-    await page.close();
+    await page?.close();
     page = await browser.newPage();
     await page.setViewport({ width: 1280, height: 800 });
     await page.evaluateOnNewDocument(() => {
