@@ -6,7 +6,7 @@ import { readFileSync, statSync, writeFileSync } from 'node:fs';
 const [folder, modules, output] = process.argv.slice(2);
 const read = (path) => readFileSync(path, 'utf8').trim();
 const hash = (text) => `'sha256-${createHash('sha256').update(text).digest('base64')}'`;
-// The first part is inflated in 10 ms by a module of its own; zstd is a tenth smaller, and a worker has time for it.
+// The first part is inflated by a module of its own; zstd is a tenth smaller, and a worker has time for it.
 const zstd = ['LICENSE', 'umd/index.js'].map((name) => read(new URL(`node_modules/fzstd/${name}`, import.meta.url)));
 const room = `const EMPTY_ROOM = ${JSON.stringify(`${read(`${folder}/room.toml`)}\n`)};`;
 /** A script or style without comments of their own lines and without indentation. */
