@@ -536,13 +536,19 @@ const tests = {
 async function measure() {
   const empty = join(folder, 'empty.html');
   writeFileSync(empty, '<!doctype html><script>document.documentElement.dataset.ready = performance.now()</script>');
+  // Firefox has a process for files, which this tab keeps.
+  const kept = await browser.newPage();
   const [opened, least] = [[], []];
   for (let i = 0; i < 7; i += 1) {
-    await page.goto(pathToFileURL(empty).href);
-    least.push(await run(() => Number(document.documentElement.dataset.ready)));
+    await kept.goto(pathToFileURL(empty).href);
+    const tab = await browser.newPage();
+    await tab.goto(pathToFileURL(empty).href);
+    least.push(await tab.evaluate(() => Number(document.documentElement.dataset.ready)));
+    await tab.close();
     await open();
     opened.push(await run(() => rebond.times.engine));
   }
+  await kept.close();
   const median = (times) => `${times.sort((a, b) => a - b)[3].toFixed(0)} ms (${times[0].toFixed(0)} at least)`;
   const gas = (count, side) => `[world]\nsize = [${side * 1.6}, ${side}]\nwalls = true\n[run]\nsteps = 600\n[[scatter]]\ncount = ${count}\nseed = 7\nregion = [0, 0, ${side * 1.6}, ${side}]\nsize = [[0.1, 0.1], [0.3, 0.3]]\nmass = [1, 2]\nvelocity = [[-2, -2], [2, 2]]\n`;
   const frames = (count, side, overlays) => run(async (text, overlays) => {
