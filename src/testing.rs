@@ -19,7 +19,10 @@ variable `REBOND_UPDATE` changes that:
 |---|---|
 | `new` | are kept, with the new content beside them; the default, except if the variable `CI` is set |
 | `no` | are kept; the default if `CI` is set |
-| `always` | are replaced, and the test passes; as with `rebond check --update`, only files that rebond has made |"
+| `always` | are replaced, and the test passes; as with `rebond check --update`, only files that rebond has made |
+
+An assertion runs in the process of its test. A file that ends that process (a picture that needs more memory than there
+is) therefore ends the test program: `rebond check` then names the file."
 )]
 
 #[cfg(feature = "draw")]

@@ -2,6 +2,8 @@
 
 #[path = "integration/accuracy.rs"]
 mod accuracy;
+#[path = "integration/altered_fields.rs"]
+mod altered_fields;
 #[path = "integration/altered_recordings.rs"]
 mod altered_recordings;
 #[path = "integration/animations.rs"]

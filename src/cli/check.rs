@@ -4,7 +4,7 @@ use super::github::{self, StepSummary};
 use super::output_file::{OutputFile, Overwrite};
 use super::replay::difference_json;
 use super::review::{self, Answer, Review};
-use super::supervisor::{self, Journal};
+use super::supervisor::{self, Input, Journal};
 use super::{Exit, manifest, output};
 use crate::check::{
     self, Acceptance, Case, Cases, CheckResult, Decision, FileKind, Files, Outcome, Page, Recipe, RecordingIndex,
@@ -23,16 +23,14 @@ use std::path::{Path, PathBuf};
 
 /// Checks that recordings and pictures are unchanged.
 pub fn run(options: &CheckOptions) -> Result<Exit, CommandError> {
-    // A review needs standard input, and the user sees where it ends.
     let journal = match &options.journal {
         Some(path) => Journal::open(path).map_err(CommandError::unwritable(path))?,
-        None if options.review => Journal::default(),
         None => match supervise(options)? {
             Some(exit) => return Ok(exit),
             None => Journal::default(),
         },
     };
-    if options.journal.is_some() {
+    if options.journal.is_some() && !options.review {
         temporary::end_with_standard_input();
     }
     check(options, &journal)
@@ -44,7 +42,8 @@ fn supervise(options: &CheckOptions) -> Result<Option<Exit>, CommandError> {
     let folder =
         |path: &PathBuf| path.ancestors().skip(1).find(|folder| folder.is_dir()).unwrap_or(Path::new(".")).to_owned();
     let folders: Vec<PathBuf> = outputs.iter().flatten().map(folder).collect();
-    supervisor::supervise(&folders).map_err(CommandError::Supervisor)
+    let input = if options.review { Input::Answers } else { Input::Lifeline };
+    supervisor::supervise(&folders, input).map_err(CommandError::Supervisor)
 }
 
 fn check(options: &CheckOptions, journal: &Journal) -> Result<Exit, CommandError> {
@@ -68,8 +67,9 @@ fn check(options: &CheckOptions, journal: &Journal) -> Result<Exit, CommandError
     let junit =
         options.junit.as_deref().map(|path| OutputFile::create(path, overwrite_report(path, options.force), &[]));
     let junit = junit.transpose()?;
-    if options.review {
-        review::pending(&files)?;
+    let mut review = options.review.then(|| Review::new(journal));
+    if let Some(review) = &mut review {
+        review.ask_about_pending(&files)?;
     }
     let folder = report_folder(options);
     let unwritable = CommandError::unwritable(&folder);
@@ -83,7 +83,7 @@ fn check(options: &CheckOptions, journal: &Journal) -> Result<Exit, CommandError
         step_summary: StepSummary::default(),
         suite: TestSuite { name: "rebond check".into(), cases: Vec::new() },
         worst: Severity::Same,
-        review: options.review.then_some(Review::Asking),
+        review,
         replaced: Vec::new(),
         foreign: Vec::new(),
     };
@@ -158,7 +158,7 @@ struct Session<'a> {
     suite: TestSuite,
     worst: Severity,
     /// The review of changes one by one, if that was requested.
-    review: Option<Review>,
+    review: Option<Review<'a>>,
     /// The recordings that were replaced.
     replaced: Vec<PathBuf>,
     /// The pictures of other programs.

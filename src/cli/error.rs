@@ -218,8 +218,9 @@ pub enum CommandError {
     },
     /// A clip would be very long.
     #[error(
-        "the clip would have {frames} frames and last {seconds:.0} s; draw a part with --from and --to, fewer frames with \
-         --fps or --every, or allow it with --long"
+        "the clip would have {} and last {seconds:.0} s; draw a part with --from and --to, fewer frames with \
+         --fps or --every, or allow it with --long",
+        counted(*frames, "frame")
     )]
     LongClip {
         /// The number of frames.
@@ -229,8 +230,9 @@ pub enum CommandError {
     },
     /// A clip is longer than any clip may be.
     #[error(
-        "the clip would have {frames} frames and last {seconds:.0} s, and no clip may have more than {max_frames} frames or \
-         {max_seconds:.0} s; draw a part with --from and --to, or fewer frames with --fps or --every"
+        "the clip would have {} and last {seconds:.0} s, and no clip may have more than {max_frames} frames or \
+         {max_seconds:.0} s; draw a part with --from and --to, or fewer frames with --fps or --every",
+        counted(*frames, "frame")
     )]
     TooLongClip {
         /// The number of frames.

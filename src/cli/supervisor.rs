@@ -13,13 +13,23 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, ExitStatus, Stdio};
 use std::sync::{Mutex, PoisonError};
 
+/// The standard input of a child.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Input {
+    /// A pipe that is open as long as this process needs the child.
+    Lifeline,
+    /// That of this process, from which a review reads its answers. The child asks again when another one was ended.
+    Answers,
+}
+
 /// Runs this command in children until one of them ends by itself, and returns its exit code. `None` if no child can be
 /// started. `folders` are those of output files, where a child that is ended may leave temporary files.
-pub fn supervise(folders: &[PathBuf]) -> io::Result<Option<Exit>> {
+pub fn supervise(folders: &[PathBuf], input: Input) -> io::Result<Option<Exit>> {
     let temporary = TemporaryFolder::create_in_system()?;
     let path = temporary.path().join("journal");
     loop {
-        let Ok(mut child) = command(&path)?.stdin(Stdio::piped()).spawn() else { return Ok(None) };
+        let stdin = if input == Input::Lifeline { Stdio::piped() } else { Stdio::inherit() };
+        let Ok(mut child) = command(&path)?.stdin(stdin).spawn() else { return Ok(None) };
         // The child ends when this pipe is closed, whatever ends this process.
         let _pipe = child.stdin.take();
         let status = child.wait()?;
@@ -100,6 +110,10 @@ pub struct Journal {
     fatal: BTreeMap<String, String>,
     printed: BTreeSet<String>,
     accepted: BTreeSet<String>,
+    /// The files about which the user of a review has answered.
+    pub answered: BTreeSet<String>,
+    /// True if the user of a review has ended it.
+    pub is_review_ended: bool,
 }
 
 impl Journal {
@@ -114,6 +128,8 @@ impl Journal {
                 "end" => drop(journal.unfinished.remove(key)),
                 "printed" => drop(journal.printed.insert(key.into())),
                 "accepted" => drop(journal.accepted.insert(key.into())),
+                "answered" => drop(journal.answered.insert(key.into())),
+                "quit" => journal.is_review_ended = true,
                 "alone" => journal.is_alone = true,
                 "fatal" => drop(key.split_once('\t').map(|(key, end)| journal.fatal.insert(key.into(), end.into()))),
                 _ => {}
@@ -159,6 +175,16 @@ impl Journal {
             self.note("printed", key);
         }
         is_first
+    }
+
+    /// Notes that the user of a review has answered about a file.
+    pub fn answer(&self, key: &str) {
+        self.note("answered", key);
+    }
+
+    /// Notes that the user of a review has ended it.
+    pub fn end_review(&self) {
+        self.note("quit", "");
     }
 
     /// Notes that the change of a case was accepted.

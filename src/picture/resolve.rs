@@ -409,7 +409,12 @@ fn non_empty(grid: StepGrid, source: &Source, sources: &[Source]) -> Result<Step
 }
 
 fn no_frames(from: u64, to: u64, every: u64, last: u64) -> Error {
-    let steps = if from == to { format!("at step {from}") } else { format!("in steps {from} to {to} by {every}") };
+    let steps = match every {
+        _ if from == to => format!("at step {from}"),
+        _ if from > last => format!("from step {from} on"),
+        1 => format!("in the steps {from} to {to}"),
+        _ => format!("in the steps {from} to {to} by {every}"),
+    };
     Error::NothingToShow { reason: format!("the recording has no state {steps}; its last step is {last}") }
 }
 

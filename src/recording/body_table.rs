@@ -37,6 +37,37 @@ impl BodyInfo {
     pub fn is_at_initial_state(&self, state: [f64; 4]) -> bool {
         self.spawn.velocity == Vector::ZERO && self.initial_state().map(f64::to_bits) == state.map(f64::to_bits)
     }
+
+    /// Returns the first field of `rebond_msgs/Spawn` in which the bodies differ, numbers bit for bit, and its value in
+    /// each of them.
+    pub fn difference(&self, other: &BodyInfo) -> Option<(&'static str, [String; 2])> {
+        let (a, b) = (&self.spawn, &other.spawn);
+        let numbers = [
+            ("x", a.rect.origin.x, b.rect.origin.x),
+            ("y", a.rect.origin.y, b.rect.origin.y),
+            ("width", a.rect.width(), b.rect.width()),
+            ("height", a.rect.height(), b.rect.height()),
+            ("mass", a.mass, b.mass),
+            ("vx", a.velocity.x, b.velocity.x),
+            ("vy", a.velocity.y, b.velocity.y),
+            ("fx", a.force.x, b.force.x),
+            ("fy", a.force.y, b.force.y),
+        ];
+        let [color, other_color] = [self, other].map(|info| info.color.as_deref().unwrap_or_default());
+        let texts = [
+            ("name", a.name.as_str(), b.name.as_str()),
+            ("material", &a.material, &b.material),
+            ("color", color, other_color),
+        ];
+        if self.id != other.id {
+            return Some(("id", [self.id, other.id].map(|id| id.to_string())));
+        }
+        if let Some((field, a, b)) = numbers.into_iter().find(|(_, a, b)| a.to_bits() != b.to_bits()) {
+            return Some((field, [a, b].map(|number| format!("{number:?}"))));
+        }
+        let (field, a, b) = texts.into_iter().find(|(_, a, b)| a != b)?;
+        Some((field, [a, b].map(|text| format!("{text:?}"))))
+    }
 }
 
 /// The living bodies in creation order, updated by events.

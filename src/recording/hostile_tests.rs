@@ -98,7 +98,7 @@ fn messages_that_are_too_long_or_inconsistent_are_rejected() {
     assert_eq!(state_damage(b"\0\0\0\0"), "the message does not start with the header of little-endian CDR");
     assert_eq!(state_damage(&state(vec![1], vec![])), "state 0 has columns of different lengths");
     assert_eq!(state_damage(&state(vec![2, 1], vec![0.0, 0.0])), "the ids in state 0 are not in ascending order");
-    assert_eq!(state_damage(&state(vec![1], vec![0.0])), "the bodies in state 0 do not match the events");
+    assert_eq!(state_damage(&state(vec![1], vec![0.0])), "the ids in state 0 do not match the events");
     assert_eq!(state_damage(&state(vec![], vec![])), "state 0 does not match its digest");
 }
 

@@ -64,7 +64,9 @@ pub fn difference(
     encode(time, bodies, |info| found.get(&info.id).copied().unwrap_or_default(), &mut expected);
     let previous = std::mem::replace(colors, found);
     if expected != message {
-        return Some(format!("the scene update of state {step} shows other boxes than the state has"));
+        let offset = expected.iter().zip(message).position(|(expected, found)| expected != found);
+        let field = offset.and_then(|offset| path_at(&expected, offset, "").ok()).unwrap_or("length".into());
+        return Some(format!("the scene update of state {step} has another {field} than the state"));
     }
     let changed = table.bodies().iter().find(|info| {
         let color = colors.get(&info.id);
@@ -115,6 +117,48 @@ fn fields(message: &[u8], number: u64) -> Result<Vec<&[u8]>, Malformed> {
         }
     }
     Ok(found)
+}
+
+/// The messages in a scene update: the name of the message, and the names of its fields 1, 2, …
+const FIELD_NAMES: [(&str, &[&str]); 10] = [
+    ("", &["deletions", "entities"]),
+    ("deletions", &["timestamp", "type"]),
+    ("entities", &["timestamp", "frame_id", "id", "", "", "", "", "cubes"]),
+    ("timestamp", &["seconds", "nanos"]),
+    ("cubes", &["pose", "size", "color"]),
+    ("pose", &["position", "orientation"]),
+    ("position", &["x", "y", "z"]),
+    ("orientation", &["x", "y", "z", "w"]),
+    ("size", &["x", "y", "z"]),
+    ("color", &["r", "g", "b", "a"]),
+];
+
+/// Returns the names of the fields down to the one at `offset` of the message `name`, such as `cubes.size.x`.
+fn path_at(message: &[u8], offset: usize, name: &str) -> Result<String, Malformed> {
+    let mut rest = FieldReader::new(message);
+    loop {
+        let tag = varint(&mut rest)?;
+        let content = match tag & 7 {
+            VARINT => varint(&mut rest).map(|_| None)?,
+            FIXED_64_BITS => rest.u64().map(|_| None)?,
+            _ => {
+                let length = varint(&mut rest)?;
+                Some(rest.bytes(length)?)
+            }
+        };
+        let end = message.len() - rest.remaining();
+        if offset >= end {
+            continue;
+        }
+        let names = FIELD_NAMES.into_iter().find(|(message, _)| *message == name).map_or(&[][..], |(_, names)| names);
+        let field =
+            usize::try_from((tag >> 3).saturating_sub(1)).ok().and_then(|index| names.get(index)).ok_or(Malformed)?;
+        let start = content.map_or(end, |content| end - content.len());
+        return match content.filter(|_| offset >= start && FIELD_NAMES.iter().any(|(message, _)| message == field)) {
+            Some(content) => Ok(format!("{field}.{}", path_at(content, offset - start, field)?)),
+            None => Ok((*field).into()),
+        };
+    }
 }
 
 fn varint(bytes: &mut FieldReader<'_>) -> Result<u64, Malformed> {

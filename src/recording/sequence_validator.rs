@@ -205,17 +205,29 @@ impl SequenceValidator {
     /// Returns a description of the contradiction if the keyframe does not match the events.
     pub fn add_keyframe(&mut self, keyframe: &Keyframe) -> Result<(), String> {
         self.check_step(keyframe.step, "a keyframe")?;
+        let Keyframe { step, next_id, .. } = *keyframe;
         let table = keyframe.table();
-        match &self.table {
-            Some(known) if *known != table || self.next_id != keyframe.next_id => {
-                Err(format!("the bodies in the keyframe of step {} do not match the events", keyframe.step))
+        if let Some(known) = &self.table {
+            let bodies = known.bodies().iter().zip(table.bodies());
+            let differences = bodies.filter_map(|(known, found)| Some((known, found.difference(known)?)));
+            if let Some((known, (field, [found, expected]))) = { differences }.next() {
+                let name = &known.spawn.name;
+                return Err(format!(
+                    "the keyframe of step {step} has {field} {found} of body {name:?}, the events {expected}"
+                ));
             }
-            Some(_) | None => {
-                self.table = Some(table);
-                self.next_id = keyframe.next_id;
-                Ok(())
+            let [found, expected] = [&table, known].map(|table| table.bodies().len());
+            if found != expected {
+                let [found, expected] = [found, expected].map(|count| counted(count, "body"));
+                return Err(format!("the keyframe of step {step} has {found}, the events {expected}"));
+            }
+            if next_id != self.next_id {
+                return Err(format!("the keyframe of step {step} has next_id {next_id}, the events {}", self.next_id));
             }
         }
+        self.table = Some(table);
+        self.next_id = next_id;
+        Ok(())
     }
 
     /// Adds a state, and returns a description if its values are suspect.
@@ -462,7 +474,7 @@ impl SequenceValidator {
         };
         match matches {
             true => Ok(()),
-            false => Err(format!("the bodies in state {step} do not match the events")),
+            false => Err(format!("the ids in state {step} do not match the events")),
         }
     }
 }

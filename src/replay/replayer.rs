@@ -293,8 +293,14 @@ impl<R: Read + Seek> Replayer<R> {
                 ));
             }
         }
-        let is_same = are_identical(&keyframe.solver, &snapshot.solver);
-        (!is_same).then(|| "the internal state of the solver differs from the keyframe".into())
+        let (recorded, replayed) = (&keyframe.solver, &snapshot.solver);
+        let bits = |solver: &SolverSnapshot| solver.numbers.iter().map(|number| number.to_bits()).collect::<Vec<_>>();
+        let fields = [
+            ("solver_integers", recorded.integers == replayed.integers),
+            ("solver_numbers", bits(recorded) == bits(replayed)),
+        ];
+        let (field, _) = fields.into_iter().find(|(_, is_same)| !is_same)?;
+        Some(format!("the keyframe has other {field} than the replay"))
     }
 
     /// Compares the end record with the replay, if that followed the whole run.
@@ -422,10 +428,4 @@ fn are_same_errors(recorded: &RecordedError, replayed: &StepError) -> bool {
         RecordedError::Step(recorded) => recorded == replayed,
         RecordedError::Text(text) => *text == error_text(replayed),
     }
-}
-
-/// Compares two solver snapshots bit for bit.
-fn are_identical(a: &SolverSnapshot, b: &SolverSnapshot) -> bool {
-    let bits = |solver: &SolverSnapshot| solver.numbers.iter().map(|number| number.to_bits()).collect::<Vec<_>>();
-    a.integers == b.integers && bits(a) == bits(b)
 }

@@ -363,6 +363,36 @@ fn line_ends_are_no_difference() {
     assert!(workplace.done("info strobe.svg").output.contains("strobe"));
 }
 
+#[test]
+fn renders_of_several_sources_are_checked_by_a_manifest_and_by_their_provenance() {
+    let workplace = Workplace::with_scene(SCENE);
+    workplace.done("record scene.toml -o scene.mcap");
+    workplace.done("record scene.toml -o heavy.mcap --set spawn.c.mass=20");
+    workplace.write(
+        "pairs.check",
+        "rebond render scene.mcap heavy.mcap -o both.gif --to 20\n\
+         rebond render scene.mcap heavy.mcap -o both.png --at 20 --title light --title heavy\n\
+         rebond render scene.toml --set 'spawn.c.mass=[1 | 20]' -o sweep.gif --to 20\n",
+    );
+    workplace.done("check . --update");
+    workplace.done("render scene.mcap heavy.mcap -o alone.gif --to 10");
+    assert!(workplace.done("check .").output.contains("same: 2 recordings, 4 pictures"));
+    let both = workplace.read("both.gif");
+    for name in ["both.gif", "alone.gif"] {
+        workplace.done(&format!("render heavy.mcap scene.mcap -o {name} --to 20 --force"));
+    }
+    assert!(line_about(&workplace, 3, "both.gif").starts_with("differs: "));
+    assert_eq!(line(&workplace.rebond("check ."), "alone.gif"), "same", "its provenance has the new order");
+    workplace.done("check . --update");
+    assert!(workplace.read("both.gif") == both);
+    std::fs::remove_file(workplace.path("heavy.mcap")).unwrap();
+    let outcome = workplace.rebond("check .");
+    for name in ["both.gif", "both.png", "alone.gif"] {
+        assert!(!line(&outcome, name).starts_with("same"), "{outcome:?}");
+    }
+    assert!(outcome.code != 0 && line(&outcome, "sweep.gif") == "same", "{outcome:?}");
+}
+
 #[cfg(unix)]
 #[test]
 fn a_case_that_ends_the_process_is_one_line_of_the_result_and_the_others_are_checked() {
@@ -393,6 +423,28 @@ fn a_case_that_ends_the_process_is_one_line_of_the_result_and_the_others_are_che
     assert!(line(&outcome, "fall.gif").ends_with("; accepted"), "{outcome:?}");
     assert!(outcome.output.contains("not the same: 2 of 6, 1 accepted"), "{outcome:?}");
     assert!(workplace.names().iter().all(|name| !name.starts_with(".rebond")), "{:?}", workplace.names());
+}
+
+#[cfg(unix)]
+#[test]
+fn a_review_goes_on_after_a_case_that_ends_the_process() {
+    for large in ["a.png", "g.png", "z.png"] {
+        let workplace = lecture_folder();
+        let before = workplace.read("fall.png");
+        workplace.done("render scene.mcap -o fall.png --force --at 21");
+        workplace.done("figure collision scene.mcap -o hit.svg --force --caption other");
+        let rejected = workplace.read("hit.svg");
+        workplace.write("large.check", &format!("rebond render scene.mcap -o {large} --at 20 --size 16384x16384\n"));
+        let script = format!("ulimit -v 900000; exec '{}' check . --review --jobs 1", env!("CARGO_BIN_EXE_rebond"));
+        let mut command = assert_cmd::Command::new("sh");
+        command.arg("-c").arg(script).current_dir(workplace.path("")).write_stdin("a\nr\na\n");
+        let outcome = workplace.run(&mut command);
+        assert_eq!(outcome.code, 1, "{outcome:?}");
+        assert_eq!(outcome.errors.matches("(a)ccept").count(), 2, "{outcome:?}");
+        assert!(line(&outcome, large).starts_with("failed: rebond was ended by signal 6"), "{outcome:?}");
+        assert!(outcome.output.contains("not the same: 2 of 6, 1 accepted"), "{outcome:?}");
+        assert!(workplace.read("fall.png") == before && workplace.read("hit.svg") == rejected);
+    }
 }
 
 #[cfg(unix)]

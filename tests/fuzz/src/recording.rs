@@ -38,7 +38,7 @@ fn with_altered_records(file: &[u8], dice: &mut Dice) -> Option<Vec<u8>> {
         structure.agree();
     }
     let summary = if dice.roll(4) == 0 { Summary::Missing } else { Summary::Written };
-    let compression = if dice.roll(4) == 0 { Compression::Zstd } else { Compression::None };
+    let compression = [Compression::None, Compression::None, Compression::Zstd, Compression::Lz4][dice.roll(4)];
     Some(structure.write(summary, compression))
 }
 

@@ -1,7 +1,11 @@
 //! The records of a recording, from which a file with valid lengths, checksums and index is written again.
 
-use std::{collections::BTreeMap, io::Cursor};
+use std::{
+    collections::BTreeMap,
+    io::{Cursor, Read, Write},
+};
 
+use lz4_flex::frame::{FrameDecoder, FrameEncoder};
 use rebond::internals::recording::{Item, Recording, StateDigest};
 use xxhash_rust::xxh3::Xxh3;
 
@@ -54,6 +58,7 @@ pub enum Summary {
 pub enum Compression {
     None,
     Zstd,
+    Lz4,
 }
 
 impl Structure {
@@ -258,6 +263,11 @@ fn push_chunk(file: &mut Vec<u8>, records: &[Record], compression: Compression, 
     let (name, compressed) = match compression {
         Compression::None => (&b""[..], data.clone()),
         Compression::Zstd => (&b"zstd"[..], zstd::bulk::compress(&data, 1).expect("memory")),
+        Compression::Lz4 => {
+            let mut encoder = FrameEncoder::new(Vec::new());
+            encoder.write_all(&data).expect("memory");
+            (&b"lz4"[..], encoder.finish().expect("memory"))
+        }
     };
     let mut fields = [first, last, data.len() as u64].map(u64::to_le_bytes).concat();
     fields.extend(crc32fast::hash(&data).to_le_bytes());
@@ -314,6 +324,11 @@ fn chunk_records(fields: &[u8]) -> Option<Vec<Record>> {
     match compression {
         b"" => Some(records(data)),
         b"zstd" => Some(records(&zstd::bulk::decompress(data, MAX_BYTES).ok()?)),
+        b"lz4" => {
+            let mut bytes = Vec::new();
+            FrameDecoder::new(data).take(MAX_BYTES as u64).read_to_end(&mut bytes).ok()?;
+            Some(records(&bytes))
+        }
         _ => None,
     }
 }
