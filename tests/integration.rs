@@ -57,6 +57,8 @@ mod hostile_lengths;
 mod images;
 #[path = "integration/laws/mod.rs"]
 mod laws;
+#[path = "integration/legibility.rs"]
+mod legibility;
 #[path = "integration/library.rs"]
 mod library;
 #[path = "integration/limits.rs"]
@@ -78,6 +80,8 @@ mod reference_image;
 mod released;
 #[path = "integration/report.rs"]
 mod report;
+#[path = "integration/run_states.rs"]
+mod run_states;
 #[path = "integration/scene_errors.rs"]
 mod scene_errors;
 #[path = "integration/shards.rs"]

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use super::files::{Files, canonical};
+use super::files::{Files, canonical, is_same_place, parent};
 
 /// A file to check.
 #[derive(Clone, Debug)]
@@ -26,6 +26,21 @@ impl Case {
             Case::Picture(reference) => &reference.file,
             Case::Problem(problem) => &problem.path,
         }
+    }
+
+    /// The files that its check reads.
+    pub fn inputs(&self) -> Vec<PathBuf> {
+        let inputs = match self {
+            Case::Recording(reference) => reference.inputs(),
+            Case::Picture(reference) => reference.inputs(),
+            Case::Problem(_) => Vec::new(),
+        };
+        let images = |scene: &&Path| {
+            let images = super::recording::load(scene, &[]).map(|loaded| loaded.image_paths(parent(scene)));
+            images.unwrap_or_default() // A file that is no scene has no images.
+        };
+        let images = inputs.iter().flat_map(images);
+        [self.path()].into_iter().chain(inputs.iter().copied()).map(PathBuf::from).chain(images).collect()
     }
 
     /// The line of a manifest that lists the file.
@@ -218,17 +233,17 @@ impl Cases {
             }
             for recording in manifest.recordings {
                 if is_checked || files.contains(&recording.file) {
-                    match outputs.insert(canonical(&recording.file)) {
-                        true => cases.recordings.push(recording),
-                        false => cases.problems.extend(listed_twice(&recording.file, recording.line())),
+                    match refusal(&recording.file, recording.line(), &recording.inputs(), &mut outputs) {
+                        None => cases.recordings.push(recording),
+                        Some(problem) => cases.problems.push(problem),
                     }
                 }
             }
             for picture in manifest.pictures {
                 if is_checked || files.contains(&picture.file) {
-                    match outputs.insert(canonical(&picture.file)) {
-                        true => cases.pictures.push(picture),
-                        false => cases.problems.extend(listed_twice(&picture.file, picture.line())),
+                    match refusal(&picture.file, picture.line(), &picture.inputs(), &mut outputs) {
+                        None => cases.pictures.push(picture),
+                        Some(problem) => cases.problems.push(problem),
                     }
                 }
             }
@@ -307,12 +322,13 @@ impl Cases {
         }
     }
 
+    /// Adds the pictures that no manifest lists, except images that scenes draw into bodies.
     fn add_pictures(&mut self, files: &Files, outputs: &BTreeSet<PathBuf>) {
+        let mut images: Option<BTreeSet<PathBuf>> = None;
         for file in files.pictures().filter(|file| !outputs.contains(&canonical(file))) {
-            match std::fs::read(file) {
-                Ok(content) => {
-                    self.pictures.push(ReferenceImage { file: file.clone(), recipe: Recipe::of_file(file, &content) });
-                }
+            match std::fs::read(file).map(|content| Recipe::of_file(file, &content)) {
+                Ok(Recipe::Foreign) if images.get_or_insert_with(|| images_of(files)).contains(&canonical(file)) => {}
+                Ok(recipe) => self.pictures.push(ReferenceImage { file: file.clone(), recipe }),
                 Err(error) => self.problems.push(Problem::unreadable(file, &error)),
             }
         }
@@ -333,9 +349,32 @@ impl Cases {
     }
 }
 
-fn listed_twice(file: &Path, line: Option<&ManifestLine>) -> Option<Problem> {
+/// The images of the scenes among some files.
+fn images_of(files: &Files) -> BTreeSet<PathBuf> {
+    let images = |scene: &PathBuf| {
+        let text = std::fs::read_to_string(scene).unwrap_or_default();
+        let parsed = crate::scene::parse("", &text).map(|parsed| parsed.image_paths(parent(scene)));
+        parsed.unwrap_or_default() // A file that is no scene has no images.
+    };
+    files.with_extension("toml").flat_map(images).map(|image| canonical(&image)).collect()
+}
+
+/// Adds the file that a line of a manifest writes to the `outputs`. Returns the problem of a line that writes the file of
+/// another line or one of its own `inputs`.
+fn refusal(
+    file: &Path,
+    line: Option<&ManifestLine>,
+    inputs: &[&Path],
+    outputs: &mut BTreeSet<PathBuf>,
+) -> Option<Problem> {
     let line = line?;
-    let reason = format!("line {}: another line writes {}, too", line.number, file.display());
+    let reason = if inputs.iter().any(|input| is_same_place(input, file)) {
+        format!("line {}: the command reads {}; choose another name after -o", line.number, file.display())
+    } else if !outputs.insert(canonical(file)) {
+        format!("line {}: another line writes {}, too", line.number, file.display())
+    } else {
+        return None;
+    };
     Some(Problem { path: line.manifest.to_path_buf(), line: Some(line.clone()), reason, is_missing: false })
 }
 
@@ -365,6 +404,15 @@ impl ReferenceRecording {
         }
     }
 
+    /// The scene and the live events that it must match, without the images of the scene.
+    fn inputs(&self) -> Vec<&Path> {
+        let events = match &self.recipe {
+            RecordingRecipe::Listed { command, .. } => command.events.as_deref(),
+            RecordingRecipe::OwnEvents | RecordingRecipe::Scene(_) => None,
+        };
+        self.scene().into_iter().chain(events).collect()
+    }
+
     /// The line that lists it.
     pub fn line(&self) -> Option<&ManifestLine> {
         match &self.recipe {
@@ -383,13 +431,20 @@ impl ReferenceImage {
         }
     }
 
+    /// The scenes and recordings that a manifest draws it from, without the images of the scenes.
+    fn inputs(&self) -> Vec<&Path> {
+        match &self.recipe {
+            Recipe::Listed { sources, .. } => sources.iter().map(PathBuf::as_path).collect(),
+            Recipe::Embedded(_) | Recipe::Damaged(_) | Recipe::Foreign => Vec::new(),
+        }
+    }
+
     /// Returns the recordings that it is drawn from, as far as they are known. `index` finds those that provenance
     /// names.
     pub fn recordings<'a>(&'a self, index: &'a RecordingIndex) -> Vec<&'a Path> {
         match &self.recipe {
-            Recipe::Listed { sources, .. } => sources.iter().map(PathBuf::as_path).collect(),
             Recipe::Embedded(provenance) => index.find(provenance).unwrap_or_default(),
-            Recipe::Damaged(_) | Recipe::Foreign => Vec::new(),
+            Recipe::Listed { .. } | Recipe::Damaged(_) | Recipe::Foreign => self.inputs(),
         }
     }
 }

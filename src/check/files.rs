@@ -207,6 +207,11 @@ fn place_of(path: &Path) -> PathBuf {
     }
 }
 
+/// Returns true if two paths lead to the same place, behind all symbolic links.
+pub fn is_same_place(a: &Path, b: &Path) -> bool {
+    place_of(a) == place_of(b)
+}
+
 /// Removes `.` from a path, and `..` after a name.
 pub fn normalize(path: &Path) -> PathBuf {
     let mut normalized = PathBuf::new();

@@ -1,6 +1,7 @@
 //! Checking a picture: it must be redrawn the same.
 
 use super::case::{Override, Recipe, ReferenceImage};
+use super::files::is_same_place;
 use super::{CheckResult, Outcome, RecordingIndex, Replacement, Severity, ShownPicture, TemporaryRecording, mismatch};
 use crate::picture::{
     self, Error, Format, Picture, PictureOptions, Provenance, SOFTWARE, Source, StillFormat, Subject, SubjectOptions,
@@ -126,7 +127,7 @@ fn redraw(reference: &ReferenceImage, index: &RecordingIndex, software: &str) ->
     let redrawn = match &reference.recipe {
         Recipe::Listed { subject, options, sources, runs, .. } => {
             require_sources(sources)?;
-            OpenedSource::all(sources, runs).and_then(|opened| {
+            OpenedSource::all(sources, runs, &reference.file).and_then(|opened| {
                 // As the command does, which names the runs of one scene by their values.
                 #[cfg(feature = "cli")]
                 let title = Source::title_with_settings;
@@ -184,6 +185,8 @@ enum Failure {
     Picture(Error),
     #[error("its scene cannot be run: {0}")]
     Run(#[from] replay::RunError),
+    #[error("it is an image of its scene {}; choose another name after -o", .0.display())]
+    IsImage(PathBuf),
     #[error("--set changes values of a scene, but it is drawn from recordings; list the recording with --set")]
     SetOfRecordings,
 }
@@ -202,9 +205,11 @@ impl Failure {
         match self {
             Failure::Picture(Error::Diverged { .. }) => Severity::Different,
             Failure::Recording { source, .. } if source.is_damage() => Severity::Damaged,
-            Failure::Recording { .. } | Failure::Picture(_) | Failure::Run(_) | Failure::SetOfRecordings => {
-                Severity::Failed
-            }
+            Failure::Recording { .. }
+            | Failure::Picture(_)
+            | Failure::Run(_)
+            | Failure::IsImage(_)
+            | Failure::SetOfRecordings => Severity::Failed,
         }
     }
 }
@@ -241,8 +246,8 @@ struct OpenedSource {
 }
 
 impl OpenedSource {
-    /// Opens each recording, and each scene once for every run.
-    fn all(paths: &[PathBuf], runs: &[Vec<Override>]) -> Result<Vec<OpenedSource>, Failure> {
+    /// Opens each recording, and each scene once for every run, to draw `picture`.
+    fn all(paths: &[PathBuf], runs: &[Vec<Override>], picture: &Path) -> Result<Vec<OpenedSource>, Failure> {
         let mut opened = Vec::new();
         let mut has_scene = false;
         for path in paths {
@@ -253,7 +258,7 @@ impl OpenedSource {
             }
             has_scene = true;
             for overrides in runs {
-                opened.push(OpenedSource::record(path, overrides)?);
+                opened.push(OpenedSource::record(path, overrides, picture)?);
             }
         }
         match has_scene || runs.iter().all(Vec::is_empty) {
@@ -262,8 +267,12 @@ impl OpenedSource {
         }
     }
 
-    fn record(path: &Path, overrides: &[Override]) -> Result<OpenedSource, Failure> {
+    fn record(path: &Path, overrides: &[Override], picture: &Path) -> Result<OpenedSource, Failure> {
         let scene = super::recording::load(path, overrides)?;
+        let images = scene.image_paths(path.parent().unwrap_or(Path::new("")));
+        if images.iter().any(|image| is_same_place(image, picture)) {
+            return Err(Failure::IsImage(path.into()));
+        }
         let unwritable = |error| replay::RunError::from(recording::Error::Write(error));
         let temporary = TemporaryRecording::create().map_err(unwritable)?;
         let file = File::create_new(temporary.path()).map_err(unwritable)?;

@@ -1,7 +1,7 @@
 use super::arguments::{CheckOptions, Shard};
 use super::error::CommandError;
 use super::github::{self, StepSummary};
-use super::output_file::{OutputFile, Overwrite};
+use super::output_file::{OutputFile, Overwrite, RefuseInputs};
 use super::replay::difference_json;
 use super::review::{self, Answer, Review};
 use super::supervisor::{self, Input, Journal};
@@ -64,9 +64,7 @@ fn check(options: &CheckOptions, journal: &Journal) -> Result<Exit, CommandError
             let _ = journal.watch(&supervisor::key(recording, None), || index.add([recording.as_path()]));
         }
     }
-    let junit =
-        options.junit.as_deref().map(|path| OutputFile::create(path, overwrite_report(path, options.force), &[]));
-    let junit = junit.transpose()?;
+    let junit = options.junit.as_deref().map(|path| open_junit(path, &all, options)).transpose()?;
     let mut review = options.review.then(|| Review::new(journal));
     if let Some(review) = &mut review {
         review.ask_about_pending(&files)?;
@@ -126,6 +124,16 @@ fn check(options: &CheckOptions, journal: &Journal) -> Result<Exit, CommandError
         Severity::Damaged => Exit::Damaged,
         Severity::Failed => Exit::Error,
     })
+}
+
+/// Opens the JUnit report, or returns an error before any work is done if it cannot be written or is a file that is
+/// checked.
+fn open_junit(path: &Path, cases: &[Case], options: &CheckOptions) -> Result<OutputFile, CommandError> {
+    let mut output = OutputFile::create(path, overwrite_report(path, options.force), &[])?;
+    if path.is_file() {
+        cases.iter().try_for_each(|case| output.refuse_inputs(&case.inputs()))?;
+    }
+    Ok(output)
 }
 
 /// The policy for a JUnit report that exists: an earlier one is replaced, any other file only with `--force`.

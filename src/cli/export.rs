@@ -26,12 +26,12 @@ pub fn run(options: &ExportOptions) -> Result<Exit, CommandError> {
     let format = table_format(&options.output)?;
     let paths = with_recordings_of_folders(&options.sources)?;
     let inputs: Vec<&Path> = paths.iter().map(PathBuf::as_path).collect();
-    let output = OutputFile::create(&options.output, Overwrite::from_force(options.force), &inputs)?;
+    let mut output = OutputFile::create(&options.output, Overwrite::from_force(options.force), &inputs)?;
     let sources = SourceArgument::all(&paths, &options.set)?;
     if options.shard != Shard::WHOLE && sources.len() > 1 {
         return Err(CommandError::ShardOfSeveral);
     }
-    let open = |source| SourceFile::open(source, Verification::Replay);
+    let open = |source| SourceFile::open(source, Verification::Replay, &mut output);
     let files = sources.iter().map(open).collect::<Result<Vec<_>, CommandError>>()?;
     let settings = settings_of_several(&sources, &files)?;
     let statuses = output.write(|file| {
@@ -95,8 +95,8 @@ fn export_topics(options: &ExportOptions) -> Result<Exit, CommandError> {
             expected: "an .mcap file has the states of one source, without --table and --shard",
         });
     };
-    let output = OutputFile::create(&options.output, Overwrite::from_force(options.force), &[path])?;
-    let file = SourceFile::open(source, Verification::Replay)?;
+    let mut output = OutputFile::create(&options.output, Overwrite::from_force(options.force), &[path])?;
+    let file = SourceFile::open(source, Verification::Replay, &mut output)?;
     let recording = recording::open(&file.path).map_err(CommandError::in_recording(path))?;
     let header = recording.header.clone();
     let step = |point: StepOrTime| point.step(header.config.rate);

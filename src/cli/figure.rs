@@ -13,9 +13,9 @@ pub fn run(options: &FigureCommandOptions) -> Result<Exit, CommandError> {
     let path = &options.output.output;
     let subject = subject(options)?;
     let inputs: Vec<&Path> = options.sources.iter().map(PathBuf::as_path).collect();
-    let output = OutputFile::create(path, Overwrite::from_force(options.output.force), &inputs)?;
+    let mut output = OutputFile::create(path, Overwrite::from_force(options.output.force), &inputs)?;
     let sources = SourceArgument::all(&options.sources, &options.set)?;
-    let sources = OpenedSource::open_all(&sources, Verification::None)?;
+    let sources = OpenedSource::open_all(&sources, Verification::None, &mut output)?;
     let recordings: Vec<picture::Source> = sources.iter().map(|source| source.recording.clone()).collect();
     let bar = output::progress_bar("drawing", 0);
     let mut on_progress = output::progress_updater(&bar);

@@ -15,6 +15,12 @@ use std::io::{self, BufWriter, ErrorKind, IsTerminal, Write};
 use std::path::{Path, PathBuf};
 use tempfile::TempPath;
 
+/// An output that is never one of the inputs of its command.
+pub trait RefuseInputs {
+    /// Returns an error if the output would replace one of `inputs`, which were not known when it was opened.
+    fn refuse_inputs(&mut self, inputs: &[PathBuf]) -> Result<(), CommandError>;
+}
+
 /// A file to be written, which was checked to be writable before any work is done.
 #[derive(Debug)]
 pub struct OutputFile {
@@ -155,6 +161,18 @@ impl OutputFile {
     }
 }
 
+impl RefuseInputs for OutputFile {
+    fn refuse_inputs(&mut self, inputs: &[PathBuf]) -> Result<(), CommandError> {
+        let output = match &self.destination {
+            Destination::StandardOutput => Handle::stdout(),
+            Destination::Regular { place, .. } => Handle::from_path(place),
+            Destination::Special => return Ok(()),
+        };
+        // A file that does not exist, or cannot be read, is no input.
+        output.map_or(Ok(()), |output| refuse_input(output, &self.name, inputs))
+    }
+}
+
 /// The layer to which a flush of a recording writes the data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Durability {
@@ -212,11 +230,14 @@ pub struct OutputFolder {
     overwrite: Overwrite,
     staging: TemporaryFolder,
     names: Vec<String>,
+    /// Files that the command reads.
+    inputs: Vec<PathBuf>,
 }
 
 impl OutputFolder {
-    /// Opens the folder at `path`, which may exist. Existing files in it are overwritten only if that is allowed.
-    pub fn create(path: &Path, overwrite: Overwrite) -> Result<OutputFolder, CommandError> {
+    /// Opens the folder at `path`, which may exist. Existing files in it are overwritten only if that is allowed, and
+    /// none of the `inputs`.
+    pub fn create(path: &Path, overwrite: Overwrite, inputs: &[&Path]) -> Result<OutputFolder, CommandError> {
         // Without a slash at its end, which hides a file.
         let path = &path.components().collect::<PathBuf>();
         if path.exists() && !path.is_dir() {
@@ -225,7 +246,8 @@ impl OutputFolder {
         // The nearest folder that exists is on the same disk, so that files can be renamed.
         let existing = path.ancestors().find(|folder| folder.is_dir()).unwrap_or(Path::new("."));
         let staging = TemporaryFolder::create(existing).map_err(CommandError::unwritable(path))?;
-        Ok(OutputFolder { path: path.into(), overwrite, staging, names: Vec::new() })
+        let inputs = inputs.iter().map(PathBuf::from).collect();
+        Ok(OutputFolder { path: path.into(), overwrite, staging, names: Vec::new(), inputs })
     }
 
     /// Adds a file.
@@ -259,8 +281,17 @@ impl OutputFolder {
             Ok(metadata) if self.overwrite == Overwrite::Refused || !metadata.is_file() => {
                 Err(CommandError::Exists(place.into()))
             }
-            Ok(_) | Err(_) => Ok(()),
+            Ok(_) => Handle::from_path(place).map_or(Ok(()), |output| refuse_input(output, place, &self.inputs)),
+            Err(_) => Ok(()),
         }
+    }
+}
+
+impl RefuseInputs for OutputFolder {
+    /// The names of the files are not known yet: the error is that of [`OutputFolder::write`].
+    fn refuse_inputs(&mut self, inputs: &[PathBuf]) -> Result<(), CommandError> {
+        self.inputs.extend_from_slice(inputs);
+        Ok(())
     }
 }
 
@@ -275,12 +306,12 @@ fn with_path(error: CommandError, path: &Path) -> CommandError {
     }
 }
 
-fn refuse_input(output: Handle, path: &Path, inputs: &[&Path]) -> Result<(), CommandError> {
+fn refuse_input(output: Handle, path: &Path, inputs: &[impl AsRef<Path>]) -> Result<(), CommandError> {
     if !output.as_file().metadata().is_ok_and(|metadata| metadata.is_file()) {
         return Ok(());
     }
     let handle = |input: &Path| if is_standard_output(input) { Handle::stdin() } else { Handle::from_path(input) };
-    match inputs.iter().any(|input| handle(input).is_ok_and(|input| input == output)) {
+    match inputs.iter().any(|input| handle(input.as_ref()).is_ok_and(|input| input == output)) {
         true => Err(CommandError::IsInput(path.into())),
         false => Ok(()),
     }

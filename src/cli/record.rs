@@ -1,6 +1,6 @@
 use super::arguments::{RecordOptions, RecoverOptions, is_standard_output};
 use super::error::CommandError;
-use super::output_file::{Durability, OutputFile, Overwrite};
+use super::output_file::{Durability, OutputFile, Overwrite, RefuseInputs};
 use super::{Exit, output};
 use crate::physics::SolverKind;
 use crate::picture;
@@ -28,8 +28,9 @@ pub fn run(options: &RecordOptions) -> Result<Exit, CommandError> {
         ExistingRun::Part => Overwrite::Allowed,
         ExistingRun::None => Overwrite::from_force(options.force),
     };
-    let output = OutputFile::create(&options.output, overwrite, &inputs)?;
+    let mut output = OutputFile::create(&options.output, overwrite, &inputs)?;
     let scene = loaded.map_or_else(load, Ok)?;
+    output.refuse_inputs(&scene.image_paths(options.scene.parent().unwrap_or(Path::new(""))))?;
     let plan = plan(options, &scene);
     warn_of_unreached_inputs(&scene, plan.steps);
     if plan.estimates_accuracy && scene.run.solver == SolverKind::Handout {

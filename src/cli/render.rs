@@ -2,11 +2,13 @@ use super::Exit;
 use super::arguments::{Shard, is_standard_output};
 use super::error::CommandError;
 use super::output;
-use super::output_file::{OutputFile, OutputFolder, Overwrite};
+use super::output_file::{OutputFile, OutputFolder, Overwrite, RefuseInputs};
 use super::picture_arguments::RenderOptions;
 use super::source::{OpenedSource, SourceArgument, Verification};
 use super::video::{self, VideoContainer};
-use crate::picture::{self, Animation, AnimationFormat, Format, Page, SOFTWARE, StillFormat, Subject, SubjectOptions};
+use crate::picture::{
+    self, Animation, AnimationFormat, Format, Page, Progress, SOFTWARE, StillFormat, Subject, SubjectOptions,
+};
 use crate::text::counted;
 use std::path::{Path, PathBuf};
 
@@ -16,9 +18,10 @@ pub fn run(options: &RenderOptions) -> Result<Exit, CommandError> {
     let kind = OutputKind::from_options(options)?;
     kind.refuse_shard(path, options.shard)?;
     let inputs: Vec<&Path> = options.sources.iter().map(PathBuf::as_path).collect();
-    let output = kind.open(path, overwrite, &inputs)?;
+    let mut output = kind.open(path, overwrite, &inputs)?;
     let verification = if options.at.is_some() { Verification::None } else { Verification::Replay };
-    let opened = OpenedSource::open_all(&SourceArgument::all(&options.sources, &options.set)?, verification)?;
+    let sources = SourceArgument::all(&options.sources, &options.set)?;
+    let opened = OpenedSource::open_all(&sources, verification, &mut output)?;
     let sources: Vec<picture::Source> = opened.iter().map(|source| source.recording.clone()).collect();
     let mut picture_options = options.picture_options();
     if picture_options.titles.is_none() && sources.len() > 1 && !options.set.is_empty() {
@@ -32,7 +35,9 @@ pub fn run(options: &RenderOptions) -> Result<Exit, CommandError> {
         Output::File(subject, file) => {
             let picture = picture_options.resolve(&subject, &sources, &mut on_progress)?;
             match &picture.subject {
-                Subject::Animation { animation, .. } => refuse_long_animation(animation, &sources, options)?,
+                Subject::Animation { animation, .. } => {
+                    refuse_long_animation(animation, &sources, options, &mut on_progress)?;
+                }
                 Subject::Page { page: Page::State { step: shown, .. }, .. } => step = *shown,
                 Subject::Page { .. } => {}
             }
@@ -43,10 +48,9 @@ pub fn run(options: &RenderOptions) -> Result<Exit, CommandError> {
             drawn.1
         }
         Output::Video(container, file) => {
+            let (animation, ..) = picture_options.resolve_video(&sources)?;
+            refuse_long_animation(&animation, &sources, options, &mut on_progress)?;
             let (clip, provenance) = picture::Clip::video(&picture_options, &sources, &mut on_progress)?;
-            if let Subject::Animation { animation, .. } = &provenance.picture.subject {
-                refuse_long_animation(animation, &sources, options)?;
-            }
             video::write(clip, &provenance, container, threads, &mut on_progress, file)?
         }
         Output::Sequence(mut folder) => {
@@ -80,9 +84,18 @@ fn refuse_long_animation(
     animation: &Animation,
     sources: &[picture::Source],
     options: &RenderOptions,
+    progress: Progress,
 ) -> Result<(), CommandError> {
     let schedule = animation.schedule(sources)?;
-    refuse_long(schedule.count(), schedule.start_time(schedule.count()), options)
+    let (frames, seconds) = (schedule.count(), schedule.start_time(schedule.count()));
+    refuse_long(frames, seconds, options)?;
+    // At most one freeze frame follows each frame. Only if that could be too long, they are counted by a replay.
+    let longest = seconds + animation.timing.hold * frames as f64;
+    if animation.timing.hold > 0.0 && refuse_long(2 * frames, longest, options).is_err() {
+        let schedule = animation.schedule_with_freeze_frames(sources, progress)?;
+        refuse_long(schedule.count(), schedule.start_time(schedule.count()), options)?;
+    }
+    Ok(())
 }
 
 /// The longest clip that needs no confirmation, s, and its largest number of frames.
@@ -118,6 +131,15 @@ enum Output {
     File(SubjectOptions, OutputFile),
     Video(VideoContainer, OutputFile),
     Sequence(OutputFolder),
+}
+
+impl RefuseInputs for Output {
+    fn refuse_inputs(&mut self, inputs: &[PathBuf]) -> Result<(), CommandError> {
+        match self {
+            Output::File(_, file) | Output::Video(_, file) => file.refuse_inputs(inputs),
+            Output::Sequence(folder) => folder.refuse_inputs(inputs),
+        }
+    }
 }
 
 impl OutputKind {
@@ -169,7 +191,7 @@ impl OutputKind {
                 video::require_ffmpeg(path)?;
                 Output::Video(container, OutputFile::create(path, overwrite, sources)?)
             }
-            OutputKind::Sequence => Output::Sequence(OutputFolder::create(path, overwrite)?),
+            OutputKind::Sequence => Output::Sequence(OutputFolder::create(path, overwrite, sources)?),
         })
     }
 }

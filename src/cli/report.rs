@@ -1,10 +1,10 @@
 use super::arguments::{ReportOptions, Shard};
 use super::error::CommandError;
-use super::output_file::{OutputFile, Overwrite};
+use super::output_file::{OutputFile, Overwrite, RefuseInputs};
 use super::{Exit, output};
 use crate::picture::{Metadata, PictureOptions, PngEffort, StillFormat, TextAs, figures};
 use crate::report::{self, Budget, Case, Cost, Expectation, Row, RunSpec, cases};
-use crate::scene::{self, Sweep};
+use crate::scene::{self, Scene, Sweep};
 use indicatif::ProgressBar;
 use std::{
     env, fs,
@@ -34,10 +34,14 @@ pub fn run(options: &ReportOptions) -> Result<Exit, CommandError> {
 /// Determines the format of the diagram, and returns an error before any work is done if it cannot be written.
 fn open_plot(path: &Path, options: &ReportOptions) -> Result<(OutputFile, StillFormat), CommandError> {
     let inputs: Vec<&Path> = options.scenes.iter().chain(&options.read).map(PathBuf::as_path).collect();
-    match StillFormat::from_path(path) {
-        Some(format) => Ok((OutputFile::create(path, Overwrite::from_force(options.force), &inputs)?, format)),
-        None => Err(CommandError::UnsupportedOutput { path: path.into(), expected: "expected F.png, F.svg or F.pdf" }),
+    let Some(format) = StillFormat::from_path(path) else {
+        return Err(CommandError::UnsupportedOutput { path: path.into(), expected: "expected F.png, F.svg or F.pdf" });
+    };
+    let mut output = OutputFile::create(path, Overwrite::from_force(options.force), &inputs)?;
+    for LoadedScene { path, scene, .. } in scenes(options)? {
+        output.refuse_inputs(&scene.image_paths(path.parent().unwrap_or(Path::new(""))))?;
     }
+    Ok((output, format))
 }
 
 /// Draws error against cost, or cost against the number of bodies and steps.
@@ -74,16 +78,30 @@ fn all_cases(options: &ReportOptions) -> Result<Vec<Case>, CommandError> {
     if options.scenes.is_empty() {
         return Ok(cases::all(budget(options)));
     }
-    let mut cases = Vec::new();
+    Ok(scenes(options)?.iter().map(|loaded| Case::of_scene(&loaded.name, &loaded.scene)).collect())
+}
+
+/// A scene to measure, with the values of one run.
+struct LoadedScene<'a> {
+    path: &'a Path,
+    /// The name of the file and the values.
+    name: String,
+    scene: Scene,
+}
+
+/// Reads the scenes of the command, each once for every combination of the values.
+fn scenes(options: &ReportOptions) -> Result<Vec<LoadedScene<'_>>, CommandError> {
+    let mut scenes = Vec::new();
     let runs = Sweep::combinations(&options.set).map_err(CommandError::Set)?;
     for path in &options.scenes {
-        let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+        let file_name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
         for overrides in &runs {
             let values: String = overrides.iter().map(|value| format!(" {value}")).collect();
-            cases.push(Case::of_scene(&format!("{name}{values}"), &scene::load_with(path, overrides)?));
+            let name = format!("{file_name}{values}");
+            scenes.push(LoadedScene { path, name, scene: scene::load_with(path, overrides)? });
         }
     }
-    Ok(cases)
+    Ok(scenes)
 }
 
 /// One run of a case, and its number among the runs of all cases.

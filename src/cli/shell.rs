@@ -21,7 +21,7 @@ pub fn completions(options: &CompletionsOptions) -> Result<Exit, CommandError> {
 pub fn man(options: &ManOptions) -> Result<Exit, CommandError> {
     let mut program = Arguments::command();
     program.build();
-    let mut folder = OutputFolder::create(&options.folder, Overwrite::from_force(options.force))?;
+    let mut folder = OutputFolder::create(&options.folder, Overwrite::from_force(options.force), &[])?;
     for command in std::iter::once(&program).chain(program.get_subcommands()) {
         let man = Man::new(command.clone()).source(SOFTWARE);
         let mut page = Vec::new();

@@ -1,4 +1,5 @@
 use super::error::CommandError;
+use super::output_file::RefuseInputs;
 use super::{Exit, output, record, replay};
 use crate::physics::{CollisionCount, StepError};
 use crate::picture;
@@ -77,18 +78,29 @@ pub struct SourceFile {
 }
 
 impl SourceFile {
-    /// Takes a recording as it is, or records a scene, with or without verifying that it replays the same.
-    pub fn open(source: &SourceArgument, verification: Verification) -> Result<SourceFile, CommandError> {
-        SourceFile::open_as("", source, verification)
+    /// Takes a recording as it is, or records a scene, with or without verifying that it replays the same. An `output`
+    /// that is an image of the scene is refused.
+    pub fn open(
+        source: &SourceArgument,
+        verification: Verification,
+        output: &mut dyn RefuseInputs,
+    ) -> Result<SourceFile, CommandError> {
+        SourceFile::open_as("", source, verification, output)
     }
 
     /// Takes a recording or records a scene as [`SourceFile::open`], with `prefix` before messages about it.
-    fn open_as(prefix: &str, source: &SourceArgument, verification: Verification) -> Result<SourceFile, CommandError> {
+    fn open_as(
+        prefix: &str,
+        source: &SourceArgument,
+        verification: Verification,
+        output: &mut dyn RefuseInputs,
+    ) -> Result<SourceFile, CommandError> {
         let SourceArgument { path, overrides } = source;
         if is_recording(path)? {
             return Ok(SourceFile { path: path.clone(), failure: None, _temporary: None });
         }
         let scene = scene::load_with(path, overrides)?;
+        output.refuse_inputs(&scene.image_paths(path.parent().unwrap_or(Path::new(""))))?;
         let folder = TemporaryFolder::create_in_system().map_err(CommandError::unwritable(&std::env::temp_dir()))?;
         let recording = folder.path().join("scene.mcap");
         let file = File::create(&recording).map_err(CommandError::unwritable(&recording))?;
@@ -131,11 +143,15 @@ pub struct OpenedSource {
 
 impl OpenedSource {
     /// Opens recordings and records scenes, with or without verifying that these replay the same. Messages about one of
-    /// several name it.
-    pub fn open_all(sources: &[SourceArgument], verification: Verification) -> Result<Vec<OpenedSource>, CommandError> {
+    /// several name it. An `output` that is an image of a scene is refused.
+    pub fn open_all(
+        sources: &[SourceArgument],
+        verification: Verification,
+        output: &mut dyn RefuseInputs,
+    ) -> Result<Vec<OpenedSource>, CommandError> {
         let open = |source: &SourceArgument| {
             let prefix = if sources.len() > 1 { format!("{source}: ") } else { String::new() };
-            let file = SourceFile::open_as(&prefix, source, verification)?;
+            let file = SourceFile::open_as(&prefix, source, verification, output)?;
             let recording = picture::Source::open(&file.path)?.named(source.to_string().as_ref());
             Ok(OpenedSource { recording, file })
         };

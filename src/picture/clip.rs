@@ -1,6 +1,5 @@
 //! The input of an encoder of animations.
 
-use super::collisions::freeze_frames;
 use super::layers::lanes::{LaneConflicts, MAX_KEPT};
 use super::layers::{LayoutContext, arrows};
 use super::number::TimeFormat;
@@ -10,7 +9,7 @@ use super::{
     Progress, Provenance, ReadStatus, ResolvedPicture, Source, Style, Subject, View,
 };
 use crate::physics::larger;
-use crate::picture::draw::{BodyNames, grid, text_warnings};
+use crate::picture::draw::{BodyNames, text_warnings};
 use crate::picture::page::run_names;
 
 /// The input of an encoder of animations: the instants, how they are drawn, and when they are shown.
@@ -55,19 +54,11 @@ impl Clip {
         sources: &[Source],
         progress: Progress,
     ) -> Result<Clip, Error> {
-        let grid = grid(&animation.steps, animation.every, clock(sources)?);
+        let schedule = animation.schedule_with_freeze_frames(sources, progress)?;
+        let grid = &schedule.grid;
         let interval = 1.0 / (grid.rate * animation.timing.frames_per_step as f64);
         let time_format = TimeFormat::new(interval, sources.iter().map(Source::duration).fold(0.0, larger));
         let style = Style { time_format, ..Style::new(look, sources, progress)? };
-        let mut schedule = AnimationSchedule::new(grid, animation.timing, &[]);
-        if animation.timing.hold > 0.0 {
-            let mut moments: Vec<Moment> = Vec::new();
-            for source in sources {
-                moments.extend(freeze_frames(source, &schedule, progress)?);
-            }
-            moments.sort_by(|a, b| a.step.cmp(&b.step).then(a.offset.total_cmp(&b.offset)));
-            schedule = AnimationSchedule::new(schedule.grid, animation.timing, &moments);
-        }
         let instants = Instants::new(sources, &schedule, look)?;
         let gaps =
             instants.tracks.iter().zip(sources).map(|(track, source)| source.gaps_in(&track.schedule.recorded_steps()));

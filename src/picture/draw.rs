@@ -1,5 +1,5 @@
 use super::clip::clock;
-use super::collisions::max_impulse;
+use super::collisions::{freeze_frames, max_impulse};
 use super::encode::{PngEffort, write_apng, write_gif, write_png_sequence};
 use super::layers::lanes::Lanes;
 use super::number::TimeFormat;
@@ -7,9 +7,9 @@ use super::page::{compose_page, run_names, titles};
 use super::resimulation::Resimulation;
 use super::text::Font;
 use super::{
-    Animation, AnimationFormat, AnimationSchedule, Clip, ColorBy, DisplayList, Error, Instant, Look, Overlay, Page,
-    PictureOptions, Progress, Provenance, ReadStatus, RenderError, ResolvedPicture, SOFTWARE, Sequence, Source, Stage,
-    StepGrid, StillFormat, Style, Subject, SubjectOptions, Thinning, Timing, Trails, View, compose,
+    Animation, AnimationFormat, AnimationSchedule, Clip, ColorBy, DisplayList, Error, Instant, Look, Moment, Overlay,
+    Page, PictureOptions, Progress, Provenance, ReadStatus, RenderError, ResolvedPicture, SOFTWARE, Sequence, Source,
+    Stage, StepGrid, StillFormat, Style, Subject, SubjectOptions, Thinning, Timing, Trails, View, compose,
 };
 use super::{Appearance, Palette, color};
 use crate::physics::larger;
@@ -295,6 +295,27 @@ impl Animation {
     /// If there is no recording.
     pub fn schedule(&self, sources: &[Source]) -> Result<AnimationSchedule, Error> {
         Ok(AnimationSchedule::new(grid(&self.steps, self.every, clock(sources)?), self.timing, &[]))
+    }
+
+    /// The schedule of this animation of recordings, with its freeze frames, which a replay of each recording finds.
+    ///
+    /// # Errors
+    /// If there is no recording, or a recording cannot be read.
+    pub fn schedule_with_freeze_frames(
+        &self,
+        sources: &[Source],
+        progress: Progress,
+    ) -> Result<AnimationSchedule, Error> {
+        let schedule = self.schedule(sources)?;
+        if self.timing.hold == 0.0 {
+            return Ok(schedule);
+        }
+        let mut moments: Vec<Moment> = Vec::new();
+        for source in sources {
+            moments.extend(freeze_frames(source, &schedule, progress)?);
+        }
+        moments.sort_by(|a, b| a.step.cmp(&b.step).then(a.offset.total_cmp(&b.offset)));
+        Ok(AnimationSchedule::new(schedule.grid, self.timing, &moments))
     }
 }
 

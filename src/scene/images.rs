@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::Read;
 use std::ops::Range;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 impl Scene {
     /// The names of the images that the inputs of the scene use, each once.
@@ -18,6 +18,11 @@ impl Scene {
             Action::Delete { .. } => None,
         };
         self.inputs.iter().filter_map(|input| blueprint(&input.action)).collect()
+    }
+
+    /// The files of the images that the inputs of the scene use, each once. Their names are relative to `folder`.
+    pub fn image_paths(&self, folder: &Path) -> Vec<PathBuf> {
+        self.image_names().iter().map(|name| folder.join(name)).collect()
     }
 
     /// Reads the image files of the scene, whose names are relative to `folder`. Without this, its recording contains no

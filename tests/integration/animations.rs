@@ -29,19 +29,13 @@ fn instants(frames: &[Frame]) -> impl Iterator<Item = Result<Instant, RenderErro
 }
 
 fn gif(frames: &[Frame], view: &View, threads: usize) -> Vec<u8> {
-    let metadata = Metadata { entries: vec![("rebond steps".into(), "0 to 79 every 2".into())] };
-    let mut file = Vec::new();
-    let instants = instants(frames);
-    write_gif(
-        instants,
-        &view.clone().into(),
-        &AnimationSchedule::from(grid()),
-        &metadata,
-        NonZero::new(threads).unwrap(),
-        &mut file,
-    )
-    .unwrap();
+    let (stage, schedule, mut file) = (view.clone().into(), AnimationSchedule::from(grid()), Vec::new());
+    write_gif(instants(frames), &stage, &schedule, &metadata(), NonZero::new(threads).unwrap(), &mut file).unwrap();
     file
+}
+
+fn metadata() -> Metadata {
+    Metadata { entries: vec![("rebond steps".into(), "0 to 79 every 2".into())] }
 }
 
 /// The composited frames of a GIF file and their delays, 1/100 s.
@@ -177,18 +171,8 @@ fn a_long_animation_matches_the_hashes_of_its_pictures() {
 }
 
 fn apng(frames: &[Frame], view: &View, threads: usize) -> Vec<u8> {
-    let metadata = Metadata { entries: vec![("rebond steps".into(), "0 to 79 every 2".into())] };
-    let mut file = Vec::new();
-    let instants = instants(frames);
-    write_apng(
-        instants,
-        &view.clone().into(),
-        &AnimationSchedule::from(grid()),
-        &metadata,
-        NonZero::new(threads).unwrap(),
-        &mut file,
-    )
-    .unwrap();
+    let (stage, schedule, mut file) = (view.clone().into(), AnimationSchedule::from(grid()), Vec::new());
+    write_apng(instants(frames), &stage, &schedule, &metadata(), NonZero::new(threads).unwrap(), &mut file).unwrap();
     file
 }
 

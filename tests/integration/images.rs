@@ -21,7 +21,8 @@ fn car(side: u32) -> Vec<u8> {
     encoded([side, side], &pixels)
 }
 
-fn encoded([width, height]: [u32; 2], rgba: &[u8]) -> Vec<u8> {
+/// A PNG file of these pixels.
+pub fn encoded([width, height]: [u32; 2], rgba: &[u8]) -> Vec<u8> {
     let mut file = Vec::new();
     let mut encoder = ::png::Encoder::new(&mut file, width, height);
     encoder.set_color(::png::ColorType::Rgba);
@@ -104,6 +105,9 @@ fn the_image_is_a_part_of_the_recording_and_of_its_identity() {
     workplace.done("record scene.toml -o a.mcap");
     workplace.done("replay a.mcap");
     workplace.done("check a.mcap");
+    // An image of a scene is no picture without provenance.
+    let checked = workplace.done("check . --report report").output;
+    assert!(checked.contains("a.mcap: same") && !checked.contains("car.png"), "{checked}");
     workplace.done("recover a.mcap -o recovered.mcap");
     assert!(workplace.read("recovered.mcap") == workplace.read("a.mcap"));
     workplace.done("render a.mcap --at 3 -o a.png");

@@ -189,6 +189,72 @@ fn an_input_is_never_the_output() {
     assert_eq!((code, workplace.read("run.mcap")), (Some(1), recording), "{errors}");
 }
 
+/// The images of a scene are read as well, whatever the command, and the value of `--set` that names them.
+#[test]
+fn an_image_of_a_scene_is_never_the_output() {
+    let workplace = workplace();
+    let image = crate::images::encoded([1, 1], &[200, 0, 0, 255]);
+    let scene = SCENE.replace("name = \"a\"", "name = \"a\"\nimage = \"frames/000003.png\"");
+    workplace.write("sprites.toml", &scene);
+    workplace.write("manifest.check", "rebond render sprites.toml --at 3 -o frames/000003.png\n");
+    fs::create_dir(workplace.path("frames")).unwrap();
+    for name in ["frames/000003.png", "other.png"] {
+        fs::write(workplace.path(name), &image).unwrap();
+    }
+    symlink("frames/000003.png", workplace.path("link.png")).unwrap();
+    symlink("frames/000003.png", workplace.path("link.csv")).unwrap();
+    for command in [
+        "render sprites.toml --at 3 -o frames/000003.png --force",
+        "render sprites.toml --at 3 -o link.png --force",
+        "render sprites.toml --at 3 -o other.png --force --set spawn.a.image=\"other.png\"",
+        "render run.mcap sprites.toml --at 3 -o ./frames/../frames/000003.png --force",
+        "render sprites.toml --size 64x36 -o frames/ --force",
+        "figure strobe sprites.toml -o frames/000003.png --force",
+        "export sprites.toml -o link.csv --force",
+        "record sprites.toml -o frames/000003.png --force",
+        "report sprites.toml --plot frames/000003.png --force",
+        "check sprites.toml --junit frames/000003.png --force",
+        "check manifest.check --junit sprites.toml --force",
+        "check manifest.check --update",
+    ] {
+        let outcome = workplace.rebond(command);
+        assert_eq!(outcome.code, 1, "{command}: {outcome:?}");
+        let text = format!("{}{}", outcome.output, outcome.errors);
+        assert!(text.contains("reads this file") || text.contains("an image of its scene"), "{command}: {outcome:?}");
+        assert_eq!(workplace.read("sprites.toml"), scene.as_bytes(), "{command}");
+        for name in ["frames/000003.png", "other.png"] {
+            assert!(workplace.read(name) == image, "{command}: {name}");
+        }
+        assert_eq!(fs::read_dir(workplace.path("frames")).unwrap().count(), 1, "{command}");
+    }
+    let output = File::options().append(true).open(workplace.path("other.png")).unwrap();
+    let command = "record sprites.toml -o - --set spawn.a.image=\"other.png\"";
+    let (_, code, errors) = end_of(workplace.start(command, Stdio::null(), output.into()));
+    assert!(code == Some(1) && workplace.read("other.png") == image, "{errors}");
+    // Frames beside the image are written.
+    workplace.done("render sprites.toml --size 64x36 --from 4 --to 5 -o frames/ --force");
+    assert!(workplace.read("frames/000003.png") == image);
+    assert_eq!(fs::read_dir(workplace.path("frames")).unwrap().count(), 3);
+}
+
+#[test]
+fn a_line_of_a_manifest_never_writes_what_it_reads() {
+    let workplace = workplace();
+    fs::copy(workplace.path("run.mcap"), workplace.path("run.png")).unwrap();
+    workplace.write("events.mcap", "");
+    workplace.write(
+        "manifest.check",
+        "rebond render run.png --at 3 -o ./run.png\nrebond record scene.toml --events events.mcap -o events.mcap\n",
+    );
+    let recording = workplace.read("run.mcap");
+    let outcome = workplace.rebond("check manifest.check --update");
+    assert_eq!(outcome.code, 1, "{outcome:?}");
+    for line in ["line 1: the command reads run.png", "line 2: the command reads events.mcap"] {
+        assert!(outcome.output.contains(line), "{outcome:?}");
+    }
+    assert!(workplace.read("run.png") == recording && workplace.read("events.mcap").is_empty());
+}
+
 #[test]
 fn a_named_pipe_is_written_to_and_never_replaced() {
     let workplace = workplace();

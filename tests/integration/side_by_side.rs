@@ -1,6 +1,6 @@
 //! Animations of several recordings: common time, one panel each, gaps, provenance.
 
-use crate::figures::assert_legible;
+use crate::legibility::assert_legible;
 use crate::rebond::{Outcome, Workplace};
 use rebond::internals::picture::{
     Animation, Clip, DisplayList, Instant, Overlay, Overlays, PictureOptions, Shape, Shot, Source, Timing,

@@ -177,3 +177,20 @@ fn long_clips_need_confirmation_and_have_a_limit() {
         assert!(!workplace.path("slow.gif").exists());
     }
 }
+
+#[test]
+fn freeze_frames_count_towards_the_length_of_a_clip() {
+    // The ball hits a plate 30 times per second: many freeze frames of a minute.
+    let second = "[[spawn]]\nat = [4.0, 0.5]\nsize = [0.1, 3.5]\nmass = inf\n[[spawn]]\nname = \"plate\"";
+    let scene = SCENE.replace("rate = 10\nsteps = 12", "rate = 60\nsteps = 240");
+    let scene = scene.replace("at = [0.5, 2.0]", "at = [4.2, 2.0]").replace("[[spawn]]\nname = \"plate\"", second);
+    let workplace = Workplace::with_scene(&scene.replace("[10.0, 0.0]", "[19.5, 0.0]"));
+    workplace.done("record scene.toml -o run.mcap");
+    for output in ["held.gif", "held.apng"] {
+        let outcome = workplace.rebond(&format!("render run.mcap -o {output} --hold 60 at collisions"));
+        assert!(outcome.code == 1 && outcome.errors.contains("--long"), "{outcome:?}");
+        assert!(!workplace.path(output).exists());
+    }
+    // A third as many make no long clip.
+    workplace.done("render scene.toml -o held.gif --set spawn.ball.velocity=[6.5,0.0] --hold 60 at collisions");
+}

@@ -151,6 +151,15 @@ def pillow_tasks(frames, sizes, folder):
     return png, gif
 
 
+def diagram(x, y):
+    """A figure with axes of these titles and a grid."""
+    figure, axes = pyplot.subplots(figsize=(WIDTH / 100, HEIGHT / 100), dpi=100)
+    axes.set_xlabel(x)
+    axes.set_ylabel(y)
+    axes.grid(True)
+    return figure, axes
+
+
 def draw_energy(folder):
     """Energy and momentum over time, one below the other."""
     with open(folder / "energy.csv", newline="") as rows:
@@ -170,14 +179,11 @@ def draw_energy(folder):
 
 def draw_spacetime(table, sizes):
     """The extent of each box along x over time."""
-    figure, axes = pyplot.subplots(figsize=(WIDTH / 100, HEIGHT / 100), dpi=100)
+    figure, axes = diagram("t / s", "x / m")
     time = [step / RATE for step in range(FRAMES)]
     for number, (name, (width, _)) in enumerate(sizes.items()):
         low = [frame[name][0] for frame in table]
         axes.fill_between(time, low, [x + width for x in low], color=COLORS[number % 7], alpha=0.6)
-    axes.set_xlabel("t / s")
-    axes.set_ylabel("x / m")
-    axes.grid(True)
     return figure
 
 
@@ -197,19 +203,16 @@ def draw_strobe(table, sizes):
 
 def draw_lines(table, sizes):
     """The position x of each box over time."""
-    figure, axes = pyplot.subplots(figsize=(WIDTH / 100, HEIGHT / 100), dpi=100)
+    figure, axes = diagram("t / s", "x / m")
     time = [step / RATE for step in range(FRAMES)]
     for number, name in enumerate(sizes):
         axes.plot(time, [frame[name][0] for frame in table], color=COLORS[number % 7], linewidth=0.8)
-    axes.set_xlabel("t / s")
-    axes.set_ylabel("x / m")
-    axes.grid(True)
     return figure
 
 
 def draw_speeds(table, sizes):
     """The distribution of speeds, from the differences of positions, beside that of Maxwell and Boltzmann."""
-    figure, axes = pyplot.subplots(figsize=(WIDTH / 100, HEIGHT / 100), dpi=100)
+    figure, axes = diagram("v / (m/s)", "f / (s/m)")
     steps = zip(table, table[1:])
     pairs = [(before[name], after[name]) for before, after in steps for name in sizes]
     speeds = [((x1 - x0) ** 2 + (y1 - y0) ** 2) ** 0.5 * RATE for (x0, y0), (x1, y1) in pairs]
@@ -217,8 +220,6 @@ def draw_speeds(table, sizes):
     curve = [number * max(speeds) / 200 for number in range(201)]
     axes.hist(speeds, bins=30, density=True)
     axes.plot(curve, [v / temperature * math.exp(-v * v / (2 * temperature)) for v in curve])
-    axes.set_xlabel("v / (m/s)")
-    axes.set_ylabel("f / (s/m)")
     return figure
 
 

@@ -212,6 +212,13 @@ impl Axes {
         shapes.push(Shape::Text { line, at: above, ink });
     }
 
+    /// Draws a note above the right end of the plot area, beside the title of the vertical axis.
+    pub fn draw_note(&self, note: Line, metrics: &DrawingMetrics, shapes: &mut Vec<Shape>) {
+        let baseline = (self.plot_area.origin.y - 0.5 * metrics.font_size).round();
+        let at = Vector::new((self.plot_area.far_corner().x - note.width).round(), baseline);
+        shapes.push(Shape::Text { line: note, at, ink: metrics.palette.ink.into() });
+    }
+
     /// A curve through points, clipped to the plot area.
     pub fn curve(&self, points: impl Iterator<Item = [f64; 2]>, width: f64, ink: Ink) -> Shape {
         let mut vertices: Vec<Vector> = points.map(|[x, y]| self.point(x, y)).filter(|at| at.is_finite()).collect();

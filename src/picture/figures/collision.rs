@@ -55,15 +55,12 @@ pub fn collision(
                 && panel.height() >= 8.0 * metrics.font_size
         })
     };
+    let titles: Vec<&str> = subjects.iter().map(|subject| subject.title.as_str()).collect();
     let layout = Layout {
-        size: style.look.size,
-        metrics: DrawingMetrics::new(style.look.theme, style.look.size),
-        caption: &style.look.caption,
         legend: &|_| Legend::of_colors(style),
-        titles: &subjects.iter().map(|subject| subject.title.as_str()).collect::<Vec<&str>>(),
         shape: Vector::new(4.2, 1.0),
         text_height: TITLE,
-        fits: &fits,
+        ..Layout::new(style, &titles, &fits)
     };
     let (mut panels, cells) = layout.lay_out()?;
     // The same scale in all rows.

@@ -6,7 +6,7 @@ use crate::physics::{Rect, Vector, World, larger, smaller};
 use crate::picture::layers::footer::{Entry, Legend};
 use crate::picture::number::{Unit, format_significant};
 use crate::picture::text::Line;
-use crate::picture::{Color, DisplayList, DrawingMetrics, Ink, Language, RenderError, Shape, Style, color};
+use crate::picture::{Color, DisplayList, DrawingMetrics, Ink, Language, RenderError, Style, color};
 
 /// Energy and momentum of a state.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -193,15 +193,10 @@ pub fn energy(runs: &[EnergyRun], time: Range, style: &Style) -> Result<DisplayL
         above.width() >= larger(larger(6.0 * metrics.font_size, title + note), momentum)
             && below.height() >= 2.2 * metrics.font_size
     };
+    let titles: Vec<&str> = runs.iter().map(|run| run.title.as_str()).collect();
     let layout = Layout {
-        size: style.look.size,
-        metrics,
-        caption: &style.look.caption,
         legend: &|metrics| legend(&energies, &momenta, runs, language, metrics),
-        titles: &runs.iter().map(|run| run.title.as_str()).collect::<Vec<&str>>(),
-        shape: Vector::new(1.0, 1.0),
-        text_height: 0.0,
-        fits: &fits,
+        ..Layout::new(style, &titles, &fits)
     };
     let (mut panels, cells) = layout.lay_out()?;
     for (at, cell) in cells.iter().enumerate() {
@@ -258,9 +253,7 @@ fn draw_diagram(
         let [first, second, third] = NOTE.map(|part| Line::math(note, panels.metrics.text(part)));
         let free_width = axes.plot_area.width() - title;
         let line = [first, second].into_iter().find(|line| line.width <= free_width).unwrap_or(third);
-        let baseline = (axes.plot_area.origin.y - 0.5 * panels.metrics.font_size).round();
-        let at = Vector::new((axes.plot_area.far_corner().x - line.width).round(), baseline);
-        panels.shapes.push(Shape::Text { line, at, ink: panels.metrics.palette.ink.into() });
+        axes.draw_note(line, &panels.metrics, &mut panels.shapes);
     }
 }
 

@@ -16,15 +16,13 @@ use crate::picture::{Color, DisplayList, DrawingMetrics, Frame, Ink, RenderError
 /// If the page is too small.
 pub fn strobe(runs: &[FigureRun], style: &Style) -> Result<DisplayList, RenderError> {
     let times: Vec<String> = runs.iter().map(|run| time_label(&run.frames, style.time_format)).collect();
+    let titles: Vec<&str> = runs.iter().map(|run| run.title.as_str()).collect();
+    let fits = |cell: &Rect, metrics: &DrawingMetrics| is_world_legible(cell, &times, metrics);
     let layout = Layout {
-        size: style.look.size,
-        metrics: DrawingMetrics::new(style.look.theme, style.look.size),
-        caption: &style.look.caption,
         legend: &|metrics| legend(runs, style, metrics),
-        titles: &runs.iter().map(|run| run.title.as_str()).collect::<Vec<&str>>(),
         shape: widest(runs, style),
         text_height: TITLE + TIME,
-        fits: &|cell, metrics| is_world_legible(cell, &times, metrics),
+        ..Layout::new(style, &titles, &fits)
     };
     let (mut panels, cells) = layout.lay_out()?;
     for (run, cell) in runs.iter().zip(cells) {
@@ -152,15 +150,12 @@ pub fn filmstrip(runs: &[FigureRun], style: &Style) -> Result<DisplayList, Rende
             instants.iter().all(|instant| is_world_legible(instant, &times, &instant_metrics(metrics)))
         })
     };
+    let titles: Vec<&str> = runs.iter().map(|run| run.title.as_str()).collect();
     let layout = Layout {
-        size: style.look.size,
-        metrics: DrawingMetrics::new(style.look.theme, style.look.size),
-        caption: &style.look.caption,
         legend: &|metrics| legend(runs, style, &instant_metrics(metrics)),
-        titles: &runs.iter().map(|run| run.title.as_str()).collect::<Vec<&str>>(),
         shape: Vector::new(extent.x * count as f64, extent.y),
         text_height: TITLE + TIME,
-        fits: &is_legible,
+        ..Layout::new(style, &titles, &is_legible)
     };
     let (mut panels, cells) = layout.lay_out()?;
     for (run, cell) in runs.iter().zip(cells) {

@@ -183,7 +183,6 @@ fn total_force(world: &World) -> Vector {
 /// # Errors
 /// If the page is too small.
 pub fn lines(runs: &[LineRun], time: Range, quantity: Quantity, style: &Style) -> Result<DisplayList, RenderError> {
-    let metrics = DrawingMetrics::new(style.look.theme, style.look.size);
     let drawn = drawn_lines(runs, style);
     let x = Scale::linear(time, Unit::SECOND);
     let y = Scale::linear(value_range(&drawn, quantity), unit(quantity));
@@ -194,19 +193,14 @@ pub fn lines(runs: &[LineRun], time: Range, quantity: Quantity, style: &Style) -
         let title = Line::math(&y_title, metrics.text(0.9)).width;
         area.width() >= larger(6.0 * metrics.font_size, title) && area.height() >= 4.0 * metrics.font_size
     };
+    let titles: &[&str] = if runs.is_empty() { &[] } else { &[""] };
     let layout = Layout {
-        size: style.look.size,
-        metrics,
-        caption: &style.look.caption,
         legend: &|metrics| {
             let mut legend = legend(runs, &drawn, style);
             legend.entries.extend(timeline_legend(std::iter::once(&timeline), style.look.language, metrics));
             legend
         },
-        titles: if runs.is_empty() { &[] } else { &[""] },
-        shape: Vector::new(1.0, 1.0),
-        text_height: 0.0,
-        fits: &fits,
+        ..Layout::new(style, titles, &fits)
     };
     let (mut panels, cells) = layout.lay_out()?;
     for cell in &cells {

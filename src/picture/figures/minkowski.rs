@@ -29,15 +29,12 @@ pub fn minkowski(subjects: &[CollisionSubject], style: &Style) -> Result<Display
             && panel.width() >= larger(caption, 7.0 * metrics.font_size)
             && panel.height() >= 6.0 * metrics.font_size
     };
+    let titles: Vec<&str> = subjects.iter().map(|subject| subject.title.as_str()).collect();
     let layout = Layout {
-        size: style.look.size,
-        metrics: DrawingMetrics::new(style.look.theme, style.look.size),
-        caption: &style.look.caption,
         legend: &|_| Legend::of_colors(style),
-        titles: &subjects.iter().map(|subject| subject.title.as_str()).collect::<Vec<&str>>(),
         shape: Vector::new(3.0, 1.0),
         text_height: TITLE,
-        fits: &fits,
+        ..Layout::new(style, &titles, &fits)
     };
     let (mut panels, cells) = layout.lay_out()?;
     for ((subject, lengths), cell) in subjects.iter().zip(&rows).zip(&cells) {

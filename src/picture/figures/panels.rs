@@ -25,7 +25,27 @@ pub struct Layout<'a> {
     pub fits: &'a dyn Fn(&Rect, &DrawingMetrics) -> bool,
 }
 
-impl Layout<'_> {
+impl<'a> Layout<'a> {
+    /// A page in `style` with a square cell for each title, without a legend. `fits` returns true if the content of a cell is
+    /// legible in an area, px.
+    pub fn new(
+        style: &'a Style,
+        titles: &'a [&'a str],
+        fits: &'a dyn Fn(&Rect, &DrawingMetrics) -> bool,
+    ) -> Layout<'a> {
+        let size = style.look.size;
+        Layout {
+            size,
+            metrics: DrawingMetrics::new(style.look.theme, size),
+            caption: &style.look.caption,
+            legend: &|_| Legend { entries: Vec::new() },
+            titles,
+            shape: Vector::new(1.0, 1.0),
+            text_height: 0.0,
+            fits,
+        }
+    }
+
     /// Lays out the page in the largest font in which every cell is legible, and draws caption, legend and titles.
     /// Returns the page and the area of each cell below its title.
     ///

@@ -115,16 +115,8 @@ pub fn spacetime(runs: &[SpacetimeRun], time: Range, axis: Axis, style: &Style) 
         let label_height = labels.len() as f64 * LABEL_SPACING * metrics.font_size;
         area.width() >= 6.0 * metrics.font_size && area.height() >= larger(3.0 * metrics.font_size, label_height)
     };
-    let layout = Layout {
-        size: style.look.size,
-        metrics: DrawingMetrics::new(style.look.theme, style.look.size),
-        caption: &style.look.caption,
-        legend: &legend,
-        titles: &runs.iter().map(|run| run.title.as_str()).collect::<Vec<&str>>(),
-        shape: Vector::new(1.0, 1.0),
-        text_height: TITLE,
-        fits: &fits,
-    };
+    let titles: Vec<&str> = runs.iter().map(|run| run.title.as_str()).collect();
+    let layout = Layout { legend: &legend, text_height: TITLE, ..Layout::new(style, &titles, &fits) };
     let (mut panels, cells) = layout.lay_out()?;
     for ((cell, bands), run) in cells.iter().zip(&bands).zip(runs) {
         panels.clip(cell, |panels| {

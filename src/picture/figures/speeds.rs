@@ -1,6 +1,6 @@
 use super::axes::{Axes, AxisTitles, Range, Scale};
 use super::panels::Layout;
-use crate::physics::{Rect, Vector, larger, smaller};
+use crate::physics::{Rect, Vector, larger};
 use crate::picture::layers::footer::{Entry, Legend, gap_entries, quoted};
 use crate::picture::number::{Unit, exp, format_significant};
 use crate::picture::text::Line;
@@ -123,10 +123,8 @@ pub fn speeds(runs: &[SpeedRun], style: &Style) -> Result<DisplayList, RenderErr
     let [bar, line] = [color::BODY_COLORS[0], color::BODY_COLORS[5]];
     let bar = bar.mix(metrics.palette.background, 25);
     let line = metrics.palette.line(line);
+    let titles: Vec<&str> = runs.iter().map(|run| run.title.as_str()).collect();
     let layout = Layout {
-        size: style.look.size,
-        metrics,
-        caption: &style.look.caption,
         legend: &|_| {
             let distribution =
                 language.of("Maxwell–Boltzmann in two dimensions", "Maxwell–Boltzmann à deux dimensions");
@@ -137,10 +135,8 @@ pub fn speeds(runs: &[SpeedRun], style: &Style) -> Result<DisplayList, RenderErr
             entries.extend(gap_entries(&style.gaps, language, metrics.palette.muted));
             Legend { entries }
         },
-        titles: &runs.iter().map(|run| run.title.as_str()).collect::<Vec<&str>>(),
         shape: Vector::new(1.5, 1.0),
-        text_height: 0.0,
-        fits: &fits,
+        ..Layout::new(style, &titles, &fits)
     };
     let (mut panels, cells) = layout.lay_out()?;
     for (at, cell) in cells.iter().enumerate() {
@@ -160,11 +156,7 @@ pub fn speeds(runs: &[SpeedRun], style: &Style) -> Result<DisplayList, RenderErr
                 }
             }
             panels.shapes.push(axes.curve(curves[at].iter().copied(), 1.5 * metrics.line_width, Ink::from(line)));
-            let note = Line::math(&notes[at], metrics.text(0.8));
-            let baseline = (axes.plot_area.origin.y - 0.5 * metrics.font_size).round();
-            let left = smaller((axes.plot_area.far_corner().x - note.width).round(), axes.plot_area.far_corner().x);
-            let ink = metrics.palette.ink.into();
-            panels.shapes.push(Shape::Text { line: note, at: Vector::new(left, baseline), ink });
+            axes.draw_note(Line::math(&notes[at], metrics.text(0.8)), &metrics, &mut panels.shapes);
         });
     }
     Ok(panels.finish())

@@ -150,10 +150,8 @@ pub fn velocity_space(runs: &[VelocityRun], style: &Style) -> Result<DisplayList
     let metrics = DrawingMetrics::new(style.look.theme, style.look.size);
     let has_pair = runs.iter().any(|run| matches!(run.velocities, Velocities::Pair(_)));
     let [chord, circle] = [color::BODY_COLORS[4], metrics.palette.muted].map(|color| metrics.palette.line(color));
+    let run_titles: Vec<&str> = runs.iter().map(|run| run.title.as_str()).collect();
     let layout = Layout {
-        size: style.look.size,
-        metrics,
-        caption: &style.look.caption,
         legend: &|_| {
             let entry = |color: Color, name: &str| Entry { name: quoted(name), ..Entry::new(color, "") };
             let entries = vec![
@@ -165,10 +163,9 @@ pub fn velocity_space(runs: &[VelocityRun], style: &Style) -> Result<DisplayList
             legend.entries.extend(gap_entries(&style.gaps, language, metrics.palette.muted));
             legend
         },
-        titles: &runs.iter().map(|run| run.title.as_str()).collect::<Vec<&str>>(),
         shape: Vector::new(1.0, 1.1),
         text_height: TITLE,
-        fits: &fits,
+        ..Layout::new(style, &run_titles, &fits)
     };
     let (mut panels, cells) = layout.lay_out()?;
     for (((run, note), titles), cell) in runs.iter().zip(&notes).zip(&titles).zip(&cells) {
@@ -211,10 +208,7 @@ pub fn velocity_space(runs: &[VelocityRun], style: &Style) -> Result<DisplayList
                 }
             }
             panels.shapes.push(Shape::Clip { window, shapes });
-            let line = Line::math(note, metrics.text(0.8));
-            let baseline = (axes.plot_area.origin.y - 0.5 * metrics.font_size).round();
-            let left = (axes.plot_area.far_corner().x - line.width).round();
-            panels.shapes.push(Shape::Text { line, at: Vector::new(left, baseline), ink: metrics.palette.ink.into() });
+            axes.draw_note(Line::math(note, metrics.text(0.8)), &metrics, &mut panels.shapes);
         });
     }
     Ok(panels.finish())

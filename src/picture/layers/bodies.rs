@@ -10,19 +10,18 @@ pub fn draw(frame: &Frame, context: &LayoutContext, shapes: &mut Vec<Shape>) {
     for sprite in frame.sprites.iter().filter(|sprite| !sprite.appearance.is_wall) {
         let Some(rect) = context.visible_rect(sprite) else { continue };
         let fill = color::body_color(sprite, &context.view.style);
-        if let Some(image) = image_of(sprite, &context.view.style) {
-            shapes.push(Shape::Image { bitmap: image.clone(), rect, opacity: 255 });
-            shapes.extend(body_labels::inside(sprite, &rect, fill, box_count, context));
-            continue;
+        let image = image_of(sprite, &context.view.style);
+        match image {
+            Some(image) => shapes.push(Shape::Image { bitmap: image.clone(), rect, opacity: 255 }),
+            None => draw_box(&rect, fill, &context.metrics, shapes),
         }
-        draw_box(&rect, fill, &context.metrics, shapes);
         if let Some(visible) = rect.intersection(&context.camera.viewport) {
             Hatching::of_body(sprite, &context.view.style).draw(&visible, fill, &context.metrics, shapes);
         }
         if is_tiny(&rect) && box_count <= MAX_RINGS {
             shapes.push(ring(&rect, border_color(fill, &context.metrics), context));
         }
-        if sprite.appearance.mass == f64::INFINITY {
+        if sprite.appearance.mass == f64::INFINITY && image.is_none() {
             draw_bolts(&rect, border_color(fill, &context.metrics), context, shapes);
         }
         shapes.extend(body_labels::inside(sprite, &rect, fill, box_count, context));
