@@ -96,7 +96,8 @@ impl LineRun {
     /// Adds the values of a state; times must not decrease. Where a quantity turns between two states of a free motion,
     /// its extreme is a point of the line.
     pub fn push(&mut self, time: f64, world: &World) {
-        match &self.subject {
+        let subject = std::mem::replace(&mut self.subject, LineSubject::System);
+        match &subject {
             LineSubject::System => {
                 let potential = world.potential_energy();
                 if self.quantity == Quantity::Momentum {
@@ -109,7 +110,6 @@ impl LineRun {
                 }
             }
             LineSubject::Bodies(bodies) => {
-                let bodies = bodies.clone();
                 for (body, appearance) in world.bodies.iter().filter_map(|body| Some((body, bodies.get(&body.id)?))) {
                     let potential = -appearance.force.dot(body.rect.center());
                     let motion = Motion { time, position: body.rect.origin, velocity: body.velocity };
@@ -122,6 +122,7 @@ impl LineRun {
                 }
             }
         }
+        self.subject = subject;
     }
 
     fn add(&mut self, key: Option<BodyId>, time: f64, value: f64, potential: f64) {
