@@ -104,7 +104,28 @@ impl ExactAxis {
         [self.gaps[side], signed(self.velocity), signed(self.acceleration)]
     }
 
-    /// The same after t seconds, on the side of the greater gap; numbers below rounding are 0.
+    /// The side of the first body on which the second lies: that of the greater gap.
+    fn nearest_side(&self) -> Side {
+        if self.gaps[0].is_less(self.gaps[1]) { Side::High } else { Side::Low }
+    }
+
+    /// The greater gap.
+    fn nearest(&self) -> DoubleDouble {
+        self.gaps[self.nearest_side()]
+    }
+
+    /// True if the bodies approach.
+    fn is_approaching(&self) -> bool {
+        self.closing(self.nearest_side())[1].high > self.speed_rounding
+    }
+
+    /// True if the bodies accelerate towards each other from rest.
+    fn is_pressed(&self) -> bool {
+        let [_, speed, acceleration] = self.closing(self.nearest_side());
+        speed.high.abs() <= self.speed_rounding && acceleration.high > self.acceleration_rounding
+    }
+
+    /// Gap, approach speed and approach acceleration after t seconds on the nearest side; numbers below rounding are 0.
     fn after(&self, t: DoubleDouble) -> [DoubleDouble; 3] {
         let displacement = t * (self.velocity + t * self.acceleration.scaled(0.5));
         let gaps = [self.gaps[0] - displacement, self.gaps[1] + displacement];
@@ -292,8 +313,10 @@ impl EventDriven {
                 }
             }
         }
-        let overlaps = axes.iter().all(|axis| axis.gaps.iter().all(|gap| gap.high < -axis.gap_rounding));
-        if (is_overdue || overlaps)
+        let overlaps = axes.iter().all(|axis| axis.nearest().high < -axis.gap_rounding);
+        let touches = axes.iter().all(|axis| axis.nearest().high <= axis.gap_rounding);
+        let is_pressed = touches && axes.iter().any(ExactAxis::is_pressed);
+        if (is_overdue || overlaps || is_pressed)
             && contacts == [false; 2]
             && let Some(event) = self.approach_now(pair)
         {
@@ -306,31 +329,27 @@ impl EventDriven {
     #[cfg(debug_assertions)]
     pub(super) fn motion_now(&self, pair: [Slot; 2], axis: Axis) -> [f64; 3] {
         let along = self.bodies.exact_axis(pair, axis, self.now);
-        let [gap, speed, acceleration] =
-            along.closing(if along.gaps[0].is_less(along.gaps[1]) { Side::High } else { Side::Low });
+        let [gap, speed, acceleration] = along.closing(along.nearest_side());
         let roundings = [along.gap_rounding, along.speed_rounding, along.acceleration_rounding];
         [gap.or_zero(roundings[0]).high, speed.or_zero(roundings[1]).high, acceleration.or_zero(roundings[2]).high]
     }
 
-    /// The impact of two bodies that touch now, or overlap by rounding errors, and approach.
+    /// The impact of two bodies that touch now, or overlap by rounding errors, and approach or accelerate towards each
+    /// other from rest. The alignment of faces at the end of an instant can bring bodies into touch that were not
+    /// before.
     pub(super) fn approach_now(&self, pair: [Slot; 2]) -> Option<PairEvent> {
         let axes = Axis::BOTH.map(|axis| self.bodies.exact_axis(pair, axis, self.now));
-        let side = |axis: Axis| {
-            let [low, high] = axes[axis].gaps;
-            if low.is_less(high) { Side::High } else { Side::Low }
-        };
-        let gaps = Axis::BOTH.map(|axis| axes[axis].gaps[side(axis)].or_zero(axes[axis].gap_rounding).high);
-        let speeds = Axis::BOTH.map(|axis| axes[axis].closing(side(axis))[1].or_zero(axes[axis].speed_rounding).high);
+        let gaps = Axis::BOTH.map(|axis| axes[axis].nearest().or_zero(axes[axis].gap_rounding).high);
         if gaps[0] > 0.0 || gaps[1] > 0.0 {
             return None;
         }
+        let approaches = Axis::BOTH.map(|axis| axes[axis].is_approaching() || axes[axis].is_pressed());
         if gaps == [0.0; 2] {
-            let enters = speeds[0] > 0.0 && speeds[1] > 0.0;
-            return enters.then(|| PairEvent::CornerImpact(Axis::X, side(Axis::X)));
+            return (approaches == [true; 2]).then(|| PairEvent::CornerImpact(Axis::X, axes[0].nearest_side()));
         }
         let face = if gaps[0] >= gaps[1] { Axis::X } else { Axis::Y };
         let touches = gaps[face] >= -axes[face].deepest_rounding;
-        (touches && speeds[face] > 0.0).then(|| PairEvent::FaceImpact(face, side(face)))
+        (touches && approaches[face]).then(|| PairEvent::FaceImpact(face, axes[face].nearest_side()))
     }
 }
 
