@@ -3,6 +3,7 @@
 
 use super::{
     random::{COEFFICIENTS, Random},
+    run::larger,
     seeds,
 };
 use crate::world_builder::{BodySpec, Conditions, INFINITE, all_bits, config, spawn, spec, walls, world};
@@ -112,7 +113,7 @@ struct Impossible(Option<Collision>);
 impl Observer for Impossible {
     fn collision(&mut self, collision: &Collision) {
         if collision.impulse < 0.0 || collision.normal_velocity[0] > 0.0 {
-            self.0.get_or_insert_with(|| collision.clone());
+            self.0.get_or_insert(collision.clone());
         }
     }
 }
@@ -122,7 +123,7 @@ impl Crowd {
     fn judge(&self) -> Result<(), String> {
         let mut engine = world(self.conditions, &self.bodies);
         let reach = self.bodies.iter().flat_map(|body| [body.at[0] + body.size[0], body.at[1] + body.size[1]]);
-        let reach = reach.fold(100.0, f64::max);
+        let reach = reach.fold(100.0, larger);
         // J per kilogram
         let weight = self.conditions.gravity.map_or(0.0, |[x, y]| x.abs() + y.abs()) * reach;
         let fast = Conditions { rate: 4.0 * self.conditions.rate, ..self.conditions };
@@ -137,7 +138,7 @@ impl Crowd {
             while let Some((_, change)) = changes.next_if(|(due, _)| *due == step) {
                 for engine in [Some(&mut engine), restored.as_mut(), fast.as_mut()].into_iter().flatten() {
                     match change {
-                        Change::Delete(id) => _ = engine.apply(&Event::Delete(*id)),
+                        Change::Delete(id) => engine.apply(&Event::Delete(*id)),
                         Change::Spawn(body) => spawn(engine, body),
                     }
                 }
