@@ -479,6 +479,8 @@ fn damage(file: &Path, content: &[u8]) -> Option<&'static str> {
         "GIF" if content.starts_with(b"GIF8") && content.last() != Some(&0x3b) => Some("its end is missing"),
         "PDF" if content.starts_with(b"%PDF") && !ends_with(b"%%EOF") => Some("its end is missing"),
         "SVG" if contains(b"<svg") && !ends_with(b"</svg>") && !ends_with(b"/>") => Some("its end is missing"),
+        // Diagrams of `rebond report` have no recording and no provenance, but say which program drew them.
+        "SVG" if contains(b"<metadata>Software: rebond ") => None,
         // Text that is drawn as outlines lies invisibly above them, so that it can be searched and copied.
         "SVG" if contains(b"lengthAdjust=\"spacingAndGlyphs\"") && contains(b"fill-opacity=\"0\"") => Some(LOST),
         "PDF" if contains(b"/Producer(rebond") || contains(b"/Producer (rebond") => Some(LOST),
