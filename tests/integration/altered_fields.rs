@@ -1,13 +1,9 @@
 //! Alters each field of each record in turn, with all checksums correct: no field is left that a replay does not compare.
 
-use crate::forge::{self, Item, Layout, op};
+use crate::forge::{self, Item, Layout, each_record, op, verdict};
 use crate::rebond::Workplace;
 use crate::snapshot;
-use rebond::internals::{
-    physics::CollisionCount,
-    recording::{self, Recording, StateDigest},
-    replay::{ALL_STEPS, Replayer},
-};
+use rebond::internals::recording::{self, Recording, StateDigest};
 use std::collections::BTreeMap;
 use std::io::Cursor;
 use std::ops::Range;
@@ -211,16 +207,6 @@ fn fields((opcode, body): &forge::Record) -> Option<(String, Vec<Field>)> {
     }
 }
 
-/// Calls `visit` with every record of the data section, inside and outside of chunks.
-fn each_record(items: &mut [Item], mut visit: impl FnMut(&mut forge::Record)) {
-    for item in items {
-        match item {
-            Item::Chunk(records) => records.iter_mut().for_each(&mut visit),
-            Item::Record(record) => visit(record),
-        }
-    }
-}
-
 /// Makes the digest of each state agree with its values.
 fn agree(items: &mut [Item]) {
     let file = forge::put_together(items, Layout::Uncompressed);
@@ -259,13 +245,7 @@ struct Table {
 impl Table {
     /// Adds the verdict on a recording in which this field was altered. `word` names the field in messages.
     fn add(&mut self, record: &str, field: &str, word: &str, items: &[Item]) {
-        let file = forge::put_together(items, Layout::Uncompressed);
-        let replayed =
-            Recording::read(Cursor::new(file.as_slice())).and_then(|recording| Replayer::new(recording, ALL_STEPS));
-        let verdict = match replayed.and_then(|replayer| replayer.run(&mut CollisionCount::default(), |_| ())) {
-            Ok(verdict) => verdict.to_string(),
-            Err(error) => format!("error: {error}"),
-        };
+        let verdict = verdict(&forge::put_together(items, Layout::Uncompressed));
         let words: Vec<&str> = verdict.split(' ').collect();
         let is_offset = |index: usize| index > 1 && words[index - 2..index] == ["at", "byte"];
         // The offset depends on the length of everything before it.

@@ -1,13 +1,9 @@
 //! Recordings that were altered, rewritten or damaged with all checksums correct: `same` means that everything was
 //! compared, and every command says what is missing.
 
-use crate::forge::{self, Item, Layout, op};
+use crate::forge::{self, Item, Layout, each_record, op, verdict};
 use crate::rebond::{Outcome, Workplace};
-use rebond::internals::{
-    physics::CollisionCount,
-    recording::{self, Recording},
-    replay::{ALL_STEPS, Replayer},
-};
+use rebond::internals::recording::{self, Recording};
 use std::io::Cursor;
 
 /// Two boxes between walls, one of them spawned in a later chunk than the first; three seconds.
@@ -48,26 +44,8 @@ fn recorded() -> (Workplace, Vec<u8>) {
     (workplace, file)
 }
 
-fn verdict(file: &[u8]) -> String {
-    let replayed = Recording::read(Cursor::new(file)).and_then(|recording| Replayer::new(recording, ALL_STEPS));
-    match replayed.and_then(|replayer| replayer.run(&mut CollisionCount::default(), |_| ())) {
-        Ok(verdict) => verdict.to_string(),
-        Err(error) => format!("error: {error}"),
-    }
-}
-
 fn items(file: &[u8]) -> Vec<recording::Item> {
     Recording::read(Cursor::new(file)).map_or(Vec::new(), |recording| recording.map(|item| item.unwrap()).collect())
-}
-
-/// Calls `visit` with every record of the data section, inside and outside of chunks.
-fn each_record(items: &mut [Item], mut visit: impl FnMut(&mut forge::Record)) {
-    for item in items {
-        match item {
-            Item::Chunk(records) => records.iter_mut().for_each(&mut visit),
-            Item::Record(record) => visit(record),
-        }
-    }
 }
 
 #[test]

@@ -1,7 +1,12 @@
 //! Takes recordings apart into their MCAP records and puts altered records together again, with all checksums, indexes
 //! and the summary computed anew.
 
-use std::collections::BTreeMap;
+use rebond::internals::{
+    physics::CollisionCount,
+    recording::Recording,
+    replay::{ALL_STEPS, Replayer},
+};
+use std::{collections::BTreeMap, io::Cursor};
 use xxhash_rust::xxh3::Xxh3;
 
 const MAGIC: &[u8] = b"\x89MCAP0\r\n";
@@ -222,6 +227,25 @@ fn put_summary(summary: &Summary, file: &mut Vec<u8>) {
     let checksum = crc32fast::hash(&[&file[start..], &footer].concat());
     file.extend(footer);
     file.extend(checksum.to_le_bytes());
+}
+
+/// The verdict of a replay of the whole recording, or its error.
+pub fn verdict(file: &[u8]) -> String {
+    let replayed = Recording::read(Cursor::new(file)).and_then(|recording| Replayer::new(recording, ALL_STEPS));
+    match replayed.and_then(|replayer| replayer.run(&mut CollisionCount::default(), |_| ())) {
+        Ok(verdict) => verdict.to_string(),
+        Err(error) => format!("error: {error}"),
+    }
+}
+
+/// Calls `visit` with every record of the data section, inside and outside of chunks.
+pub fn each_record(items: &mut [Item], mut visit: impl FnMut(&mut Record)) {
+    for item in items {
+        match item {
+            Item::Chunk(records) => records.iter_mut().for_each(&mut visit),
+            Item::Record(record) => visit(record),
+        }
+    }
 }
 
 /// Returns the keys and values of a metadata record.

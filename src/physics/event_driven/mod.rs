@@ -62,7 +62,8 @@
 //!    and when. So the cell lists and the event queue, which are derived data, influence no result.
 //! 2. Each body has at most one event in the queue. The event is invalidated when the generation of the partner
 //!    changes; when an invalidated event is due, the body predicts again.
-//! 3. No touching pair approaches after an instant.
+//! 3. After an instant, no touching pair approaches, and none without a contact accelerates towards each other from rest.
+//!    Where the alignment of faces makes a pair touch that does, its impact is due at the same time.
 //!
 //! Those of its parts are stated with the types that own them: `Bodies`, `ContactGraph`, `CellLists`,
 //! `EventQueue`.
