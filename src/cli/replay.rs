@@ -62,7 +62,10 @@ fn verdict_json(verdict: &Verdict) -> Value {
 pub fn missing_json(missing: &Missing) -> Value {
     let steps: Vec<Value> = missing.steps().into_iter().map(|(from, to)| json!({ "from": from, "to": to })).collect();
     let end = missing.end.map(|end| json!({ "after": end.after, "last": end.last, "cut": end.is_cut }));
-    json!({ "steps": steps, "end": end, "scene": missing.scene, "recovered": missing.recovered, "what": missing.to_string() })
+    json!({
+        "steps": steps, "end": end, "scene": missing.scene, "keyframes": missing.keyframes,
+        "recovered": missing.recovered, "what": missing.to_string(),
+    })
 }
 
 /// A difference as JSON, with the step where it was found.

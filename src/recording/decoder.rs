@@ -1,4 +1,4 @@
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 use mcap::records::op;
 
@@ -28,6 +28,10 @@ pub struct Decoder {
     /// The topics that each schema fits.
     schemas: BTreeMap<u16, Vec<Topic>>,
     channels: BTreeMap<u16, Option<Topic>>,
+    /// The topics that have a channel.
+    topics: BTreeSet<Topic>,
+    /// The first channel of another name that has the schema of a topic.
+    renamed: BTreeMap<Topic, (Location, String)>,
     step: OpenStep,
     /// The message or damage after the items in `ready`: it changes the living bodies, which belong to these items.
     deferred: Option<(Location, Deferred)>,
@@ -109,6 +113,8 @@ impl Decoder {
             trailer: None,
             header: header.clone(),
             schemas: BTreeMap::new(),
+            topics: BTreeSet::new(),
+            renamed: BTreeMap::new(),
             channels: default_channels(),
             step: OpenStep::default(),
             deferred: None,
@@ -133,7 +139,7 @@ impl Decoder {
             // The definitions of the index are compared with the data section when that is read.
             let _ = match *opcode {
                 op::SCHEMA => self.add_schema(body),
-                _ => self.add_channel(body),
+                _ => self.add_channel(Location::default(), body),
             };
         }
     }
@@ -150,7 +156,7 @@ impl Decoder {
                 Ok(())
             }
             op::SCHEMA => self.add_schema(record.body),
-            op::CHANNEL => self.add_channel(record.body),
+            op::CHANNEL => self.add_channel(location, record.body),
             0x80.. => Ok(()), // Private records of other programs.
             other => {
                 self.mark_lost(location, format!("a record with opcode {other:#04x} is not allowed in a chunk"));
@@ -353,6 +359,17 @@ impl Decoder {
         Ok(())
     }
 
+    /// Reports topics that are missing while a channel of another name has their schema. No message follows.
+    pub fn report_renamed_topics(&mut self) {
+        for (topic, (location, name)) in std::mem::take(&mut self.renamed) {
+            if !self.topics.contains(&topic) {
+                let topic = topic.name();
+                let reason = format!("the topic {topic} is missing, but the topic {name:?} has its schema");
+                self.report_damage(location, reason);
+            }
+        }
+    }
+
     fn check_times(&mut self, location: Location, message: &Message, expected: u64) {
         let times = [("log time", message.log_time), ("publish time", message.publish_time)];
         let Some((name, time)) = times.into_iter().find(|(_, time)| *time != expected) else { return };
@@ -382,13 +399,19 @@ impl Decoder {
     }
 
     /// Adds a channel. Its messages are read even if its schema is not the one of the format.
-    fn add_channel(&mut self, body: &[u8]) -> Result<(), String> {
+    fn add_channel(&mut self, location: Location, body: &[u8]) -> Result<(), String> {
         let mut fields = FieldReader::new(body);
         let mut read = || Ok((fields.u16()?, fields.u16()?, fields.text()?, fields.text()?));
         let (id, schema, name, encoding) = read().map_err(|Malformed| "a channel record is damaged")?;
         let topic = Topic::from_name(name);
         self.channels.insert(id, topic);
-        let Some(topic) = topic else { return Ok(()) };
+        let Some(topic) = topic else {
+            for topic in self.schemas.get(&schema).into_iter().flatten() {
+                self.renamed.entry(*topic).or_insert_with(|| (location, metadata::shortened(name)));
+            }
+            return Ok(());
+        };
+        self.topics.insert(topic);
         if topic.message_encoding() != encoding {
             let encoding: String = encoding.chars().take(32).collect();
             return Err(format!("the topic {name} has the unexpected encoding {encoding:?}"));

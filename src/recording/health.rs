@@ -2,6 +2,8 @@ use std::{fmt, str::FromStr};
 
 use crate::text::counted;
 
+use super::topic::Topic;
+
 /// The condition of a recording, known after it was read to its end.
 #[non_exhaustive]
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -69,6 +71,8 @@ pub struct Missing {
     pub end: Option<MissingEnd>,
     /// True if the text of the scene is missing.
     pub scene: bool,
+    /// True if no state has the keyframe that it should have: the topic `/bodies` is missing.
+    pub keyframes: bool,
     /// The names of images of the scene that are missing.
     pub images: Vec<String>,
     /// True if the recording was recovered from a damaged or unfinished one.
@@ -117,6 +121,9 @@ impl fmt::Display for Missing {
         parts.extend(self.end.map(MissingEnd::describe));
         if self.scene {
             parts.push("the text of the scene is missing".into());
+        }
+        if self.keyframes {
+            parts.push(format!("the topic {} is missing", Topic::Bodies.name()));
         }
         parts.extend(self.images.iter().map(|name| format!("the image {name:?} is missing")));
         f.write_str(&parts.join("; "))

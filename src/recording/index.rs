@@ -3,12 +3,12 @@ use std::io::{self, Read, Seek, SeekFrom};
 use mcap::{MAGIC, records::op};
 
 use super::{
-    Damage, Trailer,
+    Trailer,
     chunk_reader::ChunkRecord,
     decoder::Location,
     metadata,
     record_reader::{FieldReader, Malformed, PREFIX_BYTES, RecordReader},
-    resync,
+    resync::{self, Resync},
     tally::{ChunkSummary, Statistics},
     topic::Topic,
 };
@@ -26,8 +26,9 @@ pub struct Index {
     latest: u64,
     /// True if messages outside of chunks are not in order of time.
     is_disordered: bool,
-    /// The damage of the summary section, if it contradicts itself. It is then not used.
-    pub fault: Option<Damage>,
+    /// True if the summary section is damaged, contradicts itself or the end record, or is cut off, or if a scan has
+    /// found damage. The summary is then not used, and only reading everything shows what is wrong.
+    pub is_doubtful: bool,
     /// The end record, if it is readable.
     pub trailer: Option<Trailer>,
     /// The location and the body of the end record, if it is readable.
@@ -132,29 +133,23 @@ impl Index {
         }
     }
 
-    /// Returns a description of a contradiction within the summary section, or between it and the end record.
-    fn contradiction(&self, data_end: u64, indexed_messages: Option<u64>) -> Option<String> {
-        let statistics = self.statistics.as_ref()?;
-        for topic in Topic::ALL.into_iter().filter(|topic| topic.is_mandatory()) {
-            if self.channels_of(topic).next().is_none() {
-                return Some(format!("the summary lists no channel of the topic {}", topic.name()));
-            }
-        }
+    /// Returns true if the summary section contradicts itself or the end record.
+    fn is_contradictory(&self, data_end: u64, indexed_messages: Option<u64>) -> bool {
+        let Some(statistics) = &self.statistics else { return false };
         let [.., chunks] = statistics.counts;
-        if chunks != self.places.len() as u64 {
-            return Some("the summary lists another number of chunks than its statistics count".into());
-        }
-        let ends = |pair: &[Place]| pair[0].offset < pair[1].offset;
-        if !self.places.windows(2).all(ends) || self.places.last().is_some_and(|last| last.offset >= data_end) {
-            return Some("the chunks in the summary are not in the order of the file".into());
-        }
-        if indexed_messages.is_some_and(|indexed| indexed != statistics.messages) {
-            return Some("the summary lists another number of messages than its statistics count".into());
-        }
-        let trailer = self.trailer.as_ref().filter(|trailer| !trailer.recovered)?;
-        let declared = [("states", Topic::States, trailer.steps + 1), ("events", Topic::Events, trailer.events)];
-        let wrong = declared.into_iter().find(|(_, topic, count)| self.message_count(statistics, *topic) != *count);
-        wrong.map(|(what, ..)| format!("the summary counts another number of {what} than the end record"))
+        let has_channels =
+            Topic::ALL.into_iter().filter(|topic| topic.is_mandatory()).all(|t| self.channels_of(t).next().is_some());
+        let is_ordered = self.places.windows(2).all(|pair| pair[0].offset < pair[1].offset)
+            && self.places.last().is_none_or(|last| last.offset < data_end);
+        let matches_trailer = self.trailer.as_ref().filter(|trailer| !trailer.recovered).is_none_or(|trailer| {
+            let declared = [(Topic::States, trailer.steps + 1), (Topic::Events, trailer.events)];
+            declared.into_iter().all(|(topic, count)| self.message_count(statistics, topic) == count)
+        });
+        !(has_channels
+            && chunks == self.places.len() as u64
+            && is_ordered
+            && indexed_messages.is_none_or(|indexed| indexed == statistics.messages)
+            && matches_trailer)
     }
 }
 
@@ -188,24 +183,47 @@ impl ChannelSet {
     }
 }
 
-/// Reads the index in the summary section of a finished recording. If there is none, or if it is damaged or contradicts
-/// itself, builds the index by scanning all records, without opening chunks.
+/// Reads the index in the summary section of a finished recording. If there is none, or if it is doubtful, builds the
+/// index by scanning all records, without opening chunks.
 ///
 /// # Errors
 /// Returns an error if the file cannot be read.
 pub fn read<R: Read + Seek>(records: &mut RecordReader<R>) -> io::Result<Index> {
-    let mut fault = None;
-    if let Some(start) = summary_start(records.source())? {
-        match from_summary(records, start)? {
-            Ok(index) => return Ok(index),
-            Err(reason) => {
-                fault = reason.map(|reason| Damage { chunk: None, offset: start, reason, after: None });
-            }
+    let tail = tail(records.source())?;
+    let summary = match tail {
+        Tail::Summary(start) => from_summary(records, start)?,
+        Tail::Footer | Tail::Cut => Err(Unusable::Absent),
+    };
+    match summary {
+        Ok(index) => Ok(index),
+        Err(unusable) => {
+            let mut index = scan(records)?;
+            index.read_trailer(records)?;
+            // Without an end record, the end is missing anyway.
+            index.is_doubtful |= unusable == Unusable::Doubtful || tail == Tail::Cut && index.trailer.is_some();
+            Ok(index)
         }
     }
-    let mut index = Index { fault, ..scan(records)? };
-    index.read_trailer(records)?;
-    Ok(index)
+}
+
+/// The reason why a summary section is not used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Unusable {
+    /// There is none, or it has no index of the chunks.
+    Absent,
+    /// It is damaged or contradicts itself or the end record.
+    Doubtful,
+}
+
+/// The end of a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Tail {
+    /// A footer that refers to a summary section at this offset.
+    Summary(u64),
+    /// A footer without a summary section.
+    Footer,
+    /// Something else.
+    Cut,
 }
 
 /// Bytes of the data end record, which precedes the summary section.
@@ -214,15 +232,18 @@ const DATA_END_BYTES: u64 = PREFIX_BYTES as u64 + 4;
 /// Bytes of a footer record.
 const FOOTER_BYTES: usize = PREFIX_BYTES + 20;
 
-/// Returns the offset of the summary section, if there is one.
-fn summary_start<R: Read + Seek>(source: &mut R) -> io::Result<Option<u64>> {
+fn tail<R: Read + Seek>(source: &mut R) -> io::Result<Tail> {
     const TAIL: usize = FOOTER_BYTES + MAGIC.len();
     let length = source.seek(SeekFrom::End(0))?;
-    let Some(start) = length.checked_sub(TAIL as u64) else { return Ok(None) };
+    let Some(start) = length.checked_sub(TAIL as u64) else { return Ok(Tail::Cut) };
     source.seek(SeekFrom::Start(start))?;
     let mut tail = [0; TAIL];
     resync::read_up_to(source, &mut tail)?;
-    Ok(parse_footer(&tail).ok().filter(|summary| (DATA_END_BYTES..start).contains(summary)))
+    Ok(match parse_footer(&tail) {
+        Ok(0) => Tail::Footer,
+        Ok(summary) if (DATA_END_BYTES..start).contains(&summary) => Tail::Summary(summary),
+        Ok(_) | Err(Malformed) => Tail::Cut,
+    })
 }
 
 fn parse_footer(tail: &[u8]) -> Result<u64, Malformed> {
@@ -233,12 +254,8 @@ fn parse_footer(tail: &[u8]) -> Result<u64, Malformed> {
     }
 }
 
-/// Reads the summary section. Returns an error if it cannot be used, with the contradiction if there is one. (Other
-/// damage is found when the file is read.)
-fn from_summary<R: Read + Seek>(
-    records: &mut RecordReader<R>,
-    start: u64,
-) -> io::Result<Result<Index, Option<String>>> {
+/// Reads the summary section, which starts at `start`.
+fn from_summary<R: Read + Seek>(records: &mut RecordReader<R>, start: u64) -> io::Result<Result<Index, Unusable>> {
     records.seek(start - DATA_END_BYTES)?;
     let mut index = Index::default();
     let mut indexed_messages = Some(0);
@@ -247,21 +264,21 @@ fn from_summary<R: Read + Seek>(
             Ok(None) => break,
             Ok(Some(record)) => {
                 if index.add_record(record.opcode, &records.body, &mut indexed_messages).is_err() {
-                    return Ok(Err(None));
+                    return Ok(Err(Unusable::Doubtful));
                 }
             }
-            Err(_) => return Ok(Err(None)),
+            Err(_) => return Ok(Err(Unusable::Doubtful)),
         }
     }
     let has_chunks = index.statistics.as_ref().is_some_and(|statistics| statistics.counts[4] > 0);
     if !has_chunks || index.places.is_empty() {
         // Other programs may leave out the chunks or their index.
-        return Ok(Err(None));
+        return Ok(Err(Unusable::Absent));
     }
     index.read_trailer(records)?;
-    Ok(match index.contradiction(start, indexed_messages) {
-        Some(reason) => Err(Some(reason)),
-        None => Ok(index),
+    Ok(match index.is_contradictory(start, indexed_messages) {
+        true => Err(Unusable::Doubtful),
+        false => Ok(index),
     })
 }
 
@@ -318,8 +335,15 @@ fn scan<R: Read + Seek>(records: &mut RecordReader<R>) -> io::Result<Index> {
             Ok(Some(record)) => index.add_scanned(record.opcode, record.offset, &records.body),
             Ok(None) => return Ok(index),
             Err(fault) => match resync::resync(records.source(), &fault)? {
-                resync::Resync::ContinueAt(next) => records.seek(next)?,
-                resync::Resync::Truncated | resync::Resync::Corrupt => return Ok(index),
+                Resync::ContinueAt(next) => {
+                    index.is_doubtful = true;
+                    records.seek(next)?;
+                }
+                Resync::Corrupt => {
+                    index.is_doubtful = true;
+                    return Ok(index);
+                }
+                Resync::Truncated => return Ok(index),
             },
         }
     }

@@ -108,6 +108,13 @@ pub fn settings_map(header: &Header) -> Map {
     map
 }
 
+impl Header {
+    /// Returns a description of the first setting that determines the run and differs from that of `expected`, if any.
+    pub fn settings_difference(&self, expected: &Header) -> Option<String> {
+        difference(&settings_map(self), &settings_map(expected), None)
+    }
+}
+
 /// Returns the end record: how the run ended, and a copy of the header in case its own record is
 /// damaged.
 pub fn trailer_map(header: &Header, trailer: &Trailer) -> Map {
@@ -383,7 +390,7 @@ pub fn difference(found: &Map, expected: &Map, scene: Option<&SceneText>) -> Opt
 }
 
 /// Returns the start of a text that may be long, for messages.
-fn shortened(text: &str) -> String {
+pub fn shortened(text: &str) -> String {
     const CHARACTERS: usize = 200;
     match text.char_indices().nth(CHARACTERS) {
         Some((end, _)) => format!("{}…", &text[..end]),

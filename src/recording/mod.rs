@@ -58,6 +58,7 @@ pub use playback::{Playback, SampledBody, SampledState};
 pub use reader::{Item, Recording, open};
 pub use recover::{Recovery, recover};
 pub use scene_update::ColorFn;
+pub use sequence_validator::IDENTITY_MISMATCH;
 pub use state::{Bounds, RecordedState, StateBounds, body_state};
 pub use writer::{Finished, RunEnd, Writer};
 

@@ -42,6 +42,8 @@ pub struct Recording<R> {
     decoder: Decoder,
     /// The index of the chunks, once it was needed.
     index: Option<Index>,
+    /// The condition of the entire file, if the index is doubtful: then it is read to its end before any part of it.
+    verified: Option<Health>,
     phase: Phase,
     order: Order,
     /// The end records that were read, which are compared with the messages before and after them: other programs store them before their last chunk.
@@ -135,6 +137,7 @@ impl<R: Read + Seek> Recording<R> {
             opening_damage: None,
             decoder,
             index: None,
+            verified: None,
             phase: Phase::Reading,
             order: Order::Stored,
             trailers: Vec::new(),
@@ -259,12 +262,19 @@ impl<R: Read + Seek> Recording<R> {
         Ok(())
     }
 
-    /// Takes the index out of `self`, after reading it if necessary. The caller must put it back.
+    /// Takes the index out of `self`, after reading it if necessary. The caller must put it back, and restart or move
+    /// to a place.
     fn take_index(&mut self) -> Result<Index, Error> {
-        match self.index.take() {
-            Some(index) => Ok(index),
-            None => index::read(&mut self.records).map_err(Error::Read),
+        if let Some(index) = self.index.take() {
+            return Ok(index);
         }
+        let index = index::read(&mut self.records).map_err(Error::Read)?;
+        if index.is_doubtful {
+            self.restart()?;
+            while self.next().transpose()?.is_some() {}
+            self.verified = Some(self.health());
+        }
+        Ok(index)
     }
 
     /// Moves to a place of the index and discards the state of everything read before.
@@ -353,8 +363,12 @@ impl<R: Read + Seek> Recording<R> {
     }
 
     /// Returns the condition of the part read so far; final once the iterator has ended. Before that, the end and the
-    /// gaps are those that the metadata declare, if a seek has read the index.
+    /// gaps are those that the metadata declare, if a seek has read the index; if that is doubtful, the condition is that
+    /// of the entire file.
     pub fn health(&self) -> Health {
+        if let Some(verified) = &self.verified {
+            return verified.clone();
+        }
         let validator = &self.decoder.validator;
         let index = self.index.as_ref();
         let (trailer, after) = match (self.phase, index) {
@@ -364,8 +378,7 @@ impl<R: Read + Seek> Recording<R> {
             _ => (self.decoder.trailer.as_ref(), validator.last_step()),
         };
         let missing = self.missing(trailer, after, validator.found_gaps());
-        let fault = index.and_then(|index| index.fault.as_ref());
-        match self.opening_damage.as_ref().or(self.decoder.damage.as_ref()).or(fault) {
+        match self.opening_damage.as_ref().or(self.decoder.damage.as_ref()) {
             Some(damage) => Health::Corrupt { damage: damage.clone(), missing },
             None if missing.is_empty() => Health::Whole,
             None => Health::Incomplete(missing),
@@ -389,6 +402,7 @@ impl<R: Read + Seek> Recording<R> {
             gaps,
             end: (!is_ended).then_some(MissingEnd { after, last, is_cut }),
             scene: self.header.scene.is_none(),
+            keyframes: self.decoder.validator.lacks_keyframes(),
             images: self
                 .header
                 .images
@@ -494,6 +508,7 @@ impl<R: Read + Seek> Recording<R> {
         if let Order::Surveyed(_) = self.order {
             return;
         }
+        self.decoder.report_renamed_topics();
         let last_step = self.decoder.validator.last_step();
         for (location, body) in self.trailers.drain(..) {
             // In a file that was cut, the end record may precede messages that are lost.

@@ -6,8 +6,8 @@ use std::{
 use crate::text::counted;
 
 use super::{
-    Error, Gap, Header, Health, Item, Keyframe, MissingEnd, RecordedEvent, RecordedState, Recording, RunEnd, Trailer,
-    batch_writer::BatchWriter, mcap_writer::Profile,
+    Error, Gap, Header, Health, Item, Keyframe, Missing, MissingEnd, RecordedEvent, RecordedState, Recording, RunEnd,
+    Trailer, batch_writer::BatchWriter, mcap_writer::Profile,
 };
 
 /// The result of [`recover`]. `Display` prints a few lines for people.
@@ -192,7 +192,8 @@ impl Recovery {
         gaps.is_empty()
             && !lost_scene_updates
             && health.missing().is_none_or(|missing| {
-                !missing.end.is_some_and(MissingEnd::has_states) && !missing.scene && missing.images.is_empty()
+                let Missing { end, scene, keyframes, images, .. } = missing;
+                !end.is_some_and(MissingEnd::has_states) && !scene && !keyframes && images.is_empty()
             })
     }
 }
@@ -227,6 +228,9 @@ impl Display for Recovery {
                 }
                 if missing.scene {
                     write!(f, "\nlost the text of the scene")?;
+                }
+                if missing.keyframes {
+                    write!(f, "\nlost the topic /bodies: reading can begin only at the start")?;
                 }
                 missing.images.iter().try_for_each(|name| write!(f, "\nlost the image {name:?}"))?;
             }

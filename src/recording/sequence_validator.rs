@@ -45,6 +45,9 @@ pub struct SequenceValidator {
     missing_keyframe: Option<u64>,
 }
 
+/// The damage of a recording whose settings, scene, events and digests do not give the identity in its end record.
+pub const IDENTITY_MISMATCH: &str = "the recording does not match its identity";
+
 /// The step of the next message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum ExpectedStep {
@@ -309,6 +312,11 @@ impl SequenceValidator {
         }
     }
 
+    /// Returns true if nothing was lost, but no state has the keyframe that it should have.
+    pub fn lacks_keyframes(&self) -> bool {
+        self.is_complete() && self.has_keyframes == Some(false)
+    }
+
     /// Checks the end record against the items before it.
     ///
     /// # Errors
@@ -356,7 +364,7 @@ impl SequenceValidator {
         let is_identity_known = self.has_scene || trailer.recovered;
         match !is_identity_known || self.identity.identity() == trailer.identity {
             true => Ok(()),
-            false => Err("the recording does not match its identity".into()),
+            false => Err(IDENTITY_MISMATCH.into()),
         }
     }
 

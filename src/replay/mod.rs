@@ -3,6 +3,7 @@
 //! A [`Run`] turns the inputs of a scene into events of the engine; [`record()`] writes such a run to a recording. A
 //! [`Replayer`] applies the events of a recording and compares every state bit for bit, which gives a [`Verdict`].
 
+mod altered_setting;
 mod live_events;
 mod record;
 mod replayer;

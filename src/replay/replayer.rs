@@ -9,11 +9,11 @@ use crate::{
     physics::{AccuracyProbe, Collision, CollisionCount, Engine, Observer, SolverSnapshot, StepError},
     recording::{
         BodyTable, Change, Error, Health, Item, Keyframe, RecordedError, RecordedEvent, RecordedState, Recording,
-        SEMANTICS_VERSION, StateDigest, Trailer, body_state, error_text, open,
+        IDENTITY_MISMATCH, SEMANTICS_VERSION, StateDigest, Trailer, body_state, error_text, open,
     },
 };
 
-use super::{Difference, Divergence, Verdict};
+use super::{Difference, Divergence, Verdict, altered_setting::altered_setting};
 use crate::text::counted;
 
 /// All steps of a recording.
@@ -175,7 +175,14 @@ impl<R: Read + Seek> Replayer<R> {
         }
         let steps = self.same_steps;
         match self.recording.health() {
-            Health::Corrupt { damage, missing } => Verdict::Corrupt { damage, missing, steps },
+            Health::Corrupt { mut damage, missing } => {
+                if damage.reason == IDENTITY_MISMATCH
+                    && let Some(setting) = altered_setting(&self.recording.header)
+                {
+                    damage.reason = format!("{IDENTITY_MISMATCH}: {setting}");
+                }
+                Verdict::Corrupt { damage, missing, steps }
+            }
             Health::Incomplete(missing) => Verdict::Incomplete { missing, steps },
             Health::Whole => {
                 Verdict::Same { steps, bodies: self.engine.next_id().into(), error: self.reproduced_error.clone() }

@@ -33,7 +33,7 @@ pub use diagnostic::{Diagnostic, DiagnosticKind, Diagnostics, Excerpt, SceneErro
 pub use inputs::{Input, InputLocation};
 pub use options::{RunOptions, Walls};
 #[cfg(feature = "cli")]
-pub use overrides::{Override, Sweep, settings};
+pub use overrides::{Override, Sweep, are_applied, settings};
 
 use diagnostic::{ErrorReported, Reporter};
 use options::WorldOptions;

@@ -255,6 +255,13 @@ pub fn apply(path: &Path, text: &str, overrides: &[Override]) -> Result<String, 
         .map_err(|diagnostics| SceneError::Override { path: path.into(), diagnostics })
 }
 
+/// Returns true if a text has the values that were set with overrides, given by key and value.
+pub fn are_applied(text: &str, overrides: &[[String; 2]]) -> bool {
+    let overrides: Result<Vec<Override>, String> =
+        overrides.iter().map(|[key, value]| format!("{key}={value}").parse()).collect();
+    overrides.is_ok_and(|overrides| apply(Path::new(""), text, &overrides).is_ok_and(|applied| applied == text))
+}
+
 /// The key that an override sets.
 struct Target<'a> {
     keys: &'a [String],

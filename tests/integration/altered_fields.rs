@@ -314,7 +314,8 @@ fn alter_records(parts: &[Item], table: &mut Table) {
                 ("channel", "topic") => match record.as_str() {
                     "channel /events" => "the events 0 bodies",
                     "channel /states" => "steps 0 to 60 are missing",
-                    _ => "same: 60 steps",
+                    "channel /bodies" => "the topic /bodies is missing",
+                    _ => "the topic /scene is missing",
                 },
                 ("attachment", "media_type") => "the text of the scene is missing",
                 ("/events", "delete") => "ids",
