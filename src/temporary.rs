@@ -1,16 +1,25 @@
 //! Temporary folders, which are removed when they are dropped and when the process is interrupted.
 
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
+use std::fs::File;
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::{fs, io, process};
 
-/// The folders of this process. While it is locked, no folder is created and no file is moved out of one.
-static FOLDERS: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+/// The folders of this process, each with its open files. While it is locked, no folder is created and no file is moved
+/// out of one.
+static FOLDERS: Mutex<BTreeMap<PathBuf, Vec<OpenFile>>> = Mutex::new(BTreeMap::new());
 
-fn folders() -> MutexGuard<'static, BTreeSet<PathBuf>> {
-    // A panic leaves the set as it was.
-    FOLDERS.lock().unwrap_or_else(PoisonError::into_inner)
+/// A file until it is closed.
+type OpenFile = Arc<Mutex<Option<File>>>;
+
+fn folders() -> MutexGuard<'static, BTreeMap<PathBuf, Vec<OpenFile>>> {
+    locked(&FOLDERS)
+}
+
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    // A panic leaves the folders and files as they were.
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// A hidden folder for files that are not complete yet, or are needed only for a while.
@@ -29,7 +38,7 @@ impl TemporaryFolder {
             let path = parent.join(format!(".rebond-{}-{number}", process::id()));
             match fs::create_dir(&path) {
                 Ok(()) => {
-                    folders.insert(path.clone());
+                    folders.insert(path.clone(), Vec::new());
                     return Ok(TemporaryFolder(path));
                 }
                 Err(error) if error.kind() == io::ErrorKind::AlreadyExists => number += 1,
@@ -50,14 +59,66 @@ impl TemporaryFolder {
     pub fn path(&self) -> &Path {
         &self.0
     }
+
+    /// Adds a file of this folder that is open. On Windows, which removes no folder with an open file, an
+    /// interruption closes it.
+    #[cfg(feature = "cli")]
+    pub fn add_open(&self, file: File) -> TemporaryFile {
+        let file = Arc::new(Mutex::new(Some(file)));
+        folders().entry(self.0.clone()).or_default().push(Arc::clone(&file));
+        TemporaryFile(file)
+    }
+}
+
+/// An open file in a [`TemporaryFolder`], one that was moved out of it, or any other file.
+#[cfg(feature = "cli")]
+#[derive(Debug)]
+pub struct TemporaryFile(OpenFile);
+
+#[cfg(feature = "cli")]
+impl TemporaryFile {
+    /// Returns the result of `work` with the file.
+    ///
+    /// # Errors
+    /// Those of `work`, and an error if an interruption has closed the file.
+    pub fn with<T>(&self, work: impl FnOnce(&mut File) -> io::Result<T>) -> io::Result<T> {
+        match locked(&self.0).as_mut() {
+            Some(file) => work(file),
+            None => Err(io::Error::other("the command was interrupted")),
+        }
+    }
+
+    /// Closes the file.
+    pub fn close(self) {
+        locked(&self.0).take();
+    }
+}
+
+#[cfg(feature = "cli")]
+impl From<File> for TemporaryFile {
+    fn from(file: File) -> TemporaryFile {
+        TemporaryFile(Arc::new(Mutex::new(Some(file))))
+    }
+}
+
+#[cfg(feature = "cli")]
+impl io::Write for TemporaryFile {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.with(|file| file.write(bytes))
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(()) // A file has no buffer.
+    }
 }
 
 impl Drop for TemporaryFolder {
     /// Removes the folder and its files. An error is ignored, because nothing depends on the removal.
     fn drop(&mut self) {
         let mut folders = folders();
-        let _ = fs::remove_dir_all(&self.0);
+        // Closes its files, except one that was moved to its place and still grows.
         folders.remove(&self.0);
+        let _ = fs::remove_dir_all(&self.0);
     }
 }
 
@@ -73,7 +134,10 @@ pub fn uninterrupted<T>(place: impl FnOnce() -> T) -> T {
 #[cfg(feature = "cli")]
 pub fn remove_all() {
     let folders = folders();
-    for folder in folders.iter() {
+    for (folder, files) in folders.iter() {
+        if cfg!(windows) {
+            files.iter().for_each(|file| drop(locked(file).take()));
+        }
         remove_in_use(folder);
     }
     std::mem::forget(folders);
@@ -105,7 +169,7 @@ pub fn remove_those_of(process: u32, parent: &Path) {
 #[cfg(feature = "cli")]
 fn remove_in_use(folder: &Path) {
     // Under its new name no file can be added any more, except one that is being created at this instant. Windows
-    // renames no folder that contains an open file; the attempts are for these two cases.
+    // renames no folder that contains an open file, such as that of ffmpeg; the attempts are for these two cases.
     let mut renamed = folder.as_os_str().to_owned();
     renamed.push("-removed");
     let folder = if fs::rename(folder, &renamed).is_ok() { Path::new(&renamed) } else { folder };

@@ -8,7 +8,7 @@
 use super::arguments::is_standard_output;
 use super::error::CommandError;
 use crate::picture::{self, RenderError};
-use crate::temporary::{TemporaryFolder, uninterrupted};
+use crate::temporary::{TemporaryFile, TemporaryFolder, uninterrupted};
 use same_file::Handle;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, ErrorKind, IsTerminal, Write};
@@ -113,10 +113,10 @@ impl OutputFile {
             Destination::Special => into(&mut open_special(&self.name).map_err(&unwritable)?),
             Destination::Regular { place, overwrite, staging } => {
                 let staged = staging.path().join("output");
-                let mut file = File::create_new(&staged).map_err(&unwritable)?;
+                let mut file = staging.add_open(File::create_new(&staged).map_err(&unwritable)?);
                 let result = into(&mut file)?;
-                file.sync_all().map_err(&unwritable)?;
-                drop(file);
+                file.with(|file| file.sync_all()).map_err(&unwritable)?;
+                file.close();
                 uninterrupted(|| put(&staged, place, *overwrite)).map_err(&unwritable)?;
                 Ok(result)
             }
@@ -148,12 +148,12 @@ impl OutputFile {
             Destination::StandardOutput => Box::new(io::stdout()),
             Destination::Special => {
                 let file = open_special(&self.name).map_err(&unwritable)?;
-                Box::new(RecordingFile { file, durability, pending: None })
+                Box::new(RecordingFile { file: file.into(), durability, pending: None })
             }
             Destination::Regular { place, overwrite, staging } => {
                 let staged = staging.path().join("output");
                 let file = exclusive(OpenOptions::new().write(true).create_new(true)).open(&staged);
-                let file = file.and_then(lock).map_err(&unwritable)?;
+                let file = staging.add_open(file.and_then(lock).map_err(&unwritable)?);
                 let pending = Some(PendingRecording { is_flushed: false, staged, place, overwrite, _staging: staging });
                 Box::new(RecordingFile { file, durability, pending })
             }
@@ -187,7 +187,7 @@ pub enum Durability {
 /// The second flush puts it at its place. The first one has the initial state alone, after which the first live events
 /// may still be refused.
 struct RecordingFile {
-    file: File,
+    file: TemporaryFile,
     durability: Durability,
     pending: Option<PendingRecording>,
 }
@@ -213,13 +213,13 @@ impl Write for RecordingFile {
             if !std::mem::replace(is_flushed, true) {
                 return Ok(());
             }
-            self.file.sync_all()?;
+            self.file.with(|file| file.sync_all())?;
             uninterrupted(|| put(staged, place, *overwrite))?;
             self.pending = None;
         }
         match self.durability {
             Durability::Program => Ok(()),
-            Durability::Disk => self.file.sync_data(),
+            Durability::Disk => self.file.with(|file| file.sync_data()),
         }
     }
 }

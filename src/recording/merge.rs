@@ -13,7 +13,11 @@ use super::{
 /// The parts of a file whose messages are not stored in order of time, for example because each topic has chunks of its
 /// own.
 #[derive(Default)]
-pub struct Parts(Vec<Part>);
+pub struct Parts {
+    parts: Vec<Part>,
+    /// True if the next message follows data that is not readable.
+    is_interrupted: bool,
+}
 
 /// A chunk, or consecutive messages outside of chunks that are in order of time.
 #[derive(Clone, Copy)]
@@ -31,7 +35,12 @@ struct Part {
 impl Parts {
     /// Adds a chunk with the times of its first and last message.
     pub fn add_chunk(&mut self, location: Location, [first_time, last_time]: [u64; 2]) {
-        self.0.push(Part { location, last_offset: location.offset, first_time, last_time });
+        self.parts.push(Part { location, last_offset: location.offset, first_time, last_time });
+    }
+
+    /// Notes that the next record does not follow the last one directly: data between them is not readable.
+    pub fn interrupt(&mut self) {
+        self.is_interrupted = true;
     }
 
     /// Adds a message outside of chunks.
@@ -41,14 +50,15 @@ impl Parts {
     pub fn add_message(&mut self, offset: u64, time: u64) -> Result<(), Error> {
         /// More than 2 MB of parts.
         const MANY: usize = 1 << 16;
-        if let Some(last) = self.0.last_mut()
+        if let Some(last) = self.parts.last_mut()
+            && !std::mem::take(&mut self.is_interrupted)
             && last.location.chunk.is_none()
             && last.last_time <= time
         {
             (last.last_offset, last.last_time) = (offset, time);
             return Ok(());
         }
-        if self.0.len() >= MANY {
+        if self.parts.len() >= MANY {
             return Err(Error::Unsorted);
         }
         self.add_chunk(Location { chunk: None, offset }, [time; 2]);
@@ -57,7 +67,7 @@ impl Parts {
 
     /// Returns true if the parts are in order of time as they are stored.
     pub fn are_in_order(&self) -> bool {
-        self.0.windows(2).all(|pair| pair[0].last_time <= pair[1].first_time)
+        self.parts.windows(2).all(|pair| pair[0].last_time <= pair[1].first_time)
     }
 }
 
@@ -92,7 +102,7 @@ enum PartSource {
 
 impl Merge {
     /// Creates a merge of all messages in `parts`.
-    pub fn new(Parts(mut parts): Parts) -> Merge {
+    pub fn new(Parts { mut parts, .. }: Parts) -> Merge {
         parts.sort_by_key(|part| std::cmp::Reverse((part.first_time, part.location.offset)));
         Merge { waiting: parts, open: Vec::new(), body: Vec::new() }
     }

@@ -614,9 +614,16 @@ impl<R: Read + Seek> Recording<R> {
     }
 
     fn resume_after(&mut self, offset: u64) -> Result<(), Error> {
+        self.interrupt_parts();
         self.chunks.close();
         self.tally = None;
         self.records.resume_after(offset).map_err(Error::Read)
+    }
+
+    fn interrupt_parts(&mut self) {
+        if let Order::Surveyed(parts) = &mut self.order {
+            parts.interrupt();
+        }
     }
 
     /// Continues at the next valid record after a fault.
@@ -636,6 +643,7 @@ impl<R: Read + Seek> Recording<R> {
         let location = Location { chunk: None, offset };
         match resync.map_err(Error::Read)? {
             Resync::ContinueAt(next) => {
+                self.interrupt_parts();
                 self.decoder.mark_lost(location, reason);
                 self.records.seek(next).map_err(Error::Read)?;
             }

@@ -151,7 +151,8 @@ impl SequenceValidator {
             }
         }
         let gap = *self.gaps.front()?;
-        if gap.before != step || gap.after != self.last_step && !is_lost {
+        let (ExpectedStep::Exactly(expected) | ExpectedStep::AtLeast(expected)) = self.expected;
+        if step < expected || gap.before != step || gap.after != self.last_step && !is_lost {
             return None;
         }
         self.gaps.pop_front();

@@ -8,8 +8,8 @@ use std::{
 use crate::{
     physics::{AccuracyProbe, Collision, CollisionCount, Engine, Observer, SolverSnapshot, StepError},
     recording::{
-        BodyTable, Change, Error, Health, Item, Keyframe, RecordedError, RecordedEvent, RecordedState, Recording,
-        IDENTITY_MISMATCH, SEMANTICS_VERSION, StateDigest, Trailer, body_state, error_text, open,
+        BodyTable, Change, Error, Health, IDENTITY_MISMATCH, Item, Keyframe, RecordedError, RecordedEvent,
+        RecordedState, Recording, SEMANTICS_VERSION, StateDigest, Trailer, body_state, error_text, open,
     },
 };
 

@@ -86,6 +86,8 @@ function paths() {
   assert.deepEqual(read('run.mcap'), recording);
   for (const force of [[], ['--force']]) ends(0, 'record', 'scene.toml', '-o', 'NUL', ...force);
   assert.ok(!existsSync(path('NUL')));
+  ends(3, 'check', 'scenes'); // Without recordings.
+  ends(0, 'check', 'scenes', '--update');
   ends(0, 'check', 'größe und Δ\\run.mcap', 'scenes');
 }
 
