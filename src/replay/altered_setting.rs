@@ -26,5 +26,6 @@ pub fn altered_setting(recorded: &Header) -> Option<String> {
     if !scene::are_applied(text, &recorded.overrides) {
         return Some("the text of the scene has other values than the key \"set\" of the metadata".into());
     }
-    Some("the text of the scene agrees with all other settings than the key \"live_events\" of the metadata".into())
+    let others = "an event, or \"live_events\" or \"identity\" in the metadata, was altered";
+    Some(format!("the text of the scene agrees with all settings; {others}"))
 }
