@@ -455,7 +455,7 @@ fn the_records_outside_of_chunks_may_be_stored_in_any_order() {
 }
 
 /// Returns a folder of damaged recordings: with a flipped bit in the chunk of the steps 20 to 39, and recovered from that
-/// (gap.mcap); without that chunk (hole.mcap); cut, and cut in the index; with bytes before the start and after the end;
+/// (gap.mcap), also without saying so (other-gap.mcap); without that chunk (hole.mcap); cut, and cut in the index; with bytes before the start and after the end;
 /// with another top speed; without its scene; without keyframes, or with another name of their topic; with a bit flipped in
 /// the index, or other statistics.
 fn damaged() -> Workplace {
@@ -501,6 +501,15 @@ fn damaged() -> Workplace {
         parts.into_iter().filter(|item| !matches!(item, Item::Record((op::ATTACHMENT, _)))).collect();
     std::fs::write(workplace.path("no-scene.mcap"), forge::put_together(&without_scene, Layout::Zstd)).unwrap();
     assert_eq!(workplace.rebond("recover flip.mcap -o gap.mcap").code, 4);
+    let mut gap = forge::take_apart(&workplace.read("gap.mcap"));
+    each_record(&mut gap, |record| {
+        if record.0 == op::METADATA {
+            let (name, mut map) = forge::parse_metadata(&record.1);
+            map.remove("recovered");
+            *record = forge::metadata(&name, map);
+        }
+    });
+    std::fs::write(workplace.path("other-gap.mcap"), forge::put_together(&gap, Layout::Zstd)).unwrap();
     workplace
 }
 
@@ -661,8 +670,8 @@ fn exit_codes_agree_between_commands_on_the_same_damaged_file() {
     let workplace = damaged();
     workplace.write("text.mcap", "\u{feff}not MCAP");
     std::fs::write(workplace.path("start.mcap"), &workplace.read("run.mcap")[..400]).unwrap();
-    let corrupt = ["flip", "zeros", "bom", "altered", "index", "statistics", "renamed", "no-states"];
-    let incomplete = ["cut", "no-footer", "gap", "hole", "no-scene", "no-bodies"];
+    let corrupt = ["flip", "hole", "zeros", "bom", "altered", "index", "statistics", "renamed", "no-states"];
+    let incomplete = ["cut", "no-footer", "gap", "other-gap", "no-scene", "no-bodies"];
     let files =
         corrupt.map(|file| (file, 4, "corrupt")).into_iter().chain(incomplete.map(|file| (file, 4, "incomplete")));
     let files = files.chain([("start", 4, "cut before its settings"), ("run", 0, ""), ("text", 1, "not an MCAP file")]);
