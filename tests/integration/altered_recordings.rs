@@ -674,7 +674,7 @@ fn exit_codes_agree_between_commands_on_the_same_damaged_file() {
     let incomplete = ["cut", "no-footer", "gap", "other-gap", "no-scene", "no-bodies"];
     let files =
         corrupt.map(|file| (file, 4, "corrupt")).into_iter().chain(incomplete.map(|file| (file, 4, "incomplete")));
-    let files = files.chain([("start", 4, "cut before its settings"), ("run", 0, ""), ("text", 1, "not an MCAP file")]);
+    let files = files.chain([("start", 4, "truncated before its settings"), ("run", 0, ""), ("text", 1, "MCAP file")]);
     for (file, code, word) in files {
         for command in [
             "info FILE.mcap",
