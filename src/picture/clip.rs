@@ -9,7 +9,7 @@ use super::{
     Progress, Provenance, ReadStatus, ResolvedPicture, Source, Style, Subject, View,
 };
 use crate::physics::larger;
-use crate::picture::draw::{BodyNames, text_warnings};
+use crate::picture::draw::{BodyNames, label_warning, text_warnings};
 use crate::picture::page::run_names;
 
 /// The input of an encoder of animations: the instants, how they are drawn, and when they are shown.
@@ -71,7 +71,8 @@ impl Clip {
             }
         };
         let shown_titles = if sources.len() > 1 { run_names(titles, sources) } else { Vec::new() };
-        let warnings = text_warnings(look, &shown_titles, sources, BodyNames::IfOverlay);
+        let mut warnings = text_warnings(look, &shown_titles, sources, BodyNames::IfOverlay);
+        warnings.extend(label_warning(look, sources));
         Ok(Clip { stage, schedule, instants, warnings })
     }
 

@@ -1,6 +1,7 @@
 use super::clip::clock;
 use super::collisions::{freeze_frames, max_impulse};
 use super::encode::{PngEffort, write_apng, write_gif, write_png_sequence};
+use super::layers::body_labels::MAX_PLACED;
 use super::layers::lanes::Lanes;
 use super::number::TimeFormat;
 use super::page::{compose_page, run_names, titles};
@@ -9,12 +10,13 @@ use super::text::Font;
 use super::{
     Animation, AnimationFormat, AnimationSchedule, Clip, ColorBy, DisplayList, Error, Instant, Look, Moment, Overlay,
     Page, PictureOptions, Progress, Provenance, ReadStatus, RenderError, ResolvedPicture, SOFTWARE, Sequence, Source,
-    Stage, StepGrid, StillFormat, Style, Subject, SubjectOptions, Thinning, Timing, Trails, View, compose,
+    Stage, StatesFigure, StepGrid, StillFormat, Style, Subject, SubjectOptions, Thinning, Timing, Trails, View,
+    compose,
 };
 use super::{Appearance, Palette, color};
-use crate::physics::larger;
+use crate::physics::{BodyId, larger};
 use crate::recording::{BodyInfo, Playback};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write;
 use std::num::NonZero;
 use std::ops::RangeInclusive;
@@ -245,6 +247,7 @@ impl Style {
                 top_momentum = larger(max_momentum(source)?, top_momentum);
             }
         }
+        let color_speed = if look.color_by == ColorBy::Speed { speed_of_most(sources)? } else { None };
         let top = |of: fn(&Source) -> f64| sources.iter().map(of).fold(0.0, larger);
         let mut materials: Vec<String> =
             sources.iter().flat_map(|source| source.statistics.materials.clone()).collect();
@@ -255,6 +258,7 @@ impl Style {
         Ok(Style {
             look: look.clone(),
             top_speed: top(|source| source.statistics.top_speed),
+            color_speed,
             top_momentum,
             top_force: top(|source| source.statistics.top_force),
             top_impulse,
@@ -266,6 +270,35 @@ impl Style {
         })
     }
 }
+
+/// The highest speed of any body in any recorded state, m/s, if some of the fastest bodies, one in 20 at most, are left
+/// out and are more than three times as fast as all others. Bodies that never move do not count.
+///
+/// # Errors
+/// If the states cannot be read.
+pub(super) fn speed_of_most(sources: &[Source]) -> Result<Option<f64>, Error> {
+    let mut tops = Vec::new();
+    for source in sources.iter().filter(|source| source.statistics.names.len() >= BODIES_PER_FAST_ONE) {
+        let mut of_source: BTreeMap<BodyId, f64> = BTreeMap::new();
+        for state in Playback::new(source.recording()?) {
+            for body in state.map_err(|error| source.read_error(error))?.bodies {
+                let top = of_source.entry(body.info.id).or_insert(0.0);
+                *top = larger(body.velocity.norm(), *top);
+            }
+        }
+        tops.extend(of_source.into_values().filter(|top| *top > 0.0));
+    }
+    tops.sort_by(f64::total_cmp);
+    let most = tops.len() - tops.len() / BODIES_PER_FAST_ONE;
+    let (Some(&end), Some(&top)) = (tops[..most].last(), tops.last()) else { return Ok(None) };
+    Ok((top > MUCH_FASTER * end).then_some(end))
+}
+
+/// One of so many bodies may be much faster than all others without changing the colours of these.
+const BODIES_PER_FAST_ONE: usize = 20;
+
+/// A body is much faster than others if its speed is this many times theirs.
+const MUCH_FASTER: f64 = 3.0;
 
 /// The largest momentum of a body in any recorded state, kg·m/s. The end record has only the highest speed.
 fn max_momentum(source: &Source) -> Result<f64, Error> {
@@ -362,6 +395,15 @@ fn warnings(picture: &ResolvedPicture, sources: &[Source]) -> Vec<String> {
     let is_of_pressure = matches!(&picture.subject, Subject::Page { page: Page::Pressure { .. }, .. });
     let names = if is_of_pair || is_of_lines || is_of_pressure { BodyNames::Shown } else { BodyNames::IfOverlay };
     let mut warnings = text_warnings(&picture.look, &titles, sources, names);
+    if matches!(
+        &picture.subject,
+        Subject::Page {
+            page: Page::State { .. } | Page::States { figure: StatesFigure::Strobe | StatesFigure::Filmstrip, .. },
+            ..
+        }
+    ) {
+        warnings.extend(label_warning(&picture.look, sources));
+    }
     let rests = |source: &Source| source.statistics.top_force > 0.0 && source.header.config.solver.is_continuous();
     if is_of_pressure && sources.iter().any(rests) {
         warnings.push(
@@ -378,6 +420,19 @@ pub(super) enum BodyNames {
     IfOverlay,
     /// Always shown.
     Shown,
+}
+
+/// A sentence about the labels of boxes that are left out because there are too many boxes, if a picture may have them.
+pub(super) fn label_warning(look: &Look, sources: &[Source]) -> Option<String> {
+    let is_labelled = look.show.contains(Overlay::Name) || look.show.contains(Overlay::Mass);
+    let is_box = |name: &&String| !name.starts_with("wall-") && look.bodies.contains(name);
+    let boxes = sources.iter().map(|source| source.statistics.names.iter().filter(is_box).count()).max()?;
+    (is_labelled && boxes > MAX_PLACED).then(|| {
+        format!(
+            "where more than {MAX_PLACED} boxes are visible, only labels that fit into their boxes are drawn: \
+             choose a part with --window, or a larger --size"
+        )
+    })
 }
 
 /// Warns of characters in the texts of a picture that the font lacks.

@@ -1,7 +1,7 @@
 //! The content of pages: states, collisions and traces of recordings, as the figures need them.
 
 use super::collisions::find_collision;
-use super::draw::{grid, state};
+use super::draw::{grid, speed_of_most, state};
 use super::figures::{
     self, CollisionSubject, EnergyRun, FigureRun, LineRun, LineSubject, PressureRun, Range, SpacetimeRun, SpeedRun,
     Timeline, Velocities, VelocityPath, VelocityRun,
@@ -177,6 +177,7 @@ impl Composer<'_> {
 
     fn speeds(&mut self, steps: &[StepRange]) -> Result<Composed, Error> {
         let top = self.sources.iter().map(|source| source.statistics.top_speed).fold(f64::MIN_POSITIVE, larger);
+        let top = speed_of_most(self.sources)?.unwrap_or(top);
         let (runs, statuses) = self.runs(steps, |all, source, title, grid| {
             let bodies = chosen_bodies(&all.picture.look.bodies, source)?;
             let mut run = SpeedRun::new(title, top);

@@ -231,14 +231,11 @@ impl PictureOptions {
     /// The steps of the [`clock`] in the time that all recordings contain.
     fn clock_steps(&self, sources: &[Source]) -> Result<RangeInclusive<u64>, Error> {
         let rate = clock(sources)?.header.config.rate;
-        let [mut from, mut to] = [0, u64::MAX];
+        let from = self.from.map_or(0, |from| from.step(rate));
+        let mut to = self.to.map_or(u64::MAX, |to| to.step(rate));
         for source in sources {
-            let own = source.header.config.rate;
-            let last = last_step(source)?;
-            let first = Moment { step: self.from.map_or(0, |from| from.step(own)), offset: 0.0 }.at_rate(own, rate);
-            let last = Moment { step: self.to.map_or(last, |to| to.step(own).min(last)), offset: 0.0 };
-            from = from.max(first.step + u64::from(first.offset > 0.0));
-            to = to.min(last.at_rate(own, rate).step);
+            let last = Moment { step: last_step(source)?, offset: 0.0 };
+            to = to.min(last.at_rate(source.header.config.rate, rate).step);
         }
         Ok(from..=to)
     }
@@ -314,11 +311,12 @@ impl PictureOptions {
     /// instants, unless `every` is given. Returns one range if it applies to all.
     fn common_steps(&self, count: Option<u64>, sources: &[Source]) -> Result<Vec<StepRange>, Error> {
         // Runs shown side by side end with the one that is the shortest in time.
-        let [mut from, mut to] = [0.0, f64::INFINITY];
+        // Steps are those of the clock, as in animations.
+        let rate = clock(sources)?.header.config.rate;
+        let from = self.from.map_or(0, |from| from.step(rate)) as f64 / rate;
+        let mut to = self.to.map_or(f64::INFINITY, |to| to.step(rate) as f64 / rate);
         for source in sources {
-            let (rate, last) = (source.header.config.rate, last_step(source)?);
-            from = larger(self.from.map_or(0, |from| from.step(rate)) as f64 / rate, from);
-            to = smaller(self.to.map_or(last, |to| to.step(rate).min(last)) as f64 / rate, to);
+            to = smaller(last_step(source)? as f64 / source.header.config.rate, to);
         }
         let slowest = sources.iter().map(|source| source.header.config.rate).fold(f64::INFINITY, smaller);
         let interval = |count: u64| {

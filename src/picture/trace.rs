@@ -414,6 +414,7 @@ impl MovingWorld {
 mod tests {
     use super::*;
     use crate::picture::Thinning;
+    use crate::picture::figures::EnergySample;
     use crate::replay::{self, ALL_STEPS, RecordOptions};
     use crate::scene;
     use std::fs::File;
@@ -497,6 +498,79 @@ mod tests {
             assert_eq!(energies, if time == 1.0 { [37.0, 41.5] } else { [41.5, 37.0] });
         }
         assert_eq!(points.iter().filter(|point| point.2).map(|point| point.0).collect::<Vec<f64>>(), [1.0, 1.5]);
+    }
+
+    /// A scene of some bodies that come and go, with or without walls, weight, constant forces and losses.
+    fn random_scene(seed: u32) -> String {
+        let mut state = seed.wrapping_mul(2_654_435_769) | 1;
+        let mut random = |from: f64, to: f64| {
+            // Marsaglia's xorshift.
+            state ^= state << 13;
+            state ^= state >> 17;
+            state ^= state << 5;
+            from + (to - from) * f64::from(state >> 8) / f64::from(1 << 24)
+        };
+        let solver = ["handout", "event-driven"][seed as usize % 2];
+        let gravity = if (seed / 2).is_multiple_of(2) { "" } else { "gravity = [0.5, 9.81]\n" };
+        let rate = random(10.0, 70.0).round();
+        let mut text = format!(
+            "[world]\nsize = [16.0, 9.0]\nwalls = {}\n{gravity}[run]\nrate = {rate}\nsteps = 60\nsolver = \"{solver}\"\n\
+             [restitution]\ndefault = {:?}\n",
+            !seed.is_multiple_of(3),
+            random(0.2, 1.0),
+        );
+        for body in 0..6 {
+            let at = [1.0 + 2.3 * f64::from(body), random(1.0, 7.0)];
+            let (size, velocity) = ([random(0.2, 1.0), random(0.2, 1.0)], [random(-6.0, 6.0), random(-6.0, 6.0)]);
+            let (step, mass) = (if body < 3 { 0.0 } else { random(1.0, 30.0).round() }, random(0.1, 9.0));
+            text += &format!(
+                "[[spawn]]\nname = \"b{body}\"\nstep = {step}\nat = {at:?}\nsize = {size:?}\nmass = {mass:?}\n\
+                 velocity = {velocity:?}\n"
+            );
+            if seed.is_multiple_of(5) && body % 2 == 0 {
+                text += &format!("force = [{:?}, {:?}]\n", random(-3.0, 3.0), random(-3.0, 3.0));
+            }
+            if body % 2 == 1 {
+                text += &format!("[[delete]]\nstep = {}\nname = \"b{body}\"\n", random(31.0, 58.0).round());
+            }
+        }
+        text
+    }
+
+    /// The energies of a figure are those of the table, which are computed from the recorded states.
+    #[test]
+    fn the_energy_of_each_state_is_that_of_the_exported_table_to_the_bit() {
+        let folder = tempfile::tempdir().unwrap();
+        let (mut with_potential, mut compared) = (0, 0);
+        for seed in 0..60 {
+            let path = folder.path().join(format!("{seed}.mcap"));
+            let scene = scene::parse("scene.toml", &random_scene(seed)).unwrap();
+            let options = RecordOptions::complete(&scene);
+            replay::record(&scene, options, replay::NO_LIVE_EVENTS, File::create(&path).unwrap(), |_| ()).unwrap();
+            let source = Source::open(&path).unwrap();
+            let bits = |sample: EnergySample| {
+                let EnergySample { kinetic, potential, momentum, .. } = sample;
+                [kinetic, potential, sample.total(), momentum.x, momentum.y].map(f64::to_bits)
+            };
+            let table: Vec<(f64, [u64; 5])> = Playback::new(source.recording().unwrap())
+                .map(|state| state.unwrap())
+                .map(|state| (state.time, EnergySample::of(&recorded_world(&state, &source.header.config), state.time)))
+                .map(|(time, sample)| (time, bits(sample)))
+                .collect();
+            let grid = StepGrid::new(0..=source.header.steps, source.header.config.rate, Thinning::All);
+            for column in [1e-6, 1.0] {
+                let mut drawn = Vec::new();
+                let visit =
+                    |point: TracePoint| drawn.push((point.time, bits(EnergySample::of(point.world, point.time))));
+                trace(&source, &grid, column, &mut |_, _| (), visit).unwrap();
+                for row in &table {
+                    assert!(drawn.contains(row), "seed {seed}, t = {}: {row:?} is not drawn", row.0);
+                    compared += 1;
+                }
+            }
+            with_potential += u32::from(table.iter().any(|row| f64::from_bits(row.1[1]) != 0.0));
+        }
+        assert!(with_potential > 20 && with_potential < 50 && compared > 5000, "{with_potential}, {compared}");
     }
 
     #[test]

@@ -70,11 +70,14 @@ const MIN_WORLD: f64 = 16.0;
 pub struct Style {
     /// The options that do not depend on the run.
     pub look: Look,
-    /// The speed, m/s, at the end of the colour scale and of the longest velocity arrow.
+    /// The speed, m/s, of the longest velocity arrow, and at the end of the colour scale unless `color_speed` is.
     ///
     /// The maximum of the whole run rather than of the part that is drawn, so that parts drawn separately have the
     /// same scale. Faster bodies, between two states, have the colour of this speed and longer arrows.
     pub top_speed: f64,
+    /// The speed, m/s, at the end of the colour scale if few bodies are much faster than all others; these have the colour
+    /// of this speed.
+    pub color_speed: Option<f64>,
     /// The momentum, kg·m/s, of the longest momentum arrow; also of the whole run.
     pub top_momentum: f64,
     /// The force, N, of the longest force arrow; also of the whole run.
@@ -116,6 +119,7 @@ impl Default for Style {
         Style {
             look: Look::default(),
             top_speed: 10.0,
+            color_speed: None,
             top_momentum: 10.0,
             top_force: 10.0,
             top_impulse: 10.0,

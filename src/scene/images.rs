@@ -104,7 +104,12 @@ fn read_image(path: &Path) -> Result<(Vec<u8>, [u64; 2]), String> {
         return Err(format!("it has {width} × {height} pixels, but each side must have 1 to 4096"));
     }
     #[cfg(feature = "draw")]
-    crate::picture::png::decode_bitmap(&png)?;
+    {
+        if crate::picture::apng::is_animated(&png) {
+            return Err("it is an animation".into());
+        }
+        crate::picture::png::decode_bitmap(&png)?;
+    }
     Ok((png, [width, height]))
 }
 

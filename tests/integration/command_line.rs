@@ -335,6 +335,54 @@ fn figures_of_every_kind_are_drawn_in_every_format() {
     assert!(axis.code == 1 && axis.errors.contains("spacetime and velocity-space"), "{axis:?}");
 }
 
+/// A body that is much faster than a crowd has the last colour; the scale ends at the speed of the others, and says so.
+#[test]
+fn a_single_fast_body_does_not_flatten_the_colours_of_a_crowd() {
+    let crowd = |count: u32, fastest: f64| {
+        Workplace::with_scene(&format!(
+            "[world]\nsize = [16.0, 9.0]\n[run]\nsteps = 2\n[[scatter]]\ncount = {count}\nseed = 1\n\
+             region = [0.0, 0.0, 16.0, 8.0]\nsize = [[0.1, 0.1], [0.2, 0.2]]\nmass = [1.0, 1.0]\n\
+             velocity = [[2.0, 0.0], [2.0, 0.0]]\n[[spawn]]\nname = \"fast\"\nat = [0.0, 8.5]\nsize = [0.1, 0.1]\nmass = 1.0\n\
+             velocity = [{fastest:?}, 0.0]\n[figure]\ncolor_by = \"speed\"\n"
+        ))
+    };
+    for (count, fastest, end) in [(40, 300.0, "≥ 2 m/s"), (40, 5.0, "5 m/s"), (5, 300.0, "300 m/s")] {
+        let workplace = crowd(count, fastest);
+        for command in ["render scene.toml --at 1", "figure velocity-space scene.toml"] {
+            workplace.done(&format!("{command} -o a.svg --force"));
+            let file = String::from_utf8(workplace.read("a.svg")).unwrap();
+            assert!(file.contains(&format!(">{end}<")), "{command} of {count} bodies up to {fastest} m/s: {end}");
+            assert_eq!(file.contains('≥'), end.contains('≥'), "{command}: {end}");
+        }
+    }
+    let workplace = crowd(40, 300.0);
+    workplace.done("figure speeds scene.toml -o a.svg");
+    let file = String::from_utf8(workplace.read("a.svg")).unwrap();
+    assert!(file.contains("2 % &gt; 2 m/s"), "the note says how many are beyond the end of the axis");
+}
+
+#[test]
+fn labels_that_crowds_lack_are_mentioned() {
+    let crowd = |count: u32| {
+        Workplace::with_scene(&format!(
+            "[world]\nsize = [16.0, 9.0]\n[run]\nsteps = 2\n[[scatter]]\ncount = {count}\nseed = 1\n\
+             region = [0.0, 0.0, 16.0, 9.0]\nsize = [[0.1, 0.1], [0.2, 0.2]]\nmass = [1.0, 1.0]\n\
+             velocity = [[-1.0, -1.0], [1.0, 1.0]]\n"
+        ))
+    };
+    let (few, many) = (crowd(40), crowd(41));
+    for picture in
+        ["render scene.toml -o a.png --at 1", "render scene.toml -o a.gif", "figure strobe scene.toml -o b.png"]
+    {
+        let says = |workplace: &Workplace, options: &str| {
+            workplace.done(&format!("{picture} --force {options}")).errors.contains("more than 40 boxes")
+        };
+        assert!(says(&many, "--show name") && says(&many, "--show velocity,mass"), "{picture}");
+        assert!(!says(&few, "--show name") && !says(&many, "--show velocity"), "{picture}");
+    }
+    assert!(!many.done("figure energy scene.toml -o c.png --show name").errors.contains("boxes"));
+}
+
 /// The rows of a CSV table as columns by name. No field of these tests is quoted.
 fn columns(table: &str) -> std::collections::BTreeMap<String, Vec<String>> {
     let mut lines = table.lines().map(|line| line.split(',').map(str::to_owned).collect::<Vec<String>>());

@@ -30,6 +30,19 @@ pub fn encoded([width, height]: [u32; 2], rgba: &[u8]) -> Vec<u8> {
     file
 }
 
+/// An animation of two frames, each this picture of 8 × 8 pixels.
+fn animated(still: &[u8]) -> Vec<u8> {
+    let mut file = Vec::new();
+    let mut encoder = ::png::Encoder::new(&mut file, 8, 8);
+    encoder.set_color(::png::ColorType::Rgba);
+    encoder.set_animated(2, 0).unwrap();
+    let mut writer = encoder.write_header().unwrap();
+    let (picture, _) = png::decode(Cursor::new(still)).unwrap();
+    (0..2).for_each(|_| writer.write_image_data(&picture.pixels.concat()).unwrap());
+    drop(writer);
+    file
+}
+
 fn workplace(scene: &str, png: &[u8]) -> Workplace {
     let workplace = Workplace::with_scene(scene);
     std::fs::create_dir(workplace.path("img")).unwrap();
@@ -144,7 +157,8 @@ fn unusable_images_are_refused_in_one_sentence_with_their_place() {
     flipped[middle] ^= 0x10;
     let wide = encoded([4097, 1], &vec![7; 4 * 4097]);
     let many = encoded([4096, 2049], &vec![0; 4 * 4096 * 2049]);
-    let cases: [(&[u8], &str); 8] = [
+    let animation = animated(&car(8));
+    let cases: [(&[u8], &str); 9] = [
         (b"GIF89a", "it is not a PNG file"),
         (b"", "it is not a PNG file"),
         (&bomb, "60000 × 60000 pixels"),
@@ -153,6 +167,7 @@ fn unusable_images_are_refused_in_one_sentence_with_their_place() {
         (&wide, "4097 × 1 pixels"),
         (&many, "pixels"),
         (&vec![0; (4 << 20) + 1], "more than 4 MiB"),
+        (&animation, "it is an animation"),
     ];
     for (file, reason) in cases {
         let workplace = workplace(SCENE, file);

@@ -3,7 +3,8 @@
 use crate::legibility::assert_legible;
 use crate::rebond::{Outcome, Workplace};
 use rebond::internals::picture::{
-    Animation, Clip, DisplayList, Instant, Overlay, Overlays, PictureOptions, Shape, Shot, Source, Timing,
+    Animation, Clip, DisplayList, FigureOptions, Instant, Overlay, Overlays, Page, PictureOptions, Shape, Shot, Source,
+    StillFormat, Subject, SubjectOptions, Timing,
 };
 use rebond::internals::recording::Playback;
 use std::path::Path;
@@ -283,4 +284,22 @@ fn pages_of_every_size_and_number_of_recordings_are_legible_or_refused_with_a_su
             }
         }
     }
+}
+
+/// `--from` and `--to` in steps are those of the clock, the faster recording, in animations and figures.
+#[test]
+fn steps_are_those_of_the_clock_if_rates_differ() {
+    let scenes = [scene("slow", "event-driven", 60, 2.0, ""), scene("fast", "event-driven", 240, 1.5, "")];
+    let (_workplace, sources) = recorded(&scenes);
+    let mut options = small();
+    (options.from, options.to) = (Some(24.into()), Some(48.into()));
+    let (_, instants) = clip(&options, &sources);
+    let times = [&instants[0], instants.last().unwrap()].map(|instant| (instant.step, instant.time));
+    assert!(times[0].0 >= 24 && times[1].0 <= 48 && times[1].0 > times[0].0, "{times:?}");
+    assert!(times.iter().all(|(step, time)| (*step as f64 / 240.0 - time).abs() < 1e-12), "{times:?}");
+    let energy = SubjectOptions::Figure { figure: FigureOptions::Energy, format: StillFormat::Png };
+    let resolved = options.resolve(&energy, &sources, &mut |_, _| ()).unwrap();
+    let Subject::Page { page: Page::Energy { steps }, .. } = &resolved.subject else { panic!("{resolved:?}") };
+    let steps: Vec<_> = steps.iter().map(|range| range.steps.clone()).collect();
+    assert_eq!(steps, [6..=12, 24..=48]);
 }

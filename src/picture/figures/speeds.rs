@@ -15,9 +15,11 @@ const FINE_BINS: usize = 6000;
 pub struct SpeedRun {
     /// Title, shown if there are several runs.
     pub title: String,
-    /// The highest speed of all runs of the figure, m/s.
+    /// The end of the fine bins, m/s.
     top: f64,
     fine: Vec<u64>,
+    /// The number of samples beyond the fine bins.
+    beyond: u64,
     /// The number of samples of each mass, kg, by the bits of the mass.
     masses: BTreeMap<u64, (f64, u64)>,
     /// The sum of kinetic energies, J.
@@ -26,16 +28,20 @@ pub struct SpeedRun {
 }
 
 impl SpeedRun {
-    /// Creates a run without samples, for speeds up to `top` (m/s), the highest one of all runs of the figure.
+    /// Creates a run without samples, for speeds up to `top` (m/s), the highest one of all runs of the figure or of most
+    /// bodies. Faster ones are counted together.
     pub fn new(title: String, top: f64) -> SpeedRun {
         let fine = vec![0; FINE_BINS];
-        SpeedRun { title, top, fine, masses: BTreeMap::new(), kinetic: 0.0, count: 0 }
+        SpeedRun { title, top, fine, beyond: 0, masses: BTreeMap::new(), kinetic: 0.0, count: 0 }
     }
 
     /// Adds the speed, m/s, of a body of a finite mass, kg.
     pub fn push(&mut self, speed: f64, mass: f64) {
         let place = (speed / self.top * FINE_BINS as f64) as usize;
-        self.fine[place.min(FINE_BINS - 1)] += 1;
+        match speed > self.top {
+            true => self.beyond += 1,
+            false => self.fine[place.min(FINE_BINS - 1)] += 1,
+        }
         self.masses.entry(mass.to_bits()).or_insert((mass, 0)).1 += 1;
         self.kinetic += 0.5 * mass * speed * speed;
         self.count += 1;
@@ -62,7 +68,8 @@ impl SpeedRun {
         self.masses.values().map(density).sum()
     }
 
-    /// The number of fine bins that contain 99.9 % of the samples, so that few fast bodies do not flatten the diagram.
+    /// The number of fine bins that contain 99.9 % of the samples, so that few fast bodies do not flatten the diagram; all
+    /// if more are beyond them.
     fn fine_bins_shown(&self) -> usize {
         let mut below = 0;
         let needed = self.count - self.count / 1000;
@@ -70,7 +77,16 @@ impl SpeedRun {
             below += count;
             below >= needed
         });
-        last.map_or(0, |last| last + 1)
+        match last {
+            Some(last) => last + 1,
+            None => {
+                if self.count > 0 {
+                    FINE_BINS
+                } else {
+                    0
+                }
+            }
+        }
     }
 
     /// The densities, s/m, in bins of `width` fine bins, of which `count` are shown.
@@ -166,7 +182,7 @@ pub fn speeds(runs: &[SpeedRun], style: &Style) -> Result<DisplayList, RenderErr
 fn note(run: &SpeedRun, end: f64) -> String {
     let temperature = Unit::JOULE.format(run.temperature(), 3);
     let shown = (end / run.top * FINE_BINS as f64).round() as usize;
-    let beyond: u64 = run.fine.iter().skip(shown).sum();
+    let beyond = run.beyond + run.fine.iter().skip(shown).sum::<u64>();
     let faster = match beyond {
         0 => String::new(),
         beyond => {
@@ -206,5 +222,11 @@ mod tests {
         (0..2000).for_each(|_| run.push(1.0, 1.0));
         run.push(1000.0, 1.0);
         assert!(run.fine_bins_shown() < FINE_BINS / 100);
+        let mut run = SpeedRun::new(String::new(), 2.0);
+        (0..90).for_each(|_| run.push(1.0, 1.0));
+        (0..10).for_each(|_| run.push(1000.0, 1.0));
+        assert_eq!((run.fine_bins_shown(), run.beyond), (FINE_BINS, 10));
+        assert!(note(&run, 2.0).contains("10 \"%\" > 2"), "{}", note(&run, 2.0));
+        assert!((run.histogram(FINE_BINS, 1)[0] - 0.45).abs() < 1e-12, "nine tenths of the samples are shown");
     }
 }

@@ -9,7 +9,7 @@ use crate::picture::text::{Line, truncated};
 use crate::picture::{Color, Frame, Shape, Sprite, Style, color};
 
 /// With more boxes than this only labels inside boxes are drawn, because labels next to them would be unreadable.
-const MAX_PLACED: usize = 40;
+pub const MAX_PLACED: usize = 40;
 
 /// Draws the labels of boxes and arrows where they cover as little as possible.
 ///

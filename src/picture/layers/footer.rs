@@ -275,7 +275,7 @@ impl Legend {
                 }
                 entries
             }
-            ColorBy::Speed => vec![speed_scale(style.top_speed)],
+            ColorBy::Speed => vec![speed_scale(style)],
         };
         Legend { entries }
     }
@@ -391,9 +391,12 @@ pub enum Alignment {
     Center,
 }
 
-/// The colour scale from 0 to the top speed.
-fn speed_scale(top: f64) -> Entry {
-    let name = Unit::METRE_PER_SECOND.format(top, 3);
+/// The colour scale from 0 to the top speed, or to a lower speed and all above it.
+fn speed_scale(style: &Style) -> Entry {
+    let name = match style.color_speed {
+        Some(end) => format!("≥ {}", Unit::METRE_PER_SECOND.format(end, 3)),
+        None => Unit::METRE_PER_SECOND.format(style.top_speed, 3),
+    };
     Entry { colors: SPEED_COLORS.to_vec(), hatching: Hatching::None, prefix: "0".to_owned(), name, arrow: None }
 }
 

@@ -2,7 +2,7 @@
 
 pub mod arrows;
 pub mod bodies;
-mod body_labels;
+pub mod body_labels;
 mod center_of_mass;
 pub mod contacts;
 pub mod footer;

@@ -237,7 +237,7 @@ pub fn body_color(sprite: &Sprite, style: &Style) -> Color {
         ColorBy::Material => color_by_material(&appearance.material, style),
         // The speed of a static body never changes, so it is not coloured by speed.
         ColorBy::Speed if appearance.mass == f64::INFINITY => appearance.color.unwrap_or(DEFAULT_COLOR),
-        ColorBy::Speed => color_by_speed(sprite.velocity.norm(), style.top_speed),
+        ColorBy::Speed => color_by_speed(sprite.velocity.norm(), style.color_speed.unwrap_or(style.top_speed)),
     }
 }
 
