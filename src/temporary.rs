@@ -143,12 +143,13 @@ pub fn remove_all() {
     std::mem::forget(folders);
 }
 
-/// Removes temporary files and ends the process at the end of standard input: another process holds the pipe open as long
-/// as it needs this one.
+/// Ends the process as soon as `parent`, which has started it, has ended in any way. `wait` returns then. The temporary
+/// files of both are removed.
 #[cfg(feature = "cli")]
-pub fn end_with_standard_input() {
-    std::thread::spawn(|| {
-        let _ = io::copy(&mut io::stdin(), &mut io::sink());
+pub fn end_with_parent(parent: u32, wait: impl FnOnce() + Send + 'static) {
+    std::thread::spawn(move || {
+        wait();
+        remove_those_of(parent, &std::env::temp_dir());
         remove_all();
         process::exit(1);
     });

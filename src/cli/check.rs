@@ -30,8 +30,9 @@ pub fn run(options: &CheckOptions) -> Result<Exit, CommandError> {
             None => Journal::default(),
         },
     };
-    if options.journal.is_some() && !options.review {
-        temporary::end_with_standard_input();
+    if let Some(parent) = journal.parent {
+        let input = if options.review { Input::Answers } else { Input::Lifeline };
+        supervisor::end_with_parent(parent, input);
     }
     check(options, &journal)
 }

@@ -27,6 +27,7 @@ pub enum Input {
 pub fn supervise(folders: &[PathBuf], input: Input) -> io::Result<Option<Exit>> {
     let temporary = TemporaryFolder::create_in_system()?;
     let path = temporary.path().join("journal");
+    Journal::open(&path)?.note("parent", &std::process::id().to_string());
     loop {
         let stdin = if input == Input::Lifeline { Stdio::piped() } else { Stdio::inherit() };
         let Ok(mut child) = command(&path)?.stdin(stdin).spawn() else { return Ok(None) };
@@ -54,6 +55,21 @@ pub fn supervise(folders: &[PathBuf], input: Input) -> io::Result<Option<Exit>> 
                 unfinished.iter().for_each(|key| journal.note("end", key));
             }
         }
+    }
+}
+
+/// Ends this process, a child with this input, as soon as `parent` has ended in any way.
+pub fn end_with_parent(parent: u32, input: Input) {
+    match input {
+        Input::Lifeline => temporary::end_with_parent(parent, || drop(io::copy(&mut io::stdin(), &mut io::sink()))),
+        #[cfg(unix)]
+        Input::Answers => temporary::end_with_parent(parent, move || {
+            while std::os::unix::process::parent_id() == parent {
+                std::thread::sleep(std::time::Duration::from_millis(100));
+            }
+        }),
+        #[cfg(not(unix))]
+        Input::Answers => {}
     }
 }
 
@@ -102,6 +118,8 @@ fn end_of(status: ExitStatus) -> String {
 #[derive(Debug, Default)]
 pub struct Journal {
     file: Option<Mutex<File>>,
+    /// The process that supervises this one.
+    pub parent: Option<u32>,
     /// True if cases are to be checked one after the other.
     pub is_alone: bool,
     /// The cases that were begun and not ended.
@@ -124,6 +142,7 @@ impl Journal {
         for line in String::from_utf8_lossy(&fs::read(path)?).lines() {
             let (word, key) = line.split_once(' ').unwrap_or((line, ""));
             match word {
+                "parent" => journal.parent = key.parse().ok(),
                 "begin" => drop(journal.unfinished.insert(key.into())),
                 "end" => drop(journal.unfinished.remove(key)),
                 "printed" => drop(journal.printed.insert(key.into())),

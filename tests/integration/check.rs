@@ -449,20 +449,27 @@ fn a_review_goes_on_after_a_case_that_ends_the_process() {
 
 #[cfg(unix)]
 #[test]
-fn the_process_that_checks_ends_with_the_command() {
+fn the_processes_that_check_and_review_end_with_the_command() {
     use std::io::Read;
     use std::process::{Command, Stdio};
     use std::{sync::mpsc, thread, time::Duration};
     let workplace = Workplace::with_scene(&SCENE.replace("steps = 90", "steps = 100000000"));
     workplace.write("long.check", "rebond figure strobe scene.toml -o long.svg\n");
-    let mut command = workplace.start("check long.check", Stdio::null(), Stdio::null());
-    let mut errors = command.stderr.take().unwrap();
-    let (sender, ended) = mpsc::channel();
-    // The pipe has its end when all processes that hold it have ended.
-    thread::spawn(move || sender.send(errors.read_to_end(&mut Vec::new())));
-    assert!(ended.recv_timeout(Duration::from_millis(500)).is_err(), "it is still drawing");
-    assert!(Command::new("kill").arg(command.id().to_string()).status().unwrap().success());
-    assert!(!command.wait().unwrap().success());
-    assert!(ended.recv_timeout(Duration::from_secs(20)).is_ok(), "a process is left");
-    assert!(workplace.names().iter().all(|name| !name.starts_with(".rebond")), "{:?}", workplace.names());
+    workplace.write("long.svg.new", "new content");
+    for (arguments, signal) in [("", "TERM"), ("", "KILL"), (" --review", "TERM"), (" --review", "KILL")] {
+        // Nobody answers a review.
+        let mut command = workplace.start(&format!("check .{arguments}"), Stdio::piped(), Stdio::null());
+        let _answers = command.stdin.take();
+        let mut errors = command.stderr.take().unwrap();
+        let (sender, ended) = mpsc::channel();
+        // The pipe has its end when all processes that hold it have ended.
+        thread::spawn(move || sender.send(errors.read_to_end(&mut Vec::new())));
+        assert!(ended.recv_timeout(Duration::from_millis(500)).is_err(), "it is still drawing, or asking");
+        let id = command.id().to_string();
+        assert!(Command::new("kill").args(["-s", signal, &id]).status().unwrap().success());
+        assert!(!command.wait().unwrap().success());
+        assert!(ended.recv_timeout(Duration::from_secs(20)).is_ok(), "{arguments} {signal}: a process is left");
+        let names = workplace.names();
+        assert!(names.iter().all(|name| !name.starts_with(".rebond")), "{arguments} {signal}: {names:?}");
+    }
 }
