@@ -6,9 +6,10 @@ use crate::physics::SolverKind;
 use crate::picture;
 use crate::recording::{self, ColorFn, Header, Health, Item, RecordedError, Trailer, Versions};
 use crate::replay::{self, IdleClicks, LiveEvents, OnBadEvent, Recorded, RunError};
-use crate::scene::{self, Scene};
+use crate::scene::{self, Action, Scene};
 use crate::text::counted;
 use std::{
+    collections::BTreeSet,
     fs::File,
     io::{self, BufRead, BufReader, Write},
     iter,
@@ -163,6 +164,9 @@ pub fn record<W: Write + Send + 'static>(
     output: W,
     path: &Path,
 ) -> Result<Recorded, CommandError> {
+    if live.is_none() {
+        warn_of_unused_pairs(scene);
+    }
     let bar = output::progress_bar("recording", plan.steps);
     let recorded = replay::record(scene, plan, live, output, |step| bar.set_position(step));
     bar.finish_and_clear();
@@ -175,6 +179,23 @@ pub fn record<W: Write + Send + 'static>(
         RunError::Recording(error) => CommandError::in_recording(path)(error),
         error => error.into(),
     })
+}
+
+/// Reports values of `--set` for pairs of materials of which no body is made, such as misspelt ones: they change nothing.
+fn warn_of_unused_pairs(scene: &Scene) {
+    let materials = scene.inputs.iter().filter_map(|input| match &input.action {
+        Action::Wall(request) | Action::Spawn(request) => Some(&request.blueprint.material),
+        Action::Click { spawn, .. } => spawn.as_ref().map(|blueprint| &blueprint.material),
+        Action::Delete { .. } => None,
+    });
+    let used: BTreeSet<&str> = materials.map(String::as_str).collect();
+    for [key, value] in &scene.source.overrides {
+        let pair = key.strip_prefix("restitution.").and_then(|pair| pair.trim_matches('"').split_once('/'));
+        let Some(unused) = pair.and_then(|(a, b)| [a, b].into_iter().find(|name| !used.contains(name))) else {
+            continue;
+        };
+        output::info(format_args!("--set {key}={value} changes nothing: no body has the material {unused:?}"));
+    }
 }
 
 fn warn_of_unreached_inputs(scene: &Scene, steps: u64) {

@@ -193,6 +193,20 @@ fn a_click_that_changes_nothing_is_reported() {
 }
 
 #[test]
+fn a_value_for_a_material_that_no_body_has_is_reported() {
+    let workplace = Workplace::with_scene(SCENE);
+    let message = "--set restitution.stel/steel=0.95 changes nothing: no body has the material \"stel\"\n";
+    assert_eq!(workplace.done("record scene.toml -o a.mcap --set restitution.stel/steel=0.95").errors, message);
+    assert!(workplace.done("export scene.toml -o a.csv --set restitution.stel/steel=0.95").errors.contains(message));
+    let used = workplace.done("record scene.toml -o b.mcap --set restitution.steel/steel=0.5");
+    assert_eq!(used.errors, "");
+    // The events of a live run may have it.
+    let live =
+        workplace.rebond_with_input("record scene.toml -o c.mcap --events - --set restitution.stel/steel=0.95", "");
+    assert_eq!((live.code, live.errors.as_str()), (0, ""));
+}
+
+#[test]
 fn the_array_script_of_the_guide_is_the_one_that_is_tried() {
     let [guide, script] = [include_str!("../../src/guide/studies.md"), include_str!("../studies/slurm.sh")];
     assert!(guide.contains(script));
