@@ -62,6 +62,9 @@ impl GapReason {
 /// Passes the world in each state of `grid` to `visit`, in the order of time, and between two states the world before and
 /// after each collision at its exact instant, and before spawns and deletes.
 ///
+/// The handout's solver resolves all collisions of a step at its beginning: there, the velocities change at once. Positions
+/// change from state to state, including the displacements that separate boxes.
+///
 /// The exact instants require a replay. They are omitted if steps are shorter than a column, `column` seconds, because
 /// then no picture can show them; of several collisions in one column only the first is an instant. So both time and
 /// memory are bounded by the number of columns, beyond reading the recording. A recording of another version of the
@@ -78,11 +81,10 @@ pub fn trace(
 ) -> Result<Trace, Error> {
     let changes = ChangeSteps::read(source, grid, column)?;
     let is_wide = grid.every == 1 && 1.0 / grid.rate >= column;
-    let has_instants = source.header.config.solver.is_continuous() || !changes.0.is_empty();
     let mut tracer =
         Tracer { source, grid, column, changes: &changes.0, last: None, gaps: Vec::new(), visit: &mut visit };
     let steps = source.steps_to_read(*grid.steps.start(), *grid.steps.end());
-    let replayer = match is_wide && has_instants {
+    let replayer = match is_wide {
         true => match Replayer::new(source.recording()?, steps) {
             Ok(replayer) => Some(replayer),
             Err(RecordingError::OtherSemantics { .. }) => None,
@@ -172,11 +174,7 @@ impl Tracer<'_> {
             let Some(step) = next else { break };
             if let Some(engine) = replayer.engine() {
                 if let Some(before) = before.take().filter(|before| before.current_step() + 1 == step) {
-                    let moved = MovingWorld::through(&before, &instants, engine.world(), 1.0 / self.grid.rate);
-                    match moved.filter(|_| !self.changes.contains(&step)) {
-                        Some(moving) => self.within_moving_step(moving, &instants),
-                        None => self.within_step(before, &instants.offsets)?,
-                    }
+                    self.between_states(before, engine.world(), &instants)?;
                 }
                 self.state(step, engine.world());
                 before = Some(engine.clone());
@@ -255,42 +253,83 @@ impl Tracer<'_> {
         (1..parts).map(move |part| f64::from(part) * duration / f64::from(parts)).peekable()
     }
 
-    /// The instants between the state of `engine` and the next one, computed by the engine once more.
-    fn within_step(&mut self, engine: Engine, collisions: &[f64]) -> Result<(), Error> {
+    /// The instants between the state of `engine` and the next one, `next`.
+    fn between_states(&mut self, engine: Engine, next: &World, collisions: &StepCollisions) -> Result<(), Error> {
         let (step, duration) = (engine.current_step(), 1.0 / self.grid.rate);
-        let failed = |source| Error::Step { path: self.source.path.clone(), source };
+        let is_changed = self.changes.contains(&(step + 1));
+        let is_continuous = self.source.header.config.solver.is_continuous();
+        let moving = match is_continuous && !is_changed {
+            true => MovingWorld::through(&engine, collisions, next, duration),
+            false => None,
+        };
+        if let Some(moving) = moving {
+            self.within_moving_step(moving, collisions);
+            return Ok(());
+        }
+        if is_continuous {
+            self.within_step(&engine, &collisions.offsets)?;
+        }
+        let mut end = None;
+        if is_changed {
+            let mut engine = engine.clone();
+            let stepped = engine.step(&mut CollisionCount::default());
+            stepped.map_err(|source| Error::Step { path: self.source.path.clone(), source })?;
+            end = Some(engine);
+        }
+        let end = end.as_ref().map(Engine::world);
+        let mut visit = |step: u64, world: &World| {
+            let time = step as f64 / self.grid.rate;
+            (self.visit)(TracePoint { time, world, is_after_gap: false, is_after_change: false });
+        };
+        if !is_continuous && !collisions.offsets.is_empty() {
+            visit(step, &after_impulses(engine.world(), end.unwrap_or(next), duration));
+        }
+        end.into_iter().for_each(|end| visit(step + 1, end));
+        Ok(())
+    }
+
+    /// The instants between the state of `engine` and the next one, computed by the engine once more.
+    fn within_step(&mut self, engine: &Engine, collisions: &[f64]) -> Result<(), Error> {
+        let (step, duration) = (engine.current_step(), 1.0 / self.grid.rate);
         let (start, mut ignored) = (step as f64 / self.grid.rate, CollisionCount::default());
-        let between = self.between(duration);
+        let mut between = self.between(duration);
+        let mut within = engine.within_step();
+        let mut world_after = |offset: f64| {
+            let world = within.world_after(offset, &mut ignored);
+            world.map_err(|source| Error::Step { path: self.source.path.clone(), source })
+        };
         let mut visit = |offset: f64, world: &World| {
             (self.visit)(TracePoint { time: start + offset, world, is_after_gap: false, is_after_change: false });
         };
-        if self.source.header.config.solver.is_continuous() {
-            let mut within = engine.within_step();
-            let mut between = between;
-            for &collision in collisions {
-                while let Some(offset) = between.next_if(|&offset| offset < collision) {
-                    visit(offset, &within.world_after(offset, &mut ignored).map_err(failed)?);
-                }
-                // Before and after the collision, whose instant is rounded like a time since step 0.
-                let margin = 4.0 * f64::EPSILON * (start + duration);
-                for offset in [collision - margin, collision + margin] {
-                    if offset > 0.0 && offset < duration {
-                        visit(collision, &within.world_after(offset, &mut ignored).map_err(failed)?);
-                    }
-                }
+        for &collision in collisions {
+            while let Some(offset) = between.next_if(|&offset| offset < collision) {
+                visit(offset, &world_after(offset)?);
             }
-            for offset in between {
-                visit(offset, &within.world_after(offset, &mut ignored).map_err(failed)?);
+            // Before and after the collision, whose instant is rounded like a time since step 0.
+            let margin = 4.0 * f64::EPSILON * (start + duration);
+            for offset in [collision - margin, collision + margin] {
+                if offset > 0.0 && offset < duration {
+                    visit(collision, &world_after(offset)?);
+                }
             }
         }
-        if self.changes.contains(&(step + 1)) {
-            let mut end = engine;
-            end.step(&mut ignored).map_err(failed)?;
-            let time = (step + 1) as f64 / self.grid.rate;
-            (self.visit)(TracePoint { time, world: end.world(), is_after_gap: false, is_after_change: false });
+        for offset in between {
+            visit(offset, &world_after(offset)?);
         }
         Ok(())
     }
+}
+
+/// The world at the beginning of a step of the handout's solver, from `start` to `end`, after its impulses: the velocities
+/// are those at the end, without the change that forces have caused since.
+fn after_impulses(start: &World, end: &World, duration: f64) -> World {
+    let mut world = MovingWorld::new(start);
+    for (at, body) in world.world.bodies.iter_mut().enumerate() {
+        if let Ok(after) = end.bodies.binary_search_by_key(&body.id, |body| body.id) {
+            body.velocity = end.bodies[after].velocity.sub(world.accelerations[at].mult(duration));
+        }
+    }
+    world.world
 }
 
 /// The distance of points on curves that are not straight, in columns.
@@ -421,13 +460,17 @@ mod tests {
 
     /// Two boxes between walls, and a third that comes and goes, at `rate` Hz for four seconds.
     fn source(folder: &std::path::Path, rate: u64, e: f64) -> Source {
+        source_of(folder, rate, e, "event-driven")
+    }
+
+    fn source_of(folder: &std::path::Path, rate: u64, e: f64, solver: &str) -> Source {
         let body = |name: &str, x: f64, y: f64, velocity: f64| {
             format!(
                 "[[spawn]]\nname = \"{name}\"\nat = [{x:?}, {y:?}]\nsize = [1.0, 1.0]\nmass = 1.0\nvelocity = [{velocity:?}, 0.0]\n"
             )
         };
         let text = format!(
-            "[world]\nsize = [16.0, 9.0]\nwalls = true\n[run]\nrate = {rate}\nsteps = {}\n[restitution]\ndefault = {e:?}\n{}{}{}\
+            "[world]\nsize = [16.0, 9.0]\nwalls = true\n[run]\nrate = {rate}\nsteps = {}\nsolver = \"{solver}\"\n[restitution]\ndefault = {e:?}\n{}{}{}\
              step = {rate}\n[[delete]]\nstep = {}\nname = \"late\"\n",
             4 * rate,
             body("a", 3.0, 1.0, 7.0),
@@ -485,6 +528,49 @@ mod tests {
             let (all, vertical) =
                 (points.windows(2).map(|pair| pair[1].1 - pair[0].1), jumps.map(|pair| pair[1].1 - pair[0].1));
             assert!((all.sum::<f64>() - vertical.sum::<f64>()).abs() < 1e-9 && lost > 1.0, "at {rate} Hz");
+        }
+    }
+
+    #[test]
+    fn impulses_of_the_handout_solver_are_vertical_steps_at_the_beginning_of_their_step() {
+        let folder = tempfile::tempdir().unwrap();
+        for rate in [20, 64] {
+            let source = source_of(folder.path(), rate, 0.9, "handout");
+            let (points, _) = points(&source, 1e-6);
+            let mut collisions: Vec<Collision> = Vec::new();
+            Replayer::new(source.recording().unwrap(), ALL_STEPS).unwrap().run(&mut collisions, |_| ()).unwrap();
+            collisions.retain(|collision| collision.impulse != 0.0);
+            assert!(collisions.len() > 3, "{} collisions at {rate} Hz", collisions.len());
+            for collision in &collisions {
+                let at = |&(time, ..): &(f64, f64, bool)| (time - collision.instant).abs() < 1e-12;
+                let energies: Vec<f64> = points.iter().filter(|point| at(point)).map(|point| point.1).collect();
+                assert!(energies.last() < energies.first(), "{} at {rate} Hz: {energies:?}", collision.instant);
+            }
+            let ramps = points.windows(2).filter(|pair| pair[0].0 != pair[1].0 && pair[0].1 != pair[1].1);
+            assert_eq!(ramps.count(), 0, "at {rate} Hz");
+        }
+    }
+
+    /// With weight and a constant force: between the vertical steps, the velocity changes as these forces demand.
+    #[test]
+    fn forces_act_after_the_impulses_of_a_step_of_the_handout_solver() {
+        let folder = tempfile::tempdir().unwrap();
+        let text = "[world]\nsize = [16.0, 9.0]\nwalls = true\ngravity = [0.0, 8.0]\n[run]\nrate = 32\nsteps = 96\n\
+            solver = \"handout\"\n[restitution]\ndefault = 0.5\n[[spawn]]\nat = [3.0, 6.0]\nsize = [1.0, 1.0]\nmass = 2.0\n\
+            velocity = [1.0, 0.0]\nforce = [4.0, 0.0]\n";
+        let path = folder.path().join("fall.mcap");
+        let scene = scene::parse("scene.toml", text).unwrap();
+        let options = RecordOptions::complete(&scene);
+        replay::record(&scene, options, replay::NO_LIVE_EVENTS, File::create(&path).unwrap(), |_| ()).unwrap();
+        let source = Source::open(&path).unwrap();
+        let grid = StepGrid::new(0..=96, 32.0, Thinning::All);
+        let mut points = Vec::new();
+        let visit = |point: TracePoint| points.push((point.time, point.world.bodies.last().unwrap().velocity));
+        trace(&source, &grid, 1e-6, &mut |_, _| (), visit).unwrap();
+        let steps = points.windows(2).filter(|pair| pair[0].0 == pair[1].0);
+        assert!(steps.clone().count() > 10 && steps.clone().all(|pair| pair[1].1.y <= 0.0), "{points:?}");
+        for pair in points.windows(2).filter(|pair| pair[0].0 < pair[1].0) {
+            assert_eq!(pair[1].1.sub(pair[0].1), Vector::new(2.0 / 32.0, 8.0 / 32.0), "{pair:?}");
         }
     }
 

@@ -63,6 +63,62 @@ pub fn assert_legible(list: &DisplayList, case: &str) {
     }
 }
 
+/// Asserts that no text overlaps an arrow, whose shaft and head have one of these colours. Returns the number of arrows.
+fn assert_clear_of_arrows(list: &DisplayList, colors: &[Color], case: &str) -> usize {
+    let page = Rect::new(Vector::ZERO, f64::from(list.size[0]), f64::from(list.size[1]));
+    let (mut texts, mut arrows) = (Vec::new(), Vec::new());
+    visit(&list.shapes, &page, false, &mut 0, &mut |_, shape, window, _| match shape {
+        Shape::Text { line, at, .. } if !line.text.is_empty() => {
+            let height = line.height();
+            texts.push((line.text.clone(), Rect::new(at.sub(Vector::new(0.0, height)), line.width, height)));
+        }
+        Shape::Polyline { points, width, ink } if colors.contains(&ink.color) => {
+            arrows.extend(bounds_of(points).inset(-width / 2.0).intersection(window));
+        }
+        Shape::Polygon { points, ink } if colors.contains(&ink.color) => {
+            arrows.extend(bounds_of(points).intersection(window));
+        }
+        _ => {}
+    });
+    for (text, bounds) in &texts {
+        let crossed = arrows.iter().find_map(|arrow| arrow.intersection(bounds));
+        assert_eq!(crossed, None, "{case}: {text:?} {bounds:?} is on an arrow");
+    }
+    arrows.len()
+}
+
+fn bounds_of(points: &[Vector]) -> Rect {
+    points.iter().map(|at| Rect::new(*at, 0.0, 0.0)).reduce(|all, at| all.union(&at)).unwrap()
+}
+
+/// The lengths of the Minkowski difference are beside their arrows or below the panels, never on an arrow, at any size.
+#[test]
+fn no_text_of_a_minkowski_difference_is_on_an_arrow() {
+    let mut arrows = 0;
+    for (at, run) in [pair(), fall(), crate::run_states::galperin()].iter().enumerate() {
+        for theme in Theme::ALL {
+            for size in
+                [[200, 200], [640, 360], [320, 180], [360, 640], [800, 450], [1000, 460], [1280, 720], [2400, 600]]
+            {
+                let mut style = options(*theme, "");
+                style.look.size = size;
+                let case = format!("scene {at}, {} at {size:?}", theme.name());
+                let list = match figures::minkowski(&[run.first_collision()], &style) {
+                    Err(RenderError::TooSmall { needed: Some(needed), .. }) => {
+                        style.look.size = needed;
+                        figures::minkowski(&[run.first_collision()], &style)
+                    }
+                    drawn => drawn,
+                };
+                let palette = rebond::internals::picture::Palette::of(*theme);
+                let blue = Color::hex(0x0072b2).mix(palette.ink, 20);
+                arrows += assert_clear_of_arrows(&list.unwrap(), &[blue, palette.penetration], &case);
+            }
+        }
+    }
+    assert!(arrows > 300, "{arrows} parts of arrows");
+}
+
 /// Visits the shapes within `window` in drawing order, each with its number, its visible area, and whether a panel clips
 /// it.
 fn visit(

@@ -100,11 +100,13 @@ fn row(subject: &CollisionSubject, cell: &Rect, panels: &mut Panels, style: &Sty
     panels.shapes.push(Shape::Clip { window: panel_rects[0], shapes });
     let boxes = language.of("\"(a) the boxes\" c \"and\" b", "\"(a) les boîtes\" c \"et\" b");
     caption(&panel_rects[0], [boxes, "\"(a)\" c, b"], panels);
-    let length_label = if zoom == 1.0 { LengthLabel::Shown } else { LengthLabel::Hidden };
-    difference.draw(&panel_rects[1], scale, difference.middle, length_label, panels);
+    let shortest = [difference.shortest];
+    let others: Vec<usize> = (0..4).filter(|index| !shortest.contains(index)).collect();
+    let labelled = if zoom == 1.0 { [&shortest[..], &others].concat() } else { others };
+    difference.draw(&panel_rects[1], scale, difference.middle, &labelled, panels);
     caption(&panel_rects[1], titles_b(language), panels);
     if let Some(panel) = panel_rects.get(2) {
-        difference.draw(panel, scale * zoom, Vector::ZERO, LengthLabel::Shown, panels);
+        difference.draw(panel, scale * zoom, Vector::ZERO, &shortest, panels);
         let zoom = format_significant(zoom, 1);
         let larger = language.of("times larger", "fois plus grand");
         caption(panel, [&format!("\"(c)\" {zoom} \"{larger}\""), &format!("\"(c)\" ×{zoom}")], panels);
@@ -125,13 +127,6 @@ struct MinkowskiDifference {
     middle: Vector,
     /// Width and height of the visible area, m.
     extent: Vector,
-}
-
-/// The label with the length of the shortest vector, shown in the panel in which that vector is large enough.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum LengthLabel {
-    Shown,
-    Hidden,
 }
 
 /// A penetration up to this fraction of the size of the difference counts as zero.
@@ -179,9 +174,9 @@ impl MinkowskiDifference {
         if is_visible { 1.0 } else { smaller(nice_spacing(target_length / length), 1e9) }
     }
 
-    /// Draws the difference in a panel whose middle shows the point `middle` (m). `length_label` is the label of the
-    /// shortest vector.
-    fn draw(&self, panel: &Rect, scale: f64, middle: Vector, length_label: LengthLabel, panels: &mut Panels) {
+    /// Draws the difference in a panel whose middle shows the point `middle` (m), with the lengths of these vectors in the
+    /// order in which they are placed.
+    fn draw(&self, panel: &Rect, scale: f64, middle: Vector, labelled: &[usize], panels: &mut Panels) {
         let metrics = panels.metrics;
         let origin = middle.sub(panel.center().mult(1.0 / scale));
         let world = self.rect.far_corner();
@@ -193,21 +188,22 @@ impl MinkowskiDifference {
         let mut placer = LabelPlacer::within(*panel);
         placer.avoid_border(&page_rect, 1.0);
         let fills = [(page_rect, self.fill)];
+        let arrow = |(vector, color, width): (Vector, Color, f64)| {
+            Arrow::new(origin_on_page, origin_on_page.add(vector.mult(scale)), width, color)
+        };
+        let arrows: Vec<Arrow> = self.candidates(&metrics).into_iter().map(arrow).collect();
+        arrows.iter().for_each(|arrow| placer.keep_clear(arrow.bounds(&metrics)));
         draw_axes(origin_on_page, panel, &fills, &mut placer, &metrics, &mut shapes);
-        for (vector, color, width) in self.candidates(&metrics) {
-            let arrow = Arrow::new(origin_on_page, origin_on_page.add(vector.mult(scale)), width, color);
-            placer.avoid_line(arrow.from, arrow.to, 2.0);
-            arrow.draw(&metrics, &mut shapes);
-        }
+        arrows.iter().for_each(|arrow| arrow.draw(&metrics, &mut shapes));
         if self.vectors[self.shortest] == Vector::ZERO {
             let side = 4.0 * metrics.line_width;
             let mark = Rect::new(origin_on_page.sub(Vector::new(side / 2.0, side / 2.0)), side, side);
             shapes.push(Shape::Rect { rect: mark, ink: metrics.palette.penetration.into() });
         }
         self.draw_name(&page_rect, panel, &mut placer, &metrics, &mut shapes);
-        let vectors = [self.shortest].into_iter().chain((0..4).filter(|&index| index != self.shortest));
-        for index in vectors.filter(|&index| index != self.shortest || length_label == LengthLabel::Shown) {
-            self.label_length(index, (origin_on_page, scale), &fills, &mut placer, &metrics, &mut shapes);
+        for &index in labelled {
+            let visible = visible_part(self.vectors[index].mult(scale), origin_on_page, panel);
+            self.label_length(index, (origin_on_page, visible), &fills, &mut placer, &metrics, &mut shapes);
         }
         panels.shapes.push(Shape::Clip { window: *panel, shapes });
         if !panel.contains(&page_rect) {
@@ -243,27 +239,36 @@ impl MinkowskiDifference {
         name.into_iter().for_each(|name| name.draw_over(&fills, Halo::Around, metrics, shapes));
     }
 
-    /// Draws the label with the length of a vector beside its visible part.
+    /// Draws the label with the length of a vector beside its visible part, px, if there is space without an arrow. All
+    /// lengths are also below the panels.
     fn label_length(
         &self,
         index: usize,
-        (origin_on_page, scale): (Vector, f64),
+        (origin_on_page, visible): (Vector, Vector),
         fills: &[(Rect, Color)],
         placer: &mut LabelPlacer,
         metrics: &DrawingMetrics,
         shapes: &mut Vec<Shape>,
     ) {
-        let vector = self.vectors[index];
-        let length = Unit::METRE.format(vector.norm(), 3);
+        let length = Unit::METRE.format(self.vectors[index].norm(), 3);
         let (text, color, size) = match index == self.shortest {
-            true => (format!("|n⃗| = {length}"), metrics.palette.penetration, metrics.font_size),
-            false => (length, blue(metrics), metrics.text(0.9)),
+            true => (format!("|n⃗| = {length}"), metrics.palette.penetration, 1.0),
+            false => (length, blue(metrics), 0.9),
         };
-        let normal = Vector::new(vector.y, -vector.x);
-        let anchors = [0.5, 0.35, 0.65, 0.8].map(|part| origin_on_page.add(vector.mult(part * scale)));
-        let label = placer.place_along(Line::math(&text, size), &anchors, normal, 0.7 * metrics.font_size, color);
+        let normal = Vector::new(visible.y, -visible.x);
+        let anchors = [0.5, 0.35, 0.65, 0.8, 0.2, 1.0].map(|part| origin_on_page.add(visible.mult(part)));
+        let label = [size, 0.9, 0.75].into_iter().find_map(|size| {
+            let line = Line::math(&text, metrics.text(size));
+            placer.place_along(line, &anchors, normal, 0.7 * metrics.font_size, color)
+        });
         label.into_iter().for_each(|label| label.draw_over(fills, Halo::Around, metrics, shapes));
     }
+}
+
+/// The part of a vector from `from`, px, that is within a panel.
+fn visible_part(vector: Vector, from: Vector, panel: &Rect) -> Vector {
+    let to = from.add(vector).max(panel.origin).min(panel.far_corner());
+    to.sub(from)
 }
 
 fn to_sides(s: &Rect) -> [Vector; 4] {

@@ -1,7 +1,7 @@
 use super::LayoutContext;
 use super::footer::{Entry, KeyArrow};
 use super::lanes::ArrowKey;
-use crate::physics::{Vector, larger};
+use crate::physics::{Rect, Vector, larger};
 use crate::picture::number::{Unit, format_significant, nice_below};
 use crate::picture::{Color, DrawingMetrics, Frame, Ink, Overlay, Shape, Sprite, Style};
 
@@ -67,6 +67,13 @@ impl Arrow {
             _ => [from, to],
         };
         Arrow { from, to, ..*self }
+    }
+
+    /// The bounds of the arrow with its halo, px.
+    pub fn bounds(&self, metrics: &DrawingMetrics) -> Rect {
+        let half = (HEAD_SLOPE * HEAD_LENGTH + 0.25) * self.width + metrics.line_width;
+        let between = Rect::new(self.from, 0.0, 0.0).union(&Rect::new(self.to, 0.0, 0.0));
+        between.inset(-half)
     }
 
     fn draw_at_place(&self, metrics: &DrawingMetrics, shapes: &mut Vec<Shape>) {

@@ -104,6 +104,8 @@ pub struct LabelPlacer {
     lines: Vec<([Vector; 2], f64)>,
     /// The bounds of placed labels, px, which no other label may touch.
     labels: Vec<Rect>,
+    /// Areas, px, into which no part of a label may extend.
+    clear: Vec<Rect>,
 }
 
 /// Width attributed to lines to avoid, px; labels keep half of it clear on each side.
@@ -115,12 +117,17 @@ const LABEL_WEIGHT: f64 = 8.0;
 impl LabelPlacer {
     /// Creates a placer for labels within `page` (px), without obstacles.
     pub fn within(page: Rect) -> LabelPlacer {
-        LabelPlacer { page, obstacles: Vec::new(), lines: Vec::new(), labels: Vec::new() }
+        LabelPlacer { page, obstacles: Vec::new(), lines: Vec::new(), labels: Vec::new(), clear: Vec::new() }
     }
 
     /// Adds a rectangle for labels to avoid, with a weight per covered area.
     pub fn avoid(&mut self, rect: Rect, weight: f64) {
         self.obstacles.push((rect, weight));
+    }
+
+    /// Adds an area into which no label may extend.
+    pub fn keep_clear(&mut self, area: Rect) {
+        self.clear.push(area);
     }
 
     /// Adds a straight line for labels to avoid.
@@ -138,7 +145,7 @@ impl LabelPlacer {
     }
 
     /// Places `line` around `anchor` where its cost is least, at a distance of one to four times `gap` px, and reserves the
-    /// position. `None` if every position touches another label.
+    /// position. `None` if every position touches another label or an area to keep clear.
     ///
     /// The eight directions are tried from `towards` outwards; of equal costs the first is taken.
     pub fn place(&mut self, line: Line, anchor: Vector, towards: Vector, gap: f64, color: Color) -> Option<Label> {
@@ -194,9 +201,12 @@ impl LabelPlacer {
         self.labels.push(bounds);
     }
 
-    /// The cost of a label with these bounds; infinite if it touches another label or extends beyond the area for labels.
+    /// The cost of a label with these bounds; infinite if it touches another label or an area to keep clear, or extends
+    /// beyond the area for labels.
     pub fn cost(&self, bounds: &Rect) -> f64 {
-        if !self.page.contains(&with_overhang(bounds))
+        let all = with_overhang(bounds);
+        if !self.page.contains(&all)
+            || self.clear.iter().any(|area| area.intersection(&all).is_some())
             || self.labels.iter().any(|label| label.intersection(bounds).is_some())
         {
             return f64::INFINITY;
@@ -300,6 +310,19 @@ mod tests {
         placer.avoid_line(Vector::new(50.0, 50.0), Vector::new(200.0, 50.0), 1.0);
         let at = place(&mut placer, Vector::new(50.0, 50.0));
         assert!(at.y < 47.0 || at.y - Line::plain("label", 10.0).height() > 53.0, "{at:?} is on the line");
+    }
+
+    #[test]
+    fn no_part_of_a_label_extends_into_an_area_to_keep_clear() {
+        let mut placer = LabelPlacer::within(Rect::new(Vector::ZERO, 200.0, 100.0));
+        let area = Rect::new(Vector::new(52.0, 20.0), 30.0, 60.0);
+        placer.keep_clear(area);
+        let line = Line::plain("label", 10.0);
+        let label = placer.place(line, Vector::new(50.0, 50.0), Vector::new(1.0, 0.0), 5.0, Color::hex(0)).unwrap();
+        assert_eq!(area.intersection(&with_overhang(&label.bounds())), None, "{label:?}");
+        placer.keep_clear(Rect::new(Vector::ZERO, 200.0, 100.0));
+        let line = Line::plain("label", 10.0);
+        assert!(placer.place(line, Vector::new(50.0, 50.0), Vector::ZERO, 5.0, Color::hex(0)).is_none());
     }
 
     #[test]
