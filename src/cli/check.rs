@@ -11,7 +11,6 @@ use crate::check::{
     Replacement, Severity, TemporaryRecording,
 };
 use crate::junit::{TestCase, TestOutcome, TestSuite};
-use crate::temporary;
 use crate::text::counted;
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};

@@ -303,3 +303,15 @@ fn steps_are_those_of_the_clock_if_rates_differ() {
     let steps: Vec<_> = steps.iter().map(|range| range.steps.clone()).collect();
     assert_eq!(steps, [6..=12, 24..=48]);
 }
+
+#[test]
+fn bodies_that_a_common_legend_does_not_name_are_counted() {
+    let extra = "[[scatter]]\ncount = 12\nregion = [2.5, 0.5, 7.5, 4.0]\nsize = [[0.3, 0.3], [0.3, 0.3]]\n\
+                 mass = [1.0, 1.0]\nvelocity = [[0.0, 0.0], [0.0, 0.0]]\nseed = 1\n";
+    let (workplace, _) = recorded(&["one", "two"].map(|title| scene(title, "event-driven", 60, 0.5, extra)));
+    for kind in ["strobe", "filmstrip"] {
+        workplace.done(&format!("figure {kind} 0.mcap 1.mcap -o {kind}.svg"));
+        let svg = std::fs::read_to_string(workplace.path(&format!("{kind}.svg"))).unwrap();
+        assert!(svg.contains("13 bodies"), "{kind}");
+    }
+}

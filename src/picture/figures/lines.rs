@@ -1,7 +1,7 @@
 use super::axes::{Axes, AxisTitles, Range, Scale};
 use super::panels::Layout;
 use super::timeline::{Timeline, draw_timeline, timeline_legend};
-use super::{MAX_IN_LEGEND, TimeCurve};
+use super::{MAX_IN_LEGEND, TimeCurve, counted_bodies};
 use crate::physics::{Axis, Body, BodyId, Rect, Vector, World, larger, smaller};
 use crate::picture::layers::footer::{Entry, Legend, quoted};
 use crate::picture::number::Unit;
@@ -331,11 +331,7 @@ fn legend(runs: &[LineRun], lines: &[DrawnLine], style: &Style) -> Legend {
             (_, ..=MAX_IN_LEGEND) => {
                 Legend { entries: bodies.map(|(body, color)| Entry::new(color, &body.name)).collect() }
             }
-            (_, count) => {
-                let name = quoted(&format!("{count} {}", style.look.language.of("bodies", "corps")));
-                let color = Palette::of(style.look.theme).muted;
-                Legend { entries: vec![Entry { name, colors: Vec::new(), ..Entry::new(color, "") }] }
-            }
+            (_, count) => Legend { entries: vec![counted_bodies(count, style)] },
         };
     }
     let entry = |(at, run): (usize, &LineRun)| {

@@ -44,8 +44,8 @@ pub use velocity_space::{Velocities, VelocityPath, VelocityRun, velocity_space};
 
 use crate::physics::{BodyId, Collision, Vector};
 use crate::picture::ColorBy;
-use crate::picture::layers::footer::{Entry, Legend, marks};
-use crate::picture::{Appearance, CameraTarget, Color, DrawingMetrics, Frame, Sprite, Style, color};
+use crate::picture::layers::footer::{Entry, Legend, marks, quoted};
+use crate::picture::{Appearance, CameraTarget, Color, DrawingMetrics, Frame, Palette, Sprite, Style, color};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -71,7 +71,7 @@ pub struct CollisionSubject {
     pub bodies: [Arc<Appearance>; 2],
 }
 
-/// Maximum number of bodies in a legend; with more bodies there is no legend.
+/// Maximum number of bodies in a legend; more are counted.
 const MAX_IN_LEGEND: usize = 12;
 
 /// The common legend of all panels: the meaning of the colours or, if bodies are coloured individually and there are
@@ -98,8 +98,16 @@ fn legend_of_bodies<'a>(
     for (body, color) in visible.filter(|(body, _)| !body.is_wall) {
         bodies.entry((body.id, &body.name)).or_insert_with(|| Entry::new(color, &body.name));
     }
-    let entries: Vec<Entry> = if bodies.len() > MAX_IN_LEGEND { Vec::new() } else { bodies.into_values().collect() };
-    Legend { entries }
+    match bodies.len() {
+        ..=MAX_IN_LEGEND => Legend { entries: bodies.into_values().collect() },
+        count => Legend { entries: vec![counted_bodies(count, style)] },
+    }
+}
+
+/// The entry of a legend in place of the names of many bodies: their number.
+fn counted_bodies(count: usize, style: &Style) -> Entry {
+    let name = quoted(&format!("{count} {}", style.look.language.of("bodies", "corps")));
+    Entry { name, colors: Vec::new(), ..Entry::new(Palette::of(style.look.theme).muted, "") }
 }
 
 /// Returns true if a body intersects the camera target.
