@@ -64,6 +64,7 @@ pub fn end_with_parent(parent: u32, input: Input) {
         Input::Lifeline => temporary::end_with_parent(parent, || drop(io::copy(&mut io::stdin(), &mut io::sink()))),
         #[cfg(unix)]
         Input::Answers => temporary::end_with_parent(parent, move || {
+            // The standard input is the terminal, so its end does not show that of the parent.
             while std::os::unix::process::parent_id() == parent {
                 std::thread::sleep(std::time::Duration::from_millis(100));
             }
