@@ -271,8 +271,8 @@ impl Style {
     }
 }
 
-/// The highest speed of any body in any recorded state, m/s, if some of the fastest bodies, one in 20 at most, are left
-/// out and are more than three times as fast as all others. Bodies that never move do not count.
+/// The highest speed, m/s, of all but the fastest bodies, if one of these is more than three times as fast as all others;
+/// otherwise `None`. The fastest bodies are at most one in 20. Bodies that never move do not count.
 ///
 /// # Errors
 /// If the states cannot be read.
@@ -294,7 +294,7 @@ pub(super) fn speed_of_most(sources: &[Source]) -> Result<Option<f64>, Error> {
     Ok((top > MUCH_FASTER * end).then_some(end))
 }
 
-/// One of so many bodies may be much faster than all others without changing the colours of these.
+/// One body in this number may be much faster than all others without changing the colours of these.
 const BODIES_PER_FAST_ONE: usize = 20;
 
 /// A body is much faster than others if its speed is this many times theirs.

@@ -455,8 +455,8 @@ fn the_records_outside_of_chunks_may_be_stored_in_any_order() {
 }
 
 /// Returns a folder of damaged recordings: with a flipped bit in the chunk of the steps 20 to 39, and recovered from that
-/// (gap.mcap), also without saying so (other-gap.mcap); without that chunk (hole.mcap); cut, and cut in the index; with bytes before the start and after the end;
-/// with another top speed; without its scene; without keyframes, or with another name of their topic; with a bit flipped in
+/// (gap.mcap), also without saying so (other-gap.mcap); without that chunk (hole.mcap); cut, and cut in the index; with
+/// bytes before the start and after the end; with another top speed; without its scene; without keyframes, or with another name of their topic; with a bit flipped in
 /// the index, or other statistics.
 fn damaged() -> Workplace {
     let (workplace, file) = recorded();

@@ -77,16 +77,7 @@ impl SpeedRun {
             below += count;
             below >= needed
         });
-        match last {
-            Some(last) => last + 1,
-            None => {
-                if self.count > 0 {
-                    FINE_BINS
-                } else {
-                    0
-                }
-            }
-        }
+        last.map_or(FINE_BINS, |last| last + 1)
     }
 
     /// The densities, s/m, in bins of `width` fine bins, of which `count` are shown.
