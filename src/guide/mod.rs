@@ -1,6 +1,7 @@
 // The chapters are the Markdown files of this folder. `links.md` comes first in each of them, and of several
 // definitions of a link the first one counts: rustdoc links to the modules below, whereas a repository browser
-// uses the definitions at the end of each file and links to the files.
+// uses the definitions at the end of each file and links to the files. Pictures are shown by a repository browser and
+// by the documentation that is built in a clone.
 #![doc = include_str!("links.md")]
 #![doc = include_str!("overview.md")]
 
@@ -58,6 +59,8 @@ pub mod architecture {}
 
 #[cfg(test)]
 mod tests {
+    use std::path::Path;
+
     const README: &str = include_str!("../../README.md");
     const FIRST_SCENE: &str = include_str!("../../recordings/first-scene.toml");
     const RUSTDOC_LINKS: &str = include_str!("links.md");
@@ -93,8 +96,17 @@ mod tests {
         let labels: Vec<&str> = definitions(RUSTDOC_LINKS).map(|(label, _)| label).collect();
         for chapter in CHAPTERS {
             for (label, file) in definitions(chapter) {
-                assert!(labels.contains(&label), "links.md does not define [{label}]");
-                assert_eq!(file, format!("{}.md", label.replace(' ', "-")));
+                let target = definitions(RUSTDOC_LINKS).find(|(defined, _)| *defined == label);
+                let (_, target) = target.unwrap_or_else(|| panic!("links.md does not define [{label}]"));
+                match file.strip_prefix("../../") {
+                    // The documentation of the chapter is in target/doc/rebond/guide/NAME.
+                    Some(picture) => {
+                        assert_eq!(target, format!("../../../../../{picture}"));
+                        let package = Path::new(env!("CARGO_MANIFEST_DIR"));
+                        assert!(package.join(picture).is_file(), "{picture} does not exist");
+                    }
+                    None => assert_eq!(file, format!("{}.md", label.replace(' ', "-"))),
+                }
             }
             for label in labels.iter().filter(|label| chapter.contains(&format!("[{label}]"))) {
                 assert!(definitions(chapter).any(|(defined, _)| defined == *label), "[{label}] has no definition");

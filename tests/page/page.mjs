@@ -322,56 +322,156 @@ const tests = {
     assert.match(await toast(), /link/i);
   },
 
-  async 'the ten minutes of the guide go as it says'() {
+  async 'the ten minutes of the guide go as it says, and each step ends with its picture'() {
+    const guide = readFileSync(join(repository, 'src/guide/page.md'), 'utf8');
+    const stored = (entry) => join(repository, 'snapshots/ten-minutes', entry);
+    /** What is saved as this kind of file is the stored one. */
+    const isStored = async (kind, entry) => same(await save(kind), stored(entry));
+    /** Goes to a step, and compares the picture of it with the one of the guide. */
+    const picture = async (entry, at) => {
+      await seek(at);
+      await isStored('png', `${entry}.png`);
+      assert.ok(guide.includes(`snapshots/ten-minutes/${entry}.png`), `the guide shows ${entry}.png`);
+    };
+    /** Opens the session of the guide, from which the next step begins, because clicks have times of their own. */
+    const openStored = async (entry) => {
+      await openFile(stored(entry));
+      await wait((entry) => rebond.state.status[0].name === entry, entry);
+      await settle();
+    };
     const choose = async (name) => {
       await run((name) => { const list = document.getElementById('scenes'); list.value = name; list.dispatchEvent(new Event('change')); }, name);
       await settle();
     };
     const panel = (name) => run((name) => { if (rebond.state.panel !== name) document.querySelector(`[data-panel="${name}"]`).click(); }, name);
     const setWorld = async (id, value) => {
+      await panel('world');
       await run((id, value) => { const input = document.getElementById(id); input.value = value; input.dispatchEvent(new Event('change')); }, id, value);
       await settle();
     };
+    const show = async (...overlays) => {
+      await panel('view');
+      await run((overlays) => document.querySelectorAll('#overlays input').forEach((input) => { if (input.checked !== overlays.includes(input.value)) input.click(); }), overlays);
+      assert.deepEqual(await run(() => [...rebond.view.show].sort()), overlays.sort());
+    };
+    const playTo = async (at) => {
+      await page.keyboard.press(' ');
+      await wait((at) => rebond.engine.x.step_now(0) > at, at);
+      await page.keyboard.press(' ');
+      await settle();
+    };
+
     await open();
+    // The room gets 64 px per metre at whole pixels, so that both browsers click at the same points.
+    await run(() => Object.assign(document.getElementById('stages').style, { position: 'fixed', left: '8px', top: '56px', width: '1048px', height: '600px' }));
+    await wait(() => rebond.stages[0].scale === 64);
+    // 1: clicks make boxes.
     for (const x of [3, 8, 13]) await click(x, 2);
-    assert.equal((await bodies()).length, 3);
-    assert.ok((await bodies()).every(([, , y]) => Math.abs(y - 1.5) < 0.05), 'they hang in the air');
+    assert.deepEqual(await finite(), ['box 1', 'box 2', 'box 3']);
+    await isStored('clicks', '1.toml');
+    await openStored('1.toml');
+    await picture('1', 0);
+    // 2: a click on a box deletes it.
     await click(8, 2);
     assert.deepEqual(await finite(), ['box 1', 'box 3']);
+    await isStored('clicks', '2.toml');
+    await openStored('2.toml');
+    await picture('2', 0);
+    // 3: they fall.
+    await playTo(20);
+    assert.ok((await bodies()).every(([, , y]) => y > 1.55), 'they fall');
+    await picture('3', 60);
+    // 4: a box is thrown while it moves.
     await page.keyboard.press(' ');
-    await wait(() => rebond.engine.x.step_now(0) > 20);
+    const [, x, y, w, h] = (await bodies())[0];
+    const grip = await place(x + w / 2, y + h / 2);
+    await page.mouse.move(...grip);
+    await page.mouse.down();
+    await page.mouse.move(grip[0] + 60, grip[1] - 20, { steps: 4 });
+    assert.ok(await run(() => rebond.state.held), 'while it is held, time stands still');
+    await page.mouse.move(grip[0] + 160, grip[1] - 60, { steps: 4 });
+    await page.mouse.up();
     await page.keyboard.press(' ');
-    const [end, shown] = [await step(), await bodies()];
-    assert.ok(shown.every(([, , y]) => y > 1.55), 'they fall');
-    await seek(3);
-    await seek(end);
+    await settle();
+    assert.notEqual(await lines(), '', 'an event of the drag');
+    await press('undo');
+    await seek(60);
+    await run(() => rebond.engine.throwBody(0, 'box 1', 4.5, 4, 8, -6, true));
+    await isStored('clicks', '4.toml');
+    await openStored('4.toml');
+    await picture('4', 90);
+    // 5: time runs back and forward.
+    const shown = await bodies();
+    await picture('5', 45);
+    await seek(90);
     assert.deepEqual(await bodies(), shown, 'the same states');
-    await seek(300);
-    await panel('world');
-    await setWorld('set-e', '0');
+    await isStored('png', '4.png');
+    // 6: the same clicks in other worlds.
+    for (const [entry, id, value] of [['6-stick', 'set-e', '0'], ['6-bounce', 'set-e', '1'], ['6-moon', 'set-g', '1.6']]) {
+      await setWorld(id, value);
+      await isStored('clicks', `${entry}.toml`);
+      await openStored(`${entry}.toml`);
+      await picture(entry, 240);
+    }
+    await openStored('6-stick.toml');
+    await seek(500);
     assert.ok((await bodies()).every(([, , y, , , , vy]) => Math.abs(y - 8) < 1e-9 && vy === 0), 'boxes stick');
-    await setWorld('set-e', '1');
+    await openStored('6-bounce.toml');
+    await seek(500);
     assert.ok((await bodies()).some(([, , , , , , vy]) => vy !== 0), 'they bounce for ever');
 
+    // 7: momenta and centre of mass.
     await choose('masses');
-    await panel('view');
-    await run(() => document.querySelectorAll('#overlays input').forEach((input) => { if (['momentum', 'centre'].includes(input.value)) input.click(); }));
-    assert.deepEqual(await run(() => ['momentum', 'centre'].filter((overlay) => rebond.view.show.has(overlay))), ['momentum', 'centre']);
+    await show('velocity', 'momentum', 'centre', 'name', 'clock');
+    await playTo(10);
+    await picture('7', 150);
+    // 8: the figures of the handout.
     await choose('figure-1');
+    await show('velocity', 'normal', 'penetration', 'name', 'clock');
     await page.keyboard.press('n');
     await wait(() => rebond.state.panel === 'collision' && document.getElementById('figure-2').naturalWidth > 0);
+    await picture('8', await step());
+    // 9: both solvers.
     await choose('bullet-handout');
+    await show('velocity', 'name', 'clock');
     await page.keyboard.press('b');
     await settle();
-    await seek(100);
+    await playTo(5);
+    await seek(78);
     assert.notDeepEqual(await bodies(0), await bodies(1));
+    await isStored('png', '9-handout.png');
+    await run(() => { document.getElementById('side').value = '1'; });
+    await isStored('toml', '9-event-driven.toml');
+    await page.keyboard.press('b');
+    await settle();
+    await openStored('9-event-driven.toml');
+    await picture('9-event-driven', 78);
+    // 10: numbers, and slow motion between two steps.
+    await choose('first-scene');
     await panel('data');
-    assert.ok(await run(() => document.querySelectorAll('#bodies tr').length > 0 && /J/.test(document.getElementById('energy').textContent)));
+    await seek(100);
+    const energy = await run(() => document.getElementById('energy').textContent);
+    assert.ok(guide.includes(energy), `the guide has the numbers: ${energy}`);
+    assert.ok(await run(() => document.querySelectorAll('#bodies tr').length === 2 && document.querySelectorAll('#collisions tr').length > 0), 'tables');
+    await page.select('#speed', '0.1');
+    await press('play');
+    await wait(() => {
+      const [now, at] = [rebond.engine.x.step_now(0), rebond.stages[0].bodies[4 * 10 + 1]];
+      const isBetween = globalThis.before?.now === now && globalThis.before.at !== at;
+      globalThis.before = { now, at };
+      return isBetween;
+    });
+    await press('play');
+    await picture('10', 100);
+    // 11: the recording replays the same, in the terminal and on the page.
     const mcap = await save('mcap');
     assert.match(command('replay', mcap), /^same/);
     await openFile(mcap);
     await wait(() => rebond.state.film?.verdict);
     assert.match(await run(() => document.getElementById('verdict').textContent), /^same/);
+    await picture('10', 100);
+    const unused = readdirSync(stored('.')).filter((entry) => entry.endsWith('.png') && !guide.includes(`ten-minutes/${entry}`));
+    assert.deepEqual(unused, [], 'the guide shows every picture');
   },
 
   async 'an error stops the loop, is shown, and leaves the session'() {
