@@ -138,7 +138,9 @@ impl SideBySide {
     /// The page in the largest font in which it is legible.
     fn in_largest_font(size: [u32; 2], panels: &[(Vector, Style)], titles: &[String]) -> Option<SideBySide> {
         let style = page_style(size, panels)?;
-        let whole = DrawingMetrics::new(style.look.theme, size);
+        // A page is flat or tall because of its panels: it has the font of a page of 16 : 9, unless it is very flat.
+        let [shorter, longer] = [size[0].min(size[1]), size[0].max(size[1])];
+        let whole = DrawingMetrics::new(style.look.theme, [longer, shorter.max((longer * 9 / 16).min(2 * shorter))]);
         let smaller_font = |font: &f64| (*font > MIN_TEXT).then(|| larger((0.9 * font).floor(), MIN_TEXT));
         let mut fonts = std::iter::successors(Some(whole.font_size), smaller_font);
         fonts.find_map(|font| SideBySide::in_font(whole.with_font_size(font), &style, panels, titles))
@@ -163,7 +165,7 @@ impl SideBySide {
             true => [(3.2 * metrics.font_size).round(), (1.6 * metrics.font_size).round()],
             false => [0.0, 0.0],
         };
-        let above = (TITLE * metrics.font_size).round();
+        let above = (TITLE * page_metrics.font_size).round();
         let content = Rect::new(
             Vector::new(margin, (0.4 * margin).round()),
             width - 2.0 * margin,
@@ -202,7 +204,7 @@ impl SideBySide {
             )
         };
         let views: Vec<View> = cells.iter().zip(&areas).zip(panels).map(view).collect();
-        let titles = titles_above(&views, titles, &cells, &metrics);
+        let titles = titles_above(&views, titles, &cells, &page_metrics);
         let page = View { camera: views.first()?.camera, follow: None, style: style.clone() };
         Some(SideBySide { page, page_metrics, panels: views, metrics, titles })
     }

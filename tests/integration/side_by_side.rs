@@ -286,6 +286,29 @@ fn pages_of_every_size_and_number_of_recordings_are_legible_or_refused_with_a_su
     }
 }
 
+/// The panels make a page flat, which must not make its texts small: a lecture shows it at the width of any other picture.
+#[test]
+fn titles_and_clock_of_a_flat_page_are_as_large_as_those_of_other_pages() {
+    let (_workplace, sources) = recorded(&["one", "two"].map(|title| scene(title, "handout", 60, 0.1, "")));
+    let size_of = |size: [u32; 2], sources: &[Source], text: &str| {
+        let mut options = PictureOptions::default();
+        options.size = Some(size);
+        let (clip, instants) = clip(&options, sources);
+        let list = clip.stage.compose(&instants[0]);
+        let found = list.leaves().find_map(|shape| match shape {
+            Shape::Text { line, .. } if line.text.contains(text) => Some(line.size),
+            _ => None,
+        });
+        found.unwrap_or_else(|| panic!("no {text} at {size:?}"))
+    };
+    let alone = size_of([1280, 720], &sources[..1], "0.0");
+    for text in ["one", "two", "0.0"] {
+        assert_eq!(size_of([1280, 440], &sources, text), alone, "{text}");
+    }
+    assert!(size_of([1280, 440], &sources, "c") >= 0.8 * alone);
+    assert!(size_of([1280, 160], &sources, "one") < 0.7 * alone, "a title as high as a third of a panel");
+}
+
 /// `--from` and `--to` in steps are those of the clock, the faster recording, in animations and figures.
 #[test]
 fn steps_are_those_of_the_clock_if_rates_differ() {
