@@ -43,7 +43,8 @@ class Stage {
     const box = canvas.getBoundingClientRect();
     const pixels = [Math.max(1, Math.round(box.width * ratio)), Math.max(1, Math.round(box.height * ratio))];
     if (canvas.width !== pixels[0] || canvas.height !== pixels[1]) [canvas.width, canvas.height] = pixels;
-    this.ratio = ratio;
+    // Lines and names grow with the room: a projector shows it to the last row.
+    this.ratio = ratio * Math.max(1, Math.min(2, canvas.height / ratio / 700));
     const border = 12 * ratio;
     this.scale = Math.max(1e-9, Math.min((canvas.width - 2 * border) / width, (canvas.height - 2 * border) / height));
     this.left = (canvas.width - width * this.scale) / 2;
@@ -123,7 +124,7 @@ class Stage {
       pen.lineWidth = ratio;
       pen.strokeRect(left - ratio / 2, top - ratio / 2, width * k + ratio, height * k + ratio);
     }
-    if (view.show.has('trail')) this.drawTrails(X, Y);
+    if (view.show.has('trail')) this.drawTrails(EDGES[view.theme], X, Y);
     this.drawBoxes(EDGES[view.theme]);
     if (view.show.has('velocity')) this.arrows(view, ink.ink, (i) => [b[i + 5], b[i + 6]], view.arrow);
     if (view.show.has('momentum')) {
@@ -206,7 +207,7 @@ class Stage {
     pen.restore();
   }
 
-  drawTrails(X, Y) {
+  drawTrails(edge, X, Y) {
     const { pen, bodies: b, ratio } = this;
     const isCrowd = b.length >= Stage.CROWD * Engine.BODY;
     const stride = isCrowd ? 6 : 4;
@@ -215,7 +216,7 @@ class Stage {
     for (let i = 0; i < b.length; i += Engine.BODY) {
       const trail = this.trails.get(b[i]);
       if (!trail) continue;
-      pen.strokeStyle = css(b[i + 8]);
+      pen.strokeStyle = edge(b[i + 8]);
       pen.beginPath();
       pen.moveTo(X(trail[0]), Y(trail[1]));
       for (let j = stride; j < trail.length; j += stride) pen.lineTo(X(trail[j]), Y(trail[j + 1]));
@@ -265,7 +266,7 @@ class Stage {
     pen.lineTo(x1 - hx + hy / 2, y1 - hy - hx / 2);
   }
 
-  /** `height` is the part of a box above its name: arrows begin at the centre. */
+  /** `height` is the part of a box above its name: arrows begin at the centre. Below it, if the box moves up. */
   drawNames(height) {
     const { pen, bodies: b, names, scale: k, left, top, ratio } = this;
     // Changing the font costs more than writing, so names are written by size.
@@ -273,7 +274,7 @@ class Stage {
     for (let i = 0, n = 0; i < b.length; i += Engine.BODY, n += 1) {
       const name = names[n]?.[0];
       if (b[i + 9] || !name) continue;
-      const size = Math.round(Math.min(15 * ratio, b[i + 4] * k * 0.5, (b[i + 3] * k * 1.4) / name.length));
+      const size = Math.round(Math.min(15 * ratio, b[i + 4] * k * (height < 0.5 ? 0.4 : 0.5), (b[i + 3] * k * 1.4) / name.length));
       if (size < 7 * ratio) continue;
       const list = bySize.get(size);
       if (list) list.push(i, n);
@@ -286,7 +287,8 @@ class Stage {
       for (let at = 0; at < list.length; at += 2) {
         const i = list[at];
         pen.fillStyle = luma(b[i + 8]) > 140 ? '#10151c' : '#ffffff';
-        pen.fillText(names[list[at + 1]][0], left + (b[i + 1] + b[i + 3] / 2) * k, top + (b[i + 2] + b[i + 4] * height) * k);
+        const y = b[i + 2] + b[i + 4] * (b[i + 6] < 0 ? 1 - height : height);
+        pen.fillText(names[list[at + 1]][0], left + (b[i + 1] + b[i + 3] / 2) * k, top + y * k);
       }
     }
   }
