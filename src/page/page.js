@@ -110,10 +110,8 @@ function pageMain(source) {
     engine.set(0, 1, 'run.solver', `"${other}"`);
     // It has the events of the first session, which are undone in both.
     state.acts = state.acts.filter((acted) => acted.includes(0)).map(() => [0, 1]);
-    finish(1);
+    state.status[1] = engine.status(1);
   }
-
-  function finish(which) { while (!engine.x.advance(which, 64)); }
 
   function refreshStatus() {
     for (const which of sides()) {
@@ -300,6 +298,9 @@ function pageMain(source) {
   let tick = 0;
 
   const idle = () => new Promise((resolve) => { setTimeout(resolve); });
+
+  /** The states of the next slice, if `states` of them took `took` ms: at most twice as many, because clocks are coarse. */
+  const nextSlice = (states, took) => Math.max(1, Math.min(2 * states, Math.round((states * SLICE) / Math.max(took, 0.1))));
 
   /**
    * Repeats `work` until it returns true, in slices between two frames. Returns false if another call has replaced this
@@ -727,8 +728,7 @@ function pageMain(source) {
       const began = performance.now();
       const code = engine.x.save_advance(states);
       if (code) return engine.file(code === 1 ? 1 : 0);
-      const took = performance.now() - began;
-      states = Math.max(1, Math.min(4096, Math.round((states * SLICE) / Math.max(took, 0.1))));
+      states = nextSlice(states, performance.now() - began);
       await idle();
     }
   }
@@ -901,8 +901,7 @@ function pageMain(source) {
         }
         // Before its end a recording is not yet complete.
         show(verdict.word === 'incomplete' ? T().sameSoFar(verdict.step) : verdict.line, '');
-        const took = performance.now() - began;
-        states = Math.max(1, Math.min(1024, Math.round((states * SLICE) / Math.max(took, 0.1))));
+        states = nextSlice(states, performance.now() - began);
         await idle();
         if (state.film !== film) return;
       }
