@@ -22,6 +22,22 @@ const INKS = {
   dark: { page: '#0e1218', paper: '#161b23', wall: '#39424f', edge: '#66727f', grid: '#242b35', ink: '#e8edf4', normal: '#ff5fa8', impulse: '#ffc247', momentum: '#b79bff', ghost: '#6db0ff' },
 };
 
+/**
+ * Metres of an arrow per unit of vectors of this kind: a quarter in a world 9 m high. If the longest arrow would then be
+ * invisible at first, or at any time longer than half of the world, it is a power of two of that from there on, which
+ * `reach` keeps.
+ */
+function arrowScale(reach, kind, longest, size) {
+  const side = Math.min(...size);
+  if (!Number.isFinite(longest)) return side / 36;
+  if (!reach[kind]) {
+    reach[kind] = side / 36;
+    while (longest && longest * reach[kind] < side / 64) reach[kind] *= 2;
+  }
+  while (longest * reach[kind] > side / 2) reach[kind] /= 2;
+  return reach[kind];
+}
+
 class Stage {
   /** From this number of bodies on, arrows and trails are one pixel wide: browsers need a tenth of the time. */
   static CROWD = 120;
@@ -126,11 +142,11 @@ class Stage {
     }
     if (view.show.has('trail')) this.drawTrails(EDGES[view.theme], X, Y);
     this.drawBoxes(EDGES[view.theme]);
-    if (view.show.has('velocity')) this.arrows(view, ink.ink, (i) => [b[i + 5], b[i + 6]], view.arrow);
+    if (view.show.has('velocity')) this.arrows(view, ink.ink, 'velocity', (i) => [b[i + 5], b[i + 6]]);
     if (view.show.has('momentum')) {
       // Beside the velocity, which has the same direction.
       const beside = view.show.has('velocity') ? 7 * ratio : 0;
-      this.arrows(view, ink.momentum, (i) => (b[i + 7] === Infinity ? [0, 0] : [b[i + 5] * b[i + 7], b[i + 6] * b[i + 7]]), view.arrow, beside);
+      this.arrows(view, ink.momentum, 'momentum', (i) => (b[i + 7] === Infinity ? [0, 0] : [b[i + 5] * b[i + 7], b[i + 6] * b[i + 7]]), beside);
     }
     if (view.show.has('name')) this.drawNames(view.show.has('velocity') || view.show.has('momentum') ? 0.3 : 0.5);
     this.drawFlashes(view, ink, X, Y);
@@ -228,10 +244,16 @@ class Stage {
 
   /**
    * Arrows from the centres of the bodies, or `beside` pixels to the right of them as seen along the arrow; `of` gives a
-   * vector, which is drawn `scale` metres long per unit.
+   * vector of a kind.
    */
-  arrows(view, color, of, scale, beside = 0) {
+  arrows(view, color, kind, of, beside = 0) {
     const { pen, bodies: b, ratio, scale: k } = this;
+    let longest = 0;
+    for (let i = 0; i < b.length; i += Engine.BODY) {
+      const [vx, vy] = of(i);
+      longest = Math.max(longest, Math.sqrt(vx * vx + vy * vy));
+    }
+    const scale = arrowScale(view.reach, kind, longest, this.size);
     pen.beginPath();
     for (let i = 0; i < b.length; i += Engine.BODY) {
       if (b[i + 9]) continue;
@@ -296,6 +318,10 @@ class Stage {
   drawFlashes(view, ink, X, Y) {
     const { pen, ratio } = this;
     const shown = ['normal', 'penetration', 'impulse'].some((name) => view.show.has(name));
+    const longest = this.flashes.reduce((longest, { c }) => Math.max(longest, Math.abs(c[5])), 0);
+    const scale = view.show.has('impulse') ? arrowScale(view.reach, 'momentum', longest, this.size) : 0;
+    const normal = Math.min(...this.size) / 13;
+    const thick = this.bodies.length >= Stage.CROWD * Engine.BODY ? ratio / 3 : ratio;
     for (const flash of this.flashes) {
       if (!view.paused) flash.frames -= 1;
       if (!shown) continue;
@@ -305,19 +331,19 @@ class Stage {
         const high = Math.min(c[11 + axis] + c[13 + axis], c[15 + axis] + c[17 + axis]);
         return (low + high) / 2;
       });
-      pen.lineWidth = 3 * ratio;
+      pen.lineWidth = 3 * thick;
       const arrow = (color, x, y) => {
         pen.strokeStyle = color;
         pen.beginPath();
         this.arrow(edges[0], edges[1], x, y);
         pen.stroke();
       };
-      if (view.show.has('impulse')) arrow(ink.impulse, c[2] * c[5] * view.arrow, c[3] * c[5] * view.arrow);
-      if (view.show.has('normal')) arrow(ink.normal, c[2] * 0.7, c[3] * 0.7);
+      if (view.show.has('impulse')) arrow(ink.impulse, c[2] * c[5] * scale, c[3] * c[5] * scale);
+      if (view.show.has('normal')) arrow(ink.normal, c[2] * normal, c[3] * normal);
       if (view.show.has('penetration') && (c[9] || c[10])) arrow(ink.ghost, c[9], c[10]);
       pen.fillStyle = ink.normal;
       pen.beginPath();
-      pen.arc(X(edges[0]), Y(edges[1]), 4 * ratio, 0, 7);
+      pen.arc(X(edges[0]), Y(edges[1]), 4 * thick, 0, 7);
       pen.fill();
     }
     this.flashes = this.flashes.filter((flash) => flash.frames > 0);

@@ -19,7 +19,7 @@ function pageMain(source) {
 
   const view = {
     theme: prefers('(prefers-color-scheme: dark)') ? 'dark' : 'light',
-    show: new Set(['velocity', 'name', 'clock']), color: 0, marks: [], paused: true, walls: true, arrow: 0.2,
+    show: new Set(['velocity', 'name', 'clock']), color: 0, marks: [], paused: true, walls: true, reach: {},
   };
   const state = {
     language: (navigator.language || 'en').startsWith('fr') ? 'fr' : 'en',
@@ -95,6 +95,7 @@ function pageMain(source) {
   /** Shows the session that the engine has started. */
   function showSession() {
     Object.assign(state, { playing: false, behind: 0, acts: [], selected: null, cursor: null });
+    view.reach = {};
     if (state.both) splitSolvers();
     stages.forEach((stage) => { stage.trails.clear(); stage.flashes = []; });
     $('editor').value = engine.scene(0);
@@ -152,7 +153,6 @@ function pageMain(source) {
       $('materials').replaceChildren(...[...materials].map((name) => new Option(name)));
       all('output').forEach(showOutput);
     }
-    view.arrow = arrowScale();
     paint();
     showTime();
     showPanel();
@@ -163,12 +163,6 @@ function pageMain(source) {
     if (!input || output.id === 'clock') return;
     output.value = short(input.id === 'set-rate' ? state.rates[input.value] : Number(input.value));
     input.setAttribute('aria-valuetext', output.value);
-  }
-
-  /** Metres of an arrow per m/s: a quarter in a world 9 m high. */
-  function arrowScale() {
-    const [width, height] = stages[0].size;
-    return Math.min(width, height) / 36;
   }
 
   function paint(offset = 0) {
@@ -861,6 +855,7 @@ function pageMain(source) {
     stop();
     const about = engine.film(bytes);
     state.film = { ...about, name, bytes, step: 0 };
+    view.reach = {};
     if (state.both) { state.both = false; $('canvas-1').parentElement.hidden = true; $('side-label').hidden = true; engine.x.unload(1); state.journal[1] = null; }
     stages[0].trails.clear();
     $('title').textContent = about.title || name;

@@ -481,6 +481,21 @@ const tests = {
     assert.deepEqual(unused, [], 'the guide shows every picture');
   },
 
+  async 'the longest arrow is visible and within the world, whatever the units, and changes its scale only then'() {
+    await open();
+    const lengths = (side, ...longest) => run((side, longest) => {
+      const reach = {};
+      return longest.map((speed) => arrowScale(reach, 'velocity', speed, [2 * side, side]) * (speed || 1) / side);
+    }, side, longest);
+    // A fall from rest, to 18 m/s and back to rest: one scale.
+    assert.deepEqual(await lengths(9, 0, 0.18, 18, 0), [1 / 36, 0.18 / 36, 0.5, 1 / 36]);
+    for (const [side, speed] of [[9e-6, 0.1], [1e6, 1e-9], [9, 1e-300], [9, 1e300], [1e-9, 1e9]]) {
+      const [first, later] = await lengths(side, speed, speed * 1e6);
+      assert.ok(first >= 1 / 64 && first <= 0.5, `${speed} m/s in ${side} m: ${first}`);
+      assert.ok(later > 0.25 && later <= 0.5, `a million times faster: ${later}`);
+    }
+  },
+
   async 'an error stops the loop, is shown, and leaves the session'() {
     await open();
     writeFileSync(join(folder, 'crush.toml'), '[run]\nsteps = 300\n[[spawn]]\nname = "left"\nat = [0.0, 0.0]\nsize = [1.0, 1.0]\nmass = inf\nvelocity = [3.0, 0.0]\n[[spawn]]\nname = "right"\nat = [4.0, 0.0]\nsize = [1.0, 1.0]\nmass = inf\n[[spawn]]\nname = "c"\nat = [2.0, 0.0]\nsize = [1.0, 1.0]\nmass = 1.0\n[restitution]\ndefault = 0.0\n');
