@@ -496,6 +496,147 @@ const tests = {
     }
   },
 
+  async 'a box has the size, mass, material and velocity of the panel'() {
+    await open();
+    const set = (id, value) => run((id, value) => { const input = document.getElementById(id); input.value = value; for (const type of ['input', 'change']) input.dispatchEvent(new Event(type, { bubbles: true })); }, id, value);
+    for (const [id, value] of [['box-w', '2'], ['box-h', '0.5'], ['box-m', '3.5'], ['box-material', 'steel'], ['box-vx', '4'], ['box-vy', '-2.5']]) await set(id, value);
+    await click(4, 5);
+    const { spawn, at } = JSON.parse(await lines()).click;
+    assert.deepEqual([spawn.size, spawn.mass, spawn.material, spawn.velocity], [[2, 0.5], 3.5, 'steel', [4, -2.5]]);
+    const [body] = await bodies();
+    assert.deepEqual(body.slice(3), [2, 0.5, 4, -2.5, 3.5]);
+    assert.ok(Math.abs(body[1] + 1 - at[0]) < 1e-9 && Math.abs(body[2] + 0.25 - at[1]) < 1e-9, 'its centre is where the click was');
+    // A drag from an empty place: an arrow of a metre is 2 m/s.
+    const [from, to] = [await place(10, 3), await place(11, 3.5)];
+    await page.mouse.move(...from);
+    await page.mouse.down();
+    await page.mouse.move(...to, { steps: 4 });
+    await page.mouse.up();
+    await settle();
+    const [, , , , , vx, vy] = (await bodies())[1];
+    assert.ok(Math.abs(vx - 2) < 0.1 && Math.abs(vy - 1) < 0.1, `${vx}, ${vy} m/s`);
+    await run(() => document.getElementById('box-fixed').click());
+    await click(8, 5);
+    assert.equal(JSON.parse((await lines()).trim().split('\n').at(-1)).click.spawn.mass, 'inf');
+    await press('clear');
+    await settle();
+    assert.deepEqual([await lines(), await finite()], ['', []]);
+  },
+
+  async 'play, slider, restart and colours change what is shown, and not the session'() {
+    await open('#scene=materials');
+    const colors = () => run(() => { const b = rebond.stages[0].bodies; return Array.from({ length: b.length / 10 }, (_, n) => b[n * 10 + 8]); });
+    const shown = [];
+    for (const key of ['0', '1', '2']) {
+      await run((key) => { const list = document.getElementById('colour'); list.value = key; list.dispatchEvent(new Event('change')); }, key);
+      await run(() => { const slider = document.getElementById('scrub'); slider.value = 60; slider.dispatchEvent(new Event('input')); });
+      await settle();
+      assert.equal(await step(), 60);
+      shown.push((await colors()).join());
+    }
+    assert.equal(new Set(shown).size, 3, `by body, material, speed: ${shown.join('\n')}`);
+    const before = await bodies();
+    await press('restart');
+    await settle();
+    assert.equal(await step(), 0);
+    await press('play');
+    await wait(() => rebond.engine.x.step_now(0) > 5);
+    await press('play');
+    const stopped = await step();
+    await run(() => new Promise((resolve) => { setTimeout(resolve, 200); }));
+    assert.equal(await step(), stopped, 'a pause is a pause');
+    await seek(60);
+    assert.deepEqual([await bodies(), await lines()], [before, '']);
+  },
+
+  async 'the text of the scene is edited, and a mistake is a message of rebond at its line'() {
+    await open('#scene=first-scene');
+    const edit = (from, to) => run((from, to) => {
+      const editor = document.getElementById('editor');
+      editor.value = editor.value.replace(from, to);
+      document.getElementById('run-text').click();
+    }, from, to);
+    await edit('restitution.default = 0.8', 'restitution.defalt = 0.8');
+    await wait(() => document.getElementById('editor-errors').textContent);
+    assert.match(await run(() => document.getElementById('editor-errors').textContent), /^line 4: .*defalt/);
+    assert.equal((await finite()).length, 2, 'the session is kept');
+    await edit('restitution.defalt = 0.8', 'restitution.default = 0.25');
+    await wait(() => rebond.engine.status(0).restitution === 0.25);
+    assert.equal(await run(() => document.getElementById('editor-errors').textContent), '');
+  },
+
+  async 'a file that is dropped is opened, and a session that is too long for a link is offered as a file'() {
+    await open();
+    const drop = (name, text) => run((name, text) => {
+      const data = new DataTransfer();
+      data.items.add(new File([text], name));
+      for (const type of ['dragenter', 'dragover', 'drop']) dispatchEvent(new DragEvent(type, { dataTransfer: data, bubbles: true, cancelable: true }));
+    }, name, text);
+    await drop('dropped.toml', '[run]\nsteps = 60\n[[spawn]]\nname = "c"\nat = [1, 1]\nsize = [2, 1]\nmass = 1\n');
+    await wait(() => rebond.state.status[0].name === 'dropped.toml');
+    assert.deepEqual(await finite(), ['c']);
+    assert.equal(await run(() => document.getElementById('drop').hidden), true);
+    // Numbers that do not compress.
+    const many = Array.from({ length: 700 }, (_, n) => `{"click": {"step": 1, "at": [${(n * 0.618034) % 16}, ${(n * 0.754878) % 9}], "spawn": {"size": [0.01, 0.01], "mass": ${1 + ((n * 0.569840) % 1)}}}}`);
+    await drop('many.jsonl', many.join('\n'));
+    await wait(() => rebond.engine.lines(0).length > 10_000);
+    await run(() => document.querySelector('[data-panel="files"]').click());
+    await run(() => document.querySelector('[data-file="link"]').click());
+    await wait(() => !document.getElementById('toast').hidden && !rebond.state.busy);
+    assert.match(await toast(), /link would have \d{5} bytes. Save the scene with clicks/);
+    assert.equal(await run(() => document.getElementById('link').value), '');
+    assert.equal(await run(() => document.activeElement.dataset.file), 'clicks', 'the button of that file has the focus');
+  },
+
+  async 'verdicts and collisions are said to screen readers, and systems are asked for dark and for less motion'() {
+    await open('#scene=figure-1');
+    await press('next');
+    await settle();
+    assert.match(await run(() => document.getElementById('said').textContent), /collide at/);
+    await openFile(join(repository, 'recordings/figure-1.mcap'));
+    await wait(() => rebond.state.film?.verdict);
+    assert.equal(await run(() => document.getElementById('said').textContent), await run(() => document.getElementById('verdict').textContent));
+    assert.equal(await run(() => document.getElementById('said').getAttribute('aria-live')), 'polite');
+    // Firefox cannot be asked by its driver.
+    if (!isChromium) return;
+    await page.emulateMediaFeatures([{ name: 'prefers-color-scheme', value: 'dark' }, { name: 'prefers-reduced-motion', value: 'reduce' }]);
+    await page.reload();
+    await wait(() => document.documentElement.dataset.ready === 'yes');
+    assert.equal(await run(() => rebond.view.theme), 'dark');
+    assert.equal(await run(() => getComputedStyle(document.getElementById('play')).transitionDuration), '0s');
+    await run(() => { rebond.view.show.add('normal'); });
+    await press('next');
+    await settle();
+    assert.deepEqual(await run(() => rebond.stages[0].flashes.map(({ frames }) => frames)), [1], 'a collision is shown for one frame');
+  },
+
+  async 'the policy allows the script by its hash, WebAssembly, and nothing else'() {
+    await open();
+    const policy = await run(() => document.querySelector('meta[http-equiv="Content-Security-Policy"]').content);
+    assert.match(policy, /^default-src 'none';/);
+    assert.match(policy, /script-src 'sha256-[A-Za-z0-9+/]{43}=' (blob: )?'wasm-unsafe-eval'/);
+    assert.doesNotMatch(policy, /unsafe-inline'|'unsafe-eval'|https?:|\*/);
+    // What the policy forbids does not run.
+    assert.equal(await run(async () => {
+      const script = document.createElement('script');
+      script.textContent = 'window.injected = true';
+      document.head.append(script);
+      await new Promise((resolve) => { setTimeout(resolve, 100); });
+      const isRefused = window.violations.some((violation) => violation.startsWith('script-src'));
+      window.violations = [];
+      return isRefused && window.injected === undefined;
+    }), true);
+  },
+
+  async 'an enlargement to 200 % is enough'() {
+    await open('#scene=first-scene', { width: 640, height: 400, deviceScaleFactor: 2 });
+    for (const panel of ['box', 'world', 'view', 'data', 'files', 'help']) {
+      await run((panel) => document.querySelector(`[data-panel="${panel}"]`).click(), panel);
+      const [width, canvas] = await run(() => [document.documentElement.scrollWidth, document.getElementById('canvas-0').getBoundingClientRect().height]);
+      assert.ok(width <= 640 && canvas >= 200, `${panel}: ${width} px, the world ${canvas} px high`);
+    }
+  },
+
   async 'an error stops the loop, is shown, and leaves the session'() {
     await open();
     writeFileSync(join(folder, 'crush.toml'), '[run]\nsteps = 300\n[[spawn]]\nname = "left"\nat = [0.0, 0.0]\nsize = [1.0, 1.0]\nmass = inf\nvelocity = [3.0, 0.0]\n[[spawn]]\nname = "right"\nat = [4.0, 0.0]\nsize = [1.0, 1.0]\nmass = inf\n[[spawn]]\nname = "c"\nat = [2.0, 0.0]\nsize = [1.0, 1.0]\nmass = 1.0\n[restitution]\ndefault = 0.0\n');
