@@ -253,6 +253,18 @@ impl Engine {
         }
     }
 
+    /// The event-driven solver.
+    ///
+    /// # Panics
+    /// With the handout solver.
+    #[cfg(test)]
+    pub(super) fn event_driven_mut(&mut self) -> &mut EventDriven {
+        match &mut self.solver {
+            Solver::EventDriven(solver) => solver,
+            Solver::Handout => panic!("the handout solver"),
+        }
+    }
+
     /// The seconds between two steps.
     pub(super) fn period(&self) -> f64 {
         1.0 / self.rate

@@ -60,7 +60,11 @@ impl EventDriven {
     /// The nearest infinite mass on a side of a body.
     fn nearest_wall(&self, slot: Slot, axis: Axis, side: Side) -> Option<Slot> {
         let own = self.state_dd(slot, axis).position.high;
-        let mut near = self.cell_lists.neighbours_of(slot, &self.bodies[slot], &SweptAabb::EVERYWHERE);
+        let mut near = if self.window_lists.is_active() {
+            self.window_lists.neighbours_of(slot)
+        } else {
+            self.cell_lists.neighbours_of(slot, &self.bodies[slot], &SweptAabb::EVERYWHERE)
+        };
         near.retain(|other| {
             let position = self.state_dd(*other, axis).position.high;
             let is_wall_beside = self.bodies[*other].infinite && self.overlaps_along(axis.other(), slot, *other);

@@ -106,6 +106,8 @@ struct QueueEntry {
     /// The slice of the bin that lists the body: the slice itself in the current step, otherwise the
     /// first slice of the step; [`NO_BIN`] if none does.
     bin: u64,
+    /// The latest time of `event`, s.
+    latest: f64,
     /// The number of changes of `event`, modulo 2³².
     stamp: u32,
 }
@@ -129,7 +131,8 @@ const EARLINESS: f64 = 1.0 - 1.0 / (1_u64 << 40) as f64;
 /// The last slice that is filed exactly.
 const MAX_SLICE: f64 = (1_u64 << 62) as f64;
 
-const EMPTY_ENTRY: QueueEntry = QueueEntry { event: NO_EVENT, crossing: NEVER, bin: NO_BIN, stamp: 0 };
+const EMPTY_ENTRY: QueueEntry =
+    QueueEntry { event: NO_EVENT, crossing: NEVER, bin: NO_BIN, latest: f64::INFINITY, stamp: 0 };
 
 /// The events and cell crossings of all bodies.
 ///
@@ -176,8 +179,14 @@ impl EventQueue {
 
     /// Replaces the event of a body; `None` removes it.
     pub fn set(&mut self, slot: Slot, event: Option<ScheduledEvent>) {
+        self.set_until(slot, event, f64::INFINITY);
+    }
+
+    /// Likewise; the event happens at `latest` seconds at the latest.
+    pub fn set_until(&mut self, slot: Slot, event: Option<ScheduledEvent>, latest: f64) {
         let event = event.unwrap_or(NO_EVENT);
         let entry = self.entry(slot);
+        entry.latest = latest;
         if entry.event == event {
             return;
         }
@@ -185,6 +194,23 @@ impl EventQueue {
         entry.event = event;
         if event != NO_EVENT {
             self.insert_event(slot);
+        }
+    }
+
+    /// The time in seconds at which the event of a body happens at the latest; infinite if it has none or if that is
+    /// unknown.
+    pub fn latest(&self, slot: Slot) -> f64 {
+        match self.entries.get(slot as usize) {
+            Some(entry) if entry.event != NO_EVENT => entry.latest,
+            Some(_) | None => f64::INFINITY,
+        }
+    }
+
+    /// The earliest time of the event of a body in seconds; infinite if it has none.
+    pub fn time_of(&self, slot: Slot) -> f64 {
+        match self.entries.get(slot as usize) {
+            Some(entry) if entry.event != NO_EVENT => entry.event.at.high,
+            Some(_) | None => f64::INFINITY,
         }
     }
 

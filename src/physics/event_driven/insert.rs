@@ -81,6 +81,7 @@ impl EventDriven {
 
     /// Rebuilds cell lists and event queue for the present number and sizes of bodies.
     pub(super) fn rebuild_indices(&mut self) {
+        self.window_lists.end(self.step);
         self.indexed_bodies = self.bodies.len();
         self.cell_lists = CellLists::new(self.bodies.typical_size());
         self.event_queue = EventQueue::new(self.clock, self.step, self.bodies.len());

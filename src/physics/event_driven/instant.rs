@@ -4,7 +4,7 @@ use super::double_double::DoubleDouble;
 ///
 /// It is independent of the steps and of their rate. Instants closer than the rounding of a coordinate at
 /// them cannot be told apart.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Instant {
     /// The seconds, rounded to a double.
     pub high: f64,

@@ -12,11 +12,11 @@
 //!    made to coincide (`face_alignment`). What inputs changed is an instant of its own.
 //! 2. **Process events** in the order of their times (`event_queue`): the instants at which bodies touch or
 //!    cease to (`simultaneous`), and the cell crossings of fast bodies (`cell_lists`). Each body whose
-//!    trajectory or contacts changed predicts its next event again (`predict`) among its neighbours
-//!    (`swept_aabb`, `cell_lists`, `spatial_hash`).
+//!    trajectory or contacts changed predicts its next event again (`predict`) among its neighbours.
 //! 3. **Sample.** The states of the bodies that moved are written to the world (`dirty_states`).
-//! 4. **Cross cells.** The bodies that would leave their cells in the next step are moved to their
-//!    next cells (`event_queue`).
+//! 4. **Find neighbours.** In undisturbed motion, lists of neighbours are made anew for each window of some steps
+//!    (`window_lists`, `home_grid`). For some steps after an input, and with few bodies, the bodies that would leave
+//!    their cells in the next step are moved to their next cells instead (`cell_lists`, `spatial_hash`).
 //!
 //! A step in which nothing moves and nothing is due does none of this. `solver_snapshot` stores what
 //! is needed to continue bit for bit; `diagnose` creates the errors of a failed step.
@@ -59,14 +59,14 @@
 //! # Invariants
 //!
 //! 1. A prediction is a function of the trajectories of the two bodies alone, regardless of which of the two predicts
-//!    and when. So the cell lists and the event queue, which are derived data, influence no result.
+//!    and when. So cell lists, window lists and the event queue, which are derived data, influence no result.
 //! 2. Each body has at most one event in the queue. The event is invalidated when the generation of the partner
 //!    changes; when an invalidated event is due, the body predicts again.
 //! 3. After an instant, no touching pair approaches, and none without a contact accelerates towards each other from rest.
 //!    Where the alignment of faces makes a pair touch that does, its impact is due at the same time.
 //!
-//! Those of its parts are stated with the types that own them: `Bodies`, `ContactGraph`, `CellLists`,
-//! `EventQueue`.
+//! Those of its parts are stated with the types that own them: `Bodies`, `ContactGraph`, `CellLists`, `WindowLists`,
+//! `HomeGrid`, `EventQueue`.
 
 mod axis_trajectory;
 mod bodies;
@@ -80,6 +80,7 @@ mod double_double;
 mod event_queue;
 mod exact;
 mod face_alignment;
+mod home_grid;
 mod impact;
 mod impact_history;
 mod insert;
@@ -97,6 +98,7 @@ mod solver_snapshot;
 mod spatial_hash;
 mod swept_aabb;
 mod trajectory;
+mod window_lists;
 
 use super::{Axis, Body, EngineConfig, Observer, StepError, World, larger};
 use axis_trajectory::StateDd;
@@ -114,6 +116,7 @@ use pair_event::PairEvent;
 use patch::{Local, Patch};
 use simultaneous::Concerned;
 use swept_aabb::SweptAabb;
+use window_lists::WindowLists;
 
 /// Repeated predictions (after cell crossings and void events) allowed per body and step, beyond the
 /// limit of events, before the step is aborted. No speed requires nearly as many; the limit ensures
@@ -126,8 +129,8 @@ const COMPARED_TIMES: f64 = 1.0 / (1_u64 << 50) as f64;
 
 /// The event-driven solver.
 ///
-/// A snapshot stores only trajectories, contacts, pending spawns and wakes. Cell lists and event queue are derived
-/// from them and influence no result.
+/// A snapshot stores only trajectories, contacts, pending spawns and wakes. Cell lists, window lists and event queue are
+/// derived from them and influence no result.
 #[derive(Clone, Debug)]
 pub struct EventDriven {
     clock: Clock,
@@ -150,7 +153,9 @@ pub struct EventDriven {
     step_end: Instant,
     /// The number of events in the present step.
     events: u64,
+    /// In use outside windows.
     cell_lists: CellLists,
+    window_lists: WindowLists,
     event_queue: EventQueue,
     dirty_states: DirtyStates,
     /// Bodies whose trajectory or contacts changed at the present instant.
@@ -191,6 +196,7 @@ impl EventDriven {
             step_end: clock.start_of(1),
             events: 0,
             cell_lists: CellLists::new(1.0),
+            window_lists: WindowLists::default(),
             event_queue: EventQueue::new(clock, 0, 0),
             dirty_states: DirtyStates::default(),
             changed: Vec::new(),
@@ -207,6 +213,7 @@ impl EventDriven {
 
     /// Adds the last body of the world, which was spawned just now.
     pub fn add_spawned(&mut self, world: &World, step: u64) {
+        self.disturb_window(step);
         let last = world.bodies.len() - 1;
         let slot = self.push_body(&world.bodies[last], last, self.now.max(self.clock.start_of(step)));
         self.pending_spawns.push(slot);
@@ -228,6 +235,7 @@ impl EventDriven {
     pub fn remove(&mut self, world: &World, world_index: usize, step: u64) {
         let Some(slot) = self.bodies.slot_of(world.bodies[world_index].id) else { return };
         self.begin_at(step);
+        self.disturb_window(step);
         self.bodies.delete(slot);
         if let Some(index) = self.pending_spawns.iter().position(|pending| *pending == slot) {
             self.pending_spawns.remove(index);
@@ -328,6 +336,7 @@ impl EventDriven {
 
     /// Inserts the bodies spawned since the last step and processes the instant for all that the inputs concern.
     fn apply_inputs<O: Observer>(&mut self, world: &World, observer: &mut O) -> Result<(), StepError> {
+        self.changed.retain(|slot| self.bodies.params(*slot).alive);
         let mut concerned = self.insert_spawned(world);
         concerned.append(&mut self.pending_wakes);
         concerned.sort_unstable();
@@ -473,7 +482,11 @@ impl EventDriven {
     fn invalidate(&mut self, slot: Slot) {
         if !self.bodies[slot].infinite {
             self.bodies.invalidate(slot);
-            self.cell_lists.set_swept_aabb(slot, SweptAabb::EVERYWHERE);
+            if self.window_lists.is_active() {
+                self.window_lists.invalidate(slot);
+            } else {
+                self.cell_lists.set_swept_aabb(slot, SweptAabb::EVERYWHERE);
+            }
             self.changed.push(slot);
         }
     }

@@ -350,7 +350,11 @@ impl EventDriven {
     pub(super) fn find_touching(&self, slot: Slot, at: Instant, neighbours: &mut NeighbourBuffer) {
         let state = &self.bodies[slot];
         let reach = SweptAabb::new(&Sample::new(state, at), 0.0);
-        self.cell_lists.find_neighbours(slot, state, &reach, neighbours);
+        if self.window_lists.is_active() {
+            self.window_lists.find_neighbours(slot, &reach, neighbours);
+        } else {
+            self.cell_lists.find_neighbours(slot, state, &reach, neighbours);
+        }
     }
 
     /// Adds a neighbour to the patch if it touches the body.

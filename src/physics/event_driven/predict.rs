@@ -36,6 +36,9 @@ struct Predictor<'a> {
 /// events are compared in their total order and not cut off.
 const HORIZON_MARGIN: f64 = 1.0 + 1e-9;
 
+/// Likewise for times since step 0.
+const LATENESS: f64 = 1.0 + 1.0 / (1_u64 << 40) as f64;
+
 impl<'a> Predictor<'a> {
     fn new(solver: &'a EventDriven, slot: Slot, precision: Precision) -> Predictor<'a> {
         let body = &solver.bodies[slot];
@@ -118,6 +121,11 @@ impl<'a> Predictor<'a> {
         Some(if is_contested { ScheduledEvent { precision: Precision::Contested, ..first } } else { first })
     }
 
+    /// The time in seconds at which the earliest event happens at the latest, and somewhat more than its rounding.
+    fn latest(&self) -> f64 {
+        self.first.map_or(f64::INFINITY, |(_, latest)| (self.sample.at.high + latest) * LATENESS)
+    }
+
     /// Lowers the horizon to `seconds` after the sample, unless it is earlier; returns true if it changed.
     #[inline]
     fn limit_horizon(&mut self, seconds: f64) -> bool {
@@ -164,10 +172,14 @@ impl EventDriven {
 
     fn predict_with(&mut self, slot: Slot, precision: Precision, neighbours: &mut NeighbourBuffer) {
         let body = &self.bodies[slot];
-        if body.is_static() {
-            let aabb = SweptAabb::new(&Sample::new(body, self.now), 0.0);
-            self.cell_lists.set_swept_aabb(slot, aabb);
-            return;
+        match (self.window_lists.is_active(), body.is_static()) {
+            (true, true) => return,
+            (true, false) => return self.predict_in_window(slot, precision, neighbours),
+            (false, true) => {
+                let aabb = SweptAabb::new(&Sample::new(body, self.now), 0.0);
+                return self.cell_lists.set_swept_aabb(slot, aabb);
+            }
+            (false, false) => {}
         }
         let mut predictor = Predictor::new(self, slot, precision);
         let (mut exit_time, mut swept) = (f64::INFINITY, SweptAabb::EVERYWHERE);
@@ -192,6 +204,41 @@ impl EventDriven {
         self.schedule_next(slot, first, exit_time);
     }
 
+    /// Predicts the next event of a body among those in its list, up to the end of the window.
+    fn predict_in_window(&mut self, slot: Slot, precision: Precision, neighbours: &mut NeighbourBuffer) {
+        let sample = Sample::new(&self.bodies[slot], self.now);
+        let path = self.window_lists.set_path(slot, &sample, self.step);
+        self.window_lists.find_neighbours(slot, &path, neighbours);
+        let mut predictor = Predictor::new(self, slot, precision);
+        predictor.limit_horizon(predictor.sample.at.seconds_until(self.window_lists.valid_until()));
+        neighbours.slots().iter().for_each(|other| _ = predictor.predict_pair(*other));
+        predictor.predict_contact_ends();
+        let (first, latest) = (predictor.first(), predictor.latest());
+        self.event_queue.set_until(slot, first, latest);
+    }
+
+    /// Predicts the pairs whose paths overlap in a new window. If the event of a pair is before the pending one of the
+    /// first body, it replaces it; if doubles cannot distinguish them, the body is to predict again.
+    pub(super) fn predict_approaches(&mut self) {
+        let approaches = std::mem::take(&mut self.window_lists.approaches);
+        let end = self.window_lists.valid_until();
+        for [slot, other] in &approaches {
+            let latest = Instant { high: self.event_queue.latest(*slot), low: 0.0 };
+            let latest = if latest.is_before(end) { latest } else { end };
+            let mut predictor = Predictor::new(self, *slot, Precision::LowerBound);
+            predictor.limit_horizon(predictor.sample.at.seconds_until(latest));
+            predictor.predict_pair(*other);
+            let Some((first, _)) = predictor.first.filter(|(first, _)| !latest.is_before(first.at)) else { continue };
+            let latest = predictor.latest();
+            if latest < self.event_queue.time_of(*slot) {
+                self.event_queue.set_until(*slot, Some(first), latest);
+            } else {
+                self.changed.push(*slot);
+            }
+        }
+        self.window_lists.approaches = approaches;
+    }
+
     /// Moves a body to its next cell and predicts its next event there.
     pub(super) fn handle_cell_crossing(&mut self, slot: Slot) {
         let sample = Sample::new(&self.bodies[slot], self.now);
@@ -207,6 +254,7 @@ impl EventDriven {
         self.event_queue.begin_next_step(&mut due);
         due.drain(..).for_each(|slot| self.handle_cell_crossing(slot));
         self.due = due;
+        self.begin_window(step);
     }
 
     /// Schedules the next event of a body: its first pair event or the exit from its cell in `exit_time`

@@ -52,13 +52,55 @@ impl SweptAabb {
         SweptAabb { borders: [lower[0], lower[1], upper[0], upper[1]] }
     }
 
+    /// The rectangle with these borders, the upper ones negated.
+    #[cfg(test)]
+    pub fn of(borders: [f32; 4]) -> SweptAabb {
+        SweptAabb { borders }
+    }
+
+    /// The rectangle with all borders moved outwards by a distance in m, or where it is too small for single precision,
+    /// left as they are.
+    #[inline]
+    pub fn enlarged(&self, by: f32) -> SweptAabb {
+        SweptAabb { borders: self.borders.map(|border| border - by) }
+    }
+
+    /// Returns true if `other` does not extend beyond this rectangle; false if a border is NaN.
+    #[inline]
+    pub fn contains(&self, other: &SweptAabb) -> bool {
+        let [a, b] = [self.borders, other.borders];
+        (a[0] <= b[0]) & (a[1] <= b[1]) & (a[2] <= b[2]) & (a[3] <= b[3])
+    }
+
+    /// The lower and the upper corner, m.
+    #[inline]
+    pub fn corners(&self) -> [[f64; 2]; 2] {
+        let [left, top, right, bottom] = self.borders.map(f64::from);
+        [[left, top], [-right, -bottom]]
+    }
+
+    /// The centre, m.
+    #[inline]
+    pub fn centre(&self) -> [f64; 2] {
+        let [low, high] = self.corners();
+        Axis::BOTH.map(|axis| 0.5 * (low[axis] + high[axis]))
+    }
+
+    /// The longer side, m.
+    #[inline]
+    pub fn longer_side(&self) -> f64 {
+        let [low, high] = self.corners();
+        let [width, height] = Axis::BOTH.map(|axis| high[axis] - low[axis]);
+        if width > height { width } else { height }
+    }
+
     /// Returns true if the rectangles have no point in common; false if a border is NaN.
     #[inline]
     pub fn is_disjoint_from(&self, other: &SweptAabb) -> bool {
         let [a, b] = [self.borders, other.borders];
-        let larger = |a: f32, b: f32| if a > b { a } else { b };
-        let gaps = [larger(a[0] + b[2], a[2] + b[0]), larger(a[1] + b[3], a[3] + b[1])];
-        larger(gaps[0], gaps[1]) > 0.0
+        // Written so that it compiles to one comparison of four numbers.
+        let gaps = [a[2] + b[0], a[3] + b[1], a[0] + b[2], a[1] + b[3]];
+        (gaps[0] > 0.0) | (gaps[1] > 0.0) | (gaps[2] > 0.0) | (gaps[3] > 0.0)
     }
 }
 

@@ -1,0 +1,512 @@
+//! The broad phase of many bodies in undisturbed motion: for each body, a list of those that it can touch within a
+//! window of some steps.
+//!
+//! At the start of a window each body gets a *home*: the rectangle that it sweeps until the end of the window, its
+//! *path*, enlarged by a skin. Two bodies whose homes are disjoint cannot touch within the window as long as neither
+//! leaves its home. So a list names the bodies whose homes overlap one's own, and within the window no grid is needed.
+//! (Verlet, "Computer experiments on classical fluids", 1967, with a rectangle in place of a radius.)
+//!
+//! A body whose new path would leave its home becomes a *stray*: it gets another home, and is added to the lists of the
+//! bodies whose homes that overlaps.
+//!
+//! The lists only select candidates for predictions. The length of a window and the skin influence no result.
+
+use super::EventDriven;
+use super::bodies::Bodies;
+use super::body_state::Slot;
+use super::cell_lists::{CellLists, NeighbourBuffer};
+use super::event_queue::EventQueue;
+use super::home_grid::HomeGrid;
+use super::instant::{Clock, Instant};
+use super::pair_event::Sample;
+use super::spatial_hash::NONE;
+use super::swept_aabb::SweptAabb;
+use crate::physics::larger;
+
+/// The numbers on which speed depends, but no result.
+#[derive(Clone, Copy, Debug)]
+struct Tuning {
+    /// With fewer bodies, cell lists are as fast.
+    min_bodies: usize,
+    /// Steps without inputs after which a window may begin.
+    calm_steps: u64,
+    /// The displacement of a body in a window at the root mean square of the speeds, as a fraction of the greatest usual
+    /// size.
+    displacement: f64,
+    /// The skin as a fraction of that displacement.
+    skin: f64,
+}
+
+impl Default for Tuning {
+    fn default() -> Tuning {
+        Tuning { min_bodies: 16, calm_steps: 16, displacement: 0.75, skin: 0.4 }
+    }
+}
+
+/// The least skin as a fraction of the greatest usual size.
+const MIN_SKIN: f64 = 1.0 / 32.0;
+
+/// The shortest window that pays, and the longest, in steps.
+const MIN_WINDOW: f64 = 2.0;
+const MAX_WINDOW: f64 = 64.0;
+
+/// With more strays than one for this number of bodies, the window ends at once.
+const MIN_BODIES_PER_STRAY: usize = 4;
+
+/// Steps after which a window may begin where one did not pay.
+const RETRY_STEPS: u64 = 256;
+
+/// The neighbour lists of a window.
+///
+/// Invariants: a body does not leave its path before `valid_until` unless its trajectory changes, and its path lies in
+/// its home. Two bodies whose homes overlap are in each other's lists; only static bodies, which predict nothing, have
+/// none. Two listed bodies whose paths overlap were predicted, up to `valid_until`, since the later of their latest
+/// changes, unless the earlier of them has an event before that of the pair.
+#[derive(Clone, Debug, Default)]
+pub struct WindowLists {
+    tuning: Tuning,
+    /// The step at the start of which the window ends; none if cell lists are in use.
+    end: Option<u64>,
+    /// The first step at which a window may begin.
+    earliest: u64,
+    /// The instant up to which paths are valid: somewhat after the end.
+    valid_until: Instant,
+    /// The greatest side of a body that is not an outlier, m.
+    size: f64,
+    /// The skin, m.
+    skin: f64,
+    /// The bodies that can move, in creation order.
+    pub moving: Vec<Slot>,
+    statics: Vec<Slot>,
+    /// By slot.
+    homes: Vec<SweptAabb>,
+    /// By slot.
+    paths: Vec<SweptAabb>,
+    /// By slot, the list of a body as a range of `members`.
+    ranges: Vec<[u32; 2]>,
+    members: Vec<Slot>,
+    /// By slot, the index in `extras` of the latest entry of a list, or [`NONE`].
+    latest_extras: Vec<u32>,
+    /// Further entries of lists, each with the one before it in the same list.
+    extras: Vec<(Slot, u32)>,
+    /// The pairs of bodies whose paths overlap at the start of the window; the first one is to predict the pair.
+    pub approaches: Vec<[Slot; 2]>,
+    grid: HomeGrid,
+    /// The moving bodies whose homes are larger than a cell.
+    large: Vec<Slot>,
+    /// Buffer for the bodies whose homes overlap one.
+    found: NeighbourBuffer,
+}
+
+impl WindowLists {
+    /// True within a window.
+    #[inline]
+    pub fn is_active(&self) -> bool {
+        self.end.is_some()
+    }
+
+    /// The instant up to which predictions are necessary.
+    #[inline]
+    pub fn valid_until(&self) -> Instant {
+        self.valid_until
+    }
+
+    /// True if the window ends at the start of a step.
+    pub fn is_over(&self, step: u64) -> bool {
+        self.end.is_some_and(|end| end <= step)
+    }
+
+    /// True if a window may begin at the start of a step.
+    pub fn may_begin(&self, step: u64) -> bool {
+        self.end.is_none() && self.earliest <= step
+    }
+
+    /// Ends the window, frees the memory, and lets none begin before a step.
+    pub fn end(&mut self, earliest: u64) {
+        *self = WindowLists { tuning: self.tuning, earliest, ..WindowLists::default() };
+    }
+
+    /// Calls `visit` for each body in the list of one.
+    #[inline]
+    pub fn visit(&self, slot: Slot, mut visit: impl FnMut(Slot)) {
+        let [start, end] = self.ranges[slot as usize];
+        self.members[start as usize..end as usize].iter().for_each(|other| visit(*other));
+        let mut next = self.latest_extras[slot as usize];
+        while next != NONE {
+            let (other, previous) = self.extras[next as usize];
+            visit(other);
+            next = previous;
+        }
+    }
+
+    /// Fills `buffer` with the bodies in the list of one whose paths overlap a rectangle.
+    #[inline]
+    pub fn find_neighbours(&self, slot: Slot, rectangle: &SweptAabb, buffer: &mut NeighbourBuffer) {
+        buffer.clear();
+        self.visit(slot, |other| buffer.push_if(other, !rectangle.is_disjoint_from(&self.paths[other as usize])));
+    }
+
+    /// The list of a body, sorted by slot.
+    pub fn neighbours_of(&self, slot: Slot) -> Vec<Slot> {
+        let mut all = Vec::new();
+        self.visit(slot, |other| all.push(other));
+        all.sort_unstable();
+        all
+    }
+
+    /// Lets the path of a body be unknown, because its trajectory has changed.
+    #[inline]
+    pub fn invalidate(&mut self, slot: Slot) {
+        self.paths[slot as usize] = SweptAabb::EVERYWHERE;
+    }
+
+    /// Sets the path of a body from a sample on, and gives the body another home if it would leave its own. Returns the
+    /// path.
+    #[inline]
+    pub fn set_path(&mut self, slot: Slot, sample: &Sample, step: u64) -> SweptAabb {
+        let path = SweptAabb::new(sample, sample.at.seconds_until(self.valid_until));
+        self.paths[slot as usize] = path;
+        if !self.homes[slot as usize].contains(&path) {
+            self.add_stray(slot, step);
+        }
+        path
+    }
+
+    /// Begins a window at an instant, the start of `step`; returns false if none pays.
+    fn begin(&mut self, bodies: &Bodies, clock: &Clock, step: u64, now: Instant) -> bool {
+        let square = |slot: &Slot| {
+            let [_, [vx, vy]] = bodies[*slot].trajectory.at(now);
+            vx * vx + vy * vy
+        };
+        let speed = (self.moving.iter().map(square).sum::<f64>() / self.moving.len() as f64).sqrt();
+        let steps = self.tuning.displacement * self.size / (speed * clock.period);
+        if steps.is_nan() || steps < MIN_WINDOW {
+            return false;
+        }
+        let steps = if steps < MAX_WINDOW { steps as u64 } else { MAX_WINDOW as u64 };
+        let displacement = speed * steps as f64 * clock.period;
+        self.skin = larger(displacement * self.tuning.skin, self.size * MIN_SKIN);
+        self.end = Some(step + steps);
+        // Events at the end may be a little later than it.
+        self.valid_until = super::end_of_vicinity(clock.start_of(step + steps)).after(clock.period / 16.0);
+        self.homes.resize(bodies.len(), SweptAabb::EVERYWHERE);
+        self.paths.resize(bodies.len(), SweptAabb::EVERYWHERE);
+        for slot in &self.moving {
+            let path = SweptAabb::new(&Sample::new(&bodies[*slot], now), now.seconds_until(self.valid_until));
+            self.paths[*slot as usize] = path;
+            self.homes[*slot as usize] = path.enlarged(self.skin as f32);
+        }
+        for slot in &self.statics {
+            let home = SweptAabb::new(&Sample::new(&bodies[*slot], now), 0.0);
+            (self.homes[*slot as usize], self.paths[*slot as usize]) = (home, home);
+        }
+        // Almost no body is more than twice as fast along an axis.
+        let side = self.size + 2.0 * (self.skin + displacement);
+        self.large.clear();
+        if !self.grid.sort(side, &self.moving, &self.homes, &self.paths, &mut self.large)
+            || self.large.len() > self.max_large()
+        {
+            return false;
+        }
+        self.list_pairs(bodies.len());
+        self.list_outside_grid();
+        true
+    }
+
+    /// Makes the lists of the bodies in the grid, and finds the pairs whose paths overlap.
+    fn list_pairs(&mut self, slots: usize) {
+        self.extras.clear();
+        self.latest_extras.clear();
+        self.latest_extras.resize(slots, NONE);
+        self.ranges.clear();
+        self.ranges.resize(slots, [0; 2]);
+        let grid = &mut self.grid;
+        grid.find_pairs();
+        // The end of each list is first that of the next one, and is lowered as members are added.
+        let ends = &mut grid.lengths;
+        let mut sum = 0;
+        for (slot, length) in grid.slots.iter().zip(&mut *ends) {
+            let start = sum;
+            sum += *length;
+            *length = sum;
+            self.ranges[*slot as usize] = [start, sum];
+        }
+        self.members.resize(sum as usize, NONE);
+        self.approaches.resize(grid.pairs.len(), [NONE; 2]);
+        let (members, approaches, mut found) = (&mut self.members[..], &mut self.approaches[..], 0);
+        for pair in &grid.pairs {
+            let [first, second] = pair.map(|place| place as usize);
+            let [slot, other] = [first, second].map(|place| grid.slots[place]);
+            for (place, member) in [(first, other), (second, slot)] {
+                ends[place] -= 1;
+                members[ends[place] as usize] = member;
+            }
+            approaches[found] = if slot < other { [slot, other] } else { [other, slot] };
+            found += usize::from(!grid.paths[first].is_disjoint_from(&grid.paths[second]));
+        }
+        self.approaches.truncate(found);
+    }
+
+    /// Adds the static bodies and those with large homes to the lists.
+    fn list_outside_grid(&mut self) {
+        let mut overlapping = std::mem::take(&mut self.found);
+        for index in 0..self.statics.len() + self.large.len() {
+            let (slot, later) = match index.checked_sub(self.statics.len()) {
+                None => (self.statics[index], 0),
+                Some(place) => (self.large[place], place + 1),
+            };
+            self.find_overlapping(slot, &mut overlapping);
+            self.large[later..].iter().for_each(|other| overlapping.push_if(*other, self.overlaps(slot, *other)));
+            for other in overlapping.slots() {
+                self.add_extra(*other, slot);
+                if later > 0 {
+                    self.add_extra(slot, *other);
+                }
+                if !self.paths[slot as usize].is_disjoint_from(&self.paths[*other as usize]) {
+                    self.approaches.push([*other, slot]);
+                }
+            }
+        }
+        self.found = overlapping;
+    }
+
+    /// Fills a buffer with the bodies in the grid, except the body itself, whose homes overlap that of a body.
+    fn find_overlapping(&self, slot: Slot, buffer: &mut NeighbourBuffer) {
+        buffer.clear();
+        let home = &self.homes[slot as usize];
+        self.grid.visit_overlapping(home, |other| buffer.push_if(other, (other != slot) & self.overlaps(slot, other)));
+    }
+
+    /// True if the homes of two bodies overlap.
+    #[inline]
+    fn overlaps(&self, slot: Slot, other: Slot) -> bool {
+        !self.homes[slot as usize].is_disjoint_from(&self.homes[other as usize])
+    }
+
+    /// Adds a body to the list of a moving one.
+    fn add_extra(&mut self, slot: Slot, other: Slot) {
+        let latest = &mut self.latest_extras[slot as usize];
+        self.extras.push((other, *latest));
+        *latest = self.extras.len() as u32 - 1;
+    }
+
+    /// Returns true if the list of a body names another.
+    fn is_listed(&self, slot: Slot, other: Slot) -> bool {
+        let mut is_listed = false;
+        self.visit(slot, |listed| is_listed |= listed == other);
+        is_listed
+    }
+
+    /// Gives a body that would leave its home another one, which contains its path, and enters it in the lists.
+    #[cold]
+    #[inline(never)]
+    fn add_stray(&mut self, slot: Slot, step: u64) {
+        let home = self.paths[slot as usize].enlarged(self.skin as f32);
+        self.homes[slot as usize] = home;
+        let mut overlapping = std::mem::take(&mut self.found);
+        self.find_overlapping(slot, &mut overlapping);
+        for other in self.statics.iter().chain(&self.large) {
+            overlapping.push_if(*other, (*other != slot) & self.overlaps(slot, *other));
+        }
+        for other in overlapping.slots() {
+            if !self.is_listed(slot, *other) {
+                self.add_extra(slot, *other);
+                if self.statics.binary_search(other).is_err() {
+                    self.add_extra(*other, slot);
+                }
+            }
+        }
+        self.found = overlapping;
+        if !self.grid.add_stray(slot, &home) {
+            self.large.push(slot);
+        }
+        if self.grid.strays() > self.moving.len() / MIN_BODIES_PER_STRAY || self.large.len() > self.max_large() {
+            self.end = Some(step + 1);
+        }
+    }
+
+    /// The greatest number of large homes with which a window pays.
+    fn max_large(&self) -> usize {
+        16 + self.moving.len() / 32
+    }
+}
+
+impl EventDriven {
+    /// Begins a window at the start of a step if the last one is over, or if one may begin and pays.
+    pub(super) fn begin_window(&mut self, step: u64) {
+        if self.window_lists.is_over(step) {
+            if self.window_lists.begin(&self.bodies, &self.clock, step, self.now) {
+                self.predict_approaches();
+            } else {
+                self.leave_window(RETRY_STEPS);
+            }
+            self.predict_changed();
+        } else if self.window_lists.may_begin(step) && self.bodies.len() >= self.window_lists.tuning.min_bodies {
+            let (statics, moving) = self.bodies.alive().partition(|slot| self.bodies[*slot].is_static());
+            let size = self.bodies.typical_size();
+            let tuning = self.window_lists.tuning;
+            let mut lists = WindowLists { tuning, size, moving, statics, ..WindowLists::default() };
+            if !lists.begin(&self.bodies, &self.clock, step, self.now) {
+                self.window_lists.end(step + RETRY_STEPS);
+                return;
+            }
+            self.changed.extend(&lists.moving);
+            self.window_lists = lists;
+            self.cell_lists = CellLists::new(1.0);
+            self.event_queue = EventQueue::new(self.clock, step, self.bodies.len());
+            self.predict_changed();
+        }
+    }
+
+    /// Returns to cell lists, for a number of steps at least. All bodies must predict again.
+    pub(super) fn leave_window(&mut self, steps: u64) {
+        self.rebuild_indices();
+        self.window_lists.end(self.step + steps);
+        let is_inserted = |slot: &Slot| self.pending_spawns.binary_search(slot).is_err();
+        self.changed.extend(self.bodies.alive().filter(is_inserted));
+    }
+
+    /// Prepares the broad phase for an input before `step`: windows are for undisturbed motion.
+    pub(super) fn disturb_window(&mut self, step: u64) {
+        let calm_steps = self.window_lists.tuning.calm_steps;
+        if self.window_lists.is_active() {
+            self.begin_at(step);
+            self.leave_window(calm_steps);
+        } else {
+            self.window_lists.end(step + calm_steps);
+        }
+    }
+
+    /// Checks the invariants of the lists.
+    ///
+    /// # Panics
+    /// If a body is not at home, or a pair with overlapping homes is not in its lists.
+    #[cfg(test)]
+    fn assert_lists(&self) {
+        let lists = &self.window_lists;
+        for slot in lists.moving.iter().chain(&lists.statics) {
+            let body = SweptAabb::new(&Sample::new(&self.bodies[*slot], self.now), 0.0);
+            let home = lists.homes[*slot as usize];
+            assert!(home.contains(&lists.paths[*slot as usize]), "the path of {slot} leaves its home");
+            assert!(
+                home.enlarged(1e-3 * lists.skin as f32).contains(&body),
+                "{slot} is not at home: {home:?}, {body:?}"
+            );
+            for other in lists.moving.iter().filter(|other| *other != slot && lists.overlaps(*slot, **other)) {
+                assert!(lists.neighbours_of(*other).contains(slot), "{other} does not list {slot}");
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::{Body, Engine, EngineConfig, Event, Rect, Restitution, SolverKind, Spawn, Vector};
+
+    /// Numbers in 0..1 that look random.
+    struct Random(u32);
+
+    impl Random {
+        fn next(&mut self) -> f64 {
+            self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(self.0 >> 8) / f64::from(1_u32 << 24)
+        }
+
+        fn between(&mut self, low: f64, high: f64) -> f64 {
+            low + (high - low) * self.next()
+        }
+    }
+
+    fn spawn(at: [f64; 2], size: [f64; 2], mass: f64, velocity: [f64; 2]) -> Spawn {
+        let rect = Rect::new(Vector::new(at[0], at[1]), size[0], size[1]);
+        let velocity = Vector::new(velocity[0], velocity[1]);
+        Spawn { name: String::new(), rect, mass, velocity, force: Vector::ZERO, material: String::new() }
+    }
+
+    /// The side of the room of [`crowd`], m.
+    const SIDE: f64 = 24.0;
+
+    /// A body of a crowd: the greater `variety`, the more sizes, masses, speeds and forces differ.
+    fn member(random: &mut Random, at: [f64; 2], variety: f64) -> Spawn {
+        let size = [0, 1].map(|_| 1.0 - variety * random.next());
+        let fast = if random.next() < 0.02 * variety { 40.0 } else { 1.0 };
+        let velocity = [0, 1].map(|_| fast * random.between(-4.0, 4.0));
+        let is_platform = random.next() < 0.03 * variety;
+        let mass = if is_platform { f64::INFINITY } else { 1.0 + 9.0 * variety * random.next() };
+        let velocity = if is_platform { [0.0; 2] } else { velocity };
+        let has_force = variety > 0.0 && random.next() < 0.1;
+        let force = if has_force { Vector::new(random.between(-5.0, 5.0), 0.0) } else { Vector::ZERO };
+        Spawn { force, ..spawn(at, size, mass, velocity) }
+    }
+
+    /// A room with a hundred boxes.
+    fn crowd(random: &mut Random) -> Engine {
+        let gravity = if random.next() < 0.5 { Some(Vector::new(0.0, 9.81)) } else { None };
+        let restitution = Restitution::new(if random.next() < 0.5 { 1.0 } else { 0.4 }, &[]);
+        let config = EngineConfig::new(SolverKind::EventDriven, 60.0).with_gravity(gravity);
+        let mut engine = Engine::new(config.with_restitution(restitution));
+        for (at, size) in [
+            ([-1.0, -1.0], [SIDE + 2.0, 1.0]),
+            ([-1.0, SIDE], [SIDE + 2.0, 1.0]),
+            ([-1.0, 0.0], [1.0, SIDE]),
+            ([SIDE, 0.0], [1.0, SIDE]),
+        ] {
+            engine.apply(&Event::Spawn(spawn(at, size, f64::INFINITY, [0.0; 2])));
+        }
+        let variety = if random.next() < 0.3 { 0.0 } else { 0.7 };
+        for index in 0..100 {
+            let cell = [index % 10, index / 10].map(|place| f64::from(place) * SIDE / 10.0);
+            let at = cell.map(|low| low + random.between(0.0, SIDE / 10.0 - 1.0));
+            engine.apply(&Event::Spawn(member(random, at, variety)));
+        }
+        engine
+    }
+
+    fn bits(engine: &Engine) -> Vec<[u64; 4]> {
+        let numbers = |body: &Body| [body.rect.origin.x, body.rect.origin.y, body.velocity.x, body.velocity.y];
+        engine.world().bodies.iter().map(|body| numbers(body).map(f64::to_bits)).collect()
+    }
+
+    #[test]
+    fn windows_change_no_bit() {
+        let never = Tuning { min_bodies: usize::MAX, ..Tuning::default() };
+        let usual = Tuning { calm_steps: 2, ..Tuning::default() };
+        let long = Tuning { displacement: 3.0, ..usual };
+        let without_skin = Tuning { skin: 0.0, ..usual };
+        let tunings = [never, usual, long, without_skin];
+        let mut windows = [0; 4];
+        for seed in 0..if cfg!(debug_assertions) { 3 } else { 60 } {
+            let mut random = Random(seed);
+            let crowd = crowd(&mut random);
+            let mut engines = tunings.map(|tuning| {
+                let mut engine = crowd.clone();
+                engine.event_driven_mut().window_lists.tuning = tuning;
+                engine
+            });
+            for step in 0..120 {
+                if random.next() < 0.04 {
+                    let ids: Vec<_> = engines[0].world().bodies.iter().map(|body| body.id).collect();
+                    let id = ids[4 + (random.next() * (ids.len() - 4) as f64) as usize];
+                    engines.iter_mut().for_each(|engine| engine.apply(&Event::Delete(id)));
+                }
+                if random.next() < 0.04 {
+                    let at = [0, 1].map(|_| random.between(0.0, SIDE - 1.0));
+                    let spawn = member(&mut random, at, 0.5);
+                    engines.iter_mut().for_each(|engine| engine.apply(&Event::Spawn(spawn.clone())));
+                }
+                for (engine, windows) in engines.iter_mut().zip(&mut windows) {
+                    engine.step(&mut Vec::new()).unwrap_or_else(|error| panic!("seed {seed}: {error}"));
+                    let solver = engine.event_driven_mut();
+                    *windows += u32::from(solver.window_lists.is_active());
+                    solver.assert_lists();
+                }
+                let [expected, others @ ..] = engines.each_ref().map(bits);
+                for (other, tuning) in others.iter().zip(&tunings[1..]) {
+                    assert!(*other == expected, "seed {seed}, step {step}: {tuning:?}");
+                }
+            }
+        }
+        assert!(windows[0] == 0 && windows[1..].iter().all(|steps| *steps > 100), "steps in windows: {windows:?}");
+    }
+}
