@@ -72,7 +72,7 @@ pub use schedule::{
 };
 pub use side_by_side::{SideBySide, Stage};
 pub use source::{ReadExtent, ReadStatus, Source, recorded_world};
-pub use trace::TraceGap;
+pub use trace::{GapReason, TraceGap};
 pub use view::{Camera, DrawingMetrics, Style, View};
 
 /// A callback that receives the number of completed work items and their total.

@@ -1,6 +1,7 @@
 //! Texts of pictures neither overlap nor leave their panel, whatever the page, and contrast with what is below them.
 
 use crate::figures::{figures_of, options, side_by_side};
+use crate::laws::{random::Random, seeds_of};
 use crate::run_states::{BodySpec, RunStates, WORLD, fall, pair, run_with};
 use rebond::internals::physics::{Rect, SolverKind, Vector};
 use rebond::internals::picture::figures::{
@@ -8,8 +9,8 @@ use rebond::internals::picture::figures::{
     VelocityRun,
 };
 use rebond::internals::picture::{
-    Appearance, Color, ColorBy, DisplayList, Look, Overlay, Overlays, Quantity, RenderError, Shape, Style, Theme, View,
-    compose,
+    Appearance, Color, ColorBy, DisplayList, GapReason, Language, Look, Overlay, Overlays, Quantity, RenderError,
+    Shape, Style, Theme, TraceGap, View, compose,
 };
 use std::sync::Arc;
 
@@ -87,14 +88,22 @@ fn assert_clear_of_arrows(list: &DisplayList, colors: &[Color], case: &str) -> u
     arrows.len()
 }
 
+/// The part of a rectangle, which may be a line, within a window.
+fn within(rect: &Rect, window: &Rect) -> Option<Rect> {
+    let (near, far) = (rect.origin.max(window.origin), rect.far_corner().min(window.far_corner()));
+    let size = far.sub(near);
+    (size.x >= 0.0 && size.y >= 0.0).then(|| Rect::new(near, size.x, size.y))
+}
+
 fn bounds_of(points: &[Vector]) -> Rect {
     points.iter().map(|at| Rect::new(*at, 0.0, 0.0)).reduce(|all, at| all.union(&at)).unwrap()
 }
 
-/// The lengths of the Minkowski difference are beside their arrows or below the panels, never on an arrow, at any size.
+/// The lengths of the Minkowski difference are beside their arrows or below the panels, never on an arrow, at any size,
+/// and nearest to their own one.
 #[test]
 fn no_text_of_a_minkowski_difference_is_on_an_arrow() {
-    let mut arrows = 0;
+    let (mut arrows, mut names) = (0, 0);
     for (at, run) in [pair(), fall(), crate::run_states::galperin()].iter().enumerate() {
         for theme in Theme::ALL {
             for size in
@@ -112,11 +121,45 @@ fn no_text_of_a_minkowski_difference_is_on_an_arrow() {
                 };
                 let palette = rebond::internals::picture::Palette::of(*theme);
                 let blue = Color::hex(0x0072b2).mix(palette.ink, 20);
-                arrows += assert_clear_of_arrows(&list.unwrap(), &[blue, palette.penetration], &case);
+                let list = list.unwrap();
+                arrows += assert_clear_of_arrows(&list, &[blue, palette.penetration], &case);
+                names += assert_named_beside_its_arrow(&list, [palette.penetration, blue], &case);
             }
         }
     }
     assert!(arrows > 300, "{arrows} parts of arrows");
+    assert!(names > 30, "{names} names");
+}
+
+/// Asserts that the name of the shortest vector in a panel is nearer to an arrow of its own colour than to a blue one.
+/// Returns the number of such names.
+fn assert_named_beside_its_arrow(list: &DisplayList, [own, other]: [Color; 2], case: &str) -> usize {
+    let page = Rect::new(Vector::ZERO, f64::from(list.size[0]), f64::from(list.size[1]));
+    let (mut names, mut arrows) = (Vec::new(), Vec::new());
+    visit(&list.shapes, &page, false, &mut 0, &mut |_, shape, window, _| match shape {
+        Shape::Text { line, at, .. } if line.text.starts_with('|') && !line.text.contains(',') => {
+            let height = line.height();
+            names.push((*window, Rect::new(at.sub(Vector::new(0.0, height)), line.width, height)));
+        }
+        Shape::Polyline { points, ink, .. } | Shape::Polygon { points, ink } => {
+            arrows.extend(within(&bounds_of(points), window).map(|bounds| (*window, bounds, ink.color)));
+        }
+        Shape::Rect { rect, ink } => arrows.push((*window, *rect, ink.color)),
+        _ => {}
+    });
+    for (panel, name) in &names {
+        let distance = |color: Color| {
+            let of_panel = arrows.iter().filter(|(window, _, ink)| window == panel && *ink == color);
+            let distances = of_panel.map(|(_, arrow, _)| {
+                let [x, y] = [Axis::X, Axis::Y].map(|axis| -name.overlap_along(axis, arrow));
+                Vector::new(x, y).max(Vector::ZERO).norm()
+            });
+            distances.min_by(f64::total_cmp).unwrap_or(f64::INFINITY)
+        };
+        let distances = [own, other].map(distance);
+        assert!(distances[0] < distances[1] + 1.0, "{case}: |n| is {} and {} px away", distances[0], distances[1]);
+    }
+    names.len()
 }
 
 /// Visits the shapes within `window` in drawing order, each with its number, its visible area, and whether a panel clips
@@ -278,6 +321,97 @@ fn pictures_of_every_size_and_number_of_recordings_are_legible_or_refused_with_a
                     Err(error) => panic!("{case}: {error}"),
                 }
             }
+        }
+    }
+}
+
+/// Random kinds, numbers of recordings, scenes and looks on random pages. `REBOND_LAYOUT_CASES` sets the number of cases, or
+/// a range of seeds.
+#[test]
+#[cfg_attr(debug_assertions, ignore = "slow in debug")]
+fn random_pictures_are_legible_or_refused_with_a_sufficient_size() {
+    let mut failures = Vec::new();
+    for seed in seeds_of("REBOND_LAYOUT_CASES", 100) {
+        if std::panic::catch_unwind(|| check_random_picture(seed)).is_err() {
+            failures.push(seed);
+        }
+    }
+    assert_eq!(failures, Vec::<u64>::new(), "seeds of pictures that are not legible");
+}
+
+fn check_random_picture(seed: u64) {
+    let random = &mut Random::new(seed);
+    let run = random_run(random);
+    // Areas up to 8192×1024, so that most cases take little time.
+    let width = random.magnitude(64.0, 6);
+    let height = random.magnitude(64.0, 6).clamp(64.0, 8192.0 * 1024.0 / width);
+    let texts =
+        ["", "short", "two lines:\n$E = m c^2$", "a caption with $\\sqrt{x^2 + y_1}$ and many more words than fit"];
+    let gap = |from: f64| TraceGap { steps: 3..=7, times: [from, from + 0.3], reason: GapReason::Lost };
+    let look = Look {
+        size: [width as u32, height as u32],
+        theme: random.pick(Theme::ALL),
+        show: Overlay::ALL.iter().copied().filter(|_| random.chance(30)).collect(),
+        caption: random.pick(&texts).into(),
+        color_by: random.pick(ColorBy::ALL),
+        language: random.pick(Language::ALL),
+        ..Look::default()
+    };
+    let top = |random: &mut Random| random.magnitude(1e-9, 60);
+    let style = Style {
+        look,
+        top_speed: top(random),
+        top_momentum: top(random),
+        top_force: top(random),
+        top_impulse: top(random),
+        materials: (0..random.below(30)).map(|at| format!("material {at}")).collect(),
+        gaps: (0..random.below(3)).map(|_| gap(random.between(0.0, 1.0))).collect(),
+        ..Style::default()
+    };
+    let (kind, count) = (random.pick(&KINDS), random.pick(&[1, 1, 1, 2, 2, 3, 4, 5, 6, 8, 12, 17, 24]));
+    let case = format!("seed {seed}: {kind} of {count} at {:?}", style.look.size);
+    match picture_of(kind, &run, count, &style) {
+        Ok(list) => assert_legible(&list, &case),
+        Err(RenderError::TooSmall { needed: Some(needed), .. }) => {
+            let look = Look { size: needed, ..style.look.clone() };
+            let list = picture_of(kind, &run, count, &Style { look, ..style });
+            assert_legible(&list.unwrap_or_else(|error| panic!("{case}, then {needed:?}: {error}")), &case);
+        }
+        Err(error) => panic!("{case}: {error}"),
+    }
+}
+
+/// A run of boxes in the fields of a grid, with or without walls, in which at least two boxes collide.
+fn random_run(random: &mut Random) -> RunStates {
+    const NAMES: [&str; 9] =
+        ["a", "ball", "", "$x_1^2$", "#12", "<&>\"'", "été 東", "a name that is longer than its box", "wall-plate"];
+    loop {
+        let [columns, rows] = [random.whole(1, 8), random.whole(1, 5)];
+        let field = [WORLD.x / columns as f64, WORLD.y / rows as f64];
+        let mut bodies: Vec<BodySpec> = Vec::new();
+        for (column, row) in (0..columns).flat_map(|column| (0..rows).map(move |row| (column, row))) {
+            let size = field.map(|width| width / random.pick(&[1.0, 1.0, 1e5]) / random.magnitude(1.1, 3));
+            let at = [0, 1]
+                .map(|axis| random.between(0.0, field[axis] - size[axis]) + [column, row][axis] as f64 * field[axis]);
+            let mut velocity = || random.between(-6.0, 6.0) * random.pick(&[0.0, 1.0, 1.0, 1e-6]);
+            let velocity = [velocity(), velocity()];
+            let name = random.pick(&NAMES);
+            let is_wall = name.starts_with("wall-");
+            bodies.push((name, [at[0], at[1], size[0], size[1]], if is_wall { [0.0, 0.0] } else { velocity }));
+        }
+        if random.chance(50) {
+            bodies.push(("wall-left", [-1.0, -1.0, 1.0, 6.5], [0.0, 0.0]));
+            bodies.push(("wall-right", [8.0, -1.0, 1.0, 6.5], [0.0, 0.0]));
+            bodies.push(("wall-bottom", [-1.0, 4.5, 10.0, 1.0], [0.0, 0.0]));
+        }
+        if !bodies.iter().any(|(name, ..)| !name.starts_with("wall-")) {
+            continue;
+        }
+        let solver = random.pick(&[SolverKind::Handout, SolverKind::EventDriven]);
+        let gravity = random.chance(30).then_some(Vector::new(0.0, 9.81));
+        let run = run_with(solver, &bodies, gravity, 20.0, random.below(40) + 1);
+        if run.collisions.iter().any(|collision| collision.impulse != 0.0) {
+            return run;
         }
     }
 }

@@ -1,7 +1,7 @@
 use super::CollisionSubject;
 use super::pair::Pair;
 use super::panels::{Layout, Panels, TITLE, caption, captioned_panels, dashed, joined_lines, outline};
-use crate::physics::{Rect, Vector, larger, smaller};
+use crate::physics::{Axis, Rect, Vector, larger, smaller};
 use crate::picture::layers::bodies::border_color;
 use crate::picture::layers::footer::Legend;
 use crate::picture::layers::labels::{Halo, LabelPlacer};
@@ -201,9 +201,12 @@ impl MinkowskiDifference {
             shapes.push(Shape::Rect { rect: mark, ink: metrics.palette.penetration.into() });
         }
         self.draw_name(&page_rect, panel, &mut placer, &metrics, &mut shapes);
+        let visible = self.vectors.map(|vector| {
+            let to = origin_on_page.add(vector.mult(scale));
+            [origin_on_page, to.max(panel.origin).min(panel.far_corner())]
+        });
         for &index in labelled {
-            let visible = visible_part(self.vectors[index].mult(scale), origin_on_page, panel);
-            self.label_length(index, (origin_on_page, visible), &fills, &mut placer, &metrics, &mut shapes);
+            self.label_length(index, &visible, &fills, &mut placer, &metrics, &mut shapes);
         }
         panels.shapes.push(Shape::Clip { window: *panel, shapes });
         if !panel.contains(&page_rect) {
@@ -239,12 +242,13 @@ impl MinkowskiDifference {
         name.into_iter().for_each(|name| name.draw_over(&fills, Halo::Around, metrics, shapes));
     }
 
-    /// Draws the label with the length of a vector beside its visible part, px, if there is space without an arrow. All
-    /// lengths are also below the panels.
+    /// Draws the label with the length of a vector, if there is space for it that is free of arrows and nearer to this
+    /// vector than to any other. `visible` are the ends of the visible parts of all vectors, px. All lengths are also below
+    /// the panels.
     fn label_length(
         &self,
         index: usize,
-        (origin_on_page, visible): (Vector, Vector),
+        visible: &[[Vector; 2]; 4],
         fills: &[(Rect, Color)],
         placer: &mut LabelPlacer,
         metrics: &DrawingMetrics,
@@ -255,20 +259,38 @@ impl MinkowskiDifference {
             true => (format!("|n⃗| = {length}"), metrics.palette.penetration, 1.0),
             false => (length, blue(metrics), 0.9),
         };
-        let normal = Vector::new(visible.y, -visible.x);
-        let anchors = [0.5, 0.35, 0.65, 0.8, 0.2, 1.0].map(|part| origin_on_page.add(visible.mult(part)));
+        let [from, to] = visible[index];
+        let along = to.sub(from);
+        let (normal, gap) = (Vector::new(along.y, -along.x), 0.7 * metrics.font_size);
+        let anchors = [0.5, 0.35, 0.65, 0.8, 0.2, 1.0].map(|part| from.add(along.mult(part)));
+        let is_nearest = |bounds: &Rect| {
+            let distance = |[from, to]: [Vector; 2]| distance(bounds, &bounds_of(from, to));
+            let to_others = (0..4).filter(|other| *other != index).map(|other| distance(visible[other]));
+            distance(visible[index]) <= to_others.fold(f64::INFINITY, smaller)
+        };
         let label = [size, 0.9, 0.75].into_iter().find_map(|size| {
             let line = Line::math(&text, metrics.text(size));
-            placer.place_along(line, &anchors, normal, 0.7 * metrics.font_size, color)
+            placer.place_where(line, &anchors, (normal, gap), color, is_nearest)
         });
-        label.into_iter().for_each(|label| label.draw_over(fills, Halo::Around, metrics, shapes));
+        let Some(label) = label else { return };
+        if along == Vector::ZERO {
+            // Beside three arrows from one point, there is only space on the axis.
+            let plate = label.bounds().inset(-metrics.line_width);
+            shapes.push(Shape::Rect { rect: plate, ink: metrics.palette.background.into() });
+        }
+        label.draw_over(fills, Halo::Around, metrics, shapes);
     }
 }
 
-/// The part of a vector from `from`, px, that is within a panel.
-fn visible_part(vector: Vector, from: Vector, panel: &Rect) -> Vector {
-    let to = from.add(vector).max(panel.origin).min(panel.far_corner());
-    to.sub(from)
+/// The rectangle with these opposite corners.
+fn bounds_of(a: Vector, b: Vector) -> Rect {
+    Rect::new(a, 0.0, 0.0).union(&Rect::new(b, 0.0, 0.0))
+}
+
+/// The distance of two rectangles, 0 if they touch.
+fn distance(a: &Rect, b: &Rect) -> f64 {
+    let along = |axis: Axis| larger(0.0, -a.overlap_along(axis, b));
+    Vector::new(along(Axis::X), along(Axis::Y)).norm()
 }
 
 fn to_sides(s: &Rect) -> [Vector; 4] {

@@ -139,15 +139,12 @@ fn ideal_colors(palette: &Palette) -> [Color; 2] {
 fn curves(run: &PressureRun, names: &[(String, Axis, Side, String)], style: &Style) -> Curves {
     let palette = Palette::of(style.look.theme);
     let count = interval_count(run.sides.iter().map(|side| side.count).max().unwrap_or(0));
-    let edge = |number: usize| run.time.from + (run.time.to - run.time.from) * number as f64 / count as f64;
     let (mut over_time, mut over_volume) = (Vec::new(), Vec::new());
     let is_any_moving = run.sides.iter().any(|side| side.is_moving);
     for side in &run.sides {
         let (color, pressures) = (side_color(side, names, style), run.pressures(side, count));
-        let steps = pressures.iter().enumerate().map(|(number, pressure)| {
-            pressure.map(|pressure| [[edge(number), pressure], [edge(number + 1), pressure]])
-        });
-        over_time.push(Curve { color, width: 1.25, parts: parts(steps) });
+        let step = |[from, to]: [f64; 2], pressure: f64| vec![[from, pressure], [to, pressure]];
+        over_time.push(Curve { color, width: 1.25, parts: over_spans(&run.spans_of(side, count), &pressures, step) });
         if run.has_changing_volume() && (side.is_moving || !is_any_moving) {
             let ideal = run.ideal(side.axis, count);
             let points = ideal.iter().zip(&pressures).map(|(ideal, pressure)| Some([[(*ideal)?[1], (*pressure)?]]));
@@ -156,10 +153,8 @@ fn curves(run: &PressureRun, names: &[(String, Axis, Side, String)], style: &Sty
     }
     for axis in Axis::BOTH.into_iter().filter(|axis| run.sides.iter().any(|side| side.axis == *axis)) {
         let (ideal, color) = (run.ideal(axis, IDEAL_POINTS), ideal_colors(&palette)[axis]);
-        let duration = run.time.to - run.time.from;
-        let middle = |number: usize| run.time.from + duration * (number as f64 + 0.5) / IDEAL_POINTS as f64;
-        let points = ideal.iter().enumerate().map(|(number, ideal)| Some([[middle(number), (*ideal)?[0]]]));
-        over_time.push(Curve { color, width: 0.75, parts: parts(points) });
+        let point = |[from, to]: [f64; 2], [pressure, _]: [f64; 2]| vec![[f64::midpoint(from, to), pressure]];
+        over_time.push(Curve { color, width: 0.75, parts: over_spans(&run.ideal_spans(IDEAL_POINTS), &ideal, point) });
         let is_shown = |side: &WallSide| side.axis == axis && (side.is_moving || !is_any_moving);
         if run.has_changing_volume() && run.sides.iter().any(is_shown) {
             let points = ideal.iter().map(|ideal| Some([[(*ideal)?[1], (*ideal)?[0]]]));
@@ -179,6 +174,25 @@ fn interval_count(impulses: u64) -> usize {
 
 /// The number of points of the curve of an ideal gas, a divisor of the number of slices.
 const IDEAL_POINTS: usize = 252;
+
+/// The parts of a curve over time, from the values of intervals and the spans of each interval in which they are known, s.
+/// A part ends where the next span does not follow at once.
+fn over_spans<T: Copy>(
+    spans: &[Vec<[f64; 2]>],
+    values: &[Option<T>],
+    points: impl Fn([f64; 2], T) -> Vec<[f64; 2]>,
+) -> Vec<Vec<[f64; 2]>> {
+    let (mut parts, mut end) = (Vec::new(), f64::NAN);
+    let known = spans.iter().zip(values).filter_map(|(spans, value)| Some((spans, (*value)?)));
+    for (span, value) in known.flat_map(|(spans, value)| spans.iter().map(move |span| (*span, value))) {
+        if span[0] != end {
+            parts.push(Vec::new());
+        }
+        parts.last_mut().into_iter().for_each(|part: &mut Vec<[f64; 2]>| part.extend(points(span, value)));
+        end = span[1];
+    }
+    parts
+}
 
 /// The parts of a curve between missing points.
 fn parts<const N: usize>(points: impl Iterator<Item = Option<[[f64; 2]; N]>>) -> Vec<Vec<[f64; 2]>> {

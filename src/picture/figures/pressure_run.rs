@@ -233,6 +233,36 @@ impl PressureRun {
         };
         (0..count).map(interval).collect()
     }
+
+    /// The spans of each of `count` intervals in which a side exists and is recorded, s.
+    pub(super) fn spans_of(&self, side: &WallSide, count: usize) -> Vec<Vec<[f64; 2]>> {
+        let is_known = |slice: usize| self.length(side, slice..slice + 1).any(|length| length > 0.0);
+        (0..count).map(|number| self.spans(slices_of(number, count), is_known)).collect()
+    }
+
+    /// The spans of each of `count` intervals in which the volume is known, s.
+    pub(super) fn ideal_spans(&self, count: usize) -> Vec<Vec<[f64; 2]>> {
+        let is_known = |slice: usize| self.known[slice] > 0.0;
+        (0..count).map(|number| self.spans(slices_of(number, count), is_known)).collect()
+    }
+
+    /// The spans of some slices that `is_known` accepts, without the gaps of the recording, s.
+    fn spans(&self, slices: std::ops::Range<usize>, is_known: impl Fn(usize) -> bool) -> Vec<[f64; 2]> {
+        let time = |slice: usize| self.time.from + (self.time.to - self.time.from) * slice as f64 / SLICES as f64;
+        let mut spans: Vec<[f64; 2]> = Vec::new();
+        for slice in slices.filter(|slice| is_known(*slice)) {
+            let [from, to] = [slice, slice + 1].map(time);
+            match spans.last_mut().filter(|last| last[1] == from) {
+                Some(last) => last[1] = to,
+                None => spans.push([from, to]),
+            }
+        }
+        for [start, end] in self.timeline.gaps.iter().map(|gap| gap.times) {
+            let around = |[from, to]: [f64; 2]| [[from, smaller(to, start)], [larger(from, end), to]];
+            spans = spans.into_iter().flat_map(around).filter(|[from, to]| from < to).collect();
+        }
+        spans
+    }
 }
 
 impl Observer for PressureRun {
@@ -288,6 +318,7 @@ fn distribute(slices: &mut Slices, range: Range, span: [f64; 2], value: f64) {
 mod tests {
     use super::*;
     use crate::physics::{Engine, EngineConfig, Event, SolverKind, Spawn};
+    use crate::picture::trace::{GapReason, TraceGap};
 
     /// A closed box of 4 m × 3 m with walls of these names and bodies of this mass at positions with velocities.
     fn run(mass: f64, bodies: &[([f64; 2], [f64; 2])], steps: u64) -> (PressureRun, Vec<Collision>) {
@@ -374,6 +405,26 @@ mod tests {
         assert!(slices.iter().all(|slice| (slice - 21.0 / SLICES as f64).abs() < 1e-9));
         let all: Vec<usize> = (0..60).flat_map(|number| slices_of(number, 60)).collect();
         assert_eq!(all, (0..SLICES).collect::<Vec<usize>>());
+    }
+
+    #[test]
+    fn intervals_end_at_gaps_and_where_a_wall_ends() {
+        let body = ([1.0, 1.0], [2.0, 0.0]);
+        let (mut run, _) = run(1.0, &[body], 70);
+        let gap = |from: u64, to: u64| {
+            let times = [from, to].map(|step| step as f64 / 10.0);
+            TraceGap { steps: from + 1..=to - 1, times, reason: GapReason::Lost }
+        };
+        run.timeline.gaps = vec![gap(3, 12), gap(30, 31)];
+        let side = run.sides[0].clone();
+        let spans = run.spans_of(&side, 7);
+        assert_eq!(spans[..2], [vec![[0.0, 0.3]], vec![[1.2, 2.0]]]);
+        assert_eq!((&spans[2], &spans[3]), (&vec![[2.0, 3.0]], &vec![[3.1, 4.0]]));
+        assert_eq!(run.ideal_spans(7), spans);
+        // The wall is deleted at 5 s.
+        run.lengths.values_mut().flatten().for_each(|lengths| lengths[SLICES * 5 / 7 + 90..].fill(0.0));
+        let spans = run.spans_of(&side, 7);
+        assert_eq!((&spans[5], spans[6].len()), (&vec![[5.0, 5.25]], 0));
     }
 
     #[test]

@@ -161,12 +161,25 @@ impl LabelPlacer {
         gap: f64,
         color: Color,
     ) -> Option<Label> {
+        self.place_where(line, anchors, (towards, gap), color, |_| true)
+    }
+
+    /// As [`LabelPlacer::place_along`], only with bounds that `is_allowed` accepts.
+    pub fn place_where(
+        &mut self,
+        line: Line,
+        anchors: &[Vector],
+        (towards, gap): (Vector, f64),
+        color: Color,
+        is_allowed: impl Fn(&Rect) -> bool,
+    ) -> Option<Label> {
         let directions = directions_from(towards);
         let around = |gap: f64| {
             let line = &line;
             anchors
                 .iter()
                 .flat_map(move |anchor| directions.map(|direction| label_bounds(line, *anchor, direction, gap)))
+                .filter(&is_allowed)
         };
         let near = self.best([gap, 2.0 * gap].into_iter().flat_map(around));
         let (bounds, _) = near.or_else(|| self.best([3.0 * gap, 4.0 * gap].into_iter().flat_map(around)))?;

@@ -10,7 +10,7 @@ mod crowds;
 mod kinds;
 mod lattice;
 mod mechanics;
-mod random;
+pub mod random;
 mod run;
 mod scene;
 mod seams;
@@ -38,9 +38,13 @@ const MOST_COLLISIONS: usize = if cfg!(debug_assertions) { 60 } else { 5000 };
 
 /// The seeds of the scenes.
 fn seeds() -> Range<u64> {
-    let standard = if cfg!(debug_assertions) { 280 } else { 1120 };
-    let Ok(text) = std::env::var("REBOND_LAW_SCENES") else { return 0..standard };
-    let number = |text: &str| text.parse().unwrap_or_else(|_| panic!("REBOND_LAW_SCENES is a number or FIRST..END"));
+    seeds_of("REBOND_LAW_SCENES", if cfg!(debug_assertions) { 280 } else { 1120 })
+}
+
+/// The seeds that an environment variable selects, which is a number or a range; without it a standard number.
+pub fn seeds_of(variable: &str, standard: u64) -> Range<u64> {
+    let Ok(text) = std::env::var(variable) else { return 0..standard };
+    let number = |text: &str| text.parse().unwrap_or_else(|_| panic!("{variable} is a number or FIRST..END"));
     text.split_once("..").map_or_else(|| 0..number(&text), |(first, end)| number(first)..number(end))
 }
 

@@ -34,6 +34,11 @@ impl Random {
         least + (most - least) * (self.below(1 << 30) as f64 / f64::from(1 << 30))
     }
 
+    /// A number from `least` on that is doubled up to `doublings` times, and less than once more.
+    pub fn magnitude(&mut self, least: f64, doublings: u64) -> f64 {
+        (0..self.below(doublings + 1)).fold(least, |value, _| 2.0 * value) * self.between(1.0, 2.0)
+    }
+
     pub fn shuffle<T>(&mut self, items: &mut [T]) {
         for last in (1..items.len()).rev() {
             items.swap(last, self.below(last as u64 + 1) as usize);
