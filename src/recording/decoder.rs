@@ -139,7 +139,7 @@ impl Decoder {
             // The definitions of the index are compared with the data section when that is read.
             let _ = match *opcode {
                 op::SCHEMA => self.add_schema(body),
-                _ => self.add_channel(Location::default(), body),
+                _ => self.add_channel(None, body),
             };
         }
     }
@@ -156,7 +156,7 @@ impl Decoder {
                 Ok(())
             }
             op::SCHEMA => self.add_schema(record.body),
-            op::CHANNEL => self.add_channel(location, record.body),
+            op::CHANNEL => self.add_channel(Some(location), record.body),
             0x80.. => Ok(()), // Private records of other programs.
             other => {
                 self.mark_lost(location, format!("a record with opcode {other:#04x} is not allowed in a chunk"));
@@ -322,6 +322,10 @@ impl Decoder {
         }
         self.check_times(location, &message, expected);
         if let Some((step, what)) = step {
+            if let Some(reason) = self.validator.skipped_beyond_plan(step, what) {
+                self.step = OpenStep::default();
+                return self.lose(location, reason);
+            }
             self.step.number = Some(step);
             self.ready.extend(self.validator.cross_gap(step).map(Item::Gap));
             if let Some(reason) = self.validator.missing_before(step, what) {
@@ -398,15 +402,17 @@ impl Decoder {
         Ok(())
     }
 
-    /// Adds a channel. Its messages are read even if its schema is not the one of the format.
-    fn add_channel(&mut self, location: Location, body: &[u8]) -> Result<(), String> {
+    /// Adds a channel. Its messages are read even if its schema is not the one of the format. The channels of the index,
+    /// which have no location, are all of rebond.
+    fn add_channel(&mut self, location: Option<Location>, body: &[u8]) -> Result<(), String> {
         let mut fields = FieldReader::new(body);
         let mut read = || Ok((fields.u16()?, fields.u16()?, fields.text()?, fields.text()?));
         let (id, schema, name, encoding) = read().map_err(|Malformed| "a channel record is damaged")?;
         let topic = Topic::from_name(name);
         self.channels.insert(id, topic);
         let Some(topic) = topic else {
-            for topic in self.schemas.get(&schema).into_iter().flatten() {
+            let topics = self.schemas.get(&schema).into_iter().flatten();
+            for (topic, location) in topics.filter_map(|topic| Some((topic, location?))) {
                 self.renamed.entry(*topic).or_insert_with(|| (location, metadata::shortened(name)));
             }
             return Ok(());

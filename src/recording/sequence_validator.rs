@@ -185,6 +185,17 @@ impl SequenceValidator {
         }
     }
 
+    /// Returns a description of the problem if the step of the next message, `kind`, is beyond the plan and does not follow
+    /// at once. Such a message is skipped: if it were accepted, all later ones would precede it.
+    pub fn skipped_beyond_plan(&self, step: u64, kind: &str) -> Option<String> {
+        let is_plan_exceeded = self.last_step.is_some_and(|last| last > self.planned);
+        let is_next = match self.expected {
+            ExpectedStep::Exactly(expected) | ExpectedStep::AtLeast(expected) => step == expected,
+        };
+        (step > self.planned && !is_plan_exceeded && !is_next)
+            .then(|| format!("{kind} has step {step}, but the metadata plan {}", counted(self.planned, "step")))
+    }
+
     /// Adds an event, encoded as `message`.
     ///
     /// # Errors
@@ -461,10 +472,7 @@ impl SequenceValidator {
     }
 
     fn check_shape(&self, state: &RecordedState) -> Result<(), String> {
-        let RecordedState { step, id, x, y, vx, vy, .. } = state;
-        if [x, y, vx, vy].into_iter().any(|column| column.len() != id.len()) {
-            return Err(format!("state {step} has columns of different lengths"));
-        }
+        let RecordedState { step, id, .. } = state;
         if id.len() > limits::BODIES {
             return Err(format!("state {step} has {} bodies, but at most {} are allowed", id.len(), limits::BODIES));
         }

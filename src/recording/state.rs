@@ -54,7 +54,7 @@ impl RecordedState {
         [self.x[index], self.y[index], self.vx[index], self.vy[index]]
     }
 
-    /// Decodes the state in a message, which it must fill exactly.
+    /// Decodes the state in a message, which it must fill exactly. Its columns have the same length.
     ///
     /// Lengths are checked against the number of bytes left before memory is allocated.
     ///
@@ -64,6 +64,10 @@ impl RecordedState {
         let mut reader = ColumnReader::new(bytes)?;
         let state = RecordedState::read(&mut reader).map_err(|Malformed| "the message of a state is too short")?;
         reader.finish()?;
+        let RecordedState { step, id, x, y, vx, vy, .. } = &state;
+        if [x, y, vx, vy].into_iter().any(|column| column.len() != id.len()) {
+            return Err(format!("state {step} has columns of different lengths"));
+        }
         Ok(state)
     }
 

@@ -454,6 +454,38 @@ fn the_records_outside_of_chunks_may_be_stored_in_any_order() {
     }
 }
 
+/// A message whose step lies beyond the plan is skipped, and what follows it is read.
+#[test]
+fn a_step_beyond_the_plan_does_not_hide_the_later_states() {
+    let workplace = Workplace::with_scene(SCENE);
+    workplace.done("record scene.toml -o run.mcap");
+    let file = workplace.read("run.mcap");
+    for (channel, what, lost) in [(2, "a state", "lost step 30"), (1, "an event", "lost step 50")] {
+        for step in [61_u64, 1_000_000, 1 << 40, u64::MAX] {
+            let mut parts = forge::take_apart(&file);
+            let at = if channel == 2 { 30_u64 } else { 50 };
+            each_record(&mut parts, |(opcode, body)| {
+                let is_altered =
+                    *opcode == op::MESSAGE && body[..2] == [channel, 0] && body[26..34] == at.to_le_bytes();
+                if is_altered {
+                    body[26..34].copy_from_slice(&step.to_le_bytes());
+                    let time = step.saturating_mul(50_000_000);
+                    body[6..14].copy_from_slice(&time.to_le_bytes());
+                    body[14..22].copy_from_slice(&time.to_le_bytes());
+                }
+            });
+            std::fs::write(workplace.path("far.mcap"), forge::put_together(&parts, Layout::Zstd)).unwrap();
+            let recovered = workplace.rebond("recover far.mcap -o fixed.mcap --force");
+            assert_eq!(recovered.code, 4, "{recovered:?}");
+            let named = format!("{what} has step {step}, but ");
+            assert!(recovered.output.contains(&named) && recovered.output.contains(lost), "{recovered:?}");
+            assert!(recovered.output.starts_with("recovered 60 states up to step 60\n"), "{recovered:?}");
+            assert_eq!(workplace.rebond("replay fixed.mcap").code, 4);
+            assert_eq!(workplace.rebond("export fixed.mcap -o - --quiet").output.lines().last().unwrap()[..3], *"60,");
+        }
+    }
+}
+
 /// Returns a folder of damaged recordings: with a flipped bit in the chunk of the steps 20 to 39, and recovered from that
 /// (gap.mcap), also without saying so (other-gap.mcap); without that chunk (hole.mcap); cut, and cut in the index; with
 /// bytes before the start and after the end; with another top speed; without its scene; without keyframes, or with another name of their topic; with a bit flipped in
