@@ -119,6 +119,22 @@ pub enum CommandError {
         /// The error of the operating system.
         source: io::Error,
     },
+    /// Writing a recording failed after its file had appeared.
+    #[error(
+        "cannot write {}: {source}; it is unfinished and has the steps 0 to {last}",
+        path.display()
+    )]
+    #[diagnostic(help(
+        "free some space and make a recording of these steps with rebond recover, or record again with --force"
+    ))]
+    CutRecording {
+        /// The recording.
+        path: PathBuf,
+        /// The error of the operating system.
+        source: io::Error,
+        /// The last step that can be read.
+        last: u64,
+    },
     /// Standard output cannot be written.
     #[error("cannot write to standard output: {0}")]
     #[diagnostic(help("free some space on its disk, or write to a file with -o instead"))]

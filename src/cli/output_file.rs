@@ -13,6 +13,8 @@ use same_file::Handle;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, ErrorKind, IsTerminal, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use tempfile::TempPath;
 
 /// An output that is never one of the inputs of its command.
@@ -142,9 +144,10 @@ impl OutputFile {
     }
 
     /// Opens the file for a recording, which can be read while it grows.
-    pub fn record(self, durability: Durability) -> Result<Box<dyn Write + Send>, CommandError> {
+    pub fn record(self, durability: Durability) -> Result<(Box<dyn Write + Send>, Begun), CommandError> {
         let unwritable = CommandError::unwritable(&self.name);
-        Ok(match self.destination {
+        let begun = Begun::default();
+        let file: Box<dyn Write + Send> = match self.destination {
             Destination::StandardOutput => Box::new(io::stdout()),
             Destination::Special => {
                 let file = open_special(&self.name).map_err(&unwritable)?;
@@ -154,10 +157,13 @@ impl OutputFile {
                 let staged = staging.path().join("output");
                 let file = exclusive(OpenOptions::new().write(true).create_new(true)).open(&staged);
                 let file = staging.add_open(file.and_then(lock).map_err(&unwritable)?);
-                let pending = Some(PendingRecording { is_flushed: false, staged, place, overwrite, _staging: staging });
-                Box::new(RecordingFile { file, durability, pending })
+                let begun = begun.clone();
+                let pending =
+                    PendingRecording { is_flushed: false, staged, place, overwrite, begun, _staging: staging };
+                Box::new(RecordingFile { file, durability, pending: Some(pending) })
             }
-        })
+        };
+        Ok((file, begun))
     }
 }
 
@@ -170,6 +176,17 @@ impl RefuseInputs for OutputFile {
         };
         // A file that does not exist, or cannot be read, is no input.
         output.map_or(Ok(()), |output| refuse_input(output, &self.name, inputs))
+    }
+}
+
+/// A flag that a recording has appeared at its place, where it stays if writing fails later.
+#[derive(Clone, Debug, Default)]
+pub struct Begun(Arc<AtomicBool>);
+
+impl Begun {
+    /// Returns true if the file is at its place.
+    pub fn is_in_place(&self) -> bool {
+        self.0.load(Ordering::Acquire)
     }
 }
 
@@ -199,6 +216,7 @@ struct PendingRecording {
     staged: PathBuf,
     place: PathBuf,
     overwrite: Overwrite,
+    begun: Begun,
     /// Removed when this is dropped.
     _staging: TemporaryFolder,
 }
@@ -209,12 +227,13 @@ impl Write for RecordingFile {
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        if let Some(PendingRecording { is_flushed, staged, place, overwrite, .. }) = &mut self.pending {
+        if let Some(PendingRecording { is_flushed, staged, place, overwrite, begun, .. }) = &mut self.pending {
             if !std::mem::replace(is_flushed, true) {
                 return Ok(());
             }
             self.file.with(|file| file.sync_all())?;
             uninterrupted(|| put(staged, place, *overwrite))?;
+            begun.0.store(true, Ordering::Release);
             self.pending = None;
         }
         match self.durability {

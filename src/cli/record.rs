@@ -41,7 +41,13 @@ pub fn run(options: &RecordOptions) -> Result<Exit, CommandError> {
     let events = options.events.as_deref().map(open_events).transpose()?;
     let mut live = events.map(|lines| LiveEvents::new(lines, on_bad_event, plan.steps));
     let durability = if options.sync { Durability::Disk } else { Durability::Program };
-    let recorded = record(&scene, plan, live.as_mut(), output.record(durability)?, &options.output)?;
+    let (output, begun) = output.record(durability)?;
+    let recorded = match record(&scene, plan, live.as_mut(), output, &options.output) {
+        Err(CommandError::Unwritable { path, source }) if begun.is_in_place() => {
+            return Err(CommandError::CutRecording { last: last_readable_step(&path), path, source });
+        }
+        recorded => recorded?,
+    };
     print_summary(options, &recorded, live.map_or(0, |live| live.skipped()))?;
     match recorded.error {
         Some(error) => Err(CommandError::Step { path: options.output.clone(), error }),
@@ -179,6 +185,13 @@ pub fn record<W: Write + Send + 'static>(
         RunError::Recording(error) => CommandError::in_recording(path)(error),
         error => error.into(),
     })
+}
+
+/// The last step of the readable part of an unfinished recording.
+fn last_readable_step(path: &Path) -> u64 {
+    let items = recording::open(path).into_iter().flatten();
+    let steps = items.filter_map(|item| if let Ok(Item::State(state)) = item { Some(state.step) } else { None });
+    steps.last().unwrap_or(0)
 }
 
 /// Reports values of `--set` for pairs of materials of which no body is made, such as misspelt ones: they change nothing.

@@ -413,7 +413,7 @@ fn no_frames(from: u64, to: u64, every: u64, last: u64) -> Error {
         1 => format!("in the steps {from} to {to}"),
         _ => format!("in the steps {from} to {to} by {every}"),
     };
-    Error::NothingToShow { reason: format!("the recording has no state {steps}; its last step is {last}") }
+    Error::NothingToShow { reason: format!("the recording has no full state {steps}; its last one is at step {last}") }
 }
 
 /// The bounding box of all bodies of finite mass over all runs, with a margin of 5 %, m.

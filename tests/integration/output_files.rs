@@ -53,6 +53,46 @@ const COMMANDS: [&str; 7] = [
     "figure strobe run.mcap -o new.pdf",
 ];
 
+/// A recording of which a part was written stays, as the message says; everything else is removed.
+#[test]
+fn a_full_disk_leaves_only_the_begun_recording_and_its_last_step_is_named() {
+    let workplace = workplace();
+    let limited = |blocks: u32, line: &str| {
+        // A file that grows beyond the limit is an error of writing instead of a signal.
+        let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec '{}' {line}", env!("CARGO_BIN_EXE_rebond"));
+        workplace.run(assert_cmd::Command::new("sh").args(["-c", &script]).current_dir(workplace.path("")))
+    };
+    let recorded = limited(200, "record endless.toml -o new.mcap");
+    assert_eq!(recorded.code, 1, "{recorded:?}");
+    let (_, last) = recorded.errors.split_once("it is unfinished and has the steps 0 to ").expect("the last step");
+    let last: u64 = last.lines().next().unwrap().parse().unwrap();
+    assert!(last > 60 && recorded.errors.contains("rebond recover"), "{recorded:?}");
+    let recovered = workplace.rebond("recover new.mcap -o fixed.mcap");
+    assert!(
+        recovered.output.starts_with(&format!("recovered {} states up to step {last}\n", last + 1)),
+        "{recovered:?}"
+    );
+    ["new.mcap", "fixed.mcap"].map(|name| fs::remove_file(workplace.path(name)).unwrap());
+    let names = workplace.names();
+    for command in COMMANDS.iter().chain(&["render run.mcap -o frames/"]) {
+        let failed = limited(0, command);
+        assert_eq!(failed.code, 1, "{command}: {failed:?}");
+        assert!(
+            failed.errors.contains("cannot write ") && !failed.errors.contains("unfinished"),
+            "{command}: {failed:?}"
+        );
+        assert_eq!(workplace.names(), names, "{command}");
+    }
+    workplace.write("pictures.check", "rebond render scene.toml --at 3 -o pictures/at.png\n");
+    workplace.done("check . --update");
+    let kept = workplace.read("run.mcap");
+    workplace.write("scene.toml", &SCENE.replace("[4.0, 0.0]", "[5.0, 0.0]"));
+    let names = workplace.names();
+    let updated = limited(0, "check . --update --report page");
+    assert_eq!(updated.code, 1, "{updated:?}");
+    assert_eq!((workplace.names(), workplace.read("run.mcap")), (names, kept));
+}
+
 fn output_of(command: &str) -> &str {
     command.split(' ').next_back().expect("an output")
 }
