@@ -72,7 +72,9 @@ fn a_full_disk_leaves_only_the_begun_recording_and_its_last_step_is_named() {
         recovered.output.starts_with(&format!("recovered {} states up to step {last}\n", last + 1)),
         "{recovered:?}"
     );
-    ["new.mcap", "fixed.mcap"].map(|name| fs::remove_file(workplace.path(name)).unwrap());
+    for name in ["new.mcap", "fixed.mcap"] {
+        fs::remove_file(workplace.path(name)).unwrap();
+    }
     let names = workplace.names();
     for command in COMMANDS.iter().chain(&["render run.mcap -o frames/"]) {
         let failed = limited(0, command);
