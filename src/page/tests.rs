@@ -356,7 +356,13 @@ fn a_recording_that_diverges_names_the_step() {
         other.step(&mut Vec::new()).unwrap();
     }
     writer.finish(RunEnd::default()).unwrap();
-    let verdict = verdict(file.0.lock().unwrap().clone());
+    let bytes = file.0.lock().unwrap().clone();
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../tests/page/diverged.mcap");
+    if std::env::var_os("REBOND_ACCEPT").is_some_and(|value| value == "1") {
+        std::fs::write(&path, &bytes).unwrap();
+    }
+    assert_eq!(std::fs::read(&path).unwrap(), bytes, "the file of the browser test; REBOND_ACCEPT=1 renews it");
+    let verdict = verdict(bytes);
     assert!(verdict.starts_with("diverged at step 2: body \"c\" x recorded"), "{verdict}");
 }
 

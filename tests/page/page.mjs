@@ -286,6 +286,24 @@ const tests = {
     assert.match(await run(() => `${document.getElementById('verdict').textContent} ${document.getElementById('toast-text').textContent}`), /corrupt|damaged|checksum/i);
   },
 
+  async 'a recording that diverges shows the step at which it does'() {
+    await open();
+    await openFile(join(repository, 'tests/page/diverged.mcap'));
+    await wait(() => rebond.state.film?.verdict);
+    assert.match(await run(() => document.getElementById('verdict').textContent), /^diverged at step 2: body "c" x/);
+    assert.equal(await run(() => document.getElementById('verdict').className), 'bad');
+    await seek(0);
+    assert.equal(await run(() => rebond.state.film.step), 0);
+    await run(() => document.getElementById('film-step').click());
+    assert.equal(await run(() => rebond.state.film.step), 2);
+    assert.match(await run(() => document.getElementById('film-step').textContent), /2$/);
+
+    // The button belongs to that recording alone.
+    await openFile(join(repository, 'recordings/click-session.mcap'));
+    await wait(() => rebond.state.film?.verdict);
+    assert.equal(await run(() => document.getElementById('film-step').hidden), true);
+  },
+
   async 'every recording of the repository replays the same in the browser'() {
     await open();
     for (const recording of readdirSync(join(repository, 'recordings')).filter((entry) => entry.endsWith('.mcap'))) {
