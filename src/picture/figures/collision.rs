@@ -49,8 +49,10 @@ pub fn collision(
     let fits = |cell: &Rect, metrics: &DrawingMetrics| {
         let caption = Line::math(LONGEST_CAPTION, metrics.text(0.7)).width;
         rows.iter().map(|numbers| numbers.lines(cell.width(), metrics)).all(|lines| {
-            let panel = Row::new(cell, lines.height(metrics), metrics).panels[0];
+            let row = Row::new(cell, lines.height(metrics), metrics);
+            let panel = row.panels[0];
             lines.width() <= cell.width()
+                && row.key(top, metrics).fits(row.strip.width(), metrics)
                 && panel.width() >= larger(caption, 10.0 * metrics.font_size)
                 && panel.height() >= 8.0 * metrics.font_size
         })
@@ -118,19 +120,22 @@ impl Row {
         if top > 0.0 { MAX_ARROW * smaller(panel.width(), panel.height()) / top } else { 0.0 }
     }
 
+    /// The key of the arrows.
+    fn key(&self, top: f64, metrics: &DrawingMetrics) -> Legend {
+        let (scale, width) = (self.arrow_scale(top), ARROW_WIDTH * metrics.line_width);
+        let entries = match scale > 0.0 {
+            true => key_entries(scale, top, Unit::METRE_PER_SECOND, width, metrics.palette.ink).into(),
+            false => Vec::new(),
+        };
+        Legend { entries }
+    }
+
     /// Draws the key of the arrows and the numbers of the collision.
     fn draw_numbers(&self, lines: NumberLines, top: f64, panels: &mut Panels) {
         let (metrics, ink) = (panels.metrics, panels.metrics.palette.ink.into());
         let spacing = VALUE_SPACING * metrics.font_size;
-        let key = match self.arrow_scale(top) > 0.0 {
-            true => {
-                let width = ARROW_WIDTH * metrics.line_width;
-                key_entries(self.arrow_scale(top), top, Unit::METRE_PER_SECOND, width, metrics.palette.ink).into()
-            }
-            false => Vec::new(),
-        };
         let strip = Rect::new(self.strip.origin, self.strip.width(), spacing);
-        Legend { entries: key }.draw(&strip, Alignment::Center, &metrics, &mut panels.shapes);
+        self.key(top, &metrics).draw(&strip, Alignment::Center, &metrics, &mut panels.shapes);
         let (middle, mut y) = (self.cell.center().x, self.strip.origin.y + spacing);
         for line in lines.values {
             panels.centered(line, Vector::new(middle, y + 0.8 * spacing), ink);

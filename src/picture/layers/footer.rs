@@ -308,7 +308,7 @@ impl Legend {
 
     /// Returns true if the legend fits in one row of `width` px.
     pub fn fits(&self, width: f64, metrics: &DrawingMetrics) -> bool {
-        self.rows(width, metrics).1.len() <= 1
+        self.rows(width, metrics).1.len() <= 1 && self.is_within(width, metrics)
     }
 
     /// The height of the legend in rows of `width` px, px.
