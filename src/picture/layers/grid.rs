@@ -1,6 +1,6 @@
 use super::LayoutContext;
 use super::labels::Label;
-use crate::physics::{Axis, Rect, Vector, larger};
+use crate::physics::{Axis, Rect, Vector, larger, smaller};
 use crate::picture::Overlay;
 use crate::picture::number::{Unit, multiples_within, nice_spacing, tick_label};
 use crate::picture::text::Line;
@@ -103,8 +103,10 @@ pub fn draw_axes(context: &LayoutContext, shapes: &mut Vec<Shape>) {
     shapes.push(bar(viewport.origin.x, far.y, viewport.width(), line));
     let (area, spacing) = (context.camera.visible_area(), grid_spacing(context));
     let tick_length = (0.3 * context.metrics.font_size).round();
+    // A tick at the right edge of the viewport stays on the page.
+    let greatest = f64::from(context.view.style.look.size[0]) - line;
     for at in multiples(&area, Axis::X, spacing) {
-        let x = context.camera.point(Vector::new(at, 0.0)).x.round();
+        let x = smaller(context.camera.point(Vector::new(at, 0.0)).x.round(), greatest);
         shapes.push(bar(x, far.y, line, tick_length));
         label_below(at, x, context, shapes);
     }
