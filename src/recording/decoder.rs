@@ -276,7 +276,8 @@ impl Decoder {
             let colors = &mut self.colors;
             scene_update.as_ref().and_then(|message| scene_update::difference(message, time, table, &state, colors))
         });
-        let is_shown = difference.is_none();
+        // A state without bodies has no boxes.
+        let is_shown = difference.is_none() && self.validator.is_full(state.step);
         let problem = difference.or_else(|| self.validator.check_presence(scene_update.is_some(), &state));
         let problem = problem.or_else(|| self.validator.check_plan(&state));
         if let (Some(time), Some(message), true) = (time, scene_update, is_shown) {

@@ -202,13 +202,17 @@ impl SequenceValidator {
     /// Returns a description of the contradiction if the event is not possible here.
     pub fn add_event(&mut self, event: &RecordedEvent, message: &[u8]) -> Result<(), String> {
         self.check_step(event.step, "an event")?;
+        let next_id = match event.change {
+            Change::Spawn { id, .. } => {
+                id.checked_add(1).ok_or_else(|| format!("a body is spawned with id {id}, the greatest number"))?
+            }
+            Change::Delete { .. } => self.next_id,
+        };
         if let Some(table) = &mut self.table {
             check_change(table, self.next_id, &event.change)?;
             table.apply(&event.change);
         }
-        if let Change::Spawn { id, .. } = event.change {
-            self.next_id = id.saturating_add(1);
-        }
+        self.next_id = next_id;
         self.events += 1;
         self.identity.event(message);
         Ok(())
@@ -501,7 +505,7 @@ const FIRST_FORMAT_WITH_ALL_KEYFRAMES: u32 = 3;
 
 fn check_change(table: &BodyTable, next_id: u32, change: &Change) -> Result<(), String> {
     match change {
-        Change::Spawn { id, .. } if *id != next_id || *id == u32::MAX => {
+        Change::Spawn { id, .. } if *id != next_id => {
             Err(format!("a body is spawned with id {id}, but id {next_id} is expected"))
         }
         Change::Spawn { .. } if table.bodies().len() >= limits::BODIES => Err("too many bodies are alive".into()),
