@@ -445,20 +445,13 @@ mod tests {
     use super::*;
     use crate::physics::event_driven::axis_trajectory::AxisTrajectory;
     use crate::physics::event_driven::body_state::Load;
+    use crate::physics::event_driven::pseudo_random::PseudoRandom;
     use crate::physics::event_driven::trajectory::Trajectory;
     use crate::physics::larger;
 
     const NOW: Instant = Instant::START;
 
-    /// Numbers in 0..1 that look random.
-    struct Random(u32);
-
-    impl Random {
-        fn next(&mut self) -> f64 {
-            self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            f64::from(self.0 >> 8) / f64::from(1_u32 << 24)
-        }
-
+    impl PseudoRandom {
         /// A box of 1 cm to 10 m in a room of 40 m; one in four is static.
         fn body(&mut self) -> BodyState {
             let side = [0.01, 0.3, 1.0, 1.0, 10.0][(self.next() * 5.0) as usize];
@@ -507,7 +500,7 @@ mod tests {
     #[test]
     fn bodies_that_touch_are_neighbours_whatever_their_sizes_and_number() {
         for count in [ALL_PAIRS_LIMIT, 300] {
-            let mut random = Random(count as u32);
+            let mut random = PseudoRandom(count as u32);
             let bodies: Vec<BodyState> = (0..count).map(|_| random.body()).collect();
             let all: Vec<Slot> = (0..count as Slot).collect();
             assert_neighbours(&lists(&bodies), &bodies, &all);
@@ -516,7 +509,7 @@ mod tests {
 
     #[test]
     fn bodies_that_were_moved_or_removed_are_found_where_they_are() {
-        let mut random = Random(7);
+        let mut random = PseudoRandom(7);
         let mut bodies: Vec<BodyState> = (0..200).map(|_| random.body()).collect();
         let mut lists = lists(&bodies);
         let clock = Clock::new(60.0);
@@ -547,7 +540,7 @@ mod tests {
 
     #[test]
     fn a_body_leaves_its_cell_after_the_exit_time_and_not_before() {
-        let mut random = Random(3);
+        let mut random = PseudoRandom(3);
         let bodies: Vec<BodyState> = (0..100).map(|_| random.body()).collect();
         let lists = lists(&bodies);
         for (slot, body) in (0..).zip(&bodies).filter(|(_, body)| !body.is_static()) {

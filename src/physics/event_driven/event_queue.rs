@@ -106,7 +106,7 @@ struct QueueEntry {
     /// The slice of the bin that lists the body: the slice itself in the current step, otherwise the
     /// first slice of the step; [`NO_BIN`] if none does.
     bin: u64,
-    /// The latest time of `event`, s.
+    /// The latest possible time of `event`, s; infinite if unknown.
     latest: f64,
     /// The number of changes of `event`, modulo 2³².
     stamp: u32,
@@ -182,7 +182,7 @@ impl EventQueue {
         self.set_until(slot, event, f64::INFINITY);
     }
 
-    /// Likewise; the event happens at `latest` seconds at the latest.
+    /// Replaces the event of a body, which happens at `latest` seconds since step 0 at the latest; `None` removes it.
     pub fn set_until(&mut self, slot: Slot, event: Option<ScheduledEvent>, latest: f64) {
         let event = event.unwrap_or(NO_EVENT);
         let entry = self.entry(slot);

@@ -242,19 +242,12 @@ impl HomeGrid {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::physics::event_driven::pseudo_random::PseudoRandom;
 
-    /// Numbers in 0..1 that look random.
-    struct Random(u32);
-
-    impl Random {
-        fn next(&mut self) -> f64 {
-            self.0 = self.0.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
-            f64::from(self.0 >> 8) / f64::from(1_u32 << 24)
-        }
-
+    impl PseudoRandom {
         /// A rectangle with sides of up to `size` in a room of 40 m.
         fn rectangle(&mut self, size: f64) -> SweptAabb {
-            let [x, y] = [0, 1].map(|_| 40.0 * self.next() - 20.0);
+            let [x, y] = [0, 1].map(|_| self.between(-20.0, 20.0));
             let borders = [x, y, -x - size * self.next(), -y - size * self.next()];
             SweptAabb::of(borders.map(|border| border as f32))
         }
@@ -262,7 +255,7 @@ mod tests {
 
     #[test]
     fn the_grid_finds_all_homes_that_overlap() {
-        let mut random = Random(7);
+        let mut random = PseudoRandom(7);
         for side in [3.0, 7.0, 1e4] {
             let mut homes: Vec<SweptAabb> = (0..100).map(|_| random.rectangle(side * 0.9)).collect();
             homes[50] = homes[50].enlarged(side as f32);

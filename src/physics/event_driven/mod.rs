@@ -90,6 +90,8 @@ mod least_change;
 mod pair_event;
 mod patch;
 mod predict;
+#[cfg(test)]
+mod pseudo_random;
 mod random_rounding;
 mod resting;
 mod separation;

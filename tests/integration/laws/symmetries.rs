@@ -7,7 +7,7 @@ use super::{
     run::{Impact, Outcome, State, larger},
     scene::Scene,
 };
-use crate::world_builder::{INFINITE, spec};
+use crate::world_builder::{BodySpec, INFINITE, spec};
 use rebond::internals::physics::Engine;
 
 fn outcome(scene: &Scene) -> Outcome {
@@ -126,12 +126,27 @@ fn distant_bodies_change_nothing() {
                 first.map(|body| body.spec).collect()
             }
         };
-        let mut found = outcome(&scene.with_others(&others, random.chance(50)));
-        let is_near = |label: usize| label < scene.next_label();
-        found.states.iter_mut().for_each(|states| states.retain(|state| is_near(state.id)));
-        found.impacts.retain(|impact| is_near(impact.bodies[0]));
-        to_the_bit(&outcome(scene), &found)
+        to_the_bit(&outcome(scene), &outcome_within(&scene.with_others(&others, random.chance(50)), scene))
     });
+}
+
+/// With so many bodies, neighbours are found with lists for windows of steps, and not among all bodies.
+#[test]
+fn many_distant_bodies_change_nothing() {
+    check("many distant bodies", random_scene, |scene| {
+        let plates: Vec<BodySpec> =
+            (0..20).map(|index| spec([16384.0 + 2.0 * f64::from(index), 0.0], [1.0; 2], INFINITE)).collect();
+        to_the_bit(&outcome(scene), &outcome_within(&scene.with_others(&plates, false), scene))
+    });
+}
+
+/// The outcome of a scene for the bodies of a part of it, which touch no others.
+fn outcome_within(scene: &Scene, part: &Scene) -> Outcome {
+    let mut found = outcome(scene);
+    let is_part = |label: usize| label < part.next_label();
+    found.states.iter_mut().for_each(|states| states.retain(|state| is_part(state.id)));
+    found.impacts.retain(|impact| is_part(impact.bodies[0]));
+    found
 }
 
 #[test]
