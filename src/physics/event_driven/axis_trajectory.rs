@@ -4,7 +4,7 @@
 //! double are used up after a few hundred collisions. So trajectories are stored with 32 digits.
 //! Predictions, far more frequent than events, use only the high parts.
 
-use super::double_double::DoubleDouble;
+use super::double_double::{DoubleDouble, Lanes};
 use super::instant::Instant;
 
 /// The ballistic trajectory of a body along one axis, from a reference instant on: x = p + v·t + ½·a·t².
@@ -101,27 +101,27 @@ pub struct AxisLowParts {
 #[repr(align(64))]
 pub struct LowParts(pub [AxisLowParts; 2]);
 
-/// The state of a body along one axis in double-double precision.
+/// The state of a body along one axis in double-double precision, or of two bodies side by side.
 #[derive(Clone, Copy, Debug)]
-pub struct StateDd {
+pub struct StateDd<T = f64> {
     /// Position, m.
-    pub position: DoubleDouble,
+    pub position: DoubleDouble<T>,
     /// Velocity, m/s.
-    pub velocity: DoubleDouble,
+    pub velocity: DoubleDouble<T>,
     /// Constant acceleration, m/s².
-    pub acceleration: DoubleDouble,
+    pub acceleration: DoubleDouble<T>,
 }
 
-impl StateDd {
+impl<T: Lanes> StateDd<T> {
     /// The state t seconds later, for zero acceleration.
     #[inline]
-    fn after_uniform(self, t: DoubleDouble) -> StateDd {
+    fn after_uniform(self, t: DoubleDouble<T>) -> StateDd<T> {
         StateDd { position: self.position + self.velocity * t, ..self }
     }
 
     /// The state t seconds later, for any acceleration.
     #[inline]
-    fn after_accelerated(self, t: DoubleDouble) -> StateDd {
+    fn after_accelerated(self, t: DoubleDouble<T>) -> StateDd<T> {
         let StateDd { position, velocity, acceleration } = self;
         let gain = acceleration * t;
         StateDd { position: position + (velocity + gain.half()) * t, velocity: velocity + gain, acceleration }
@@ -140,11 +140,34 @@ impl StateDd {
     pub fn after(&self, t: DoubleDouble) -> StateDd {
         if self.acceleration.high == 0.0 { self.after_uniform(t) } else { self.after_accelerated(t) }
     }
+
+    /// The states of two bodies, each its own number of seconds later: the same numbers as those of
+    /// [`after`](Self::after).
+    #[inline]
+    pub fn both_after([first, second]: [StateDd; 2], t: [DoubleDouble; 2]) -> [StateDd; 2] {
+        let is_uniform = [first, second].map(|state| state.acceleration.high == 0.0);
+        if is_uniform[0] != is_uniform[1] {
+            return [first.after(t[0]), second.after(t[1])];
+        }
+        let both = StateDd {
+            position: DoubleDouble::pair([first.position, second.position]),
+            velocity: DoubleDouble::pair([first.velocity, second.velocity]),
+            acceleration: DoubleDouble::pair([first.acceleration, second.acceleration]),
+        };
+        let t = DoubleDouble::pair(t);
+        let later = if is_uniform[0] { both.after_uniform(t) } else { both.after_accelerated(t) };
+        let (positions, velocities) = (later.position.lanes(), later.velocity.lanes());
+        [
+            StateDd { position: positions[0], velocity: velocities[0], ..first },
+            StateDd { position: positions[1], velocity: velocities[1], ..second },
+        ]
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::physics::event_driven::pseudo_random::PseudoRandom;
 
     #[test]
     fn a_gap_closes_at_the_root_where_it_shrinks() {
@@ -158,6 +181,23 @@ mod tests {
         assert_eq!(closing_time(-4.0, 1.0, 2.0), f64::INFINITY, "inside and going deeper");
         assert_eq!(closing_time(0.0, 0.0, 1.0), 0.0);
         assert_eq!(closing_time(4e-200, 0.0, 2e-200), 2.0, "the squares underflow");
+    }
+
+    #[test]
+    fn two_states_side_by_side_are_the_same_numbers_as_one_after_the_other() {
+        let mut random = PseudoRandom(1);
+        for _ in 0..1000 {
+            let mut number = || DoubleDouble::from(random.between(-1e3, 1e3)) / random.between(0.1, 7.0).into();
+            let mut state = || StateDd { position: number(), velocity: number(), acceleration: number() };
+            let [first, second] = [state(), state()];
+            let t = [number(), number()];
+            let [resting, drifting] =
+                [first, second].map(|state| StateDd { acceleration: DoubleDouble::ZERO, ..state });
+            for pair in [[first, second], [resting, second], [first, drifting], [resting, drifting]] {
+                let expected = [pair[0].after(t[0]), pair[1].after(t[1])];
+                assert_eq!(format!("{:?}", StateDd::both_after(pair, t)), format!("{expected:?}"));
+            }
+        }
     }
 
     #[test]

@@ -27,6 +27,12 @@ pub struct BodyState {
 }
 
 impl BodyState {
+    /// A number from each cache line of the record, added.
+    #[inline]
+    pub fn first_and_last(&self) -> f64 {
+        self.trajectory.position[0] + self.size[0]
+    }
+
     /// True if it never moves: an infinite mass at rest.
     pub fn is_static(&self) -> bool {
         self.infinite && self.trajectory.is_at_rest()

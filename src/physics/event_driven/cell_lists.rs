@@ -293,15 +293,19 @@ impl CellLists {
         let is_near = |other: Slot| (other != slot) & !swept.is_disjoint_from(self.swept_aabb(other));
         let mut visit = |other: Slot| buffer.push_if(other, is_near(other));
         if self.uses_all_pairs() {
-            self.grids.iter().flat_map(|grid| &grid.members).for_each(|slot| visit(*slot));
-            self.static_bodies.iter().for_each(|(slot, _)| visit(*slot));
-            return;
+            return self.visit_all(&mut visit);
         }
         let (node, cell) = (&self.nodes[slot as usize], self.cells[slot as usize]);
         let grid = &self.grids[node.grid as usize];
         self.visit_statics(grid, cell, &mut visit);
         self.visit_other_grids(node.grid as usize, cell, body, &mut visit);
         self.scan_cells(slot, swept, buffer);
+    }
+
+    /// Fills `buffer` with all bodies but one.
+    pub fn find_others(&self, slot: Slot, buffer: &mut NeighbourBuffer) {
+        buffer.clear();
+        self.visit_all(&mut |other| buffer.push_if(other, other != slot));
     }
 
     /// Returns the bodies of [`CellLists::find_neighbours`] sorted by slot, without duplicates.
@@ -340,6 +344,13 @@ impl CellLists {
             pending[found % 16] = next;
             found += usize::from(next != NONE);
         }
+    }
+
+    fn visit_all(&self, visit: &mut impl FnMut(Slot)) {
+        for grid in &self.grids {
+            grid.members.iter().for_each(|slot| visit(*slot));
+        }
+        self.static_bodies.iter().for_each(|(slot, _)| visit(*slot));
     }
 
     fn visit_list(&self, first: Slot, visit: &mut impl FnMut(Slot)) {

@@ -86,7 +86,7 @@ impl EventDriven {
     }
 
     /// Checks the invariants between instants: no pair overlaps, none that touches approaches; in a contact nothing
-    /// changes.
+    /// changes; the lists of a window are complete.
     ///
     /// # Panics
     /// If one does not hold.
@@ -95,6 +95,9 @@ impl EventDriven {
         const MOST_BODIES: usize = 40;
         if self.bodies.len() > MOST_BODIES {
             return;
+        }
+        if self.window_lists.is_active() {
+            self.assert_lists();
         }
         let alive: Vec<Slot> = (0..self.bodies.len() as Slot)
             .filter(|slot| self.bodies.params(*slot).alive && !self.pending_spawns.contains(slot))

@@ -25,6 +25,68 @@ impl Lanes for f64 {
     }
 }
 
+/// Two doubles in one SIMD register.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[repr(align(16))]
+pub struct F64x2(pub [f64; 2]);
+
+impl Add for F64x2 {
+    type Output = F64x2;
+
+    #[inline]
+    fn add(self, other: F64x2) -> F64x2 {
+        F64x2([self.0[0] + other.0[0], self.0[1] + other.0[1]])
+    }
+}
+
+impl Sub for F64x2 {
+    type Output = F64x2;
+
+    #[inline]
+    fn sub(self, other: F64x2) -> F64x2 {
+        F64x2([self.0[0] - other.0[0], self.0[1] - other.0[1]])
+    }
+}
+
+impl Mul for F64x2 {
+    type Output = F64x2;
+
+    #[inline]
+    fn mul(self, other: F64x2) -> F64x2 {
+        F64x2([self.0[0] * other.0[0], self.0[1] * other.0[1]])
+    }
+}
+
+impl Div for F64x2 {
+    type Output = F64x2;
+
+    #[inline]
+    fn div(self, other: F64x2) -> F64x2 {
+        F64x2([self.0[0] / other.0[0], self.0[1] / other.0[1]])
+    }
+}
+
+impl Neg for F64x2 {
+    type Output = F64x2;
+
+    #[inline]
+    fn neg(self) -> F64x2 {
+        F64x2([-self.0[0], -self.0[1]])
+    }
+}
+
+impl Lanes for F64x2 {
+    #[inline]
+    fn splat(number: f64) -> F64x2 {
+        F64x2([number; 2])
+    }
+
+    #[inline]
+    fn finite_or_zero(self) -> F64x2 {
+        F64x2([self.0[0].finite_or_zero(), self.0[1].finite_or_zero()])
+    }
+}
+
 /// A number of 32 digits: the sum of two doubles, the second at most half a unit in the last place of
 /// the first.
 ///
@@ -73,6 +135,21 @@ impl DoubleDouble {
     #[inline]
     pub fn scaled(self, power_of_two: f64) -> DoubleDouble {
         DoubleDouble { high: self.high * power_of_two, low: self.low * power_of_two }
+    }
+}
+
+impl DoubleDouble<F64x2> {
+    /// Puts two numbers side by side.
+    #[inline]
+    pub fn pair([first, second]: [DoubleDouble; 2]) -> DoubleDouble<F64x2> {
+        DoubleDouble { high: F64x2([first.high, second.high]), low: F64x2([first.low, second.low]) }
+    }
+
+    /// The two numbers.
+    #[inline]
+    pub fn lanes(self) -> [DoubleDouble; 2] {
+        let (high, low) = (self.high.0, self.low.0);
+        [DoubleDouble { high: high[0], low: low[0] }, DoubleDouble { high: high[1], low: low[1] }]
     }
 }
 

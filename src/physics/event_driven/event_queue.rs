@@ -16,6 +16,12 @@ const NONE: u32 = u32::MAX;
 /// Bodies per slice of a step: few enough to keep the heap small, enough to leave few slices empty.
 const BODIES_PER_SLICE: u64 = 32;
 
+/// Likewise with at least [`MIN_READ_AHEAD`] bodies, so that there is something to read ahead.
+const BODIES_PER_LONG_SLICE: u64 = 512;
+
+/// From this number of bodies on, their records do not fit into the fast caches, and reading ahead pays.
+const MIN_READ_AHEAD: usize = 2000;
+
 /// Heap length up to which invalidated events are never removed.
 const MIN_PURGE_LEN: usize = 64;
 
@@ -147,6 +153,8 @@ pub struct EventQueue {
     log2_slices: u32,
     /// The slice whose events are in the heap, counted from step 0.
     current_slice: u64,
+    /// The last slice that was read ahead.
+    slice_read_ahead: u64,
     /// Bodies by step, for the next steps.
     step_bins: Vec<Vec<Slot>>,
     /// Bodies by slice, for the current step.
@@ -163,11 +171,13 @@ pub struct EventQueue {
 impl EventQueue {
     /// Creates an empty queue at the start of a step, with slices chosen for a number of bodies.
     pub fn new(clock: Clock, step: u64, bodies: usize) -> EventQueue {
-        let log2_slices = (bodies as u64 / BODIES_PER_SLICE).clamp(1, 1 << 10).next_power_of_two().trailing_zeros();
+        let bodies_per_slice = if bodies < MIN_READ_AHEAD { BODIES_PER_SLICE } else { BODIES_PER_LONG_SLICE };
+        let log2_slices = (bodies as u64 / bodies_per_slice).clamp(1, 1 << 10).next_power_of_two().trailing_zeros();
         EventQueue {
             clock,
             log2_slices,
             current_slice: step << log2_slices,
+            slice_read_ahead: 0,
             step_bins: vec![Vec::new(); STEP_BINS as usize],
             slice_bins: vec![Vec::new(); 1 << log2_slices],
             binned: 0,
@@ -257,6 +267,15 @@ impl EventQueue {
         entry.stamp = entry.stamp.wrapping_add(1);
         entry.event = NO_EVENT;
         Some(event)
+    }
+
+    /// With many bodies, the pairs of bodies with events in the current slice, when called for the first time in the slice.
+    pub fn pairs_to_read_ahead(&mut self) -> Option<impl Iterator<Item = [Slot; 2]> + Clone + '_> {
+        if self.slice_read_ahead == self.current_slice || self.entries.len() < MIN_READ_AHEAD {
+            return None;
+        }
+        self.slice_read_ahead = self.current_slice;
+        Some(self.heap.iter().map(|Reverse(queued)| queued.event.pair))
     }
 
     /// Removes the first event, if it is due by an instant of the current step, and returns it with its body.

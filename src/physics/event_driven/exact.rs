@@ -85,8 +85,9 @@ pub struct ScaledState {
 
 /// The second body of a pair relative to the first along an axis, at an instant.
 struct ExactAxis {
-    /// The gaps on the low and the high side of the first.
-    gaps: [DoubleDouble; 2],
+    /// From the position of the first to that of the second.
+    offset: DoubleDouble,
+    sizes: [DoubleDouble; 2],
     velocity: DoubleDouble,
     acceleration: DoubleDouble,
     /// Gaps, speeds and accelerations up to these are 0.
@@ -98,20 +99,30 @@ struct ExactAxis {
 }
 
 impl ExactAxis {
+    /// The gap on a side of the first body.
+    #[inline]
+    fn gap(&self, side: Side) -> DoubleDouble {
+        match side {
+            Side::Low => -self.offset - self.sizes[1],
+            Side::High => self.offset - self.sizes[0],
+        }
+    }
+
     /// Gap on a side, approach speed and approach acceleration.
+    #[inline]
     fn closing(&self, side: Side) -> [DoubleDouble; 3] {
         let signed = |number: DoubleDouble| if side == Side::High { -number } else { number };
-        [self.gaps[side], signed(self.velocity), signed(self.acceleration)]
+        [self.gap(side), signed(self.velocity), signed(self.acceleration)]
     }
 
     /// The side of the first body on which the second lies: that of the greater gap.
     fn nearest_side(&self) -> Side {
-        if self.gaps[0].is_less(self.gaps[1]) { Side::High } else { Side::Low }
+        if self.gap(Side::Low).is_less(self.gap(Side::High)) { Side::High } else { Side::Low }
     }
 
     /// The greater gap.
     fn nearest(&self) -> DoubleDouble {
-        self.gaps[self.nearest_side()]
+        self.gap(self.nearest_side())
     }
 
     /// True if the bodies approach.
@@ -128,7 +139,7 @@ impl ExactAxis {
     /// Gap, approach speed and approach acceleration after t seconds on the nearest side; numbers below rounding are 0.
     fn after(&self, t: DoubleDouble) -> [DoubleDouble; 3] {
         let displacement = t * (self.velocity + t * self.acceleration.scaled(0.5));
-        let gaps = [self.gaps[0] - displacement, self.gaps[1] + displacement];
+        let gaps = [self.gap(Side::Low) - displacement, self.gap(Side::High) + displacement];
         let velocity = self.velocity + self.acceleration * t;
         let side = if gaps[0].is_less(gaps[1]) { Side::High } else { Side::Low };
         let signed = |number: DoubleDouble| if side == Side::High { -number } else { number };
@@ -219,7 +230,19 @@ impl ExactAxis {
 impl Bodies {
     /// The state of a body at an instant with its magnitudes.
     pub fn scaled_state_at(&self, slot: Slot, axis: Axis, at: Instant) -> ScaledState {
-        let state = self.state_at(slot, axis, at);
+        self.scaled(slot, axis, at, self.state_at(slot, axis, at))
+    }
+
+    /// The states of two bodies at an instant with their magnitudes.
+    #[inline]
+    pub fn scaled_states_at(&self, pair: [Slot; 2], axis: Axis, at: Instant) -> [ScaledState; 2] {
+        let [first, second] = self.states_at(pair, axis, at);
+        [self.scaled(pair[0], axis, at, first), self.scaled(pair[1], axis, at, second)]
+    }
+
+    /// The state of a body at an instant with its magnitudes, given the state.
+    #[inline]
+    fn scaled(&self, slot: Slot, axis: Axis, at: Instant, state: StateDd) -> ScaledState {
         let body = &self[slot];
         let reference = body.trajectory.along(axis);
         let t = reference.since.seconds_until(at);
@@ -232,14 +255,14 @@ impl Bodies {
 
     /// The second body of a pair relative to the first along an axis, at an instant.
     fn exact_axis(&self, pair: [Slot; 2], axis: Axis, at: Instant) -> ExactAxis {
-        let [first, second] = pair.map(|slot| self.scaled_state_at(slot, axis, at));
-        let [first_size, second_size] = pair.map(|slot| self.size(slot, axis));
-        let offset = second.state.position - first.state.position;
+        let [first, second] = self.scaled_states_at(pair, axis, at);
+        let sizes = [self.size(pair[0], axis), self.size(pair[1], axis)];
         ExactAxis {
-            gaps: [-offset - second_size, offset - first_size],
+            offset: second.state.position - first.state.position,
+            sizes,
             velocity: second.state.velocity - first.state.velocity,
             acceleration: second.state.acceleration - first.state.acceleration,
-            gap_rounding: self.resolution().of_gap([first_size.high, second_size.high], first.length + second.length),
+            gap_rounding: self.resolution().of_gap([sizes[0].high, sizes[1].high], first.length + second.length),
             speed_rounding: (first.speed + second.speed) * VELOCITY_ROUNDING,
             acceleration_rounding: (first.acceleration + second.acceleration) * ACCELERATION_ROUNDING,
             deepest_rounding: (first.length + second.length) * DEEPEST_ROUNDING,
@@ -270,7 +293,7 @@ impl EventDriven {
         | PairEvent::CornerImpact(axis, side)
         | PairEvent::ContactEnd(axis, side)) = kind;
         let along = self.bodies.exact_axis(event.pair, axis, at);
-        along.gaps[side].high.abs() <= along.gap_rounding
+        along.gap(side).high.abs() <= along.gap_rounding
     }
 
     /// Predicts the next event of two bodies that changes anything; exact to the rounding of the state.

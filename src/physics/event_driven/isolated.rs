@@ -33,7 +33,7 @@ impl EventDriven {
         if restitution == 0.0 || is_infinite == [true; 2] || has_contacts(0) || has_contacts(1) {
             return false;
         }
-        let scaled = pair.map(|slot| self.bodies.scaled_state_at(slot, axis, self.now));
+        let scaled = self.bodies.scaled_states_at(pair, axis, self.now);
         let [low, high] = order.map(|body| scaled[body]);
         let approach = (low.state.velocity - high.state.velocity).high;
         if approach <= (low.speed + high.speed) * VELOCITY_ROUNDING {
@@ -66,6 +66,8 @@ impl EventDriven {
         for velocity in after {
             speed = if velocity.high.abs() > speed { velocity.high.abs() } else { speed };
         }
+        let is_receding = (after[1] - after[0]).high > speed * VELOCITY_ROUNDING && acceleration <= 0.0;
+        self.receding = is_receding.then_some(pair);
         let anchor = if is_infinite[1] { 1 } else { 0 };
         let anchor_position = scaled[anchor].state.position;
         for body in [0, 1].into_iter().filter(|body| !is_infinite[*body]) {
@@ -114,10 +116,12 @@ impl EventDriven {
     /// observer that ignores it.
     #[inline(always)]
     fn rects_and_velocities(&self, pair: [Slot; 2]) -> [(Rect, Vector); 2] {
-        pair.map(|slot| {
+        let of = |slot: Slot| {
             let [[x, y], [vx, vy]] = self.bodies[slot].trajectory.at(self.now);
             let [width, height] = self.bodies[slot].size;
             (Rect::new(Vector::new(x, y), width, height), Vector::new(vx, vy))
-        })
+        };
+        // `map` would not be inlined.
+        [of(pair[0]), of(pair[1])]
     }
 }

@@ -348,9 +348,13 @@ impl EventDriven {
 
     /// Finds the bodies that may touch one at an instant, and more.
     pub(super) fn find_touching(&self, slot: Slot, at: Instant, neighbours: &mut NeighbourBuffer) {
+        let is_in_window = self.window_lists.is_active();
+        if !is_in_window && self.cell_lists.uses_all_pairs() {
+            return self.cell_lists.find_others(slot, neighbours);
+        }
         let state = &self.bodies[slot];
         let reach = SweptAabb::new(&Sample::new(state, at), 0.0);
-        if self.window_lists.is_active() {
+        if is_in_window {
             self.window_lists.find_neighbours(slot, &reach, neighbours);
         } else {
             self.cell_lists.find_neighbours(slot, state, &reach, neighbours);

@@ -7,6 +7,7 @@ use super::contact::Contact;
 use super::event_queue::{Precision, ScheduledEvent};
 use super::instant::Instant;
 use super::pair_event::{Prediction, Sample, predict_contact_end, predict_pair_event};
+use super::spatial_hash::NONE;
 use super::swept_aabb::SweptAabb;
 use crate::physics::Side;
 
@@ -21,6 +22,8 @@ struct Predictor<'a> {
     /// The contacts listed with the body.
     own_contacts: &'a [Contact],
     slot: Slot,
+    /// A body with which it has no event, or [`NONE`].
+    receding: Slot,
     precision: Precision,
     /// The state at the later of the body's reference times.
     sample: Sample<'a>,
@@ -44,10 +47,16 @@ impl<'a> Predictor<'a> {
         let body = &solver.bodies[slot];
         let sample = Sample::new(body, body.since);
         let own_contacts = solver.contacts.of(slot);
+        let receding = match solver.receding {
+            Some([first, second]) if first == slot => second,
+            Some([first, second]) if second == slot => first,
+            Some(_) | None => NONE,
+        };
         Predictor {
             solver,
             own_contacts,
             slot,
+            receding,
             precision,
             sample,
             first: None,
@@ -65,6 +74,10 @@ impl<'a> Predictor<'a> {
     /// Predicts the next event with another body; returns true if that lowered the horizon.
     #[inline]
     fn predict_pair(&mut self, other: Slot) -> bool {
+        if other == self.receding {
+            debug_assert_eq!(self.solver.predict_exactly(ordered_pair(self.slot, other)), None);
+            return false;
+        }
         let partner = &self.solver.bodies[other];
         if self.sample.is_infinite() && partner.infinite {
             return false;
@@ -184,7 +197,7 @@ impl EventDriven {
         let mut predictor = Predictor::new(self, slot, precision);
         let (mut exit_time, mut swept) = (f64::INFINITY, SweptAabb::EVERYWHERE);
         if self.cell_lists.uses_all_pairs() {
-            self.cell_lists.find_neighbours(slot, body, &swept, neighbours);
+            self.cell_lists.find_others(slot, neighbours);
             neighbours.slots().iter().for_each(|other| _ = predictor.predict_pair(*other));
         } else {
             let sample = predictor.sample.at_time(self.now);

@@ -39,7 +39,7 @@ struct Tuning {
 
 impl Default for Tuning {
     fn default() -> Tuning {
-        Tuning { min_bodies: 16, calm_steps: 16, displacement: 0.75, skin: 0.4 }
+        Tuning { min_bodies: 16, calm_steps: 16, displacement: 0.6, skin: 0.6 }
     }
 }
 
@@ -144,6 +144,18 @@ impl WindowLists {
     pub fn find_neighbours(&self, slot: Slot, rectangle: &SweptAabb, buffer: &mut NeighbourBuffer) {
         buffer.clear();
         self.visit(slot, |other| buffer.push_if(other, !rectangle.is_disjoint_from(&self.paths[other as usize])));
+    }
+
+    /// The path of a body until the end of the window.
+    #[inline]
+    pub fn path(&self, slot: Slot) -> &SweptAabb {
+        &self.paths[slot as usize]
+    }
+
+    /// The home of a body.
+    #[inline]
+    pub fn home(&self, slot: Slot) -> &SweptAabb {
+        &self.homes[slot as usize]
     }
 
     /// The list of a body, sorted by slot.
@@ -381,8 +393,8 @@ impl EventDriven {
     ///
     /// # Panics
     /// If a body is not at home, or a pair with overlapping homes is not in its lists.
-    #[cfg(test)]
-    fn assert_lists(&self) {
+    #[cfg(any(test, debug_assertions))]
+    pub(super) fn assert_lists(&self) {
         let lists = &self.window_lists;
         for slot in lists.moving.iter().chain(&lists.statics) {
             let body = SweptAabb::new(&Sample::new(&self.bodies[*slot], self.now), 0.0);
