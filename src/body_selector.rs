@@ -21,6 +21,9 @@ use std::str::FromStr;
 #[serde(into = "String", try_from = "String")]
 pub struct BodySelector(Vec<Item>);
 
+/// The largest number of names and ranges in a list: each body is compared with all of them.
+const MAX_ITEMS: usize = 1000;
+
 /// One body, or several with numbered names.
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Item {
@@ -119,7 +122,11 @@ impl FromStr for BodySelector {
             is_quoted ^= character == '"';
             character == ',' && !is_quoted
         });
-        Ok(BodySelector(parts.map(str::parse).collect::<Result<_, String>>()?))
+        let items: Vec<Item> = parts.map(str::parse).collect::<Result<_, String>>()?;
+        match items.len() <= MAX_ITEMS {
+            true => Ok(BodySelector(items)),
+            false => Err(format!("{} names and ranges are too many; at most {MAX_ITEMS} are allowed", items.len())),
+        }
     }
 }
 

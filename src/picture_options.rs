@@ -262,6 +262,33 @@ impl OptionText for BodySelector {
 /// The largest width and height of a picture, px: in scenes and options, and of files that are drawn or read.
 pub(crate) const MAX_SIDE: u32 = 16_384;
 
+/// The largest size of the caption and of each title of a picture, bytes.
+#[cfg(feature = "draw")]
+pub(crate) const MAX_TEXT_BYTES: usize = 4096;
+
+/// The largest number of recordings in a picture.
+#[cfg(feature = "draw")]
+pub(crate) const MAX_RECORDINGS: usize = 1000;
+
+/// Checks the parts of a picture of which each takes time to lay out, however small the picture is.
+///
+/// # Errors
+/// A sentence that names the part which is too large, and the limit.
+#[cfg(feature = "draw")]
+pub(crate) fn check_extent(caption: &str, titles: &[String], recordings: usize) -> Result<(), String> {
+    let longest_title = titles.iter().map(String::len).max().unwrap_or(0);
+    for (name, bytes) in [("the caption", caption.len()), ("a title", longest_title)] {
+        if bytes > MAX_TEXT_BYTES {
+            return Err(format!("{name} has {bytes} bytes; at most {MAX_TEXT_BYTES} are allowed"));
+        }
+    }
+    let count = recordings.max(titles.len());
+    if count > MAX_RECORDINGS {
+        return Err(format!("a picture of {count} recordings cannot be drawn; at most {MAX_RECORDINGS} are allowed"));
+    }
+    Ok(())
+}
+
 /// A state of a run: its step, or a time since step 0. Its text form is `90`, respectively `1.5s`, `20ms` or `3us`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]

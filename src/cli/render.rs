@@ -7,7 +7,8 @@ use super::picture_arguments::RenderOptions;
 use super::source::{OpenedSource, SourceArgument, Verification};
 use super::video::{self, VideoContainer};
 use crate::picture::{
-    self, Animation, AnimationFormat, Format, Page, Progress, SOFTWARE, StillFormat, Subject, SubjectOptions,
+    self, Animation, AnimationFormat, Format, MAX_FRAMES, Page, Progress, SOFTWARE, StillFormat, Subject,
+    SubjectOptions,
 };
 use crate::text::counted;
 use std::path::{Path, PathBuf};
@@ -102,7 +103,7 @@ fn refuse_long_animation(
 const MAX_CLIP: (f64, u64) = (3600.0, 100_000);
 
 /// The longest clip, s, and its largest number of frames, so that no file grows without bound.
-const MAX_LONG_CLIP: (f64, u64) = (1e7, 10_000_000);
+const MAX_LONG_CLIP: (f64, u64) = (1e7, MAX_FRAMES);
 
 /// Returns an error for a long clip, which is usually a mistake, unless it is allowed.
 fn refuse_long(frames: u64, seconds: f64, options: &RenderOptions) -> Result<(), CommandError> {

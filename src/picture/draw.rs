@@ -8,10 +8,10 @@ use super::page::{compose_page, run_names, titles};
 use super::resimulation::Resimulation;
 use super::text::Font;
 use super::{
-    Animation, AnimationFormat, AnimationSchedule, Clip, ColorBy, DisplayList, Error, Instant, Look, Moment, Overlay,
-    Page, PictureOptions, Progress, Provenance, ReadStatus, RenderError, ResolvedPicture, SOFTWARE, Sequence, Source,
-    Stage, StatesFigure, StepGrid, StillFormat, Style, Subject, SubjectOptions, Thinning, Timing, Trails, View,
-    compose,
+    Animation, AnimationFormat, AnimationSchedule, Clip, ColorBy, DisplayList, Error, Instant, Look, MAX_FRAMES,
+    Moment, Overlay, Page, PictureOptions, Progress, Provenance, ReadStatus, RenderError, ResolvedPicture, SOFTWARE,
+    Sequence, Source, Stage, StatesFigure, StepGrid, StillFormat, Style, Subject, SubjectOptions, Thinning, Timing,
+    Trails, View, compose,
 };
 use super::{Appearance, Palette, color};
 use crate::physics::{BodyId, larger};
@@ -57,6 +57,7 @@ pub fn draw(
             Ok(Drawn { statuses, schedule: None, warnings: warnings(picture, sources) })
         }
         Subject::Animation { animation, format } => {
+            animation.check_extent(sources)?;
             let clip = Clip::new(animation, &picture.look, &picture.titles, sources, progress)?;
             let Clip { stage, schedule, mut instants, warnings } = clip.with_common_lanes(sources)?;
             let mut done = 0;
@@ -328,6 +329,27 @@ impl Animation {
     /// If there is no recording.
     pub fn schedule(&self, sources: &[Source]) -> Result<AnimationSchedule, Error> {
         Ok(AnimationSchedule::new(grid(&self.steps, self.every, clock(sources)?), self.timing, &[]))
+    }
+
+    /// Checks that the recordings contain the steps, and that the frames are not too many, as for the options of a new
+    /// animation.
+    ///
+    /// # Errors
+    /// If there is no recording, or if the animation is longer than the recordings or than [`MAX_FRAMES`].
+    fn check_extent(&self, sources: &[Source]) -> Result<(), Error> {
+        let (last, end) = (*PictureOptions::default().clock_steps(sources)?.end(), *self.steps.end());
+        if end > last {
+            let reason = format!("the animation ends with step {end}, but the recording with step {last}");
+            return Err(Error::NothingToShow { reason });
+        }
+        match self.schedule(sources)?.count() {
+            frames if frames > MAX_FRAMES => {
+                let reason =
+                    format!("an animation of {frames} frames cannot be drawn; at most {MAX_FRAMES} are allowed");
+                Err(Error::Incompatible { reason })
+            }
+            _ => Ok(()),
+        }
     }
 
     /// The schedule of this animation of recordings, with its freeze frames, which a replay of each recording finds.

@@ -68,7 +68,8 @@ pub use resolved::{
 };
 pub use run_statistics::RunStatistics;
 pub use schedule::{
-    AnimationSchedule, MAX_FRAMES_PER_STEP, MAX_GIF_FPS, MAX_HOLD, MIN_HOLD, Moment, SPEEDS, StepGrid, Thinning, Timing,
+    AnimationSchedule, MAX_FRAMES, MAX_FRAMES_PER_STEP, MAX_GIF_FPS, MAX_HOLD, MIN_HOLD, Moment, SPEEDS, StepGrid,
+    Thinning, Timing,
 };
 pub use side_by_side::{SideBySide, Stage};
 pub use source::{ReadExtent, ReadStatus, Source, recorded_world};

@@ -4,7 +4,7 @@ use super::{
 };
 use super::{MAX_FRAMES_PER_STEP, MAX_HOLD, MIN_HOLD, SPEEDS};
 use crate::physics::Axis;
-use crate::picture_options::Written;
+use crate::picture_options::{Written, check_extent};
 use crate::recording::limits;
 use std::ops::RangeInclusive;
 use std::str::FromStr;
@@ -120,10 +120,12 @@ impl Provenance {
         let camera_target = read_camera_target(&options).ok_or_else(|| invalid(OPTIONS))?;
         let look = Look::from_texts(|key| options.get(key), camera_target).ok_or_else(|| invalid(OPTIONS))?;
         let titles = options.get_strings("title").ok_or_else(|| invalid(OPTIONS))?;
+        let recordings: Vec<String> = get(RECORDING)?.split("; ").map(str::to_owned).collect();
+        check_extent(&look.caption, &titles, recordings.len()).map_err(|reason| Error::DamagedProvenance { reason })?;
         let text = |key| metadata.get(key).map(str::to_owned);
         Ok(Provenance {
             software: get(DRAWN_BY)?.clone(),
-            recordings: get(RECORDING)?.split("; ").map(str::to_owned).collect(),
+            recordings,
             recorded_every: options
                 .get("recorded_every")
                 .map_or(Some(1), read_interval)

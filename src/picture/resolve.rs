@@ -6,7 +6,7 @@ use super::{
     Subject, Thinning, Timing, Window,
 };
 use crate::physics::{Axis, Rect, Vector, larger, smaller};
-use crate::picture_options::StepOrTime;
+use crate::picture_options::{StepOrTime, check_extent};
 use crate::recording;
 use crate::text::counted;
 use std::ops::RangeInclusive;
@@ -157,10 +157,14 @@ impl PictureOptions {
 
     /// These options, with the open ones taken from the scene of the first recording.
     fn or_scene(self, sources: &[Source]) -> Result<PictureOptions, Error> {
-        match sources.first() {
-            Some(first) => Ok(self.or(first.scene.figure.clone())),
-            None => Err(Error::NothingToShow { reason: "no recording is given".into() }),
-        }
+        let Some(first) = sources.first() else {
+            return Err(Error::NothingToShow { reason: "no recording is given".into() });
+        };
+        let options = self.or(first.scene.figure.clone());
+        let (caption, titles) = (options.caption.as_deref(), options.titles.as_deref());
+        check_extent(caption.unwrap_or_default(), titles.unwrap_or_default(), sources.len())
+            .map_err(|reason| Error::Incompatible { reason })?;
+        Ok(options)
     }
 
     fn resolved_titles(&self, sources: &[Source]) -> Result<Vec<String>, Error> {
@@ -229,7 +233,7 @@ impl PictureOptions {
     }
 
     /// The steps of the [`clock`] in the time that all recordings contain.
-    fn clock_steps(&self, sources: &[Source]) -> Result<RangeInclusive<u64>, Error> {
+    pub(super) fn clock_steps(&self, sources: &[Source]) -> Result<RangeInclusive<u64>, Error> {
         let rate = clock(sources)?.header.config.rate;
         let from = self.from.map_or(0, |from| from.step(rate));
         let mut to = self.to.map_or(u64::MAX, |to| to.step(rate));

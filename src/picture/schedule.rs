@@ -125,6 +125,9 @@ pub const MAX_HOLD: f64 = 60.0;
 /// The slowest and the fastest playback, simulated seconds per second of playback.
 pub const SPEEDS: RangeInclusive<f64> = 1e-6..=1e6;
 
+/// The largest number of frames of an animation, so that no file grows without bound.
+pub const MAX_FRAMES: u64 = 10_000_000;
+
 /// The largest number of frames per step.
 pub const MAX_FRAMES_PER_STEP: u64 = 1 << 20;
 

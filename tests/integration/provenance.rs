@@ -224,3 +224,36 @@ fn formats_are_detected_by_extension_and_content() {
     assert_eq!(Format::from_content(b"GIF89a"), Some(Format::Animation(AnimationFormat::Gif)));
     assert_eq!(Format::from_content(b"MCAP"), None);
 }
+
+#[test]
+fn provenance_is_bounded_like_options() {
+    let workplace = workplace_with_recordings();
+    workplace.done("render run.mcap --at 30 -o good.png");
+    workplace.done("render run.mcap --to 10 -o good.apng");
+    let identity = Source::open(&workplace.path("run.mcap")).unwrap().statistics.identity.unwrap();
+    let option = |key: &str, value: &str| format!("color_by=body {key}=\"{value}\"");
+    let names = (0..1001).map(|number| format!("b{number}")).collect::<Vec<String>>().join(",");
+    let cases = [
+        ("good.png", "color_by=body", option("caption", &"w".repeat(4097)), "the caption has 4097 bytes; at most 4096"),
+        ("good.png", "color_by=body", option("title", &"t ".repeat(2049)), "a title has 4098 bytes; at most 4096"),
+        ("good.png", "color_by=body", option("bodies", &names), "\"rebond options\" entry cannot be parsed"),
+        ("good.png", identity.as_str(), [identity.as_str(); 1001].join("; "), "a picture of 1001 recordings"),
+        ("good.apng", "0 to 10 every 2", "0 to 9007199254740992 every 1".into(), "the animation ends with step 900"),
+        ("good.apng", "color_by=body", "color_by=body parts=1000000".into(), "an animation of 10000001 frames"),
+    ];
+    for (name, old, new, reason) in cases {
+        let file = workplace.read(name);
+        std::fs::write(workplace.path("evil.png"), with_text(&file, old, &new)).unwrap();
+        assert_ne!(workplace.read("evil.png"), file, "{reason}");
+        let check = workplace.rebond("check evil.png run.mcap");
+        assert!(check.code == 1 && check.output.contains(reason), "{reason}: {check:?}");
+        assert!(check.output.len() < 1000, "{reason}: {check:?}");
+    }
+    let caption = "w".repeat(4097);
+    let drawn = workplace.rebond(&format!("render run.mcap --at 30 -o new.png --caption {caption}"));
+    assert!(drawn.code == 1 && drawn.errors.contains("the caption has 4097 bytes; at most 4096"), "{drawn:?}");
+    // No character fits into a line.
+    let narrow = workplace.rebond("render run.mcap --at 30 -o new.png --size 1x16384 --caption abc");
+    assert!(narrow.code == 1 && narrow.errors.contains("too small"), "{narrow:?}");
+    assert!(!workplace.path("new.png").exists());
+}

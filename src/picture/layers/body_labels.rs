@@ -62,13 +62,13 @@ const MAX_NAME_CHARS: usize = 24;
 /// The label of a box as markup: its name, its mass, or both.
 fn label_text(sprite: &Sprite, name: &str, context: &LayoutContext) -> String {
     let style = &context.view.style;
-    let mass = match sprite.appearance.mass {
+    let mass = || match sprite.appearance.mass {
         f64::INFINITY => "∞ \"kg\"".to_owned(),
         mass => format!("{} \"kg\"", format_significant(mass, 3)),
     };
     match (style.shows(Overlay::Name), style.shows(Overlay::Mass)) {
-        (true, true) => format!("{}\", \"{mass}", quoted(name)),
-        (false, true) => mass,
+        (true, true) => format!("{}\", \"{}", quoted(name), mass()),
+        (false, true) => mass(),
         (true, false) | (false, false) => quoted(name),
     }
 }
@@ -222,11 +222,16 @@ pub fn inside(sprite: &Sprite, rect: &Rect, fill: Color, box_count: usize, conte
     if are_placed(box_count) || !has_labels(context) {
         return Vec::new();
     }
-    let text = label_text(sprite, &sprite.appearance.name, context);
     let height = if has_centered_arrows(context) { rect.height() / 3.0 } else { rect.height() };
     let area = Rect::new(rect.origin, rect.width(), height);
-    let fitting = SIZES.iter().find_map(|size| {
-        let line = Line::math(&text, context.metrics.text(*size));
+    let (text, sizes) =
+        (label_text(sprite, &sprite.appearance.name, context), SIZES.map(|size| context.metrics.text(size)));
+    let largest = Line::math(&text, sizes[0]);
+    // The width of a label is in proportion to its size, so that one layout excludes most sizes in a crowd. A thousandth
+    // is left for rounding.
+    let is_too_wide = |size: f64| largest.width * size > 1.001 * area.width() * largest.size;
+    let fitting = sizes.into_iter().filter(|size| !is_too_wide(*size)).find_map(|size| {
+        let line = if size == largest.size { largest.clone() } else { Line::math(&text, size) };
         let bounds = *candidates_inside(&line, &area, context).first()?;
         Some((line, bounds))
     });

@@ -78,13 +78,14 @@ fn pieces(paragraph: &str) -> Vec<&str> {
 /// Breaks a word that is wider than a line between its characters.
 fn broken(word: &str, size: f64, width: f64) -> Vec<&str> {
     let (mut parts, mut rest) = (Vec::new(), word);
-    while !word.starts_with('$') && Line::plain(rest, size).width > width {
-        let ends = rest.char_indices().map(|(at, character)| at + character.len_utf8());
-        let fitting = ends.take_while(|&end| Line::plain(&rest[..end], size).width <= width).last();
+    while !word.starts_with('$') && !rest.is_empty() && Line::plain(rest, size).width > width {
+        let ends: Vec<usize> = rest.char_indices().map(|(at, character)| at + character.len_utf8()).collect();
+        // A longer text is not narrower: kerning is less than the width of a glyph.
+        let fitting = ends.partition_point(|&end| Line::plain(&rest[..end], size).width <= width);
         // A line has one character at least.
-        let end = fitting.or(rest.chars().next().map(char::len_utf8)).unwrap_or(rest.len());
-        parts.push(&rest[..end]);
-        rest = &rest[end..];
+        let (part, after) = rest.split_at(ends[fitting.saturating_sub(1)]);
+        parts.push(part);
+        rest = after;
     }
     parts.push(rest);
     parts.retain(|part| !part.is_empty());
