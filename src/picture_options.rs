@@ -268,7 +268,7 @@ pub(crate) const MAX_TEXT_BYTES: usize = 4096;
 
 /// The largest number of recordings in a picture.
 #[cfg(feature = "draw")]
-pub(crate) const MAX_RECORDINGS: usize = 1000;
+pub(crate) const MAX_RECORDINGS: usize = 10_000;
 
 /// Checks the parts of a picture of which each takes time to lay out, however small the picture is.
 ///

@@ -237,7 +237,7 @@ fn provenance_is_bounded_like_options() {
         ("good.png", "color_by=body", option("caption", &"w".repeat(4097)), "the caption has 4097 bytes; at most 4096"),
         ("good.png", "color_by=body", option("title", &"t ".repeat(2049)), "a title has 4098 bytes; at most 4096"),
         ("good.png", "color_by=body", option("bodies", &names), "\"rebond options\" entry cannot be parsed"),
-        ("good.png", identity.as_str(), [identity.as_str(); 1001].join("; "), "a picture of 1001 recordings"),
+        ("good.png", identity.as_str(), [identity.as_str(); 10_001].join("; "), "a picture of 10001 recordings"),
         ("good.apng", "0 to 10 every 2", "0 to 9007199254740992 every 1".into(), "the animation ends with step 900"),
         ("good.apng", "color_by=body", "color_by=body parts=1000000".into(), "an animation of 10000001 frames"),
     ];

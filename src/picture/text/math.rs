@@ -77,18 +77,28 @@ fn pieces(paragraph: &str) -> Vec<&str> {
 
 /// Breaks a word that is wider than a line between its characters.
 fn broken(word: &str, size: f64, width: f64) -> Vec<&str> {
+    if word.starts_with('$') {
+        return vec![word];
+    }
     let (mut parts, mut rest) = (Vec::new(), word);
-    while !word.starts_with('$') && !rest.is_empty() && Line::plain(rest, size).width > width {
+    while !rest.is_empty() {
         let ends: Vec<usize> = rest.char_indices().map(|(at, character)| at + character.len_utf8()).collect();
         // A longer text is not narrower: kerning is less than the width of a glyph.
-        let fitting = ends.partition_point(|&end| Line::plain(&rest[..end], size).width <= width);
-        // A line has one character at least.
-        let (part, after) = rest.split_at(ends[fitting.saturating_sub(1)]);
+        let fits = |count: usize| Line::plain(&rest[..ends[count - 1]], size).width <= width;
+        // A line has one character at least. Doubling keeps the texts that are laid out about as long as a line.
+        let (mut most, mut count) = (1, 2);
+        while count <= ends.len() && fits(count) {
+            (most, count) = (count, 2 * count);
+        }
+        let mut too_many = count.min(ends.len() + 1);
+        while too_many - most > 1 {
+            let middle = (most + too_many) / 2;
+            *(if fits(middle) { &mut most } else { &mut too_many }) = middle;
+        }
+        let (part, after) = rest.split_at(ends[most - 1]);
         parts.push(part);
         rest = after;
     }
-    parts.push(rest);
-    parts.retain(|part| !part.is_empty());
     parts
 }
 
