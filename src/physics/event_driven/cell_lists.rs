@@ -9,7 +9,7 @@ use super::instant::{Clock, Instant};
 use super::pair_event::Sample;
 use super::spatial_hash::{NONE, SpatialHash};
 use super::swept_aabb::SweptAabb;
-use crate::physics::Axis;
+use crate::physics::{Axis, smaller};
 
 /// Maximum size of a box as a fraction of the side of its cell. With [`BORDER_SLACK`] on either side it
 /// never extends beyond the adjacent cells.
@@ -69,7 +69,7 @@ impl CellLists {
     /// Creates empty cell lists for boxes whose typical longer side is `size`, m.
     pub fn new(size: f64) -> CellLists {
         CellLists {
-            base_side: size / MAX_FILL,
+            base_side: smaller(size / MAX_FILL, f64::MAX),
             grids: Vec::new(),
             nodes: Vec::new(),
             cells: Vec::new(),

@@ -155,6 +155,8 @@ pub struct EventDriven {
     step_end: Instant,
     /// The number of events in the present step.
     events: u64,
+    /// The number of repeated predictions in the present step.
+    repredictions: u64,
     /// In use outside windows.
     cell_lists: CellLists,
     window_lists: WindowLists,
@@ -199,6 +201,7 @@ impl EventDriven {
             step_start: Instant::START,
             step_end: clock.start_of(1),
             events: 0,
+            repredictions: 0,
             cell_lists: CellLists::new(1.0),
             window_lists: WindowLists::default(),
             event_queue: EventQueue::new(clock, 0, 0),
@@ -335,7 +338,7 @@ impl EventDriven {
             self.step_end = self.clock.start_of(step + 1);
             self.step = step;
         }
-        self.events = 0;
+        (self.events, self.repredictions) = (0, 0);
         self.advance_clock(self.step_start);
     }
 
@@ -366,8 +369,6 @@ impl EventDriven {
 
     /// Processes the events up to the instant `last`, and those that coincide with it, in the order of their times.
     fn process_events<O: Observer>(&mut self, world: &World, last: Instant, observer: &mut O) -> Result<(), StepError> {
-        let mut repredictions = 0;
-        let max_repredictions = self.max_events.saturating_add(MAX_REPREDICTIONS_PER_BODY * self.bodies.len() as u64);
         let end_of_vicinity = end_of_vicinity(last);
         while let Some((slot, event)) = self.event_queue.pop(end_of_vicinity) {
             self.read_ahead();
@@ -391,7 +392,7 @@ impl EventDriven {
                     self.receding = None;
                     continue;
                 }
-                let concerned = self.collect_simultaneous(&event);
+                let concerned = self.collect_simultaneous(world, &event)?;
                 self.process_instant(world, &concerned, observer)?;
                 #[cfg(debug_assertions)]
                 if self.asserts_invariants {
@@ -399,10 +400,7 @@ impl EventDriven {
                 }
                 continue;
             }
-            repredictions += 1;
-            if repredictions - self.events.min(repredictions) > max_repredictions {
-                return Err(self.too_many_events(world, event.pair));
-            }
+            self.count_reprediction(world, event.pair)?;
         }
         Ok(())
     }
@@ -489,6 +487,16 @@ impl EventDriven {
     fn count_event(&mut self, world: &World, pair: [Slot; 2]) -> Result<(), StepError> {
         self.events += 1;
         if self.events > self.max_events { Err(self.too_many_events(world, pair)) } else { Ok(()) }
+    }
+
+    /// Counts a repeated prediction of a body of a pair.
+    fn count_reprediction(&mut self, world: &World, pair: [Slot; 2]) -> Result<(), StepError> {
+        self.repredictions += 1;
+        let allowed = self.max_events.saturating_add(MAX_REPREDICTIONS_PER_BODY * self.bodies.len() as u64);
+        if self.repredictions > allowed.saturating_add(self.events) {
+            return Err(self.too_many_events(world, pair));
+        }
+        Ok(())
     }
 
     /// The state of a body along an axis at the present instant.

@@ -51,16 +51,27 @@ impl EventDriven {
     /// Bodies that touch share the time of the earliest of their events. Times that differ by less than the resolution of
     /// positions are one instant also for bodies that do not touch, so that the order of their impacts does not follow
     /// from rounding, but each group keeps its own time, so that it does not depend on the other groups.
-    pub(super) fn collect_simultaneous(&mut self, first: &ScheduledEvent) -> Vec<Concerned> {
+    ///
+    /// # Errors
+    /// [`StepError::TooManyEvents`] if the bodies predict again too often.
+    pub(super) fn collect_simultaneous(
+        &mut self,
+        world: &World,
+        first: &ScheduledEvent,
+    ) -> Result<Vec<Concerned>, StepError> {
         let (mut events, last) = (vec![*first], end_of_vicinity(self.now));
         while let Some((other, event)) = self.event_queue.pop(last) {
-            if let Some(event) = self.next_exact_event(other, event, last) {
-                self.changed.push(other);
-                events.push(event);
+            let pair = event.pair;
+            match self.next_exact_event(other, event, last) {
+                Some(event) => {
+                    self.changed.push(other);
+                    events.push(event);
+                }
+                None => self.count_reprediction(world, pair)?,
             }
         }
         if events.len() == 1 {
-            return first.pair.map(|slot| Concerned { slot, at: first.at }).to_vec();
+            return Ok(first.pair.map(|slot| Concerned { slot, at: first.at }).to_vec());
         }
         let is_first = |event: &&ScheduledEvent| event.at == first.at || self.coincides(event, first.at);
         let simultaneous: Vec<&ScheduledEvent> = events.iter().filter(is_first).collect();
@@ -94,7 +105,7 @@ impl EventDriven {
         let order = |body: &Concerned| (body.slot, body.at.high.to_bits(), body.at.low.to_bits());
         concerned.sort_unstable_by_key(order);
         concerned.dedup_by_key(|body| body.slot);
-        concerned
+        Ok(concerned)
     }
 
     /// A body of finite mass and all that are connected with it by touching, to the precision of doubles.

@@ -7,6 +7,7 @@
 mod accelerations;
 mod bursts;
 mod crowds;
+mod extremes;
 mod kinds;
 mod lattice;
 mod mechanics;
