@@ -27,7 +27,7 @@ pub struct BodyState {
 }
 
 impl BodyState {
-    /// A number from each cache line of the record, added.
+    /// The sum of a number of the first cache line of the record and one of the second.
     #[inline]
     pub fn first_and_last(&self) -> f64 {
         self.trajectory.position[0] + self.size[0]

@@ -379,16 +379,16 @@ impl EventDriven {
     }
 
     /// Joins the lowest pair in creation order that separates but would be back before it has moved by the
-    /// resolution of its coordinates; returns true if there is one.
-    pub(super) fn capture_bounce(&mut self, patch: &mut Patch) -> bool {
+    /// resolution of its coordinates; returns the pair if there is one.
+    pub(super) fn capture_bounce(&mut self, patch: &mut Patch) -> Option<[Slot; 2]> {
         let slots = |touch: &Touch| touch.bodies.map(|body| patch.bodies[body as usize].slot);
         let resolution = self.bodies.resolution();
         let returning =
             patch.touches.iter().filter_map(|touch| Some((touch, returning_axis(patch, touch, resolution)?)));
-        let Some((touch, axis)) = returning.min_by_key(|(touch, _)| slots(touch)) else { return false };
-        let touch = *touch;
+        let (touch, axis) = returning.min_by_key(|(touch, _)| slots(touch))?;
+        let (touch, pair) = (*touch, slots(touch));
         self.capture(patch, &touch, axis);
-        true
+        Some(pair)
     }
 
     /// Joins two bodies, each with what it pushes, as a plastic impact does.

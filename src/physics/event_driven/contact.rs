@@ -70,7 +70,11 @@ impl ContactGraph {
 
     /// The infinite mass that supports an immovable body on a side: the body itself if its mass is infinite.
     pub fn supporting_wall(&self, mut slot: Slot, axis: Axis, side: Side) -> Slot {
-        while !self.nodes[slot as usize].has_infinite_mass {
+        // Not more than there are bodies: where coordinates are rounded by more than the boxes, contacts can form a cycle.
+        for _ in 0..self.nodes.len() {
+            if self.nodes[slot as usize].has_infinite_mass {
+                break;
+            }
             let Some(contact) = self.support(slot, axis, side) else { break };
             slot = contact.other;
         }

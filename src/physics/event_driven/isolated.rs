@@ -66,7 +66,9 @@ impl EventDriven {
         for velocity in after {
             speed = if velocity.high.abs() > speed { velocity.high.abs() } else { speed };
         }
-        let is_receding = (after[1] - after[0]).high > speed * VELOCITY_ROUNDING && acceleration <= 0.0;
+        // Boxes below the resolution of their coordinates have no certain sides.
+        let is_extended = resolution.of_gap(sizes, low.length + high.length) < 0.25 * (sizes[0] + sizes[1]);
+        let is_receding = (after[1] - after[0]).high > speed * VELOCITY_ROUNDING && acceleration <= 0.0 && is_extended;
         self.receding = is_receding.then_some(pair);
         let anchor = if is_infinite[1] { 1 } else { 0 };
         let anchor_position = scaled[anchor].state.position;

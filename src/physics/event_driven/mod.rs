@@ -120,10 +120,10 @@ use simultaneous::Concerned;
 use swept_aabb::SweptAabb;
 use window_lists::WindowLists;
 
-/// Repeated predictions (after cell crossings and void events) allowed per body and step, beyond the
-/// limit of events, before the step is aborted. No speed requires nearly as many; the limit ensures
-/// that no scene hangs.
-const MAX_REPREDICTIONS_PER_BODY: u64 = 1000;
+/// Repetitions (predictions after cell crossings and void events, and bounces that are captured within an instant)
+/// allowed per body and step, beyond the limit of events, before the step is aborted. No speed requires nearly as many;
+/// the limit ensures that no scene hangs.
+const MAX_REPETITIONS_PER_BODY: u64 = 1000;
 
 /// Events within this fraction of the time since step 0 are compared by their gaps: the rounding of times in
 /// doubles.
@@ -155,8 +155,8 @@ pub struct EventDriven {
     step_end: Instant,
     /// The number of events in the present step.
     events: u64,
-    /// The number of repeated predictions in the present step.
-    repredictions: u64,
+    /// The number of repetitions in the present step; see [`MAX_REPETITIONS_PER_BODY`].
+    repetitions: u64,
     /// In use outside windows.
     cell_lists: CellLists,
     window_lists: WindowLists,
@@ -201,7 +201,7 @@ impl EventDriven {
             step_start: Instant::START,
             step_end: clock.start_of(1),
             events: 0,
-            repredictions: 0,
+            repetitions: 0,
             cell_lists: CellLists::new(1.0),
             window_lists: WindowLists::default(),
             event_queue: EventQueue::new(clock, 0, 0),
@@ -338,7 +338,7 @@ impl EventDriven {
             self.step_end = self.clock.start_of(step + 1);
             self.step = step;
         }
-        (self.events, self.repredictions) = (0, 0);
+        (self.events, self.repetitions) = (0, 0);
         self.advance_clock(self.step_start);
     }
 
@@ -400,7 +400,7 @@ impl EventDriven {
                 }
                 continue;
             }
-            self.count_reprediction(world, event.pair)?;
+            self.count_repetition(world, event.pair)?;
         }
         Ok(())
     }
@@ -489,11 +489,11 @@ impl EventDriven {
         if self.events > self.max_events { Err(self.too_many_events(world, pair)) } else { Ok(()) }
     }
 
-    /// Counts a repeated prediction of a body of a pair.
-    fn count_reprediction(&mut self, world: &World, pair: [Slot; 2]) -> Result<(), StepError> {
-        self.repredictions += 1;
-        let allowed = self.max_events.saturating_add(MAX_REPREDICTIONS_PER_BODY * self.bodies.len() as u64);
-        if self.repredictions > allowed.saturating_add(self.events) {
+    /// Counts a repetition for a pair of bodies against its limit.
+    fn count_repetition(&mut self, world: &World, pair: [Slot; 2]) -> Result<(), StepError> {
+        self.repetitions += 1;
+        let allowed = self.max_events.saturating_add(MAX_REPETITIONS_PER_BODY * self.bodies.len() as u64);
+        if self.repetitions > allowed.saturating_add(self.events) {
             return Err(self.too_many_events(world, pair));
         }
         Ok(())

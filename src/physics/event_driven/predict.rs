@@ -7,7 +7,6 @@ use super::contact::Contact;
 use super::event_queue::{Precision, ScheduledEvent};
 use super::instant::Instant;
 use super::pair_event::{Prediction, Sample, predict_contact_end, predict_pair_event};
-use super::spatial_hash::NONE;
 use super::swept_aabb::SweptAabb;
 use crate::physics::Side;
 
@@ -22,8 +21,8 @@ struct Predictor<'a> {
     /// The contacts listed with the body.
     own_contacts: &'a [Contact],
     slot: Slot,
-    /// A body with which it has no event, or [`NONE`].
-    receding: Slot,
+    /// A body with which it has no event.
+    receding: Option<Slot>,
     precision: Precision,
     /// The state at the later of the body's reference times.
     sample: Sample<'a>,
@@ -48,9 +47,9 @@ impl<'a> Predictor<'a> {
         let sample = Sample::new(body, body.since);
         let own_contacts = solver.contacts.of(slot);
         let receding = match solver.receding {
-            Some([first, second]) if first == slot => second,
-            Some([first, second]) if second == slot => first,
-            Some(_) | None => NONE,
+            Some([first, second]) if first == slot => Some(second),
+            Some([first, second]) if second == slot => Some(first),
+            Some(_) | None => None,
         };
         Predictor {
             solver,
@@ -74,7 +73,7 @@ impl<'a> Predictor<'a> {
     /// Predicts the next event with another body; returns true if that lowered the horizon.
     #[inline]
     fn predict_pair(&mut self, other: Slot) -> bool {
-        if other == self.receding {
+        if Some(other) == self.receding {
             debug_assert_eq!(self.solver.predict_exactly(ordered_pair(self.slot, other)), None);
             return false;
         }

@@ -53,7 +53,7 @@ impl EventDriven {
     /// from rounding, but each group keeps its own time, so that it does not depend on the other groups.
     ///
     /// # Errors
-    /// [`StepError::TooManyEvents`] if the bodies predict again too often.
+    /// [`StepError::TooManyEvents`] if bodies predict again too often.
     pub(super) fn collect_simultaneous(
         &mut self,
         world: &World,
@@ -67,7 +67,7 @@ impl EventDriven {
                     self.changed.push(other);
                     events.push(event);
                 }
-                None => self.count_reprediction(world, pair)?,
+                None => self.count_repetition(world, pair)?,
             }
         }
         if events.len() == 1 {
@@ -135,8 +135,9 @@ impl EventDriven {
         loop {
             self.carry_out_impacts(patch, world, observer)?;
             self.settle(patch);
-            if !self.capture_bounce(patch) {
-                return Ok(());
+            match self.capture_bounce(patch) {
+                Some(pair) => self.count_repetition(world, pair)?,
+                None => return Ok(()),
             }
         }
     }
