@@ -232,6 +232,13 @@ impl Bodies {
         })
     }
 
+    /// Reads all that is stored of a body; returns a number that depends on it.
+    #[inline]
+    pub fn read_ahead(&self, slot: Slot) -> f64 {
+        let low_size = self.low_parts[slot as usize].0[Axis::X].size;
+        self.states[slot as usize].read_ahead() + low_size + self.params[slot as usize].mass
+    }
+
     /// The size of a body along an axis, m.
     #[inline]
     pub fn size(&self, slot: Slot, axis: Axis) -> DoubleDouble {

@@ -27,9 +27,9 @@ pub struct BodyState {
 }
 
 impl BodyState {
-    /// The sum of a number of the first cache line of the record and one of the second.
+    /// Reads both cache lines of the record; returns a number that depends on them.
     #[inline]
-    pub fn first_and_last(&self) -> f64 {
+    pub fn read_ahead(&self) -> f64 {
         self.trajectory.position[0] + self.size[0]
     }
 

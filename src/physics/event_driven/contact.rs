@@ -68,6 +68,12 @@ impl ContactGraph {
         node.has_infinite_mass || node.supported[axis][side]
     }
 
+    /// True if contacts on a side of a body lead to an infinite mass.
+    #[inline]
+    pub fn is_supported(&self, slot: Slot, axis: Axis, side: Side) -> bool {
+        self.count > 0 && self.nodes[slot as usize].supported[axis][side]
+    }
+
     /// The infinite mass that supports an immovable body on a side: the body itself if its mass is infinite.
     pub fn supporting_wall(&self, mut slot: Slot, axis: Axis, side: Side) -> Slot {
         // Not more than there are bodies: where coordinates are rounded by more than the boxes, contacts can form a cycle.

@@ -47,6 +47,12 @@ impl DirtyStates {
         }
     }
 
+    /// Reads the entry of a body; returns a number that depends on it.
+    #[inline]
+    pub fn read_ahead(&self, slot: Slot) -> u32 {
+        self.moving_indices[slot as usize]
+    }
+
     /// Removes a body from the lists.
     pub fn remove(&mut self, slot: Slot) {
         self.remove_moving(slot);

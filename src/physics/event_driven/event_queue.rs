@@ -10,6 +10,7 @@ use super::instant::{Clock, Instant};
 use super::pair_event::PairEvent;
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
+use std::hint::black_box;
 
 const NONE: u32 = u32::MAX;
 
@@ -343,6 +344,9 @@ impl EventQueue {
     /// are due; returns the emptied bin.
     fn redistribute(&mut self, mut bin: Vec<Slot>, due: &mut Vec<Slot>) -> Vec<Slot> {
         let current_step = self.current_step();
+        if self.entries.len() >= MIN_READ_AHEAD {
+            black_box(bin.iter().fold(0, |sum, slot| sum ^ self.entries[*slot as usize].bin));
+        }
         for slot in bin.drain(..) {
             let entry = &mut self.entries[slot as usize];
             if entry.bin != self.current_slice {

@@ -189,7 +189,8 @@ impl HomeGrid {
         self.strays.len()
     }
 
-    /// Calls `visit` for the bodies whose homes may overlap a rectangle, for strays possibly more than once.
+    /// Calls `visit` for the bodies whose homes may overlap a rectangle, for strays possibly more than once. The homes when
+    /// the grid was made are tested first, since they lie side by side in memory.
     pub fn visit_overlapping(&self, rectangle: &SweptAabb, mut visit: impl FnMut(Slot)) {
         let reach = self.side * MAX_REACH;
         let [low, high] = rectangle.corners();
@@ -198,7 +199,11 @@ impl HomeGrid {
         let width = last % self.columns - first % self.columns;
         for start in (first..=last - width).step_by(self.columns) {
             let row = start..start + width + 1;
-            self.slots[self.bodies_in(row.clone())].iter().for_each(|slot| visit(*slot));
+            for place in self.bodies_in(row.clone()) {
+                if !rectangle.is_disjoint_from(&self.homes[place]) {
+                    visit(self.slots[place]);
+                }
+            }
             for latest in &self.latest_strays[row] {
                 let mut next = *latest;
                 while next != NONE {
@@ -292,7 +297,7 @@ mod tests {
         let mut found = Vec::new();
         grid.visit_overlapping(&SweptAabb::of([20.5, 0.5, -20.5, -0.5]), |slot| found.push(slot));
         found.sort_unstable();
-        assert_eq!((found, grid.strays()), (vec![0, 1], 1), "the last cell also stands for the plane beyond");
+        assert_eq!((found, grid.strays()), (vec![0], 1), "the last cell also stands for the plane beyond");
     }
 
     #[test]

@@ -27,7 +27,7 @@ impl EventDriven {
         let order = if side == Side::High { [0, 1] } else { [1, 0] };
         let is_infinite = [0, 1].map(|body| {
             let pushed = if order[0] == body { Side::Low } else { Side::High };
-            self.contacts.is_immovable(pair[body], axis, pushed)
+            self.bodies[pair[body]].infinite || self.contacts.is_supported(pair[body], axis, pushed)
         });
         let has_contacts = |body: usize| !is_infinite[body] && !self.contacts.of(pair[body]).is_empty();
         if restitution == 0.0 || is_infinite == [true; 2] || has_contacts(0) || has_contacts(1) {

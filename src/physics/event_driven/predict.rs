@@ -9,6 +9,7 @@ use super::instant::Instant;
 use super::pair_event::{Prediction, Sample, predict_contact_end, predict_pair_event};
 use super::swept_aabb::SweptAabb;
 use crate::physics::Side;
+use std::hint::black_box;
 
 /// The pair in creation order.
 pub fn ordered_pair(slot: Slot, other: Slot) -> [Slot; 2] {
@@ -40,6 +41,10 @@ const HORIZON_MARGIN: f64 = 1.0 + 1e-9;
 
 /// Likewise for times since step 0.
 const LATENESS: f64 = 1.0 + 1.0 / (1_u64 << 40) as f64;
+
+/// The number of pairs whose records are read at the same time, so that the processor waits for many cache misses
+/// together.
+const READ_AHEAD: usize = 64;
 
 impl<'a> Predictor<'a> {
     fn new(solver: &'a EventDriven, slot: Slot, precision: Precision) -> Predictor<'a> {
@@ -234,7 +239,12 @@ impl EventDriven {
     pub(super) fn predict_approaches(&mut self) {
         let approaches = std::mem::take(&mut self.window_lists.approaches);
         let end = self.window_lists.valid_until();
-        for [slot, other] in &approaches {
+        for (index, [slot, other]) in approaches.iter().enumerate() {
+            if index % READ_AHEAD == 0 {
+                let ahead = approaches[index..].iter().take(READ_AHEAD).flatten();
+                let read = |slot: &Slot| self.bodies[*slot].read_ahead() + self.event_queue.time_of(*slot);
+                black_box(ahead.map(read).sum::<f64>());
+            }
             let latest = Instant { high: self.event_queue.latest(*slot), low: 0.0 };
             let latest = if latest.is_before(end) { latest } else { end };
             let mut predictor = Predictor::new(self, *slot, Precision::LowerBound);

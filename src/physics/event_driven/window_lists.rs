@@ -146,16 +146,17 @@ impl WindowLists {
         self.visit(slot, |other| buffer.push_if(other, !rectangle.is_disjoint_from(&self.paths[other as usize])));
     }
 
+    /// Reads the entries of a body, but not its list; returns a number that depends on them.
+    #[inline]
+    pub fn read_ahead(&self, slot: Slot) -> f64 {
+        let entries = self.ranges[slot as usize][0] ^ self.latest_extras[slot as usize];
+        self.homes[slot as usize].longer_side() + f64::from(entries)
+    }
+
     /// The path of a body until the end of the window.
     #[inline]
     pub fn path(&self, slot: Slot) -> &SweptAabb {
         &self.paths[slot as usize]
-    }
-
-    /// The home of a body.
-    #[inline]
-    pub fn home(&self, slot: Slot) -> &SweptAabb {
-        &self.homes[slot as usize]
     }
 
     /// The list of a body, sorted by slot.
