@@ -242,8 +242,11 @@ impl EventQueue {
     /// Replaces the cell crossing of a body: the number of steps, at least one, after which it is due; `None` removes
     /// it.
     pub fn set_crossing(&mut self, slot: Slot, steps: Option<u32>) {
-        let current_step = self.current_step();
-        self.entry(slot).crossing = steps.map_or(NEVER, |steps| current_step + u64::from(steps));
+        let Some(steps) = steps else {
+            self.entry(slot).crossing = NEVER;
+            return;
+        };
+        self.entry(slot).crossing = self.current_step() + u64::from(steps);
         self.insert_crossing(slot);
     }
 

@@ -30,8 +30,8 @@ struct Tuning {
     min_bodies: usize,
     /// Steps without inputs after which a window may begin.
     calm_steps: u64,
-    /// The displacement of a body in a window at the root mean square of the speeds, as a fraction of the greatest usual
-    /// size.
+    /// The displacement of a body in a window at the root mean squares of the speeds and accelerations, as a fraction of the
+    /// greatest usual size.
     displacement: f64,
     /// The skin as a fraction of that displacement.
     skin: f64,
@@ -187,17 +187,24 @@ impl WindowLists {
 
     /// Begins a window at an instant, the start of `step`; returns false if none pays.
     fn begin(&mut self, bodies: &Bodies, clock: &Clock, step: u64, now: Instant) -> bool {
-        let square = |slot: &Slot| {
-            let [_, [vx, vy]] = bodies[*slot].trajectory.at(now);
-            vx * vx + vy * vy
-        };
-        let speed = (self.moving.iter().map(square).sum::<f64>() / self.moving.len() as f64).sqrt();
-        let steps = self.tuning.displacement * self.size / (speed * clock.period);
+        let (mut speeds, mut accelerations) = (0.0, 0.0);
+        for slot in &self.moving {
+            let trajectory = &bodies[*slot].trajectory;
+            let ([_, [vx, vy]], [ax, ay]) = (trajectory.at(now), trajectory.acceleration);
+            speeds += vx * vx + vy * vy;
+            accelerations += ax * ax + ay * ay;
+        }
+        let [speed, acceleration] = [speeds, accelerations].map(|sum: f64| (sum / self.moving.len() as f64).sqrt());
+        let distance = self.tuning.displacement * self.size;
+        // The root of distance = speed·t + ½·acceleration·t².
+        let seconds = 2.0 * distance / (speed + (speed * speed + 2.0 * acceleration * distance).sqrt());
+        let steps = seconds / clock.period;
         if steps.is_nan() || steps < MIN_WINDOW {
             return false;
         }
         let steps = if steps < MAX_WINDOW { steps as u64 } else { MAX_WINDOW as u64 };
-        let displacement = speed * steps as f64 * clock.period;
+        let seconds = steps as f64 * clock.period;
+        let displacement = seconds * (speed + 0.5 * acceleration * seconds);
         self.skin = larger(displacement * self.tuning.skin, self.size * MIN_SKIN);
         self.end = Some(step + steps);
         // Events at the end may be a little later than it.
