@@ -116,12 +116,14 @@ fn set_text(set: &serde_json::Map<String, serde_json::Value>) -> String {
 /// Recordings up to this size are verified without `--verify`, bytes: that takes about 0.1 s.
 const MAX_ALWAYS_VERIFIED: u64 = 16 << 20;
 
-/// The provenance of a picture. `None` if the file is not a picture.
+/// The provenance of a picture. `None` if the file is not a picture, neither by its content nor, if it is no MCAP file, by
+/// its name.
 fn picture_entries(path: &Path) -> Result<Option<serde_json::Map<String, serde_json::Value>>, CommandError> {
     let mut file = File::open(path).map_err(CommandError::unreadable(path))?;
     let mut magic = Vec::new();
     file.by_ref().take(16).read_to_end(&mut magic).map_err(CommandError::unreadable(path))?;
-    if Format::from_content(&magic).is_none() {
+    let is_named_picture = || !magic.starts_with(mcap::MAGIC) && Format::from_path(path).is_some();
+    if Format::from_content(&magic).is_none() && !is_named_picture() {
         return Ok(None);
     }
     let mut content = magic;

@@ -36,6 +36,9 @@ const OPTIONS: &str = "rebond options";
 /// Stored instead of the identity of a recording that has none yet.
 const UNFINISHED: &str = "none, the recording is unfinished";
 
+/// The largest length of the name and version of a program, bytes.
+const MAX_SOFTWARE: usize = 256;
+
 impl Provenance {
     /// The provenance of `picture` of `sources`, drawn by this program.
     pub fn new(picture: &ResolvedPicture, sources: &[Source]) -> Provenance {
@@ -121,10 +124,20 @@ impl Provenance {
         let look = Look::from_texts(|key| options.get(key), camera_target).ok_or_else(|| invalid(OPTIONS))?;
         let titles = options.get_strings("title").ok_or_else(|| invalid(OPTIONS))?;
         let recordings: Vec<String> = get(RECORDING)?.split("; ").map(str::to_owned).collect();
+        let is_identity = |text: &String| {
+            text == UNFINISHED || text.len() == 32 && text.bytes().all(|digit| digit.is_ascii_hexdigit())
+        };
+        if !recordings.iter().all(is_identity) {
+            return Err(invalid(RECORDING));
+        }
+        let software = get(DRAWN_BY)?.clone();
+        if software.len() > MAX_SOFTWARE {
+            return Err(invalid(DRAWN_BY));
+        }
         check_extent(&look.caption, &titles, recordings.len()).map_err(|reason| Error::DamagedProvenance { reason })?;
         let text = |key| metadata.get(key).map(str::to_owned);
         Ok(Provenance {
-            software: get(DRAWN_BY)?.clone(),
+            software,
             recordings,
             recorded_every: options
                 .get("recorded_every")

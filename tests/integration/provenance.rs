@@ -136,9 +136,12 @@ fn the_error_of_a_picture_that_cannot_be_redrawn_gives_the_reason() {
         assert!(error.contains(reason), "{error}");
     }
     workplace.write("foreign.svg", "<svg xmlns=\"\"></svg>");
-    let outcome = workplace.rebond("info foreign.svg");
-    assert_eq!(outcome.code, 1);
-    assert!(outcome.errors.contains("foreign.svg: the file carries no rebond provenance"), "{outcome:?}");
+    workplace.write("empty.png", "");
+    for name in ["foreign.svg", "empty.png"] {
+        let outcome = workplace.rebond(&format!("info {name}"));
+        assert_eq!(outcome.code, 1);
+        assert!(outcome.errors.contains(&format!("{name}: the file carries no rebond provenance")), "{outcome:?}");
+    }
 }
 
 /// Replaces text of the same chunk of a PNG file, with a right checksum.
@@ -238,6 +241,9 @@ fn provenance_is_bounded_like_options() {
         ("good.png", "color_by=body", option("title", &"t ".repeat(2049)), "a title has 4098 bytes; at most 4096"),
         ("good.png", "color_by=body", option("bodies", &names), "\"rebond options\" entry cannot be parsed"),
         ("good.png", identity.as_str(), [identity.as_str(); 10_001].join("; "), "a picture of 10001 recordings"),
+        ("good.png", identity.as_str(), "x".repeat(100_000), "\"rebond recording\" entry cannot be parsed"),
+        ("good.png", identity.as_str(), "../run.mcap".into(), "\"rebond recording\" entry cannot be parsed"),
+        ("good.png", "rebond 0", "x".repeat(100_000), "\"Software\" entry cannot be parsed"),
         ("good.apng", "0 to 10 every 2", "0 to 9007199254740992 every 1".into(), "the animation ends with step 900"),
         ("good.apng", "color_by=body", "color_by=body parts=1000000".into(), "an animation of 10000001 frames"),
     ];

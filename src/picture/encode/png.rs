@@ -8,7 +8,7 @@ use crate::recording::limits;
 use miniz_oxide::deflate::compress_to_vec_zlib;
 use png::{
     BitDepth, ColorType, Compression, Decoder, DecodingError, Encoder, EncodingError, Filter, Info, PixelDimensions,
-    Transformations, Unit, chunk::IDAT,
+    Transformations, Unit, chunk::IDAT, text_metadata::ITXtChunk,
 };
 use std::io::{BufRead, Cursor, Seek, Write};
 
@@ -147,9 +147,16 @@ pub(super) fn over([r, g, b, alpha]: [u8; 4], below: [u8; 4]) -> [u8; 4] {
     [blended(below[0], r), blended(below[1], g), blended(below[2], b), 255]
 }
 
+/// The largest size of a text that is compressed, bytes. Pictures are written with texts that are not.
+const MAX_COMPRESSED_TEXT: usize = 16 << 20;
+
 fn text_chunks(info: &Info) -> Metadata {
-    let entries = info.utf8_text.iter().filter_map(|chunk| Some((chunk.keyword.clone(), chunk.get_text().ok()?)));
-    Metadata { entries: entries.collect() }
+    let entry = |chunk: &ITXtChunk| {
+        let mut chunk = chunk.clone();
+        chunk.decompress_text_with_limit(MAX_COMPRESSED_TEXT).ok()?;
+        Some((chunk.keyword.clone(), chunk.get_text().ok()?))
+    };
+    Metadata { entries: info.utf8_text.iter().filter_map(entry).collect() }
 }
 
 fn read_error(error: DecodingError) -> RenderError {
@@ -204,6 +211,22 @@ mod tests {
     fn shades(colors: u32) -> Picture {
         let pixels = (0..64 * 32).map(|at| [(at % colors) as u8, ((at % colors) >> 8) as u8, 7, 255]);
         Picture { size: [64, 32], pixels: pixels.collect() }
+    }
+
+    /// A small file may hold a text of any length.
+    #[test]
+    fn a_compressed_text_is_read_up_to_a_limit() {
+        for (length, is_read) in [(MAX_COMPRESSED_TEXT, true), (MAX_COMPRESSED_TEXT + 1, false)] {
+            let text = compress_to_vec_zlib(&vec![b' '; length], 9);
+            let body = [b"iTXtkey\0\x01\0\0\0", text.as_slice()].concat();
+            let checksum = crc32fast::hash(&body).to_be_bytes();
+            let chunk = [&(body.len() as u32 - 4).to_be_bytes()[..], &body, &checksum].concat();
+            let mut file = encoded(&shades(2));
+            const AFTER_HEADER: usize = 8 + 12 + 13;
+            file.splice(AFTER_HEADER..AFTER_HEADER, chunk);
+            let found = metadata(&file).unwrap().entries;
+            assert_eq!(found.iter().any(|(key, text)| key == "key" && text.len() == length), is_read, "{length}");
+        }
     }
 
     fn encoded(picture: &Picture) -> Vec<u8> {
