@@ -61,14 +61,38 @@ pub enum TableFormat {
     JsonLines,
 }
 
-/// A body with the steps of its spawn and its deletion, as far as the recording contains them.
+/// A body with the steps of its spawn and its deletion.
 pub struct Lifetime {
     /// The body.
     pub info: Arc<BodyInfo>,
     /// The first step with it.
-    pub spawned: Option<u64>,
-    /// The first step without it.
-    pub deleted: Option<u64>,
+    pub spawned: EventStep,
+    /// The first step without it; `None` if it is alive at the end.
+    pub deleted: Option<EventStep>,
+}
+
+/// The step of an event.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum EventStep {
+    /// The event is recorded.
+    At(u64),
+    /// The event is lost in a gap.
+    Within {
+        /// The first step that is possible.
+        from: u64,
+        /// The last step that is possible.
+        to: u64,
+    },
+}
+
+impl EventStep {
+    /// The first and the last step that are possible.
+    pub fn range(self) -> [u64; 2] {
+        match self {
+            EventStep::At(step) => [step, step],
+            EventStep::Within { from, to } => [from, to],
+        }
+    }
 }
 
 /// The rows of a table, written one by one.
@@ -91,7 +115,7 @@ enum Cell<'a> {
     Number(f64),
     Text(&'a str),
     Setting(&'a Value),
-    Unknown,
+    Missing,
 }
 
 impl Rows<'_> {
@@ -115,7 +139,7 @@ impl Rows<'_> {
         debug_assert_eq!(N, self.columns.len());
         let source = self.source.map(|source| ("source", Cell::Text(source)));
         let settings = self.settings.iter().map(|(key, value)| {
-            let cell = value.as_ref().map_or(Cell::Unknown, Cell::Setting);
+            let cell = value.as_ref().map_or(Cell::Missing, Cell::Setting);
             (key.as_str(), cell)
         });
         let cells = source.into_iter().chain(settings).chain(self.columns.iter().copied().zip(cells));
@@ -185,7 +209,11 @@ impl Rows<'_> {
     pub fn body(&mut self, Lifetime { info, spawned, deleted }: &Lifetime, default_restitution: f64) -> io::Result<()> {
         let spawn = &info.spawn;
         let [mass, width, height] = [spawn.mass, spawn.rect.width(), spawn.rect.height()].map(Cell::Number);
-        let [spawned, deleted] = [spawned, deleted].map(|step| step.map_or(Cell::Unknown, Cell::Integer));
+        let step = |step: &EventStep| match step {
+            EventStep::At(step) => Cell::Integer(*step),
+            EventStep::Within { .. } => Cell::Text("unknown"),
+        };
+        let (spawned, deleted) = (step(spawned), deleted.as_ref().map_or(Cell::Missing, step));
         let [fx, fy, e] = [spawn.force.x, spawn.force.y, default_restitution].map(Cell::Number);
         let [r, g, b] = picture::body_color(info);
         let color = format!("#{r:02x}{g:02x}{b:02x}");
@@ -203,7 +231,7 @@ impl Cell<'_> {
             Cell::Text(text) => write!(output, "{separator}{}", csv_field(text)),
             Cell::Setting(Value::String(text)) => write!(output, "{separator}{}", csv_field(text)),
             Cell::Setting(value) => write!(output, "{separator}{}", csv_field(&value.to_string())),
-            Cell::Unknown => output.write_all(separator.as_bytes()),
+            Cell::Missing => output.write_all(separator.as_bytes()),
         }
     }
 
@@ -215,7 +243,7 @@ impl Cell<'_> {
             Cell::Number(number) => write!(output, "\"{}\"", shortest_decimal(*number)),
             Cell::Text(text) => Ok(serde_json::to_writer(output, text)?),
             Cell::Setting(value) => write!(output, "{value}"),
-            Cell::Unknown => output.write_all(b"null"),
+            Cell::Missing => output.write_all(b"null"),
         }
     }
 }

@@ -148,7 +148,7 @@ Tables and their columns:
               per impulse, from a replay
   energy      step,time,kinetic,potential,total,px,py: the bodies of finite mass
   bodies      name,id,mass,width,height,material,e_default,spawned_step,
-              deleted_step,fx,fy,color
+              deleted_step,fx,fy,color; a step lost in a gap is unknown
 Several sources have a first column, source, and one for each key that --set
 has changed in any of them. A folder stands for its recordings. Numbers are the
 shortest decimals that read back to the same value, in SI units. FILE.mcap has

@@ -10,9 +10,9 @@ use crate::picture_options::StepOrTime;
 use crate::recording::{self, BodyInfo, Change, Health, Item, Playback, SampledState};
 use crate::replay::Replayer;
 use crate::scene;
-use crate::table::{CollisionRows, Lifetime, Rows, Table, TableFormat};
+use crate::table::{CollisionRows, EventStep, Lifetime, Rows, Table, TableFormat};
 use serde_json::Value;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
@@ -210,31 +210,40 @@ fn bodies(
     rows: &mut Rows,
 ) -> Result<(Health, ReadExtent), CommandError> {
     let mut bodies: BTreeMap<BodyId, Lifetime> = BTreeMap::new();
+    // The first step after the last state before a gap, until a keyframe tells which bodies are alive after it.
+    let (mut next_step, mut lost_since) = (0, None);
     while let Some(item) = recording.next().transpose().map_err(CommandError::in_recording(path))? {
         match item {
             Item::Event(event) => match event.change {
                 Change::Spawn { id, spawn, color } => {
                     let info = Arc::new(BodyInfo { id, spawn, color });
-                    bodies.insert(id, Lifetime { info, spawned: Some(event.step), deleted: None });
+                    bodies.insert(id, Lifetime { info, spawned: EventStep::At(event.step), deleted: None });
                 }
                 Change::Delete { id } => {
                     if let Some(lifetime) = bodies.get_mut(&id) {
-                        lifetime.deleted = Some(event.step);
+                        lifetime.deleted = Some(EventStep::At(event.step));
                     }
                 }
             },
             Item::Keyframe(keyframe) => {
+                let Some(from) = lost_since.take() else { continue };
+                let within = EventStep::Within { from, to: keyframe.step };
+                let alive: BTreeSet<BodyId> = keyframe.bodies.iter().map(|body| body.info.id).collect();
+                let lost = bodies.iter_mut().filter(|(id, body)| body.deleted.is_none() && !alive.contains(id));
+                lost.for_each(|(_, body)| body.deleted = Some(within));
                 for body in keyframe.bodies {
-                    let unknown = Lifetime { info: body.info.clone(), spawned: None, deleted: None };
+                    let unknown = Lifetime { info: body.info.clone(), spawned: within, deleted: None };
                     bodies.entry(body.info.id).or_insert(unknown);
                 }
             }
-            Item::State(_) | Item::SuspectState(_) | Item::SceneUpdate { .. } => {}
-            Item::Damaged(_) | Item::Gap(_) | Item::Trailer(_) => {}
+            Item::State(state) | Item::SuspectState(state) => next_step = state.step + 1,
+            Item::Damaged(_) | Item::Gap(_) => lost_since = lost_since.or(Some(next_step)),
+            Item::SceneUpdate { .. } | Item::Trailer(_) => {}
         }
     }
     let is_alive = |body: &&Lifetime| {
-        body.spawned.is_none_or(|step| step <= *steps.end()) && body.deleted.is_none_or(|step| step > *steps.start())
+        let ([first, _], last) = (body.spawned.range(), body.deleted.map(EventStep::range));
+        first <= *steps.end() && last.is_none_or(|[_, last]| last > *steps.start())
     };
     let alive: Vec<&Lifetime> = bodies.values().filter(is_alive).collect();
     let default_restitution = recording.header.config.restitution.default_restitution();

@@ -73,7 +73,7 @@ pub fn run(options: &RenderOptions) -> Result<Exit, CommandError> {
     bar.finish_and_clear();
     // The message names the steps shown, because an animation may skip steps.
     let shown = match drawn.schedule {
-        Some(schedule) => format!("{}, {schedule}", counted(schedule.count(), "frame")),
+        Some(schedule) => format!("{}, {schedule}", counted(schedule.count() - drawn.missing, "frame")),
         None => format!("step {step}"),
     };
     output::print_result(path, &format!("{}: {shown}", path.display()))?;

@@ -49,7 +49,7 @@ pub fn write(
         let sent = send(&mut ffmpeg, instants.by_ref(), &stage, &schedule, threads, progress);
         finish(ffmpeg, sent, &name)
     })?;
-    Ok(Drawn { statuses: instants.read_statuses(), schedule: Some(schedule), warnings })
+    Ok(Drawn { statuses: instants.read_statuses(), schedule: Some(schedule), missing: 0, warnings })
 }
 
 /// Starts ffmpeg, which reads raw RGBA frames on its standard input.

@@ -169,10 +169,13 @@ pub struct Instants {
     tracks: Vec<Track>,
     schedule: AnimationSchedule,
     next: u64,
+    /// True if a recording had a frame so far.
+    has_frames: bool,
 }
 
 /// The frames of one recording.
 struct Track {
+    source: Source,
     schedule: AnimationSchedule,
     frames: Frames,
     /// The first frame that was not shown yet; states before it are missing.
@@ -189,10 +192,10 @@ impl Instants {
             let config = &source.header.config;
             let schedule = schedule.of_recording(config.rate, config.solver.is_continuous());
             let frames = Frames::new(source, &schedule, &look.show)?;
-            Ok(Track { schedule, frames, pending: None })
+            Ok(Track { source: source.clone(), schedule, frames, pending: None })
         };
         let tracks = sources.iter().map(track).collect::<Result<Vec<Track>, Error>>()?;
-        Ok(Instants { tracks, schedule: schedule.clone(), next: 0 })
+        Ok(Instants { tracks, schedule: schedule.clone(), next: 0, has_frames: false })
     }
 
     /// The health of each recording as far as it was read; final after the last instant.
@@ -204,12 +207,23 @@ impl Instants {
         let moment = self.schedule.moment(number);
         let shots = self.tracks.iter_mut().map(|track| track.shot(number)).collect::<Result<Vec<Shot>, Error>>()?;
         let time = moment.step as f64 / self.schedule.grid.rate + moment.offset;
-        Ok(Instant { step: moment.step, time, shots })
+        let instant = Instant { step: moment.step, time, shots };
+        self.has_frames |= !instant.is_missing();
+        Ok(instant)
     }
 
     /// Reads on after the last instant, because damage directly after it is found only so.
+    ///
+    /// # Errors
+    /// If a recording cannot be read, or if no instant has a frame.
     fn finish(&mut self) -> Result<(), Error> {
-        self.tracks.iter_mut().try_for_each(|track| track.frames.next().transpose().map(|_| ()))
+        self.tracks.iter_mut().try_for_each(|track| track.frames.next().transpose().map(|_| ()))?;
+        match self.tracks.first() {
+            Some(Track { source, schedule, frames, .. }) if !self.has_frames => {
+                Err(source.missing_states(&schedule.recorded_steps(), frames.read_status().health))
+            }
+            Some(_) | None => Ok(()),
+        }
     }
 }
 

@@ -28,6 +28,8 @@ pub struct Drawn {
     pub statuses: Vec<ReadStatus>,
     /// The steps and times shown by an animation or a sequence.
     pub schedule: Option<AnimationSchedule>,
+    /// The number of its instants without a picture, because all recordings lack them.
+    pub missing: u64,
     /// Sentences about contents that cannot be drawn as they are.
     pub warnings: Vec<String>,
 }
@@ -54,7 +56,7 @@ pub fn draw(
                 _ => PngEffort::Small,
             };
             format.write(&list, &metadata, picture.look.text, effort, output)?;
-            Ok(Drawn { statuses, schedule: None, warnings: warnings(picture, sources) })
+            Ok(Drawn { statuses, schedule: None, missing: 0, warnings: warnings(picture, sources) })
         }
         Subject::Animation { animation, format } => {
             animation.check_extent(sources)?;
@@ -69,7 +71,7 @@ pub fn draw(
                 AnimationFormat::Gif => write_gif(observed, &stage, &schedule, &metadata, threads, output)?,
                 AnimationFormat::Apng => write_apng(observed, &stage, &schedule, &metadata, threads, output)?,
             }
-            Ok(Drawn { statuses: instants.read_statuses(), schedule: Some(schedule), warnings })
+            Ok(Drawn { statuses: instants.read_statuses(), schedule: Some(schedule), missing: 0, warnings })
         }
     }
 }
@@ -204,7 +206,10 @@ pub fn draw_sequence<E: From<Error>>(
         },
     );
     match result {
-        Ok(()) => Ok(Drawn { statuses: instants.read_statuses(), schedule: Some(schedule), warnings }),
+        Ok(()) => {
+            let (statuses, missing) = (instants.read_statuses(), schedule.count() - done);
+            Ok(Drawn { statuses, schedule: Some(schedule), missing, warnings })
+        }
         Err(Failure::Drawing(error)) => Err(error.into()),
         Err(Failure::Output(error)) => Err(error),
     }
@@ -382,7 +387,6 @@ pub(super) fn state(
     sources: &[Source],
     progress: Progress,
 ) -> Result<(DisplayList, Vec<ReadStatus>), Error> {
-    let missing = || Error::NothingToShow { reason: "the step is not recorded".into() };
     let look = &picture.look;
     if let [source] = sources
         && look.show.contains(Overlay::Impulse)
@@ -391,16 +395,19 @@ pub(super) fn state(
         let schedule = AnimationSchedule::from(grid(&(step..=step), every, source));
         let trails = look.show.contains(Overlay::Trail).then(|| Trails::of_one_second(schedule.grid.rate));
         let mut run = Resimulation::of_whole_run(source, schedule, trails)?;
-        let frame = run.next().transpose()?.ok_or_else(missing)?;
+        let frame = run.next().transpose()?;
         let top_impulse = run.finish_run()?;
+        let frame = frame.ok_or_else(|| source.missing_states(&(step..=step), run.read_status().health))?;
         let style = Style::with_top_impulse(look, sources, top_impulse)?;
         return Ok((compose(&frame, &View::new(source.world(), style)?), vec![run.read_status()]));
     }
     let animation = Animation { steps: step..=step, every, timing: Timing::REAL_TIME };
     let Clip { stage, mut instants, .. } = Clip::new(&animation, look, &picture.titles, sources, progress)?;
-    let instant = instants.next().transpose()?.filter(|instant| !instant.is_missing()).ok_or_else(missing)?;
-    // Damage directly after this state is found only by reading on.
+    let missing = || Error::NothingToShow { reason: "the step is not recorded".into() };
+    let instant = instants.next().transpose()?;
+    // Damage directly after this state is found only by reading on, and so is that the state is missing.
     instants.next().transpose()?;
+    let instant = instant.ok_or_else(missing)?;
     Ok((stage.compose(&instant), instants.read_statuses()))
 }
 

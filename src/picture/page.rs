@@ -9,12 +9,12 @@ use super::figures::{
 use super::trace::trace;
 use super::{
     AnimationSchedule, Appearance, CollisionFigure, CollisionSelector, DisplayList, EnergySample, Error, Frame, Frames,
-    Page, Progress, Quantity, ReadStatus, ResolvedPicture, Source, Sprite, StatesFigure, StepGrid, StepRange, Style,
-    color,
+    Page, Progress, Quantity, ReadExtent, ReadStatus, ResolvedPicture, Source, Sprite, StatesFigure, StepGrid,
+    StepRange, Style, color,
 };
 use crate::body_selector::BodySelector;
 use crate::physics::{Axis, BodyId, Engine, larger};
-use crate::recording::{Playback, SampledBody, SampledState};
+use crate::recording::{Health, Playback, SampledBody, SampledState};
 use crate::replay::{Replayer, Verdict};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -121,14 +121,18 @@ impl Composer<'_> {
 
     fn instants(&mut self, figure: StatesFigure, steps: &[StepRange]) -> Result<Composed, Error> {
         let (runs, statuses) = self.runs(steps, |all, source, title, grid| {
-            all.style.gaps.extend(source.gaps_in(&grid.steps));
-            let (schedule, look) = (AnimationSchedule::from(grid), &all.picture.look);
-            let mut read = Frames::new(source, &schedule, &look.show)?;
+            let (steps, look) = (grid.steps.clone(), &all.picture.look);
+            let mut read = Frames::new(source, &AnimationSchedule::from(grid), &look.show)?;
             let mut frames = read.by_ref().collect::<Result<Vec<Frame>, Error>>()?;
+            let status = read.read_status();
+            if frames.is_empty() {
+                return Err(source.missing_states(&steps, status.health));
+            }
+            all.style.gaps.extend(source.missing_in(&steps, &status.health));
             let is_chosen =
                 |sprite: &Sprite| sprite.appearance.is_wall || look.bodies.contains(&sprite.appearance.name);
             frames.iter_mut().for_each(|frame| frame.sprites.retain(is_chosen));
-            Ok((FigureRun { title, world: source.world(), frames }, read.read_status()))
+            Ok((FigureRun { title, world: source.world(), frames }, status))
         })?;
         let list = match figure {
             StatesFigure::Strobe => figures::strobe(&runs, &self.style)?,
@@ -200,12 +204,16 @@ impl Composer<'_> {
     fn velocity_space(&mut self, axis: Axis, steps: &[StepRange]) -> Result<Composed, Error> {
         let (runs, statuses) = self.runs(steps, |all, source, title, grid| {
             let bodies = chosen_bodies(&all.picture.look.bodies, source)?;
-            all.style.gaps.extend(source.gaps_in(&grid.steps));
-            let velocities = match bodies.len() {
-                2 => Velocities::Pair(velocity_path(source, &bodies, axis, &grid, all.progress)?),
-                _ => velocity_cloud(source, &bodies, &grid, &all.style)?,
+            let (velocities, status) = match bodies.len() {
+                2 => {
+                    let (path, health) = velocity_path(source, &bodies, axis, &grid, all.progress)?;
+                    let status = ReadStatus { path: source.path.clone(), health, extent: ReadExtent::End };
+                    (Velocities::Pair(path), status)
+                }
+                _ => (velocity_cloud(source, &bodies, &grid, &all.style)?, source.declared_health()?),
             };
-            Ok((VelocityRun { title, velocities }, source.declared_health()?))
+            all.style.gaps.extend(source.missing_in(&grid.steps, &status.health));
+            Ok((VelocityRun { title, velocities }, status))
         })?;
         Ok((figures::velocity_space(&runs, &self.style)?, statuses))
     }
@@ -300,19 +308,35 @@ fn is_same(verdict: Verdict, source: &Source) -> Result<(), Error> {
     }
 }
 
-/// The velocities of two bodies along an axis in the steps of a grid, from a replay.
+/// The velocities of two bodies along an axis in the steps of a grid, from a replay, and the health of the recording as far
+/// as it was read.
 fn velocity_path(
     source: &Source,
     bodies: &BTreeMap<BodyId, Arc<Appearance>>,
     axis: Axis,
     grid: &StepGrid,
     progress: Progress,
-) -> Result<VelocityPath, Error> {
+) -> Result<(VelocityPath, Health), Error> {
     let (first, last) = (*grid.steps.start(), *grid.steps.end());
-    let state = Playback::new(source.recording()?)
-        .find(|state| state.as_ref().map_or(true, |state| state.step >= first && bodies_alive(state, bodies) == 2));
-    let Some(state) = state.transpose().map_err(|error| source.read_error(error))? else {
-        let reason = "the two chosen bodies are never alive at the same time".into();
+    let mut playback = Playback::new(source.recording()?);
+    playback.seek(first).map_err(|error| source.read_error(error))?;
+    let (mut seen, mut start) = (false, None);
+    for state in playback.by_ref() {
+        let state = state.map_err(|error| source.read_error(error))?;
+        if state.step > last {
+            break;
+        }
+        seen = true;
+        if bodies_alive(&state, bodies) == 2 {
+            start = Some(state);
+            break;
+        }
+    }
+    if !seen {
+        return Err(source.missing_states(&grid.steps, playback.health()));
+    }
+    let Some(state) = start else {
+        let reason = format!("the two chosen bodies are never alive at the same time in the steps {first} to {last}");
         return Err(Error::NothingToShow { reason });
     };
     let mut chosen = state.bodies.iter().filter_map(|body| Some((bodies.get(&body.info.id)?, body)));
@@ -323,8 +347,8 @@ fn velocity_path(
         (appearance.name.clone(), body.info.id, appearance.mass, body.velocity)
     };
     let mut path = VelocityPath::new([body(a), body(b)], axis);
-    let mut replayer =
-        Replayer::new(source.recording()?, state.step..=last).map_err(|error| source.read_error(error))?;
+    let steps = source.steps_to_read(state.step, last);
+    let mut replayer = Replayer::new(source.recording()?, steps).map_err(|error| source.read_error(error))?;
     let mut expected = state.step;
     while let Some(step) = replayer.next_state(&mut path).map_err(|error| source.read_error(error))? {
         if step != expected {
@@ -335,8 +359,11 @@ fn velocity_path(
         expected = step + 1;
         progress(step, last);
     }
-    is_same(replayer.verdict(), source)?;
-    Ok(path)
+    let verdict = replayer.verdict();
+    match verdict.health() {
+        Some(health) => Ok((path, health)),
+        None => Err(Error::Diverged { path: source.path.clone(), verdict: Box::new(verdict) }),
+    }
 }
 
 /// The number of these bodies in a state.
@@ -354,14 +381,16 @@ fn velocity_cloud(
     let mut last = None;
     let mut playback = Playback::new(source.recording()?);
     playback.seek(*grid.steps.end()).map_err(|error| source.read_error(error))?;
-    for state in playback {
+    for state in playback.by_ref() {
         let state = state.map_err(|error| source.read_error(error))?;
         if state.step > *grid.steps.end() {
             break;
         }
         last = Some(state);
     }
-    let Some(state) = last.filter(|state| bodies_alive(state, bodies) > 0) else {
+    let end = *grid.steps.end();
+    let last = last.ok_or_else(|| source.missing_states(&(end..=end), playback.health()))?;
+    let Some(state) = Some(last).filter(|state| bodies_alive(state, bodies) > 0) else {
         return Err(Error::NothingToShow { reason: "no chosen body is alive in the last state: use --to".into() });
     };
     let of_body = |body: &SampledBody| {

@@ -251,7 +251,7 @@ impl PictureOptions {
         let (step, last) = (step.step(clock.header.config.rate), *common.end());
         let grid = StepGrid::new(step..=step, clock.header.config.rate, Thinning::All);
         if last < step || step < *common.start() {
-            return Err(no_frames(step, step, clock.header.every, last));
+            return Err(no_frames(step, step, clock.header.every, last, sources));
         }
         restricted(grid, sources)?;
         Ok(Page::State { step, every: None })
@@ -386,7 +386,7 @@ fn restricted(grid: StepGrid, sources: &[Source]) -> Result<StepGrid, Error> {
     let grid = alike.fold(grid, |grid, source| grid.restrict_to_every(source.header.every));
     let last = sources.iter().filter_map(|source| source.statistics.last_step).min().unwrap_or(0);
     match grid.count() {
-        0 => Err(no_frames(*grid.steps.start(), *grid.steps.end(), grid.every, last)),
+        0 => Err(no_frames(*grid.steps.start(), *grid.steps.end(), grid.every, last, sources)),
         _ => Ok(grid),
     }
 }
@@ -404,13 +404,23 @@ fn non_empty(grid: StepGrid, source: &Source, sources: &[Source]) -> Result<Step
     match grid.count() {
         0 => {
             let last = source.statistics.last_step.unwrap_or(0);
-            Err(no_frames(*grid.steps.start(), *grid.steps.end(), grid.every, last).of_source(source, sources))
+            let (from, to) = (*grid.steps.start(), *grid.steps.end());
+            Err(no_frames(from, to, grid.every, last, std::slice::from_ref(source)).of_source(source, sources))
         }
         _ => Ok(grid),
     }
 }
 
-fn no_frames(from: u64, to: u64, every: u64, last: u64) -> Error {
+/// The error for steps without a full state, of recordings whose common last one is `last`. If the end of one of them is
+/// missing, that is the reason.
+fn no_frames(from: u64, to: u64, every: u64, last: u64, sources: &[Source]) -> Error {
+    let lacks = |source: &&Source| {
+        source.statistics.last_step == Some(last) && (last + 1..=source.header.steps).contains(&from)
+    };
+    let cut = sources.iter().find(lacks).and_then(|source| Some((source, source.declared_health().ok()?.health)));
+    if let Some((source, health)) = cut.filter(|(_, health)| *health != recording::Health::Whole) {
+        return source.missing_states(&(from..=to.max(from)), health);
+    }
     let steps = match every {
         _ if from == to => format!("at step {from}"),
         _ if from > last => format!("from step {from} on"),

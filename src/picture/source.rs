@@ -162,16 +162,37 @@ impl Source {
 
     /// The parts of `steps` that a recovered recording lacks.
     pub(super) fn gaps_in(&self, steps: &RangeInclusive<u64>) -> Vec<TraceGap> {
-        let rate = self.header.config.rate;
-        let gaps = self.header.gaps.iter().filter(|gap| {
-            gap.missing_states() > 0 && gap.first_missing() <= *steps.end() && gap.before > *steps.start()
-        });
-        let gap = |gap: &Gap| TraceGap {
+        let gaps = self.header.gaps.iter();
+        gaps.filter_map(|gap| self.gap_in(gap, steps, GapReason::Lost)).collect()
+    }
+
+    /// The parts of `steps` that the recording lacks, which was found to have this health.
+    pub(super) fn missing_in(&self, steps: &RangeInclusive<u64>, health: &Health) -> Vec<TraceGap> {
+        let mut gaps = self.gaps_in(steps);
+        let found = health.missing().into_iter().flat_map(|missing| &missing.gaps);
+        let unreadable = found.filter(|gap| !self.header.gaps.contains(gap));
+        gaps.extend(unreadable.filter_map(|gap| self.gap_in(gap, steps, GapReason::Unreadable)));
+        gaps.sort_by_key(|gap| *gap.steps.start());
+        gaps
+    }
+
+    fn gap_in(&self, gap: &Gap, steps: &RangeInclusive<u64>, reason: GapReason) -> Option<TraceGap> {
+        let has_missing =
+            gap.missing_states() > 0 && gap.first_missing() <= *steps.end() && gap.before > *steps.start();
+        has_missing.then(|| TraceGap {
             steps: gap.first_missing()..=gap.before - 1,
-            times: [gap.after.unwrap_or(0), gap.before].map(|step| step as f64 / rate),
-            reason: GapReason::Lost,
-        };
-        gaps.map(gap).collect()
+            times: [gap.after.unwrap_or(0), gap.before].map(|step| step as f64 / self.header.config.rate),
+            reason,
+        })
+    }
+
+    /// The error for steps of which the recording, which was found to have this health, has no state.
+    pub(super) fn missing_states(&self, steps: &RangeInclusive<u64>, health: Health) -> Error {
+        let (from, to) = (*steps.start(), *steps.end());
+        self.read_error(match health {
+            Health::Whole => recording::Error::NoStates { from, to, last: self.header.steps },
+            health => recording::Error::MissingStates { from, to, health: Box::new(health) },
+        })
     }
 
     /// The health of the recording as far as its metadata tell: gaps, the end, the scene.

@@ -71,7 +71,7 @@ impl GapReason {
 /// engine, which cannot be replayed, is traced by its states alone.
 ///
 /// # Errors
-/// If the recording cannot be read or diverges.
+/// If the recording cannot be read, diverges or has none of the states.
 pub fn trace(
     source: &Source,
     grid: &StepGrid,
@@ -96,6 +96,10 @@ pub fn trace(
         Some(replayer) => tracer.replay(replayer, progress)?,
         None => tracer.play_back(progress)?,
     };
+    if tracer.last.is_none() {
+        return Err(source.missing_states(&grid.steps, health));
+    }
+    tracer.end();
     let gaps = tracer.gaps;
     let changes = changes.0.iter().map(|&step| step as f64 / grid.rate).collect();
     Ok(Trace { status: ReadStatus { path: source.path.clone(), health, extent }, changes, gaps })
@@ -191,20 +195,38 @@ impl Tracer<'_> {
 
     /// A state, and the gap before it if states are missing.
     fn state(&mut self, step: u64, world: &World) {
-        let (rate, every) = (self.grid.rate, self.grid.every);
-        let first = self.grid.steps.start().div_ceil(every) * every;
-        let expected = self.last.map_or(first, |last| last + every);
+        let rate = self.grid.rate;
+        let expected = self.expected();
         let is_after_gap = step > expected;
         if is_after_gap {
-            let mut recovered = self.source.header.gaps.iter();
-            let is_recovered = recovered.any(|gap| gap.first_missing() <= step && gap.before >= expected);
-            let reason = if is_recovered { GapReason::Lost } else { GapReason::Unreadable };
-            let from = self.last.unwrap_or(first) as f64 / rate;
-            self.gaps.push(TraceGap { steps: expected..=step - 1, times: [from, step as f64 / rate], reason });
+            self.add_gap(expected..=step - 1, step);
         }
         let is_after_change = self.last.is_some_and(|last| self.changes.range(last + 1..=step).next().is_some());
         (self.visit)(TracePoint { time: step as f64 / rate, world, is_after_gap, is_after_change });
         self.last = Some(step);
+    }
+
+    /// The step of the next state, if none is missing.
+    fn expected(&self) -> u64 {
+        let every = self.grid.every;
+        self.last.map_or(self.grid.steps.start().div_ceil(every) * every, |last| last + every)
+    }
+
+    /// The gap after the last state, if states of the grid are missing there.
+    fn end(&mut self) {
+        let (expected, end) = (self.expected(), *self.grid.steps.end());
+        if expected <= end {
+            self.add_gap(expected..=end, end);
+        }
+    }
+
+    /// The states of `steps` are missing, up to the time of step `until`.
+    fn add_gap(&mut self, steps: RangeInclusive<u64>, until: u64) {
+        let mut recovered = self.source.header.gaps.iter();
+        let is_recovered = recovered.any(|gap| gap.first_missing() <= *steps.end() && gap.before >= *steps.start());
+        let reason = if is_recovered { GapReason::Lost } else { GapReason::Unreadable };
+        let from = self.last.unwrap_or(*steps.start());
+        self.gaps.push(TraceGap { steps, times: [from, until].map(|step| step as f64 / self.grid.rate), reason });
     }
 
     /// The instants between a state and the next one, from the collisions alone, so each vertex costs no more than the

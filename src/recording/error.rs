@@ -58,13 +58,7 @@ pub enum Error {
         found: u32,
     },
     /// No state is recorded in the steps that were asked for.
-    #[error(
-        "there is no state {}: the recording has the steps 0 to {last}",
-        match *to {
-            u64::MAX => format!("from step {from} on"),
-            to => format!("in the steps {from} to {to}"),
-        }
-    )]
+    #[error("there is no state {}: the recording has the steps 0 to {last}", steps_in_words(*from, *to))]
     NoStates {
         /// The first step asked for.
         from: u64,
@@ -72,6 +66,16 @@ pub enum Error {
         to: u64,
         /// The last step of the recording.
         last: u64,
+    },
+    /// The states in the steps that were asked for are missing or cannot be read.
+    #[error("there is no state {}: the recording is {health}", steps_in_words(*from, *to))]
+    MissingStates {
+        /// The first step asked for.
+        from: u64,
+        /// The last step asked for.
+        to: u64,
+        /// The condition of the recording.
+        health: Box<super::Health>,
     },
     /// A recording has no state at all that can be read.
     #[error("no state of the recording is readable")]
@@ -125,14 +129,24 @@ pub enum Error {
 }
 
 impl Error {
-    /// Returns true if the file is a recording of rebond whose settings or all of whose states are damaged or cut off.
+    /// Returns true if the file is a recording of rebond whose settings, or all of whose states that are needed, are damaged
+    /// or cut off.
     pub const fn is_damage(&self) -> bool {
         matches!(
             self,
             Error::TruncatedHeader
                 | Error::CorruptHeader { .. }
                 | Error::NothingToRecover { .. }
+                | Error::MissingStates { .. }
                 | Error::NoReadableState
         )
+    }
+}
+
+fn steps_in_words(from: u64, to: u64) -> String {
+    match to {
+        u64::MAX => format!("from step {from} on"),
+        to if to == from => format!("at step {from}"),
+        to => format!("in the steps {from} to {to}"),
     }
 }

@@ -1,4 +1,4 @@
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use mcap::records::op;
 use xxhash_rust::xxh3::xxh3_64;
@@ -23,8 +23,9 @@ pub struct Tally {
 /// The records of one section.
 #[derive(Default)]
 struct Records {
-    schemas: BTreeSet<u16>,
-    channels: BTreeSet<u16>,
+    /// The hash of each definition, by its id.
+    schemas: BTreeMap<u16, u64>,
+    channels: BTreeMap<u16, u64>,
     chunks: Entries,
     attachments: Entries,
     metadata: Entries,
@@ -78,10 +79,9 @@ pub struct Statistics {
 impl Tally {
     /// Adds a schema, channel or message of the data section, inside or outside of a chunk.
     pub fn add_record(&mut self, record: &ChunkRecord<'_>) {
-        let id = || FieldReader::new(record.body).u16();
         match record.opcode {
-            op::SCHEMA => self.data.schemas.extend(id()),
-            op::CHANNEL => self.data.channels.extend(id()),
+            op::SCHEMA => self.data.schemas.extend(definition(record.opcode, record.body)),
+            op::CHANNEL => self.data.channels.extend(definition(record.opcode, record.body)),
             op::MESSAGE => {
                 if let Some(message) = record.message() {
                     *self.data.messages.entry(message.channel).or_default() += 1;
@@ -117,8 +117,8 @@ impl Tally {
     /// Returns an error if the record is malformed.
     pub fn add_summary_record(&mut self, opcode: u8, body: &[u8]) -> Result<(), Malformed> {
         match opcode {
-            op::SCHEMA => self.summary.schemas.extend([FieldReader::new(body).u16()?]),
-            op::CHANNEL => self.summary.channels.extend([FieldReader::new(body).u16()?]),
+            op::SCHEMA => self.summary.schemas.extend([definition(opcode, body)?]),
+            op::CHANNEL => self.summary.channels.extend([definition(opcode, body)?]),
             op::CHUNK_INDEX => self.summary.chunks.add(&ChunkSummary::parse(body)?.bytes()),
             op::ATTACHMENT_INDEX => {
                 let mut fields = FieldReader::new(body);
@@ -157,12 +157,18 @@ impl Tally {
             listed if listed.count == found.count => Some(format!("the summary does not match the {what} of the file")),
             listed => lists(what, listed.count, found.count),
         };
+        let definitions = |what: &str, listed: &BTreeMap<u16, u64>, found: &BTreeMap<u16, u64>| {
+            let (id, _) = listed.iter().find(|(id, hash)| found.get(id) != Some(hash))?;
+            Some(format!("the summary has another {what} {id} than the file"))
+        };
         // An index of chunks refers to channels; without one they need not be repeated.
         let has_channels = summary.chunks.count > 0 || !summary.channels.is_empty();
         lists("schemas", summary.schemas.len() as u64, data.schemas.len() as u64)
             .or_else(|| {
                 lists("channels", summary.channels.len() as u64, data.channels.len() as u64).filter(|_| has_channels)
             })
+            .or_else(|| definitions("schema", &summary.schemas, &data.schemas))
+            .or_else(|| definitions("channel", &summary.channels, &data.channels).filter(|_| has_channels))
             .or_else(|| entries("chunks", summary.chunks, data.chunks))
             .or_else(|| entries("attachments", summary.attachments, data.attachments))
             .or_else(|| entries("metadata records", summary.metadata, data.metadata))
@@ -258,6 +264,25 @@ impl Entries {
         self.count += 1;
         self.sum = self.sum.wrapping_add(xxh3_64(bytes));
     }
+}
+
+/// Returns the id of a schema or channel, and the hash of its fields except for the metadata of a channel, whose order is
+/// free.
+fn definition(opcode: u8, body: &[u8]) -> Result<(u16, u64), Malformed> {
+    let mut fields = FieldReader::new(body);
+    let id = fields.u16()?;
+    let bytes = match opcode {
+        op::SCHEMA => {
+            let texts = [text_field(fields.text()?), text_field(fields.text()?)].concat();
+            let length = fields.u32()?;
+            [texts.as_slice(), fields.bytes(length.into())?].concat()
+        }
+        _ => {
+            let schema = fields.bytes(2)?;
+            [schema, &text_field(fields.text()?), &text_field(fields.text()?)].concat()
+        }
+    };
+    Ok((id, xxh3_64(&bytes)))
 }
 
 /// Returns the fields that the index of an attachment or a metadata record has, which starts at `offset`.

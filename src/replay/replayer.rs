@@ -42,6 +42,8 @@ pub struct Replayer<R> {
     last: Option<u64>,
     /// The number of states that were compared.
     compared: u64,
+    /// True if a state after the steps to compare was found, because that at their end is missing.
+    is_past_end: bool,
     /// A keyframe, to be compared at the state of its step.
     expected_keyframe: Option<Keyframe>,
     /// The number of collisions since the start; `None` if the engine did not follow the whole run.
@@ -102,6 +104,7 @@ impl<R: Read + Seek> Replayer<R> {
             same_steps: 0,
             last: None,
             compared: 0,
+            is_past_end: false,
             expected_keyframe: None,
             collisions: is_from_start.then(CollisionCount::default),
             probe: None,
@@ -117,7 +120,8 @@ impl<R: Read + Seek> Replayer<R> {
     /// takes about four times as long.
     ///
     /// # Errors
-    /// Returns an error if the file cannot be read, or if it is whole but has no state in the steps to compare.
+    /// Returns an error if the file cannot be read, or if it has no state in the steps to compare. A recording that is
+    /// compared from start to end may be so damaged that there is none, which the verdict says.
     pub fn run<O: Observer>(mut self, observer: &mut O, mut progress: impl FnMut(u64)) -> Result<Verdict, Error> {
         let is_at_start = self.compared == 0 && self.engine.current_step() == 0;
         if is_at_start && self.steps == ALL_STEPS && self.recording.header.estimates_accuracy {
@@ -126,12 +130,12 @@ impl<R: Read + Seek> Replayer<R> {
         while let Some(step) = self.next_state(observer)? {
             progress(step);
         }
-        match self.verdict() {
-            Verdict::Same { .. } if self.compared == 0 => {
-                let (from, to) = self.steps.into_inner();
-                Err(Error::NoStates { from, to, last: self.recording.header.steps })
-            }
-            verdict => Ok(verdict),
+        let verdict = self.verdict();
+        let (from, to) = (*self.steps.start(), *self.steps.end());
+        match verdict.health().filter(|_| self.compared == 0) {
+            Some(Health::Whole) => Err(Error::NoStates { from, to, last: self.recording.header.steps }),
+            Some(health) if self.steps != ALL_STEPS => Err(Error::MissingStates { from, to, health: Box::new(health) }),
+            Some(_) | None => Ok(verdict),
         }
     }
 
@@ -148,6 +152,10 @@ impl<R: Read + Seek> Replayer<R> {
                 Item::Event(_) | Item::Keyframe(_) | Item::Trailer(_) => None,
                 Item::SceneUpdate { .. } | Item::Damaged(_) | Item::Gap(_) => None,
             };
+            if step.is_some_and(|step| step > *self.steps.end()) {
+                self.is_past_end = true;
+                break;
+            }
             match self.replay_item(item, observer) {
                 Ok(()) if step.is_some() => return Ok(step),
                 Ok(()) => {}
@@ -191,7 +199,7 @@ impl<R: Read + Seek> Replayer<R> {
     }
 
     fn is_finished(&self) -> bool {
-        self.has_compared_all() || matches!(self.phase, Phase::Diverged(_))
+        self.has_compared_all() || self.is_past_end || matches!(self.phase, Phase::Diverged(_))
     }
 
     fn has_compared_all(&self) -> bool {

@@ -682,12 +682,15 @@ fn every_kind_of_figure_of_a_run_shows_a_gap_with_its_reason() {
     assert!(kinds.len() >= 7 && kinds.contains(&"velocity-space"), "{kinds:?}");
     let variants = ["x", "y", "vx", "vy", "speed", "height", "E", "p"].map(|name| format!("lines --quantity {name}"));
     for kind in kinds.iter().map(|kind| (*kind).to_owned()).chain(variants) {
-        for sources in ["gap.mcap", "gap.mcap run.mcap"] {
-            let drawn = workplace.rebond(&format!("figure {kind} {sources} --force -o kind.svg"));
+        let (lost, unreadable) = ("lost in a damaged recording", "unreadable");
+        for (sources, reason) in [("gap.mcap", lost), ("gap.mcap run.mcap", lost), ("flip.mcap", unreadable)] {
+            // Velocities of many bodies are those of the last state, which needs no other; those of a pair are a path.
+            let bodies = if kind == "velocity-space" && reason == unreadable { "--bodies a,c" } else { "" };
+            let drawn = workplace.rebond(&format!("figure {kind} {sources} {bodies} --force -o kind.svg"));
             assert_eq!(drawn.code, 4, "{kind} {sources}: {drawn:?}");
             let picture = String::from_utf8(workplace.read("kind.svg")).unwrap();
-            let words = "steps 20–39 lost in a damaged recording</text>";
-            assert!(picture.contains(words), "{kind} {sources} shows no gap");
+            let words = format!("steps 20–39 {reason}</text>");
+            assert!(picture.contains(&words), "{kind} {sources} shows no gap");
         }
     }
 }
@@ -734,6 +737,140 @@ fn exit_codes_agree_between_commands_on_the_same_damaged_file() {
             assert!(done.code == code && is_named || may_miss && done.code == 0, "{command} {file}: {done:?}");
         }
     }
+}
+
+/// The steps 20 to 39 are missing.
+#[test]
+fn steps_that_are_all_missing_are_an_error_of_every_command() {
+    let workplace = damaged();
+    let before = workplace.names();
+    let kinds = ["strobe", "spacetime", "energy", "filmstrip", "lines", "speeds", "pressure", "velocity-space"];
+    let figures = kinds.iter().map(|kind| format!("figure {kind} FILE --from 25 --to 30 -o out.svg"));
+    let others = [
+        "replay FILE --from 25 --to 30",
+        "render FILE --from 25 --to 30 -o out.gif",
+        "render FILE --from 25 --to 30 --show impulse -o out.apng",
+        "render FILE --from 25 --to 30 -o out/",
+        "render FILE --at 25 -o out.png",
+        "render FILE --at 25 --show impulse -o out.png",
+        "figure velocity-space FILE --bodies a,c --from 25 --to 30 -o out.svg",
+    ];
+    for command in figures.chain(others.map(str::to_owned)) {
+        for file in ["gap.mcap", "flip.mcap", "hole.mcap"] {
+            let done = workplace.rebond(&command.replace("FILE", file));
+            let is_named = done.errors.contains("there is no state ") && done.errors.contains("20 to 39 are missing");
+            assert!(done.code == 4 && is_named, "{command} {file}: {done:?}");
+            assert_eq!(workplace.names(), before, "{command} {file}");
+        }
+    }
+    for command in ["replay FILE --from 59", "render FILE --at 59 -o out.png", "render FILE --from 59 -o out.gif"]
+        .into_iter()
+        .chain(["figure energy FILE --from 59 -o out.svg", "figure strobe FILE --from 59 -o out.svg"])
+    {
+        let done = workplace.rebond(&command.replace("FILE", "cut.mcap"));
+        let is_named = done.errors.contains("there is no state ") && done.errors.contains("incomplete: ");
+        assert!(done.code == 4 && is_named, "{command}: {done:?}");
+        assert_eq!(workplace.rebond(&command.replace("FILE", "run.mcap").replace("59", "61")).code, 1, "{command}");
+    }
+    assert_eq!(workplace.names(), before);
+}
+
+#[test]
+fn a_gap_at_the_end_of_the_chosen_steps_is_shown() {
+    let workplace = damaged();
+    for (file, reason) in [("gap.mcap", "lost in a damaged recording"), ("flip.mcap", "unreadable")] {
+        for kind in ["energy", "spacetime", "lines", "speeds", "pressure", "strobe", "filmstrip"] {
+            for (range, steps) in [("--from 0 --to 30", "20–30"), ("--from 30 --to 50", "30–39")] {
+                let drawn = workplace.rebond(&format!("figure {kind} {file} {range} --force -o out.svg"));
+                assert_eq!(drawn.code, 4, "{kind} {file} {range}: {drawn:?}");
+                let picture = String::from_utf8(workplace.read("out.svg")).unwrap();
+                // Single states are not those of a part of the gap.
+                let steps = if ["strobe", "filmstrip"].contains(&kind) { "20–39" } else { steps };
+                let words = format!("steps {steps} {reason}</text>");
+                assert!(picture.contains(&words), "{kind} {file} {range} lacks {words:?}");
+            }
+        }
+    }
+    let folder = workplace.rebond("render gap.mcap --size 160x120 -o frames/");
+    assert!(folder.output.starts_with("frames/: 41 frames, every step"), "{folder:?}");
+}
+
+#[test]
+fn nothing_after_the_chosen_steps_is_replayed_across_a_gap() {
+    let workplace = damaged();
+    let collisions = |file: &str, last: u64| {
+        let mut count = rebond::CollisionCount::default();
+        let mut replayer = rebond::Replayer::open(&workplace.path(file), 0..=last).unwrap();
+        while replayer.next_state(&mut count).unwrap().is_some() {}
+        count
+    };
+    assert_eq!(collisions("gap.mcap", 30), collisions("run.mcap", 19));
+    assert_ne!(collisions("gap.mcap", 60), collisions("run.mcap", 19));
+    let early = workplace.rebond("figure velocity-space run.mcap --bodies a,c --to 4 -o early.svg");
+    assert!(early.code == 1 && early.errors.contains("never alive at the same time in the steps 0 to 4"), "{early:?}");
+}
+
+#[test]
+fn the_steps_of_lost_events_are_unknown() {
+    let workplace =
+        Workplace::with_scene(&SCENE.replace("step = 5\n", "step = 25\n").replace("step = 50", "step = 30"));
+    workplace.done("record scene.toml -o run.mcap");
+    let mut parts = forge::take_apart(&workplace.read("run.mcap"));
+    let lost = 1_000_000_000..2_000_000_000;
+    let is_lost = |(opcode, body): &forge::Record| {
+        *opcode == op::MESSAGE && lost.contains(&u64::from_le_bytes(body[6..14].try_into().unwrap()))
+    };
+    parts.retain(|item| !matches!(item, Item::Chunk(records) if records.iter().any(is_lost)));
+    std::fs::write(workplace.path("hole.mcap"), forge::put_together(&parts, Layout::Zstd)).unwrap();
+    assert_eq!(workplace.rebond("recover hole.mcap -o gap.mcap").code, 4);
+    for file in ["gap.mcap", "hole.mcap"] {
+        let bodies = |range: &str| {
+            let table = workplace.rebond(&format!("export {file} --table bodies {range}")).output;
+            let rows = table.lines().map(|line| line.split(',').collect::<Vec<&str>>());
+            rows.map(|row| [row[0], row[7], row[8]].join(" ")).skip(5).collect::<Vec<String>>()
+        };
+        assert_eq!(bodies(""), ["a 0 unknown", "c unknown "], "{file}");
+        assert_eq!(bodies("--to 19"), ["a 0 unknown"], "{file}");
+        assert_eq!(bodies("--from 40"), ["c unknown "], "{file}");
+        assert_eq!(bodies("--from 25 --to 30"), ["a 0 unknown", "c unknown "], "{file}");
+    }
+}
+
+/// The summary repeats the schemas and channels of the file.
+#[test]
+fn an_altered_schema_or_channel_in_the_summary_is_reported_and_not_used() {
+    let (workplace, file) = recorded();
+    let summary = u64::from_le_bytes(file[file.len() - 28..file.len() - 20].try_into().unwrap()) as usize;
+    let mut place = summary;
+    let mut seen = 0;
+    while file[place] != 0x02 {
+        let end = place + 9 + u64::from_le_bytes(file[place + 1..place + 9].try_into().unwrap()) as usize;
+        let (what, offset) = match file[place] {
+            op::SCHEMA => ("schema", end - 1),
+            // The last letter of the topic, which no other text but the encoding and no metadata follow.
+            op::CHANNEL => {
+                let topic = u32::from_le_bytes(file[place + 13..place + 17].try_into().unwrap()) as usize;
+                ("channel", place + 16 + topic)
+            }
+            _ => {
+                place = end;
+                continue;
+            }
+        };
+        let mut altered = file.clone();
+        altered[offset] ^= 1;
+        let footer = altered.len() - 8;
+        altered[footer - 4..footer].fill(0); // No checksum of the summary.
+        std::fs::write(workplace.path("altered.mcap"), &altered).unwrap();
+        let found = verdict(&altered);
+        let named = format!("the summary has another {what} ");
+        assert!(found.starts_with("corrupt ") && found.contains(&named), "byte {offset}: {found}");
+        let info = workplace.rebond("info altered.mcap");
+        assert!(info.code == 4 && info.output.contains(&named), "byte {offset}: {info:?}");
+        assert!(workplace.rebond("export altered.mcap -o -").output.ends_with('\n'));
+        (seen, place) = (seen + 1, end);
+    }
+    assert_eq!(seen, 8, "four topics");
 }
 
 #[test]
