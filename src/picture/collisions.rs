@@ -3,7 +3,8 @@
 use super::figures::CollisionSubject;
 use super::{AnimationSchedule, Appearance, CollisionSelector, Error, Moment, Progress, Source};
 use crate::physics::{BodyId, Collision, Observer, larger};
-use crate::replay::{ALL_STEPS, Replayer, Verdict};
+use crate::recording::{Health, Missing};
+use crate::replay::{ALL_STEPS, Replayer};
 use crate::text::counted;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -12,15 +13,17 @@ use std::sync::Arc;
 /// recording. If no later collision has an impulse, finds the first one without: bodies that overlap at rest or while
 /// they separate, which the handout's solver displaces.
 ///
+/// Returns it with the health of the recording as far as it was read.
+///
 /// # Errors
-/// If there is no such collision, or the recording cannot be read or diverges.
+/// If there is no such collision or no state, or the recording cannot be read or diverges.
 pub fn find_collision(
     source: &Source,
     step: u64,
     pair: Option<&[String; 2]>,
     progress: Progress,
-) -> Result<CollisionSubject, Error> {
-    let is_wanted = |found: &&CollisionSubject| {
+) -> Result<(CollisionSubject, Health), Error> {
+    let is_wanted = |(found, _): &&(CollisionSubject, Health)| {
         let selector = collision_selector(found);
         selector.step == step && pair == Some(&selector.pair)
     };
@@ -33,16 +36,23 @@ pub fn find_collision(
     let steps = source.header.steps;
     let recording = source.recording()?;
     let mut replayer = Replayer::new(recording, step..=u64::MAX).map_err(|error| source.read_error(error))?;
+    let mut has_states = false;
     while search.found.is_none() {
         let Some(step) = replayer.next_state(&mut search).map_err(|error| source.read_error(error))? else { break };
+        has_states = true;
         progress(step, steps);
     }
-    if let verdict @ Verdict::Diverged(_) = replayer.verdict() {
+    let verdict = replayer.verdict();
+    let Some(health) = verdict.health() else {
         return Err(Error::Diverged { path: source.path.clone(), verdict: Box::new(verdict) });
+    };
+    let health = if search.found.is_some() { up_to_here(health) } else { health };
+    if !has_states && health != Health::Whole {
+        return Err(source.missing_states(&(step..=u64::MAX), health));
     }
     let found = search.found.or(search.without_impulse).and_then(|collision| {
         let [c, b] = collision.bodies.map(|id| bodies.get(&id).cloned());
-        Some(CollisionSubject { title: String::new(), collision, bodies: [c?, b?] })
+        Some((CollisionSubject { title: String::new(), collision, bodies: [c?, b?] }, health.clone()))
     });
     let missing = pair.into_iter().flatten().find(|&name| !source.statistics.names.contains(name));
     if let Some(name) = missing {
@@ -56,6 +66,16 @@ pub fn find_collision(
         let run = counted(steps, "step");
         Error::NothingToShow { reason: format!("no collision{between} in or after step {step}, in a run of {run}") }
     })
+}
+
+/// The health of the part of a recording that was read, of which the end is not known.
+fn up_to_here(health: Health) -> Health {
+    match health {
+        Health::Incomplete(missing) if (Missing { end: None, ..missing.clone() }).is_empty() => Health::Whole,
+        Health::Incomplete(missing) => Health::Incomplete(Missing { end: None, ..missing }),
+        Health::Corrupt { damage, missing } => Health::Corrupt { damage, missing: Missing { end: None, ..missing } },
+        Health::Whole => Health::Whole,
+    }
 }
 
 /// The selector that finds this collision again.

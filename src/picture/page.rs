@@ -84,16 +84,19 @@ impl Composer<'_> {
 
     fn collision(&mut self, figure: CollisionFigure, collisions: &[CollisionSelector]) -> Result<Composed, Error> {
         let sources = self.sources;
-        let mut subjects = Vec::new();
+        let (mut subjects, mut statuses) = (Vec::new(), Vec::new());
         for ((source, selector), title) in sources.iter().zip(collisions).zip(titles(&self.picture.titles, sources)) {
-            let collision = find_collision(source, selector.step, Some(&selector.pair), self.progress)?;
+            let (collision, health) = find_collision(source, selector.step, Some(&selector.pair), self.progress)?;
             subjects.push(CollisionSubject { title, ..collision });
+            let declared = source.declared_health()?;
+            // What metadata and index say includes the end, what was read may be damaged.
+            let is_damaged = matches!(health, Health::Corrupt { .. }) || declared.health == Health::Whole;
+            statuses.push(if is_damaged { ReadStatus { health, ..declared } } else { declared });
         }
         let list = match figure {
             CollisionFigure::Stages(frame) => figures::collision(&subjects, frame, &self.style)?,
             CollisionFigure::Minkowski => figures::minkowski(&subjects, &self.style)?,
         };
-        let statuses = sources.iter().map(Source::declared_health).collect::<Result<_, Error>>()?;
         Ok((list, statuses))
     }
 

@@ -286,7 +286,8 @@ impl PictureOptions {
                     last_step(source)?;
                     let step = step.step_before(source.header.config.rate);
                     let found = find_collision(source, step, pair.as_ref(), progress);
-                    collisions.push(collision_selector(&found.map_err(|error| error.of_source(source, sources))?));
+                    let (found, _) = found.map_err(|error| error.of_source(source, sources))?;
+                    collisions.push(collision_selector(&found));
                 }
                 Ok(Page::Collision { figure: *figure, collisions })
             }

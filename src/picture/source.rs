@@ -33,8 +33,9 @@ pub struct Source {
     images: Arc<BTreeMap<String, Arc<Bitmap>>>,
     /// Statistics of the whole run.
     pub statistics: RunStatistics,
-    /// Collisions that were found by a replay, so that drawing needs no second one.
-    pub(super) found_collisions: Arc<Mutex<Vec<CollisionSubject>>>,
+    /// Collisions that were found by a replay, so that drawing needs no second one, and the health of the recording
+    /// as far as it was read for that.
+    pub(super) found_collisions: Arc<Mutex<Vec<(CollisionSubject, Health)>>>,
 }
 
 impl Source {

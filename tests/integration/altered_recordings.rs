@@ -798,6 +798,17 @@ fn a_gap_at_the_end_of_the_chosen_steps_is_shown() {
     assert!(folder.output.starts_with("frames/: 41 frames, every step"), "{folder:?}");
 }
 
+/// The first collision of all may be in the part that cannot be read.
+#[test]
+fn a_collision_after_a_damaged_part_is_shown_with_the_damage() {
+    let workplace = damaged();
+    for (figure, name) in [("collision", "a.svg"), ("minkowski", "b.svg")] {
+        let line = format!("figure {figure} flip.mcap --step 25 -o {name}");
+        let drawn = workplace.rebond(&line);
+        assert!(drawn.code == 4 && drawn.errors.contains("steps 20 to 39 are missing"), "{line}: {drawn:?}");
+    }
+}
+
 #[test]
 fn nothing_after_the_chosen_steps_is_replayed_across_a_gap() {
     let workplace = damaged();
