@@ -358,7 +358,9 @@ pub fn report(error: CommandError) -> Exit {
         CommandError::NoReference { verdict, .. } if verdict.health().is_some() => Exit::Damaged,
         CommandError::NoReference { .. } => Exit::Diverged,
         CommandError::Recording { source, .. } if source.is_damage() => Exit::Damaged,
-        CommandError::Picture(picture::Error::Render(RenderError::PictureCount { .. })) => Exit::Damaged,
+        CommandError::Picture(
+            picture::Error::NothingReadable { .. } | picture::Error::Render(RenderError::PictureCount { .. }),
+        ) => Exit::Damaged,
         _ => Exit::Error,
     }
 }

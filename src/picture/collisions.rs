@@ -64,7 +64,7 @@ pub fn find_collision(
     found.ok_or_else(|| {
         let between = pair.map_or(String::new(), |[a, b]| format!(" between {a:?} and {b:?}"));
         let run = counted(steps, "step");
-        Error::NothingToShow { reason: format!("no collision{between} in or after step {step}, in a run of {run}") }
+        source.nothing_to_show(format!("no collision{between} in or after step {step}, in a run of {run}"))
     })
 }
 

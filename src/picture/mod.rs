@@ -39,7 +39,7 @@ pub mod text;
 mod trace;
 mod view;
 
-use crate::recording::{self, error_text};
+use crate::recording::{self, Health, error_text};
 use crate::replay::Verdict;
 use crate::scene::SceneError;
 use std::path::PathBuf;
@@ -112,6 +112,16 @@ pub enum Error {
     NothingToShow {
         /// The missing subject, and the existing alternatives.
         reason: String,
+    },
+    /// A damaged recording does not contain the requested subject, or has lost it.
+    #[error("there is nothing to show: {reason}; {} is {health}", path.display())]
+    NothingReadable {
+        /// The recording.
+        path: PathBuf,
+        /// The missing subject, and the existing alternatives.
+        reason: String,
+        /// The condition of the recording.
+        health: Box<Health>,
     },
     /// Options that cannot be combined.
     #[error("{reason}")]

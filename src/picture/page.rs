@@ -195,8 +195,8 @@ impl Composer<'_> {
                 }
             })?;
             if !run.has_motion() {
-                let reason = "all chosen bodies are at rest, so there is no distribution of speeds".into();
-                return Err(Error::NothingToShow { reason });
+                let reason = "all chosen bodies are at rest, so there is no distribution of speeds";
+                return Err(source.nothing_to_show(reason));
             }
             all.style.gaps.extend(trace.gaps);
             Ok((run, trace.status))
@@ -255,7 +255,7 @@ fn chosen_bodies(selector: &BodySelector, source: &Source) -> Result<BTreeMap<Bo
     let mut bodies = source.appearances()?;
     bodies.retain(|_, body| body.mass.is_finite() && selector.contains(&body.name));
     if bodies.is_empty() {
-        return Err(Error::NothingToShow { reason: "no body of finite mass is chosen".into() });
+        return Err(source.nothing_to_show("no body of finite mass is chosen"));
     }
     Ok(bodies)
 }
@@ -288,8 +288,8 @@ fn add_impulses(run: &mut PressureRun, source: &Source, grid: &StepGrid, progres
     is_same(verdict, source)?;
     match (run.side_count(), figures::MAX_PRESSURE_SIDES) {
         (0, _) => {
-            let reason = "no body hits a wall in these steps: choose the bodies that are hit with --bodies".into();
-            Err(Error::NothingToShow { reason })
+            let reason = "no body hits a wall in these steps: choose the bodies that are hit with --bodies";
+            Err(source.nothing_to_show(reason))
         }
         (count, most) if count > most => {
             let reason = format!(
@@ -340,7 +340,7 @@ fn velocity_path(
     }
     let Some(state) = start else {
         let reason = format!("the two chosen bodies are never alive at the same time in the steps {first} to {last}");
-        return Err(Error::NothingToShow { reason });
+        return Err(source.nothing_to_show(reason));
     };
     let mut chosen = state.bodies.iter().filter_map(|body| Some((bodies.get(&body.info.id)?, body)));
     let (Some(a), Some(b)) = (chosen.next(), chosen.next()) else {
@@ -394,7 +394,7 @@ fn velocity_cloud(
     let end = *grid.steps.end();
     let last = last.ok_or_else(|| source.missing_states(&(end..=end), playback.health()))?;
     let Some(state) = Some(last).filter(|state| bodies_alive(state, bodies) > 0) else {
-        return Err(Error::NothingToShow { reason: "no chosen body is alive in the last state: use --to".into() });
+        return Err(source.nothing_to_show("no chosen body is alive in the last state: use --to"));
     };
     let of_body = |body: &SampledBody| {
         let appearance = bodies.get(&body.info.id)?.clone();

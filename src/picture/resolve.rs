@@ -185,9 +185,11 @@ impl PictureOptions {
             (Some(name), window) => follow(name, window, sources),
             (None, Some(Window::World)) => Ok(CameraTarget::World),
             (None, Some(Window::Area(area))) => Ok(CameraTarget::Window(area)),
-            (None, Some(Window::Bodies)) => body_bounds(sources)
-                .map(CameraTarget::Window)
-                .ok_or_else(|| Error::NothingToShow { reason: "the recording contains no body of finite mass".into() }),
+            (None, Some(Window::Bodies)) => match (body_bounds(sources), sources.first()) {
+                (Some(bounds), _) => Ok(CameraTarget::Window(bounds)),
+                (None, Some(source)) => Err(source.nothing_to_show("the recording contains no body of finite mass")),
+                (None, None) => Err(Error::NothingToShow { reason: "no recording is given".into() }),
+            },
             (None, Some(Window::Size(_))) => {
                 let reason = "a window WIDTHxHEIGHT needs a body to follow: name it with --follow, or give the window as \
                               X,Y,WIDTH,HEIGHT";

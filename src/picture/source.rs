@@ -215,7 +215,20 @@ impl Source {
             2..=MAX_LISTED => format!("no body is named {name:?}; the bodies are {names}"),
             _ => format!("no body is named {name:?}; the first of {} are {names}", counted(count, "body")),
         };
-        Error::NothingToShow { reason }
+        self.nothing_to_show(reason)
+    }
+
+    /// The error for a subject that the recording does not contain, or that a damaged one may have lost.
+    pub(super) fn nothing_to_show(&self, reason: impl Into<String>) -> Error {
+        let reason = reason.into();
+        let health = self.recording().map(|mut recording| {
+            recording.by_ref().for_each(drop);
+            recording.health()
+        });
+        match health {
+            Ok(Health::Whole) | Err(_) => Error::NothingToShow { reason },
+            Ok(health) => Error::NothingReadable { path: self.path.clone(), reason, health: Box::new(health) },
+        }
     }
 
     /// Adds the path of the recording to an error of reading it.

@@ -809,6 +809,27 @@ fn a_collision_after_a_damaged_part_is_shown_with_the_damage() {
     }
 }
 
+/// A body may have lived only in the part that is lost.
+#[test]
+fn a_body_that_a_damaged_recording_does_not_contain_is_reported_with_the_damage() {
+    let workplace = damaged();
+    for line in [
+        "render FILE --at 10 --follow lost -o a.png",
+        "figure lines FILE --bodies lost -o a.svg",
+        "figure strobe FILE --bodies lost -o a.svg",
+        "figure collision FILE --pair a,lost -o a.svg",
+        "figure pressure FILE --from 41 --to 42 -o a.svg",
+    ] {
+        for file in ["gap.mcap", "flip.mcap", "hole.mcap"] {
+            let drawn = workplace.rebond(&line.replace("FILE", file));
+            assert!(drawn.code == 4 && drawn.errors.contains("nothing to show"), "{line}, {file}: {drawn:?}");
+            assert!(drawn.errors.contains("steps 20 to 39 are missing"), "{line}, {file}: {drawn:?}");
+        }
+        let drawn = workplace.rebond(&line.replace("FILE", "run.mcap"));
+        assert!(drawn.code == 1 && drawn.errors.contains("nothing to show"), "{line}: {drawn:?}");
+    }
+}
+
 #[test]
 fn nothing_after_the_chosen_steps_is_replayed_across_a_gap() {
     let workplace = damaged();
