@@ -467,6 +467,8 @@ mod tests {
     use crate::physics::{Rect, Vector};
     use crate::picture::{AnimationFormat, ColorBy, Language, Overlay, Overlays, Quantity, StillFormat, TextAs, Theme};
 
+    const IDENTITIES: [&str; 2] = ["00112233445566778899aabbccddeeff", "ffeeddccbbaa99887766554433221100"];
+
     fn provenance(subject: Subject, camera_target: CameraTarget) -> Provenance {
         let look = Look {
             size: [640, 360],
@@ -481,7 +483,7 @@ mod tests {
         };
         Provenance {
             software: "rebond 0".into(),
-            recordings: vec!["12".into(), "ab".into()],
+            recordings: IDENTITIES.map(str::to_owned).into(),
             recorded_every: 5,
             picture: ResolvedPicture { subject, look, titles: vec!["one".into(), "and two".into()] },
             texts: Some(["State: one; and two".into(), "Step 3".into()]),
@@ -542,7 +544,8 @@ mod tests {
     fn the_canonical_form_is_stable() {
         let clip = animation(0..=600, 2, Timing { slow: 0.5, ..Timing::REAL_TIME });
         let text = provenance(clip, CameraTarget::World).metadata().to_string();
-        let expected = "Software: rebond 0\nrebond recording: 12; ab\nrebond steps: 0 to 600 every 2\nrebond options: \
+        let expected = "Software: rebond 0\nrebond recording: 00112233445566778899aabbccddeeff; \
+                        ffeeddccbbaa99887766554433221100\nrebond steps: 0 to 600 every 2\nrebond options: \
                         slow=0.5 size=640x360 theme=dark show=velocity,clock color_by=speed recorded_every=5 \
                         title=\"one\",\"and two\" caption=\"a \\\"b\\\" = c\" text=text language=fr \
                         bodies=\"a b,#1..#9\"\nTitle: State: one; and two\nDescription: Step 3\n";
@@ -564,6 +567,8 @@ mod tests {
         let parse = |text: &str| Provenance::parse(&Metadata::parse(text), Format::Animation(AnimationFormat::Gif));
         assert!(parse(&text).is_ok());
         for (valid, invalid) in [
+            (IDENTITIES[0], "12"),
+            (IDENTITIES[0], "none"),
             ("0 to 600", "0 to 18446744073709551615"),
             ("every 2", "every 0"),
             ("every 2", "every 9007199254740993"),
