@@ -21,7 +21,7 @@ const BODIES_PER_SLICE: u64 = 32;
 const BODIES_PER_LONG_SLICE: u64 = 512;
 
 /// From this number of bodies on, their records do not fit into the fast caches, and reading ahead pays.
-const MIN_READ_AHEAD: usize = 2000;
+pub const MIN_READ_AHEAD: usize = 2000;
 
 /// Heap length up to which invalidated events are never removed.
 const MIN_PURGE_LEN: usize = 64;

@@ -54,10 +54,20 @@ pub struct HomeGrid {
     pub lengths: Vec<u32>,
     /// By bucket, the index in `strays` of its latest stray, or [`NONE`].
     latest_strays: Vec<u32>,
-    /// The strays, each with the one before it in the same bucket. One that strayed repeatedly is listed repeatedly.
-    strays: Vec<(Slot, u32)>,
+    /// The strays. One that strayed repeatedly is listed repeatedly.
+    strays: Vec<Stray>,
     /// Buffer for the buckets of the bodies.
     buckets: Vec<u32>,
+}
+
+/// A body that has left its home.
+#[derive(Clone, Copy, Debug)]
+struct Stray {
+    /// The new home.
+    home: SweptAabb,
+    slot: Slot,
+    /// The index in [`HomeGrid::strays`] of the stray before it in the same bucket, or [`NONE`].
+    previous: u32,
 }
 
 impl HomeGrid {
@@ -178,7 +188,7 @@ impl HomeGrid {
         let fits = HomeGrid::fits(home, self.side);
         if fits {
             let bucket = self.bucket(home.centre());
-            self.strays.push((slot, self.latest_strays[bucket]));
+            self.strays.push(Stray { home: *home, slot, previous: self.latest_strays[bucket] });
             self.latest_strays[bucket] = self.strays.len() as u32 - 1;
         }
         fits
@@ -189,9 +199,9 @@ impl HomeGrid {
         self.strays.len()
     }
 
-    /// Calls `visit` for the bodies whose homes may overlap a rectangle, for strays possibly more than once. The homes when
-    /// the grid was made are tested first, since they lie side by side in memory.
-    pub fn visit_overlapping(&self, rectangle: &SweptAabb, mut visit: impl FnMut(Slot)) {
+    /// Calls `visit` for the bodies in the cells around a rectangle, with true for those whose homes overlap it. A stray is
+    /// visited with each of its homes, the earlier ones, too.
+    pub fn visit_near(&self, rectangle: &SweptAabb, mut visit: impl FnMut(Slot, bool)) {
         let reach = self.side * MAX_REACH;
         let [low, high] = rectangle.corners();
         let first = self.bucket(low.map(|coordinate| coordinate - reach));
@@ -199,17 +209,16 @@ impl HomeGrid {
         let width = last % self.columns - first % self.columns;
         for start in (first..=last - width).step_by(self.columns) {
             let row = start..start + width + 1;
-            for place in self.bodies_in(row.clone()) {
-                if !rectangle.is_disjoint_from(&self.homes[place]) {
-                    visit(self.slots[place]);
-                }
+            let bodies = self.bodies_in(row.clone());
+            for (slot, home) in self.slots[bodies.clone()].iter().zip(&self.homes[bodies]) {
+                visit(*slot, !rectangle.is_disjoint_from(home));
             }
             for latest in &self.latest_strays[row] {
                 let mut next = *latest;
                 while next != NONE {
-                    let (slot, previous) = self.strays[next as usize];
-                    visit(slot);
-                    next = previous;
+                    let stray = &self.strays[next as usize];
+                    visit(stray.slot, !rectangle.is_disjoint_from(&stray.home));
+                    next = stray.previous;
                 }
             }
         }
@@ -278,7 +287,7 @@ mod tests {
             for size in [0.1, 5.0, 100.0] {
                 let rectangle = random.rectangle(size);
                 let mut found = Vec::new();
-                grid.visit_overlapping(&rectangle, |slot| found.push(slot));
+                grid.visit_near(&rectangle, |slot, overlaps| found.extend(overlaps.then_some(slot)));
                 let overlapping = slots.iter().filter(|slot| !rectangle.is_disjoint_from(&homes[**slot as usize]));
                 assert!(overlapping.filter(|slot| **slot != 50).all(|slot| found.contains(slot)));
                 found.sort_unstable();
@@ -295,9 +304,10 @@ mod tests {
         assert!(grid.add_stray(0, &SweptAabb::of([20.0, 0.0, -21.0, -1.0])));
         assert!(!grid.add_stray(0, &SweptAabb::of([20.0, 0.0, -23.0, -1.0])), "larger than a cell");
         let mut found = Vec::new();
-        grid.visit_overlapping(&SweptAabb::of([20.5, 0.5, -20.5, -0.5]), |slot| found.push(slot));
+        grid.visit_near(&SweptAabb::of([20.5, 0.5, -20.5, -0.5]), |slot, overlaps| found.push((slot, overlaps)));
         found.sort_unstable();
-        assert_eq!((found, grid.strays()), (vec![0], 1), "the last cell also stands for the plane beyond");
+        let expected = vec![(0, true), (1, false)];
+        assert_eq!((found, grid.strays()), (expected, 1), "the last cell also stands for the plane beyond");
     }
 
     #[test]

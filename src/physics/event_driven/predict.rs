@@ -4,7 +4,7 @@ use super::EventDriven;
 use super::body_state::Slot;
 use super::cell_lists::NeighbourBuffer;
 use super::contact::Contact;
-use super::event_queue::{Precision, ScheduledEvent};
+use super::event_queue::{MIN_READ_AHEAD, Precision, ScheduledEvent};
 use super::instant::Instant;
 use super::pair_event::{Prediction, Sample, predict_contact_end, predict_pair_event};
 use super::swept_aabb::SweptAabb;
@@ -240,7 +240,7 @@ impl EventDriven {
         let approaches = std::mem::take(&mut self.window_lists.approaches);
         let end = self.window_lists.valid_until();
         for (index, [slot, other]) in approaches.iter().enumerate() {
-            if index % READ_AHEAD == 0 {
+            if index % READ_AHEAD == 0 && self.bodies.len() >= MIN_READ_AHEAD {
                 let ahead = approaches[index..].iter().take(READ_AHEAD).flatten();
                 let read = |slot: &Slot| self.bodies[*slot].read_ahead() + self.event_queue.time_of(*slot);
                 black_box(ahead.map(read).sum::<f64>());

@@ -290,11 +290,13 @@ impl WindowLists {
         self.found = overlapping;
     }
 
-    /// Fills a buffer with the bodies in the grid, except the body itself, whose homes overlap that of a body.
+    /// Fills a buffer with the bodies in the grid, except the body itself, whose homes overlap that of a body, or did before
+    /// they strayed.
     fn find_overlapping(&self, slot: Slot, buffer: &mut NeighbourBuffer) {
         buffer.clear();
-        let home = &self.homes[slot as usize];
-        self.grid.visit_overlapping(home, |other| buffer.push_if(other, (other != slot) & self.overlaps(slot, other)));
+        self.grid.visit_near(&self.homes[slot as usize], |other, overlaps| {
+            buffer.push_if(other, overlaps & (other != slot));
+        });
     }
 
     /// True if the homes of two bodies overlap.
