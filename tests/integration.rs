@@ -26,6 +26,8 @@ mod command_line;
 mod command_line_errors;
 #[path = "integration/crashes.rs"]
 mod crashes;
+#[path = "integration/damaged_recordings.rs"]
+mod damaged_recordings;
 #[path = "integration/digests.rs"]
 mod digests;
 #[path = "integration/double_double.rs"]

@@ -210,7 +210,7 @@ fn bodies(
     rows: &mut Rows,
 ) -> Result<(Health, ReadExtent), CommandError> {
     let mut bodies: BTreeMap<BodyId, Lifetime> = BTreeMap::new();
-    // The first step after the last state before a gap, until a keyframe tells which bodies are alive after it.
+    // The first step after the last state before a gap, until a keyframe names the bodies alive after it.
     let (mut next_step, mut lost_since) = (0, None);
     while let Some(item) = recording.next().transpose().map_err(CommandError::in_recording(path))? {
         match item {

@@ -169,7 +169,7 @@ pub struct Instants {
     tracks: Vec<Track>,
     schedule: AnimationSchedule,
     next: u64,
-    /// True if a recording had a frame so far.
+    /// True if one of the instants so far had a frame of a recording.
     has_frames: bool,
 }
 

@@ -89,9 +89,11 @@ impl Composer<'_> {
             let (collision, health) = find_collision(source, selector.step, Some(&selector.pair), self.progress)?;
             subjects.push(CollisionSubject { title, ..collision });
             let declared = source.declared_health()?;
-            // What metadata and index say includes the end, what was read may be damaged.
-            let is_damaged = matches!(health, Health::Corrupt { .. }) || declared.health == Health::Whole;
-            statuses.push(if is_damaged { ReadStatus { health, ..declared } } else { declared });
+            // Only the index gives the end of the recording, and only reading finds damaged records.
+            statuses.push(match (&health, &declared.health) {
+                (Health::Corrupt { .. }, _) | (_, Health::Whole) => ReadStatus { health, ..declared },
+                (Health::Whole | Health::Incomplete(_), _) => declared,
+            });
         }
         let list = match figure {
             CollisionFigure::Stages(frame) => figures::collision(&subjects, frame, &self.style)?,

@@ -196,7 +196,7 @@ impl Source {
         })
     }
 
-    /// The health of the recording as far as its metadata tell: gaps, the end, the scene.
+    /// The health of the recording as far as its metadata give it: gaps, the end, the scene.
     pub(super) fn declared_health(&self) -> Result<ReadStatus, Error> {
         let mut recording = self.recording()?;
         recording.read_index().map_err(|error| self.read_error(error))?;

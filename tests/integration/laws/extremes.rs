@@ -81,6 +81,7 @@ fn each_step_of_finite_numbers_ends_with_finite_states_or_with_an_error() {
         }
     }
     println!("extremes: {ended} scenes run to their end, {failed} end with an error");
+    assert!(ended > failed / 4, "most scenes are not simulated");
 }
 
 #[test]
