@@ -1,4 +1,5 @@
 use super::{Body, BodyId, Event, Observer, Restitution, Spawn, Vector, World, event_driven::EventDriven, handout};
+use std::num::NonZero;
 
 /// The solver that moves the world.
 #[non_exhaustive]
@@ -144,6 +145,15 @@ impl Engine {
         };
         let world = World { bodies: Vec::new(), gravity: config.gravity, restitution: config.restitution };
         Engine { world, step: 0, next_id: 0, rate: config.rate, solver, failure: None }
+    }
+
+    /// Sets the number of threads among which the event-driven solver divides the work that depends on no order, from some
+    /// thousand bodies on; `None`, the default, stands for as many as the system runs at the same time. It changes no
+    /// result.
+    pub fn set_threads(&mut self, count: Option<NonZero<usize>>) {
+        if let Solver::EventDriven(solver) = &mut self.solver {
+            solver.set_threads(count);
+        }
     }
 
     /// The world as sampled at the current step.

@@ -3,10 +3,18 @@
 use super::bodies::Bodies;
 use super::body_state::{BodyState, Slot};
 use super::instant::Instant;
+use super::threads::Threads;
 use super::trajectory::Trajectory;
 use crate::physics::{Body, StepError, Vector, World};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 const NONE: u32 = u32::MAX;
+
+/// The number of bodies whose states a thread writes in one go.
+const BODIES_PER_PART: usize = 4096;
+
+/// From this number of bodies in motion on, several threads write their states faster than one.
+const MIN_SHARED: usize = 1 << 15;
 
 /// The bodies whose states must be written at the end of the step: those in motion and those that came
 /// to rest in the step.
@@ -84,11 +92,24 @@ impl DirtyStates {
     ///
     /// # Errors
     /// [`StepError::NotFinite`] if a position or velocity is not finite.
-    pub fn sample(&mut self, bodies: &Bodies, world: &mut World, step: u64, end: Instant) -> Result<(), StepError> {
+    pub fn sample(
+        &mut self,
+        bodies: &Bodies,
+        world: &mut World,
+        step: u64,
+        end: Instant,
+        threads: Threads,
+    ) -> Result<(), StepError> {
         let stopped = self.take_stopped();
         let are_slots_dense = bodies.len() == world.bodies.len();
-        // Four variants, so that unused fields are not read: memory access dominates the cost.
+        // Variants, so that unused fields are not read: memory access dominates the cost.
         let are_finite = match (bodies.are_free(), are_slots_dense) {
+            (are_free, true) if threads.count() > 1 && self.moving.len() >= MIN_SHARED && stopped.is_empty() => {
+                match are_free {
+                    true => self.share_states(bodies, world, threads, |trajectory| trajectory.drifted(end)),
+                    false => self.share_states(bodies, world, threads, |trajectory| trajectory.at(end)),
+                }
+            }
             (true, true) => {
                 self.write_states(bodies, world, &stopped, |slot, _| slot, |trajectory| trajectory.drifted(end))
             }
@@ -109,6 +130,33 @@ impl DirtyStates {
             Some(body) => Err(StepError::NotFinite { step, body: body.name.clone() }),
             None => Ok(()),
         }
+    }
+
+    /// Writes the states of all bodies in motion, whose slots are their indices in the world, on several threads; returns
+    /// true if all numbers are certainly finite.
+    fn share_states(
+        &self,
+        bodies: &Bodies,
+        world: &mut World,
+        threads: Threads,
+        state: impl Fn(&Trajectory) -> [[f64; 2]; 2] + Sync,
+    ) -> bool {
+        let are_finite = AtomicBool::new(true);
+        threads.share(world.bodies.chunks_mut(BODIES_PER_PART).enumerate(), |(index, part)| {
+            let mut zero = 0.0;
+            for (body, slot) in part.iter_mut().zip((index * BODIES_PER_PART) as Slot..) {
+                if self.moving_indices[slot as usize] != NONE {
+                    let [[x, y], [vx, vy]] = state(&bodies[slot].trajectory);
+                    body.rect.origin = Vector::new(x, y);
+                    body.velocity = Vector::new(vx, vy);
+                    zero += 0.0 * ((x + y) + (vx + vy));
+                }
+            }
+            if zero != 0.0 {
+                are_finite.store(false, Ordering::Relaxed);
+            }
+        });
+        are_finite.into_inner()
     }
 
     /// Writes the states of all bodies in motion or just stopped; returns true if all numbers are certainly
@@ -153,4 +201,37 @@ impl DirtyStates {
 
 fn has_finite_state(body: &Body) -> bool {
     body.rect.origin.is_finite() && body.velocity.is_finite()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::{CollisionCount, Engine, EngineConfig, Event, Rect, SolverKind, Spawn};
+    use std::num::NonZero;
+
+    #[test]
+    fn several_threads_write_the_same_states_as_one() {
+        let final_states = |threads: usize| {
+            let mut engine = Engine::new(EngineConfig::new(SolverKind::EventDriven, 60.0));
+            engine.set_threads(NonZero::new(threads));
+            for index in 0..MIN_SHARED * 3 / 2 {
+                let number = index as f64;
+                engine.apply(&Event::Spawn(Spawn {
+                    name: String::new(),
+                    rect: Rect::new(
+                        Vector::new(3.0 * f64::from((index % 256) as u32), 3.0 * (number / 256.0).floor()),
+                        1.0,
+                        1.0,
+                    ),
+                    mass: if index % 5000 == 0 { f64::INFINITY } else { 1.0 },
+                    velocity: Vector::new(0.0, if index % 5 == 0 { 0.0 } else { 1.0 / (number + 3.0) }),
+                    force: Vector::ZERO,
+                    material: String::new(),
+                }));
+            }
+            (0..2).for_each(|_| engine.step(&mut CollisionCount::default()).unwrap());
+            engine.world().bodies.clone()
+        };
+        assert!(final_states(1) == final_states(3));
+    }
 }

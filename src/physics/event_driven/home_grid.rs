@@ -3,7 +3,8 @@
 use super::body_state::Slot;
 use super::spatial_hash::NONE;
 use super::swept_aabb::SweptAabb;
-use crate::physics::Axis;
+use super::threads::Threads;
+use crate::physics::{Axis, larger, smaller};
 use std::ops::Range;
 
 /// The greatest side of a home in the grid as a fraction of the side of a cell: less than 1 by more than the rounding of
@@ -25,6 +26,9 @@ const MAX_CELLS_PER_BODY: f64 = 4.0;
 /// boxes, lists do not pay.
 const MAX_CANDIDATES_PER_BODY: usize = 128;
 
+/// The number of bodies in the parts that are sorted independently.
+const BODIES_PER_PART: usize = 4096;
+
 /// Moving bodies sorted by the cells of a square grid that contain the centres of their homes.
 ///
 /// The grid covers the region of the bodies when it was made; a cell at its edge also stands for the plane beyond. Around
@@ -43,21 +47,51 @@ pub struct HomeGrid {
     /// By bucket, the index in `slots` of its first body; at last the number of bodies.
     starts: Vec<u32>,
     /// The bodies in the order of their buckets.
-    pub slots: Vec<Slot>,
+    slots: Vec<Slot>,
     /// The homes of `slots` when the grid was made.
     homes: Vec<SweptAabb>,
-    /// The paths of `slots` when the grid was made.
-    pub paths: Vec<SweptAabb>,
-    /// The pairs of bodies whose homes overlapped when the grid was made, as indices in `slots`.
-    pub pairs: Vec<[u32; 2]>,
-    /// By index in `slots`, the number of pairs.
-    pub lengths: Vec<u32>,
     /// By bucket, the index in `strays` of its latest stray, or [`NONE`].
     latest_strays: Vec<u32>,
     /// The strays. One that strayed repeatedly is listed repeatedly.
     strays: Vec<Stray>,
     /// Buffer for the buckets of the bodies.
     buckets: Vec<u32>,
+}
+
+/// The lower and upper corners of the smallest rectangle around two, m.
+fn hull(a: [[f64; 2]; 2], b: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
+    [Axis::BOTH.map(|axis| smaller(a[0][axis], b[0][axis])), Axis::BOTH.map(|axis| larger(a[1][axis], b[1][axis]))]
+}
+
+/// Some rows of the grid, and the pairs of bodies that are found in them.
+///
+/// The bodies are numbered by their indices in [`HomeGrid::slots`].
+#[derive(Clone, Debug, Default)]
+pub struct Band {
+    rows: Range<usize>,
+    /// The bodies in the rows.
+    bodies: Range<usize>,
+    /// The pairs whose homes overlap, the first one in the band, in the order of the rows; then spare space.
+    pairs: Vec<[u32; 2]>,
+    /// The number of pairs before those with the first one in the last row, and of all.
+    counts: [usize; 2],
+    /// The pairs whose paths may overlap, in creation order of the bodies; then spare space.
+    approaches: Vec<[Slot; 2]>,
+    /// The number of these pairs.
+    approach_count: usize,
+}
+
+impl Band {
+    /// The pairs of bodies whose paths may overlap, in creation order of the bodies.
+    pub fn approaches(&self) -> &[[Slot; 2]] {
+        &self.approaches[..self.approach_count]
+    }
+
+    /// The pairs of a body in the band and one in the next band.
+    fn crossing(&self) -> impl Iterator<Item = [u32; 2]> {
+        let [before, all] = self.counts;
+        self.pairs[before..all].iter().copied().filter(|[_, second]| *second as usize >= self.bodies.end)
+    }
 }
 
 /// A body that has left its home.
@@ -77,22 +111,21 @@ impl HomeGrid {
         home.longer_side() <= side * MAX_FILL
     }
 
-    /// Sorts bodies into cells of a side (m), given their homes and paths by slot; adds those whose homes are larger than
-    /// a cell to `large`. Returns false if lists do not pay.
-    pub fn sort(
+    /// Sorts bodies into cells of a side (m), given their homes; adds those whose homes are larger than a cell to
+    /// `large`. Returns false if lists do not pay.
+    pub fn sort<'a>(
         &mut self,
         side: f64,
         bodies: &[Slot],
-        homes: &[SweptAabb],
-        paths: &[SweptAabb],
+        home: impl Fn(Slot) -> &'a SweptAabb + Sync,
         large: &mut Vec<Slot>,
+        threads: Threads,
     ) -> bool {
-        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        for slot in bodies {
-            let centre = homes[*slot as usize].centre();
-            low = Axis::BOTH.map(|axis| if centre[axis] < low[axis] { centre[axis] } else { low[axis] });
-            high = Axis::BOTH.map(|axis| if centre[axis] > high[axis] { centre[axis] } else { high[axis] });
-        }
+        let mut corners = vec![[[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]]; bodies.len().div_ceil(BODIES_PER_PART)];
+        threads.share(bodies.chunks(BODIES_PER_PART).zip(&mut corners), |(bodies, corners)| {
+            *corners = bodies.iter().fold(*corners, |corners, slot| hull(corners, [home(*slot).centre(); 2]));
+        });
+        let [low, high] = corners.into_iter().reduce(hull).unwrap_or_default();
         let spans = Axis::BOTH.map(|axis| (high[axis] - low[axis]) / side + 1.0);
         let is_dense = spans[0] * spans[1] <= bodies.len() as f64 * MAX_CELLS_PER_BODY;
         let is_precise = low.into_iter().chain(high).all(|coordinate| coordinate.abs() < side * MAX_COORDINATE);
@@ -102,28 +135,38 @@ impl HomeGrid {
         (self.side, self.origin) = (side, low);
         self.cells = spans.map(|span| span as u32);
         self.columns = self.cells[0] as usize + 2;
-        self.place(bodies, homes, paths, large);
+        let mut buckets = std::mem::take(&mut self.buckets);
+        buckets.resize(bodies.len(), NONE);
+        let parts = bodies.chunks(BODIES_PER_PART).zip(buckets.chunks_mut(BODIES_PER_PART));
+        threads.share(parts, |(bodies, buckets): (&[Slot], &mut [u32])| {
+            for (slot, bucket) in bodies.iter().zip(buckets) {
+                let home = home(*slot);
+                *bucket = if HomeGrid::fits(home, side) { self.bucket(home.centre()) as u32 } else { NONE };
+            }
+        });
+        self.place(bodies, &buckets, home, large);
+        self.buckets = buckets;
         self.candidates() <= bodies.len() * MAX_CANDIDATES_PER_BODY
     }
 
-    /// Sorts the bodies by counting; in a cell they keep their order.
-    fn place(&mut self, bodies: &[Slot], homes: &[SweptAabb], paths: &[SweptAabb], large: &mut Vec<Slot>) {
-        let buckets = self.columns * (self.cells[1] as usize + 2);
+    /// Sorts the bodies by counting, given their buckets; in a cell they keep their order.
+    fn place<'a>(
+        &mut self,
+        bodies: &[Slot],
+        buckets: &[u32],
+        home: impl Fn(Slot) -> &'a SweptAabb,
+        large: &mut Vec<Slot>,
+    ) {
+        let count = self.columns * (self.cells[1] as usize + 2);
         self.strays.clear();
         self.latest_strays.clear();
-        self.latest_strays.resize(buckets, NONE);
+        self.latest_strays.resize(count, NONE);
         self.starts.clear();
-        self.starts.resize(buckets + 1, 0);
-        self.buckets.clear();
-        for slot in bodies {
-            let home = &homes[*slot as usize];
-            if HomeGrid::fits(home, self.side) {
-                let bucket = self.bucket(home.centre());
-                self.buckets.push(bucket as u32);
-                self.starts[bucket] += 1;
-            } else {
-                self.buckets.push(NONE);
-                large.push(*slot);
+        self.starts.resize(count + 1, 0);
+        for (slot, bucket) in bodies.iter().zip(buckets) {
+            match *bucket {
+                NONE => large.push(*slot),
+                bucket => self.starts[bucket as usize] += 1,
             }
         }
         // Each start is first that of the next bucket, and is lowered as bodies are placed from the last one on.
@@ -134,14 +177,12 @@ impl HomeGrid {
         }
         self.slots.resize(sum as usize, NONE);
         self.homes.resize(sum as usize, SweptAabb::EVERYWHERE);
-        self.paths.resize(sum as usize, SweptAabb::EVERYWHERE);
-        for (slot, bucket) in bodies.iter().zip(&self.buckets).rev().filter(|(_, bucket)| **bucket != NONE) {
+        for (slot, bucket) in bodies.iter().zip(buckets).rev().filter(|(_, bucket)| **bucket != NONE) {
             let start = &mut self.starts[*bucket as usize];
             *start -= 1;
             let place = *start as usize;
             self.slots[place] = *slot;
-            self.homes[place] = homes[*slot as usize];
-            self.paths[place] = paths[*slot as usize];
+            self.homes[place] = *home(*slot);
         }
     }
 
@@ -154,33 +195,125 @@ impl HomeGrid {
         self.buckets_inside().map(of_bucket).sum()
     }
 
-    /// Finds the pairs of bodies whose homes overlap, and counts those of each body.
-    pub fn find_pairs(&mut self) {
-        self.lengths.clear();
-        self.lengths.resize(self.slots.len(), 0);
-        let mut count = 0;
-        for bucket in self.buckets_inside() {
-            // A pair is found from the one of its bodies that is first in the order of the buckets.
-            let own = self.bodies_in(bucket..bucket + 1);
-            let (end, below) = (self.starts[bucket + 2] as usize, self.bodies_below(bucket));
-            let candidates = own.len() * (end - own.start + below.len());
-            if self.pairs.len() < count + candidates {
-                self.pairs.resize(2 * count + candidates, [NONE; 2]);
-            }
-            let pairs = &mut self.pairs[..];
-            for first in own {
-                let (home, start) = (&self.homes[first], count);
-                for seconds in [first + 1..end, below.clone()] {
-                    for (second, other) in seconds.clone().zip(&self.homes[seconds]) {
-                        pairs[count] = [first as u32, second as u32];
-                        count += usize::from(!home.is_disjoint_from(other));
+    /// The greatest magnitude of a coordinate, about; m.
+    pub fn extent(&self) -> f64 {
+        let ends = Axis::BOTH.map(|axis| self.origin[axis] + self.side * f64::from(self.cells[axis]));
+        self.origin.into_iter().chain(ends).map(f64::abs).fold(self.side, larger)
+    }
+
+    /// Divides the rows of cells into bands, each of about the given number of bodies.
+    pub fn divide(&self, bodies: usize, bands: &mut Vec<Band>) {
+        let rows = self.cells[1] as usize;
+        let rows_per_band = (rows * bodies).div_ceil(self.slots.len().max(1)).min(rows);
+        bands.resize_with(rows.div_ceil(rows_per_band), Band::default);
+        for (band, first) in bands.iter_mut().zip((1..).step_by(rows_per_band)) {
+            band.rows = first..(first + rows_per_band).min(rows + 1);
+            band.bodies = self.bodies_in(band.rows.start * self.columns..band.rows.end * self.columns);
+        }
+    }
+
+    /// Makes the lists of the bodies whose homes overlap. Sets `ends` to the starts of the lists of `slots`
+    /// in `members`, and calls `set_list` with each body and its list as a range of them. If homes overlap by more than
+    /// `distance` (m), the paths may overlap.
+    pub fn make_lists(
+        &self,
+        distance: f32,
+        bands: &mut [Band],
+        ends: &mut Vec<u32>,
+        members: &mut Vec<Slot>,
+        threads: Threads,
+        mut set_list: impl FnMut(Slot, [u32; 2]),
+    ) {
+        ends.clear();
+        ends.resize(self.slots.len(), 0);
+        let mut rest = &mut ends[..];
+        let parts = bands.iter_mut().map(|band| (rest.split_off_mut(..band.bodies.len()).unwrap_or_default(), band));
+        threads.share(parts, |(lengths, band)| self.find_pairs(band, lengths, distance));
+        for [_, second] in bands.iter().flat_map(Band::crossing) {
+            ends[second as usize] += 1;
+        }
+        // The end of each list is first that of the next one, and is lowered as members are added.
+        let mut sum = 0;
+        for (slot, length) in self.slots.iter().zip(&mut *ends) {
+            let start = sum;
+            sum += *length;
+            *length = sum;
+            set_list(*slot, [start, sum]);
+        }
+        members.resize(sum as usize, NONE);
+        let (mut rest, mut members, mut before, mut start) = (&mut ends[..], &mut members[..], None, 0);
+        let parts = bands.iter().map(|band| {
+            let ends = rest.split_off_mut(..band.bodies.len()).unwrap_or_default();
+            let end = ends.last().copied().unwrap_or(start);
+            let lists = members.split_off_mut(..(end - start) as usize).unwrap_or_default();
+            let part = (before.replace(band), band, ends, start, lists);
+            start = end;
+            part
+        });
+        threads.share(parts, |(before, band, ends, start, lists)| self.fill_lists(before, band, ends, start, lists));
+    }
+
+    /// Finds the pairs of a body in a band and a later one whose homes overlap. Adds to `lengths` the number of pairs of
+    /// each body in the band. If the homes overlap by more than `distance` (m), the paths may overlap.
+    fn find_pairs(&self, band: &mut Band, lengths: &mut [u32], distance: f32) {
+        let (mut count, mut found) = (0, 0);
+        for row in band.rows.clone() {
+            band.counts[0] = count;
+            for bucket in row * self.columns + 1..(row + 1) * self.columns - 1 {
+                // A pair is found from the one of its bodies that is first in the order of the buckets.
+                let own = self.bodies_in(bucket..bucket + 1);
+                let (end, below) = (self.starts[bucket + 2] as usize, self.bodies_below(bucket));
+                let candidates = own.len() * (end - own.start + below.len());
+                if band.pairs.len() < count + candidates {
+                    band.pairs.resize(2 * count + candidates, [NONE; 2]);
+                }
+                if band.approaches.len() < found + candidates {
+                    band.approaches.resize(2 * found + candidates, [NONE; 2]);
+                }
+                let (pairs, approaches) = (&mut band.pairs[..], &mut band.approaches[..]);
+                for first in own {
+                    let (home, start) = (&self.homes[first], count);
+                    for seconds in [first + 1..end, below.clone()] {
+                        for (second, other) in seconds.clone().zip(&self.homes[seconds]) {
+                            pairs[count] = [first as u32, second as u32];
+                            count += usize::from(!home.is_disjoint_from(other));
+                        }
+                    }
+                    lengths[first - band.bodies.start] += (count - start) as u32;
+                    let slot = self.slots[first];
+                    for [_, second] in &pairs[start..count] {
+                        if let Some(length) = lengths.get_mut(*second as usize - band.bodies.start) {
+                            *length += 1;
+                        }
+                        let other = self.slots[*second as usize];
+                        approaches[found] = if slot < other { [slot, other] } else { [other, slot] };
+                        let may_touch = !home.is_farther_from(&self.homes[*second as usize], -distance);
+                        found += usize::from(may_touch);
                     }
                 }
-                self.lengths[first] += (count - start) as u32;
-                pairs[start..count].iter().for_each(|[_, second]| self.lengths[*second as usize] += 1);
             }
         }
-        self.pairs.truncate(count);
+        (band.counts[1], band.approach_count) = (count, found);
+    }
+
+    /// Fills the lists of the bodies in a band, given the one before it. `ends` are the ends of their lists among the lists
+    /// of all bodies, and are lowered to the starts; `members` are the lists of the band, the first of which starts at
+    /// `start`.
+    fn fill_lists(&self, before: Option<&Band>, band: &Band, ends: &mut [u32], start: u32, members: &mut [Slot]) {
+        let mut add = |body: u32, other: u32| {
+            let end = &mut ends[body as usize - band.bodies.start];
+            *end -= 1;
+            members[(*end - start) as usize] = self.slots[other as usize];
+        };
+        for [first, second] in &band.pairs[..band.counts[1]] {
+            add(*first, *second);
+            if (*second as usize) < band.bodies.end {
+                add(*second, *first);
+            }
+        }
+        for [first, second] in before.into_iter().flat_map(Band::crossing) {
+            add(second, first);
+        }
     }
 
     /// Enters a body that has left its home; returns false if the new one is larger than a cell.
@@ -257,6 +390,7 @@ impl HomeGrid {
 mod tests {
     use super::*;
     use crate::physics::event_driven::pseudo_random::PseudoRandom;
+    use std::num::NonZero;
 
     impl PseudoRandom {
         /// A rectangle with sides of up to `size` in a room of 40 m.
@@ -275,15 +409,24 @@ mod tests {
             homes[50] = homes[50].enlarged(side as f32);
             let (mut grid, mut large) = (HomeGrid::default(), Vec::new());
             let slots = Vec::from_iter(0..100);
-            assert!(grid.sort(side, &slots, &homes, &homes, &mut large) && large == [50]);
-            grid.find_pairs();
-            let sorted = |[a, b]: [Slot; 2]| if a < b { [a, b] } else { [b, a] };
-            let mut pairs: Vec<[Slot; 2]> =
-                grid.pairs.iter().map(|pair| sorted(pair.map(|place| grid.slots[place as usize]))).collect();
-            pairs.sort_unstable();
+            assert!(
+                grid.sort(side, &slots, |slot| &homes[slot as usize], &mut large, Threads::new(None)) && large == [50]
+            );
             let overlap = |[a, b]: [Slot; 2]| !homes[a as usize].is_disjoint_from(&homes[b as usize]);
-            let all = (0..100).flat_map(|a| (a + 1..100).map(move |b| [a, b])).filter(|pair| !pair.contains(&50));
-            assert_eq!(pairs, all.filter(|pair| overlap(*pair)).collect::<Vec<[Slot; 2]>>());
+            let all = (0..100).flat_map(|a| (0..100).map(move |b| [a, b])).filter(|pair| !pair.contains(&50));
+            let expected: Vec<[Slot; 2]> = all.filter(|pair| pair[0] != pair[1] && overlap(*pair)).collect();
+            for bodies_per_band in [1, 20, 1000] {
+                let (mut bands, mut ends, mut members) = (Vec::new(), Vec::new(), Vec::new());
+                grid.divide(bodies_per_band, &mut bands);
+                grid.make_lists(0.0, &mut bands, &mut ends, &mut members, Threads::new(NonZero::new(3)), |_, _| ());
+                let starts = ends.iter().map(|start| *start as usize);
+                let lists = starts.clone().zip(starts.skip(1).chain([members.len()])).zip(&grid.slots);
+                let mut pairs: Vec<[Slot; 2]> = lists
+                    .flat_map(|((start, end), slot)| members[start..end].iter().map(|other| [*slot, *other]))
+                    .collect();
+                pairs.sort_unstable();
+                assert_eq!(pairs, expected);
+            }
             for size in [0.1, 5.0, 100.0] {
                 let rectangle = random.rectangle(size);
                 let mut found = Vec::new();
@@ -300,7 +443,7 @@ mod tests {
     fn a_stray_is_found_at_its_new_home() {
         let homes = [0.0, 10.0].map(|x| SweptAabb::of([x, 0.0, -x - 1.0, -1.0]));
         let (mut grid, mut large) = (HomeGrid::default(), Vec::new());
-        assert!(grid.sort(2.0, &[0, 1], &homes, &homes, &mut large));
+        assert!(grid.sort(2.0, &[0, 1], |slot| &homes[slot as usize], &mut large, Threads::new(None)));
         assert!(grid.add_stray(0, &SweptAabb::of([20.0, 0.0, -21.0, -1.0])));
         assert!(!grid.add_stray(0, &SweptAabb::of([20.0, 0.0, -23.0, -1.0])), "larger than a cell");
         let mut found = Vec::new();
@@ -318,7 +461,9 @@ mod tests {
                 SweptAabb::of([x, 0.0, -x - 0.5, -0.5])
             };
             let homes: Vec<SweptAabb> = (0..bodies).map(home).collect();
-            HomeGrid::default().sort(1.0, &Vec::from_iter(0..bodies), &homes, &homes, &mut Vec::new())
+            let bodies = Vec::from_iter(0..bodies);
+            let home = |slot: Slot| &homes[slot as usize];
+            HomeGrid::default().sort(1.0, &bodies, home, &mut Vec::new(), Threads::new(None))
         };
         assert!(pays(1000, 1.0) && !pays(1000, 5.0) && !pays(1000, 1e-4));
     }

@@ -99,6 +99,7 @@ mod simultaneous;
 mod solver_snapshot;
 mod spatial_hash;
 mod swept_aabb;
+mod threads;
 mod trajectory;
 mod window_lists;
 
@@ -118,7 +119,9 @@ use pair_event::PairEvent;
 use patch::{Local, Patch};
 use simultaneous::Concerned;
 use std::hint::black_box;
+use std::num::NonZero;
 use swept_aabb::SweptAabb;
+use threads::Threads;
 use window_lists::WindowLists;
 
 /// Repetitions (predictions after cell crossings and void events, and bounces that are captured within an instant)
@@ -139,6 +142,7 @@ pub struct EventDriven {
     clock: Clock,
     /// The number of events allowed in a step.
     max_events: u64,
+    threads: Threads,
     bodies: Bodies,
     contacts: ContactGraph,
     /// Bodies spawned since the last step, which may still overlap others.
@@ -192,6 +196,7 @@ impl EventDriven {
         EventDriven {
             clock,
             max_events: config.events_per_step,
+            threads: Threads::new(None),
             bodies: Bodies::new(gravity),
             contacts: ContactGraph::default(),
             pending_spawns: Vec::new(),
@@ -218,6 +223,11 @@ impl EventDriven {
             due: Vec::new(),
             neighbour_buffer: NeighbourBuffer::default(),
         }
+    }
+
+    /// Sets the number of threads; without one, as many as the system runs at the same time.
+    pub fn set_threads(&mut self, count: Option<NonZero<usize>>) {
+        self.threads = Threads::new(count);
     }
 
     /// Adds the last body of the world, which was spawned just now.
@@ -272,7 +282,7 @@ impl EventDriven {
         self.begin_at(step);
         self.apply_inputs(world, observer)?;
         self.process_events(world, self.step_end, observer)?;
-        self.dirty_states.sample(&self.bodies, world, step, self.step_end)?;
+        self.dirty_states.sample(&self.bodies, world, step, self.step_end, self.threads)?;
         self.cross_cells(step + 1);
         Ok(())
     }

@@ -174,6 +174,16 @@ impl<'a> Predictor<'a> {
     }
 }
 
+/// The event of a pair of bodies that was predicted at the start of a window.
+#[derive(Clone, Debug)]
+pub struct Approach {
+    /// The body that predicted it.
+    slot: Slot,
+    event: ScheduledEvent,
+    /// The time in seconds at which it happens at the latest.
+    latest: f64,
+}
+
 impl EventDriven {
     /// Predicts the next event of a body among its neighbours and enters it in the queue.
     pub(super) fn predict(&mut self, slot: Slot) {
@@ -237,28 +247,49 @@ impl EventDriven {
     /// Predicts the pairs whose paths overlap in a new window. If the event of a pair is before the pending one of the
     /// first body, it replaces it; if doubles cannot distinguish them, the body is to predict again.
     pub(super) fn predict_approaches(&mut self) {
-        let approaches = std::mem::take(&mut self.window_lists.approaches);
-        let end = self.window_lists.valid_until();
-        for (index, [slot, other]) in approaches.iter().enumerate() {
-            if index % READ_AHEAD == 0 && self.bodies.len() >= MIN_READ_AHEAD {
-                let ahead = approaches[index..].iter().take(READ_AHEAD).flatten();
-                let read = |slot: &Slot| self.bodies[*slot].read_ahead() + self.event_queue.time_of(*slot);
-                black_box(ahead.map(read).sum::<f64>());
+        let mut found = std::mem::take(&mut self.window_lists.events);
+        let parts = self.window_lists.approaches();
+        found.resize_with(parts.len(), Vec::new);
+        self.threads.share(parts.into_iter().zip(&mut found), |(pairs, found)| {
+            for (index, pair) in pairs.iter().enumerate() {
+                if index % READ_AHEAD == 0 && self.bodies.len() >= MIN_READ_AHEAD {
+                    let ahead = pairs[index..].iter().take(READ_AHEAD).flatten();
+                    let read = |slot: &Slot| self.bodies[*slot].read_ahead() + self.event_queue.time_of(*slot);
+                    black_box(ahead.map(read).sum::<f64>());
+                }
+                if let Some(approach) = self.predict_approach(*pair) {
+                    found.push(approach);
+                }
             }
-            let latest = Instant { high: self.event_queue.latest(*slot), low: 0.0 };
-            let latest = if latest.is_before(end) { latest } else { end };
-            let mut predictor = Predictor::new(self, *slot, Precision::LowerBound);
-            predictor.limit_horizon(predictor.sample.at.seconds_until(latest));
-            predictor.predict_pair(*other);
-            let Some((first, _)) = predictor.first.filter(|(first, _)| !latest.is_before(first.at)) else { continue };
-            let latest = predictor.latest();
-            if latest < self.event_queue.time_of(*slot) {
-                self.event_queue.set_until(*slot, Some(first), latest);
+        });
+        for Approach { slot, event, latest } in found.iter_mut().flat_map(|found| found.drain(..)) {
+            if self.latest_in_window(slot).is_before(event.at) {
+                continue;
+            }
+            if latest < self.event_queue.time_of(slot) {
+                self.event_queue.set_until(slot, Some(event), latest);
             } else {
-                self.changed.push(*slot);
+                self.changed.push(slot);
             }
         }
-        self.window_lists.approaches = approaches;
+        self.window_lists.events = found;
+    }
+
+    /// The event of a pair whose paths overlap in a new window, unless it is after the pending one of the first body.
+    fn predict_approach(&self, [slot, other]: [Slot; 2]) -> Option<Approach> {
+        let end = self.latest_in_window(slot);
+        let mut predictor = Predictor::new(self, slot, Precision::LowerBound);
+        predictor.limit_horizon(predictor.sample.at.seconds_until(end));
+        predictor.predict_pair(other);
+        let (event, _) = predictor.first.filter(|(event, _)| !end.is_before(event.at))?;
+        Some(Approach { slot, event, latest: predictor.latest() })
+    }
+
+    /// The latest instant of the pending event of a body, or the end of the window if that is earlier.
+    fn latest_in_window(&self, slot: Slot) -> Instant {
+        let (latest, end) =
+            (Instant { high: self.event_queue.latest(slot), low: 0.0 }, self.window_lists.valid_until());
+        if latest.is_before(end) { latest } else { end }
     }
 
     /// Moves a body to its next cell and predicts its next event there.

@@ -97,10 +97,17 @@ impl SweptAabb {
     /// Returns true if the rectangles have no point in common; false if a border is NaN.
     #[inline]
     pub fn is_disjoint_from(&self, other: &SweptAabb) -> bool {
+        self.is_farther_from(other, 0.0)
+    }
+
+    /// Returns true if the gap between the rectangles along an axis is greater than a distance in m, negative for an
+    /// overlap; false if a border is NaN.
+    #[inline]
+    pub fn is_farther_from(&self, other: &SweptAabb, distance: f32) -> bool {
         let [a, b] = [self.borders, other.borders];
         // Written so that it compiles to one comparison of four numbers.
         let gaps = [a[2] + b[0], a[3] + b[1], a[0] + b[2], a[1] + b[3]];
-        (gaps[0] > 0.0) | (gaps[1] > 0.0) | (gaps[2] > 0.0) | (gaps[3] > 0.0)
+        (gaps[0] > distance) | (gaps[1] > distance) | (gaps[2] > distance) | (gaps[3] > distance)
     }
 }
 

@@ -16,11 +16,13 @@ use super::bodies::Bodies;
 use super::body_state::Slot;
 use super::cell_lists::{CellLists, NeighbourBuffer};
 use super::event_queue::EventQueue;
-use super::home_grid::HomeGrid;
+use super::home_grid::{Band, HomeGrid};
 use super::instant::{Clock, Instant};
 use super::pair_event::Sample;
+use super::predict::Approach;
 use super::spatial_hash::NONE;
 use super::swept_aabb::SweptAabb;
+use super::threads::Threads;
 use crate::physics::larger;
 
 /// The numbers on which speed depends, but no result.
@@ -35,16 +37,21 @@ struct Tuning {
     displacement: f64,
     /// The skin as a fraction of that displacement.
     skin: f64,
+    /// The number of bodies in the parts of a new window that are worked on independently.
+    bodies_per_part: usize,
 }
 
 impl Default for Tuning {
     fn default() -> Tuning {
-        Tuning { min_bodies: 16, calm_steps: 16, displacement: 0.6, skin: 0.6 }
+        Tuning { min_bodies: 16, calm_steps: 16, displacement: 0.6, skin: 0.6, bodies_per_part: 4096 }
     }
 }
 
 /// The least skin as a fraction of the greatest usual size.
 const MIN_SKIN: f64 = 1.0 / 32.0;
+
+/// The rounding of homes and of the gaps between them, as a fraction of the coordinates.
+const ROUNDING: f64 = 1.0 / (1_u64 << 20) as f64;
 
 /// The shortest window that pays, and the longest, in steps.
 const MIN_WINDOW: f64 = 2.0;
@@ -79,23 +86,44 @@ pub struct WindowLists {
     pub moving: Vec<Slot>,
     statics: Vec<Slot>,
     /// By slot.
-    homes: Vec<SweptAabb>,
+    residents: Vec<Resident>,
     /// By slot.
     paths: Vec<SweptAabb>,
-    /// By slot, the list of a body as a range of `members`.
-    ranges: Vec<[u32; 2]>,
+    /// The lists of the bodies in the grid, one after another.
     members: Vec<Slot>,
-    /// By slot, the index in `extras` of the latest entry of a list, or [`NONE`].
-    latest_extras: Vec<u32>,
     /// Further entries of lists, each with the one before it in the same list.
     extras: Vec<(Slot, u32)>,
-    /// The pairs of bodies whose paths overlap at the start of the window; the first one is to predict the pair.
-    pub approaches: Vec<[Slot; 2]>,
+    /// The pairs of a moving body and one outside the grid whose paths overlap at the start of the window.
+    approaches: Vec<[Slot; 2]>,
+    /// Buffer for the events of the pairs whose paths overlap.
+    pub events: Vec<Vec<Approach>>,
     grid: HomeGrid,
+    /// Buffer for the pairs in the parts of the grid.
+    bands: Vec<Band>,
+    /// Buffer for the ends of the lists in `members`.
+    ends: Vec<u32>,
     /// The moving bodies whose homes are larger than a cell.
     large: Vec<Slot>,
     /// Buffer for the bodies whose homes overlap one.
     found: NeighbourBuffer,
+}
+
+/// What a window stores of a body and only the body itself reads: half a cache line.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(32))]
+struct Resident {
+    home: SweptAabb,
+    /// Its list as a range of [`WindowLists::members`].
+    list: [u32; 2],
+    /// The index in [`WindowLists::extras`] of the latest further entry of its list, or [`NONE`].
+    latest_extra: u32,
+}
+
+impl Resident {
+    /// A body without a list at home somewhere.
+    fn at(home: SweptAabb) -> Resident {
+        Resident { home, list: [0; 2], latest_extra: NONE }
+    }
 }
 
 impl WindowLists {
@@ -129,9 +157,9 @@ impl WindowLists {
     /// Calls `visit` for each body in the list of one.
     #[inline]
     pub fn visit(&self, slot: Slot, mut visit: impl FnMut(Slot)) {
-        let [start, end] = self.ranges[slot as usize];
+        let Resident { list: [start, end], latest_extra, .. } = self.residents[slot as usize];
         self.members[start as usize..end as usize].iter().for_each(|other| visit(*other));
-        let mut next = self.latest_extras[slot as usize];
+        let mut next = latest_extra;
         while next != NONE {
             let (other, previous) = self.extras[next as usize];
             visit(other);
@@ -149,14 +177,18 @@ impl WindowLists {
     /// Reads the entries of a body, but not its list; returns a number that depends on them.
     #[inline]
     pub fn read_ahead(&self, slot: Slot) -> f64 {
-        let entries = self.ranges[slot as usize][0] ^ self.latest_extras[slot as usize];
-        self.homes[slot as usize].longer_side() + f64::from(entries)
+        self.residents[slot as usize].home.longer_side()
     }
 
     /// The path of a body until the end of the window.
     #[inline]
     pub fn path(&self, slot: Slot) -> &SweptAabb {
         &self.paths[slot as usize]
+    }
+
+    /// The pairs of bodies whose paths overlapped at the start of the window, in lists; the first of a pair is to predict it.
+    pub fn approaches(&self) -> Vec<&[[Slot; 2]]> {
+        self.bands.iter().map(Band::approaches).chain([self.approaches.as_slice()]).collect()
     }
 
     /// The list of a body, sorted by slot.
@@ -179,22 +211,15 @@ impl WindowLists {
     pub fn set_path(&mut self, slot: Slot, sample: &Sample, step: u64) -> SweptAabb {
         let path = SweptAabb::new(sample, sample.at.seconds_until(self.valid_until));
         self.paths[slot as usize] = path;
-        if !self.homes[slot as usize].contains(&path) {
+        if !self.residents[slot as usize].home.contains(&path) {
             self.add_stray(slot, step);
         }
         path
     }
 
     /// Begins a window at an instant, the start of `step`; returns false if none pays.
-    fn begin(&mut self, bodies: &Bodies, clock: &Clock, step: u64, now: Instant) -> bool {
-        let (mut speeds, mut accelerations) = (0.0, 0.0);
-        for slot in &self.moving {
-            let trajectory = &bodies[*slot].trajectory;
-            let ([_, [vx, vy]], [ax, ay]) = (trajectory.at(now), trajectory.acceleration);
-            speeds += vx * vx + vy * vy;
-            accelerations += ax * ax + ay * ay;
-        }
-        let [speed, acceleration] = [speeds, accelerations].map(|sum: f64| (sum / self.moving.len() as f64).sqrt());
+    fn begin(&mut self, bodies: &Bodies, clock: &Clock, step: u64, now: Instant, threads: Threads) -> bool {
+        let [speed, acceleration] = self.root_mean_squares(bodies, now, threads);
         let distance = self.tuning.displacement * self.size;
         // The root of distance = speed·t + ½·acceleration·t².
         let seconds = 2.0 * distance / (speed + (speed * speed + 2.0 * acceleration * distance).sqrt());
@@ -209,66 +234,78 @@ impl WindowLists {
         self.end = Some(step + steps);
         // Events at the end may be a little later than it.
         self.valid_until = super::end_of_vicinity(clock.start_of(step + steps)).after(clock.period / 16.0);
-        self.homes.resize(bodies.len(), SweptAabb::EVERYWHERE);
-        self.paths.resize(bodies.len(), SweptAabb::EVERYWHERE);
-        for slot in &self.moving {
-            let path = SweptAabb::new(&Sample::new(&bodies[*slot], now), now.seconds_until(self.valid_until));
-            self.paths[*slot as usize] = path;
-            self.homes[*slot as usize] = path.enlarged(self.skin as f32);
-        }
-        for slot in &self.statics {
-            let home = SweptAabb::new(&Sample::new(&bodies[*slot], now), 0.0);
-            (self.homes[*slot as usize], self.paths[*slot as usize]) = (home, home);
-        }
+        self.set_homes(bodies, now, threads);
         // Almost no body is more than twice as fast along an axis.
         let side = self.size + 2.0 * (self.skin + displacement);
         self.large.clear();
-        if !self.grid.sort(side, &self.moving, &self.homes, &self.paths, &mut self.large)
+        let residents = &self.residents;
+        if !self.grid.sort(side, &self.moving, |slot| &residents[slot as usize].home, &mut self.large, threads)
             || self.large.len() > self.max_large()
         {
             return false;
         }
-        self.list_pairs(bodies.len());
+        self.make_lists(threads);
         self.list_outside_grid();
         true
     }
 
-    /// Makes the lists of the bodies in the grid, and finds the pairs whose paths overlap.
-    fn list_pairs(&mut self, slots: usize) {
-        self.extras.clear();
-        self.latest_extras.clear();
-        self.latest_extras.resize(slots, NONE);
-        self.ranges.clear();
-        self.ranges.resize(slots, [0; 2]);
-        let grid = &mut self.grid;
-        grid.find_pairs();
-        // The end of each list is first that of the next one, and is lowered as members are added.
-        let ends = &mut grid.lengths;
-        let mut sum = 0;
-        for (slot, length) in grid.slots.iter().zip(&mut *ends) {
-            let start = sum;
-            sum += *length;
-            *length = sum;
-            self.ranges[*slot as usize] = [start, sum];
-        }
-        self.members.resize(sum as usize, NONE);
-        self.approaches.resize(grid.pairs.len(), [NONE; 2]);
-        let (members, approaches, mut found) = (&mut self.members[..], &mut self.approaches[..], 0);
-        for pair in &grid.pairs {
-            let [first, second] = pair.map(|place| place as usize);
-            let [slot, other] = [first, second].map(|place| grid.slots[place]);
-            for (place, member) in [(first, other), (second, slot)] {
-                ends[place] -= 1;
-                members[ends[place] as usize] = member;
+    /// The root mean squares of the speeds (m/s) and accelerations (m/s²) of the bodies that can move.
+    fn root_mean_squares(&self, bodies: &Bodies, now: Instant, threads: Threads) -> [f64; 2] {
+        let per_part = self.tuning.bodies_per_part;
+        let mut sums = vec![[0.0; 2]; self.moving.len().div_ceil(per_part)];
+        let parts = self.moving.chunks(per_part).zip(&mut sums);
+        threads.share(parts, |(moving, [speeds, accelerations]): (&[Slot], &mut [f64; 2])| {
+            for slot in moving {
+                let trajectory = &bodies[*slot].trajectory;
+                let ([_, [vx, vy]], [ax, ay]) = (trajectory.at(now), trajectory.acceleration);
+                *speeds += vx * vx + vy * vy;
+                *accelerations += ax * ax + ay * ay;
             }
-            approaches[found] = if slot < other { [slot, other] } else { [other, slot] };
-            found += usize::from(!grid.paths[first].is_disjoint_from(&grid.paths[second]));
+        });
+        [0, 1].map(|quantity| (sums.iter().map(|sum| sum[quantity]).sum::<f64>() / self.moving.len() as f64).sqrt())
+    }
+
+    /// Sets the paths until the end of the window, and the homes.
+    fn set_homes(&mut self, bodies: &Bodies, now: Instant, threads: Threads) {
+        self.residents.resize(bodies.len(), Resident::at(SweptAabb::EVERYWHERE));
+        self.paths.resize(bodies.len(), SweptAabb::EVERYWHERE);
+        let (seconds, skin) = (now.seconds_until(self.valid_until), self.skin as f32);
+        let (mut moving, per_part) = (self.moving.as_slice(), self.tuning.bodies_per_part);
+        let parts = self.residents.chunks_mut(per_part).zip(self.paths.chunks_mut(per_part)).enumerate();
+        let parts = parts.map(|(index, records)| {
+            let first = index * per_part;
+            let (own, later) = moving.split_at(moving.partition_point(|slot| (*slot as usize) < first + per_part));
+            moving = later;
+            (first, own, records)
+        });
+        threads.share(parts, |(first, moving, (residents, paths))| {
+            for slot in moving {
+                let path = SweptAabb::new(&Sample::new(&bodies[*slot], now), seconds);
+                paths[*slot as usize - first] = path;
+                residents[*slot as usize - first] = Resident::at(path.enlarged(skin));
+            }
+        });
+        for slot in &self.statics {
+            let home = SweptAabb::new(&Sample::new(&bodies[*slot], now), 0.0);
+            (self.residents[*slot as usize], self.paths[*slot as usize]) = (Resident::at(home), home);
         }
-        self.approaches.truncate(found);
+    }
+
+    /// Makes the lists of the bodies in the grid, and finds the pairs whose paths overlap.
+    fn make_lists(&mut self, threads: Threads) {
+        self.extras.clear();
+        let WindowLists { grid, bands, ends, members, residents, .. } = self;
+        // A home is its path enlarged by the skin, and rounded.
+        let distance = 2.0 * f64::from(self.skin as f32) - grid.extent() * ROUNDING;
+        grid.divide(self.tuning.bodies_per_part, bands);
+        grid.make_lists(distance as f32, bands, ends, members, threads, |slot, list| {
+            residents[slot as usize].list = list;
+        });
     }
 
     /// Adds the static bodies and those with large homes to the lists.
     fn list_outside_grid(&mut self) {
+        self.approaches.clear();
         let mut overlapping = std::mem::take(&mut self.found);
         for index in 0..self.statics.len() + self.large.len() {
             let (slot, later) = match index.checked_sub(self.statics.len()) {
@@ -294,7 +331,7 @@ impl WindowLists {
     /// they strayed.
     fn find_overlapping(&self, slot: Slot, buffer: &mut NeighbourBuffer) {
         buffer.clear();
-        self.grid.visit_near(&self.homes[slot as usize], |other, overlaps| {
+        self.grid.visit_near(&self.residents[slot as usize].home, |other, overlaps| {
             buffer.push_if(other, overlaps & (other != slot));
         });
     }
@@ -302,12 +339,12 @@ impl WindowLists {
     /// True if the homes of two bodies overlap.
     #[inline]
     fn overlaps(&self, slot: Slot, other: Slot) -> bool {
-        !self.homes[slot as usize].is_disjoint_from(&self.homes[other as usize])
+        !self.residents[slot as usize].home.is_disjoint_from(&self.residents[other as usize].home)
     }
 
     /// Adds a body to the list of a moving one.
     fn add_extra(&mut self, slot: Slot, other: Slot) {
-        let latest = &mut self.latest_extras[slot as usize];
+        let latest = &mut self.residents[slot as usize].latest_extra;
         self.extras.push((other, *latest));
         *latest = self.extras.len() as u32 - 1;
     }
@@ -324,7 +361,7 @@ impl WindowLists {
     #[inline(never)]
     fn add_stray(&mut self, slot: Slot, step: u64) {
         let home = self.paths[slot as usize].enlarged(self.skin as f32);
-        self.homes[slot as usize] = home;
+        self.residents[slot as usize].home = home;
         let mut overlapping = std::mem::take(&mut self.found);
         self.find_overlapping(slot, &mut overlapping);
         for other in self.statics.iter().chain(&self.large) {
@@ -357,7 +394,7 @@ impl EventDriven {
     /// Begins a window at the start of a step if the last one is over, or if one may begin and pays.
     pub(super) fn begin_window(&mut self, step: u64) {
         if self.window_lists.is_over(step) {
-            if self.window_lists.begin(&self.bodies, &self.clock, step, self.now) {
+            if self.window_lists.begin(&self.bodies, &self.clock, step, self.now, self.threads) {
                 self.predict_approaches();
             } else {
                 self.leave_window(RETRY_STEPS);
@@ -368,7 +405,7 @@ impl EventDriven {
             let size = self.bodies.typical_size();
             let tuning = self.window_lists.tuning;
             let mut lists = WindowLists { tuning, size, moving, statics, ..WindowLists::default() };
-            if !lists.begin(&self.bodies, &self.clock, step, self.now) {
+            if !lists.begin(&self.bodies, &self.clock, step, self.now, self.threads) {
                 self.window_lists.end(step + RETRY_STEPS);
                 return;
             }
@@ -408,7 +445,7 @@ impl EventDriven {
         let lists = &self.window_lists;
         for slot in lists.moving.iter().chain(&lists.statics) {
             let body = SweptAabb::new(&Sample::new(&self.bodies[*slot], self.now), 0.0);
-            let home = lists.homes[*slot as usize];
+            let home = lists.residents[*slot as usize].home;
             assert!(home.contains(&lists.paths[*slot as usize]), "the path of {slot} leaves its home");
             assert!(
                 home.enlarged(1e-3 * lists.skin as f32).contains(&body),
@@ -426,6 +463,7 @@ mod tests {
     use super::*;
     use crate::physics::event_driven::pseudo_random::PseudoRandom;
     use crate::physics::{Body, Engine, EngineConfig, Event, Rect, Restitution, SolverKind, Spawn, Vector};
+    use std::num::NonZero;
 
     fn spawn(at: [f64; 2], size: [f64; 2], mass: f64, velocity: [f64; 2]) -> Spawn {
         let rect = Rect::new(Vector::new(at[0], at[1]), size[0], size[1]);
@@ -501,15 +539,18 @@ mod tests {
         let usual = Tuning { calm_steps: 2, ..Tuning::default() };
         let long = Tuning { displacement: 3.0, ..usual };
         let without_skin = Tuning { skin: 0.0, ..usual };
-        let tunings = [never, usual, long, without_skin];
-        let mut windows = [0; 4];
+        let in_parts = Tuning { bodies_per_part: 7, ..usual };
+        let tunings = [never, usual, long, without_skin, in_parts];
+        let mut windows = [0; 5];
         for seed in 0..if cfg!(debug_assertions) { 3 } else { 60 } {
             let mut random = PseudoRandom(seed);
             let room = Room::random(&mut random);
             let crowd = room.crowd(&mut random);
             let mut engines = tunings.map(|tuning| {
                 let mut engine = crowd.clone();
-                engine.event_driven_mut().window_lists.tuning = tuning;
+                let solver = engine.event_driven_mut();
+                solver.window_lists.tuning = tuning;
+                solver.threads = Threads::new(NonZero::new(if tuning.bodies_per_part < 100 { 3 } else { 1 }));
                 engine
             });
             for step in 0..120 {
