@@ -540,7 +540,7 @@ fn a_picture_of_a_corrupt_recording_names_it_as_the_cause() {
     fs::remove_file(workplace.path("scene.toml")).unwrap();
     let good = workplace.read("scene.mcap");
     let mut explained = 0;
-    for place in 1..16 {
+    for place in (1..16).step_by(if cfg!(debug_assertions) { 3 } else { 1 }) {
         let mut bytes = good.clone();
         bytes[good.len() * place / 16] ^= 1;
         fs::write(workplace.path("scene.mcap"), &bytes).unwrap();

@@ -206,32 +206,52 @@ fn has_finite_state(body: &Body) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::{CollisionCount, Engine, EngineConfig, Event, Rect, SolverKind, Spawn};
+    use crate::physics::{Engine, EngineConfig, Event, Rect, SolverKind, Spawn};
     use std::num::NonZero;
+
+    /// The solver's bodies, their lists and the world of boxes of which one in five is at rest.
+    fn boxes(count: usize, last_speed: f64) -> (Bodies, DirtyStates, World) {
+        let mut engine = Engine::new(EngineConfig::new(SolverKind::Handout, 60.0));
+        let (mut bodies, mut states) = (Bodies::new([0.0; 2]), DirtyStates::default());
+        for index in 0..count {
+            let number = index as f64;
+            let speed = if index + 1 == count { last_speed } else { 1.0 / (number + 3.0) };
+            engine.apply(&Event::Spawn(Spawn {
+                name: String::new(),
+                rect: Rect::new(Vector::new(number, 0.0), 1.0, 1.0),
+                mass: 1.0,
+                velocity: Vector::new(0.0, if index % 5 == 0 { 0.0 } else { speed }),
+                force: Vector::ZERO,
+                material: String::new(),
+            }));
+            let slot = bodies.push(&engine.world().bodies[index], index, Instant::START);
+            states.add_body();
+            states.update(slot, &bodies[slot]);
+        }
+        states.take_stopped();
+        (bodies, states, engine.world().clone())
+    }
 
     #[test]
     fn several_threads_write_the_same_states_as_one() {
-        let final_states = |threads: usize| {
-            let mut engine = Engine::new(EngineConfig::new(SolverKind::EventDriven, 60.0));
-            engine.set_threads(NonZero::new(threads));
-            for index in 0..MIN_SHARED * 3 / 2 {
-                let number = index as f64;
-                engine.apply(&Event::Spawn(Spawn {
-                    name: String::new(),
-                    rect: Rect::new(
-                        Vector::new(3.0 * f64::from((index % 256) as u32), 3.0 * (number / 256.0).floor()),
-                        1.0,
-                        1.0,
-                    ),
-                    mass: if index % 5000 == 0 { f64::INFINITY } else { 1.0 },
-                    velocity: Vector::new(0.0, if index % 5 == 0 { 0.0 } else { 1.0 / (number + 3.0) }),
-                    force: Vector::ZERO,
-                    material: String::new(),
-                }));
-            }
-            (0..2).for_each(|_| engine.step(&mut CollisionCount::default()).unwrap());
-            engine.world().bodies.clone()
+        let (bodies, mut states, world) = boxes(MIN_SHARED * 3 / 2, 1.0);
+        assert!(states.moving.len() > MIN_SHARED);
+        let mut sampled = |threads: usize| {
+            let (mut world, end) = (world.clone(), Instant { high: 0.1, low: 0.0 });
+            states.sample(&bodies, &mut world, 0, end, Threads::new(NonZero::new(threads))).unwrap();
+            world.bodies
         };
-        assert!(final_states(1) == final_states(3));
+        let expected = sampled(1);
+        assert!(expected != world.bodies && sampled(3) == expected);
+    }
+
+    #[test]
+    fn a_number_that_is_not_finite_is_found_with_any_number_of_threads() {
+        for (count, threads) in [(7, 1), (MIN_SHARED * 3 / 2 + 3, 3)] {
+            let (bodies, mut states, mut world) = boxes(count, 1e300);
+            let end = Instant { high: 1e10, low: 0.0 };
+            let result = states.sample(&bodies, &mut world, 4, end, Threads::new(NonZero::new(threads)));
+            assert_eq!(result, Err(StepError::NotFinite { step: 4, body: String::new() }));
+        }
     }
 }

@@ -74,7 +74,7 @@ fn error_of(engine: &mut Engine, seed: u64) -> Option<StepError> {
 #[test]
 fn each_step_of_finite_numbers_ends_with_finite_states_or_with_an_error() {
     let (mut ended, mut failed) = (0, 0);
-    for seed in seeds() {
+    for seed in seeds().step_by(if cfg!(debug_assertions) { 3 } else { 1 }) {
         match error_of(&mut engine(&mut Random::new(seed)), seed) {
             None => ended += 1,
             Some(_) => failed += 1,
