@@ -70,6 +70,11 @@ impl Bodies {
         self.resolution = self.resolution.times(factor);
     }
 
+    /// The data that predictions read, by slot.
+    pub fn states(&self) -> &[BodyState] {
+        &self.states
+    }
+
     /// The number of slots.
     pub fn len(&self) -> usize {
         self.states.len()

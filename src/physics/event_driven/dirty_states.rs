@@ -10,11 +10,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 const NONE: u32 = u32::MAX;
 
-/// The number of bodies whose states a thread writes in one go.
-const BODIES_PER_PART: usize = 4096;
-
-/// From this number of bodies in motion on, several threads write their states faster than one.
+/// From this number of bodies on, several threads write their states faster than one.
 const MIN_SHARED: usize = 1 << 15;
+
+/// The number of bodies whose states a thread then writes in one go.
+const BODIES_PER_PART: usize = 4096;
 
 /// The bodies whose states must be written at the end of the step: those in motion and those that came
 /// to rest in the step.
@@ -102,14 +102,13 @@ impl DirtyStates {
     ) -> Result<(), StepError> {
         let stopped = self.take_stopped();
         let are_slots_dense = bodies.len() == world.bodies.len();
+        let do_most_move = are_slots_dense && stopped.is_empty() && 2 * self.moving.len() >= bodies.len();
         // Variants, so that unused fields are not read: memory access dominates the cost.
         let are_finite = match (bodies.are_free(), are_slots_dense) {
-            (are_free, true) if threads.count() > 1 && self.moving.len() >= MIN_SHARED && stopped.is_empty() => {
-                match are_free {
-                    true => self.share_states(bodies, world, threads, |trajectory| trajectory.drifted(end)),
-                    false => self.share_states(bodies, world, threads, |trajectory| trajectory.at(end)),
-                }
+            (true, _) if do_most_move => {
+                self.write_moving(bodies, world, threads, |trajectory| trajectory.drifted(end))
             }
+            (false, _) if do_most_move => self.write_moving(bodies, world, threads, |trajectory| trajectory.at(end)),
             (true, true) => {
                 self.write_states(bodies, world, &stopped, |slot, _| slot, |trajectory| trajectory.drifted(end))
             }
@@ -132,27 +131,29 @@ impl DirtyStates {
         }
     }
 
-    /// Writes the states of all bodies in motion, whose slots are their indices in the world, on several threads; returns
+    /// Writes the states of all bodies in motion in the order of their slots, which are their indices in the world; returns
     /// true if all numbers are certainly finite.
-    fn share_states(
+    fn write_moving(
         &self,
         bodies: &Bodies,
         world: &mut World,
         threads: Threads,
         state: impl Fn(&Trajectory) -> [[f64; 2]; 2] + Sync,
     ) -> bool {
+        let per_part = if bodies.len() < MIN_SHARED { MIN_SHARED } else { BODIES_PER_PART };
+        let parts = world.bodies.chunks_mut(per_part).zip(bodies.states().chunks(per_part));
         let are_finite = AtomicBool::new(true);
-        threads.share(world.bodies.chunks_mut(BODIES_PER_PART).enumerate(), |(index, part)| {
-            let mut zero = 0.0;
-            for (body, slot) in part.iter_mut().zip((index * BODIES_PER_PART) as Slot..) {
-                if self.moving_indices[slot as usize] != NONE {
-                    let [[x, y], [vx, vy]] = state(&bodies[slot].trajectory);
+        threads.share(parts.zip(self.moving_indices.chunks(per_part)), |((written, states), moving_indices)| {
+            let mut zero = [0.0; 2];
+            for ((body, source), index) in written.iter_mut().zip(states).zip(moving_indices) {
+                if *index != NONE {
+                    let [[x, y], [vx, vy]] = state(&source.trajectory);
                     body.rect.origin = Vector::new(x, y);
                     body.velocity = Vector::new(vx, vy);
-                    zero += 0.0 * ((x + y) + (vx + vy));
+                    zero = [zero[0] + 0.0 * (x + vx), zero[1] + 0.0 * (y + vy)];
                 }
             }
-            if zero != 0.0 {
+            if zero != [0.0; 2] {
                 are_finite.store(false, Ordering::Relaxed);
             }
         });
@@ -169,7 +170,7 @@ impl DirtyStates {
         index: impl Fn(u32, &u32) -> u32,
         state: impl Fn(&Trajectory) -> [[f64; 2]; 2],
     ) -> bool {
-        let mut zero = 0.0;
+        let mut zero = [0.0; 2];
         for slots in [self.moving.as_slice(), stopped] {
             for slot in slots {
                 let source = &bodies[*slot];
@@ -178,10 +179,10 @@ impl DirtyStates {
                 body.rect.origin = Vector::new(x, y);
                 body.velocity = Vector::new(vx, vy);
                 // 0 times a number that is not finite is NaN.
-                zero += 0.0 * ((x + y) + (vx + vy));
+                zero = [zero[0] + 0.0 * (x + vx), zero[1] + 0.0 * (y + vy)];
             }
         }
-        zero == 0.0
+        zero == [0.0; 2]
     }
 
     /// Returns the world at an instant of the present step. All events before it must have been processed.
