@@ -114,7 +114,7 @@ pub struct StateDd<T = f64> {
 
 impl<T: Lanes> StateDd<T> {
     /// The state t seconds later, for zero acceleration.
-    #[inline]
+    #[inline(always)]
     fn after_uniform(self, t: DoubleDouble<T>) -> StateDd<T> {
         StateDd { position: self.position + self.velocity * t, ..self }
     }
@@ -135,15 +135,22 @@ impl StateDd {
         (self.velocity.high == 0.0) & (self.acceleration.high == 0.0)
     }
 
-    /// The state t seconds later.
+    /// The acceleration relative to another body, m/s²: most bodies have none.
     #[inline]
+    pub fn acceleration_relative_to(&self, other: &StateDd) -> DoubleDouble {
+        let are_uniform = (self.acceleration.high == 0.0) & (other.acceleration.high == 0.0);
+        if are_uniform { DoubleDouble::ZERO } else { self.acceleration - other.acceleration }
+    }
+
+    /// The state t seconds later.
+    #[inline(always)]
     pub fn after(&self, t: DoubleDouble) -> StateDd {
         if self.acceleration.high == 0.0 { self.after_uniform(t) } else { self.after_accelerated(t) }
     }
 
     /// The states of two bodies, each its own number of seconds later: the same numbers as those of
     /// [`after`](Self::after).
-    #[inline]
+    #[inline(always)]
     pub fn both_after([first, second]: [StateDd; 2], t: [DoubleDouble; 2]) -> [StateDd; 2] {
         let is_uniform = [first, second].map(|state| state.acceleration.high == 0.0);
         if is_uniform[0] != is_uniform[1] {

@@ -6,6 +6,7 @@ use super::double_double::DoubleDouble;
 use super::exact::Resolution;
 use super::instant::Instant;
 use super::random_rounding::RandomRounding;
+use super::reference::Reference;
 use super::trajectory::Trajectory;
 use crate::physics::{Axis, Body, BodyId};
 use std::ops::Index;
@@ -169,43 +170,29 @@ impl Bodies {
         self.states[slot as usize].load[axis] = load;
     }
 
-    /// The state of a body along an axis at its reference instant.
+    /// A body along an axis at its reference instant.
     #[inline]
-    fn reference(&self, slot: Slot, axis: Axis) -> (StateDd, Instant) {
-        let trajectory = &self.states[slot as usize].trajectory;
+    pub fn reference(&self, slot: Slot, axis: Axis) -> Reference {
+        let body = &self.states[slot as usize];
         let low = &self.low_parts[slot as usize].0[axis];
-        let reference = StateDd {
+        let trajectory = &body.trajectory;
+        let state = StateDd {
             position: DoubleDouble { high: trajectory.position[axis], low: low.position },
             velocity: DoubleDouble { high: trajectory.velocity[axis], low: low.velocity },
             acceleration: DoubleDouble { high: trajectory.acceleration[axis], low: low.acceleration },
         };
-        (reference, trajectory.since(axis))
+        Reference {
+            state,
+            since: trajectory.since(axis),
+            size: DoubleDouble { high: body.size[axis], low: low.size },
+            free_acceleration: self.params[slot as usize].free_acceleration[axis].high.abs(),
+        }
     }
 
     /// The state of a body along an axis at an instant.
     #[inline]
     pub fn state_at(&self, slot: Slot, axis: Axis, at: Instant) -> StateDd {
-        let (reference, since) = self.reference(slot, axis);
-        if reference.is_at_rest() || since == at {
-            return reference;
-        }
-        let t = since.exact_seconds_until(at);
-        self.rounding.state(reference, t, reference.after(t))
-    }
-
-    /// The states of two bodies along an axis at an instant.
-    #[inline]
-    pub fn states_at(&self, pair: [Slot; 2], axis: Axis, at: Instant) -> [StateDd; 2] {
-        let [(first, first_since), (second, second_since)] =
-            [self.reference(pair[0], axis), self.reference(pair[1], axis)];
-        if first.is_at_rest() | (first_since == at) | second.is_at_rest() | (second_since == at) {
-            return [self.state_at(pair[0], axis, at), self.state_at(pair[1], axis, at)];
-        }
-        let t = (DoubleDouble::pair([at.as_number(); 2])
-            - DoubleDouble::pair([first_since.as_number(), second_since.as_number()]))
-        .lanes();
-        let after = StateDd::both_after([first, second], t);
-        [self.rounding.state(first, t[0], after[0]), self.rounding.state(second, t[1], after[1])]
+        self.reference(slot, axis).state_at(at, self.rounding)
     }
 
     /// Sets the trajectory of a body along one axis from an instant on, which becomes its reference.

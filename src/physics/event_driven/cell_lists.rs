@@ -47,6 +47,8 @@ pub struct CellLists {
     cells: Vec<[i64; 2]>,
     /// The static boxes with their lower and upper corners, m.
     static_bodies: Vec<(Slot, [[f64; 2]; 2])>,
+    /// All bodies, while they are [few](Self::uses_all_pairs).
+    few: Vec<Slot>,
 }
 
 /// A body in the doubly linked list of its bucket: all that a scan of the cells reads, half a cache line.
@@ -74,6 +76,7 @@ impl CellLists {
             nodes: Vec::new(),
             cells: Vec::new(),
             static_bodies: Vec::new(),
+            few: Vec::new(),
         }
     }
 
@@ -82,6 +85,9 @@ impl CellLists {
         if self.nodes.len() <= slot as usize {
             self.nodes.resize(slot as usize + 1, UNLINKED_NODE);
             self.cells.resize(slot as usize + 1, [0; 2]);
+        }
+        if self.uses_all_pairs() {
+            self.few.push(slot);
         }
         if body.is_static() {
             let low = body.trajectory.position;
@@ -100,6 +106,7 @@ impl CellLists {
 
     /// Removes a body.
     pub fn remove(&mut self, slot: Slot) {
+        self.few.retain(|other| *other != slot);
         let before = self.static_bodies.len();
         self.static_bodies.retain(|(other, _)| *other != slot);
         if self.static_bodies.len() < before {
@@ -293,7 +300,7 @@ impl CellLists {
         let is_near = |other: Slot| (other != slot) & !swept.is_disjoint_from(self.swept_aabb(other));
         let mut visit = |other: Slot| buffer.push_if(other, is_near(other));
         if self.uses_all_pairs() {
-            return self.visit_all(&mut visit);
+            return self.few.iter().for_each(|other| visit(*other));
         }
         let (node, cell) = (&self.nodes[slot as usize], self.cells[slot as usize]);
         let grid = &self.grids[node.grid as usize];
@@ -302,10 +309,17 @@ impl CellLists {
         self.scan_cells(slot, swept, buffer);
     }
 
-    /// Fills `buffer` with all bodies but one.
+    /// All bodies, if they are few enough to be candidates of each other.
+    #[inline]
+    pub fn few(&self) -> &[Slot] {
+        debug_assert!(self.uses_all_pairs());
+        &self.few
+    }
+
+    /// Fills `buffer` with all bodies but one, if they are few.
     pub fn find_others(&self, slot: Slot, buffer: &mut NeighbourBuffer) {
         buffer.clear();
-        self.visit_all(&mut |other| buffer.push_if(other, other != slot));
+        self.few().iter().for_each(|other| buffer.push_if(*other, *other != slot));
     }
 
     /// Returns the bodies of [`CellLists::find_neighbours`] sorted by slot, without duplicates.
@@ -344,13 +358,6 @@ impl CellLists {
             pending[found % 16] = next;
             found += usize::from(next != NONE);
         }
-    }
-
-    fn visit_all(&self, visit: &mut impl FnMut(Slot)) {
-        for grid in &self.grids {
-            grid.members.iter().for_each(|slot| visit(*slot));
-        }
-        self.static_bodies.iter().for_each(|(slot, _)| visit(*slot));
     }
 
     fn visit_list(&self, first: Slot, visit: &mut impl FnMut(Slot)) {

@@ -1,14 +1,15 @@
 //! Predictions in double-double arithmetic, where doubles cannot decide.
 
 use super::EventDriven;
-use super::axis_trajectory::{StateDd, closing_time};
+use super::axis_trajectory::closing_time;
 use super::bodies::Bodies;
 use super::body_state::Slot;
 use super::double_double::DoubleDouble;
 use super::event_queue::ScheduledEvent;
 use super::instant::Instant;
 use super::pair_event::PairEvent;
-use super::random_rounding::is_exact_path;
+use super::random_rounding::{RandomRounding, is_exact_path};
+use super::reference::{Reference, ScaledState};
 use crate::physics::{Axis, Side, larger};
 
 /// The rounding of a coordinate in double-double arithmetic, as a fraction of the numbers it was computed from.
@@ -60,31 +61,14 @@ pub const ACCELERATION_ROUNDING: f64 = 1.0 / (1_u128 << 92) as f64;
 /// below their rounding, so two boxes can come to overlap by as much, and an impact can move one of them onto a third.
 pub const DEEPEST_ROUNDING: f64 = 1.0 / (1_u64 << 44) as f64;
 
-/// The fraction of the path since step 0 that counts as one of the numbers a coordinate was computed from:
-/// the rounding of the instant is 2⁻¹⁰⁶ of the time.
-const TIME_SHARE: f64 = 1.0 / (1_u64 << 12) as f64;
-
 /// A discriminant above this fraction of the square of the speed is certainly not 0.
 const CLEARLY_TURNS: f64 = 1e-12;
 
 /// Squares of speeds below this may be rounded by underflow, m²/s².
 const SMALLEST_SQUARE: f64 = 1e-250;
 
-/// The state of a body along an axis with the magnitudes of the numbers it was computed from.
-#[derive(Clone, Copy, Debug)]
-pub struct ScaledState {
-    /// The state.
-    pub state: StateDd,
-    /// Magnitude of the position, m.
-    pub length: f64,
-    /// Magnitude of the velocity, m/s.
-    pub speed: f64,
-    /// Magnitude of the acceleration, m/s².
-    pub acceleration: f64,
-}
-
 /// The second body of a pair relative to the first along an axis, at an instant.
-struct ExactAxis {
+pub struct ExactAxis {
     /// From the position of the first to that of the second.
     offset: DoubleDouble,
     sizes: [DoubleDouble; 2],
@@ -99,6 +83,41 @@ struct ExactAxis {
 }
 
 impl ExactAxis {
+    /// The second of two bodies relative to the first at an instant.
+    #[inline(always)]
+    fn between(bodies: &Bodies, references: &[Reference; 2], at: Instant) -> ExactAxis {
+        let states = Reference::scaled_states_at(references, at, bodies.rounding());
+        ExactAxis::of(states, [references[0].size, references[1].size], bodies.resolution())
+    }
+
+    /// The second of two bodies relative to the first, given their states and sizes.
+    #[inline(always)]
+    pub fn of([first, second]: [ScaledState; 2], sizes: [DoubleDouble; 2], resolution: Resolution) -> ExactAxis {
+        ExactAxis {
+            offset: second.state.position - first.state.position,
+            sizes,
+            velocity: second.state.velocity - first.state.velocity,
+            acceleration: second.state.acceleration_relative_to(&first.state),
+            gap_rounding: resolution.of_gap([sizes[0].high, sizes[1].high], first.length + second.length),
+            speed_rounding: (first.speed + second.speed) * VELOCITY_ROUNDING,
+            acceleration_rounding: (first.acceleration + second.acceleration) * ACCELERATION_ROUNDING,
+            deepest_rounding: (first.length + second.length) * DEEPEST_ROUNDING,
+        }
+    }
+
+    /// The instant at which the gap on a side closes, given that of this state; `None` if it does not.
+    #[inline(always)]
+    pub fn contact(&self, side: Side, from: Instant, rounding: RandomRounding) -> Option<Instant> {
+        let time = self.time_to_contact(side)?;
+        Some(rounding.instant(from, time, || self.has_exact_root(side, time)))
+    }
+
+    /// True if the gap on a side is more than rounding.
+    #[inline]
+    pub fn is_apart(&self, side: Side) -> bool {
+        self.gap(side).high > self.gap_rounding
+    }
+
     /// The gap on a side of the first body.
     #[inline]
     fn gap(&self, side: Side) -> DoubleDouble {
@@ -152,6 +171,7 @@ impl ExactAxis {
     }
 
     /// The seconds until a gap closes.
+    #[inline(always)]
     fn time_to_contact(&self, side: Side) -> Option<DoubleDouble> {
         let [gap, speed, acceleration] = self.closing(side);
         self.root(gap, speed, acceleration)
@@ -182,6 +202,7 @@ impl ExactAxis {
     }
 
     /// The later root of gap − speed·t − ½·acceleration·t² at which the gap shrinks.
+    #[inline(always)]
     fn root(&self, gap: DoubleDouble, speed: DoubleDouble, acceleration: DoubleDouble) -> Option<DoubleDouble> {
         let speed = speed.or_zero(self.speed_rounding);
         let acceleration = acceleration.or_zero(self.acceleration_rounding);
@@ -199,6 +220,16 @@ impl ExactAxis {
             let closes = (gap.high > 0.0) & (speed.high > 0.0);
             return closes.then(|| gap / speed);
         }
+        self.accelerated_root(gap, speed, acceleration)
+    }
+
+    /// The same root, for a gap and an acceleration that are not 0.
+    fn accelerated_root(
+        &self,
+        gap: DoubleDouble,
+        speed: DoubleDouble,
+        acceleration: DoubleDouble,
+    ) -> Option<DoubleDouble> {
         if self.turns_at_contact(gap, speed, acceleration) {
             let turning = -speed / acceleration;
             return (turning.high > 0.0).then_some(turning);
@@ -228,45 +259,9 @@ impl ExactAxis {
 }
 
 impl Bodies {
-    /// The state of a body at an instant with its magnitudes.
-    pub fn scaled_state_at(&self, slot: Slot, axis: Axis, at: Instant) -> ScaledState {
-        self.scaled(slot, axis, at, self.state_at(slot, axis, at))
-    }
-
-    /// The states of two bodies at an instant with their magnitudes.
-    #[inline]
-    pub fn scaled_states_at(&self, pair: [Slot; 2], axis: Axis, at: Instant) -> [ScaledState; 2] {
-        let [first, second] = self.states_at(pair, axis, at);
-        [self.scaled(pair[0], axis, at, first), self.scaled(pair[1], axis, at, second)]
-    }
-
-    /// The state of a body at an instant with its magnitudes, given the state.
-    #[inline]
-    fn scaled(&self, slot: Slot, axis: Axis, at: Instant, state: StateDd) -> ScaledState {
-        let body = &self[slot];
-        let reference = body.trajectory.along(axis);
-        let t = reference.since.seconds_until(at);
-        let free = self.params(slot).free_acceleration[axis].high.abs();
-        let acceleration = reference.acceleration.abs();
-        let speed = reference.velocity.abs() + acceleration * (t + at.high * TIME_SHARE);
-        let length = reference.position.abs() + body.size[axis] + (t + at.high * TIME_SHARE) * speed;
-        ScaledState { state, length, speed, acceleration: acceleration + free }
-    }
-
     /// The second body of a pair relative to the first along an axis, at an instant.
     fn exact_axis(&self, pair: [Slot; 2], axis: Axis, at: Instant) -> ExactAxis {
-        let [first, second] = self.scaled_states_at(pair, axis, at);
-        let sizes = [self.size(pair[0], axis), self.size(pair[1], axis)];
-        ExactAxis {
-            offset: second.state.position - first.state.position,
-            sizes,
-            velocity: second.state.velocity - first.state.velocity,
-            acceleration: second.state.acceleration - first.state.acceleration,
-            gap_rounding: self.resolution().of_gap([sizes[0].high, sizes[1].high], first.length + second.length),
-            speed_rounding: (first.speed + second.speed) * VELOCITY_ROUNDING,
-            acceleration_rounding: (first.acceleration + second.acceleration) * ACCELERATION_ROUNDING,
-            deepest_rounding: (first.length + second.length) * DEEPEST_ROUNDING,
-        }
+        ExactAxis::between(self, &pair.map(|slot| self.reference(slot, axis)), at)
     }
 
     /// The instant from which the trajectories of both bodies hold.
@@ -280,9 +275,7 @@ impl EventDriven {
     /// not after the present one.
     pub(super) fn exact_face_impact(&self, pair: [Slot; 2], axis: Axis, side: Side) -> Option<Instant> {
         let from = self.bodies.common_reference(pair);
-        let relative = self.bodies.exact_axis(pair, axis, from);
-        let time = relative.time_to_contact(side)?;
-        let at = self.bodies.rounding().instant(from, time, || relative.has_exact_root(side, time));
+        let at = self.bodies.exact_axis(pair, axis, from).contact(side, from, self.bodies.rounding())?;
         self.now.is_before(at).then_some(at)
     }
 

@@ -24,7 +24,7 @@ impl Impact {
     }
 
     /// The velocities after the impact, m/s, with known [shares](Self::shares).
-    #[inline]
+    #[inline(always)]
     pub fn velocities_with(&self, shares: impl FnOnce() -> [DoubleDouble; 2]) -> [DoubleDouble; 2] {
         let [first, second] = self.velocity;
         let e = DoubleDouble::from(self.restitution);
@@ -43,7 +43,10 @@ impl Impact {
             return [common; 2];
         }
         let change = DoubleDouble::two_sum(1.0, self.restitution) * (first - second);
-        let after = [first - share_first * change, second + share_second * change];
+        let [change_first, change_second] =
+            (DoubleDouble::pair([share_first, share_second]) * DoubleDouble::pair([change; 2])).lanes();
+        let changes = DoubleDouble::pair([-change_first, change_second]);
+        let after = (DoubleDouble::pair([first, second]) + changes).lanes();
         if (after[0] - after[1]).high > 0.0 { [after[0]; 2] } else { after }
     }
 

@@ -4,10 +4,43 @@
 use super::EventDriven;
 use super::axis_trajectory::StateDd;
 use super::body_state::Slot;
+use super::double_double::DoubleDouble;
 use super::exact::VELOCITY_ROUNDING;
 use super::impact::Impact;
 use super::least_change::MASS_UNIT;
+use super::reference::{Reference, ScaledState};
 use crate::physics::{Axis, Collision, Observer, Rect, Side, Vector, World};
+
+/// Two bodies whose faces meet, those that give way without contacts: what stays the same from impact to impact.
+///
+/// All pairs have the body on the low side first.
+#[derive(Clone, Copy, Debug)]
+pub struct Meeting {
+    bodies: [Slot; 2],
+    axis: Axis,
+    /// The side of the earlier body, in creation order, on which the later one lies.
+    pub side: Side,
+    /// True for a body that does not give way.
+    pub is_infinite: [bool; 2],
+    /// The side of the body that keeps its position.
+    anchor: Side,
+    restitution: f64,
+    /// Masses times [`MASS_UNIT`]; infinite for a body that does not give way.
+    mass: [DoubleDouble; 2],
+}
+
+impl Meeting {
+    /// The bodies in creation order.
+    #[inline]
+    pub fn pair(&self) -> [Slot; 2] {
+        self.in_creation_order(self.bodies)
+    }
+
+    #[inline]
+    fn in_creation_order<T>(&self, [low, high]: [T; 2]) -> [T; 2] {
+        if self.side == Side::High { [low, high] } else { [high, low] }
+    }
+}
 
 impl EventDriven {
     /// Carries out the impact of two bodies whose faces meet now, unless other bodies, contacts or limits are
@@ -20,67 +53,113 @@ impl EventDriven {
         side: Side,
         observer: &mut O,
     ) -> bool {
-        let restitution = {
-            let [first, second] = pair.map(|slot| self.bodies.params(slot).material);
-            world.restitution.between(first, second)
-        };
-        let order = if side == Side::High { [0, 1] } else { [1, 0] };
-        let is_infinite = [0, 1].map(|body| {
-            let pushed = if order[0] == body { Side::Low } else { Side::High };
-            self.bodies[pair[body]].infinite || self.contacts.is_supported(pair[body], axis, pushed)
-        });
-        let has_contacts = |body: usize| !is_infinite[body] && !self.contacts.of(pair[body]).is_empty();
-        if restitution == 0.0 || is_infinite == [true; 2] || has_contacts(0) || has_contacts(1) {
-            return false;
-        }
-        let scaled = self.bodies.scaled_states_at(pair, axis, self.now);
-        let [low, high] = order.map(|body| scaled[body]);
-        let approach = (low.state.velocity - high.state.velocity).high;
-        if approach <= (low.speed + high.speed) * VELOCITY_ROUNDING {
-            return false;
-        }
-        let acceleration = (low.state.acceleration - high.state.acceleration).high;
-        let coordinates = scaled.map(|body| body.state.position.high);
-        let sizes = pair.map(|slot| self.bodies[slot].size[axis]);
-        let resolution = self.bodies.resolution();
-        if acceleration > 0.0 && resolution.hides_bounce(restitution * approach, acceleration, coordinates, sizes) {
-            return false;
-        }
-        if (!is_infinite[0] && !self.touches_nothing_else(pair[0], pair[1]))
-            || (!is_infinite[1] && !self.touches_nothing_else(pair[1], pair[0]))
+        let Some(meeting) = self.meeting(world, pair, axis, side) else { return false };
+        let [low, high] = meeting.bodies;
+        let references = [self.bodies.reference(low, axis), self.bodies.reference(high, axis)];
+        let states = Reference::scaled_states_at(&references, self.now, self.bodies.rounding());
+        let Some(impact) = self.impact_of(&meeting, &states) else { return false };
+        let gives_way = meeting.is_infinite.map(|is_infinite| !is_infinite);
+        if (gives_way[0] && !self.touches_nothing_else(low, high))
+            || (gives_way[1] && !self.touches_nothing_else(high, low))
         {
             return false;
         }
-        let mass = order.map(|body| match is_infinite[body] {
-            true => f64::INFINITY.into(),
-            false => (self.bodies.params(pair[body]).mass * MASS_UNIT).into(),
+        self.carry_out(&meeting, &states, &impact, observer);
+        for (slot, _) in [low, high].into_iter().zip(gives_way).filter(|(_, gives_way)| *gives_way) {
+            self.invalidate(slot);
+        }
+        true
+    }
+
+    /// The meeting of two bodies, unless contacts are involved, neither gives way, or the impact is plastic. `side` is that
+    /// of the first on which the second lies.
+    #[inline]
+    pub(super) fn meeting(&self, world: &World, pair: [Slot; 2], axis: Axis, side: Side) -> Option<Meeting> {
+        let bodies = if side == Side::High { pair } else { [pair[1], pair[0]] };
+        let [low, high] = bodies.map(|slot| self.bodies.params(slot));
+        let restitution = world.restitution.between(low.material, high.material);
+        let is_infinite = [(0, Side::Low), (1, Side::High)].map(|(place, pushed)| {
+            self.bodies[bodies[place]].infinite || self.contacts.is_supported(bodies[place], axis, pushed)
         });
-        let impact = Impact { velocity: [low.state.velocity, high.state.velocity], mass, restitution };
-        let after =
-            self.bodies.rounding().velocities(&impact, impact.velocities_with(|| self.latest_shares.of(&impact)));
+        let has_contacts = |place: usize| !is_infinite[place] && !self.contacts.of(bodies[place]).is_empty();
+        if restitution == 0.0 || is_infinite == [true; 2] || has_contacts(0) || has_contacts(1) {
+            return None;
+        }
+        let mass = [(low, is_infinite[0]), (high, is_infinite[1])].map(|(params, is_infinite)| match is_infinite {
+            true => f64::INFINITY.into(),
+            false => (params.mass * MASS_UNIT).into(),
+        });
+        // The earlier body, or that which does not give way.
+        let anchor = match (is_infinite, side) {
+            ([true, _], _) => Side::Low,
+            ([_, true], _) => Side::High,
+            (_, Side::High) => Side::Low,
+            (_, Side::Low) => Side::High,
+        };
+        Some(Meeting { bodies, axis, side, is_infinite, anchor, restitution, mass })
+    }
+
+    /// The impact at a meeting, given the states now; `None` if the bodies do not approach, or the bounce is hidden by the
+    /// resolution of positions.
+    #[inline(always)]
+    pub(super) fn impact_of(&self, meeting: &Meeting, states: &[ScaledState; 2]) -> Option<Impact> {
+        let &Meeting { bodies, axis, restitution, mass, .. } = meeting;
+        let [low, high] = states;
+        let approach = (low.state.velocity - high.state.velocity).high;
+        if approach <= (low.speed + high.speed) * VELOCITY_ROUNDING {
+            return None;
+        }
+        let acceleration = low.state.acceleration_relative_to(&high.state).high;
+        if acceleration > 0.0 {
+            let coordinates = [low.state.position.high, high.state.position.high];
+            let sizes = bodies.map(|slot| self.bodies[slot].size[axis]);
+            if self.bodies.resolution().hides_bounce(restitution * approach, acceleration, coordinates, sizes) {
+                return None;
+            }
+        }
+        Some(Impact { velocity: [low.state.velocity, high.state.velocity], mass, restitution })
+    }
+
+    /// Carries out the impact at a meeting, given the states now. Returns the states after it along the axis; the
+    /// predictions that involve the bodies remain to be invalidated.
+    #[inline(always)]
+    pub(super) fn carry_out<O: Observer>(
+        &mut self,
+        meeting: &Meeting,
+        states: &[ScaledState; 2],
+        impact: &Impact,
+        observer: &mut O,
+    ) -> [StateDd; 2] {
+        let &Meeting { bodies, axis, side, is_infinite, restitution, .. } = meeting;
+        let pair = meeting.pair();
+        let [low, high] = states;
+        let after = self.bodies.rounding().velocities(impact, impact.velocities_with(|| self.latest_shares.of(impact)));
         let before = self.rects_and_velocities(pair);
-        let mut speed = 0.0;
-        for body in [0, 1].into_iter().filter(|body| !is_infinite[*body]) {
-            speed = if scaled[body].speed > speed { scaled[body].speed } else { speed };
-        }
-        for velocity in after {
-            speed = if velocity.high.abs() > speed { velocity.high.abs() } else { speed };
-        }
+        let own_speeds = [(low, is_infinite[0]), (high, is_infinite[1])]
+            .map(|(body, is_infinite)| if is_infinite { 0.0 } else { body.speed });
+        let speeds = [own_speeds[0], own_speeds[1], after[0].high.abs(), after[1].high.abs()];
+        let speed = speeds.iter().fold(0.0, |greatest, speed| if *speed > greatest { *speed } else { greatest });
+        let sizes = [self.bodies.size(bodies[0], axis), self.bodies.size(bodies[1], axis)];
+        let acceleration = low.state.acceleration_relative_to(&high.state).high;
+        let resolution = self.bodies.resolution().of_gap([sizes[0].high, sizes[1].high], low.length + high.length);
         // Boxes below the resolution of their coordinates have no certain sides.
-        let is_extended = resolution.of_gap(sizes, low.length + high.length) < 0.25 * (sizes[0] + sizes[1]);
+        let is_extended = resolution < 0.25 * (sizes[0].high + sizes[1].high);
         let is_receding = (after[1] - after[0]).high > speed * VELOCITY_ROUNDING && acceleration <= 0.0 && is_extended;
         self.receding = is_receding.then_some(pair);
-        let anchor = if is_infinite[1] { 1 } else { 0 };
-        let anchor_position = scaled[anchor].state.position;
-        for body in [0, 1].into_iter().filter(|body| !is_infinite[*body]) {
-            let place = usize::from(order[1] == body);
-            let position = match (body == anchor, place) {
-                (true, _) => anchor_position,
-                (false, 1) => anchor_position + self.bodies.size(pair[anchor], axis),
-                (false, _) => anchor_position - self.bodies.size(pair[body], axis),
-            };
-            let velocity = after[place].or_zero(speed * VELOCITY_ROUNDING);
-            self.set_trajectory(pair[body], axis, StateDd { position, velocity, ..scaled[body].state }, self.now);
+        let [low, high] = [low.state, high.state];
+        let positions = match meeting.anchor {
+            Side::Low => [low.position, low.position + sizes[0]],
+            Side::High => [high.position - sizes[0], high.position],
+        };
+        let velocities = after.map(|velocity| velocity.or_zero(speed * VELOCITY_ROUNDING));
+        let mut changed = [low, high];
+        if !is_infinite[0] {
+            changed[0] = StateDd { position: positions[0], velocity: velocities[0], ..low };
+            self.bodies.set_trajectory(bodies[0], axis, changed[0], self.now);
+        }
+        if !is_infinite[1] {
+            changed[1] = StateDd { position: positions[1], velocity: velocities[1], ..high };
+            self.bodies.set_trajectory(bodies[1], axis, changed[1], self.now);
         }
         let sign = if side == Side::High { -1.0 } else { 1.0 };
         observer.collision(&Collision {
@@ -95,11 +174,11 @@ impl EventDriven {
             shares: [0.0; 2],
             impulse: impact.impulse() / MASS_UNIT,
             restitution,
-            normal_velocity: [-approach, (after[1] - after[0]).high],
+            normal_velocity: [-(impact.velocity[0] - impact.velocity[1]).high, (after[1] - after[0]).high],
             before: before.map(|(_, velocity)| velocity),
             after: self.rects_and_velocities(pair).map(|(_, velocity)| velocity),
         });
-        true
+        changed
     }
 
     /// True if a body certainly touches none but `partner`.

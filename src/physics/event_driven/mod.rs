@@ -12,7 +12,8 @@
 //!    made to coincide (`face_alignment`). What inputs changed is an instant of its own.
 //! 2. **Process events** in the order of their times (`event_queue`): the instants at which bodies touch or
 //!    cease to (`simultaneous`), and the cell crossings of fast bodies (`cell_lists`). Each body whose
-//!    trajectory or contacts changed predicts its next event again (`predict`) among its neighbours.
+//!    trajectory or contacts changed predicts its next event again (`predict`) among its neighbours. The impacts of a
+//!    few bodies in a row that meet no others follow each other without that (`closed_group`).
 //! 3. **Sample.** The states of the bodies that moved are written to the world (`dirty_states`).
 //! 4. **Find neighbours.** In undisturbed motion, lists of neighbours are made anew for each window of some steps
 //!    (`window_lists`, `home_grid`), with many bodies on several `threads`, as the states are sampled. For some steps after an input, and with few bodies, the bodies that would leave
@@ -73,6 +74,7 @@ mod bodies;
 mod body_state;
 mod burst;
 mod cell_lists;
+mod closed_group;
 mod contact;
 mod diagnose;
 mod dirty_states;
@@ -93,6 +95,7 @@ mod predict;
 #[cfg(test)]
 mod pseudo_random;
 mod random_rounding;
+mod reference;
 mod resting;
 mod separation;
 mod simultaneous;
@@ -171,6 +174,11 @@ pub struct EventDriven {
     changed: Vec<Slot>,
     /// Two bodies that have just collided and have no event with each other until one of them changes.
     receding: Option<[Slot; 2]>,
+    /// The number of events after which a closed group is looked for.
+    search_interval: u64,
+    /// The number of impacts carried out in closed groups.
+    #[cfg(test)]
+    impacts_in_groups: u64,
     /// The number of slots when cell lists and event queue were last rebuilt.
     indexed_bodies: usize,
     /// Buffer for the bodies concerned by an instant.
@@ -214,6 +222,9 @@ impl EventDriven {
             dirty_states: DirtyStates::default(),
             changed: Vec::new(),
             receding: None,
+            search_interval: closed_group::SEARCH_INTERVAL,
+            #[cfg(test)]
+            impacts_in_groups: 0,
             indexed_bodies: 0,
             patch: Patch::default(),
             examined: Vec::new(),
@@ -395,15 +406,17 @@ impl EventDriven {
                 self.advance_clock(event.at);
                 self.count_event(world, event.pair)?;
                 self.changed.push(slot);
-                if self.is_alone_in_time()
+                let others = if self.is_alone_in_time() { Vec::new() } else { self.collect_simultaneous(world)? };
+                if others.is_empty()
                     && let Some(PairEvent::FaceImpact(axis, side)) = event.pair_event
                     && self.collide_isolated(world, event.pair, axis, side, observer)
                 {
+                    self.continue_in_closed_group(world, axis, last, observer)?;
                     self.predict_changed();
                     self.receding = None;
                     continue;
                 }
-                let concerned = self.collect_simultaneous(world, &event)?;
+                let concerned = self.concerned_by(&event, others);
                 self.process_instant(world, &concerned, observer)?;
                 #[cfg(debug_assertions)]
                 if self.asserts_invariants {

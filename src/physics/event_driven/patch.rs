@@ -317,7 +317,7 @@ impl EventDriven {
             return local;
         }
         let axes = Axis::BOTH.map(|axis| {
-            let scaled = self.bodies.scaled_state_at(slot, axis, at);
+            let scaled = self.bodies.reference(slot, axis).scaled_state_at(at, self.bodies.rounding());
             LocalAxis {
                 state: scaled.state,
                 size: self.bodies.size(slot, axis),

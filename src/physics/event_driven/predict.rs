@@ -211,8 +211,8 @@ impl EventDriven {
         let mut predictor = Predictor::new(self, slot, precision);
         let (mut exit_time, mut swept) = (f64::INFINITY, SweptAabb::EVERYWHERE);
         if self.cell_lists.uses_all_pairs() {
-            self.cell_lists.find_others(slot, neighbours);
-            neighbours.slots().iter().for_each(|other| _ = predictor.predict_pair(*other));
+            let others = self.cell_lists.few().iter().filter(|other| **other != slot);
+            others.for_each(|other| _ = predictor.predict_pair(*other));
         } else {
             let sample = predictor.sample.at_time(self.now);
             exit_time = self.cell_lists.cell_exit_time(slot, &sample);

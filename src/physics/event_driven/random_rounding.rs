@@ -28,6 +28,12 @@ impl RandomRounding {
         RandomRounding { seed: Some(seed) }
     }
 
+    /// True if numbers are rounded at random.
+    #[inline]
+    pub fn is_random(self) -> bool {
+        self.seed.is_some()
+    }
+
     /// Rounds the state reached from `start` in `t` seconds at random.
     #[inline]
     pub fn state(self, start: StateDd, t: DoubleDouble, end: StateDd) -> StateDd {
@@ -41,40 +47,55 @@ impl RandomRounding {
     #[inline]
     pub fn instant(self, from: Instant, seconds: DoubleDouble, is_exact: impl Fn() -> bool) -> Instant {
         let at = from.after_exactly(seconds);
-        let Some(seed) = self.seed else { return at };
-        let is_sum_exact = Bits::of(from.as_number()).and(Bits::of(seconds)).is_exact();
-        if at == Instant::NEVER || (is_sum_exact && is_exact()) {
-            return at;
+        match self.seed {
+            None => at,
+            Some(seed) => round_instant(seed, from, seconds, at, is_exact),
         }
-        let DoubleDouble { high, low } = moved(seed, at.as_number(), at.high);
-        Instant { high, low }
     }
 
     /// Rounds the velocities after an impact at random.
     #[inline]
     pub fn velocities(self, impact: &Impact, after: [DoubleDouble; 2]) -> [DoubleDouble; 2] {
-        let Some(seed) = self.seed else { return after };
-        let [first, second] = impact.velocity;
-        let speed = first.high.abs() + second.high.abs();
-        let is_exact = impact.has_exact_shares()
-            && Bits::of(first)
-                .and(Bits::of(second))
-                .times(Bits::of((1.0 + impact.restitution).into()))
-                .times(Bits::of(impact.shares()[0]))
-                .is_exact();
-        if is_exact {
-            return after;
+        match self.seed {
+            None => after,
+            Some(seed) => round_velocities(seed, impact, after),
         }
-        if after[0] == after[1] {
-            return [moved(seed, after[0], speed); 2];
-        }
-        [0, 1].map(|side| match impact.mass[side].high == f64::INFINITY {
-            true => after[side],
-            false => moved(seed ^ side as u64, after[side], speed),
-        })
     }
 }
 
+#[cold]
+fn round_instant(seed: u64, from: Instant, seconds: DoubleDouble, at: Instant, is_exact: impl Fn() -> bool) -> Instant {
+    let is_sum_exact = Bits::of(from.as_number()).and(Bits::of(seconds)).is_exact();
+    if at == Instant::NEVER || (is_sum_exact && is_exact()) {
+        return at;
+    }
+    let DoubleDouble { high, low } = moved(seed, at.as_number(), at.high);
+    Instant { high, low }
+}
+
+#[cold]
+fn round_velocities(seed: u64, impact: &Impact, after: [DoubleDouble; 2]) -> [DoubleDouble; 2] {
+    let [first, second] = impact.velocity;
+    let speed = first.high.abs() + second.high.abs();
+    let is_exact = impact.has_exact_shares()
+        && Bits::of(first)
+            .and(Bits::of(second))
+            .times(Bits::of((1.0 + impact.restitution).into()))
+            .times(Bits::of(impact.shares()[0]))
+            .is_exact();
+    if is_exact {
+        return after;
+    }
+    if after[0] == after[1] {
+        return [moved(seed, after[0], speed); 2];
+    }
+    [0, 1].map(|side| match impact.mass[side].high == f64::INFINITY {
+        true => after[side],
+        false => moved(seed ^ side as u64, after[side], speed),
+    })
+}
+
+#[cold]
 fn round_state(seed: u64, start: StateDd, t: DoubleDouble, end: StateDd) -> StateDd {
     let [velocity, acceleration, time] = [start.velocity, start.acceleration, t].map(Bits::of);
     let gain = acceleration.times(time);

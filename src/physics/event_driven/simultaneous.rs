@@ -46,20 +46,12 @@ impl EventDriven {
         result
     }
 
-    /// The bodies of the first event and of all events at the same instant.
-    ///
-    /// Bodies that touch share the time of the earliest of their events. Times that differ by less than the resolution of
-    /// positions are one instant also for bodies that do not touch, so that the order of their impacts does not follow
-    /// from rounding, but each group keeps its own time, so that it does not depend on the other groups.
+    /// Takes the other events in the vicinity of the present instant from the queue.
     ///
     /// # Errors
     /// [`StepError::TooManyEvents`] if bodies predict again too often.
-    pub(super) fn collect_simultaneous(
-        &mut self,
-        world: &World,
-        first: &ScheduledEvent,
-    ) -> Result<Vec<Concerned>, StepError> {
-        let (mut events, last) = (vec![*first], end_of_vicinity(self.now));
+    pub(super) fn collect_simultaneous(&mut self, world: &World) -> Result<Vec<ScheduledEvent>, StepError> {
+        let (mut events, last) = (Vec::new(), end_of_vicinity(self.now));
         while let Some((other, event)) = self.event_queue.pop(last) {
             let pair = event.pair;
             match self.next_exact_event(other, event, last) {
@@ -70,9 +62,19 @@ impl EventDriven {
                 None => self.count_repetition(world, pair)?,
             }
         }
-        if events.len() == 1 {
-            return Ok(first.pair.map(|slot| Concerned { slot, at: first.at }).to_vec());
+        Ok(events)
+    }
+
+    /// The bodies of the first event and of all others at the same instant, given those in its vicinity.
+    ///
+    /// Bodies that touch share the time of the earliest of their events. Times that differ by less than the resolution of
+    /// positions are one instant also for bodies that do not touch, so that the order of their impacts does not follow
+    /// from rounding, but each group keeps its own time, so that it does not depend on the other groups.
+    pub(super) fn concerned_by(&mut self, first: &ScheduledEvent, others: Vec<ScheduledEvent>) -> Vec<Concerned> {
+        if others.is_empty() {
+            return first.pair.map(|slot| Concerned { slot, at: first.at }).to_vec();
         }
+        let events = [vec![*first], others].concat();
         let is_first = |event: &&ScheduledEvent| event.at == first.at || self.coincides(event, first.at);
         let simultaneous: Vec<&ScheduledEvent> = events.iter().filter(is_first).collect();
         let mut concerned: Vec<Concerned> = Vec::new();
@@ -105,7 +107,7 @@ impl EventDriven {
         let order = |body: &Concerned| (body.slot, body.at.high.to_bits(), body.at.low.to_bits());
         concerned.sort_unstable_by_key(order);
         concerned.dedup_by_key(|body| body.slot);
-        Ok(concerned)
+        concerned
     }
 
     /// A body of finite mass and all that are connected with it by touching, to the precision of doubles.

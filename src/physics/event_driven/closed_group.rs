@@ -1,0 +1,458 @@
+//! The impacts of a few bodies in a row that meet no others for a while, as in Galperin's billiard, one after the other,
+//! without the event queue in between.
+//!
+//! A group influences no result: the numbers come from the same functions as elsewhere, and where it is not certain by a
+//! margin which event is next, the group is left and its bodies predict again.
+
+use super::body_state::Slot;
+use super::double_double::DoubleDouble;
+use super::exact::ExactAxis;
+use super::instant::Instant;
+use super::isolated::Meeting;
+use super::predict::ordered_pair;
+use super::random_rounding::RandomRounding;
+use super::reference::Reference;
+use super::{COMPARED_TIMES, EventDriven};
+use crate::physics::{Axis, Observer, Side, StepError, World, smaller};
+
+/// A group is looked for after every so many events of a step, so that a search in vain costs little.
+pub const SEARCH_INTERVAL: u64 = 4;
+
+/// Bodies are certainly apart, or certainly overlap along an axis, by more than this fraction of the magnitudes of the
+/// numbers in doubles that decide it.
+const CLEAR: f64 = 64.0 * f64::EPSILON;
+
+/// The fraction of a time in which bodies stay apart, or overlap, that is relied on.
+const RELIABLE: f64 = 1.0 - 1.0 / (1_u64 << 30) as f64;
+
+/// The factor from a time to the end of its vicinity, and somewhat more.
+const VICINITY: f64 = 1.0 + 4.0 * COMPARED_TIMES;
+
+/// Bodies in a row along an axis, no two neighbours of infinite mass. They overlap along the other axis, all have constant
+/// velocities, and those of finite mass have no contacts.
+struct ClosedGroup {
+    /// In the order of their coordinates.
+    members: Vec<Member>,
+    /// The gap between each member and the next.
+    gaps: Vec<Gap>,
+    /// Until then, in seconds since step 0, they keep overlapping along the other axis, and meet no other body.
+    until: f64,
+}
+
+struct Member {
+    slot: Slot,
+    reference: Reference,
+    /// The instant from which the trajectory along both axes holds.
+    since: Instant,
+    /// True if it has collided since it predicted.
+    has_collided: bool,
+}
+
+struct Gap {
+    meeting: Meeting,
+    /// The instant at which it closes.
+    closes: Instant,
+}
+
+/// How two bodies lie along an axis, and for how many seconds from now that certainly does not change.
+enum Overlap {
+    Overlapping(f64),
+    Apart(f64),
+    Unclear,
+}
+
+impl EventDriven {
+    /// After the impact of two isolated bodies along an axis, carries out the next impacts up to the instant `last` of the
+    /// closed group to which they belong, if they do.
+    ///
+    /// # Errors
+    /// [`StepError::TooManyEvents`] if the step exceeds the limit of events.
+    #[inline]
+    pub(super) fn continue_in_closed_group<O: Observer>(
+        &mut self,
+        world: &World,
+        axis: Axis,
+        last: Instant,
+        observer: &mut O,
+    ) -> Result<(), StepError> {
+        let are_few = !self.window_lists.is_active() && self.cell_lists.uses_all_pairs();
+        if !are_few || !self.events.is_multiple_of(self.search_interval) {
+            return Ok(());
+        }
+        let Some(mut group) = self.find_closed_group(world, axis, last) else { return Ok(()) };
+        if group.next_gap(last.high).is_none() {
+            return Ok(());
+        }
+        self.enter(&mut group);
+        while let Some(index) = group.next_gap(last.high) {
+            if !group.is_isolated(index) || !self.collide_in_group(world, &mut group, index, observer)? {
+                break;
+            }
+        }
+        self.leave(&group);
+        Ok(())
+    }
+
+    /// Carries out the impact at a gap; returns false if the group must be left.
+    #[inline]
+    fn collide_in_group<O: Observer>(
+        &mut self,
+        world: &World,
+        group: &mut ClosedGroup,
+        index: usize,
+        observer: &mut O,
+    ) -> Result<bool, StepError> {
+        let Gap { meeting, closes: at } = &group.gaps[index];
+        let [low, high] = [&group.members[index].reference, &group.members[index + 1].reference];
+        let states = [low.drifted_state_at(*at), high.drifted_state_at(*at)];
+        let Some(impact) = self.impact_of(meeting, &states) else { return Ok(false) };
+        self.advance_clock(*at);
+        self.count_event(world, meeting.pair())?;
+        let changed = self.carry_out(meeting, &states, &impact, observer);
+        #[cfg(test)]
+        {
+            self.impacts_in_groups += 1;
+        }
+        for (place, state) in changed.into_iter().enumerate().filter(|(place, _)| !meeting.is_infinite[*place]) {
+            let member = &mut group.members[index + place];
+            (member.reference.state, member.reference.since) = (state, *at);
+            (member.since, member.has_collided) = (*at, true);
+        }
+        Ok(self.receding.is_some() && self.update_gaps(group, index))
+    }
+
+    /// The closed group of the two bodies that have just collided along an axis, if they belong to one and recede.
+    fn find_closed_group(&self, world: &World, axis: Axis, last: Instant) -> Option<ClosedGroup> {
+        let receding = self.receding?;
+        if !self.bodies.are_free() || self.bodies.rounding().is_random() {
+            return None;
+        }
+        let seconds = self.now.seconds_until(last);
+        let mut slots = receding.to_vec();
+        for slot in self.cell_lists.few().iter().copied().filter(|slot| !receding.contains(slot)) {
+            match self.overlap([receding[0], slot], axis.other(), seconds) {
+                Overlap::Overlapping(_) => slots.push(slot),
+                Overlap::Apart(_) => {}
+                Overlap::Unclear => return None,
+            }
+        }
+        let seconds = self.seconds_of_closure(&slots, axis.other(), seconds)?;
+        let position = |slot: &Slot| self.bodies[*slot].trajectory.at(self.now)[0][axis];
+        slots.sort_unstable_by(|a, b| position(a).total_cmp(&position(b)));
+        let mut gaps = Vec::with_capacity(slots.len() - 1);
+        for pair in slots.windows(2) {
+            let side = if pair[0] < pair[1] { Side::High } else { Side::Low };
+            let meeting = self.meeting(world, ordered_pair(pair[0], pair[1]), axis, side)?;
+            gaps.push(Gap { meeting, closes: Instant::NEVER });
+        }
+        let members = slots.into_iter().map(|slot| {
+            let reference = self.bodies.reference(slot, axis);
+            let has_collided = receding.contains(&slot) && !self.bodies[slot].infinite;
+            Member { slot, reference, since: self.bodies[slot].since, has_collided }
+        });
+        let mut group = ClosedGroup { members: members.collect(), gaps, until: self.now.after(seconds).high };
+        // Not even −0, so that all bits of the trajectories stay.
+        let is_zero = |number: DoubleDouble| number.high.to_bits() == 0 && number.low.to_bits() == 0;
+        if !group.members.iter().all(|member| is_zero(member.reference.state.acceleration)) {
+            return None;
+        }
+        let hit = group.gaps.iter().position(|gap| gap.meeting.pair() == receding)?;
+        for index in (0..group.gaps.len()).filter(|index| *index != hit) {
+            group.gaps[index].closes = group.closing_of(index, self)?;
+        }
+        Some(group)
+    }
+
+    /// The seconds from now, at most `horizon`, in which some bodies certainly keep overlapping along an axis, and apart
+    /// from all others; `None` if they do not.
+    fn seconds_of_closure(&self, members: &[Slot], axis: Axis, horizon: f64) -> Option<f64> {
+        let mut least = f64::INFINITY;
+        for (index, member) in members.iter().enumerate() {
+            for other in self.cell_lists.few() {
+                let place = members.iter().position(|slot| slot == other);
+                let is_known = place.is_some_and(|place| place <= index);
+                if is_known || (self.bodies[*member].infinite && self.bodies[*other].infinite) {
+                    continue;
+                }
+                let seconds = match (self.overlap([*member, *other], axis, horizon), place) {
+                    (Overlap::Overlapping(seconds), Some(_)) | (Overlap::Apart(seconds), None) => seconds,
+                    _ => return None,
+                };
+                least = if seconds < least { seconds } else { least };
+            }
+        }
+        Some(least)
+    }
+
+    /// How two bodies lie along an axis from now on for at least `horizon` seconds or until that changes.
+    fn overlap(&self, pair: [Slot; 2], axis: Axis, horizon: f64) -> Overlap {
+        let [first, second] = pair.map(|slot| &self.bodies[slot]);
+        let [[from, from_velocity], [to, to_velocity]] = [first, second].map(|body| body.trajectory.at(self.now));
+        if first.trajectory.acceleration[axis] != 0.0 || second.trajectory.acceleration[axis] != 0.0 {
+            return Overlap::Unclear;
+        }
+        let (offset, velocity) = (to[axis] - from[axis], to_velocity[axis] - from_velocity[axis]);
+        let [ahead, behind] = [offset - first.size[axis], -offset - second.size[axis]];
+        let speeds = from_velocity[axis].abs() + to_velocity[axis].abs();
+        let elapsed = first.since.seconds_until(self.now) + second.since.seconds_until(self.now);
+        let scale = from[axis].abs() + to[axis].abs() + first.size[axis] + second.size[axis];
+        let rounding = (scale + speeds * (elapsed + horizon)) * CLEAR;
+        // The seconds until a distance is used up at a speed.
+        let lasting = |distance: f64, speed: f64| match speed > 0.0 {
+            true => (distance - rounding) / speed * RELIABLE,
+            false => f64::INFINITY,
+        };
+        if ahead > rounding {
+            Overlap::Apart(lasting(ahead, -velocity))
+        } else if behind > rounding {
+            Overlap::Apart(lasting(behind, velocity))
+        } else if ahead < -rounding && behind < -rounding {
+            let (ahead, behind) = (lasting(-ahead, velocity), lasting(-behind, -velocity));
+            Overlap::Overlapping(if ahead < behind { ahead } else { behind })
+        } else {
+            Overlap::Unclear
+        }
+    }
+
+    /// Removes the events of the members from the queue. The group ends before the next event of other bodies.
+    fn enter(&mut self, group: &mut ClosedGroup) {
+        for member in &group.members {
+            if !self.bodies[member.slot].is_static() {
+                self.event_queue.set(member.slot, None);
+            }
+        }
+        group.until = smaller(group.until, self.event_queue.next_time().high);
+    }
+
+    /// Lets the members predict again: those that have collided with all others that changed, when the instant ends.
+    fn leave(&mut self, group: &ClosedGroup) {
+        for member in group.members.iter().filter(|member| member.has_collided) {
+            self.invalidate(member.slot);
+        }
+        for member in group.members.iter().filter(|member| !member.has_collided) {
+            if !self.bodies[member.slot].is_static() {
+                self.predict(member.slot);
+            }
+        }
+    }
+
+    /// Updates the gap that has just closed and those on the other sides of the two bodies, unless these keep their
+    /// trajectories; returns false if it is not certain when one closes.
+    #[inline]
+    fn update_gaps(&self, group: &mut ClosedGroup, index: usize) -> bool {
+        let [keeps_low, keeps_high] = group.gaps[index].meeting.is_infinite;
+        group.gaps[index].closes = Instant::NEVER;
+        for (neighbour, is_kept) in [(index.wrapping_sub(1), keeps_low), (index + 1, keeps_high)] {
+            if neighbour < group.gaps.len() && !is_kept {
+                let Some(closes) = group.closing_of(neighbour, self) else { return false };
+                group.gaps[neighbour].closes = closes;
+            }
+        }
+        true
+    }
+}
+
+impl ClosedGroup {
+    /// The instant at which a gap closes, [`Instant::NEVER`] if it does not; `None` if it is closed or closes at once.
+    #[inline]
+    fn closing_of(&self, index: usize, solver: &EventDriven) -> Option<Instant> {
+        let [low, high] = [&self.members[index], &self.members[index + 1]];
+        let from = low.since.max(high.since);
+        let side = self.gaps[index].meeting.side;
+        let [first, second] = match side {
+            Side::High => [&low.reference, &high.reference],
+            Side::Low => [&high.reference, &low.reference],
+        };
+        let states = [first.drifted_state_at(from), second.drifted_state_at(from)];
+        let relative = ExactAxis::of(states, [first.size, second.size], solver.bodies.resolution());
+        if !relative.is_apart(side) {
+            return None;
+        }
+        let closes = relative.contact(side, from, RandomRounding::default()).unwrap_or(Instant::NEVER);
+        solver.now.is_before(closes).then_some(closes)
+    }
+
+    /// The gap that closes first, if it does so before `last` (s) and certainly before all other events.
+    #[inline]
+    fn next_gap(&self, last: f64) -> Option<usize> {
+        let (mut first, mut at, mut second) = (0, f64::INFINITY, self.until);
+        for (index, gap) in self.gaps.iter().enumerate() {
+            let closes = gap.closes.high;
+            let is_first = closes < at;
+            let other = if is_first { at } else { closes };
+            second = if other < second { other } else { second };
+            (first, at) = if is_first { (index, closes) } else { (first, at) };
+        }
+        (at < last && at * VICINITY < second).then_some(first)
+    }
+
+    /// True if the two bodies at a gap certainly touch no other member that they could push when it closes, and no others
+    /// meet then that are not neighbours.
+    #[inline]
+    fn is_isolated(&self, index: usize) -> bool {
+        let Gap { meeting, closes: at } = &self.gaps[index];
+        let members = &self.members[..];
+        let is_clear_below =
+            index == 0 || meeting.is_infinite[0] || are_apart([&members[index - 1], &members[index]], *at);
+        let is_clear_above = index + 2 == members.len()
+            || meeting.is_infinite[1]
+            || are_apart([&members[index + 1], &members[index + 2]], *at);
+        is_clear_below && is_clear_above && members.windows(3).all(|row| are_apart([&row[0], &row[2]], *at))
+    }
+}
+
+/// True if two members, that on the low side first, are certainly apart along the axis at an instant.
+#[inline]
+fn are_apart(pair: [&Member; 2], at: Instant) -> bool {
+    let [low, high] = pair.map(|member| &member.reference);
+    let times = [low, high].map(|reference| reference.since.seconds_until(at));
+    let position = |reference: &Reference, t: f64| reference.state.position.high + reference.state.velocity.high * t;
+    let positions = [position(low, times[0]), position(high, times[1])];
+    let gap = positions[1] - positions[0] - low.size.high;
+    let speeds = low.state.velocity.high.abs() + high.state.velocity.high.abs();
+    let scale = positions[0].abs() + positions[1].abs() + low.size.high + high.size.high;
+    // This includes the path within the vicinity of the instant.
+    gap > (scale + speeds * at.high) * CLEAR
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::physics::event_driven::pseudo_random::PseudoRandom;
+    use crate::physics::{Collision, Engine, EngineConfig, Event, Rect, Restitution, SolverKind, Spawn, Vector};
+
+    /// Bodies in a row with walls, some that come from the side, and events between the steps.
+    struct Scene {
+        config: EngineConfig,
+        steps: u64,
+        events: Vec<(u64, Event)>,
+    }
+
+    impl Scene {
+        fn random(random: &mut PseudoRandom) -> Scene {
+            let rate = random.pick(&[0.25, 1.0, 1.0, 8.0]);
+            let restitution = random.pick(&[1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.99, 0.9, 0.5]);
+            let gravity = random.pick(&[None, None, None, None, None, None, None, Some(Vector::new(0.0, 1.0))]);
+            let config = EngineConfig::new(SolverKind::EventDriven, rate)
+                .with_restitution(Restitution::new(restitution, &[]))
+                .with_gravity(gravity)
+                .with_events_per_step(random.pick(&[20, 200, 1000, 1000, 1000]));
+            let steps = 6;
+            let mut scene = Scene { config, steps, events: Vec::new() };
+            let is_vertical = random.next() < 0.3;
+            scene.add_row(random, is_vertical);
+            for _ in 0..random.pick(&[0, 0, 0, 1, 2]) {
+                let (along, across) = (random.between(-2.0, 12.0), random.pick(&[-6.0, -3.0, 4.0]));
+                let towards = if across < 0.0 { random.between(0.0, 0.6) } else { -random.between(0.0, 0.6) };
+                let mass = random.pick(&[1.0, 1e3, f64::INFINITY]);
+                let step = random.pick(&[0, 0, 2]);
+                let speeds = [random.pick(&[0.0, 0.3, -0.3]), towards];
+                scene.spawn(step, is_vertical, [along, across], [1.0, 1.0], mass, speeds);
+            }
+            for _ in 0..random.pick(&[0, 0, 1]) {
+                scene.events.push((random.pick(&[1, 3]), Event::Delete((random.next() * 4.0) as u32)));
+            }
+            scene
+        }
+
+        fn add_row(&mut self, random: &mut PseudoRandom, is_vertical: bool) {
+            let across = random.pick(&[0.0, 0.0, 0.0, 0.01, -0.05]);
+            let mut along = 0.0;
+            let count = random.pick(&[2, 2, 2, 3, 3, 4]);
+            let walls = [random.next() < 0.9, random.next() < 0.7];
+            let mut row = Vec::new();
+            if walls[0] {
+                row.push(([-1.0, -1.0], [1.0, 4.0], f64::INFINITY, random.pick(&[0.0, 0.0, 0.0, 0.01])));
+            }
+            for index in 0..count {
+                let size = random.pick(&[1.0, 1.0, 0.1, 1e-3, 1.0 / 3.0]);
+                along += random.pick(&[0.0, 0.5, 0.1, 1.0]) + random.next();
+                let mass = random.pick(&[1.0, 1.0, 3.0, 100.0, 1e4, 1e8, 1e16]);
+                let speed = if index == 0 {
+                    0.0
+                } else {
+                    random.pick(&[-1.0, -0.25, 0.0, 1.0, 3.0]) * random.between(0.5, 1.0)
+                };
+                row.push(([along, random.next() - 0.5], [size, 1.0 + random.next()], mass, speed));
+                along += size;
+            }
+            if walls[1] {
+                row.push(([along + random.next(), -1.0], [1.0, 4.0], f64::INFINITY, 0.0));
+            }
+            if random.next() < 0.3 {
+                row.reverse();
+            }
+            for (at, size, mass, speed) in row {
+                let across = if mass == f64::INFINITY { 0.0 } else { across * random.pick(&[1.0, 1.0, 0.0, -1.0]) };
+                self.spawn(0, is_vertical, at, size, mass, [speed, across]);
+            }
+        }
+
+        fn spawn(&mut self, step: u64, is_vertical: bool, at: [f64; 2], size: [f64; 2], mass: f64, velocity: [f64; 2]) {
+            let vector = |[along, across]: [f64; 2]| match is_vertical {
+                true => Vector::new(across, along),
+                false => Vector::new(along, across),
+            };
+            let size = vector(size);
+            let rect = Rect::new(vector(at), size.x, size.y);
+            self.events
+                .push((step, Event::Spawn(Spawn::new(String::new(), rect, mass).with_velocity(vector(velocity)))));
+        }
+
+        /// All collisions, states, snapshots and errors of a run in which groups are looked for after every so many events,
+        /// and the number of impacts in groups.
+        fn run(&self, search_interval: u64) -> (Vec<String>, u64) {
+            let mut engine = Engine::new(self.config.clone());
+            engine.assert_invariants();
+            engine.event_driven_mut().search_interval = search_interval;
+            let mut record = Vec::new();
+            for step in 0..self.steps {
+                self.events.iter().filter(|(at, _)| *at == step).for_each(|(_, event)| engine.apply(event));
+                let mut collisions: Vec<Collision> = Vec::new();
+                let between = engine.world_after(0.4 / self.config.rate, &mut collisions);
+                let result = engine.step(&mut collisions);
+                record.extend(collisions.iter().map(|collision| format!("{collision:?}")));
+                record.push(format!("{between:?} {result:?} {:?}", engine.snapshot()));
+            }
+            (record, engine.event_driven_mut().impacts_in_groups)
+        }
+    }
+
+    #[test]
+    fn groups_influence_no_result() {
+        let (mut in_groups, mut scenes_with_groups) = (0, 0);
+        for seed in 0..1000 {
+            let scene = Scene::random(&mut PseudoRandom(seed * 7919));
+            let (expected, none) = scene.run(u64::MAX);
+            assert_eq!(none, 0);
+            for interval in [1, super::SEARCH_INTERVAL] {
+                let (record, impacts) = scene.run(interval);
+                for (one, other) in expected.iter().zip(&record) {
+                    assert_eq!(one, other, "seed {seed}, interval {interval}");
+                }
+                assert_eq!(record.len(), expected.len(), "seed {seed}");
+                if interval == 1 {
+                    in_groups += impacts;
+                    scenes_with_groups += u32::from(impacts > 0);
+                }
+            }
+        }
+        assert!(scenes_with_groups > 200 && in_groups > 20_000);
+    }
+
+    #[test]
+    fn galperins_billiard_is_one_group() {
+        let mut engine = Engine::new(EngineConfig::new(SolverKind::EventDriven, 1.0));
+        for (at, size, mass, velocity) in [(0.0, 1.0, f64::INFINITY, 0.0), (4.0, 1.0, 1.0, 0.0), (8.0, 2.0, 1e8, -1.0)]
+        {
+            let rect = Rect::new(Vector::new(at, 10.0 - size), size, size);
+            let spawn = Spawn::new(String::new(), rect, mass).with_velocity(Vector::new(velocity, 0.0));
+            engine.apply(&Event::Spawn(spawn));
+        }
+        let mut collisions: Vec<Collision> = Vec::new();
+        for _ in 0..20 {
+            engine.step(&mut collisions).unwrap();
+        }
+        assert_eq!(collisions.len(), 31_415);
+        assert!(engine.event_driven_mut().impacts_in_groups > 31_300);
+    }
+}
