@@ -96,11 +96,6 @@ pub struct AxisLowParts {
     pub size: f64,
 }
 
-/// The low parts of a body's trajectory along x and y: one cache line.
-#[derive(Clone, Copy, Debug)]
-#[repr(align(64))]
-pub struct LowParts(pub [AxisLowParts; 2]);
-
 /// The state of a body along one axis in double-double precision, or of two bodies side by side.
 #[derive(Clone, Copy, Debug)]
 pub struct StateDd<T = f64> {

@@ -1,7 +1,7 @@
 //! The bodies of the solver.
 
-use super::axis_trajectory::{AxisLowParts, AxisTrajectory, LowParts, StateDd};
-use super::body_state::{BodyParams, BodyState, Load, Slot};
+use super::axis_trajectory::{AxisLowParts, AxisTrajectory, StateDd};
+use super::body_state::{BodyDetails, BodyParams, BodyState, Load, Slot};
 use super::double_double::DoubleDouble;
 use super::exact::Resolution;
 use super::instant::Instant;
@@ -23,9 +23,7 @@ pub struct Bodies {
     /// By slot.
     states: Vec<BodyState>,
     /// By slot.
-    low_parts: Vec<LowParts>,
-    /// By slot.
-    params: Vec<BodyParams>,
+    details: Vec<BodyDetails>,
     /// For each axis, the number of bodies alive with a constant force along it.
     force_counts: [u32; 2],
     /// Random rounding, by which the accuracy of a run is estimated; usually none.
@@ -39,8 +37,7 @@ impl Bodies {
         Bodies {
             gravity,
             states: Vec::new(),
-            low_parts: Vec::new(),
-            params: Vec::new(),
+            details: Vec::new(),
             force_counts: [0; 2],
             rounding: RandomRounding::default(),
             resolution: Resolution::default(),
@@ -83,17 +80,17 @@ impl Bodies {
 
     /// The slots of the bodies alive, in creation order.
     pub fn alive(&self) -> impl Iterator<Item = Slot> + '_ {
-        (0..self.states.len() as Slot).filter(|slot| self.params[*slot as usize].alive)
+        (0..self.states.len() as Slot).filter(|slot| self.params(*slot).alive)
     }
 
     /// The slot of a body, alive or deleted.
     pub fn slot_of(&self, id: BodyId) -> Option<Slot> {
-        self.params.binary_search_by_key(&id, |params| params.id).ok().map(|slot| slot as Slot)
+        self.details.binary_search_by_key(&id, |details| details.params.id).ok().map(|slot| slot as Slot)
     }
 
     /// The data of a body that predictions do not read.
     pub fn params(&self, slot: Slot) -> &BodyParams {
-        &self.params[slot as usize]
+        &self.details[slot as usize].params
     }
 
     /// Appends the body with the given index in the world, whose trajectory starts at `since` in free fall.
@@ -113,7 +110,6 @@ impl Bodies {
         let low_parts = free_acceleration
             .map(|acceleration| AxisLowParts { acceleration: acceleration.low, ..AxisLowParts::default() });
         let has_force = Axis::BOTH.map(|axis| !infinite && force[axis] != 0.0);
-        self.low_parts.push(LowParts(low_parts));
         self.states.push(BodyState {
             trajectory,
             size: [body.rect.width(), body.rect.height()],
@@ -127,13 +123,14 @@ impl Bodies {
             self.force_counts[axis] += u32::from(has_force[axis]);
         }
         let (mass, material) = (body.mass, body.material);
-        self.params.push(BodyParams { id: body.id, mass, material, free_acceleration, has_force, alive: true });
+        let params = BodyParams { id: body.id, mass, material, free_acceleration, has_force, alive: true };
+        self.details.push(BodyDetails { low_parts, params });
         slot
     }
 
     /// Deletes a body alive; its slot stays.
     pub fn delete(&mut self, slot: Slot) {
-        let params = &mut self.params[slot as usize];
+        let params = &mut self.details[slot as usize].params;
         params.alive = false;
         for axis in Axis::BOTH {
             self.force_counts[axis] -= u32::from(params.has_force[axis]);
@@ -174,7 +171,7 @@ impl Bodies {
     #[inline]
     pub fn reference(&self, slot: Slot, axis: Axis) -> Reference {
         let body = &self.states[slot as usize];
-        let low = &self.low_parts[slot as usize].0[axis];
+        let low = &self.details[slot as usize].low_parts[axis];
         let trajectory = &body.trajectory;
         let state = StateDd {
             position: DoubleDouble { high: trajectory.position[axis], low: low.position },
@@ -185,7 +182,7 @@ impl Bodies {
             state,
             since: trajectory.since(axis),
             size: DoubleDouble { high: body.size[axis], low: low.size },
-            free_acceleration: self.params[slot as usize].free_acceleration[axis].high.abs(),
+            free_acceleration: self.details[slot as usize].params.free_acceleration[axis].high.abs(),
         }
     }
 
@@ -205,7 +202,7 @@ impl Bodies {
             AxisTrajectory { position: position_high, velocity: velocity_high, acceleration: acceleration_high, since };
         body.trajectory.set(axis, trajectory);
         body.since = body.trajectory.latest();
-        let low = &mut self.low_parts[slot as usize].0[axis];
+        let low = &mut self.details[slot as usize].low_parts[axis];
         (low.position, low.velocity, low.acceleration) = (position.low, velocity.low, acceleration.low);
     }
 
@@ -227,25 +224,28 @@ impl Bodies {
     /// Reads all that is stored of a body; returns a number that depends on it.
     #[inline]
     pub fn read_ahead(&self, slot: Slot) -> f64 {
-        let low_size = self.low_parts[slot as usize].0[Axis::X].size;
-        self.states[slot as usize].read_ahead() + low_size + self.params[slot as usize].mass
+        let low_size = self.details[slot as usize].low_parts[Axis::X].size;
+        self.states[slot as usize].read_ahead() + low_size + self.details[slot as usize].params.mass
     }
 
     /// The size of a body along an axis, m.
     #[inline]
     pub fn size(&self, slot: Slot, axis: Axis) -> DoubleDouble {
-        DoubleDouble { high: self.states[slot as usize].size[axis], low: self.low_parts[slot as usize].0[axis].size }
+        DoubleDouble {
+            high: self.states[slot as usize].size[axis],
+            low: self.details[slot as usize].low_parts[axis].size,
+        }
     }
 
     /// Changes the size of a body along an axis by less than the rounding of its coordinates.
     pub fn adjust_size(&mut self, slot: Slot, axis: Axis, size: DoubleDouble) {
         let high = self.states[slot as usize].size[axis];
-        self.low_parts[slot as usize].0[axis].size = (size - high.into()).high;
+        self.details[slot as usize].low_parts[axis].size = (size - high.into()).high;
     }
 
     /// The low parts of a body along an axis, for a snapshot.
     pub fn low_parts(&self, slot: Slot, axis: Axis) -> &AxisLowParts {
-        &self.low_parts[slot as usize].0[axis]
+        &self.details[slot as usize].low_parts[axis]
     }
 
     /// Restores the state of a body along an axis from a snapshot.
@@ -254,7 +254,7 @@ impl Bodies {
         body.trajectory.set(axis, trajectory);
         body.since = body.trajectory.latest();
         body.load[axis] = load;
-        self.low_parts[slot as usize].0[axis] = low_parts;
+        self.details[slot as usize].low_parts[axis] = low_parts;
     }
 
     /// The longest side among the bodies of finite mass, without the outliers; m.

@@ -1,3 +1,4 @@
+use super::axis_trajectory::AxisLowParts;
 use super::double_double::DoubleDouble;
 use super::instant::Instant;
 use super::trajectory::Trajectory;
@@ -48,9 +49,18 @@ pub enum Load {
     OwnForces,
 }
 
-/// The data of a body that predictions do not read.
+/// The data of a body that predictions do not read: two cache lines, of which processors fetch both.
 #[derive(Clone, Debug)]
-#[repr(align(64))]
+#[repr(C, align(128))]
+pub struct BodyDetails {
+    /// The low parts of its trajectory along x and y.
+    pub low_parts: [AxisLowParts; 2],
+    /// What an impact does not change.
+    pub params: BodyParams,
+}
+
+/// The data of a body that no impact changes.
+#[derive(Clone, Debug)]
 pub struct BodyParams {
     /// Its id in the world.
     pub id: BodyId,
