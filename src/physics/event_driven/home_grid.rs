@@ -54,8 +54,18 @@ pub struct HomeGrid {
     latest_strays: Vec<u32>,
     /// The strays. One that strayed repeatedly is listed repeatedly.
     strays: Vec<Stray>,
-    /// Buffer for the buckets of the bodies.
-    buckets: Vec<u32>,
+    /// All bodies in the order in which they are sorted: that of the last time, so that memory is read and written almost in
+    /// order.
+    entries: Vec<Entry>,
+}
+
+/// A body to be sorted.
+#[derive(Clone, Copy, Debug)]
+struct Entry {
+    home: SweptAabb,
+    slot: Slot,
+    /// Its bucket, or [`NONE`] if the home is larger than a cell.
+    bucket: u32,
 }
 
 /// The lower and upper corners of the smallest rectangle around two, m.
@@ -112,7 +122,7 @@ impl HomeGrid {
     }
 
     /// Sorts bodies into cells of a side (m), given their homes; adds those whose homes are larger than a cell to
-    /// `large`. Returns false if lists do not pay.
+    /// `large`. Returns false if lists do not pay. The bodies must be the same each time.
     pub fn sort<'a>(
         &mut self,
         side: f64,
@@ -121,9 +131,16 @@ impl HomeGrid {
         large: &mut Vec<Slot>,
         threads: Threads,
     ) -> bool {
+        let mut entries = std::mem::take(&mut self.entries);
+        if entries.is_empty() {
+            entries.extend(bodies.iter().map(|slot| Entry { home: SweptAabb::EVERYWHERE, slot: *slot, bucket: NONE }));
+        }
         let mut corners = vec![[[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]]; bodies.len().div_ceil(BODIES_PER_PART)];
-        threads.share(bodies.chunks(BODIES_PER_PART).zip(&mut corners), |(bodies, corners)| {
-            *corners = bodies.iter().fold(*corners, |corners, slot| hull(corners, [home(*slot).centre(); 2]));
+        threads.share(entries.chunks_mut(BODIES_PER_PART).zip(&mut corners), |(entries, corners)| {
+            for entry in entries {
+                entry.home = *home(entry.slot);
+                *corners = hull(*corners, [entry.home.centre(); 2]);
+            }
         });
         let [low, high] = corners.into_iter().reduce(hull).unwrap_or_default();
         let spans = Axis::BOTH.map(|axis| (high[axis] - low[axis]) / side + 1.0);
@@ -135,37 +152,28 @@ impl HomeGrid {
         (self.side, self.origin) = (side, low);
         self.cells = spans.map(|span| span as u32);
         self.columns = self.cells[0] as usize + 2;
-        let mut buckets = std::mem::take(&mut self.buckets);
-        buckets.resize(bodies.len(), NONE);
-        let parts = bodies.chunks(BODIES_PER_PART).zip(buckets.chunks_mut(BODIES_PER_PART));
-        threads.share(parts, |(bodies, buckets): (&[Slot], &mut [u32])| {
-            for (slot, bucket) in bodies.iter().zip(buckets) {
-                let home = home(*slot);
-                *bucket = if HomeGrid::fits(home, side) { self.bucket(home.centre()) as u32 } else { NONE };
+        threads.share(entries.chunks_mut(BODIES_PER_PART), |entries: &mut [Entry]| {
+            for entry in entries {
+                let fits = HomeGrid::fits(&entry.home, side);
+                entry.bucket = if fits { self.bucket(entry.home.centre()) as u32 } else { NONE };
             }
         });
-        self.place(bodies, &buckets, home, large);
-        self.buckets = buckets;
+        self.place(&mut entries, large);
+        self.entries = entries;
         self.candidates() <= bodies.len() * MAX_CANDIDATES_PER_BODY
     }
 
-    /// Sorts the bodies by counting, given their buckets; in a cell they keep their order.
-    fn place<'a>(
-        &mut self,
-        bodies: &[Slot],
-        buckets: &[u32],
-        home: impl Fn(Slot) -> &'a SweptAabb,
-        large: &mut Vec<Slot>,
-    ) {
+    /// Sorts the bodies by counting; in a cell they keep their order.
+    fn place(&mut self, entries: &mut [Entry], large: &mut Vec<Slot>) {
         let count = self.columns * (self.cells[1] as usize + 2);
         self.strays.clear();
         self.latest_strays.clear();
         self.latest_strays.resize(count, NONE);
         self.starts.clear();
         self.starts.resize(count + 1, 0);
-        for (slot, bucket) in bodies.iter().zip(buckets) {
-            match *bucket {
-                NONE => large.push(*slot),
+        for entry in &*entries {
+            match entry.bucket {
+                NONE => large.push(entry.slot),
                 bucket => self.starts[bucket as usize] += 1,
             }
         }
@@ -177,12 +185,15 @@ impl HomeGrid {
         }
         self.slots.resize(sum as usize, NONE);
         self.homes.resize(sum as usize, SweptAabb::EVERYWHERE);
-        for (slot, bucket) in bodies.iter().zip(buckets).rev().filter(|(_, bucket)| **bucket != NONE) {
-            let start = &mut self.starts[*bucket as usize];
+        for entry in entries.iter().rev().filter(|entry| entry.bucket != NONE) {
+            let start = &mut self.starts[entry.bucket as usize];
             *start -= 1;
             let place = *start as usize;
-            self.slots[place] = *slot;
-            self.homes[place] = *home(*slot);
+            self.slots[place] = entry.slot;
+            self.homes[place] = entry.home;
+        }
+        for (entry, slot) in entries.iter_mut().zip(self.slots.iter().chain(&*large)) {
+            entry.slot = *slot;
         }
     }
 
