@@ -147,10 +147,10 @@ impl Engine {
         Engine { world, step: 0, next_id: 0, rate: config.rate, solver, failure: None }
     }
 
-    /// Sets the number of threads among which the event-driven solver divides the work that depends on no order, from some
+    /// Sets the number of threads among which the event-driven solver divides the work that depends on no order, from some ten
     /// thousand bodies on; `None`, the default, stands for as many as the system runs at the same time. It changes no
     /// result.
-    pub fn set_threads(&mut self, count: Option<NonZero<usize>>) {
+    pub fn set_threads(&mut self, count: Option<NonZero<u32>>) {
         if let Solver::EventDriven(solver) = &mut self.solver {
             solver.set_threads(count);
         }

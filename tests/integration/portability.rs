@@ -77,8 +77,10 @@ const RULES: &[Rule] = &[
             "src/recording/writer_thread.rs",
             "src/recording/writer.rs",
             "src/picture/encode/ordered_parallel_map.rs",
+            "src/physics/event_driven/threads.rs",
         ],
-        reason: "only these modules start or suspend threads: for recording, for drawing, and to wait for signals and processes",
+        reason: "only these modules start or suspend threads: for recording, for drawing, for the work of the solver that \
+                 depends on no order, and to wait for signals and processes",
     },
     Rule {
         word: "tiny_skia",

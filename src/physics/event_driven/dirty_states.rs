@@ -237,7 +237,7 @@ mod tests {
     fn several_threads_write_the_same_states_as_one() {
         let (bodies, mut states, world) = boxes(MIN_SHARED * 3 / 2, 1.0);
         assert!(states.moving.len() > MIN_SHARED);
-        let mut sampled = |threads: usize| {
+        let mut sampled = |threads: u32| {
             let (mut world, end) = (world.clone(), Instant { high: 0.1, low: 0.0 });
             states.sample(&bodies, &mut world, 0, end, Threads::new(NonZero::new(threads))).unwrap();
             world.bodies

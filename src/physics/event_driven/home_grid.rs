@@ -97,6 +97,13 @@ impl Band {
         &self.approaches[..self.approach_count]
     }
 
+    /// Adds a pair whose paths may overlap.
+    pub fn add_approach(&mut self, pair: [Slot; 2]) {
+        self.approaches.truncate(self.approach_count);
+        self.approaches.push(pair);
+        self.approach_count += 1;
+    }
+
     /// The pairs of a body in the band and one in the next band.
     fn crossing(&self) -> impl Iterator<Item = [u32; 2]> {
         let [before, all] = self.counts;
@@ -212,7 +219,7 @@ impl HomeGrid {
         self.origin.into_iter().chain(ends).map(f64::abs).fold(self.side, larger)
     }
 
-    /// Divides the rows of cells into bands, each of about the given number of bodies.
+    /// Divides the rows of cells into bands, at least one, each of about the given number of bodies.
     pub fn divide(&self, bodies: usize, bands: &mut Vec<Band>) {
         let rows = self.cells[1] as usize;
         let rows_per_band = (rows * bodies).div_ceil(self.slots.len().max(1)).min(rows);

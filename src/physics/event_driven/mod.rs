@@ -237,7 +237,7 @@ impl EventDriven {
     }
 
     /// Sets the number of threads; without one, as many as the system runs at the same time.
-    pub fn set_threads(&mut self, count: Option<NonZero<usize>>) {
+    pub fn set_threads(&mut self, count: Option<NonZero<u32>>) {
         self.threads = Threads::new(count);
     }
 

@@ -250,7 +250,7 @@ impl EventDriven {
         let mut found = std::mem::take(&mut self.window_lists.events);
         let parts = self.window_lists.approaches();
         found.resize_with(parts.len(), Vec::new);
-        self.threads.share(parts.into_iter().zip(&mut found), |(pairs, found)| {
+        self.threads_of_window().share(parts.zip(&mut found), |(pairs, found)| {
             for (index, pair) in pairs.iter().enumerate() {
                 if index % READ_AHEAD == 0 && self.bodies.len() >= MIN_READ_AHEAD {
                     let ahead = pairs[index..].iter().take(READ_AHEAD).flatten();

@@ -8,17 +8,21 @@ use std::thread::{Builder, available_parallelism, scope};
 ///
 /// It influences no result.
 #[derive(Clone, Copy, Debug)]
-pub struct Threads(NonZero<usize>);
+pub struct Threads(usize);
 
 impl Threads {
+    /// The thread of the caller alone.
+    pub const ONE: Threads = Threads(1);
+
     /// The given number of threads; without one, as many as the system runs at the same time.
-    pub fn new(count: Option<NonZero<usize>>) -> Threads {
-        Threads(count.or(available_parallelism().ok()).unwrap_or(NonZero::<usize>::MIN))
+    pub fn new(count: Option<NonZero<u32>>) -> Threads {
+        let available = || available_parallelism().map_or(1, NonZero::get);
+        Threads(count.map_or_else(available, |count| count.get() as usize))
     }
 
     /// The number of threads.
     pub fn count(self) -> usize {
-        self.0.get()
+        self.0
     }
 
     /// Calls `work` with each of the parts, in any order; with more than one part, on several threads.

@@ -39,11 +39,20 @@ struct Tuning {
     skin: f64,
     /// The number of bodies in the parts of a new window that are worked on independently.
     bodies_per_part: usize,
+    /// With fewer bodies, one thread is faster than several, whose processors would exchange the records.
+    min_shared: usize,
 }
 
 impl Default for Tuning {
     fn default() -> Tuning {
-        Tuning { min_bodies: 16, calm_steps: 16, displacement: 0.6, skin: 0.6, bodies_per_part: 4096 }
+        Tuning {
+            min_bodies: 16,
+            calm_steps: 16,
+            displacement: 0.6,
+            skin: 0.6,
+            bodies_per_part: 4096,
+            min_shared: 1 << 15,
+        }
     }
 }
 
@@ -93,8 +102,6 @@ pub struct WindowLists {
     members: Vec<Slot>,
     /// Further entries of lists, each with the one before it in the same list.
     extras: Vec<(Slot, u32)>,
-    /// The pairs of a moving body and one outside the grid whose paths overlap at the start of the window.
-    approaches: Vec<[Slot; 2]>,
     /// Buffer for the events of the pairs whose paths overlap.
     pub events: Vec<Vec<Approach>>,
     grid: HomeGrid,
@@ -187,8 +194,8 @@ impl WindowLists {
     }
 
     /// The pairs of bodies whose paths overlapped at the start of the window, in lists; the first of a pair is to predict it.
-    pub fn approaches(&self) -> Vec<&[[Slot; 2]]> {
-        self.bands.iter().map(Band::approaches).chain([self.approaches.as_slice()]).collect()
+    pub fn approaches(&self) -> impl ExactSizeIterator<Item = &[[Slot; 2]]> {
+        self.bands.iter().map(Band::approaches)
     }
 
     /// The list of a body, sorted by slot.
@@ -305,7 +312,7 @@ impl WindowLists {
 
     /// Adds the static bodies and those with large homes to the lists.
     fn list_outside_grid(&mut self) {
-        self.approaches.clear();
+        let last_band = self.bands.len() - 1;
         let mut overlapping = std::mem::take(&mut self.found);
         for index in 0..self.statics.len() + self.large.len() {
             let (slot, later) = match index.checked_sub(self.statics.len()) {
@@ -320,7 +327,7 @@ impl WindowLists {
                     self.add_extra(slot, *other);
                 }
                 if !self.paths[slot as usize].is_disjoint_from(&self.paths[*other as usize]) {
-                    self.approaches.push([*other, slot]);
+                    self.bands[last_band].add_approach([*other, slot]);
                 }
             }
         }
@@ -394,7 +401,7 @@ impl EventDriven {
     /// Begins a window at the start of a step if the last one is over, or if one may begin and pays.
     pub(super) fn begin_window(&mut self, step: u64) {
         if self.window_lists.is_over(step) {
-            if self.window_lists.begin(&self.bodies, &self.clock, step, self.now, self.threads) {
+            if self.window_lists.begin(&self.bodies, &self.clock, step, self.now, self.threads_of_window()) {
                 self.predict_approaches();
             } else {
                 self.leave_window(RETRY_STEPS);
@@ -405,7 +412,7 @@ impl EventDriven {
             let size = self.bodies.typical_size();
             let tuning = self.window_lists.tuning;
             let mut lists = WindowLists { tuning, size, moving, statics, ..WindowLists::default() };
-            if !lists.begin(&self.bodies, &self.clock, step, self.now, self.threads) {
+            if !lists.begin(&self.bodies, &self.clock, step, self.now, self.threads_of_window()) {
                 self.window_lists.end(step + RETRY_STEPS);
                 return;
             }
@@ -415,6 +422,11 @@ impl EventDriven {
             self.event_queue = EventQueue::new(self.clock, step, self.bodies.len());
             self.predict_changed();
         }
+    }
+
+    /// The threads that work on the start of a window.
+    pub(super) fn threads_of_window(&self) -> Threads {
+        if self.bodies.len() < self.window_lists.tuning.min_shared { Threads::ONE } else { self.threads }
     }
 
     /// Returns to cell lists, for a number of steps at least. All bodies must predict again.
@@ -539,7 +551,7 @@ mod tests {
         let usual = Tuning { calm_steps: 2, ..Tuning::default() };
         let long = Tuning { displacement: 3.0, ..usual };
         let without_skin = Tuning { skin: 0.0, ..usual };
-        let in_parts = Tuning { bodies_per_part: 7, ..usual };
+        let in_parts = Tuning { bodies_per_part: 7, min_shared: 0, ..usual };
         let tunings = [never, usual, long, without_skin, in_parts];
         let mut windows = [0; 5];
         for seed in 0..if cfg!(debug_assertions) { 3 } else { 60 } {
