@@ -206,7 +206,7 @@ impl<R: Read + Seek> Replayer<R> {
         self.last == Some(*self.steps.end())
     }
 
-    fn replay_item<O: Observer>(&mut self, item: Item, observer: &mut O) -> Result<(), Box<Divergence>> {
+    fn replay_item(&mut self, item: Item, observer: &mut dyn Observer) -> Result<(), Box<Divergence>> {
         match (item, &self.phase) {
             (Item::Keyframe(keyframe), Phase::InSync) => self.expected_keyframe = Some(keyframe),
             (Item::Keyframe(keyframe), Phase::Start) if self.is_at_start() => self.expected_keyframe = Some(keyframe),
@@ -246,7 +246,7 @@ impl<R: Read + Seek> Replayer<R> {
         }
     }
 
-    fn apply_event<O: Observer>(&mut self, event: RecordedEvent, observer: &mut O) -> Result<(), Box<Divergence>> {
+    fn apply_event(&mut self, event: RecordedEvent, observer: &mut dyn Observer) -> Result<(), Box<Divergence>> {
         self.phase = Phase::InSync;
         self.run_to(event.step, observer)?;
         let (verb, name) = match &event.change {
@@ -263,7 +263,7 @@ impl<R: Read + Seek> Replayer<R> {
         Ok(())
     }
 
-    fn compare_state<O: Observer>(&mut self, state: &RecordedState, observer: &mut O) -> Result<(), Box<Divergence>> {
+    fn compare_state(&mut self, state: &RecordedState, observer: &mut dyn Observer) -> Result<(), Box<Divergence>> {
         self.phase = Phase::InSync;
         self.run_to(state.step, observer)?;
         let keyframe = self.expected_keyframe.take();
@@ -347,7 +347,7 @@ impl<R: Read + Seek> Replayer<R> {
     }
 
     /// Checks that the replay ends with the recorded error, if there is one.
-    fn compare_error<O: Observer>(&mut self, trailer: &Trailer, observer: &mut O) -> Result<(), Box<Divergence>> {
+    fn compare_error(&mut self, trailer: &Trailer, observer: &mut dyn Observer) -> Result<(), Box<Divergence>> {
         let Some(recorded) = &trailer.error else { return Ok(()) };
         match self.step(observer) {
             Err(error) if are_same_errors(recorded, &error) => {
@@ -362,7 +362,7 @@ impl<R: Read + Seek> Replayer<R> {
         }
     }
 
-    fn run_to<O: Observer>(&mut self, step: u64, observer: &mut O) -> Result<(), Box<Divergence>> {
+    fn run_to(&mut self, step: u64, observer: &mut dyn Observer) -> Result<(), Box<Divergence>> {
         while self.engine.current_step() < step {
             if let Err(error) = self.step(observer) {
                 return Err(self.mismatch(format!("the replay ends with an error that was not recorded: {error}")));
@@ -371,7 +371,7 @@ impl<R: Read + Seek> Replayer<R> {
         Ok(())
     }
 
-    fn step<O: Observer>(&mut self, observer: &mut O) -> Result<(), StepError> {
+    fn step(&mut self, observer: &mut dyn Observer) -> Result<(), StepError> {
         let mut observers = Observers { observer, collisions: &mut self.collisions, probe: &mut self.probe };
         let stepped = self.engine.step(&mut observers);
         self.probe.iter_mut().for_each(|probe| probe.follow(&self.engine));
@@ -422,14 +422,14 @@ impl<R: Read + Seek> Replayer<R> {
     }
 }
 
-/// The observers of the collisions of a replay.
-struct Observers<'a, O> {
-    observer: &'a mut O,
+/// The observers of the collisions of a replay. The solver is compiled once for all of them, not for each type of observer.
+struct Observers<'a> {
+    observer: &'a mut dyn Observer,
     collisions: &'a mut Option<CollisionCount>,
     probe: &'a mut Option<AccuracyProbe>,
 }
 
-impl<O: Observer> Observer for Observers<'_, O> {
+impl Observer for Observers<'_> {
     fn collision(&mut self, collision: &Collision) {
         self.collisions.iter_mut().for_each(|count| count.collision(collision));
         self.probe.iter_mut().for_each(|probe| probe.collision(collision));
