@@ -12,7 +12,7 @@ use super::isolated::Meeting;
 use super::predict::ordered_pair;
 use super::random_rounding::RandomRounding;
 use super::reference::Reference;
-use super::{COMPARED_TIMES, EventDriven};
+use super::{EventDriven, VICINITY};
 use crate::physics::{Axis, Observer, Side, StepError, World, smaller};
 
 /// A group is looked for after every so many events of a step, so that a search in vain costs little.
@@ -24,9 +24,6 @@ const CLEAR: f64 = 64.0 * f64::EPSILON;
 
 /// The fraction of a time in which bodies stay apart, or overlap, that is relied on.
 const RELIABLE: f64 = 1.0 - 1.0 / (1_u64 << 30) as f64;
-
-/// The factor from a time to the end of its vicinity, and somewhat more.
-const VICINITY: f64 = 1.0 + 4.0 * COMPARED_TIMES;
 
 /// Bodies in a row along an axis, no two neighbours of infinite mass. They overlap along the other axis, all have constant
 /// velocities, and those of finite mass have no contacts.

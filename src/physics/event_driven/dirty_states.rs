@@ -140,10 +140,8 @@ impl DirtyStates {
         threads: Threads,
         state: impl Fn(&Trajectory) -> [[f64; 2]; 2] + Sync,
     ) -> bool {
-        let per_part = if bodies.len() < MIN_SHARED { MIN_SHARED } else { BODIES_PER_PART };
-        let parts = world.bodies.chunks_mut(per_part).zip(bodies.states().chunks(per_part));
         let are_finite = AtomicBool::new(true);
-        threads.share(parts.zip(self.moving_indices.chunks(per_part)), |((written, states), moving_indices)| {
+        let write_part = |((written, states), moving_indices): ((&mut [Body], &[BodyState]), &[u32])| {
             let mut zero = [0.0; 2];
             for ((body, source), index) in written.iter_mut().zip(states).zip(moving_indices) {
                 if *index != NONE {
@@ -156,7 +154,13 @@ impl DirtyStates {
             if zero != [0.0; 2] {
                 are_finite.store(false, Ordering::Relaxed);
             }
-        });
+        };
+        if bodies.len() < MIN_SHARED {
+            write_part(((&mut world.bodies, bodies.states()), &self.moving_indices));
+        } else {
+            let parts = world.bodies.chunks_mut(BODIES_PER_PART).zip(bodies.states().chunks(BODIES_PER_PART));
+            threads.share(parts.zip(self.moving_indices.chunks(BODIES_PER_PART)), write_part);
+        }
         are_finite.into_inner()
     }
 

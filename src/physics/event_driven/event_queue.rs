@@ -318,8 +318,10 @@ impl EventQueue {
         let step = self.current_step() + 1;
         self.current_slice = step << self.log2_slices;
         let index = (step % STEP_BINS) as usize;
-        let bin = std::mem::take(&mut self.step_bins[index]);
-        self.step_bins[index] = self.redistribute(bin, due);
+        if !self.step_bins[index].is_empty() {
+            let bin = std::mem::take(&mut self.step_bins[index]);
+            self.step_bins[index] = self.redistribute(bin, due);
+        }
     }
 
     /// Returns true if nothing is due in the current step, and no cell crossing at its end.

@@ -136,6 +136,9 @@ const MAX_REPETITIONS_PER_BODY: u64 = 1000;
 /// doubles.
 const COMPARED_TIMES: f64 = 1.0 / (1_u64 << 50) as f64;
 
+/// The factor from a time to the end of its vicinity, and somewhat more.
+const VICINITY: f64 = 1.0 + 4.0 * COMPARED_TIMES;
+
 /// The event-driven solver.
 ///
 /// A snapshot stores only trajectories, contacts, pending spawns and wakes. Cell lists, window lists and event queue are
@@ -366,6 +369,9 @@ impl EventDriven {
 
     /// Inserts the bodies spawned since the last step and processes the instant for all that the inputs concern.
     fn apply_inputs<O: Observer>(&mut self, world: &World, observer: &mut O) -> Result<(), StepError> {
+        if self.pending_spawns.is_empty() && self.pending_wakes.is_empty() && self.changed.is_empty() {
+            return Ok(());
+        }
         self.changed.retain(|slot| self.bodies.params(*slot).alive);
         let mut concerned = self.insert_spawned(world);
         concerned.append(&mut self.pending_wakes);
@@ -391,6 +397,9 @@ impl EventDriven {
 
     /// Processes the events up to the instant `last`, and those that coincide with it, in the order of their times.
     fn process_events<O: Observer>(&mut self, world: &World, last: Instant, observer: &mut O) -> Result<(), StepError> {
+        if self.event_queue.next_time().high > last.high * VICINITY {
+            return Ok(());
+        }
         let end_of_vicinity = end_of_vicinity(last);
         while let Some((slot, event)) = self.event_queue.pop(end_of_vicinity) {
             self.read_ahead();
