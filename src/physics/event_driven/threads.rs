@@ -27,11 +27,10 @@ impl Threads {
 
     /// Calls `work` with each of the parts, in any order; with more than one part, on several threads.
     ///
-    /// Starting a thread and waiting for it takes about 25 µs. If the system provides fewer threads, the
-    /// work only takes longer.
+    /// Starting a thread and waiting for it takes about 25 µs. If the system provides fewer threads, or none as on
+    /// WebAssembly, the work only takes longer.
     pub fn share<P: Send>(self, parts: impl ExactSizeIterator<Item = P> + Send, work: impl Fn(P) + Sync) {
-        // WebAssembly has no threads; so the code for them is left out there.
-        let helpers = if cfg!(target_family = "wasm") { 0 } else { self.count().min(parts.len()).saturating_sub(1) };
+        let helpers = self.count().min(parts.len()).saturating_sub(1);
         if helpers == 0 {
             return parts.for_each(work);
         }
