@@ -8,6 +8,7 @@ use super::axis_trajectory::StateDd;
 use super::body_state::Slot;
 use super::double_double::DoubleDouble;
 use crate::physics::{Axis, Side};
+use std::collections::BTreeMap;
 
 /// Faces that differ by at most this many units in the last place of the largest number involved coincide.
 const COINCIDING_ULPS: f64 = 2.0;
@@ -36,12 +37,11 @@ impl EventDriven {
     /// whose low face it is; otherwise to the earliest high face. So positions stay as they are given, unless two that
     /// differ coincide, and sizes take up the rounding.
     pub(super) fn align_spawned(&mut self, spawned: &[Slot]) {
-        let neighbours: Vec<Vec<Slot>> = spawned.iter().map(|slot| self.older_neighbours(*slot)).collect();
-        for members in groups(spawned, &neighbours) {
-            let mut slots: Vec<Slot> = members.iter().flat_map(|index| neighbours[*index].iter().copied()).collect();
-            slots.extend(members.iter().map(|index| spawned[*index]));
-            slots.sort_unstable();
-            slots.dedup();
+        let mut pairs = Vec::new();
+        for (index, slot) in spawned.iter().enumerate() {
+            pairs.extend(self.older_neighbours(*slot).into_iter().map(|other| (index, other)));
+        }
+        for slots in groups(spawned, &pairs) {
             Axis::BOTH.into_iter().for_each(|axis| self.align(&slots, spawned, axis));
         }
     }
@@ -135,8 +135,9 @@ impl EventDriven {
     }
 }
 
-/// The indices of spawned bodies that are connected by touching, in creation order.
-fn groups(spawned: &[Slot], neighbours: &[Vec<Slot>]) -> Vec<Vec<usize>> {
+/// The bodies connected by touching, each group in creation order, given pairs of the index of a spawned body and an older
+/// body that it touches.
+fn groups(spawned: &[Slot], pairs: &[(usize, Slot)]) -> impl Iterator<Item = Vec<Slot>> {
     let mut parents: Vec<usize> = (0..spawned.len()).collect();
     let root = |parents: &mut Vec<usize>, mut index: usize| {
         while parents[index] != index {
@@ -145,17 +146,19 @@ fn groups(spawned: &[Slot], neighbours: &[Vec<Slot>]) -> Vec<Vec<usize>> {
         }
         index
     };
-    for (index, others) in neighbours.iter().enumerate() {
-        for other in others.iter().filter_map(|other| spawned.binary_search(other).ok()) {
-            let [a, b] = [index, other].map(|index| root(&mut parents, index));
+    for (index, other) in pairs {
+        if let Ok(other) = spawned.binary_search(other) {
+            let [a, b] = [*index, other].map(|index| root(&mut parents, index));
             parents[if a > b { a } else { b }] = if a < b { a } else { b };
         }
     }
-    let mut groups: Vec<Vec<usize>> = vec![Vec::new(); spawned.len()];
-    for index in 0..spawned.len() {
-        let root = root(&mut parents, index);
-        groups[root].push(index);
+    let mut groups: BTreeMap<usize, Vec<Slot>> = BTreeMap::new();
+    for (index, other) in pairs {
+        groups.entry(root(&mut parents, *index)).or_default().extend([spawned[*index], *other]);
     }
-    groups.retain(|group| !group.is_empty());
-    groups
+    groups.into_values().map(|mut slots| {
+        slots.sort_unstable();
+        slots.dedup();
+        slots
+    })
 }

@@ -7,7 +7,7 @@ use super::event_queue::EventQueue;
 use crate::physics::{Axis, World};
 
 impl EventDriven {
-    /// Inserts the bodies spawned since the last step; returns the bodies that may touch them.
+    /// Inserts the bodies spawned since the last step; returns the bodies whose contacts or accelerations may change with them.
     ///
     /// If the bodies have outgrown cell lists and event queue, or are few, both are rebuilt and all
     /// bodies predict again; likewise if a static body is spawned, which predicts nothing itself.
@@ -40,7 +40,12 @@ impl EventDriven {
         let mut concerned = self.separate_overlaps(&spawned);
         self.align_spawned(&spawned);
         concerned.extend(self.neighbours_of_infinite(&spawned));
-        concerned.extend(spawned);
+        // One that touches no other falls freely already, as it was spawned; with many bodies, a patch of all would take
+        // more memory than everything else.
+        concerned.extend(spawned.into_iter().filter(|slot| {
+            let is_forced = self.bodies.params(*slot).has_force != [false; 2];
+            !self.bodies[*slot].infinite && (is_forced || !self.touches_none_but(None, *slot))
+        }));
         concerned
     }
 

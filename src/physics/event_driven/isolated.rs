@@ -59,8 +59,8 @@ impl EventDriven {
         let states = Reference::scaled_states_at(&references, self.now, self.bodies.rounding());
         let Some(impact) = self.impact_of(&meeting, &states) else { return false };
         let gives_way = meeting.is_infinite.map(|is_infinite| !is_infinite);
-        if (gives_way[0] && !self.touches_nothing_else(low, high))
-            || (gives_way[1] && !self.touches_nothing_else(high, low))
+        if (gives_way[0] && !self.touches_none_but(Some(high), low))
+            || (gives_way[1] && !self.touches_none_but(Some(low), high))
         {
             return false;
         }
@@ -181,14 +181,14 @@ impl EventDriven {
         changed
     }
 
-    /// True if a body certainly touches none but `partner`.
-    fn touches_nothing_else(&mut self, slot: Slot, partner: Slot) -> bool {
+    /// True if a body certainly touches none but `partner` now.
+    pub(super) fn touches_none_but(&mut self, partner: Option<Slot>, slot: Slot) -> bool {
         let mut neighbours = std::mem::take(&mut self.neighbour_buffer);
         self.find_touching(slot, self.now, &mut neighbours);
         let is_free = neighbours
             .slots()
             .iter()
-            .all(|other| *other == partner || !self.bodies.may_touch([slot, *other], self.now));
+            .all(|other| Some(*other) == partner || !self.bodies.may_touch([slot, *other], self.now));
         self.neighbour_buffer = neighbours;
         is_free
     }
