@@ -16,8 +16,9 @@
 //!    few bodies in a row that meet no others follow each other without that (`closed_group`).
 //! 3. **Sample.** The states of the bodies that moved are written to the world (`dirty_states`).
 //! 4. **Find neighbours.** In undisturbed motion, lists of neighbours are made anew for each window of some steps
-//!    (`window_lists`, `home_grid`), with many bodies on several `threads`, as the states are sampled. For some steps after an input, and with few bodies, the bodies that would leave
-//!    their cells in the next step are moved to their next cells instead (`cell_lists`, `spatial_hash`).
+//!    (`window_lists`, `home_grid`), with many bodies on several `threads`, as the states are sampled. For some steps
+//!    after an input, and with few bodies, the bodies that would leave their cells in the next step are moved to their
+//!    next cells instead (`cell_lists`, `spatial_hash`).
 //!
 //! A step in which nothing moves and nothing is due does none of this. `solver_snapshot` stores what
 //! is needed to continue bit for bit; `diagnose` creates the errors of a failed step.
