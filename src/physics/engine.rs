@@ -223,7 +223,16 @@ impl Engine {
     /// # Errors
     /// Returns an error if the step cannot be completed. From then on every step returns the same error.
     pub fn step<O: Observer>(&mut self, observer: &mut O) -> Result<(), StepError> {
-        if let Some(failure) = self.failure.clone().or_else(|| self.thin_spawn()) {
+        if let Some(failure) = &self.failure {
+            return Err(failure.clone());
+        }
+        if let Solver::EventDriven(solver) = &mut self.solver
+            && solver.skip_idle_step()
+        {
+            self.step += 1;
+            return Ok(());
+        }
+        if let Some(failure) = self.thin_spawn() {
             self.failure = Some(failure.clone());
             return Err(failure);
         }

@@ -282,6 +282,19 @@ impl EventDriven {
         self.pending_wakes.extend(self.contacts.remove_all(slot));
     }
 
+    /// Skips the present step if no body moves and nothing is due in it; returns false otherwise.
+    #[inline]
+    pub fn skip_idle_step(&mut self) -> bool {
+        let is_idle = self.dirty_states.is_empty()
+            && self.pending_spawns.is_empty()
+            && self.pending_wakes.is_empty()
+            && self.event_queue.is_step_empty();
+        if is_idle {
+            self.event_queue.skip_step();
+        }
+        is_idle
+    }
+
     /// Advances the world by one step; the module documentation lists the phases.
     ///
     /// # Errors
@@ -290,10 +303,6 @@ impl EventDriven {
     /// [`StepError::NotFinite`] if a number overflows. In the first two cases the world still
     /// holds the state before the step.
     pub fn step<O: Observer>(&mut self, world: &mut World, step: u64, observer: &mut O) -> Result<(), StepError> {
-        if self.is_idle() {
-            self.event_queue.skip_step();
-            return Ok(());
-        }
         self.begin_at(step);
         self.apply_inputs(world, observer)?;
         self.process_events(world, self.step_end, observer)?;
@@ -386,14 +395,6 @@ impl EventDriven {
         let at = self.now;
         let concerned: Vec<Concerned> = concerned.into_iter().map(|slot| Concerned { slot, at }).collect();
         self.process_instant(world, &concerned, observer)
-    }
-
-    /// True if no body moves and nothing is due in the present step.
-    fn is_idle(&self) -> bool {
-        self.pending_spawns.is_empty()
-            && self.pending_wakes.is_empty()
-            && self.dirty_states.is_empty()
-            && self.event_queue.is_step_empty()
     }
 
     /// Processes the events up to the instant `last`, and those that coincide with it, in the order of their times.
