@@ -59,8 +59,8 @@ impl EventDriven {
         let states = Reference::scaled_states_at(&references, self.now, self.bodies.rounding());
         let Some(impact) = self.impact_of(&meeting, &states) else { return false };
         let gives_way = meeting.is_infinite.map(|is_infinite| !is_infinite);
-        if (gives_way[0] && !self.touches_none_but(Some(high), low))
-            || (gives_way[1] && !self.touches_none_but(Some(low), high))
+        if (gives_way[0] && !self.touches_none_but(low, Some(high)))
+            || (gives_way[1] && !self.touches_none_but(high, Some(low)))
         {
             return false;
         }
@@ -181,8 +181,8 @@ impl EventDriven {
         changed
     }
 
-    /// True if a body certainly touches none but `partner` now.
-    pub(super) fn touches_none_but(&mut self, partner: Option<Slot>, slot: Slot) -> bool {
+    /// True if a body certainly touches no other now, or only `partner`.
+    pub(super) fn touches_none_but(&mut self, slot: Slot, partner: Option<Slot>) -> bool {
         let mut neighbours = std::mem::take(&mut self.neighbour_buffer);
         self.find_touching(slot, self.now, &mut neighbours);
         let is_free = neighbours

@@ -180,6 +180,8 @@ pub struct EventDriven {
     receding: Option<[Slot; 2]>,
     /// The number of events after which a closed group is looked for.
     search_interval: u64,
+    /// True to examine also the spawned bodies that touch no other.
+    examines_all_spawned: bool,
     /// The number of impacts carried out in closed groups.
     #[cfg(test)]
     impacts_in_groups: u64,
@@ -227,6 +229,7 @@ impl EventDriven {
             changed: Vec::new(),
             receding: None,
             search_interval: closed_group::SEARCH_INTERVAL,
+            examines_all_spawned: false,
             #[cfg(test)]
             impacts_in_groups: 0,
             indexed_bodies: 0,
