@@ -36,10 +36,14 @@ impl EventDriven {
     /// them: to that of the earliest body that was there before; otherwise to the given position of the earliest body
     /// whose low face it is; otherwise to the earliest high face. So positions stay as they are given, unless two that
     /// differ coincide, and sizes take up the rounding.
-    pub(super) fn align_spawned(&mut self, spawned: &[Slot]) {
+    ///
+    /// `touching` are the spawned bodies of finite mass that may touch others.
+    pub(super) fn align_spawned(&mut self, spawned: &[Slot], touching: &[Slot]) {
         let mut pairs = Vec::new();
         for (index, slot) in spawned.iter().enumerate() {
-            pairs.extend(self.older_neighbours(*slot).into_iter().map(|other| (index, other)));
+            if self.bodies[*slot].infinite || touching.binary_search(slot).is_ok() {
+                pairs.extend(self.older_neighbours(*slot).into_iter().map(|other| (index, other)));
+            }
         }
         for slots in groups(spawned, &pairs) {
             Axis::BOTH.into_iter().for_each(|axis| self.align(&slots, spawned, axis));

@@ -37,15 +37,12 @@ impl EventDriven {
             self.changed.extend(&spawned);
             spawned
         };
-        let mut concerned = self.separate_overlaps(&spawned);
-        self.align_spawned(&spawned);
+        let (touching, mut concerned) = self.separate_overlaps(&spawned);
+        self.align_spawned(&spawned, &touching);
         concerned.extend(self.neighbours_of_infinite(&spawned));
         // A body that touches no other falls freely as it was spawned. To leave it out saves memory with many bodies.
-        concerned.extend(spawned.into_iter().filter(|slot| {
-            let is_forced = self.bodies.params(*slot).has_force != [false; 2];
-            let is_examined = self.examines_all_spawned || is_forced;
-            !self.bodies[*slot].infinite && (is_examined || !self.touches_none_but(*slot, None))
-        }));
+        concerned.extend(touching);
+        concerned.extend(spawned.into_iter().filter(|slot| self.bodies.params(*slot).has_force != [false; 2]));
         concerned
     }
 

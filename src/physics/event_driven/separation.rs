@@ -3,6 +3,7 @@
 use super::EventDriven;
 use super::axis_trajectory::StateDd;
 use super::body_state::Slot;
+use super::cell_lists::NeighbourBuffer;
 use super::pair_event::tolerance;
 use crate::physics::Axis;
 
@@ -17,6 +18,11 @@ impl Aabb {
     /// The box of the same size at another corner.
     fn at(self, low: [f64; 2]) -> Aabb {
         Aabb { low, ..self }
+    }
+
+    /// The lower-right corner.
+    fn high(&self) -> [f64; 2] {
+        Axis::BOTH.map(|axis| self.low[axis] + self.size[axis])
     }
 
     /// True if the two share more than a border, beyond rounding.
@@ -37,13 +43,20 @@ impl EventDriven {
     /// overlaps no body that is already placed. A spawned body of infinite mass stays, and the older
     /// bodies of finite mass that it overlaps move instead. The nearest position is found exactly,
     /// among all positions that touch faces of obstacles.
-    /// Returns the older bodies that it moved or that were in contact with these.
-    pub(super) fn separate_overlaps(&mut self, spawned: &[Slot]) -> Vec<Slot> {
+    /// Returns the spawned bodies of finite mass that may touch others then, in creation order, and the older bodies that
+    /// it moved or that were in contact with these.
+    pub(super) fn separate_overlaps(&mut self, spawned: &[Slot]) -> (Vec<Slot>, Vec<Slot>) {
         let (mut queue, mut concerned) = self.displaced_by_static(spawned);
         concerned.extend(&queue);
         queue.extend(spawned.iter().copied().filter(|slot| !self.bodies[*slot].infinite));
+        let mut touching = Vec::new();
+        let mut neighbours = NeighbourBuffer::default();
         for index in 0..queue.len() {
             let slot = queue[index];
+            if self.touches_none_but(slot, None) && !self.examines_all_spawned {
+                continue;
+            }
+            touching.push(slot);
             let aabb = self.aabb_of(slot);
             if let Some(low) = self.nearest_free_position(slot, aabb, &queue[index + 1..]) {
                 self.cell_lists.remove(slot);
@@ -52,9 +65,14 @@ impl EventDriven {
                     self.set_trajectory(slot, axis, StateDd { position: low[axis].into(), ..state }, self.now);
                 }
                 self.cell_lists.insert(&self.clock, slot, &self.bodies[slot], self.now);
+                self.find_touching(slot, self.now, &mut neighbours);
+                touching.extend(neighbours.slots());
             }
         }
-        concerned
+        touching.sort_unstable();
+        touching.dedup();
+        touching.retain(|slot| !self.bodies[*slot].infinite && spawned.binary_search(slot).is_ok());
+        (touching, concerned)
     }
 
     /// The older bodies of finite mass that spawned bodies of infinite mass overlap, and those that were in contact
@@ -63,7 +81,7 @@ impl EventDriven {
         let mut displaced = Vec::new();
         for slot in spawned.iter().filter(|slot| self.bodies[**slot].infinite) {
             let aabb = self.aabb_of(*slot);
-            self.cell_lists.visit_region(aabb.low, Axis::BOTH.map(|axis| aabb.low[axis] + aabb.size[axis]), |other| {
+            self.cell_lists.visit_region(aabb.low, aabb.high(), |other| {
                 displaced.push(other);
             });
             displaced.retain(|other| {
@@ -91,12 +109,15 @@ impl EventDriven {
     /// Bodies in `unplaced`, which is in creation order, are no obstacles.
     fn nearest_free_position(&self, slot: Slot, aabb: Aabb, unplaced: &[Slot]) -> Option<[f64; 2]> {
         let mut radius = if aabb.size[0] > aabb.size[1] { aabb.size[0] } else { aabb.size[1] };
-        let mut obstacles = self.obstacles(slot, &aabb, 0.0, unplaced);
-        if !obstacles.iter().any(|obstacle| aabb.overlaps(obstacle)) {
+        let mut is_free = true;
+        self.cell_lists.visit_region(aabb.low, aabb.high(), |other| {
+            is_free &= other == slot || !aabb.overlaps(&self.aabb_of(other)) || unplaced.binary_search(&other).is_ok();
+        });
+        if is_free {
             return None;
         }
         for _ in 0..64 {
-            obstacles = self.obstacles(slot, &aabb, radius, unplaced);
+            let obstacles = self.obstacles(slot, &aabb, radius, unplaced);
             if let Some(position) = nearest_free_corner(&aabb, &obstacles, radius) {
                 return Some(position);
             }
@@ -109,7 +130,7 @@ impl EventDriven {
     fn obstacles(&self, slot: Slot, aabb: &Aabb, radius: f64, unplaced: &[Slot]) -> Vec<Aabb> {
         let mut found = Vec::new();
         let low = aabb.low.map(|x| x - radius);
-        let high = Axis::BOTH.map(|axis| aabb.low[axis] + aabb.size[axis] + radius);
+        let high = aabb.high().map(|x| x + radius);
         self.cell_lists.visit_region(low, high, |other| found.push(other));
         found.sort_unstable();
         found.dedup();
