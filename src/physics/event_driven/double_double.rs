@@ -250,11 +250,16 @@ impl<T: Lanes> Div for DoubleDouble<T> {
     /// Long division with three double quotients.
     #[inline]
     fn div(self, other: DoubleDouble<T>) -> DoubleDouble<T> {
+        // The high parts of a dividend and of a product with its quotient are so close that their difference is exact.
+        let rest = |dividend: DoubleDouble<T>, product: DoubleDouble<T>| {
+            let rest = DoubleDouble::two_sum(dividend.low, -product.low);
+            let sum = DoubleDouble::quick_two_sum(dividend.high - product.high, T::splat(0.0) + rest.high);
+            DoubleDouble::quick_two_sum(sum.high, sum.low + rest.low)
+        };
         let first = self.high / other.high;
-        let rest = self - other * first.into();
-        let second = rest.high / other.high;
-        let rest = rest - other * second.into();
-        let third = rest.high / other.high;
+        let first_rest = rest(self, other * first.into());
+        let second = first_rest.high / other.high;
+        let third = rest(first_rest, other * second.into()).high / other.high;
         DoubleDouble::quick_two_sum(first, second) + third.into()
     }
 }
@@ -294,6 +299,26 @@ mod tests {
             for [a, b] in [[a, b], [a % 10_000.0, b], [a % 1e6, 60.0], [a % 1e6, 1.0 + b.sqrt()]] {
                 assert_eq!(DoubleDouble::quotient(a, b), number(a) / number(b), "{a:?} / {b:?}");
             }
+        }
+    }
+
+    #[test]
+    fn the_rests_of_a_division_are_differences_of_double_doubles() {
+        let mut bits = 1_u64;
+        let mut random = || {
+            bits = bits.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            let exponent = [1e-200, 1e-9, 1.0, 1.0, 1e12, 1e140][(bits >> 20) as usize % 6];
+            let high = ((bits >> 11) as f64 - (1_u64 << 52) as f64) * exponent;
+            DoubleDouble::two_sum(high, high * f64::from((bits >> 30) as u16) * 1e-21)
+        };
+        for _ in 0..100_000 {
+            let [a, b] = [random(), random()];
+            let first = a.high / b.high;
+            let rest = a - b * first.into();
+            let second = rest.high / b.high;
+            let third = (rest - b * second.into()).high / b.high;
+            let expected = DoubleDouble::quick_two_sum(first, second) + third.into();
+            assert_eq!(format!("{:?}", a / b), format!("{expected:?}"), "{a:?} / {b:?}");
         }
     }
 
