@@ -274,7 +274,7 @@ impl HomeGrid {
     /// Finds the pairs of a body in a band and a later one whose homes overlap. Adds to `lengths` the number of pairs of
     /// each body in the band. If the homes overlap by more than `distance` (m), the paths may overlap.
     fn find_pairs(&self, band: &mut Band, lengths: &mut [u32], distance: f32) {
-        let (mut count, mut found) = (0, 0);
+        let mut count = 0;
         for row in band.rows.clone() {
             band.counts[0] = count;
             for bucket in row * self.columns + 1..(row + 1) * self.columns - 1 {
@@ -285,10 +285,7 @@ impl HomeGrid {
                 if band.pairs.len() < count + candidates {
                     band.pairs.resize(2 * count + candidates, [NONE; 2]);
                 }
-                if band.approaches.len() < found + candidates {
-                    band.approaches.resize(2 * found + candidates, [NONE; 2]);
-                }
-                let (pairs, approaches) = (&mut band.pairs[..], &mut band.approaches[..]);
+                let pairs = &mut band.pairs[..];
                 for first in own {
                     let (home, start) = (&self.homes[first], count);
                     for seconds in [first + 1..end, below.clone()] {
@@ -298,20 +295,23 @@ impl HomeGrid {
                         }
                     }
                     lengths[first - band.bodies.start] += (count - start) as u32;
-                    let slot = self.slots[first];
-                    for [_, second] in &pairs[start..count] {
-                        if let Some(length) = lengths.get_mut(*second as usize - band.bodies.start) {
-                            *length += 1;
-                        }
-                        let other = self.slots[*second as usize];
-                        approaches[found] = if slot < other { [slot, other] } else { [other, slot] };
-                        let may_touch = !home.is_farther_from(&self.homes[*second as usize], -distance);
-                        found += usize::from(may_touch);
-                    }
                 }
             }
         }
-        (band.counts[1], band.approach_count) = (count, found);
+        band.counts[1] = count;
+        if band.approaches.len() < count {
+            band.approaches.resize(2 * count, [NONE; 2]);
+        }
+        let mut found = 0;
+        for [first, second] in band.pairs[..count].iter().map(|pair| pair.map(|body| body as usize)) {
+            if let Some(length) = lengths.get_mut(second - band.bodies.start) {
+                *length += 1;
+            }
+            let [slot, other] = [self.slots[first], self.slots[second]];
+            band.approaches[found] = if slot < other { [slot, other] } else { [other, slot] };
+            found += usize::from(!self.homes[first].is_farther_from(&self.homes[second], -distance));
+        }
+        band.approach_count = found;
     }
 
     /// Fills the lists of the bodies in a band, given the one before it. `ends` are the ends of their lists among the lists
