@@ -288,11 +288,11 @@ impl HomeGrid {
                 let pairs = &mut band.pairs[..];
                 for first in own {
                     let (home, start) = (&self.homes[first], count);
-                    for seconds in [first + 1..end, below.clone()] {
-                        for (second, other) in seconds.clone().zip(&self.homes[seconds]) {
-                            pairs[count] = [first as u32, second as u32];
-                            count += usize::from(!home.is_disjoint_from(other));
-                        }
+                    let right = end - (first + 1);
+                    for index in 0..right + below.len() {
+                        let second = index + if index < right { first + 1 } else { below.start - right };
+                        pairs[count] = [first as u32, second as u32];
+                        count += usize::from(!home.is_disjoint_from(&self.homes[second]));
                     }
                     lengths[first - band.bodies.start] += (count - start) as u32;
                 }
