@@ -144,10 +144,12 @@ impl HomeGrid {
         }
         let mut corners = vec![[[f64::INFINITY; 2], [f64::NEG_INFINITY; 2]]; bodies.len().div_ceil(BODIES_PER_PART)];
         threads.share(entries.chunks_mut(BODIES_PER_PART).zip(&mut corners), |(entries, corners)| {
+            let mut around = *corners;
             for entry in entries {
                 entry.home = *home(entry.slot);
-                *corners = hull(*corners, [entry.home.centre(); 2]);
+                around = hull(around, [entry.home.centre(); 2]);
             }
+            *corners = around;
         });
         let [low, high] = corners.into_iter().reduce(hull).unwrap_or_default();
         let spans = Axis::BOTH.map(|axis| (high[axis] - low[axis]) / side + 1.0);

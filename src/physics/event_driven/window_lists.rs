@@ -261,13 +261,15 @@ impl WindowLists {
         let per_part = self.tuning.bodies_per_part;
         let mut sums = vec![[0.0; 2]; self.moving.len().div_ceil(per_part)];
         let parts = self.moving.chunks(per_part).zip(&mut sums);
-        threads.share(parts, |(moving, [speeds, accelerations]): (&[Slot], &mut [f64; 2])| {
+        threads.share(parts, |(moving, sums): (&[Slot], &mut [f64; 2])| {
+            let [mut speeds, mut accelerations] = [0.0; 2];
             for slot in moving {
                 let trajectory = &bodies[*slot].trajectory;
                 let ([_, [vx, vy]], [ax, ay]) = (trajectory.at(now), trajectory.acceleration);
-                *speeds += vx * vx + vy * vy;
-                *accelerations += ax * ax + ay * ay;
+                speeds += vx * vx + vy * vy;
+                accelerations += ax * ax + ay * ay;
             }
+            *sums = [speeds, accelerations];
         });
         [0, 1].map(|quantity| (sums.iter().map(|sum| sum[quantity]).sum::<f64>() / self.moving.len() as f64).sqrt())
     }
