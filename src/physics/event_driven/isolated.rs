@@ -73,7 +73,7 @@ impl EventDriven {
 
     /// The meeting of two bodies, unless contacts are involved, neither gives way, or the impact is plastic. `side` is that
     /// of the first on which the second lies.
-    #[inline]
+    #[inline(always)]
     pub(super) fn meeting(&self, world: &World, pair: [Slot; 2], axis: Axis, side: Side) -> Option<Meeting> {
         let bodies = if side == Side::High { pair } else { [pair[1], pair[0]] };
         let [low, high] = bodies.map(|slot| self.bodies.params(slot));

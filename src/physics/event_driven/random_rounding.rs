@@ -39,7 +39,11 @@ impl RandomRounding {
     pub fn state(self, start: StateDd, t: DoubleDouble, end: StateDd) -> StateDd {
         match self.seed {
             None => end,
-            Some(seed) => round_state(seed, start, t, end),
+            Some(seed) => StateDd {
+                position: round_position(seed, start.position, start.velocity, start.acceleration, t, end.position),
+                velocity: round_velocity(seed, start.velocity, start.acceleration, t, end.velocity),
+                acceleration: end.acceleration,
+            },
         }
     }
 
@@ -58,7 +62,10 @@ impl RandomRounding {
     pub fn velocities(self, impact: &Impact, after: [DoubleDouble; 2]) -> [DoubleDouble; 2] {
         match self.seed {
             None => after,
-            Some(seed) => round_velocities(seed, impact, after),
+            Some(seed) => {
+                let (impact, [first, second]) = (*impact, after);
+                round_velocities(seed, &impact, first, second)
+            }
         }
     }
 }
@@ -74,8 +81,13 @@ fn round_instant(seed: u64, from: Instant, seconds: DoubleDouble, at: Instant, i
 }
 
 #[cold]
-fn round_velocities(seed: u64, impact: &Impact, after: [DoubleDouble; 2]) -> [DoubleDouble; 2] {
-    let [first, second] = impact.velocity;
+fn round_velocities(
+    seed: u64,
+    impact: &Impact,
+    first_after: DoubleDouble,
+    second_after: DoubleDouble,
+) -> [DoubleDouble; 2] {
+    let ([first, second], after) = (impact.velocity, [first_after, second_after]);
     let speed = first.high.abs() + second.high.abs();
     let is_exact = impact.has_exact_shares()
         && Bits::of(first)
@@ -96,27 +108,35 @@ fn round_velocities(seed: u64, impact: &Impact, after: [DoubleDouble; 2]) -> [Do
 }
 
 #[cold]
-fn round_state(seed: u64, start: StateDd, t: DoubleDouble, end: StateDd) -> StateDd {
-    let [velocity, acceleration, time] = [start.velocity, start.acceleration, t].map(Bits::of);
-    let gain = acceleration.times(time);
-    let half = Bits::of(DoubleDouble::from(0.5));
-    let has_exact_velocity = velocity.and(gain).is_exact();
-    let has_exact_position = Bits::of(start.position).and(velocity.and(gain.times(half)).times(time)).is_exact();
-    let path = t.high * (start.velocity.high.abs() + t.high * start.acceleration.high.abs());
-    StateDd {
-        position: match has_exact_position {
-            true => end.position,
-            false => moved(seed, end.position, start.position.high.abs() + path.abs()),
-        },
-        velocity: match has_exact_velocity {
-            true => end.velocity,
-            false => {
-                let speed = start.velocity.high.abs() + (t.high * start.acceleration.high).abs();
-                moved(!seed, end.velocity, speed)
-            }
-        },
-        acceleration: end.acceleration,
+fn round_position(
+    seed: u64,
+    start: DoubleDouble,
+    velocity: DoubleDouble,
+    acceleration: DoubleDouble,
+    t: DoubleDouble,
+    end: DoubleDouble,
+) -> DoubleDouble {
+    let gain = Bits::of(acceleration).times(Bits::of(t)).times(Bits::of(0.5.into()));
+    let path = Bits::of(velocity).and(gain).times(Bits::of(t));
+    if Bits::of(start).and(path).is_exact() {
+        return end;
     }
+    let path = t.high * (velocity.high.abs() + t.high * acceleration.high.abs());
+    moved(seed, end, start.high.abs() + path.abs())
+}
+
+#[cold]
+fn round_velocity(
+    seed: u64,
+    start: DoubleDouble,
+    acceleration: DoubleDouble,
+    t: DoubleDouble,
+    end: DoubleDouble,
+) -> DoubleDouble {
+    if Bits::of(start).and(Bits::of(acceleration).times(Bits::of(t))).is_exact() {
+        return end;
+    }
+    moved(!seed, end, start.high.abs() + (t.high * acceleration.high).abs())
 }
 
 /// True if the path v·t + ½·a·t² needs no rounding.
