@@ -69,10 +69,11 @@ impl ScheduledEvent {
     }
 }
 
-/// An event in the heap. It is valid while its stamp equals the body's.
+/// A body in the heap, with the time and the pair of its event. It is valid while its stamp equals the body's.
 #[derive(Clone, Copy, Debug)]
 struct HeapEntry {
-    event: ScheduledEvent,
+    at: Instant,
+    pair: [Slot; 2],
     slot: Slot,
     stamp: u32,
 }
@@ -93,12 +94,12 @@ impl PartialOrd for HeapEntry {
 
 impl Ord for HeapEntry {
     fn cmp(&self, other: &HeapEntry) -> Ordering {
-        if self.event.is_before(&other.event) {
+        if self.at.is_before(other.at) {
             Ordering::Less
-        } else if other.event.is_before(&self.event) {
+        } else if other.at.is_before(self.at) {
             Ordering::Greater
         } else {
-            self.slot.cmp(&other.slot)
+            (self.pair, self.slot).cmp(&(other.pair, other.slot))
         }
     }
 }
@@ -279,17 +280,18 @@ impl EventQueue {
             return None;
         }
         self.slice_read_ahead = self.current_slice;
-        Some(self.heap.iter().map(|Reverse(queued)| queued.event.pair))
+        Some(self.heap.iter().map(|Reverse(queued)| queued.pair))
     }
 
     /// Removes the first event, if it is due by an instant of the current step, and returns it with its body.
+    #[inline]
     pub fn pop(&mut self, until: Instant) -> Option<(Slot, ScheduledEvent)> {
         if until.is_before(self.next_time()) {
             return None;
         }
-        let Reverse(first) = self.heap.pop()?;
-        self.entries[first.slot as usize].event = NO_EVENT;
-        Some((first.slot, first.event))
+        let slot = self.heap.peek()?.0.slot;
+        self.heap.pop();
+        Some((slot, std::mem::replace(&mut self.entries[slot as usize].event, NO_EVENT)))
     }
 
     /// The time of the first event of the current step; [`Instant::NEVER`] if there is none.
@@ -298,7 +300,7 @@ impl EventQueue {
         loop {
             while let Some(Reverse(first)) = self.heap.peek() {
                 if self.entries[first.slot as usize].stamp == first.stamp {
-                    return first.event.at;
+                    return first.at;
                 }
                 self.heap.pop();
             }
@@ -382,12 +384,13 @@ impl EventQueue {
 
     /// Enters a body in the heap or, unless it is in an earlier bin, in the bin of its event.
     fn insert_event(&mut self, slot: Slot) {
-        let entry = self.entries[slot as usize];
+        let entry = &self.entries[slot as usize];
         let slice = entry.event.at.high * self.clock.rate * f64::from(1_u32 << self.log2_slices) * EARLINESS;
         let slice = if slice < MAX_SLICE { slice as u64 } else { MAX_SLICE as u64 };
         let step = slice >> self.log2_slices;
         if slice <= self.current_slice {
-            let queued = HeapEntry { event: entry.event, slot, stamp: entry.stamp };
+            let ScheduledEvent { at, pair, .. } = entry.event;
+            let queued = HeapEntry { at, pair, slot, stamp: entry.stamp };
             self.heap.push(Reverse(queued));
             if self.heap.len() > self.purge_threshold {
                 self.remove_invalidated();
