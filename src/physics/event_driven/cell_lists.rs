@@ -439,17 +439,27 @@ impl NeighbourBuffer {
     /// Adds a body if `is_near` is true.
     #[inline]
     pub fn push_if(&mut self, slot: Slot, is_near: bool) {
-        if self.count == self.slots.len() {
-            self.grow();
+        self.extend_by(&[slot], |_| is_near);
+    }
+
+    /// Adds the bodies for which `is_near` is true.
+    #[inline]
+    pub fn extend_by(&mut self, bodies: &[Slot], is_near: impl Fn(Slot) -> bool) {
+        if self.slots.len() < self.count + bodies.len() {
+            self.grow(bodies.len());
         }
-        self.slots[self.count] = slot;
-        self.count += usize::from(is_near);
+        let mut count = self.count;
+        for slot in bodies {
+            self.slots[count] = *slot;
+            count += usize::from(is_near(*slot));
+        }
+        self.count = count;
     }
 
     #[cold]
     #[inline(never)]
-    fn grow(&mut self) {
-        self.slots.resize(2 * self.count + 16, 0);
+    fn grow(&mut self, more: usize) {
+        self.slots.resize(2 * self.count + more + 16, 0);
     }
 
     /// The bodies found.

@@ -164,9 +164,21 @@ impl WindowLists {
     /// Calls `visit` for each body in the list of one.
     #[inline]
     pub fn visit(&self, slot: Slot, mut visit: impl FnMut(Slot)) {
-        let Resident { list: [start, end], latest_extra, .. } = self.residents[slot as usize];
-        self.members[start as usize..end as usize].iter().for_each(|other| visit(*other));
-        let mut next = latest_extra;
+        self.members_of(slot).iter().for_each(|other| visit(*other));
+        self.visit_extras(slot, visit);
+    }
+
+    /// The bodies in the list of one since the start of the window.
+    #[inline]
+    fn members_of(&self, slot: Slot) -> &[Slot] {
+        let [start, end] = self.residents[slot as usize].list;
+        &self.members[start as usize..end as usize]
+    }
+
+    /// Calls `visit` for each further entry of the list of a body.
+    #[inline]
+    fn visit_extras(&self, slot: Slot, mut visit: impl FnMut(Slot)) {
+        let mut next = self.residents[slot as usize].latest_extra;
         while next != NONE {
             let (other, previous) = self.extras[next as usize];
             visit(other);
@@ -178,7 +190,9 @@ impl WindowLists {
     #[inline]
     pub fn find_neighbours(&self, slot: Slot, rectangle: &SweptAabb, buffer: &mut NeighbourBuffer) {
         buffer.clear();
-        self.visit(slot, |other| buffer.push_if(other, !rectangle.is_disjoint_from(&self.paths[other as usize])));
+        let is_near = |other: Slot| !rectangle.is_disjoint_from(&self.paths[other as usize]);
+        buffer.extend_by(self.members_of(slot), is_near);
+        self.visit_extras(slot, |other| buffer.push_if(other, is_near(other)));
     }
 
     /// Reads the entries of a body, but not its list; returns a number that depends on them.
