@@ -4,6 +4,7 @@
 use super::EventDriven;
 use super::axis_trajectory::StateDd;
 use super::body_state::Slot;
+use super::cell_lists::NeighbourBuffer;
 use super::double_double::DoubleDouble;
 use super::exact::VELOCITY_ROUNDING;
 use super::impact::Impact;
@@ -59,9 +60,11 @@ impl EventDriven {
         let states = Reference::scaled_states_at(&references, self.now, self.bodies.rounding());
         let Some(impact) = self.impact_of(&meeting, &states) else { return false };
         let gives_way = meeting.is_infinite.map(|is_infinite| !is_infinite);
-        if (gives_way[0] && !self.touches_none_but(low, Some(high)))
-            || (gives_way[1] && !self.touches_none_but(high, Some(low)))
-        {
+        let mut neighbours = std::mem::take(&mut self.neighbour_buffer);
+        let is_isolated = (!gives_way[0] || self.touches_none_but(low, Some(high), &mut neighbours))
+            && (!gives_way[1] || self.touches_none_but(high, Some(low), &mut neighbours));
+        self.neighbour_buffer = neighbours;
+        if !is_isolated {
             return false;
         }
         self.carry_out(&meeting, &states, &impact, observer);
@@ -182,15 +185,10 @@ impl EventDriven {
     }
 
     /// True if a body certainly touches no other now, or only `partner`.
-    pub(super) fn touches_none_but(&mut self, slot: Slot, partner: Option<Slot>) -> bool {
-        let mut neighbours = std::mem::take(&mut self.neighbour_buffer);
-        self.find_touching(slot, self.now, &mut neighbours);
-        let is_free = neighbours
-            .slots()
-            .iter()
-            .all(|other| Some(*other) == partner || !self.bodies.may_touch([slot, *other], self.now));
-        self.neighbour_buffer = neighbours;
-        is_free
+    pub(super) fn touches_none_but(&self, slot: Slot, partner: Option<Slot>, buffer: &mut NeighbourBuffer) -> bool {
+        self.find_touching(slot, self.now, buffer);
+        let mut others = buffer.slots().iter();
+        others.all(|other| Some(*other) == partner || !self.bodies.may_touch([slot, *other], self.now))
     }
 
     /// Rectangles and velocities (m/s) of two bodies at the present instant; inlined, so that nothing is computed for an

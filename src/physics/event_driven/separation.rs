@@ -53,7 +53,7 @@ impl EventDriven {
         let mut neighbours = NeighbourBuffer::default();
         for index in 0..queue.len() {
             let slot = queue[index];
-            if self.touches_none_but(slot, None) && !self.examines_all_spawned {
+            if self.touches_none_but(slot, None, &mut neighbours) && !self.examines_all_spawned {
                 continue;
             }
             touching.push(slot);
