@@ -22,6 +22,19 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
+/// True on systems with numbered processes and a folder for temporary files; WASI has neither, and asking for them panics.
+const HAS_PROCESSES: bool = cfg!(any(unix, windows));
+
+/// The number of this process; 0 on systems without numbers.
+pub fn process_number() -> u32 {
+    if HAS_PROCESSES { process::id() } else { 0 }
+}
+
+/// The system's folder for temporary files, or the present folder if there is none.
+pub fn system_folder() -> PathBuf {
+    if HAS_PROCESSES { std::env::temp_dir() } else { PathBuf::from(".") }
+}
+
 /// A hidden folder for files that are not complete yet, or are needed only for a while.
 #[derive(Debug)]
 pub struct TemporaryFolder(PathBuf);
@@ -35,7 +48,7 @@ impl TemporaryFolder {
         let mut folders = folders();
         let mut number = 0_u64;
         loop {
-            let path = parent.join(format!(".rebond-{}-{number}", process::id()));
+            let path = parent.join(format!(".rebond-{}-{number}", process_number()));
             match fs::create_dir(&path) {
                 Ok(()) => {
                     folders.insert(path.clone(), Vec::new());
@@ -52,7 +65,7 @@ impl TemporaryFolder {
     /// # Errors
     /// Returns an error if that folder is not writable.
     pub fn create_in_system() -> io::Result<TemporaryFolder> {
-        TemporaryFolder::create(&std::env::temp_dir())
+        TemporaryFolder::create(&system_folder())
     }
 
     /// The path of the folder.
@@ -149,7 +162,7 @@ pub fn remove_all() {
 pub fn end_with_parent(parent: u32, wait: impl FnOnce() + Send + 'static) {
     std::thread::spawn(move || {
         wait();
-        remove_those_of(parent, &std::env::temp_dir());
+        remove_those_of(parent, &system_folder());
         remove_all();
         process::exit(1);
     });

@@ -5,7 +5,9 @@ use super::output;
 use super::supervisor::{self, Journal};
 use crate::check::{self, Files, Outcome, carries_provenance, pending_path};
 use std::collections::BTreeSet;
-use std::fs::{self, File};
+use std::fs;
+#[cfg(any(unix, windows))]
+use std::fs::File;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 

@@ -5,7 +5,7 @@ use crate::physics::{CollisionCount, StepError};
 use crate::picture;
 use crate::replay::{ALL_STEPS, NO_LIVE_EVENTS, RecordOptions, Verdict};
 use crate::scene::{self, Override, Sweep};
-use crate::temporary::TemporaryFolder;
+use crate::temporary::{self, TemporaryFolder};
 use std::fmt::{self, Display, Formatter};
 use std::{fs, fs::File, path::Path, path::PathBuf};
 
@@ -101,7 +101,8 @@ impl SourceFile {
         }
         let scene = scene::load_with(path, overrides)?;
         output.refuse_inputs(&scene.image_paths(path.parent().unwrap_or(Path::new(""))))?;
-        let folder = TemporaryFolder::create_in_system().map_err(CommandError::unwritable(&std::env::temp_dir()))?;
+        let folder =
+            TemporaryFolder::create_in_system().map_err(CommandError::unwritable(&temporary::system_folder()))?;
         let recording = folder.path().join("scene.mcap");
         let file = File::create(&recording).map_err(CommandError::unwritable(&recording))?;
         let recorded = record::record(&scene, RecordOptions::complete(&scene), NO_LIVE_EVENTS, file, &recording)?;

@@ -27,17 +27,18 @@ pub enum Input {
 pub fn supervise(folders: &[PathBuf], input: Input) -> io::Result<Option<Exit>> {
     let temporary = TemporaryFolder::create_in_system()?;
     let path = temporary.path().join("journal");
-    Journal::open(&path)?.note("parent", &std::process::id().to_string());
+    Journal::open(&path)?.note("parent", &temporary::process_number().to_string());
     loop {
         let stdin = if input == Input::Lifeline { Stdio::piped() } else { Stdio::inherit() };
-        let Ok(mut child) = command(&path)?.stdin(stdin).spawn() else { return Ok(None) };
+        let child = command(&path).and_then(|mut command| command.stdin(stdin).spawn());
+        let Ok(mut child) = child else { return Ok(None) };
         // The child ends when this pipe is closed, whatever ends this process.
         let _pipe = child.stdin.take();
         let status = child.wait()?;
         if let Some(exit) = status.code().and_then(Exit::of_code) {
             return Ok(Some(exit));
         }
-        for folder in folders.iter().map(PathBuf::as_path).chain([std::env::temp_dir().as_path()]) {
+        for folder in folders.iter().map(PathBuf::as_path).chain([temporary::system_folder().as_path()]) {
             temporary::remove_those_of(child.id(), folder);
         }
         end_like(status);
