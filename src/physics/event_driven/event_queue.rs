@@ -284,7 +284,7 @@ impl EventQueue {
     }
 
     /// Removes the first event, if it is due by an instant of the current step, and returns it with its body.
-    #[inline]
+    #[inline(always)]
     pub fn pop(&mut self, until: Instant) -> Option<(Slot, ScheduledEvent)> {
         if until.is_before(self.next_time()) {
             return None;
