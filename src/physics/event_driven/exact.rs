@@ -275,7 +275,9 @@ impl EventDriven {
     /// not after the present one.
     pub(super) fn exact_face_impact(&self, pair: [Slot; 2], axis: Axis, side: Side) -> Option<Instant> {
         let from = self.bodies.common_reference(pair);
-        let at = self.bodies.exact_axis(pair, axis, from).contact(side, from, self.bodies.rounding())?;
+        let references = [self.bodies.reference(pair[0], axis), self.bodies.reference(pair[1], axis)];
+        let relative = ExactAxis::between(&self.bodies, &references, from);
+        let at = relative.contact(side, from, self.bodies.rounding())?;
         self.now.is_before(at).then_some(at)
     }
 

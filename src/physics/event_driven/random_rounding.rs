@@ -47,13 +47,14 @@ impl RandomRounding {
         }
     }
 
-    /// Rounds an instant at random: the sum of `from` and the root `seconds` of an equation of motion.
+    /// Rounds an instant at random: the sum of `from` and the root `seconds` of an equation of motion. `is_exact` returns true
+    /// if the root needed no rounding.
     #[inline]
     pub fn instant(self, from: Instant, seconds: DoubleDouble, is_exact: impl Fn() -> bool) -> Instant {
         let at = from.after_exactly(seconds);
         match self.seed {
             None => at,
-            Some(seed) => round_instant(seed, from, seconds, at, is_exact),
+            Some(seed) => round_instant(seed, from, seconds, at, is_exact()),
         }
     }
 
@@ -71,9 +72,9 @@ impl RandomRounding {
 }
 
 #[cold]
-fn round_instant(seed: u64, from: Instant, seconds: DoubleDouble, at: Instant, is_exact: impl Fn() -> bool) -> Instant {
+fn round_instant(seed: u64, from: Instant, seconds: DoubleDouble, at: Instant, is_root_exact: bool) -> Instant {
     let is_sum_exact = Bits::of(from.as_number()).and(Bits::of(seconds)).is_exact();
-    if at == Instant::NEVER || (is_sum_exact && is_exact()) {
+    if at == Instant::NEVER || (is_sum_exact && is_root_exact) {
         return at;
     }
     let DoubleDouble { high, low } = moved(seed, at.as_number(), at.high);
