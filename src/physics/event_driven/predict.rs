@@ -257,32 +257,35 @@ impl EventDriven {
                     let read = |slot: &Slot| self.bodies[*slot].read_ahead() + self.event_queue.time_of(*slot);
                     black_box(ahead.map(read).sum::<f64>());
                 }
-                if let Some(approach) = self.predict_approach(*pair) {
-                    found.push(approach);
-                }
+                self.predict_approach(*pair, found);
             }
         });
-        for Approach { slot, event, latest } in found.iter_mut().flat_map(|found| found.drain(..)) {
-            if self.latest_in_window(slot).is_before(event.at) {
+        for Approach { slot, event, latest } in found.iter().flatten() {
+            if self.latest_in_window(*slot).is_before(event.at) {
                 continue;
             }
-            if latest < self.event_queue.time_of(slot) {
-                self.event_queue.set_until(slot, Some(event), latest);
+            if *latest < self.event_queue.time_of(*slot) {
+                self.event_queue.set_until(*slot, Some(*event), *latest);
             } else {
-                self.changed.push(slot);
+                self.changed.push(*slot);
             }
         }
+        found.iter_mut().for_each(Vec::clear);
         self.window_lists.events = found;
     }
 
-    /// The event of a pair whose paths overlap in a new window, unless it is after the pending one of the first body.
-    fn predict_approach(&self, [slot, other]: [Slot; 2]) -> Option<Approach> {
+    /// Adds the event of a pair whose paths overlap in a new window to `found`, unless it is after the pending one of the
+    /// first body.
+    fn predict_approach(&self, [slot, other]: [Slot; 2], found: &mut Vec<Approach>) {
         let end = self.latest_in_window(slot);
         let mut predictor = Predictor::new(self, slot, Precision::LowerBound);
         predictor.limit_horizon(predictor.sample.at.seconds_until(end));
         predictor.predict_pair(other);
-        let (event, _) = predictor.first.filter(|(event, _)| !end.is_before(event.at))?;
-        Some(Approach { slot, event, latest: predictor.latest() })
+        if let Some((event, _)) = &predictor.first
+            && !end.is_before(event.at)
+        {
+            found.push(Approach { slot, event: *event, latest: predictor.latest() });
+        }
     }
 
     /// The latest instant of the pending event of a body, or the end of the window if that is earlier.
