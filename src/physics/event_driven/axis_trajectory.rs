@@ -147,21 +147,23 @@ impl StateDd {
     /// [`after`](Self::after).
     #[inline(always)]
     pub fn both_after([first, second]: [StateDd; 2], t: [DoubleDouble; 2]) -> [StateDd; 2] {
-        let is_uniform = [first, second].map(|state| state.acceleration.high == 0.0);
-        if is_uniform[0] != is_uniform[1] {
-            return [first.after(t[0]), second.after(t[1])];
-        }
+        let are_uniform = first.acceleration.high == 0.0 && second.acceleration.high == 0.0;
         let both = StateDd {
             position: DoubleDouble::pair([first.position, second.position]),
             velocity: DoubleDouble::pair([first.velocity, second.velocity]),
             acceleration: DoubleDouble::pair([first.acceleration, second.acceleration]),
         };
         let t = DoubleDouble::pair(t);
-        let later = if is_uniform[0] { both.after_uniform(t) } else { both.after_accelerated(t) };
+        let later = if are_uniform { both.after_uniform(t) } else { both.after_accelerated(t) };
         let (positions, velocities) = (later.position.lanes(), later.velocity.lanes());
+        // The sum with a gain of 0 would not keep the sign of a low part of 0.
+        let velocity = |state: &StateDd, later: DoubleDouble| match state.acceleration.high == 0.0 {
+            true => state.velocity,
+            false => later,
+        };
         [
-            StateDd { position: positions[0], velocity: velocities[0], ..first },
-            StateDd { position: positions[1], velocity: velocities[1], ..second },
+            StateDd { position: positions[0], velocity: velocity(&first, velocities[0]), ..first },
+            StateDd { position: positions[1], velocity: velocity(&second, velocities[1]), ..second },
         ]
     }
 }
@@ -189,7 +191,8 @@ mod tests {
         let mut index = 0;
         let mut number = || {
             index += 1;
-            DoubleDouble::from(f64::from(index * 7919 % 2003 - 1001)) / f64::from(index % 13 + 1).into()
+            let number = DoubleDouble::from(f64::from(index * 7919 % 2003 - 1001)) / f64::from(index % 13 + 1).into();
+            if index % 5 == 0 { -number } else { number }
         };
         for _ in 0..1000 {
             let mut state = || StateDd { position: number(), velocity: number(), acceleration: number() };

@@ -9,6 +9,7 @@ use super::exact::{ACCELERATION_ROUNDING, DEEPEST_ROUNDING, Resolution, VELOCITY
 use super::impact_history::ImpactHistory;
 use super::instant::Instant;
 use super::pair_event::Sample;
+use super::reference::{Reference, ScaledState};
 use super::spatial_hash::NONE;
 use super::swept_aabb::SweptAabb;
 use crate::physics::{Axis, Side, larger};
@@ -32,6 +33,14 @@ pub struct LocalAxis {
     pub has_changed: bool,
     /// True if the body waits for its contacts along the axis to be examined.
     pub is_dirty: bool,
+}
+
+impl LocalAxis {
+    #[inline]
+    fn of(scaled: &ScaledState, size: DoubleDouble) -> LocalAxis {
+        let &ScaledState { state, length, speed, acceleration } = scaled;
+        LocalAxis { state, size, length, speed, acceleration, has_changed: false, is_dirty: false }
+    }
 }
 
 /// A body of a patch.
@@ -316,18 +325,10 @@ impl EventDriven {
         if let Some(local) = patch.find(slot) {
             return local;
         }
-        let axes = Axis::BOTH.map(|axis| {
-            let scaled = self.bodies.reference(slot, axis).scaled_state_at(at, self.bodies.rounding());
-            LocalAxis {
-                state: scaled.state,
-                size: self.bodies.size(slot, axis),
-                length: scaled.length,
-                speed: scaled.speed,
-                acceleration: scaled.acceleration,
-                has_changed: false,
-                is_dirty: false,
-            }
-        });
+        // Both axes side by side.
+        let references = [self.bodies.reference(slot, Axis::X), self.bodies.reference(slot, Axis::Y)];
+        let [x, y] = Reference::scaled_states_at(&references, at, self.bodies.rounding());
+        let axes = [LocalAxis::of(&x, references[0].size), LocalAxis::of(&y, references[1].size)];
         patch.insert(slot, self.bodies[slot].infinite, at, axes)
     }
 
