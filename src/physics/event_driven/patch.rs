@@ -13,6 +13,7 @@ use super::reference::{Reference, ScaledState};
 use super::spatial_hash::NONE;
 use super::swept_aabb::SweptAabb;
 use crate::physics::{Axis, Side, larger};
+use std::cmp::Ordering;
 use std::collections::BTreeSet;
 
 /// An index into [`Patch::bodies`].
@@ -203,6 +204,19 @@ impl Patch {
         (low.state.velocity - high.state.velocity).or_zero((low.speed + high.speed) * VELOCITY_ROUNDING)
     }
 
+    /// The sign of the [approach](Self::approach) speed: greater than 0 if two touching bodies approach along an axis.
+    #[inline]
+    pub fn approach_sign(&self, touch: &Touch, axis: Axis) -> Ordering {
+        let [low, high] = touch.ordered(axis).map(|body| self.axis(body, axis));
+        let difference = low.state.velocity.high - high.state.velocity.high;
+        if difference.abs() > (low.speed + high.speed) * CLEAR_SIGN {
+            // Doubles suffice.
+            if difference > 0.0 { Ordering::Greater } else { Ordering::Less }
+        } else {
+            self.approach(touch, axis).high.partial_cmp(&0.0).unwrap_or(Ordering::Equal)
+        }
+    }
+
     /// The acceleration at which two touching bodies approach along an axis, m/s²; 0 if below rounding.
     pub fn approach_acceleration(&self, touch: &Touch, axis: Axis) -> DoubleDouble {
         let [low, high] = touch.ordered(axis).map(|body| self.axis(body, axis));
@@ -299,8 +313,10 @@ impl Patch {
     pub fn refresh(&mut self, index: u32) {
         let touch = self.touches[index as usize];
         let approaches = match touch.kind {
-            TouchKind::Face(axis) => self.approach(&touch, axis).high > 0.0,
-            TouchKind::Corner => Axis::BOTH.into_iter().all(|axis| self.approach(&touch, axis).high > 0.0),
+            TouchKind::Face(axis) => self.approach_sign(&touch, axis) == Ordering::Greater,
+            TouchKind::Corner => {
+                Axis::BOTH.into_iter().all(|axis| self.approach_sign(&touch, axis) == Ordering::Greater)
+            }
         };
         if approaches == touch.is_listed {
             return;
@@ -315,6 +331,9 @@ impl Patch {
         self.touches[index as usize].is_listed = approaches;
     }
 }
+
+/// A difference of the high parts of two velocities above this fraction of the speeds has the sign of the exact one.
+const CLEAR_SIGN: f64 = 1.0 / (1_u64 << 48) as f64;
 
 /// Approaches along two axes that differ by less than this fraction are equal.
 const EQUAL_APPROACH: f64 = 1.0 / (1_u128 << 85) as f64;

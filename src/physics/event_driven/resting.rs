@@ -14,6 +14,7 @@ use super::body_state::{Load, Slot};
 use super::double_double::DoubleDouble;
 use super::patch::{Local, Patch, Touch, TouchKind};
 use crate::physics::{Axis, Side};
+use std::cmp::Ordering;
 
 impl EventDriven {
     /// Begins and ends contacts and solves the accelerations, from the positions and velocities of the instant.
@@ -82,7 +83,8 @@ impl EventDriven {
 
     /// True if a touch constrains the accelerations along an axis.
     fn is_constraint(&self, patch: &Patch, touch: &Touch, axis: Axis) -> bool {
-        (touch.acts_along(axis) || self.is_contact(patch, touch, axis)) && patch.approach(touch, axis).high == 0.0
+        (touch.acts_along(axis) || self.is_contact(patch, touch, axis))
+            && patch.approach_sign(touch, axis) == Ordering::Equal
     }
 
     /// True if two touching bodies are in contact along an axis.
@@ -101,7 +103,7 @@ impl EventDriven {
                     TouchKind::Face(face) => face == axis,
                     TouchKind::Corner => patch.approach(touch, axis.other()).high >= 0.0,
                 };
-                across && patch.approach(touch, axis).high == 0.0
+                across && patch.approach_sign(touch, axis) == Ordering::Equal
             })
         });
     }
