@@ -92,7 +92,6 @@ const RULES: &[Rule] = &[
         allowed: &[
             "src/cli/github.rs",
             "src/cli/report.rs",
-            "src/cli/source.rs",
             "src/cli/supervisor.rs",
             "src/temporary.rs",
             "src/testing/held.rs",

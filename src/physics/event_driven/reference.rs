@@ -47,11 +47,6 @@ impl Reference {
         rounding.state(self.state, t, self.state.after(t))
     }
 
-    /// The state at an instant with its magnitudes.
-    pub fn scaled_state_at(&self, at: Instant, rounding: RandomRounding) -> ScaledState {
-        self.scaled(at, self.state_at(at, rounding))
-    }
-
     /// The states of two bodies at an instant with their magnitudes.
     #[inline(always)]
     pub fn scaled_states_at(references: &[Reference; 2], at: Instant, rounding: RandomRounding) -> [ScaledState; 2] {
@@ -60,7 +55,7 @@ impl Reference {
     }
 
     /// The state at an instant with its magnitudes of a body without acceleration, without random rounding: the same numbers
-    /// as those of [`scaled_state_at`](Self::scaled_state_at).
+    /// as those of [`scaled_states_at`](Self::scaled_states_at).
     #[inline(always)]
     pub fn drifted_state_at(&self, at: Instant) -> ScaledState {
         let state = StateDd { acceleration: DoubleDouble::ZERO, ..self.state };
