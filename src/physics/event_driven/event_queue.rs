@@ -291,7 +291,10 @@ impl EventQueue {
         }
         let slot = self.heap.peek()?.0.slot;
         self.heap.pop();
-        Some((slot, std::mem::replace(&mut self.entries[slot as usize].event, NO_EVENT)))
+        let entry = &mut self.entries[slot as usize];
+        // A body that was listed in a bin as well can be in the heap twice.
+        entry.stamp = entry.stamp.wrapping_add(1);
+        Some((slot, std::mem::replace(&mut entry.event, NO_EVENT)))
     }
 
     /// The time of the first event of the current step; [`Instant::NEVER`] if there is none.
@@ -432,6 +435,7 @@ impl EventQueue {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::physics::event_driven::pseudo_random::PseudoRandom;
 
     fn event(step: f64, offset: f64, pair: [Slot; 2]) -> Option<ScheduledEvent> {
         let at = Instant { high: step / 10.0 + offset, low: 0.0 };
@@ -481,6 +485,46 @@ mod tests {
         let expected = [(0, 1), (0, 0), (1, 2), (2, 3), (3, 5), (3, 5), (199, 4)];
         for bodies in [1, 100, 10_000] {
             assert_eq!(popped_order(bodies), expected);
+        }
+    }
+
+    #[test]
+    fn each_event_is_popped_once_and_in_its_total_order_whatever_replaces_it() {
+        for seed in 0..if cfg!(debug_assertions) { 60 } else { 600 } {
+            let random = &mut PseudoRandom(seed * 7919);
+            let bodies = random.pick(&[1, 100, 10_000]);
+            let (clock, mut queue, mut events) =
+                (Clock::new(10.0), EventQueue::new(Clock::new(10.0), 0, bodies), [None; 6]);
+            for step in 0..40 {
+                for _ in 0..random.pick(&[0, 1, 4, 20]) {
+                    let slot = (random.next() * 6.0) as Slot;
+                    let steps = f64::from(step) + random.pick(&[0.0, 0.0, 1.0, 2.0, 40.0]);
+                    let offset = random.pick(&[0.0, 0.02, 0.05, 0.1 - 1e-16, 0.1, 0.1 + 1e-16, 0.1 + 1e-13]);
+                    let next =
+                        random.pick(&[None, event(steps, offset, [slot / 2, slot]), event(steps, offset, [0, 6])]);
+                    queue.set(slot, next);
+                    events[slot as usize] = next;
+                    if random.next() < 0.5 {
+                        let until = clock.start_of(step as u64 + 1);
+                        let due = |event: &ScheduledEvent| !until.is_before(event.at);
+                        let pending = (0..).zip(&events).filter_map(|(slot, event)| event.map(|event| (slot, event)));
+                        let first = pending.filter(|(_, event)| due(event)).min_by(|(slot, a), (other, b)| {
+                            if a.is_before(b) {
+                                Ordering::Less
+                            } else if b.is_before(a) {
+                                Ordering::Greater
+                            } else {
+                                slot.cmp(other)
+                            }
+                        });
+                        assert_eq!(queue.pop(until), first, "seed {seed}, step {step}");
+                        if let Some((slot, _)) = first {
+                            events[slot as usize] = None;
+                        }
+                    }
+                }
+                queue.begin_next_step(&mut Vec::new());
+            }
         }
     }
 
