@@ -28,6 +28,8 @@ mod event_driven {
     pub mod instant;
     pub mod least_change;
     pub mod pair_event;
+    #[cfg(test)]
+    pub mod pseudo_random;
     pub mod trajectory;
 }
 
