@@ -3,7 +3,7 @@ use crate::check::{
     Severity, mismatch, pending_path,
 };
 use crate::picture::Format;
-use crate::temporary::TemporaryFolder;
+use crate::temporary::{self, TemporaryFolder};
 use std::fmt::Write as _;
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
@@ -262,7 +262,7 @@ fn report_folder(path: &Path) -> PathBuf {
     let executable = env::current_exe().unwrap_or_default();
     let in_target =
         executable.parent().filter(|folder| folder.ends_with("deps")).and_then(|deps| deps.ancestors().nth(2));
-    let folder = in_target.map_or_else(env::temp_dir, Path::to_owned);
+    let folder = in_target.map_or_else(temporary::system_folder, Path::to_owned);
     let absolute = path.canonicalize().unwrap_or_else(|_| path.to_owned());
     let is_plain = |character: char| character.is_ascii_alphanumeric();
     let name: String = absolute

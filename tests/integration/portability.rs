@@ -82,6 +82,8 @@ const RULES: &[Rule] = &[
         reason: "only these modules start or suspend threads: for recording, for drawing, for the work of the solver that \
                  depends on no order, and to wait for signals and processes",
     },
+    Rule { word: "process::id", allowed: &["src/temporary.rs"], reason: "WASI panics; use temporary::process_number" },
+    Rule { word: "temp_dir", allowed: &["src/temporary.rs"], reason: "WASI panics; use temporary::system_folder" },
     Rule {
         word: "tiny_skia",
         allowed: &["src/picture/raster/coverage_mask.rs"],

@@ -448,6 +448,7 @@ impl NeighbourBuffer {
         if self.slots.len() < self.count + bodies.len() {
             self.grow(bodies.len());
         }
+        // A count in a register, not in memory, which each addition would wait for.
         let mut count = self.count;
         for slot in bodies {
             self.slots[count] = *slot;

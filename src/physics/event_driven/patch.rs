@@ -209,12 +209,13 @@ impl Patch {
     pub fn approach_sign(&self, touch: &Touch, axis: Axis) -> Ordering {
         let [low, high] = touch.ordered(axis).map(|body| self.axis(body, axis));
         let difference = low.state.velocity.high - high.state.velocity.high;
+        let exact = || self.approach(touch, axis).high.partial_cmp(&0.0).unwrap_or(Ordering::Equal);
         if difference.abs() > (low.speed + high.speed) * CLEAR_SIGN {
-            // Doubles suffice.
-            if difference > 0.0 { Ordering::Greater } else { Ordering::Less }
-        } else {
-            self.approach(touch, axis).high.partial_cmp(&0.0).unwrap_or(Ordering::Equal)
+            let sign = if difference > 0.0 { Ordering::Greater } else { Ordering::Less };
+            debug_assert_eq!(sign, exact(), "doubles suffice");
+            return sign;
         }
+        exact()
     }
 
     /// The acceleration at which two touching bodies approach along an axis, m/s²; 0 if below rounding.

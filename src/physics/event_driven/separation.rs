@@ -65,6 +65,7 @@ impl EventDriven {
                     self.set_trajectory(slot, axis, StateDd { position: low[axis].into(), ..state }, self.now);
                 }
                 self.cell_lists.insert(&self.clock, slot, &self.bodies[slot], self.now);
+                // At its new position it may touch bodies that touched none before.
                 self.find_touching(slot, self.now, &mut neighbours);
                 touching.extend(neighbours.slots());
             }
