@@ -70,6 +70,9 @@ mod live_events;
 #[cfg(unix)]
 #[path = "integration/output_files.rs"]
 mod output_files;
+#[cfg(unix)]
+#[path = "integration/pipes.rs"]
+mod pipes;
 #[path = "integration/portability.rs"]
 mod portability;
 #[path = "integration/provenance.rs"]

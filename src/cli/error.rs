@@ -40,6 +40,15 @@ pub enum CommandError {
         /// The scene.
         path: PathBuf,
     },
+    /// A scene that is read several times comes from a pipe or a device.
+    #[error(
+        "report reads each scene several times, and {} is not a regular file; save the scene to a file first",
+        path.display()
+    )]
+    SceneReadOnce {
+        /// The scene.
+        path: PathBuf,
+    },
     /// The scene and its events are both to be read from standard input.
     #[error("the scene and the events cannot both come from standard input; write one of them to a file")]
     TwoFromStandardInput,
@@ -285,7 +294,9 @@ impl CommandError {
     /// Converts an error of reading or writing the recording at `path`, so that the message names the path once.
     fn recording(path: &Path, source: recording::Error) -> CommandError {
         match source {
-            recording::Error::Open { .. } => CommandError::RecordingFile(source),
+            recording::Error::Open { .. } | recording::Error::NotARegularFile { .. } => {
+                CommandError::RecordingFile(source)
+            }
             recording::Error::NotARecording { .. } if path.extension().is_some_and(|extension| extension == "toml") => {
                 CommandError::SceneAsRecording { path: path.into() }
             }

@@ -329,8 +329,13 @@ fn refuse_input(output: Handle, path: &Path, inputs: &[impl AsRef<Path>]) -> Res
     if !output.as_file().metadata().is_ok_and(|metadata| metadata.is_file()) {
         return Ok(());
     }
-    let handle = |input: &Path| if is_standard_output(input) { Handle::stdin() } else { Handle::from_path(input) };
-    match inputs.iter().any(|input| handle(input.as_ref()).is_ok_and(|input| input == output)) {
+    let handle = |input: &Path| match input.metadata() {
+        _ if is_standard_output(input) => Handle::stdin().ok(),
+        // A named pipe that is opened and closed here would lose its writer.
+        Ok(metadata) if !metadata.is_file() => None,
+        Ok(_) | Err(_) => Handle::from_path(input).ok(),
+    };
+    match inputs.iter().any(|input| handle(input.as_ref()).is_some_and(|input| input == output)) {
         true => Err(CommandError::IsInput(path.into())),
         false => Ok(()),
     }

@@ -1,4 +1,4 @@
-use super::arguments::{ReportOptions, Shard};
+use super::arguments::{ReportOptions, Shard, is_standard_output};
 use super::error::CommandError;
 use super::output_file::{OutputFile, Overwrite, RefuseInputs};
 use super::{Exit, output};
@@ -94,6 +94,7 @@ fn scenes(options: &ReportOptions) -> Result<Vec<LoadedScene<'_>>, CommandError>
     let mut scenes = Vec::new();
     let runs = Sweep::combinations(&options.set).map_err(CommandError::Set)?;
     for path in &options.scenes {
+        refuse_pipe(path)?;
         let file_name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
         for overrides in &runs {
             let values: String = overrides.iter().map(|value| format!(" {value}")).collect();
@@ -102,6 +103,15 @@ fn scenes(options: &ReportOptions) -> Result<Vec<LoadedScene<'_>>, CommandError>
         }
     }
     Ok(scenes)
+}
+
+/// Returns an error for a scene that can be read only once: each measurement reads it again in a process of its own.
+fn refuse_pipe(path: &Path) -> Result<(), CommandError> {
+    let is_special = || path.metadata().is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir());
+    match is_standard_output(path) || is_special() {
+        true => Err(CommandError::SceneReadOnce { path: path.into() }),
+        false => Ok(()),
+    }
 }
 
 /// One run of a case, and its number among the runs of all cases.

@@ -3,10 +3,14 @@ use super::output_file::RefuseInputs;
 use super::{Exit, output, record, replay};
 use crate::physics::{CollisionCount, StepError};
 use crate::picture;
+use crate::recording;
 use crate::replay::{ALL_STEPS, NO_LIVE_EVENTS, RecordOptions, Verdict};
 use crate::scene::{self, Override, Sweep};
 use crate::temporary::{self, TemporaryFolder};
+use std::collections::BTreeMap;
 use std::fmt::{self, Display, Formatter};
+use std::io::Read;
+use std::sync::Arc;
 use std::{fs, fs::File, path::Path, path::PathBuf};
 
 /// A recording or a scene, as a command names it.
@@ -16,6 +20,41 @@ pub struct SourceArgument {
     pub path: PathBuf,
     /// The values to set in the scene; none for a recording.
     pub overrides: Vec<Override>,
+    content: Content,
+}
+
+/// The content of a source, as far as it was read to know what it is.
+#[derive(Clone, Debug)]
+enum Content {
+    /// A recording.
+    Recording,
+    /// A scene in a file, which is read when it is run.
+    SceneFile,
+    /// The text of a scene from a pipe or a device, which can be read only once.
+    SceneText(Arc<str>),
+}
+
+impl Content {
+    fn read(path: &Path) -> Result<Content, CommandError> {
+        if path.metadata().is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir()) {
+            return Content::read_once(path);
+        }
+        let is_recording = picture::Source::is_recording(path).map_err(CommandError::unreadable(path))?;
+        Ok(if is_recording { Content::Recording } else { Content::SceneFile })
+    }
+
+    /// Reads a scene from a pipe or a device. A recording is refused, because it is read at any position.
+    fn read_once(path: &Path) -> Result<Content, CommandError> {
+        let unreadable = CommandError::unreadable(path);
+        let mut file = File::open(path).map_err(&unreadable)?;
+        let mut start = Vec::new();
+        file.by_ref().take(mcap::MAGIC.len() as u64).read_to_end(&mut start).map_err(&unreadable)?;
+        if start == mcap::MAGIC || path.extension().is_some_and(|extension| extension == "mcap") {
+            return Err(CommandError::RecordingFile(recording::Error::NotARegularFile { path: path.into() }));
+        }
+        let text = scene::read_text_of(path, start.as_slice().chain(file))?;
+        Ok(Content::SceneText(text.into()))
+    }
 }
 
 impl SourceArgument {
@@ -23,20 +62,23 @@ impl SourceArgument {
     /// values. `--set` needs a scene among the paths.
     pub fn all(paths: &[PathBuf], set: &[Sweep]) -> Result<Vec<SourceArgument>, CommandError> {
         let runs = Sweep::combinations(set).map_err(CommandError::Set)?;
+        let mut contents: BTreeMap<&Path, Content> = BTreeMap::new();
         let mut sources = Vec::new();
         for path in paths {
-            let overrides = if is_recording(path)? { vec![Vec::new()] } else { runs.clone() };
-            sources.extend(overrides.into_iter().map(|overrides| SourceArgument { path: path.clone(), overrides }));
+            let content = match contents.get(path.as_path()) {
+                Some(known) => known.clone(),
+                None => Content::read(path)?,
+            };
+            contents.insert(path, content.clone());
+            let overrides = if matches!(content, Content::Recording) { vec![Vec::new()] } else { runs.clone() };
+            let source = |overrides| SourceArgument { path: path.clone(), overrides, content: content.clone() };
+            sources.extend(overrides.into_iter().map(source));
         }
         match sources.iter().all(|source| source.overrides.is_empty()) {
             true if !set.is_empty() => Err(CommandError::SetOfRecordings { path: paths[0].clone() }),
             _ => Ok(sources),
         }
     }
-}
-
-fn is_recording(path: &Path) -> Result<bool, CommandError> {
-    picture::Source::is_recording(path).map_err(CommandError::unreadable(path))
 }
 
 /// Replaces each folder by the recordings in it, sorted by name.
@@ -95,11 +137,12 @@ impl SourceFile {
         verification: Verification,
         output: &mut dyn RefuseInputs,
     ) -> Result<SourceFile, CommandError> {
-        let SourceArgument { path, overrides } = source;
-        if is_recording(path)? {
-            return Ok(SourceFile { path: path.clone(), failure: None, _temporary: None });
-        }
-        let scene = scene::load_with(path, overrides)?;
+        let SourceArgument { path, overrides, content } = source;
+        let scene = match content {
+            Content::Recording => return Ok(SourceFile { path: path.clone(), failure: None, _temporary: None }),
+            Content::SceneFile => scene::load_with(path, overrides)?,
+            Content::SceneText(text) => scene::load_text(path, text, overrides)?,
+        };
         output.refuse_inputs(&scene.image_paths(path.parent().unwrap_or(Path::new(""))))?;
         let folder =
             TemporaryFolder::create_in_system().map_err(CommandError::unwritable(&temporary::system_folder()))?;

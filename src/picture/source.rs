@@ -325,10 +325,7 @@ fn open(path: &Path, bytes: Option<&Arc<[u8]>>) -> Result<Recording<RecordingFil
     let read_error = |source| Error::Recording { path: path.into(), source };
     let file = match bytes {
         Some(bytes) => RecordingFile::Memory(Cursor::new(bytes.clone())),
-        None => {
-            let opened = File::open(path).map_err(|source| recording::Error::Open { path: path.into(), source });
-            RecordingFile::Disk(BufReader::new(opened.map_err(read_error)?))
-        }
+        None => RecordingFile::Disk(BufReader::new(recording::open_file(path).map_err(read_error)?)),
     };
     Recording::read(file).map_err(read_error)
 }

@@ -15,6 +15,12 @@ pub enum Error {
         /// The error of the operating system.
         source: io::Error,
     },
+    /// The file is a pipe or a device, and a recording is read at any position.
+    #[error("{} is not a regular file; save the recording to a file first", path.display())]
+    NotARegularFile {
+        /// The file.
+        path: PathBuf,
+    },
     /// Reading failed.
     #[error("the recording cannot be read: {0}")]
     Read(#[source] io::Error),

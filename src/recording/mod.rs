@@ -55,7 +55,7 @@ pub use model::{
     SceneImage, SceneText, Trailer, Versions, error_text,
 };
 pub use playback::{Playback, SampledBody, SampledState};
-pub use reader::{Item, Recording, open};
+pub use reader::{Item, Recording, open, open_file};
 pub use recover::{Recovery, recover};
 pub use scene_update::ColorFn;
 pub use sequence_validator::IDENTITY_MISMATCH;

@@ -113,8 +113,19 @@ enum Order {
 /// # Errors
 /// Returns an error if the file cannot be opened, is not a recording, or is newer than this program.
 pub fn open(path: &Path) -> Result<Recording<BufReader<File>>, Error> {
-    let file = File::open(path).map_err(|source| Error::Open { path: path.into(), source })?;
-    Recording::read(BufReader::new(file))
+    Recording::read(BufReader::new(open_file(path)?))
+}
+
+/// Opens the file of a recording.
+///
+/// # Errors
+/// Returns an error if the file cannot be opened, or cannot be read at any position.
+pub fn open_file(path: &Path) -> Result<File, Error> {
+    // Opening a named pipe would wait for its writer, and then take its only reader away.
+    if path.metadata().is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir()) {
+        return Err(Error::NotARegularFile { path: path.into() });
+    }
+    File::open(path).map_err(|source| Error::Open { path: path.into(), source })
 }
 
 impl<R: Read + Seek> Recording<R> {

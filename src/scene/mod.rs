@@ -22,6 +22,7 @@ mod tree;
 use crate::physics::{Restitution, Vector};
 use crate::recording::{SceneImage, limits};
 use std::{
+    borrow::Cow,
     fs::File,
     io::{self, Read},
     path::Path,
@@ -126,13 +127,23 @@ pub fn load(path: &Path) -> Result<Scene, SceneError> {
 /// Those of [`load`], and [`SceneError::Override`] if a value cannot be set.
 #[cfg(feature = "cli")]
 pub fn load_with(path: &Path, overrides: &[Override]) -> Result<Scene, SceneError> {
-    if overrides.is_empty() {
-        return load(path);
-    }
-    let text = overrides::apply(path, &read_text(path)?, overrides)?;
-    let options: Vec<String> = overrides.iter().map(|value| format!(" --set {value}")).collect();
+    load_text(path, &read_text(path)?, overrides)
+}
+
+/// Parses the text of the file at `path`, which may be a pipe that cannot be read again, as [`load_with`] does, and reads
+/// its images.
+///
+/// # Errors
+/// Those of [`load_with`].
+#[cfg(feature = "cli")]
+pub fn load_text(path: &Path, text: &str, overrides: &[Override]) -> Result<Scene, SceneError> {
+    let text = match overrides {
+        [] => text.into(),
+        [_, ..] => Cow::from(overrides::apply(path, text, overrides)?),
+    };
+    let options: String = overrides.iter().map(|value| format!(" --set {value}")).collect();
     let name = name(path);
-    let mut scene = parse(&(name.to_string() + &options.concat()), &text)?;
+    let mut scene = parse(&(name.to_string() + &options), &text)?;
     scene.load_images(path.parent().unwrap_or(Path::new("")))?;
     scene.source.path = name.into();
     scene.source.overrides = overrides.iter().map(Override::stored).collect();
@@ -143,18 +154,28 @@ pub fn load_with(path: &Path, overrides: &[Override]) -> Result<Scene, SceneErro
 const STANDARD_INPUT: &str = "-";
 
 /// The name of a scene in its recording and in errors.
-fn name(path: &Path) -> std::borrow::Cow<'_, str> {
+fn name(path: &Path) -> Cow<'_, str> {
     if path == Path::new(STANDARD_INPUT) { "stdin.toml".into() } else { path.to_string_lossy() }
 }
 
 fn read_text(path: &Path) -> Result<String, SceneError> {
+    match path == Path::new(STANDARD_INPUT) {
+        true => read_text_of(path, io::stdin()),
+        false => {
+            let file = File::open(path).map_err(|error| SceneError::Unreadable { path: path.into(), error })?;
+            read_text_of(path, file)
+        }
+    }
+}
+
+/// Reads the text of a scene from an open file; error messages call it `path`.
+///
+/// # Errors
+/// If the file is unreadable, too long or not text.
+pub fn read_text_of(path: &Path, file: impl Read) -> Result<String, SceneError> {
     let mut bytes = Vec::new();
-    let file: io::Result<Box<dyn Read>> = match path == Path::new(STANDARD_INPUT) {
-        true => Ok(Box::new(io::stdin())),
-        false => File::open(path).map(|file| Box::new(file) as Box<dyn Read>),
-    };
-    file.and_then(|file| file.take(MAX_SCENE_BYTES + 1).read_to_end(&mut bytes))
-        .map_err(|error| SceneError::Unreadable { path: path.into(), error })?;
+    let read = file.take(MAX_SCENE_BYTES + 1).read_to_end(&mut bytes);
+    read.map_err(|error| SceneError::Unreadable { path: path.into(), error })?;
     if bytes.len() as u64 > MAX_SCENE_BYTES {
         return Err(SceneError::TooLong { path: path.into(), limit: MAX_SCENE_BYTES });
     }
