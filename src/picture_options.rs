@@ -308,12 +308,29 @@ impl StepOrTime {
         }
     }
 
-    /// The step, or the last one that is not after the time, in a run at `rate` Hz.
-    pub fn step_before(self, rate: f64) -> u64 {
+    /// The step, or the first one that can have a collision at or after the time, in a run at `rate` Hz.
+    pub fn first_collision_step(self, rate: f64) -> u64 {
+        match self {
+            StepOrTime::Step(step) => step,
+            // A collision at the time of a state happens in the step before it.
+            StepOrTime::Time(time) => ((time * rate) as u64).saturating_sub(1),
+        }
+    }
+
+    /// The step, or the last one that can have a collision at or before the time, in a run at `rate` Hz.
+    pub fn last_collision_step(self, rate: f64) -> u64 {
         match self {
             StepOrTime::Step(step) => step,
             // A time that is a step up to rounding is that step.
-            StepOrTime::Time(time) => (time * rate * (1.0 + 1e-12)).floor() as u64,
+            StepOrTime::Time(time) => (time * rate * (1.0 + 1e-12)) as u64,
+        }
+    }
+
+    /// The time, s; `None` for a step.
+    pub const fn time(self) -> Option<f64> {
+        match self {
+            StepOrTime::Step(_) => None,
+            StepOrTime::Time(time) => Some(time),
         }
     }
 }
@@ -467,7 +484,8 @@ mod tests {
         for wrong in ["", "s", "-1", "-1s", "1.5", "1e400s", "nans", "5m"] {
             assert!(step(wrong, 60.0).is_err(), "{wrong}");
         }
-        assert_eq!("0.3s".parse::<StepOrTime>().unwrap().step_before(10.0), 3);
+        let time: StepOrTime = "0.3s".parse().unwrap();
+        assert_eq!([time.first_collision_step(10.0), time.last_collision_step(10.0)], [2, 3]);
         assert_eq!("0.39s".parse::<StepOrTime>().unwrap().to_string(), "0.39s");
     }
 

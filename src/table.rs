@@ -256,6 +256,8 @@ fn shortest_decimal(number: f64) -> String {
 /// Writes the collisions of a replay while it runs.
 pub struct CollisionRows<'a, 'b> {
     steps: RangeInclusive<u64>,
+    /// Seconds since step 0.
+    instants: RangeInclusive<f64>,
     names: BTreeMap<BodyId, String>,
     rows: &'a mut Rows<'b>,
     /// The next id and the number of bodies when the names were last updated.
@@ -265,7 +267,8 @@ pub struct CollisionRows<'a, 'b> {
 
 impl Observer for CollisionRows<'_, '_> {
     fn collision(&mut self, collision: &Collision) {
-        if self.failure.is_none() && collision.impulse != 0.0 && self.steps.contains(&collision.step) {
+        let is_chosen = self.steps.contains(&collision.step) && self.instants.contains(&collision.instant);
+        if self.failure.is_none() && collision.impulse != 0.0 && is_chosen {
             self.failure = self.rows.collision(collision, &self.names).err();
         }
     }
@@ -274,7 +277,13 @@ impl Observer for CollisionRows<'_, '_> {
 impl<'a, 'b> CollisionRows<'a, 'b> {
     /// Writes the collisions of `steps` as `rows`.
     pub fn new(steps: RangeInclusive<u64>, rows: &'a mut Rows<'b>) -> CollisionRows<'a, 'b> {
-        CollisionRows { steps, names: BTreeMap::new(), rows, known: (0, 0), failure: None }
+        let instants = f64::NEG_INFINITY..=f64::INFINITY;
+        CollisionRows { steps, instants, names: BTreeMap::new(), rows, known: (0, 0), failure: None }
+    }
+
+    /// Writes only the collisions at these instants, s.
+    pub fn within(self, instants: RangeInclusive<f64>) -> CollisionRows<'a, 'b> {
+        CollisionRows { instants, ..self }
     }
 
     /// The error of the file, once.

@@ -152,7 +152,9 @@ Tables and their columns:
 Several sources have a first column, source, and one for each key that --set
 has changed in any of them. A folder stands for its recordings. Numbers are the
 shortest decimals that read back to the same value, in SI units. FILE.mcap has
-one topic per body, for plots in Foxglove or PlotJuggler.
+one topic per body, for plots in Foxglove or PlotJuggler. Steps select rows by
+their step. Times select collisions by their instant, both ends included, and
+other rows by the nearest step.
 
 Examples:
   rebond export figure-1.mcap > figure-1.csv

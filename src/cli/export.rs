@@ -119,9 +119,17 @@ fn export(
     rows: &mut Rows,
 ) -> Result<(Health, ReadExtent), CommandError> {
     let recording = recording::open(file).map_err(CommandError::in_recording(path))?;
-    let last = recording.header.steps;
-    let step = |point: StepOrTime| point.step(recording.header.config.rate);
-    let (from, to) = (options.from.map_or(0, step), options.to.map_or(last, step).min(last));
+    let (last, rate) = (recording.header.steps, recording.header.config.rate);
+    let (from, to) = match options.table {
+        Table::States | Table::Energy | Table::Bodies => {
+            (options.from.map_or(0, |from| from.step(rate)), options.to.map_or(last, |to| to.step(rate)))
+        }
+        Table::Collisions => (
+            options.from.map_or(0, |from| from.first_collision_step(rate)),
+            options.to.map_or(last, |to| to.last_collision_step(rate)),
+        ),
+    };
+    let to = to.min(last);
     if options.table == Table::Bodies {
         return bodies(path, recording, from..=to, options, rows);
     }
@@ -165,7 +173,7 @@ fn states(
     Ok((playback.health(), ReadExtent::End))
 }
 
-/// Replays the recording and writes each impulse in `steps`.
+/// Replays the recording and writes each impulse in `steps`, and at the times that the options name.
 fn collisions(
     path: &Path,
     recording: Recording,
@@ -180,7 +188,9 @@ fn collisions(
     let bar = output::progress_bar("replaying", last.unwrap_or(planned));
     let replayed = *steps.start()..=last.unwrap_or(u64::MAX);
     let mut replayer = Replayer::new(recording, replayed).map_err(CommandError::in_recording(path))?;
-    let mut table = CollisionRows::new(steps, rows);
+    let instant = |point: Option<StepOrTime>, open: f64| point.and_then(StepOrTime::time).unwrap_or(open);
+    let instants = instant(options.from, f64::NEG_INFINITY)..=instant(options.to, f64::INFINITY);
+    let mut table = CollisionRows::new(steps, rows).within(instants);
     while let Some(step) = replayer.next_state(&mut table).map_err(CommandError::in_recording(path))? {
         bar.set_position(step);
         if let Some(engine) = replayer.engine() {

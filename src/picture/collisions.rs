@@ -3,39 +3,42 @@
 use super::figures::CollisionSubject;
 use super::{AnimationSchedule, Appearance, CollisionSelector, Error, Moment, Progress, Source};
 use crate::physics::{BodyId, Collision, Observer, larger};
+use crate::picture_options::StepOrTime;
 use crate::recording::{Health, Missing};
 use crate::replay::{ALL_STEPS, Replayer};
 use crate::text::counted;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-/// Finds the first collision with an impulse in or after `step`, between the bodies of `pair` if given, by replaying the
-/// recording. If no later collision has an impulse, finds the first one without: bodies that overlap at rest or while
+/// Finds the first collision with an impulse in or after a step, or at or after a time, between the bodies of `pair` if
+/// given, by replaying the recording. If no later collision has an impulse, finds the first one without: bodies that overlap at rest or while
 /// they separate, which the handout's solver displaces.
 ///
 /// Returns it with the health of the recording as far as it was read.
 ///
 /// # Errors
-/// If there is no such collision or no state, or the recording cannot be read or diverges.
+/// If there is no such collision or no state, if a [`CollisionSelector`] cannot name it, or if the recording cannot be read
+/// or diverges.
 pub fn find_collision(
     source: &Source,
-    step: u64,
+    start: StepOrTime,
     pair: Option<&[String; 2]>,
     progress: Progress,
 ) -> Result<(CollisionSubject, Health), Error> {
     let is_wanted = |(found, _): &&(CollisionSubject, Health)| {
         let selector = collision_selector(found);
-        selector.step == step && pair == Some(&selector.pair)
+        start == StepOrTime::Step(selector.step) && pair == Some(&selector.pair)
     };
     let cached = source.found_collisions.lock().ok().and_then(|found| found.iter().find(is_wanted).cloned());
     if let Some(found) = cached {
         return Ok(found);
     }
     let bodies = source.appearances()?;
-    let mut search = Search { step, pair, bodies: &bodies, found: None, without_impulse: None };
+    let mut search = Search::new(start, pair, &bodies);
     let steps = source.header.steps;
+    let first = start.first_collision_step(source.header.config.rate);
     let recording = source.recording()?;
-    let mut replayer = Replayer::new(recording, step..=u64::MAX).map_err(|error| source.read_error(error))?;
+    let mut replayer = Replayer::new(recording, first..=u64::MAX).map_err(|error| source.read_error(error))?;
     let mut has_states = false;
     while search.found.is_none() {
         let Some(step) = replayer.next_state(&mut search).map_err(|error| source.read_error(error))? else { break };
@@ -48,8 +51,9 @@ pub fn find_collision(
     };
     let health = if search.found.is_some() { up_to_here(health) } else { health };
     if !has_states && health != Health::Whole {
-        return Err(source.missing_states(&(step..=u64::MAX), health));
+        return Err(source.missing_states(&(first..=u64::MAX), health));
     }
+    search.refuse_ambiguous()?;
     let found = search.found.or(search.without_impulse).and_then(|collision| {
         let [c, b] = collision.bodies.map(|id| bodies.get(&id).cloned());
         Some((CollisionSubject { title: String::new(), collision, bodies: [c?, b?] }, health.clone()))
@@ -64,7 +68,11 @@ pub fn find_collision(
     found.ok_or_else(|| {
         let between = pair.map_or(String::new(), |[a, b]| format!(" between {a:?} and {b:?}"));
         let run = counted(steps, "step");
-        source.nothing_to_show(format!("no collision{between} in or after step {step}, in a run of {run}"))
+        let range = match start {
+            StepOrTime::Step(step) => format!("in or after step {step}"),
+            StepOrTime::Time(time) => format!("at or after {time} s"),
+        };
+        source.nothing_to_show(format!("no collision{between} {range}, in a run of {run}"))
     })
 }
 
@@ -85,26 +93,76 @@ pub fn collision_selector(subject: &CollisionSubject) -> CollisionSelector {
 }
 
 struct Search<'a> {
-    step: u64,
+    start: StepOrTime,
     pair: Option<&'a [String; 2]>,
     bodies: &'a BTreeMap<BodyId, Arc<Appearance>>,
     found: Option<Collision>,
     without_impulse: Option<Collision>,
+    /// The last step with a collision before the start, and the pairs that collided in it.
+    passed: (u64, BTreeSet<[BodyId; 2]>),
 }
 
-impl Search<'_> {
+impl<'a> Search<'a> {
+    fn new(
+        start: StepOrTime,
+        pair: Option<&'a [String; 2]>,
+        bodies: &'a BTreeMap<BodyId, Arc<Appearance>>,
+    ) -> Search<'a> {
+        Search { start, pair, bodies, found: None, without_impulse: None, passed: (0, BTreeSet::new()) }
+    }
+
+    /// Returns an error if the pair of the collision found has collided in the same step before, so that step and pair
+    /// do not tell the two apart.
+    fn refuse_ambiguous(&self) -> Result<(), Error> {
+        let (step, pairs) = &self.passed;
+        let found = self.found.as_ref().or(self.without_impulse.as_ref());
+        let Some(collision) = found.filter(|found| found.step == *step && pairs.contains(&found.bodies)) else {
+            return Ok(());
+        };
+        let names = collision.bodies.map(|id| self.bodies.get(&id).map_or("", |body| body.name.as_str()));
+        let reason = format!(
+            "the collision of {:?} and {:?} at {} s is not their first one in step {step}; choose a collision by its step \
+             with --step {step} or --step {}, or record with a higher rate",
+            names[0],
+            names[1],
+            collision.instant,
+            step + 1
+        );
+        Err(Error::NothingToShow { reason })
+    }
+
+    fn is_reached(&self, collision: &Collision) -> bool {
+        match self.start {
+            StepOrTime::Step(step) => collision.step >= step,
+            StepOrTime::Time(time) => collision.instant >= time,
+        }
+    }
+
+    /// Remembers a collision before the start.
+    fn pass(&mut self, collision: &Collision) {
+        let (step, pairs) = &mut self.passed;
+        if *step != collision.step {
+            *step = collision.step;
+            pairs.clear();
+        }
+        pairs.insert(collision.bodies);
+    }
+
     fn matches(&self, collision: &Collision) -> bool {
         let names = || collision.bodies.map(|id| self.bodies.get(&id).map(|body| body.name.as_str()));
         let is_pair = |[a, b]: &[String; 2]| {
             let names = names();
             names == [Some(a.as_str()), Some(b)] || names == [Some(b.as_str()), Some(a)]
         };
-        collision.step >= self.step && self.pair.is_none_or(is_pair)
+        self.pair.is_none_or(is_pair)
     }
 }
 
 impl Observer for Search<'_> {
     fn collision(&mut self, collision: &Collision) {
+        if !self.is_reached(collision) {
+            return self.pass(collision);
+        }
         let place = if collision.impulse != 0.0 { &self.found } else { &self.without_impulse };
         if place.is_none() && self.matches(collision) {
             let place = if collision.impulse != 0.0 { &mut self.found } else { &mut self.without_impulse };

@@ -86,7 +86,8 @@ impl Composer<'_> {
         let sources = self.sources;
         let (mut subjects, mut statuses) = (Vec::new(), Vec::new());
         for ((source, selector), title) in sources.iter().zip(collisions).zip(titles(&self.picture.titles, sources)) {
-            let (collision, health) = find_collision(source, selector.step, Some(&selector.pair), self.progress)?;
+            let start = selector.step.into();
+            let (collision, health) = find_collision(source, start, Some(&selector.pair), self.progress)?;
             subjects.push(CollisionSubject { title, ..collision });
             let declared = source.declared_health()?;
             // Only the index gives the end of the recording, and only reading finds damaged records.

@@ -286,8 +286,7 @@ impl PictureOptions {
                 let mut collisions = Vec::new();
                 for source in sources {
                     last_step(source)?;
-                    let step = step.step_before(source.header.config.rate);
-                    let found = find_collision(source, step, pair.as_ref(), progress);
+                    let found = find_collision(source, *step, pair.as_ref(), progress);
                     let (found, _) = found.map_err(|error| error.of_source(source, sources))?;
                     collisions.push(collision_selector(&found));
                 }

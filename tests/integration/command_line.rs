@@ -302,6 +302,41 @@ fn an_exported_range_equals_that_part_of_the_whole_table() {
 }
 
 #[test]
+fn a_range_of_times_selects_collisions_by_their_instant() {
+    let body = |name: &str, x: f64, speed: f64| {
+        format!(
+            "[[spawn]]\nname = \"{name}\"\nat = [{x:?}, 4.0]\nsize = [1.0, 1.0]\nmass = 1.0\n\
+             velocity = [{speed:?}, 0.0]\n"
+        )
+    };
+    // At one step per second, each step has several collisions.
+    let bouncing = format!(
+        "run = {{ duration = 6.0, rate = 1.0 }}\nworld = {{ walls = true, size = [10.0, 10.0] }}\n{}",
+        body("ball", 0.0, 40.0)
+    );
+    let workplace = Workplace::with_scene(&bouncing);
+    // Two bodies that touch after half a second, which is the time of state 30.
+    workplace.write("pair.toml", &format!("run.duration = 2.0\n{}{}", body("a", 1.0, 4.0), body("b", 4.0, 0.0)));
+    let times = |line: &str| -> Vec<f64> {
+        let table = workplace.done(&format!("export {line} --table collisions")).output;
+        table.lines().skip(1).map(|row| row.split(',').next().unwrap().parse().unwrap()).collect()
+    };
+    let all = times("scene.toml");
+    for range in [0.0..=2.0, 2.25..=3.15, 0.45..=0.9, 5.8..=6.0] {
+        let expected: Vec<f64> = all.iter().copied().filter(|time| range.contains(time)).collect();
+        let (from, to) = (range.start(), range.end());
+        assert_eq!(times(&format!("scene.toml --from {from}s --to {to}s")), expected, "{range:?}");
+        assert!(!expected.is_empty(), "{range:?}");
+    }
+    assert_eq!((times("pair.toml --from 0.5s"), times("pair.toml --to 0.5s")), (vec![0.5], vec![0.5]));
+    assert_eq!((times("pair.toml --from 30"), times("pair.toml --to 29")), (vec![], vec![0.5]));
+    workplace.done("figure collision pair.toml --step 0.5s -o pair.svg");
+    assert_eq!(workplace.rebond("figure collision pair.toml --step 0.51s -o late.svg").code, 1);
+    let ambiguous = workplace.rebond("figure collision scene.toml --step 2.5s --pair ball,wall-left -o ball.svg");
+    assert!(ambiguous.code == 1 && ambiguous.errors.contains("is not their first one in step 2"), "{ambiguous:?}");
+}
+
+#[test]
 fn figures_of_every_kind_are_drawn_in_every_format() {
     let workplace = recorded();
     for kind in [
