@@ -89,9 +89,9 @@ impl Description {
                 serde_json::Value::Object(set) if key == "set" && set.is_empty() => continue,
                 serde_json::Value::Bool(false) if key == "live_events" => continue,
                 serde_json::Value::Object(set) if key == "set" => set_text(set),
-                serde_json::Value::Bool(true) => "yes".into(),
-                _ if key == "damage" || key == "missing" => continue,
+                _ if ["verified", "damage", "missing"].contains(&key.as_str()) => continue,
                 _ if key == "health" => self.condition.clone(),
+                serde_json::Value::Bool(true) => "yes".into(),
                 serde_json::Value::Null => "unknown".into(),
                 serde_json::Value::String(text) => text.clone(),
                 serde_json::Value::Number(number) => without_trailing_zero(number),
@@ -138,6 +138,9 @@ fn picture_entries(path: &Path) -> Result<Option<serde_json::Map<String, serde_j
     Ok(Some(entries.map(|(key, value)| (key, value.into())).collect()))
 }
 
+/// The health of a recording that has an end and an index, and whose chunks were not verified.
+const FINISHED: &str = "finished";
+
 /// The contents of a recording, in the order in which they are printed.
 #[derive(Serialize)]
 struct Info {
@@ -176,8 +179,10 @@ struct Info {
     accuracy: Option<String>,
     accuracy_method: Option<&'static str>,
     identity: Option<String>,
-    /// `whole`, `incomplete` or `corrupt`.
+    /// `whole`, `incomplete` or `corrupt`, or [`FINISHED`].
     health: &'static str,
+    /// True if all chunks were verified.
+    verified: bool,
     damage: Option<String>,
     missing: Option<serde_json::Value>,
     /// The health with its details.
@@ -210,7 +215,7 @@ impl Info {
         info.deletes = is_counted.then(|| trailer.events.saturating_sub(trailer.bodies));
         info.keyframes = keyframes;
         info.chunks = chunks;
-        info.condition = "finished; chunks not verified, verify them with --verify".into();
+        info.verified = false;
         info.set_trailer(&trailer);
         info.with_totals()
     }
@@ -224,17 +229,16 @@ impl Info {
 
     /// Adds the health, and returns the exit code.
     fn with_health(mut self, health: &Health) -> (Info, Exit) {
-        self.health = health.word();
         self.damage = health.damage().map(Damage::to_string);
         self.missing = health.missing().map(missing_json);
-        if *health == Health::Whole {
-            if self.condition.is_empty() {
-                self.condition = health.to_string();
-            }
+        if *health == Health::Whole && !self.verified {
+            self.health = FINISHED;
+            self.condition = format!("{FINISHED}; chunks not verified, verify them with --verify");
             return (self, Exit::Done);
         }
+        self.health = health.word();
         self.condition = health.to_string();
-        (self, Exit::Damaged)
+        (self, if *health == Health::Whole { Exit::Done } else { Exit::Damaged })
     }
 
     fn from_header(header: &Header, bytes: u64) -> Info {
@@ -265,6 +269,7 @@ impl Info {
             accuracy_method: header.estimates_accuracy.then_some("estimate by random rounding"),
             identity: None,
             health: "",
+            verified: true,
             damage: None,
             missing: None,
             condition: String::new(),
@@ -340,4 +345,33 @@ impl Energies {
 fn without_trailing_zero(number: &serde_json::Number) -> String {
     let text = number.to_string();
     text.strip_suffix(".0").map_or(text.clone(), str::to_owned)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::recording::Missing;
+    use crate::replay::{self, NO_LIVE_EVENTS, RecordOptions};
+
+    #[test]
+    fn a_recording_that_was_not_verified_is_not_called_whole() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("run.mcap");
+        let scene = scene::parse("scene.toml", "run.steps = 3\n").unwrap();
+        let file = File::create(&path).unwrap();
+        replay::record(&scene, RecordOptions::complete(&scene), NO_LIVE_EVENTS, file, |_| ()).unwrap();
+        let mut recording = recording::open(&path).unwrap();
+        let mut described = |health: Health| {
+            let summary = recording.summary().unwrap().unwrap();
+            let (info, exit) = Info::from_index(&recording.header, summary, 0).with_health(&health);
+            (info.health, info.verified, info.condition, exit)
+        };
+        let finished = "finished; chunks not verified, verify them with --verify";
+        assert_eq!(described(Health::Whole), ("finished", false, finished.to_owned(), Exit::Done));
+        let recovered = Health::Incomplete(Missing { recovered: true, ..Missing::default() });
+        let expected = ("incomplete", false, "incomplete: recovered".to_owned(), Exit::Damaged);
+        assert_eq!(described(recovered), expected);
+        let (info, exit) = Info::read(&path, &mut recording, 0).unwrap().with_health(&Health::Whole);
+        assert_eq!((info.health, info.verified, exit), ("whole", true, Exit::Done));
+    }
 }
