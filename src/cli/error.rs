@@ -269,6 +269,29 @@ pub enum CommandError {
         /// The longest duration, s.
         max_seconds: f64,
     },
+    /// A range ends before it starts.
+    #[error("no step is in the range --from {from} --to {to}; exchange the two")]
+    ReversedRange {
+        /// The value of `--from`.
+        from: String,
+        /// The value of `--to`.
+        to: String,
+    },
+    /// None of the states in a range is recorded in full.
+    #[error(
+        "{} has no full state in the steps {from} to {to}: only those of every {every} steps are recorded in full",
+        path.display()
+    )]
+    NoFullState {
+        /// The recording.
+        path: PathBuf,
+        /// The first step.
+        from: u64,
+        /// The last step.
+        to: u64,
+        /// The number of steps from one full state to the next.
+        every: u64,
+    },
     /// A part of a table of several sources was requested.
     #[error("--shard divides the table of one source; export each source on its own")]
     ShardOfSeveral,

@@ -33,6 +33,7 @@ pub fn run(options: &ExportOptions) -> Result<Exit, CommandError> {
     }
     let open = |source| SourceFile::open(source, Verification::Replay, &mut output);
     let files = sources.iter().map(open).collect::<Result<Vec<_>, CommandError>>()?;
+    sources.iter().zip(&files).try_for_each(|(source, file)| refuse_empty_range(&source.path, &file.path, options))?;
     let settings = settings_of_several(&sources, &files)?;
     let statuses = output.write(|file| {
         let columns = options.table.columns();
@@ -97,6 +98,7 @@ fn export_topics(options: &ExportOptions) -> Result<Exit, CommandError> {
     };
     let mut output = OutputFile::create(&options.output, Overwrite::from_force(options.force), &[path])?;
     let file = SourceFile::open(source, Verification::Replay, &mut output)?;
+    refuse_empty_range(path, &file.path, options)?;
     let recording = recording::open(&file.path).map_err(CommandError::in_recording(path))?;
     let header = recording.header.clone();
     let step = |point: StepOrTime| point.step(header.config.rate);
@@ -150,6 +152,55 @@ fn export(
 }
 
 type Recording = recording::Recording<io::BufReader<std::fs::File>>;
+
+/// Returns an error if the recording `file` of the source `path` has no state in the range that the options name.
+fn refuse_empty_range(path: &Path, file: &Path, options: &ExportOptions) -> Result<(), CommandError> {
+    if options.from.or(options.to).is_none() {
+        return Ok(());
+    }
+    let in_recording = CommandError::in_recording(path);
+    let recording = recording::open(file).map_err(&in_recording)?;
+    let (rate, every) = (recording.header.config.rate, recording.header.every);
+    let (from, to) = (options.from.unwrap_or(0.into()), options.to.unwrap_or(u64::MAX.into()));
+    if from.step(rate) > to.step(rate) || from.time().zip(to.time()).is_some_and(|(from, to)| from > to) {
+        return Err(CommandError::ReversedRange { from: from.to_string(), to: to.to_string() });
+    }
+    let (from, to) = (from.step(rate), to.step(rate));
+    let (first, recording) = first_state(recording, from, options.table).map_err(&in_recording)?;
+    if first.is_some_and(|step| step <= to) {
+        return Ok(());
+    }
+    let last = recording.trailer().map_or(recording.header.steps, |end| end.steps);
+    match recording.health() {
+        Health::Whole if from <= last => Err(CommandError::NoFullState { path: path.into(), from, to, every }),
+        Health::Whole => Err(in_recording(recording::Error::NoStates { from, to, last })),
+        // The bodies that may live within a gap are known.
+        _ if options.table == Table::Bodies => Ok(()),
+        health => Err(in_recording(recording::Error::MissingStates { from, to, health: Box::new(health) })),
+    }
+}
+
+/// The step of the first state at or after step `from` that has rows in `table`, and the recording read up to there.
+fn first_state(
+    mut recording: Recording,
+    from: u64,
+    table: Table,
+) -> Result<(Option<u64>, Recording), recording::Error> {
+    if let Table::States | Table::Energy = table {
+        let mut playback = Playback::new(recording);
+        playback.seek(from)?;
+        let first = playback.next().transpose()?.map(|state| state.step);
+        return Ok((first, playback.into_recording()));
+    }
+    recording.seek(from)?;
+    while let Some(item) = recording.next().transpose()? {
+        match item {
+            Item::State(state) if state.step >= from => return Ok((Some(state.step), recording)),
+            _ => {}
+        }
+    }
+    Ok((None, recording))
+}
 
 /// Reads the states of `steps` and passes each to `write`.
 fn states(

@@ -133,7 +133,10 @@ impl<R: Read + Seek> Replayer<R> {
         let verdict = self.verdict();
         let (from, to) = (*self.steps.start(), *self.steps.end());
         match verdict.health().filter(|_| self.compared == 0) {
-            Some(Health::Whole) => Err(Error::NoStates { from, to, last: self.recording.header.steps }),
+            Some(Health::Whole) => {
+                let last = self.recording.trailer().map_or(self.recording.header.steps, |end| end.steps);
+                Err(Error::NoStates { from, to, last })
+            }
             Some(health) if self.steps != ALL_STEPS => Err(Error::MissingStates { from, to, health: Box::new(health) }),
             Some(_) | None => Ok(verdict),
         }

@@ -302,6 +302,33 @@ fn an_exported_range_equals_that_part_of_the_whole_table() {
 }
 
 #[test]
+fn a_range_that_the_run_never_had_is_refused() {
+    let workplace = recorded();
+    workplace.done("record scene.toml -o thin.mcap --every 10");
+    let names = workplace.names();
+    for (range, reason) in [
+        ("run.mcap --from 91", "there is no state from step 91 on: the recording has the steps 0 to 90"),
+        ("scene.toml --from 2s --to 3s", "there is no state in the steps 120 to 180"),
+        ("run.mcap --from 3 --to 2", "no step is in the range --from 3 --to 2; exchange the two"),
+        ("run.mcap --from 1.001s --to 1s", "no step is in the range --from 1.001s --to 1s"),
+    ] {
+        for table in ["states", "collisions", "energy", "bodies"] {
+            for output in ["", " -o new.csv"] {
+                let refused = workplace.rebond(&format!("export {range} --table {table}{output}"));
+                let is_clear = refused.output.is_empty() && refused.errors.contains(reason);
+                assert!(refused.code == 1 && is_clear, "{range} {table}: {refused:?}");
+            }
+        }
+        assert_eq!(workplace.rebond(&format!("export {range} -o new.mcap")).code, 1, "{range}");
+    }
+    let thin = workplace.rebond("export thin.mcap --from 3 --to 5 -o new.csv");
+    assert!(thin.code == 1 && thin.errors.contains("has no full state in the steps 3 to 5"), "{thin:?}");
+    assert_eq!(workplace.names(), names);
+    workplace.done("export thin.mcap --from 3 --to 5 --table bodies");
+    workplace.done("export run.mcap --from 90 --to 500 --shard 2/2");
+}
+
+#[test]
 fn a_range_of_times_selects_collisions_by_their_instant() {
     let body = |name: &str, x: f64, speed: f64| {
         format!(
