@@ -146,6 +146,18 @@ pub enum DiagnosticKind {
         /// The first few names (numbers for tables without a name) that exist.
         known: Vec<String>,
     },
+    /// An override names several elements of an array of tables.
+    #[error("{count} [[{table}]] have the name {name:?}")]
+    AmbiguousName {
+        /// The array of tables.
+        table: String,
+        /// The name as typed.
+        name: String,
+        /// The number of elements of that name.
+        count: usize,
+        /// The keys by number that the override may mean, of the first few elements.
+        choices: Vec<String>,
+    },
     /// An override gives a value to a table.
     #[error("`{key}` is a table, not a value")]
     NotAValue {
@@ -212,6 +224,9 @@ impl DiagnosticKind {
                 format!("the scene has no [[{table}]]")
             }
             DiagnosticKind::NoSuchTable { known, .. } => format!("use a name or a number: {}", known.join(", ")),
+            DiagnosticKind::AmbiguousName { choices, .. } => {
+                format!("choose one by its position: {}", choices.join(", "))
+            }
             DiagnosticKind::NotAValue { key } => format!("name one of its keys: {key}.KEY=VALUE"),
             DiagnosticKind::NotATable { key } => format!("set all of it: {key}=VALUE"),
         }
@@ -235,6 +250,7 @@ impl DiagnosticKind {
             DiagnosticKind::NotAlive { .. } => "not alive",
             DiagnosticKind::NoRoom { .. } => "no room",
             DiagnosticKind::NoSuchTable { .. } => "does not exist",
+            DiagnosticKind::AmbiguousName { .. } => "ambiguous",
             DiagnosticKind::NotAValue { .. } => "a table",
             DiagnosticKind::NotATable { .. } => "a value",
         }

@@ -239,12 +239,19 @@ pub fn apply(path: &Path, text: &str, overrides: &[Override]) -> Result<String, 
     let Ok(mut document) = text.parse::<DocumentMut>() else { return Ok(text.to_owned()) };
     let reporter = Reporter::default();
     let mut lines = String::new();
-    for (index, Override { keys, value, text }) in overrides.iter().enumerate() {
+    let mut places: Vec<Vec<String>> = Vec::new();
+    for Override { keys, value, text } in overrides {
         lines += "--set ";
         let target = Target { keys, text, start: lines.len(), reporter: &reporter };
-        match overrides[..index].iter().any(|earlier| earlier.keys == *keys) {
-            true => target.report(DiagnosticKind::DuplicateKey { key: joined(keys) }, keys.len() - 1),
-            false => target.set(document.as_table_mut(), 0, value),
+        match target.find(document.as_table_mut(), 0, Vec::new()) {
+            Some(found) if places.contains(&found.path) => {
+                target.report(DiagnosticKind::DuplicateKey { key: joined(keys) }, keys.len() - 1);
+            }
+            Some(found) => {
+                set_value(found.table, &found.key, value);
+                places.push(found.path);
+            }
+            None => {}
         }
         lines += &text.replace(|letter: char| letter.is_ascii_control(), "?");
         lines.push('\n');
@@ -272,42 +279,93 @@ struct Target<'a> {
     reporter: &'a Reporter,
 }
 
+/// The place of a value in a scene.
+struct Place<'t> {
+    /// The table that has the value, or is to have it.
+    table: &'t mut dyn TableLike,
+    key: String,
+    /// The path from the root, which is the same for all ways to type it: a repeated table has its number, from 1.
+    path: Vec<String>,
+}
+
 impl Target<'_> {
-    /// Sets the value in `table`, whose path is the first `depth` keys.
-    fn set(&self, table: &mut dyn TableLike, depth: usize, value: &Value) {
+    /// Finds the place below `table`, whose path is the first `depth` keys. Tables that do not exist are added on the way. A
+    /// place that cannot be is reported.
+    fn find<'t>(&self, table: &'t mut dyn TableLike, depth: usize, mut path: Vec<String>) -> Option<Place<'t>> {
         let key = &self.keys[depth];
         if depth + 1 == self.keys.len() {
             let reversed = key.split_once('/').map(|(a, b)| format!("{b}/{a}")).filter(|pair| table.contains_key(pair));
             let key = if self.keys[0] == "restitution" { reversed.as_ref().unwrap_or(key) } else { key };
-            return set_value(table, key, value);
+            path.push(key.clone());
+            return Some(Place { table, key: key.clone(), path });
         }
         let is_repeated = depth == 0 && inputs::KEYS.iter().any(|repeated| repeated.name == key);
         if is_repeated && !table.contains_key(key) {
-            return self.report_no_such_table(depth, Vec::new());
+            self.report_no_such_table(depth, Vec::new());
+            return None;
         }
+        path.push(key.clone());
         let item = table.entry(key).or_insert_with(|| Item::Table(Table::new()));
-        if let Some(inner) = item.as_table_like_mut() {
-            return self.set(inner, depth + 1, value);
+        if item.is_table_like() {
+            return self.find(item.as_table_like_mut()?, depth + 1, path);
         }
         match repeated_tables(item) {
-            Some(tables) => self.set_in_one(tables, depth + 1, value),
-            None => self.report(DiagnosticKind::NotATable { key: self.path(depth) }, depth),
+            Some(tables) => self.find_in_one(tables, depth + 1, path),
+            None => {
+                self.report(DiagnosticKind::NotATable { key: self.path(depth) }, depth);
+                None
+            }
         }
     }
 
-    /// Sets the value in the table that the key at `depth` names or numbers.
-    fn set_in_one(&self, mut tables: Vec<&mut dyn TableLike>, depth: usize, value: &Value) {
+    /// Finds the place in the table that the key at `depth` names or numbers.
+    fn find_in_one<'t>(
+        &self,
+        tables: Vec<&'t mut dyn TableLike>,
+        depth: usize,
+        mut path: Vec<String>,
+    ) -> Option<Place<'t>> {
         let name = &self.keys[depth];
         let names: Vec<Option<String>> = tables.iter().map(|table| name_of(*table)).collect();
-        let named = names.iter().position(|known| known.as_deref() == Some(name));
-        let number = name.parse::<usize>().ok().filter(|number| (1..=names.len()).contains(number));
-        match named.or(number.map(|number| number - 1)) {
+        let named = names.iter().zip(1..).filter(|(known, _)| known.as_ref() == Some(name));
+        let named: Vec<usize> = named.map(|(_, number)| number).collect();
+        let number = match &named[..] {
+            [] => name.parse().ok().filter(|number| (1..=names.len()).contains(number)),
+            [number] => Some(*number),
+            numbers => {
+                self.report_ambiguous_name(depth, numbers);
+                return None;
+            }
+        };
+        match number {
             Some(_) if depth + 1 == self.keys.len() => {
                 self.report(DiagnosticKind::NotAValue { key: self.path(depth) }, depth);
+                None
             }
-            Some(index) => self.set(tables[index], depth + 1, value),
-            None => self.report_no_such_table(depth - 1, first_known(&names)),
+            Some(number) => {
+                path.push(number.to_string());
+                self.find(tables.into_iter().nth(number - 1)?, depth + 1, path)
+            }
+            None => {
+                self.report_no_such_table(depth - 1, first_known(&names));
+                None
+            }
         }
+    }
+
+    /// Reports that several tables have the name at `depth`, with the first few of their `numbers`.
+    fn report_ambiguous_name(&self, depth: usize, numbers: &[usize]) {
+        let with = |number: &usize| {
+            let mut keys = self.keys.to_vec();
+            keys[depth] = number.to_string();
+            joined(&keys)
+        };
+        let mut choices: Vec<String> = numbers.iter().take(MAX_LISTED).map(with).collect();
+        if numbers.len() > MAX_LISTED {
+            choices.push("…".into());
+        }
+        let (table, name) = (self.keys[depth - 1].clone(), self.keys[depth].clone());
+        self.report(DiagnosticKind::AmbiguousName { table, name, count: numbers.len(), choices }, depth);
     }
 
     fn report_no_such_table(&self, depth: usize, known: Vec<String>) {
@@ -362,9 +420,11 @@ fn name_of(table: &dyn TableLike) -> Option<String> {
     table.get("name").and_then(Item::as_str).map(str::to_owned)
 }
 
+/// The largest number of tables that an error lists.
+const MAX_LISTED: usize = 8;
+
 /// The names of the first few tables, or their numbers if they have no name.
 fn first_known(names: &[Option<String>]) -> Vec<String> {
-    const MAX_LISTED: usize = 8;
     let known = names.iter().zip(1..).map(|(name, number)| name.clone().unwrap_or_else(|| number.to_string()));
     let mut known: Vec<String> = known.take(MAX_LISTED).collect();
     if names.len() > MAX_LISTED {
@@ -417,6 +477,37 @@ mod tests {
         ];
         assert_eq!(found, expected.map(|(message, text)| (message.to_owned(), text)));
         assert_eq!(diagnostics.listed().next().unwrap().kind.help(), "use a name or a number: c, 2");
+    }
+
+    #[test]
+    fn a_name_of_several_tables_is_ambiguous_and_each_has_a_number() {
+        let scene = "[[spawn]]\nname = \"c\"\nmass = 1.0\n[[spawn]]\nname = \"b\"\nmass = 2.0\n\
+                     [[spawn]]\nname = \"c\"\nmass = 3.0\n";
+        let set = |text: &str| apply(Path::new("scene.toml"), scene, &[text.parse().unwrap()]);
+        let error = set("spawn.c.mass=9").unwrap_err();
+        let first = error.diagnostics().unwrap().listed().next().unwrap().clone();
+        assert_eq!(first.to_string(), "2 [[spawn]] have the name \"c\"");
+        assert_eq!(first.kind.help(), "choose one by its position: spawn.1.mass, spawn.3.mass");
+        assert_eq!(set("spawn.3.mass=9").unwrap(), scene.replace("3.0", "9"));
+        assert_eq!(set("spawn.b.mass=9").unwrap(), scene.replace("2.0", "9"));
+    }
+
+    #[test]
+    fn a_value_is_set_once_however_its_key_is_typed() {
+        let scene = "[restitution]\n\"steel/wood\" = 0.5\n[[spawn]]\nmass = 1.0\n[[spawn]]\nname = \"b\"\nmass = 2.0\n";
+        for keys in [
+            ["spawn.b.mass", "spawn.2.mass"],
+            ["spawn.2.mass", "spawn.\"b\".mass"],
+            ["restitution.steel/wood", "restitution.wood/steel"],
+            ["run.steps", "run.steps"],
+        ] {
+            let overrides = keys.map(|key| format!("{key}=1").parse().unwrap());
+            let error = apply(Path::new("scene.toml"), scene, &overrides).unwrap_err();
+            let twice = error.diagnostics().unwrap().listed().next().unwrap().clone();
+            assert!(twice.to_string().ends_with("` is given twice"), "{keys:?}: {twice}");
+        }
+        let both = ["spawn.1.mass=3", "spawn.b.mass=4"].map(|text| text.parse().unwrap());
+        assert!(apply(Path::new("scene.toml"), scene, &both).is_ok());
     }
 
     #[test]
