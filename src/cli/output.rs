@@ -43,8 +43,13 @@ pub fn is_quiet() -> bool {
 /// Prints a line on standard error, unless `--quiet` is given.
 pub fn info(text: std::fmt::Arguments) {
     if !is_quiet() {
-        let _ = writeln!(io::stderr(), "{}", printable(&text.to_string()));
+        error(text);
     }
+}
+
+/// Prints a line about an error after which the command goes on, on standard error.
+pub fn error(text: std::fmt::Arguments) {
+    let _ = writeln!(io::stderr(), "{}", printable(&text.to_string()));
 }
 
 /// Prints text on standard error.
@@ -70,7 +75,7 @@ pub fn warn_of_damage(statuses: &[ReadStatus]) -> Exit {
     let mut exit = Exit::Done;
     for ReadStatus { path, health, .. } in statuses {
         if *health != Health::Whole {
-            info(format_args!("{} is {health}", path.display()));
+            error(format_args!("{} is {health}", path.display()));
             exit = Exit::Damaged;
         }
     }

@@ -263,6 +263,9 @@ pub fn recover(options: &RecoverOptions) -> Result<Exit, CommandError> {
         Err(recording::Error::Write(error)) => Err(CommandError::unwritable(&options.output.output)(error)),
         Err(error) => Err(CommandError::in_recording(path)(error)),
     })?;
-    output::print_result(&options.output.output, &recovery.to_string())?;
+    match output::is_quiet() && !recovery.is_everything() {
+        true => output::warn(&format!("{recovery}\n")),
+        false => output::print_result(&options.output.output, &recovery.to_string())?,
+    }
     Ok(if recovery.is_everything() { Exit::Done } else { Exit::Damaged })
 }

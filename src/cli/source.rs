@@ -150,7 +150,7 @@ impl SourceFile {
         let file = File::create(&recording).map_err(CommandError::unwritable(&recording))?;
         let recorded = record::record(&scene, RecordOptions::complete(&scene), NO_LIVE_EVENTS, file, &recording)?;
         if let Some(error) = &recorded.error {
-            output::info(format_args!("{prefix}{error}; using the steps before it"));
+            output::error(format_args!("{prefix}{error}; using the steps before it"));
         }
         if verification == Verification::Replay {
             verify(prefix, &recording)?;

@@ -558,7 +558,15 @@ fn a_scene_whose_run_fails_is_used_up_to_there_and_returns_an_error() {
     };
     let bodies = spawn("left", 0.0, "inf", 1.0) + &spawn("box", 2.0, "1.0", 0.0) + &spawn("right", 4.0, "inf", -1.0);
     workplace.write("crush.toml", &format!("[run]\nsteps = 120\n[restitution]\ndefault = 0.0\n{bodies}"));
-    for command in ["record crush.toml -o crush.mcap", "export crush.toml", "render crush.toml --at 3 -o crush.png"] {
+    for command in [
+        "record crush.toml -o crush.mcap",
+        "export crush.toml",
+        "render crush.toml --at 3 -o crush.png",
+        "-q record crush.toml -o quiet.mcap",
+        "-q export crush.toml",
+        "-q render crush.toml --at 3 -o quiet.png",
+        "-q figure energy crush.toml -o quiet.svg",
+    ] {
         let run = workplace.rebond(command);
         assert_eq!(run.code, 1, "{command}");
         assert!(run.errors.contains("crushed"), "{command}: {}", run.errors);
