@@ -165,19 +165,19 @@ fn measure_case(runs: &[CaseRun], options: &ReportOptions, bar: &ProgressBar) ->
     let mut rows = Vec::new();
     for run in runs {
         let row = Row::measure_errors(run.case, run.spec, &expectation, budget(options))?;
-        rows.push(if row.was_run() { row.with_cost(&measure_cost(run, options)?) } else { row });
+        rows.push(if row.was_run() { row.with_cost(measure_cost(run, options)?.as_ref()) } else { row });
         bar.inc(1);
     }
     Ok(rows)
 }
 
-/// Measures the cost of a run in a separate process, so that other runs do not affect its memory.
-fn measure_cost(run: &CaseRun, options: &ReportOptions) -> Result<Cost, CommandError> {
+/// Measures the cost of a run, if it has one, in a separate process, so that other runs do not affect its memory.
+fn measure_cost(run: &CaseRun, options: &ReportOptions) -> Result<Option<Cost>, CommandError> {
     let cost = cost_of_process(run.number, options);
     cost.map_err(|reason| CommandError::CostNotMeasured { scene: run.case.name.clone(), reason })
 }
 
-fn cost_of_process(number: usize, options: &ReportOptions) -> Result<Cost, String> {
+fn cost_of_process(number: usize, options: &ReportOptions) -> Result<Option<Cost>, String> {
     let mut command = Command::new(env::current_exe().map_err(|error| error.to_string())?);
     command.arg("report").arg("--cost-of").arg(number.to_string());
     command.args(options.full.then_some("--full")).args(options.growth.then_some("--growth"));
@@ -192,7 +192,7 @@ fn cost_of_process(number: usize, options: &ReportOptions) -> Result<Cost, Strin
     }
 }
 
-/// Measures one run and prints its cost as JSON, in the process started by [`cost_of_process`].
+/// Measures one run and prints its cost as JSON, null if it has none, in the process started by [`cost_of_process`].
 fn print_cost_of_run(cases: &[Case], number: usize) -> Result<Exit, CommandError> {
     let runs = case_runs(cases);
     let Some(run) = runs.iter().flatten().find(|run| run.number == number) else { return Ok(Exit::Error) };

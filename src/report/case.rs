@@ -210,6 +210,11 @@ impl SceneRunner {
         Ok(())
     }
 
+    /// The next step with inputs, if there is one.
+    pub fn next_input_step(&self) -> Option<u64> {
+        self.input_steps.last().copied()
+    }
+
     /// The number of steps taken.
     pub fn current_step(&self) -> u64 {
         self.run.engine().current_step()

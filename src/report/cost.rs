@@ -26,16 +26,20 @@ const MIN_SECONDS: f64 = 0.1;
 const MAX_SECONDS: f64 = 1.5;
 
 impl Cost {
-    /// Measures a run. If it ends in an error, the part up to the error is measured.
+    /// Measures a run. If it ends in an error, the part up to the error is measured. `None` if no body of finite mass takes
+    /// a step.
     ///
     /// # Errors
     /// Returns an error if an input of the scene is invalid.
-    pub fn measure(case: &Case, scene: &Scene, spec: RunSpec) -> Result<Cost, RunError> {
+    pub fn measure(case: &Case, scene: &Scene, spec: RunSpec) -> Result<Option<Cost>, RunError> {
         let before = reset_peak_memory();
         let mut start = SceneRunner::start(scene)?;
         let _ = start.advance_to(case.from * spec.factor, &mut CollisionCount::default())?;
         // The first run warms the caches and determines the peak memory.
         let first = TimedRun::measure(start.clone(), scene.run.steps)?;
+        if first.body_steps == 0 {
+            return Ok(None);
+        }
         let peak_bytes = before.zip(peak_memory()).map(|(before, peak)| peak.saturating_sub(before));
         let mut runs = if first.seconds > MAX_SECONDS { vec![first] } else { Vec::new() };
         while !is_enough(&runs) {
@@ -43,12 +47,12 @@ impl Cost {
         }
         runs.sort_by(|a, b| a.nanoseconds().total_cmp(&b.nanoseconds()));
         let median = runs[runs.len() / 2];
-        Ok(Cost {
+        Ok(Some(Cost {
             ns_per_body_step: median.nanoseconds(),
             ns_spread: [runs[0], runs[runs.len() - 1]].map(TimedRun::nanoseconds),
             events_per_second: median.events as f64 / median.seconds,
             peak_bytes,
-        })
+        }))
     }
 }
 
@@ -67,13 +71,19 @@ struct TimedRun {
 
 impl TimedRun {
     fn measure(mut runner: SceneRunner, steps: u64) -> Result<TimedRun, RunError> {
-        let bodies = runner.world().bodies.iter().filter(|body| !body.is_infinite()).count() as u64;
         let mut collisions = CollisionCount::default();
-        let (first, start) = (runner.current_step(), processor_seconds());
-        // If the run ends in an error, the time up to the error counts.
-        let _ = runner.advance_to(steps, &mut collisions)?;
-        let seconds = processor_seconds() - start;
-        Ok(TimedRun { seconds, events: collisions.0, body_steps: bodies * (runner.current_step() - first).max(1) })
+        let (mut body_steps, start) = (0, processor_seconds());
+        let mut is_over = false;
+        while !is_over {
+            // The bodies change only where the scene has inputs.
+            let bodies = runner.world().bodies.iter().filter(|body| !body.is_infinite()).count() as u64;
+            let (first, next) = (runner.current_step(), runner.next_input_step().unwrap_or(steps).min(steps));
+            // If the run ends in an error, the time up to the error counts.
+            let result = runner.advance_to(next, &mut collisions)?;
+            body_steps += bodies * (runner.current_step() - first).max(1);
+            is_over = result.is_err() || next == steps;
+        }
+        Ok(TimedRun { seconds: processor_seconds() - start, events: collisions.0, body_steps })
     }
 
     fn nanoseconds(self) -> f64 {

@@ -109,8 +109,13 @@ impl Row {
         self.collisions.is_some()
     }
 
-    /// Adds the cost.
-    pub fn with_cost(self, cost: &Cost) -> Row {
+    /// Adds the cost, or a remark that there is none.
+    pub fn with_cost(self, cost: Option<&Cost>) -> Row {
+        let Some(cost) = cost else {
+            let none = "no cost per body and step: no body of finite mass takes a step";
+            let remark = self.remark.map_or(none.to_owned(), |remark| format!("{remark}; {none}"));
+            return Row { remark: Some(remark), ..self };
+        };
         Row {
             ns_per_body_step: Some(cost.ns_per_body_step),
             ns_spread: Some(cost.ns_spread),

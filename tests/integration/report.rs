@@ -56,6 +56,21 @@ fn a_user_scene_is_compared_with_a_simulation_of_77_decimals() {
 }
 
 #[test]
+fn a_scene_without_moving_bodies_has_no_cost_and_a_later_body_has_one() {
+    let workplace = Workplace::with_scene("run.steps = 6\n");
+    let body = "[[spawn]]\nstep = 3\nat = [1.0, 1.0]\nsize = [1.0, 1.0]\nmass = 1.0\n";
+    workplace.write("later.toml", &format!("run.steps = 6\n{body}"));
+    let rows = |scene: &str| -> Vec<Row> {
+        serde_json::from_str(&workplace.done(&format!("report {scene} --json")).output).unwrap()
+    };
+    for row in rows("scene.toml") {
+        let remark = row.remark.as_deref().unwrap_or_default();
+        assert!(row.ns_per_body_step.is_none() && remark.contains("no body of finite mass takes a step"), "{row:?}");
+    }
+    assert!(rows("later.toml").iter().all(|row| row.ns_per_body_step > Some(0.0)));
+}
+
+#[test]
 #[cfg_attr(debug_assertions, ignore = "slow in debug")]
 fn the_report_of_any_scene_says_how_rounding_errors_grow() {
     let exhausted = format!("{}/tests/coincident/precision-exhausted.toml", env!("CARGO_MANIFEST_DIR"));
