@@ -1,5 +1,6 @@
 use super::case::Problem;
 use crate::picture::Format;
+use crate::recording;
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::fs::{self, Metadata};
@@ -71,7 +72,7 @@ impl Files {
                 _ if is_hidden => {}
                 Ok(kind) if kind.is_dir() => self.walk(&path),
                 _ if reference_of_pending(&path).is_some() => self.pending.extend(reference_of_pending(&path)),
-                _ if !is_of_interest(&path) => {}
+                _ if !is_of_interest(&path) || is_plot_table(&path) => {}
                 _ => match fs::metadata(&path) {
                     Ok(metadata) => self.add(&path, &metadata),
                     Err(error) => self.problems.push(Problem::unreadable(&path, &error)),
@@ -99,7 +100,7 @@ impl Files {
         let prefix = path.parent().unwrap_or(Path::new(""));
         for entry in fs::read_dir(folder).into_iter().flatten().flatten() {
             let path = prefix.join(entry.file_name());
-            if is_of_interest(&path) && path.is_file() {
+            if is_of_interest(&path) && path.is_file() && !is_plot_table(&path) {
                 self.context.insert(canonical(&path), path);
             }
         }
@@ -171,6 +172,11 @@ fn is_reference(path: &Path) -> bool {
 /// Returns true for the name of a recording, a picture, a scene or a manifest.
 fn is_of_interest(path: &Path) -> bool {
     is_reference(path) || path.extension().is_some_and(|extension| extension == "toml" || extension == "check")
+}
+
+/// Returns true for a table for plotting, which has the extension of a recording.
+fn is_plot_table(path: &Path) -> bool {
+    path.extension() == Some(OsStr::new("mcap")) && recording::is_plot_table(path)
 }
 
 /// The folder of a file.

@@ -1,7 +1,7 @@
 //! `export -o FILE.mcap`: one topic per body, for programs that plot MCAP files.
 
 use crate::physics::BodyId;
-use crate::recording::{Header, SampledBody, SampledState};
+use crate::recording::{BODY_STATE, Header, SampledBody, SampledState};
 use mcap::records::MessageHeader;
 use mcap::write::NoSeek;
 use std::collections::{BTreeMap, BTreeSet};
@@ -39,7 +39,7 @@ impl<'a> BodyTopics<'a> {
             .disable_seeking(true)
             .create(NoSeek::new(output))
             .map_err(write_error)?;
-        let schema = mcap.add_schema("rebond_msgs/msg/BodyState", "ros2msg", SCHEMA.as_bytes()).map_err(write_error)?;
+        let schema = mcap.add_schema(BODY_STATE, "ros2msg", SCHEMA.as_bytes()).map_err(write_error)?;
         Ok(BodyTopics { mcap, schema, channels: BTreeMap::new(), names: BTreeSet::new() })
     }
 

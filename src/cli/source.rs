@@ -81,7 +81,7 @@ impl SourceArgument {
     }
 }
 
-/// Replaces each folder by the recordings in it, sorted by name.
+/// Replaces each folder by the recordings in it, sorted by name. Tables for plotting are left out.
 pub fn with_recordings_of_folders(paths: &[PathBuf]) -> Result<Vec<PathBuf>, CommandError> {
     let mut files = Vec::new();
     for path in paths {
@@ -92,6 +92,7 @@ pub fn with_recordings_of_folders(paths: &[PathBuf]) -> Result<Vec<PathBuf>, Com
         let entries = fs::read_dir(path).and_then(|entries| entries.map(|entry| Ok(entry?.path())).collect());
         let mut found: Vec<PathBuf> = entries.map_err(CommandError::unreadable(path))?;
         found.retain(|file| file.extension().is_some_and(|extension| extension == "mcap") && file.is_file());
+        found.retain(|file| !recording::is_plot_table(file));
         if found.is_empty() {
             return Err(CommandError::NoRecordings(path.clone()));
         }

@@ -327,7 +327,10 @@ fn open(path: &Path, bytes: Option<&Arc<[u8]>>) -> Result<Recording<RecordingFil
         Some(bytes) => RecordingFile::Memory(Cursor::new(bytes.clone())),
         None => RecordingFile::Disk(BufReader::new(recording::open_file(path).map_err(read_error)?)),
     };
-    Recording::read(file).map_err(read_error)
+    Recording::read(file).map_err(|error| match bytes {
+        Some(_) => read_error(error),
+        None => read_error(error.or_plot_table(path)),
+    })
 }
 
 /// The world in a recorded state, as far as energy and momentum depend on it: names and materials are missing.

@@ -33,6 +33,12 @@ pub enum Error {
         /// The reason.
         reason: &'static str,
     },
+    /// The file is a table for plotting, which `rebond export` has written.
+    #[error(
+        "a table for plotting, written by rebond export, not a recording; use the recording or the scene that it was made \
+         from"
+    )]
+    PlotTable,
     /// The file ends before its settings.
     #[error("truncated before its settings: nothing in the file can be read")]
     TruncatedHeader,

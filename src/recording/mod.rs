@@ -33,6 +33,7 @@ mod messages;
 mod metadata;
 mod model;
 mod playback;
+mod plot_table;
 mod reader;
 mod record_reader;
 mod recover;
@@ -55,6 +56,7 @@ pub use model::{
     SceneImage, SceneText, Trailer, Versions, error_text,
 };
 pub use playback::{Playback, SampledBody, SampledState};
+pub use plot_table::{BODY_STATE, is_plot_table};
 pub use reader::{Item, Recording, open, open_file};
 pub use recover::{Recovery, recover};
 pub use scene_update::ColorFn;

@@ -113,7 +113,7 @@ enum Order {
 /// # Errors
 /// Returns an error if the file cannot be opened, is not a recording, or is newer than this program.
 pub fn open(path: &Path) -> Result<Recording<BufReader<File>>, Error> {
-    Recording::read(BufReader::new(open_file(path)?))
+    Recording::read(BufReader::new(open_file(path)?)).map_err(|error| error.or_plot_table(path))
 }
 
 /// Opens the file of a recording.

@@ -168,6 +168,24 @@ fn the_recordings_of_a_folder_are_one_table() {
 }
 
 #[test]
+fn a_table_for_plotting_is_no_recording_of_its_folder() {
+    let workplace = Workplace::with_scene(SCENE);
+    workplace.done("record scene.toml -o scene.mcap");
+    let commands = ["check .", "info .", "export ."];
+    let before = commands.map(|command| workplace.done(command).output);
+    workplace.done("export scene.mcap -o plot.mcap");
+    assert_eq!(commands.map(|command| workplace.done(command).output), before);
+    for command in
+        ["check plot.mcap", "info plot.mcap", "export plot.mcap", "replay plot.mcap", "render plot.mcap -o plot.gif"]
+    {
+        let refused = workplace.rebond(command);
+        let text = format!("{}{}", refused.output, refused.errors);
+        let is_named = text.contains("a table for plotting, written by rebond export, not a recording; use ");
+        assert!(refused.code == 1 && is_named, "{command}: {refused:?}");
+    }
+}
+
+#[test]
 fn a_scene_may_come_from_standard_input() {
     let workplace = Workplace::with_scene(SCENE);
     let outcome = workplace.rebond_with_input("record - -o run.mcap --set spawn.c.mass=3", SCENE);
