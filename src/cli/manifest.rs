@@ -42,6 +42,7 @@ pub fn read(path: &Path) -> Result<Manifest, Problem> {
         let error = std::io::Error::new(std::io::ErrorKind::InvalidData, "it is not UTF-8");
         Problem::unreadable(path, &error)
     })?;
+    let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
     let folder = path.parent().unwrap_or(Path::new(""));
     let in_folder = |path: &Path| normalize(&folder.join(path));
     let mut manifest = Manifest {
@@ -51,7 +52,7 @@ pub fn read(path: &Path) -> Result<Manifest, Problem> {
         skipped: Vec::new(),
         problems: Vec::new(),
     };
-    for (number, text) in lines(&text) {
+    for (number, text) in lines(text) {
         let line = ManifestLine { manifest: Arc::clone(&manifest.path), number };
         match parse(&text) {
             Ok(Line::Empty) => {}
@@ -191,6 +192,15 @@ mod tests {
         };
         assert_eq!((output.as_path(), sources.as_slice()), (Path::new("out/strobe.svg"), &["a b.mcap".into()][..]));
         assert_eq!(options.theme, Some(crate::picture::Theme::Dark));
+    }
+
+    #[test]
+    fn a_byte_order_mark_before_a_manifest_is_skipped() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("all.check");
+        std::fs::write(&path, "\u{feff}rebond figure strobe a.mcap -o a.svg\n").unwrap();
+        let manifest = read(&path).unwrap();
+        assert_eq!((manifest.pictures.len(), manifest.problems.len()), (1, 0));
     }
 
     #[test]
