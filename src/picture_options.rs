@@ -149,17 +149,21 @@ picture_options! {
         follow: String;
 
         /// The first step to draw.
-        flag(long, value_name = "STEP", help = "Start at this step, or at a time such as 1.5s")
+        flag(
+            long, value_name = "STEP", allow_hyphen_values = true,
+            help = "Start at this step, or at a time such as 1.5s"
+        )
         from: StepOrTime;
 
         /// The last step to draw.
-        flag(long, value_name = "STEP", help = "Stop after this step or time")
+        flag(long, value_name = "STEP", allow_hyphen_values = true, help = "Stop after this step or time")
         to: StepOrTime;
 
         /// Draw only steps that are a multiple of this number. By default, animations have `fps` frames per second,
         /// folders have all steps, and figures as many as suit them.
         flag(
-            long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=crate::recording::limits::STEPS),
+            long, value_name = "N", allow_negative_numbers = true,
+            value_parser = clap::value_parser!(u64).range(1..=crate::recording::limits::STEPS),
             help = "Draw every N-th step, counted from step 0"
         )
         every: u64;

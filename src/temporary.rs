@@ -63,9 +63,15 @@ impl TemporaryFolder {
     /// Creates a folder in the system's folder for temporary files.
     ///
     /// # Errors
-    /// Returns an error if that folder is not writable.
+    /// If that folder is not writable, returns an error that names it and the variable that selects it.
     pub fn create_in_system() -> io::Result<TemporaryFolder> {
-        TemporaryFolder::create(&system_folder())
+        let folder = system_folder();
+        TemporaryFolder::create(&folder).map_err(|error| {
+            let (variable, place) = (if cfg!(windows) { "TMP" } else { "TMPDIR" }, folder.display());
+            let message =
+                format!("cannot write temporary files to {place}: {error}; set {variable} to a writable folder");
+            io::Error::new(error.kind(), message)
+        })
     }
 
     /// The path of the folder.

@@ -38,7 +38,7 @@ impl Page {
         if fs::read_to_string(folder.join(CACHE_TAG)).is_ok_and(|tag| tag == TAG) {
             fs::remove_dir_all(folder)?;
         } else if folder.symlink_metadata().is_ok() && !is_empty() {
-            let message = "it is not the report of an earlier check; choose another folder with --report";
+            let message = "it is not the report of an earlier check";
             return Err(io::Error::new(io::ErrorKind::AlreadyExists, message));
         }
         Ok(Page { folder: folder.into(), staging: None, cards: Vec::new(), entries: Vec::new() })

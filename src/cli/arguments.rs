@@ -28,7 +28,7 @@ pub struct OutputOptions {
 #[derive(Args, Debug)]
 pub struct JobOptions {
     /// Use N threads [default: one per processor]
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub jobs: Option<NonZero<usize>>,
 }
 
@@ -66,10 +66,13 @@ pub struct RecordOptions {
     #[arg(long, conflicts_with = "events")]
     pub skip_existing: bool,
     /// Run N steps instead of the number in the scene
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub steps: Option<u64>,
     /// Record only every N-th state, but all digests
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..=limits::STEPS))]
+    #[arg(
+        long, value_name = "N", default_value_t = 1, allow_negative_numbers = true,
+        value_parser = clap::value_parser!(u64).range(1..=limits::STEPS)
+    )]
     pub every: u64,
     /// Sync each flush to disk, to survive a power failure
     #[arg(long)]
@@ -110,16 +113,16 @@ pub struct ReplayOptions {
     /// The recording
     pub recording: PathBuf,
     /// Start comparing at this step
-    #[arg(long, value_name = "STEP")]
+    #[arg(long, value_name = "STEP", allow_negative_numbers = true)]
     pub from: Option<u64>,
     /// Stop comparing after this step
-    #[arg(long, value_name = "STEP")]
+    #[arg(long, value_name = "STEP", allow_negative_numbers = true)]
     pub to: Option<u64>,
     /// Compare the states of another program; - for standard input
     #[arg(long, value_name = "STATES.csv")]
     pub against: Option<PathBuf>,
     /// Accept differences up to T (m, m/s) of that program
-    #[arg(long, value_name = "T", requires = "against", value_parser = tolerance)]
+    #[arg(long, value_name = "T", requires = "against", allow_negative_numbers = true, value_parser = tolerance)]
     pub tolerance: Option<f64>,
     /// Write the result of --against to a JUnit file
     #[arg(long, value_name = "FILE.xml", requires = "against")]
@@ -174,10 +177,10 @@ pub struct ExportOptions {
     #[arg(short, long)]
     pub force: bool,
     /// Start at this step, or at a time such as 1.5s
-    #[arg(long, value_name = "STEP")]
+    #[arg(long, value_name = "STEP", allow_hyphen_values = true)]
     pub from: Option<StepOrTime>,
     /// Stop after this step or time
-    #[arg(long, value_name = "STEP")]
+    #[arg(long, value_name = "STEP", allow_hyphen_values = true)]
     pub to: Option<StepOrTime>,
     /// Override values of scenes; KEY=[A | B] are two runs
     #[arg(long, value_name = "KEY=VALUE")]

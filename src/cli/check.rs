@@ -70,7 +70,7 @@ fn check(options: &CheckOptions, journal: &Journal) -> Result<Exit, CommandError
         review.ask_about_pending(&files)?;
     }
     let folder = report_folder(options);
-    let unwritable = CommandError::unwritable(&folder);
+    let unwritable = unwritable_page(&folder);
     let mut session = Session {
         options,
         journal,
@@ -154,6 +154,11 @@ fn report_folder(options: &CheckOptions) -> PathBuf {
     name.into()
 }
 
+/// Returns a function that converts an error of writing the page in `folder`.
+fn unwritable_page(folder: &Path) -> impl Fn(io::Error) -> CommandError {
+    move |source| CommandError::Page { folder: folder.into(), source }
+}
+
 /// The state of a check in progress.
 struct Session<'a> {
     options: &'a CheckOptions,
@@ -197,7 +202,7 @@ impl Session<'_> {
             Ok(Some(replacement)) => (Some(replacement), Decision::Acceptable(command)),
             Err(reason) => (None, Decision::Refused(reason)),
         };
-        let files = self.page.add(result, &decision).map_err(CommandError::unwritable(&self.options.report))?;
+        let files = self.page.add(result, &decision).map_err(unwritable_page(&report_folder(self.options)))?;
         let is_accepted = match (&acceptance, &mut self.review) {
             (Some(_), Some(review)) => {
                 review.ask(&result.path, &result.outcome, files.first().map(|file| self.page.staged(file)))?

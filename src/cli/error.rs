@@ -67,6 +67,17 @@ pub enum CommandError {
     /// The process that checks cannot be watched, or was ended outside of a case.
     #[error("{0}")]
     Supervisor(io::Error),
+    /// A temporary folder cannot be created; the error names its place and what to do.
+    #[error("{0}")]
+    TemporaryFiles(io::Error),
+    /// The page of differences cannot be written.
+    #[error("cannot write the page of differences to {}: {source}; choose another folder with --report", folder.display())]
+    Page {
+        /// The folder of the page.
+        folder: PathBuf,
+        /// The cause.
+        source: io::Error,
+    },
     /// A folder has no recordings.
     #[error("the folder {} has no recordings (*.mcap)", .0.display())]
     NoRecordings(PathBuf),

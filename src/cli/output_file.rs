@@ -136,7 +136,7 @@ impl OutputFile {
             sync(&staged).map_err(&unwritable)?;
             return uninterrupted(|| put(&staged, place, *overwrite)).map_err(&unwritable);
         }
-        let staging = TemporaryFolder::create_in_system().map_err(&unwritable)?;
+        let staging = TemporaryFolder::create_in_system().map_err(CommandError::TemporaryFiles)?;
         let staged = staged(&staging);
         write(&staged)?;
         let mut content = File::open(&staged).map_err(&unwritable)?;

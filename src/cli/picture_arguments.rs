@@ -31,19 +31,19 @@ pub struct RenderOptions {
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<Sweep>,
     /// Draw only the state of this step or time (1.5s)
-    #[arg(long, value_name = "STEP", conflicts_with_all = ["from", "to", "every", "fps"])]
+    #[arg(long, value_name = "STEP", allow_hyphen_values = true, conflicts_with_all = ["from", "to", "every", "fps"])]
     pub at: Option<StepOrTime>,
     /// Draw about this many frames per second
-    #[arg(long, conflicts_with = "every", value_parser = positive)]
+    #[arg(long, allow_negative_numbers = true, conflicts_with = "every", value_parser = positive)]
     pub fps: Option<f64>,
     /// Draw only part I of N of a folder of PNG files
     #[arg(long, value_name = "I/N", default_value = "1/1", hide_default_value = true, conflicts_with = "at")]
     pub shard: Shard,
     /// Play in slow motion, for example 0.1 times as fast
-    #[arg(long, value_name = "PACE", value_parser = speed)]
+    #[arg(long, value_name = "PACE", allow_negative_numbers = true, value_parser = speed)]
     pub slow: Option<f64>,
     /// Pause S seconds, for example 0.5 at collisions
-    #[arg(long, num_args = 3, value_names = ["S", "at", "…"])]
+    #[arg(long, num_args = 3, value_names = ["S", "at", "…"], allow_negative_numbers = true)]
     pub hold: Option<Vec<HoldWord>>,
     /// Allow more than an hour or 100,000 frames
     #[arg(long)]
@@ -96,7 +96,7 @@ pub struct FigureCommandOptions {
     #[command(flatten)]
     pub picture: PictureOptions,
     /// collision, minkowski: start at this step or time
-    #[arg(long, value_name = "STEP")]
+    #[arg(long, value_name = "STEP", allow_hyphen_values = true)]
     pub step: Option<StepOrTime>,
     /// collision, minkowski: only collisions of these bodies
     #[arg(long, value_name = "A,B", value_parser = pair)]

@@ -6,7 +6,7 @@ use crate::picture;
 use crate::recording;
 use crate::replay::{ALL_STEPS, NO_LIVE_EVENTS, RecordOptions, Verdict};
 use crate::scene::{self, Override, Sweep};
-use crate::temporary::{self, TemporaryFolder};
+use crate::temporary::TemporaryFolder;
 use std::collections::BTreeMap;
 use std::fmt::{self, Display, Formatter};
 use std::io::Read;
@@ -145,8 +145,7 @@ impl SourceFile {
             Content::SceneText(text) => scene::load_text(path, text, overrides)?,
         };
         output.refuse_inputs(&scene.image_paths(path.parent().unwrap_or(Path::new(""))))?;
-        let folder =
-            TemporaryFolder::create_in_system().map_err(CommandError::unwritable(&temporary::system_folder()))?;
+        let folder = TemporaryFolder::create_in_system().map_err(CommandError::TemporaryFiles)?;
         let recording = folder.path().join("scene.mcap");
         let file = File::create(&recording).map_err(CommandError::unwritable(&recording))?;
         let recorded = record::record(&scene, RecordOptions::complete(&scene), NO_LIVE_EVENTS, file, &recording)?;

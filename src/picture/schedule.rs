@@ -396,8 +396,13 @@ impl std::fmt::Display for AnimationSchedule {
             (1, count) => write!(out, "{count} frames per step")?,
             (every, _) => write!(out, "every {every}{} step", ordinal_ending(every))?,
         }
-        let frames = (self.frames_per_second() * 100.0).round() / 100.0;
-        write!(out, ", {frames} frames/s")?;
+        let frames = self.frames_per_second();
+        // Two decimals, or more if that would leave less than two digits.
+        let mut parts = 100.0;
+        while frames > 0.0 && frames * parts < 10.0 {
+            parts *= 10.0;
+        }
+        write!(out, ", {} frames/s", (frames * parts).round() / parts)?;
         if self.timing.slow != 1.0 {
             write!(out, ", {} × real time", self.timing.slow)?;
         }
@@ -476,6 +481,8 @@ mod tests {
         assert_eq!(words(60.0, 2), "every 2nd step, 30 frames/s");
         assert_eq!(words(1000.0, 33), "every 33rd step, 30.3 frames/s");
         assert_eq!(words(1000.0, 11), "every 11th step, 90.91 frames/s");
+        assert_eq!(words(1.0, 1000), "every 1000th step, 0.001 frames/s");
+        assert_eq!(words(1.0, 30), "every 30th step, 0.033 frames/s");
     }
 
     const fn at(step: u64, offset: f64) -> Moment {

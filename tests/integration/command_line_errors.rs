@@ -63,6 +63,46 @@ fn wrong_usage_exits_with_2() {
 }
 
 #[test]
+fn a_negative_number_is_refused_with_what_is_expected() {
+    let workplace = Workplace::with_scene(SCENE);
+    for (line, expected) in [
+        ("render scene.toml -o out.png --at -1", "expected a step such as 90"),
+        ("render scene.toml -o out.gif --from -1.5s", "expected a step such as 90"),
+        ("render scene.toml -o out.gif --fps -1", "expected a positive number"),
+        ("render scene.toml -o out.gif --slow -2", "expected a number from"),
+        ("render scene.toml -o out.gif --hold -1 at collisions", "expected 0.05 to 60 seconds"),
+        ("figure collision scene.toml -o out.svg --step -1", "expected a step such as 90"),
+        ("export scene.toml --to -1", "expected a step such as 90"),
+        ("record scene.toml -o out.mcap --every -1", "invalid value '-1' for '--every <N>'"),
+    ] {
+        let refused = workplace.rebond(line);
+        let is_clear = refused.errors.contains(expected) && !refused.errors.contains("tip:");
+        assert!(refused.code == 2 && is_clear, "{line}: {refused:?}");
+    }
+}
+
+#[test]
+#[cfg(unix)]
+fn an_unusable_folder_is_named_with_the_setting_that_selects_it() {
+    let workplace = Workplace::with_scene(SCENE);
+    for command in ["export", "check"] {
+        let refused = workplace.run(
+            assert_cmd::Command::new(env!("CARGO_BIN_EXE_rebond"))
+                .args([command, "scene.toml"])
+                .current_dir(workplace.path("."))
+                .env("TMPDIR", "/nonexistent"),
+        );
+        let is_named = refused.errors.contains("cannot write temporary files to /nonexistent: ")
+            && refused.errors.contains("; set TMPDIR to a writable folder");
+        assert!(refused.code == 1 && is_named, "{command}: {refused:?}");
+    }
+    let page = workplace.rebond("check . --report scene.toml/page");
+    let is_named = page.errors.contains("cannot write the page of differences to scene.toml/page: ")
+        && page.errors.contains("; choose another folder with --report");
+    assert!(page.code == 1 && is_named, "{page:?}");
+}
+
+#[test]
 fn nothing_is_overwritten_without_force() {
     let workplace = Workplace::with_scene(SCENE);
     workplace.done("record scene.toml -o run.mcap");
