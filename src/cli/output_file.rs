@@ -10,6 +10,7 @@ use super::error::CommandError;
 use crate::picture::{self, RenderError};
 use crate::temporary::{TemporaryFile, TemporaryFolder, uninterrupted};
 use same_file::Handle;
+use std::collections::BTreeSet;
 use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, ErrorKind, IsTerminal, Write};
 use std::path::{Path, PathBuf};
@@ -276,6 +277,22 @@ impl OutputFolder {
         fs::write(self.staging.path().join(&name), content).map_err(CommandError::unwritable(&place))?;
         self.names.push(name);
         Ok(())
+    }
+
+    /// The other files in the folder whose names are a number with the same extension, sorted: they may be frames of an
+    /// earlier run.
+    pub fn other_frames(&self, extension: &str) -> Vec<String> {
+        let written: BTreeSet<&String> = self.names.iter().collect();
+        let is_other = |name: &String| {
+            let number = name.strip_suffix(extension).and_then(|name| name.strip_suffix('.'));
+            let is_frame = number.is_some_and(|number| number.len() >= 6 && number.bytes().all(|b| b.is_ascii_digit()));
+            is_frame && !written.contains(name)
+        };
+        let entries = fs::read_dir(&self.path).into_iter().flatten().flatten();
+        let names = entries.filter_map(|entry| entry.file_name().into_string().ok());
+        let mut others: Vec<String> = names.filter(is_other).collect();
+        others.sort();
+        others
     }
 
     /// Moves all files to their place.

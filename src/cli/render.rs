@@ -64,7 +64,11 @@ pub fn run(options: &RenderOptions) -> Result<Exit, CommandError> {
             refuse_long((sequence.steps.end() - sequence.steps.start()) / sequence.every, 0.0, options)?;
             let write = |step, file: Vec<u8>| folder.write(format!("{step:06}.png"), &file);
             let drawn = picture::draw_sequence(&sequence, &sources, threads, &mut on_progress, write)?;
+            let others = folder.other_frames("png");
             folder.finish()?;
+            if overwrite == Overwrite::Allowed && options.shard == Shard::WHOLE {
+                warn_of_other_frames(path, &others);
+            }
             drawn
         }
     };
@@ -78,6 +82,21 @@ pub fn run(options: &RenderOptions) -> Result<Exit, CommandError> {
     };
     output::print_result(path, &format!("{}: {shown}", path.display()))?;
     Ok(exit)
+}
+
+/// Names the frames in a folder that were there before and are not replaced, because they may be of another run. They are
+/// kept, because a run may be drawn in several ranges of steps.
+fn warn_of_other_frames(folder: &Path, others: &[String]) {
+    if let [first, ..] = others
+        && let Some(last) = others.last()
+    {
+        let count = counted(others.len() as u64, "other picture");
+        let range = if others.len() == 1 { first.clone() } else { format!("{first} to {last}") };
+        output::info(format_args!(
+            "{} has {count} from before, {range}; if these are frames of another run, remove them",
+            folder.display()
+        ));
+    }
 }
 
 /// Returns an error for an animation that is long, which is usually a mistake, unless it is allowed.

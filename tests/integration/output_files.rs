@@ -380,7 +380,10 @@ fn pictures_of_a_folder_appear_together() {
     let names: Vec<_> =
         fs::read_dir(workplace.path("deep/er/frames")).unwrap().map(|e| e.unwrap().file_name()).collect();
     assert_eq!(names.len(), 5, "{names:?}");
-    workplace.done("render run.mcap --from 0 --to 5 --size 64x36 --theme dark -o deep/er/frames/ --force");
+    let forced = workplace.done("render run.mcap --from 0 --to 5 --size 64x36 --theme dark -o deep/er/frames/ --force");
+    let kept =
+        "deep/er/frames/ has 4 other pictures from before, 000006.png to 000009.png; if these are frames of another";
+    assert!(forced.errors.contains(kept), "{forced:?}");
     assert_eq!(fs::read_dir(workplace.path("deep/er/frames")).unwrap().count(), 10);
     assert_ne!(workplace.read("deep/er/frames/000005.png"), first);
     assert_eq!(workplace.names(), ["deep", "endless.toml", "run.mcap", "scene.toml"]);
