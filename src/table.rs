@@ -249,7 +249,7 @@ impl Cell<'_> {
 }
 
 /// The shortest decimal that reads back to the same bits. It contains a point or an exponent, or is `inf` or `nan`.
-fn shortest_decimal(number: f64) -> String {
+pub fn shortest_decimal(number: f64) -> String {
     if number.is_nan() { "nan".to_owned() } else { format!("{number:?}") }
 }
 

@@ -9,7 +9,8 @@ use crate::recording::{
     Summary, Trailer, Versions,
 };
 use crate::scene;
-use serde::Serialize;
+use crate::table::shortest_decimal;
+use serde::{Serialize, Serializer};
 use std::{
     fs::{self, File},
     io::{Read, Seek},
@@ -305,12 +306,12 @@ impl Info {
 /// The energies of the first and of the last state that is recorded in full, J; unknown if one of them is lost.
 #[derive(Default, Serialize)]
 struct Energies {
-    kinetic_start: Option<f64>,
-    potential_start: Option<f64>,
-    total_start: Option<f64>,
-    kinetic_end: Option<f64>,
-    potential_end: Option<f64>,
-    total_end: Option<f64>,
+    kinetic_start: Option<Energy>,
+    potential_start: Option<Energy>,
+    total_start: Option<Energy>,
+    kinetic_end: Option<Energy>,
+    potential_end: Option<Energy>,
+    total_end: Option<Energy>,
 }
 
 impl Energies {
@@ -331,13 +332,26 @@ impl Energies {
         };
         let start = sample(&first);
         Some(Energies {
-            kinetic_start: Some(start.kinetic),
-            potential_start: Some(start.potential),
-            total_start: Some(start.total()),
-            kinetic_end: Some(end.kinetic),
-            potential_end: Some(end.potential),
-            total_end: Some(end.total()),
+            kinetic_start: Some(Energy(start.kinetic)),
+            potential_start: Some(Energy(start.potential)),
+            total_start: Some(Energy(start.total())),
+            kinetic_end: Some(Energy(end.kinetic)),
+            potential_end: Some(Energy(end.potential)),
+            total_end: Some(Energy(end.total())),
         })
+    }
+}
+
+/// An energy, J. One that is not finite is text, as in tables, because JSON has no such numbers.
+#[derive(Clone, Copy)]
+struct Energy(f64);
+
+impl Serialize for Energy {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self.0.is_finite() {
+            true => self.0.serialize(serializer),
+            false => serializer.serialize_str(&shortest_decimal(self.0)),
+        }
     }
 }
 
@@ -352,6 +366,13 @@ mod tests {
     use super::*;
     use crate::recording::Missing;
     use crate::replay::{self, NO_LIVE_EVENTS, RecordOptions};
+
+    #[test]
+    fn an_infinite_energy_is_not_unknown() {
+        let energies = Energies { kinetic_start: Some(Energy(f64::INFINITY)), ..Energies::default() };
+        let value = serde_json::to_value(&energies).unwrap();
+        assert_eq!((&value["kinetic_start"], &value["kinetic_end"]), (&"inf".into(), &serde_json::Value::Null));
+    }
 
     #[test]
     fn a_recording_that_was_not_verified_is_not_called_whole() {
