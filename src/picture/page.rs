@@ -13,7 +13,7 @@ use super::{
     StepRange, Style, color,
 };
 use crate::body_selector::BodySelector;
-use crate::physics::{Axis, BodyId, Engine, larger};
+use crate::physics::{Axis, BodyId, Collision, Engine, Observer, larger};
 use crate::recording::{Health, Playback, SampledBody, SampledState};
 use crate::replay::{Replayer, Verdict};
 use std::collections::BTreeMap;
@@ -356,7 +356,9 @@ fn velocity_path(
     let steps = source.steps_to_read(state.step, last);
     let mut replayer = Replayer::new(source.recording()?, steps).map_err(|error| source.read_error(error))?;
     let mut expected = state.step;
-    while let Some(step) = replayer.next_state(&mut path).map_err(|error| source.read_error(error))? {
+    loop {
+        let mut shown = FromStep { first: state.step, path: &mut path };
+        let Some(step) = replayer.next_state(&mut shown).map_err(|error| source.read_error(error))? else { break };
         if step != expected {
             // Collisions in a gap are unknown, so the path goes on where the bodies are after it.
             let world = replayer.engine().map(Engine::world);
@@ -369,6 +371,20 @@ fn velocity_path(
     match verdict.health() {
         Some(health) => Ok((path, health)),
         None => Err(Error::Diverged { path: source.path.clone(), verdict: Box::new(verdict) }),
+    }
+}
+
+/// Passes on the collisions in a step and after it. A replay also has those since the keyframe before.
+struct FromStep<'a> {
+    first: u64,
+    path: &'a mut VelocityPath,
+}
+
+impl Observer for FromStep<'_> {
+    fn collision(&mut self, collision: &Collision) {
+        if collision.step >= self.first {
+            self.path.collision(collision);
+        }
     }
 }
 

@@ -1,5 +1,6 @@
 //! Figures of small runs, in both themes.
 
+use crate::rebond::Workplace;
 use crate::reference_image::assert_reference_image;
 use crate::run_states::{BodySpec, WORLD, fall, galperin, pair, piston, run_with};
 use rebond::internals::physics::{Rect, SolverKind, Vector};
@@ -173,4 +174,26 @@ fn extreme_coordinates_do_not_crash_a_figure() {
             Painter::new().draw(&list);
         }
     }
+}
+
+/// A heavy box pushes a light one to and fro between itself and a wall: 31 collisions.
+const GALPERIN: &str = "run.duration = 4.0\n\
+    [[spawn]]\nname = \"wall\"\nat = [0.0, 2.0]\nsize = [1.0, 4.0]\nmass = inf\n\
+    [[spawn]]\nname = \"light\"\nat = [2.0, 3.0]\nsize = [1.0, 1.0]\nmass = 1.0\n\
+    [[spawn]]\nname = \"heavy\"\nat = [4.0, 3.0]\nsize = [1.0, 1.0]\nmass = 100.0\nvelocity = [-5.0, 0.0]\n";
+
+/// A replay begins at the keyframe before `--from`; what happened in between is no part of the figure.
+#[test]
+fn velocity_space_counts_the_collisions_of_its_steps_alone() {
+    let workplace = Workplace::with_scene(GALPERIN);
+    workplace.done("record scene.toml -o run.mcap");
+    let table = workplace.done("export run.mcap --table collisions").output;
+    let steps: Vec<u64> = table.lines().skip(1).map(|row| row.split(',').nth(1).unwrap().parse().unwrap()).collect();
+    for from in [0, 20, 26, 30, 40] {
+        workplace.done(&format!("figure velocity-space run.mcap --from {from} -o from-{from}.svg"));
+        let file = String::from_utf8(workplace.read(&format!("from-{from}.svg"))).unwrap();
+        let count = steps.iter().filter(|step| **step >= from).count();
+        assert!(file.contains(&format!(">n = {count}</text>")), "from step {from}: {count}");
+    }
+    assert_eq!(steps.len(), 31);
 }
