@@ -1,6 +1,6 @@
 use super::close_up::{CloseUp, label_arrow};
 use super::formula::{FORMULA_BASELINE, FORMULA_HEIGHT, Formula, FormulaLine, Term};
-use super::momenta::Momenta;
+use super::momenta::{Momenta, TO_OTHERS};
 use super::pair::{ARROW_WIDTH, Pair, seen_from};
 use super::panels::{Layout, Panels, TITLE, caption, captioned_panels, dashed, joined_lines, outline};
 use super::{CollisionSubject, ReferenceFrame};
@@ -18,7 +18,7 @@ use crate::picture::{
 /// Figure 1 of the handout: (a) boxes c and b at contact, with their velocities; (b) a close-up of their overlap with
 /// the unit normal n̂, the penetration vector n⃗ and the share of it by which each box is displaced; (c) the boxes
 /// after the displacement, with their velocities after the rebound, dashed; (d) their momenta head to tail, before and
-/// after. Below them the formula of the impulse with the values inserted.
+/// after, with the momentum that goes to other bodies. Below them the formula of the impulse with the values inserted.
 ///
 /// All arrows of velocities have the same scale, which the first row explains. Velocities and momenta are those in
 /// `frame`.
@@ -157,7 +157,8 @@ impl Row {
         draw_before(pair, symbol, &before, scale, close_up.detail(&center), panels);
         panels.clip(&center, |panels| close_up.draw(&center, panels));
         draw_after(pair, symbol, &after, scale, panels);
-        panels.clip(&momenta, |panels| Momenta::new(pair).draw(&momenta, language, panels));
+        let metrics = panels.metrics;
+        panels.clip(&momenta, |panels| Momenta::new(pair, &metrics).draw(&momenta, language, panels));
         caption(&before, [language.of("\"(a) before\"", "\"(a) avant\""); 2], panels);
         caption(&center, close_up.titles(language).each_ref().map(String::as_str), panels);
         caption(&after, [language.of("\"(c) after\"", "\"(c) après\""); 2], panels);
@@ -281,7 +282,11 @@ impl Numbers {
             });
         } else {
             values.push(format!("e = {}", format_significant(collision.restitution, 3)));
-            formula = impulse_formula(collision, pair.masses, symbol(frame), language);
+            formula = impulse_formula(pair, symbol(frame), language);
+            if pair.pushes_others() {
+                let others = language.of("to the bodies that they push", "aux corps qu’elles poussent");
+                values.push(format!("{TO_OTHERS}: \"{others}\""));
+            }
         }
         Numbers { values, formula }
     }
@@ -309,13 +314,11 @@ impl NumberLines {
 
 /// The formula of the impulse with its values inserted: j = −(1 + e) v⃗·n̂ / (1/M_c + 1/M_b). If the bodies act together
 /// with others that they push, which the formula does not contain, the impulse alone.
-fn impulse_formula(collision: &Collision, masses: [f64; 2], symbol: &str, language: Language) -> Formula {
-    let (e, approach) = (collision.restitution, collision.normal_velocity[0]);
-    let impulse = Unit::NEWTON_SECOND.format(collision.impulse, 3);
-    let inverse: f64 = masses.iter().map(|mass| 1.0 / mass).sum();
-    let alone = -(1.0 + e) * approach / inverse;
+fn impulse_formula(pair: &Pair, symbol: &str, language: Language) -> Formula {
+    let Collision { restitution: e, normal_velocity: [approach, _], impulse, .. } = pair.collision;
+    let impulse = Unit::NEWTON_SECOND.format(impulse, 3);
     let term = |text: String, fraction: Option<[String; 2]>| Term { text, fraction };
-    if (alone - collision.impulse).abs() > FORMULA_TOLERANCE * collision.impulse.abs() || !alone.is_finite() {
+    if pair.pushes_others() {
         let together = language.of("with the bodies that they push", "avec les corps qu’elles poussent");
         return Formula { terms: vec![term(format!("j = {impulse} \"({together})\""), None)] };
     }
@@ -325,7 +328,7 @@ fn impulse_formula(collision: &Collision, masses: [f64; 2], symbol: &str, langua
     };
     let symbols = [format!("-(1 + e) {symbol} · n̂"), "1/M_c + 1/M_b".to_owned()];
     let numerator = format!("-(1 + {}) · ({})", format_significant(e, 4), Unit::METRE_PER_SECOND.format(approach, 4));
-    let denominator = masses.map(inverse_mass).join(" + ");
+    let denominator = pair.masses.map(inverse_mass).join(" + ");
     Formula {
         terms: vec![
             term("j =".to_owned(), Some(symbols)),
@@ -334,9 +337,6 @@ fn impulse_formula(collision: &Collision, masses: [f64; 2], symbol: &str, langua
         ],
     }
 }
-
-/// The formula must give the impulse up to this part of it: more than rounding errors, less than the digits shown.
-const FORMULA_TOLERANCE: f64 = 1e-6;
 
 /// Draws an arrow with a dashed shaft.
 fn draw_dashed(arrow: &Arrow, metrics: &DrawingMetrics, shapes: &mut Vec<Shape>) {

@@ -11,7 +11,8 @@ use crate::picture::{Arrow, Color, DrawingMetrics, Language, Shape};
 
 /// The momenta of a collision head to tail: their sum is the same before and after.
 pub struct Momenta {
-    /// The momenta before and after, kg·m/s, in the order of the bodies.
+    /// The momenta before and after, kg·m/s, in the order of the bodies. If the two push other bodies, the momentum
+    /// that goes to these is the last one.
     chains: [Vec<Momentum>; 2],
     /// Their sum before the collision, kg·m/s.
     total: Vector,
@@ -26,10 +27,13 @@ struct Momentum {
     label: String,
 }
 
+/// The symbol of the momentum that goes to the bodies that the two push.
+pub const TO_OTHERS: &str = "Δp⃗";
+
 impl Momenta {
     /// The momenta of the two bodies. An infinite mass has none; after the collision, the momentum that it has received
     /// takes its place.
-    pub fn new(pair: &Pair) -> Momenta {
+    pub fn new(pair: &Pair, metrics: &DrawingMetrics) -> Momenta {
         let collision = &pair.collision;
         let momentum = |at: usize, velocities: &[Vector; 2], symbol: &str| Momentum {
             vector: velocities[at].mult(pair.masses[at]),
@@ -44,9 +48,15 @@ impl Momenta {
         let has_momentum = |at: usize| pair.masses[at].is_finite();
         let before = [0, 1].into_iter().filter(|at| has_momentum(*at)).map(|at| momentum(at, &collision.before, "p⃗"));
         let after = [0, 1].map(|at| if has_momentum(at) { momentum(at, &collision.after, "p⃗′") } else { received(at) });
-        let chains = [before.collect::<Vec<Momentum>>(), after.into()];
-        let total = chains[0].iter().fold(Vector::ZERO, |sum, momentum| sum.add(momentum.vector));
-        Momenta { chains, total }
+        let sum =
+            |chain: &[Momentum]| chain.iter().fold(Vector::ZERO, |sum: Vector, momentum| sum.add(momentum.vector));
+        let (before, mut after) = (before.collect::<Vec<Momentum>>(), Vec::from(after));
+        let total = sum(&before);
+        if pair.pushes_others() {
+            let (vector, color) = (total.sub(sum(&after)), metrics.palette.muted);
+            after.push(Momentum { vector, color, label: TO_OTHERS.to_owned() });
+        }
+        Momenta { chains: [before, after], total }
     }
 
     /// The ends of the arrows of a chain that begins at the origin, kg·m/s.
@@ -157,4 +167,58 @@ fn inner_area(area: &Rect, metrics: &DrawingMetrics) -> Rect {
     let below = Rect::new(near.add(Vector::new(0.0, font_size)), area.width(), area.height() - font_size);
     let margin = smaller(1.3 * font_size, 0.3 * smaller(below.width(), below.height()));
     below.inset(larger(margin, 0.0))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::physics::{Axis, Collision, Spawn};
+    use crate::picture::figures::CollisionSubject;
+    use crate::picture::{Appearance, Style};
+    use std::sync::Arc;
+
+    /// The momenta of a box of 2 kg that falls with 6 m/s on one of 1 kg and rebounds with e = 0.5, if the lower box
+    /// has this velocity afterwards, m/s.
+    fn momenta(lower_after: f64) -> Momenta {
+        let down = |speed: f64| Vector::new(0.0, speed);
+        let rects = [0.0, 1.0].map(|y| Rect::new(down(y), 1.0, 1.0));
+        let upper_after = lower_after - 3.0;
+        let collision = Collision {
+            bodies: [0, 1],
+            axis: Axis::Y,
+            rects,
+            impulse: 2.0 * (6.0 - upper_after),
+            step: 0,
+            time: 0.0,
+            instant: 0.0,
+            normal: down(-1.0),
+            penetration: Vector::ZERO,
+            shares: [0.0; 2],
+            restitution: 0.5,
+            normal_velocity: [-6.0, 3.0],
+            before: [down(6.0), Vector::ZERO],
+            after: [down(upper_after), down(lower_after)],
+        };
+        let body = |id: u32| {
+            let spawn = Spawn::new(id.to_string(), rects[id as usize], [2.0, 1.0][id as usize]);
+            Arc::new(Appearance::new(id, &spawn, None, None))
+        };
+        let subject = CollisionSubject { title: String::new(), collision, bodies: [body(0), body(1)] };
+        let style = Style::default();
+        let metrics = DrawingMetrics::new(style.look.theme, style.look.size);
+        Momenta::new(&Pair::new(&subject, 0.0, &style), &metrics)
+    }
+
+    #[test]
+    fn the_momentum_that_goes_to_other_bodies_completes_the_sum() {
+        // Alone, and on a floor that holds the lower box.
+        for (lower_after, labels, to_others) in [(6.0, 2, 0.0), (0.0, 3, 18.0)] {
+            let Momenta { chains: [_, after], total } = momenta(lower_after);
+            assert_eq!((after.len(), total), (labels, Vector::new(0.0, 12.0)));
+            let sum = after.iter().fold(Vector::ZERO, |sum: Vector, momentum| sum.add(momentum.vector));
+            assert_eq!(sum, total);
+            let others = after.iter().find(|momentum| momentum.label == TO_OTHERS);
+            assert_eq!(others.map_or(0.0, |momentum| momentum.vector.y), to_others);
+        }
+    }
 }

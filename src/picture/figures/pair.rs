@@ -69,6 +69,16 @@ impl Pair {
         pair
     }
 
+    /// Returns true if other bodies, which the two push through contacts, take part in the collision: its impulse is
+    /// not that of the two alone.
+    pub fn pushes_others(&self) -> bool {
+        let Collision { restitution, impulse, normal_velocity: [approach, _], .. } = self.collision;
+        let inverse: f64 = self.masses.iter().map(|mass| 1.0 / mass).sum();
+        let alone = -(1.0 + restitution) * approach / inverse;
+        let is_alone = (alone - impulse).abs() <= IMPULSE_TOLERANCE * impulse.abs();
+        impulse != 0.0 && !(is_alone && alone.is_finite())
+    }
+
     /// The pair in colours faded towards the background.
     pub fn faded(&self, metrics: &DrawingMetrics) -> Pair {
         Pair { colors: self.colors.map(|color| color.mix(metrics.palette.background, 45)), ..self.clone() }
@@ -229,6 +239,10 @@ impl Pair {
         arrows
     }
 }
+
+/// The impulse of two bodies alone is exact up to this part of it: more than rounding errors, less than the digits that
+/// figures show.
+const IMPULSE_TOLERANCE: f64 = 1e-6;
 
 /// Space around boxes and arrows relative to the size of the boxes.
 const MARGIN: f64 = 0.06;
