@@ -1,4 +1,5 @@
 use rebond::internals::picture::{body_color, color_by_speed};
+use rebond::internals::scene::Walls;
 use rebond::recordings::BodyInfo;
 use rebond::{BodyId, Collision, Rect, Vector};
 
@@ -32,7 +33,7 @@ pub fn push_body(
     materials: &[&str],
 ) {
     let spawn = &info.spawn;
-    let is_wall = spawn.mass == f64::INFINITY && spawn.name.starts_with("wall-");
+    let is_wall = info.color.is_none() && Walls::include(info.id, spawn);
     let numbered = |id: BodyId| body_color(&BodyInfo { id, color: None, ..info.clone() });
     let [red, green, blue] = match key {
         ColorKey::Speed if spawn.mass.is_finite() && top_speed > 0.0 => {

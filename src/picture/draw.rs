@@ -16,6 +16,7 @@ use super::{
 use super::{Appearance, Palette, color};
 use crate::physics::{BodyId, larger};
 use crate::recording::{BodyInfo, Playback};
+use crate::scene::WALL_NAMES;
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write;
 use std::num::NonZero;
@@ -454,8 +455,12 @@ pub(super) enum BodyNames {
 /// A sentence about the labels of boxes that are left out because there are too many boxes, if a picture may have them.
 pub(super) fn label_warning(look: &Look, sources: &[Source]) -> Option<String> {
     let is_labelled = look.show.contains(Overlay::Name) || look.show.contains(Overlay::Mass);
-    let is_box = |name: &&String| !name.starts_with("wall-") && look.bodies.contains(name);
-    let boxes = sources.iter().map(|source| source.statistics.names.iter().filter(is_box).count()).max()?;
+    let boxes = |source: &Source| {
+        let is_wall = |name: &str| source.scene.walls.is_some() && WALL_NAMES.contains(&name);
+        let names = source.statistics.names.iter();
+        names.filter(|name| !is_wall(name) && look.bodies.contains(name)).count()
+    };
+    let boxes = sources.iter().map(boxes).max()?;
     (is_labelled && boxes > MAX_PLACED).then(|| {
         format!(
             "where more than {MAX_PLACED} boxes are visible, only labels that fit into their boxes are drawn: \

@@ -7,7 +7,7 @@ use crate::recording::{
     self, BodyInfo, Change, Gap, Header, Health, Item, Playback, RecordedEvent, Recording, SampledBody, SampledState,
     SceneImage, color_and_image, limits,
 };
-use crate::scene::{self, Scene};
+use crate::scene::{self, Scene, Walls};
 use crate::text::counted;
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -284,7 +284,8 @@ fn scene_of_states(path: &Path, bytes: Option<&Arc<[u8]>>) -> Result<Scene, Erro
     let first = Playback::new(open(path, bytes)?).next().transpose().map_err(read_error)?;
     let wall = |name: &str| {
         let bodies = first.iter().flat_map(|state| &state.bodies);
-        bodies.filter(|body| body.info.spawn.name == name).map(|body| body.position).next()
+        let is_wall = |info: &BodyInfo| info.spawn.name == name && Walls::include(info.id, &info.spawn);
+        bodies.filter(|body| is_wall(&body.info)).map(|body| body.position).next()
     };
     let far = reach.map(|reach| reach.far_corner());
     let width = wall("wall-right").map(|position| position.x).or(far.map(|far| far.x));

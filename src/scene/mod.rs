@@ -32,7 +32,7 @@ pub use crate::picture_options::{ColorBy, Overlay, Overlays, PictureOptions, The
 pub use action::{Action, Blueprint, Phase, SpawnRequest};
 pub use diagnostic::{Diagnostic, DiagnosticKind, Diagnostics, Excerpt, SceneError};
 pub use inputs::{Input, InputLocation};
-pub use options::{RunOptions, Walls};
+pub use options::{RunOptions, WALL_NAMES, Walls};
 #[cfg(feature = "cli")]
 pub use overrides::{Override, Sweep, are_applied, settings};
 

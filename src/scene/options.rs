@@ -5,7 +5,7 @@ use super::{
     diagnostic::{ErrorReported, Reporter},
     tree::{Entry, Key, Node, Table, Value, unknown_key},
 };
-use crate::physics::{DEFAULT_EVENTS_PER_STEP, Restitution, RestitutionPair, SolverKind, Vector};
+use crate::physics::{BodyId, DEFAULT_EVENTS_PER_STEP, Restitution, RestitutionPair, SolverKind, Spawn, Vector};
 use crate::picture_options::{ColorBy, Language, MAX_SIDE, Overlay, Overlays, PictureOptions, Theme};
 use crate::recording::limits;
 use std::{
@@ -81,6 +81,22 @@ impl Walls {
             self.request(left, Vector::new(-1.0, 0.0), [1.0, height]),
             self.request(right, Vector::new(width, 0.0), [1.0, height]),
         ]
+    }
+
+    /// Returns true if a body is one of the walls of its scene, which are its first bodies: it has the id, the name,
+    /// the place and the mass of one. A body that is only named like a wall is none.
+    pub fn include(id: BodyId, spawn: &Spawn) -> bool {
+        let Spawn { name, rect, mass, velocity, force, .. } = spawn;
+        let [x, y] = [rect.origin.x, rect.origin.y];
+        let is_in_place = match id {
+            0 => x == -1.0 && y == -1.0 && rect.height() == 1.0,
+            1 => x == -1.0 && rect.height() == 1.0,
+            2 => x == -1.0 && y == 0.0 && rect.width() == 1.0,
+            3 => y == 0.0 && rect.width() == 1.0,
+            _ => return false,
+        };
+        let is_static = *mass == f64::INFINITY && *velocity == Vector::ZERO && *force == Vector::ZERO;
+        is_in_place && is_static && name == WALL_NAMES[id as usize]
     }
 
     fn request(&self, name: &str, origin: Vector, size: [f64; 2]) -> SpawnRequest {
@@ -291,10 +307,34 @@ fn overlays(node: &Node) -> Result<Overlays, &Node> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::physics::Rect;
     use crate::scene::{diagnostic::Reporter, tree::parse_toml};
 
     fn run(keys: &str) -> RunOptions {
         read_run(&Table::open("run", &parse_toml(keys).unwrap(), RUN_KEYS, &Reporter::default()).unwrap()).0.unwrap()
+    }
+
+    #[test]
+    fn walls_are_told_from_bodies_of_their_names() {
+        let spawns = Walls { material: None }.spawn_requests([16.0, 9.0]).map(|request| {
+            let name = request.blueprint.name.clone().unwrap_or_default();
+            Spawn::new(name, request.rect(), request.blueprint.mass)
+        });
+        for (id, spawn) in (0..).zip(&spawns) {
+            assert!(Walls::include(id, spawn), "{spawn:?}");
+            let moved = Spawn { rect: Rect::new(Vector::new(0.25, 0.25), 1.0, 1.0), ..spawn.clone() };
+            let others = [
+                (id + 4, spawn.clone()),
+                ((id + 1) % 4, spawn.clone()),
+                (id, moved),
+                (id, Spawn { mass: 1.0, ..spawn.clone() }),
+                (id, Spawn { name: "wall-plate".into(), ..spawn.clone() }),
+                (id, spawn.clone().with_velocity(Vector::new(-2.0, 0.0))),
+            ];
+            for (id, other) in others {
+                assert!(!Walls::include(id, &other), "{id}: {other:?}");
+            }
+        }
     }
 
     #[test]

@@ -197,3 +197,35 @@ fn velocity_space_counts_the_collisions_of_its_steps_alone() {
     }
     assert_eq!(steps.len(), 31);
 }
+
+/// Bodies of infinite mass that are only named like walls keep their colour, their name and their motion.
+#[test]
+fn bodies_named_like_walls_are_drawn_as_they_are() {
+    let scene = |left: &str, right: &str| {
+        format!(
+            "run.duration = 2.0\n[[spawn]]\nname = \"gas\"\nat = [3.0, 3.0]\nsize = [1.0, 1.0]\nmass = 1.0\n\
+             velocity = [5.0, 0.0]\n[[spawn]]\nname = \"{left}\"\nat = [0.0, 1.0]\nsize = [1.0, 5.0]\nmass = inf\n\
+             color = \"#cc0000\"\n[[spawn]]\nname = \"{right}\"\nat = [12.0, 1.0]\nsize = [1.0, 5.0]\nmass = inf\n\
+             velocity = [-2.0, 0.0]\ncolor = \"#00cc00\"\n"
+        )
+    };
+    let workplace = Workplace::new();
+    workplace.write("named.toml", &scene("wall-left", "wall-right"));
+    workplace.write("plain.toml", &scene("solid-left", "solid-right"));
+    let table = workplace.done("export named.toml --table bodies").output;
+    assert!(table.contains("#cc0000") && table.contains("#00cc00"), "{table}");
+    for command in ["figure spacetime", "figure strobe", "render --at 30"] {
+        for file in ["named", "plain"] {
+            workplace.done(&format!("{command} {file}.toml --show none -o {file}.png --force"));
+        }
+        let [named, plain] = ["named.png", "plain.png"].map(|file| {
+            let file = workplace.read(file);
+            rebond::internals::picture::png::decode_bitmap(&file).unwrap().pixels
+        });
+        assert!(named == plain, "{command}");
+    }
+    let walls = "run.steps = 1\nworld.walls = true\n";
+    workplace.write("walls.toml", walls);
+    let table = workplace.done("export walls.toml --table bodies").output;
+    assert_eq!(table.matches("#dfe2e6").count(), 4, "{table}");
+}

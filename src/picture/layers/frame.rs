@@ -1,6 +1,7 @@
 use crate::physics::{BodyId, Collision, Rect, Spawn, Vector};
 use crate::picture::{Bitmap, Color};
 use crate::recording::color_and_image;
+use crate::scene::Walls;
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 
@@ -54,7 +55,6 @@ pub struct Appearance {
 impl Appearance {
     /// The appearance of a body with these parameters, without its image.
     pub fn new(id: BodyId, spawn: &Spawn, color: Option<&str>, gravity: Option<Vector>) -> Appearance {
-        let is_wall = spawn.mass == f64::INFINITY && spawn.name.starts_with("wall-");
         Appearance {
             id,
             name: spawn.name.clone(),
@@ -63,7 +63,7 @@ impl Appearance {
             image: None,
             mass: spawn.mass,
             force: force(spawn, gravity),
-            is_wall,
+            is_wall: color.is_none() && Walls::include(id, spawn),
         }
     }
 
