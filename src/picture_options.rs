@@ -244,7 +244,7 @@ impl OptionText for [u32; 2] {
 #[cfg(feature = "draw")]
 impl OptionText for String {
     fn to_text(&self) -> String {
-        serde_json::Value::from(self.as_str()).to_string()
+        crate::text::json_string(self)
     }
 
     fn from_text(text: &str) -> Option<String> {

@@ -77,12 +77,20 @@ impl Display for Escaped<'_> {
                 '<' => out.write_str("&lt;")?,
                 '>' => out.write_str("&gt;")?,
                 '"' => out.write_str("&quot;")?,
+                '\u{fffe}' | '\u{ffff}' => {}
                 '\n' | '\t' | ' '.. => write!(out, "{character}")?,
                 _ => {}
             }
         }
         Ok(())
     }
+}
+
+/// A JSON string. The two characters that JSON allows but XML does not are written as `\ufffe` and `\uffff`, so that
+/// [`Escaped`] omits nothing of it.
+#[cfg(feature = "draw")]
+pub(crate) fn json_string(text: &str) -> String {
+    serde_json::Value::from(text).to_string().replace('\u{fffe}', "\\ufffe").replace('\u{ffff}', "\\uffff")
 }
 
 #[cfg(test)]
@@ -104,6 +112,28 @@ mod tests {
         let text = "a\u{1b}[31mb\tc\nd\u{9b}e\u{7f}\u{202e}\r";
         assert_eq!(Printable(text).to_string(), "a\\u001b[31mb\tc\nd\\u009be\\u007f\\u202e\\u000d");
         assert_eq!(Printable("Größe ✓").to_string(), "Größe ✓");
+    }
+
+    /// The production `Char` of XML 1.0, without the carriage return, which parsers replace.
+    #[test]
+    #[cfg(feature = "draw")]
+    fn escaped_text_has_exactly_the_characters_that_xml_allows() {
+        let ranges = [' '..='\u{d7ff}', '\u{e000}'..='\u{fffd}', '\u{10000}'..=char::MAX];
+        let is_allowed = |at: char| matches!(at, '\t' | '\n') || ranges.iter().any(|range| range.contains(&at));
+        for character in '\0'..=char::MAX {
+            let escaped = Escaped(character.encode_utf8(&mut [0; 4])).to_string();
+            assert_eq!(!escaped.is_empty(), is_allowed(character), "{character:?}");
+        }
+        assert_eq!(Escaped("<\"&\u{1}\u{fffe}\">").to_string(), "&lt;&quot;&amp;&quot;&gt;");
+    }
+
+    #[test]
+    #[cfg(feature = "draw")]
+    fn json_strings_survive_in_xml() {
+        let text = "a\"\\ \u{1}\u{fffe}\u{ffff}\u{7f}é😀\r";
+        let json = json_string(text);
+        assert_eq!(Escaped(&json).to_string(), json.replace('"', "&quot;"));
+        assert_eq!(serde_json::from_str::<String>(&json).unwrap(), text);
     }
 
     #[test]

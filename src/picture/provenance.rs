@@ -6,6 +6,7 @@ use super::{MAX_FRAMES_PER_STEP, MAX_HOLD, MIN_HOLD, SPEEDS};
 use crate::physics::Axis;
 use crate::picture_options::{Written, check_extent};
 use crate::recording::limits;
+use crate::text::json_string;
 use std::ops::RangeInclusive;
 use std::str::FromStr;
 
@@ -399,8 +400,7 @@ impl OptionLine {
 
     /// Adds a list of strings.
     fn push_strings<'a>(&mut self, key: &str, strings: impl IntoIterator<Item = &'a String>) {
-        let quoted: Vec<String> =
-            strings.into_iter().map(|text| serde_json::Value::from(text.as_str()).to_string()).collect();
+        let quoted: Vec<String> = strings.into_iter().map(|text| json_string(text)).collect();
         self.push(key, quoted.join(","));
     }
 

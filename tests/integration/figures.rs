@@ -229,3 +229,18 @@ fn bodies_named_like_walls_are_drawn_as_they_are() {
     let table = workplace.done("export walls.toml --table bodies").output;
     assert_eq!(table.matches("#dfe2e6").count(), 4, "{table}");
 }
+
+#[test]
+fn an_svg_file_has_no_character_that_xml_forbids_and_can_be_drawn_again() {
+    let workplace = Workplace::with_scene(&format!("title = \"T \\uFFFF\"\n{GALPERIN}"));
+    for name in ["a", "b"] {
+        workplace.done(&format!("record scene.toml -o {name}.mcap"));
+    }
+    workplace.done("figure energy a.mcap b.mcap --title T\u{fffe} --title U\u{ffff} -o energy.svg");
+    workplace.done("figure energy a.mcap b.mcap -o titled.svg");
+    for file in ["energy.svg", "titled.svg"] {
+        let text = String::from_utf8(workplace.read(file)).unwrap();
+        assert!(!text.contains(['\u{fffe}', '\u{ffff}']), "{file}");
+        assert!(file == "titled.svg" || text.contains("T\\ufffe"), "the title is lost");
+    }
+}
