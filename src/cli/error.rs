@@ -254,8 +254,7 @@ pub enum CommandError {
     },
     /// A clip would be very long.
     #[error(
-        "the clip would have {} and last {seconds:.0} s; draw a part with --from and --to, fewer frames with \
-         --fps or --every, or allow it with --long",
+        "the clip would have {} and last {seconds:.0} s; {cures}",
         counted(*frames, "frame")
     )]
     LongClip {
@@ -263,11 +262,13 @@ pub enum CommandError {
         frames: u64,
         /// Its duration, s.
         seconds: f64,
+        /// What brings it within the limits.
+        cures: String,
     },
     /// A clip is longer than any clip may be.
     #[error(
         "the clip would have {} and last {seconds:.0} s, and no clip may have more than {max_frames} frames or \
-         {max_seconds:.0} s; draw a part with --from and --to, or fewer frames with --fps or --every",
+         {max_seconds:.0} s; {cures}",
         counted(*frames, "frame")
     )]
     TooLongClip {
@@ -279,6 +280,8 @@ pub enum CommandError {
         max_frames: u64,
         /// The longest duration, s.
         max_seconds: f64,
+        /// What brings it within the limits.
+        cures: String,
     },
     /// A range ends before it starts.
     #[error("no step is in the range --from {from} --to {to}; exchange the two")]

@@ -6,8 +6,9 @@ use super::output_file::{OutputFile, OutputFolder, Overwrite, RefuseInputs};
 use super::picture_arguments::RenderOptions;
 use super::source::{OpenedSource, SourceArgument, Verification};
 use super::video::{self, VideoContainer};
+use crate::physics::larger;
 use crate::picture::{
-    self, Animation, AnimationFormat, Format, MAX_FRAMES, Page, Progress, SOFTWARE, StillFormat, Subject,
+    self, Animation, AnimationFormat, Format, MAX_FRAMES, Page, Progress, SOFTWARE, SPEEDS, StillFormat, Subject,
     SubjectOptions,
 };
 use crate::text::counted;
@@ -61,7 +62,8 @@ pub fn run(options: &RenderOptions) -> Result<Exit, CommandError> {
                 return Ok(Exit::Done);
             };
             sequence.steps = steps;
-            refuse_long((sequence.steps.end() - sequence.steps.start()) / sequence.every, 0.0, options)?;
+            let frames = (sequence.steps.end() - sequence.steps.start()) / sequence.every;
+            ClipLength { frames, simulated: 0.0, slow: 1.0, frozen: 0.0 }.refuse_long(options)?;
             let write = |step, file: Vec<u8>| folder.write(format!("{step:06}.png"), &file);
             let drawn = picture::draw_sequence(&sequence, &sources, threads, &mut on_progress, write)?;
             let others = folder.other_frames("png");
@@ -107,13 +109,15 @@ fn refuse_long_animation(
     progress: Progress,
 ) -> Result<(), CommandError> {
     let schedule = animation.schedule(sources)?;
-    let (frames, seconds) = (schedule.count(), schedule.start_time(schedule.count()));
-    refuse_long(frames, seconds, options)?;
+    let (frames, slow, hold) = (schedule.count(), animation.timing.slow, animation.timing.hold);
+    let length = ClipLength { frames, simulated: schedule.start_time(frames) * slow, slow, frozen: 0.0 };
+    length.refuse_long(options)?;
     // At most one freeze frame follows each frame. Only if that could be too long, they are counted by a replay.
-    let longest = seconds + animation.timing.hold * frames as f64;
-    if animation.timing.hold > 0.0 && refuse_long(2 * frames, longest, options).is_err() {
+    let longest = ClipLength { frames: 2 * frames, frozen: hold * frames as f64, ..length };
+    if hold > 0.0 && longest.refuse_long(options).is_err() {
         let schedule = animation.schedule_with_freeze_frames(sources, progress)?;
-        refuse_long(schedule.count(), schedule.start_time(schedule.count()), options)?;
+        let frozen = hold * schedule.freeze_count() as f64;
+        ClipLength { frames: schedule.count(), frozen, ..length }.refuse_long(options)?;
     }
     Ok(())
 }
@@ -124,15 +128,81 @@ const MAX_CLIP: (f64, u64) = (3600.0, 100_000);
 /// The longest clip, s, and its largest number of frames, so that no file grows without bound.
 const MAX_LONG_CLIP: (f64, u64) = (1e7, MAX_FRAMES);
 
-/// Returns an error for a long clip, which is usually a mistake, unless it is allowed.
-fn refuse_long(frames: u64, seconds: f64, options: &RenderOptions) -> Result<(), CommandError> {
-    let exceeds = |(max_seconds, max_frames): (f64, u64)| frames > max_frames || seconds > max_seconds;
-    let ((max_seconds, max_frames), is_allowed) = (MAX_LONG_CLIP, options.long);
-    match (exceeds(MAX_LONG_CLIP), exceeds(MAX_CLIP)) {
-        (true, _) => Err(CommandError::TooLongClip { frames, seconds, max_frames, max_seconds }),
-        (false, true) if !is_allowed => Err(CommandError::LongClip { frames, seconds }),
-        (false, _) => Ok(()),
+/// The length of a clip.
+#[derive(Clone, Copy)]
+struct ClipLength {
+    frames: u64,
+    /// The simulated time that is shown, s.
+    simulated: f64,
+    /// Simulated seconds per second of playback.
+    slow: f64,
+    /// The time of all freeze frames, s.
+    frozen: f64,
+}
+
+impl ClipLength {
+    fn seconds(&self) -> f64 {
+        self.simulated / self.slow + self.frozen
     }
+
+    fn exceeds(&self, (max_seconds, max_frames): (f64, u64)) -> bool {
+        self.frames > max_frames || self.seconds() > max_seconds
+    }
+
+    /// Returns an error for a long clip, which is usually a mistake, unless it is allowed.
+    fn refuse_long(&self, options: &RenderOptions) -> Result<(), CommandError> {
+        let (frames, seconds, (max_seconds, max_frames)) = (self.frames, self.seconds(), MAX_LONG_CLIP);
+        let limit = if options.long { MAX_LONG_CLIP } else { MAX_CLIP };
+        let mut cures = self.cures(limit, options.picture.every);
+        match (self.exceeds(MAX_LONG_CLIP), self.exceeds(MAX_CLIP)) {
+            (true, _) => {
+                let cures = enumerated(&cures);
+                Err(CommandError::TooLongClip { frames, seconds, max_frames, max_seconds, cures })
+            }
+            (false, true) if !options.long => {
+                cures.push("allow it with --long".to_owned());
+                Err(CommandError::LongClip { frames, seconds, cures: enumerated(&cures) })
+            }
+            (false, _) => Ok(()),
+        }
+    }
+
+    /// What brings the clip within limits. A faster clip has fewer frames unless their interval, `every`, is given.
+    fn cures(&self, (max_seconds, max_frames): (f64, u64), every: Option<u64>) -> Vec<String> {
+        let (is_too_long, has_too_many) = (self.seconds() > max_seconds, self.frames > max_frames);
+        let by_duration = self.simulated / (max_seconds - self.frozen);
+        let by_frames = if has_too_many { self.slow * self.frames as f64 / max_frames as f64 } else { 0.0 };
+        let slow = rounded_up(larger(by_duration, by_frames));
+        let faster = format!("play it faster with --slow {slow}");
+        let mut cures = Vec::new();
+        if self.frozen >= max_seconds {
+            cures.push("freeze it for a shorter time with --hold".to_owned());
+        } else if is_too_long && SPEEDS.contains(&slow) {
+            let is_enough = !has_too_many || every.is_none();
+            cures.push(if is_enough { faster } else { format!("{faster} and draw fewer frames with --every") });
+        } else if has_too_many {
+            cures.push("draw fewer frames with --fps or --every".to_owned());
+        }
+        cures.push("draw a part with --from and --to".to_owned());
+        cures
+    }
+}
+
+/// Alternatives as an English enumeration.
+fn enumerated(alternatives: &[String]) -> String {
+    match alternatives {
+        [] => String::new(),
+        [only] => only.clone(),
+        [rest @ .., last] => format!("{}, or {last}", rest.join(", ")),
+    }
+}
+
+/// The next larger number with one significant digit.
+fn rounded_up(number: f64) -> f64 {
+    let scientific = format!("{number:e}");
+    let Some((mantissa, exponent)) = scientific.split_once('e') else { return number };
+    let digit = mantissa.parse().map_or(number, f64::ceil);
+    format!("{digit}e{exponent}").parse().unwrap_or(number)
 }
 
 /// The kind of output of `render`.
@@ -213,5 +283,40 @@ impl OutputKind {
             }
             OutputKind::Sequence => Output::Sequence(OutputFolder::create(path, overwrite, sources)?),
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_next_number_of_one_digit_is_not_smaller() {
+        let numbers = [(8611.1, 9000.0), (9000.0, 9000.0), (9500.0, 1e4), (3.3e-4, 4e-4), (1.0, 1.0), (0.12, 0.2)];
+        for (number, expected) in numbers {
+            assert_eq!(rounded_up(number), expected, "{number}");
+        }
+        assert!(rounded_up(f64::INFINITY).is_infinite());
+    }
+
+    #[test]
+    fn the_cures_of_a_long_clip_work() {
+        let length = ClipLength { frames: 31, simulated: 3.1e7, slow: 1.0, frozen: 0.0 };
+        let (faster, part) = ("play it faster with --slow 9000", "draw a part with --from and --to");
+        assert_eq!(length.cures(MAX_CLIP, Some(100)), [faster, part]);
+        assert_eq!(enumerated(&length.cures(MAX_CLIP, None)), format!("{faster}, or {part}"));
+        assert!(length.exceeds(MAX_CLIP) && !ClipLength { slow: 9000.0, ..length }.exceeds(MAX_CLIP));
+        let many = ClipLength { frames: 200_000, simulated: 60.0, ..length };
+        assert_eq!(many.cures(MAX_CLIP, None), ["draw fewer frames with --fps or --every", part]);
+        // At 30 frames per second, 3600 s would still be too many.
+        let both = ClipLength { frames: 930_000_000, ..length };
+        assert_eq!(both.cures(MAX_CLIP, None), ["play it faster with --slow 10000", part]);
+        let thinned = "play it faster with --slow 10000 and draw fewer frames with --every";
+        assert_eq!(both.cures(MAX_CLIP, Some(1)), [thinned, part]);
+        let frozen = ClipLength { frozen: 5000.0, ..length };
+        assert_eq!(frozen.cures(MAX_CLIP, None), ["freeze it for a shorter time with --hold", part]);
+        // No speed is high enough.
+        let endless = ClipLength { simulated: 1e300, ..length };
+        assert_eq!(endless.cures(MAX_CLIP, None), [part]);
     }
 }

@@ -178,6 +178,21 @@ fn long_clips_need_confirmation_and_have_a_limit() {
     }
 }
 
+/// Fewer frames do not shorten a clip; a higher speed does.
+#[test]
+fn the_advice_for_a_clip_of_a_long_run_works() {
+    let scene = SCENE.replace("rate = 10", "rate = 1e-4").replace("steps = 12", "steps = 3000");
+    let workplace = Workplace::with_scene(&scene.replace("[10.0, 0.0]", "[0.0, 0.0]"));
+    workplace.done("record scene.toml -o run.mcap");
+    // With 31 frames, and with 30 per second.
+    for (every, slow) in [(" --every 100", "9000"), ("", "10000")] {
+        let outcome = workplace.rebond(&format!("render run.mcap -o long.gif{every}"));
+        let advice = format!("play it faster with --slow {slow}, or draw a part with --from and --to");
+        assert!(outcome.code == 1 && outcome.errors.replace("\n  │ ", " ").contains(&advice), "{outcome:?}");
+    }
+    workplace.done("render run.mcap -o long.gif --every 100 --slow 9000");
+}
+
 #[test]
 fn freeze_frames_count_towards_the_length_of_a_clip() {
     // The ball hits a plate 30 times per second: many freeze frames of a minute.
