@@ -2,6 +2,7 @@
 
 use super::panels::outline;
 use crate::physics::{Rect, Vector, larger, smaller};
+use crate::picture::layers::dashes::DashPattern;
 use crate::picture::number::{ScaledUnit, Unit, log10, multiples_within, nice_spacing, tick_label};
 use crate::picture::text::Line;
 use crate::picture::{DrawingMetrics, Ink, Shape};
@@ -219,11 +220,22 @@ impl Axes {
         shapes.push(Shape::Text { line: note, at, ink: metrics.palette.ink.into() });
     }
 
-    /// A curve through points, clipped to the plot area.
+    /// A solid curve through points, clipped to the plot area.
     pub fn curve(&self, points: impl Iterator<Item = [f64; 2]>, width: f64, ink: Ink) -> Shape {
+        self.dashed_curve(points, DashPattern::SOLID, width, ink)
+    }
+
+    /// A curve through points, clipped to the plot area.
+    pub fn dashed_curve(
+        &self,
+        points: impl Iterator<Item = [f64; 2]>,
+        dashes: DashPattern,
+        width: f64,
+        ink: Ink,
+    ) -> Shape {
         let mut vertices: Vec<Vector> = points.map(|[x, y]| self.point(x, y)).filter(|at| at.is_finite()).collect();
         vertices.dedup();
-        Shape::Clip { window: self.plot_area, shapes: vec![Shape::Polyline { points: vertices, width, ink }] }
+        Shape::Clip { window: self.plot_area, shapes: dashes.draw(vertices, width, ink) }
     }
 }
 

@@ -3,7 +3,8 @@ use super::panels::Layout;
 use super::timeline::{Timeline, draw_timeline, timeline_legend};
 use super::{MAX_IN_LEGEND, TimeCurve, counted_bodies};
 use crate::physics::{Axis, Body, BodyId, Rect, Vector, World, larger, smaller};
-use crate::picture::layers::footer::{Entry, Legend, quoted};
+use crate::picture::layers::dashes::DashPattern;
+use crate::picture::layers::footer::{Entry, LINE_WIDTH, Legend, quoted};
 use crate::picture::number::Unit;
 use crate::picture::raster::color::SPEED_COLORS;
 use crate::picture::text::Line;
@@ -209,12 +210,12 @@ pub fn lines(runs: &[LineRun], time: Range, quantity: Quantity, style: &Style) -
             let axes = Axes::within(cell, x, y, 0.0, &panels.metrics);
             axes.draw(&AxisTitles { x: &x_title, y: &y_title }, &panels.metrics, &mut panels.shapes);
             draw_timeline(&timeline, &axes, panels);
-            let (width, opacity) = if drawn.len() > MAX_IN_LEGEND { (0.5, 160) } else { (1.25, 255) };
+            let (width, opacity) = if drawn.len() > MAX_IN_LEGEND { (0.5, 160) } else { (LINE_WIDTH, 255) };
             for line in &drawn {
                 let ink = Ink { color: line.color, opacity };
                 for part in &line.parts {
                     let points = part.iter().map(|[time, value]| [*time, value - line.zero]);
-                    panels.shapes.push(axes.curve(points, width * panels.metrics.line_width, ink));
+                    panels.shapes.push(axes.dashed_curve(points, line.dashes, width * panels.metrics.line_width, ink));
                 }
             }
         });
@@ -227,6 +228,7 @@ struct DrawnLine<'a> {
     run: usize,
     appearance: Option<&'a Appearance>,
     color: Color,
+    dashes: DashPattern,
     parts: Vec<Vec<[f64; 2]>>,
     /// Subtracted from the values.
     zero: f64,
@@ -245,10 +247,25 @@ fn drawn_lines<'a>(runs: &'a [LineRun], style: &Style) -> Vec<DrawnLine<'a>> {
                 (1, Some(appearance)) => color::color_by_body(appearance),
                 (count, _) => run_color(at, count, style),
             };
-            DrawnLine { run: at, appearance, color: palette.line(color), parts: line.curve.parts(), zero: line.zero }
+            let (color, dashes) = (palette.line(color), DashPattern::SOLID);
+            DrawnLine { run: at, appearance, color, dashes, parts: line.curve.parts(), zero: line.zero }
         })
     };
-    runs.iter().enumerate().flat_map(line).collect()
+    let mut lines: Vec<DrawnLine> = runs.iter().enumerate().flat_map(line).collect();
+    let has_names = runs.len() == 1 && style.look.color_by != ColorBy::Material && lines.len() <= MAX_IN_LEGEND;
+    if has_names {
+        distinguish(&mut lines);
+    }
+    lines
+}
+
+/// Gives lines of one colour different dashes.
+fn distinguish(lines: &mut [DrawnLine]) {
+    for at in 1..lines.len() {
+        let (earlier, line) = lines.split_at_mut(at);
+        let number = earlier.iter().filter(|other| other.color == line[0].color).count();
+        line[0].dashes = DashPattern::of_number(number);
+    }
 }
 
 /// Indices into the body colours for runs, the most distinct ones first.
@@ -324,13 +341,16 @@ fn joined_timeline(runs: &[LineRun]) -> Timeline {
 /// The names of bodies, of materials or of runs. Too many bodies for a legend are counted.
 fn legend(runs: &[LineRun], lines: &[DrawnLine], style: &Style) -> Legend {
     if let [_] = runs {
-        let bodies = lines.iter().filter_map(|line| Some((line.appearance?, line.color)));
+        let bodies = lines.iter().filter_map(|line| Some((line.appearance?, line)));
         let count = bodies.clone().count();
+        let are_dashed = lines.iter().any(|line| line.dashes != DashPattern::SOLID);
+        let entry = |(body, line): (&Appearance, &DrawnLine)| Entry {
+            line: are_dashed.then_some(line.dashes),
+            ..Entry::new(line.color, &body.name)
+        };
         return match (style.look.color_by, count) {
             (ColorBy::Material, _) => Legend::of_colors(style),
-            (_, ..=MAX_IN_LEGEND) => {
-                Legend { entries: bodies.map(|(body, color)| Entry::new(color, &body.name)).collect() }
-            }
+            (_, ..=MAX_IN_LEGEND) => Legend { entries: bodies.map(entry).collect() },
             (_, count) => Legend { entries: vec![counted_bodies(count, style)] },
         };
     }
@@ -383,6 +403,35 @@ mod tests {
         assert!((least(&points(Quantity::Momentum, &states)) - 6.0).abs() < 1e-12);
         assert!((least(&points(Quantity::Y, &states)) - (5.0 - 16.0 / (2.0 * G))).abs() < 1e-12);
         assert_eq!(points(Quantity::X, &states).len(), 2, "x does not turn, and its line is straight");
+    }
+
+    /// The lines of a single run of `count` bodies at rest, and their legend.
+    fn lines_and_legend(count: u32) -> (Vec<(Color, DashPattern)>, Legend) {
+        let spawn = |id: u32| Spawn::new(id.to_string(), Rect::new(Vector::new(f64::from(id), 0.0), 0.5, 0.5), 1.0);
+        let appearances = (0..count).map(|id| (id, Arc::new(Appearance::new(id, &spawn(id), None, None))));
+        let subject = LineSubject::Bodies(appearances.collect());
+        let mut run = LineRun::new(String::new(), Quantity::X, subject, 10.0, 0.0);
+        let config = crate::physics::EngineConfig::new(crate::physics::SolverKind::EventDriven, 10.0);
+        let mut engine = crate::physics::Engine::new(config);
+        (0..count).for_each(|id| engine.apply(&crate::physics::Event::Spawn(spawn(id))));
+        run.push(0.0, engine.world());
+        let (runs, style) = ([run], Style::default());
+        let lines = drawn_lines(&runs, &style);
+        (lines.iter().map(|line| (line.color, line.dashes)).collect(), legend(&runs, &lines, &style))
+    }
+
+    #[test]
+    fn lines_of_one_colour_have_different_dashes_in_the_diagram_and_in_its_legend() {
+        for count in 1..=MAX_IN_LEGEND as u32 {
+            let (lines, legend) = lines_and_legend(count);
+            let repeated = (1..lines.len()).filter(|&at| lines[..at].contains(&lines[at])).count();
+            assert_eq!((lines.len() as u32, repeated), (count, 0), "{lines:?}");
+            let marks = legend.entries.iter().map(|entry| (entry.colors[0], entry.line.unwrap_or(DashPattern::SOLID)));
+            assert!(marks.eq(lines.iter().copied()), "{legend:?}");
+            assert!(legend.entries.iter().all(|entry| entry.line.is_some() == (count > 7)), "{legend:?}");
+        }
+        let (many, legend) = lines_and_legend(40);
+        assert!(many.iter().all(|line| line.1 == DashPattern::SOLID) && legend.entries.len() == 1);
     }
 
     #[test]

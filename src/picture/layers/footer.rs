@@ -1,6 +1,7 @@
 use super::LayoutContext;
 use super::arrows::{self, Arrow, ArrowLength};
 use super::bodies::Hatching;
+use super::dashes::DashPattern;
 use crate::physics::{Rect, Vector, larger, smaller};
 use crate::picture::number::{Unit, nice_spacing};
 use crate::picture::raster::color::{self, SPEED_COLORS};
@@ -218,6 +219,8 @@ pub struct Entry {
     pub name: String,
     /// An arrow in the first colour instead of the colours.
     pub arrow: Option<KeyArrow>,
+    /// A line with these dashes in the first colour instead of the colours.
+    pub line: Option<DashPattern>,
 }
 
 /// The arrow of a legend.
@@ -241,7 +244,7 @@ impl Entry {
     /// An entry of one colour with a plain-text name.
     pub fn new(color: Color, name: &str) -> Entry {
         let name = quoted(&truncated(name, MAX_NAME_CHARS));
-        Entry { colors: vec![color], hatching: Hatching::None, prefix: String::new(), name, arrow: None }
+        Entry { colors: vec![color], hatching: Hatching::None, prefix: String::new(), name, arrow: None, line: None }
     }
 }
 
@@ -397,7 +400,7 @@ fn speed_scale(style: &Style) -> Entry {
         Some(end) => format!("≥ {}", Unit::METRE_PER_SECOND.format(end, 3)),
         None => Unit::METRE_PER_SECOND.format(style.top_speed, 3),
     };
-    Entry { colors: SPEED_COLORS.to_vec(), hatching: Hatching::None, prefix: "0".to_owned(), name, arrow: None }
+    Entry { colors: SPEED_COLORS.to_vec(), prefix: "0".to_owned(), name, ..Entry::new(SPEED_COLORS[0], "") }
 }
 
 fn entry_gap(size: f64) -> f64 {
@@ -408,6 +411,14 @@ fn text_gap(size: f64) -> f64 {
     (0.4 * size).round()
 }
 
+/// The length of a line in a legend, px.
+fn line_length(size: f64) -> f64 {
+    (3.0 * size).round()
+}
+
+/// The width of the lines of diagrams and in their legends, in line widths.
+pub const LINE_WIDTH: f64 = 1.25;
+
 fn swatch_size(size: f64) -> f64 {
     (0.9 * size).round()
 }
@@ -416,9 +427,10 @@ impl Entry {
     /// Its width with a font of `size` px, px.
     pub fn width(&self, size: f64) -> f64 {
         let prefix = if self.prefix.is_empty() { 0.0 } else { Line::plain(&self.prefix, size).width + text_gap(size) };
-        let mark = match self.arrow {
-            Some(arrow) => arrow.length,
-            None => swatch_size(size) * self.colors.len() as f64,
+        let mark = match (self.arrow, self.line) {
+            (Some(arrow), _) => arrow.length,
+            (None, Some(_)) => line_length(size),
+            (None, None) => swatch_size(size) * self.colors.len() as f64,
         };
         (prefix + mark + text_gap(size) + Line::math(&self.name, size).width).ceil()
     }
@@ -438,8 +450,13 @@ impl Entry {
             let to = from.add(Vector::new(length, 0.0));
             Arrow { length: kind, ..Arrow::new(from, to, width, color) }.draw(metrics, shapes);
             x += length;
+        } else if let (Some(dashes), Some(&color)) = (self.line, self.colors.first()) {
+            let from = Vector::new(x, strip.center().y.round());
+            let to = from.add(Vector::new(line_length(size), 0.0));
+            shapes.extend(dashes.draw(vec![from, to], LINE_WIDTH * metrics.line_width, color.into()));
+            x += line_length(size);
         }
-        for &color in self.colors.iter().filter(|_| self.arrow.is_none()) {
+        for &color in self.colors.iter().filter(|_| self.arrow.is_none() && self.line.is_none()) {
             let corner = Vector::new(x, (strip.center().y - swatch_size(size) / 2.0).round());
             let rect = Rect::new(corner, swatch_size(size), swatch_size(size));
             shapes.push(Shape::Rect { rect, ink: Ink::from(color) });

@@ -5,6 +5,7 @@ pub mod bodies;
 pub mod body_labels;
 mod center_of_mass;
 pub mod contacts;
+pub mod dashes;
 pub mod footer;
 mod frame;
 pub mod grid;
