@@ -436,10 +436,11 @@ pub fn run_names(given: &[String], sources: &[Source]) -> Vec<String> {
         && sources.iter().all(|source| !source.header.overrides.is_empty());
     let all_values: Vec<String> = sources.iter().map(values).collect();
     let is_distinct = (1..all_values.len()).all(|at| !all_values[..at].contains(&all_values[at]));
+    let has_own_title = |at: usize| sources[..at].iter().all(|earlier| earlier.title() != sources[at].title());
     let solvers = |at: usize| sources[at].header.config.solver;
     match given.is_empty() {
         true if is_study && is_distinct && sources.len() > 1 => all_values,
-        true if (1..sources.len()).all(|at| solvers(at) == solvers(0) && sources[at].title() != sources[0].title()) => {
+        true if (1..sources.len()).all(|at| solvers(at) == solvers(0) && has_own_title(at)) => {
             sources.iter().map(|source| source.title().to_owned()).collect()
         }
         _ => titles(given, sources),
@@ -467,11 +468,30 @@ fn grids<'a>(steps: &'a [StepRange], sources: &'a [Source]) -> impl Iterator<Ite
         .filter_map(move |(at, source)| range(at).map(|range| grid(&range.steps, range.every, source)))
 }
 
-/// The titles of recordings shown side by side: those that are given, or the recordings' own.
+/// The titles of recordings shown side by side: those that are given, or the recordings' own with what distinguishes
+/// recordings of one title.
 pub fn titles(given: &[String], sources: &[Source]) -> Vec<String> {
     if given.len() == sources.len() {
         return given.to_vec();
     }
-    let title = |source: &Source| format!("{} ({})", source.title(), source.header.config.solver.name());
+    let title = |source: &Source| {
+        let name = |source: &Source| (source.title().to_owned(), source.header.config.solver);
+        let namesakes: Vec<&Source> = sources.iter().filter(|other| name(other) == name(source)).collect();
+        let mut details = vec![source.header.config.solver.name().to_owned()];
+        details.extend(differences(source, &namesakes));
+        format!("{} ({})", source.title(), details.join(", "))
+    };
     sources.iter().map(title).collect()
+}
+
+/// The rate and the values given with `--set` of a recording that others do not have.
+fn differences(source: &Source, others: &[&Source]) -> Vec<String> {
+    const RATE: &str = "run.rate";
+    let rate = source.header.config.rate;
+    let has_own_rate = others.iter().any(|other| other.header.config.rate != rate);
+    let is_own = |setting: &&[String; 2]| {
+        setting[0] != RATE && others.iter().any(|other| !other.header.overrides.contains(*setting))
+    };
+    let settings = source.header.overrides.iter().filter(is_own).map(|[key, value]| format!("{key} = {value}"));
+    has_own_rate.then(|| format!("{rate} Hz")).into_iter().chain(settings).collect()
 }

@@ -198,6 +198,23 @@ fn velocity_space_counts_the_collisions_of_its_steps_alone() {
     assert_eq!(steps.len(), 31);
 }
 
+#[test]
+fn recordings_of_one_title_are_named_by_what_differs() {
+    let workplace = Workplace::with_scene(&format!("title = \"two\"\n{GALPERIN}"));
+    workplace.done("record scene.toml -o 60.mcap");
+    workplace.done("record scene.toml -o 30.mcap --set run.rate=30");
+    workplace.done("record scene.toml -o light.mcap --set spawn.heavy.mass=4");
+    for (kind, files, names) in [
+        ("energy", "60.mcap 30.mcap", ["two (event-driven, 60 Hz)", "two (event-driven, 30 Hz)"]),
+        ("lines", "60.mcap 30.mcap", ["two (event-driven, 60 Hz)", "two (event-driven, 30 Hz)"]),
+        ("spacetime", "60.mcap light.mcap", ["two (event-driven)", "two (event-driven, spawn.heavy.mass = 4)"]),
+    ] {
+        workplace.done(&format!("figure {kind} {files} -o {kind}.svg"));
+        let file = String::from_utf8(workplace.read(&format!("{kind}.svg"))).unwrap();
+        assert!(names.iter().all(|name| file.contains(&format!(">{name}</text>"))), "{kind}: {names:?}");
+    }
+}
+
 /// Bodies of infinite mass that are only named like walls keep their colour, their name and their motion.
 #[test]
 fn bodies_named_like_walls_are_drawn_as_they_are() {
