@@ -15,7 +15,7 @@ use super::{
 };
 use super::{Appearance, Palette, color};
 use crate::physics::{BodyId, larger};
-use crate::recording::{BodyInfo, Playback};
+use crate::recording::{BodyInfo, Playback, SEMANTICS_VERSION};
 use crate::scene::WALL_NAMES;
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write;
@@ -434,6 +434,23 @@ fn warnings(picture: &ResolvedPicture, sources: &[Source]) -> Vec<String> {
     ) {
         warnings.extend(label_warning(&picture.look, sources));
     }
+    let is_over_time = matches!(
+        &picture.subject,
+        Subject::Page {
+            page: Page::Energy { .. } | Page::Lines { .. } | Page::States { figure: StatesFigure::Spacetime(_), .. },
+            ..
+        }
+    );
+    let is_older = |source: &&Source| {
+        source.header.versions.semantics != SEMANTICS_VERSION && source.header.config.solver.is_continuous()
+    };
+    warnings.extend(sources.iter().filter(|_| is_over_time).filter(is_older).map(|source| {
+        format!(
+            "{} is of another version of the engine, which cannot be replayed: collisions between its states are not \
+             drawn; record its scene again",
+            source.path.display()
+        )
+    }));
     let rests = |source: &Source| source.statistics.top_force > 0.0 && source.header.config.solver.is_continuous();
     if is_of_pressure && sources.iter().any(rests) {
         warnings.push(

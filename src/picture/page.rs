@@ -4,16 +4,16 @@ use super::collisions::find_collision;
 use super::draw::{grid, speed_of_most, state};
 use super::figures::{
     self, CollisionSubject, EnergyRun, FigureRun, LineRun, LineSubject, PressureRun, Range, SpacetimeRun, SpeedRun,
-    Timeline, Velocities, VelocityPath, VelocityRun,
+    SystemSums, Timeline, Velocities, VelocityPath, VelocityRun,
 };
-use super::trace::trace;
+use super::trace::{Between, Traced, trace};
 use super::{
     AnimationSchedule, Appearance, CollisionFigure, CollisionSelector, DisplayList, EnergySample, Error, Frame, Frames,
     Page, Progress, Quantity, ReadExtent, ReadStatus, ResolvedPicture, Source, Sprite, StatesFigure, StepGrid,
     StepRange, Style, color,
 };
 use crate::body_selector::BodySelector;
-use crate::physics::{Axis, BodyId, Collision, Engine, Observer, larger};
+use crate::physics::{Axis, BodyId, Collision, Engine, Observer, Rect, Vector, larger};
 use crate::recording::{Health, Playback, SampledBody, SampledState};
 use crate::replay::{Replayer, Verdict};
 use std::collections::BTreeMap;
@@ -108,14 +108,21 @@ impl Composer<'_> {
             let (bodies, column) = (source.appearances()?, column(&grid, &all.style));
             let is_chosen = |body: &&Arc<Appearance>| body.is_wall || all.picture.look.bodies.contains(&body.name);
             let mut run = SpacetimeRun::new(title, source.world(), axis, column);
-            let trace = trace(source, &grid, column, all.progress, |point| {
-                if point.is_after_gap {
-                    run.lift();
+            let trace = trace(source, &grid, column, Between::Collisions, all.progress, |part| match part {
+                Traced::World(point) => {
+                    if point.is_after_gap {
+                        run.lift();
+                    }
+                    for body in &point.world.bodies {
+                        if let Some(appearance) = bodies.get(&body.id).filter(is_chosen) {
+                            run.push(point.time, &sprite(appearance, body.rect, body.velocity), &all.style);
+                        }
+                    }
                 }
-                for body in &point.world.bodies {
-                    if let Some(appearance) = bodies.get(&body.id).filter(is_chosen).cloned() {
-                        let (rect, velocity) = (body.rect, body.velocity);
-                        run.push(point.time, &Sprite { appearance, rect, velocity, trail: Vec::new() }, &all.style);
+                Traced::Impacts(impacts) => {
+                    for impact in impacts.bodies.values().filter(|impact| is_chosen(&&impact.appearance)) {
+                        let sprite = sprite(&impact.appearance, impact.rect, impact.after);
+                        run.push(impacts.time, &sprite, &all.style);
                     }
                 }
             })?;
@@ -151,14 +158,22 @@ impl Composer<'_> {
         let (runs, statuses) = self.runs(steps, |all, source, title, grid| {
             let column = column(&grid, &all.style);
             let mut run = EnergyRun::new(title, column, source.statistics.top_force > 0.0);
-            let trace = trace(source, &grid, column, all.progress, |point| {
-                if point.is_after_gap {
-                    run.lift();
+            let mut sums = SystemSums::default();
+            let trace = trace(source, &grid, column, Between::Collisions, all.progress, |part| match part {
+                Traced::World(point) => {
+                    if point.is_after_gap {
+                        run.lift();
+                    }
+                    if point.is_after_gap || point.is_after_change {
+                        run.restart_account();
+                    }
+                    let sample = EnergySample::of(point.world, point.time);
+                    sums.set(point.world, sample);
+                    run.push(&sample);
                 }
-                if point.is_after_gap || point.is_after_change {
-                    run.restart_account();
+                Traced::Impacts(impacts) => {
+                    sums.collide(impacts).iter().flatten().for_each(|sample| run.push(sample));
                 }
-                run.push(&EnergySample::of(point.world, point.time));
             })?;
             run.timeline = Timeline { changes: trace.changes, gaps: trace.gaps };
             Ok((run, trace.status))
@@ -173,11 +188,14 @@ impl Composer<'_> {
             let subject = line_subject(quantity, &all.picture.look.bodies, source)?;
             let name = names.next().unwrap_or(title);
             let mut run = LineRun::new(name, quantity, subject, source.world().y, column);
-            let trace = trace(source, &grid, column, all.progress, |point| {
-                if point.is_after_gap {
-                    run.lift();
+            let trace = trace(source, &grid, column, Between::Collisions, all.progress, |part| match part {
+                Traced::World(point) => {
+                    if point.is_after_gap {
+                        run.lift();
+                    }
+                    run.push(point.time, point.world);
                 }
-                run.push(point.time, point.world);
+                Traced::Impacts(impacts) => run.push_impacts(impacts),
             })?;
             run.timeline = Timeline { changes: trace.changes, gaps: trace.gaps };
             Ok((run, trace.status))
@@ -191,8 +209,8 @@ impl Composer<'_> {
         let (runs, statuses) = self.runs(steps, |all, source, title, grid| {
             let bodies = chosen_bodies(&all.picture.look.bodies, source)?;
             let mut run = SpeedRun::new(title, top);
-            // No instants between the states.
-            let trace = trace(source, &grid, f64::INFINITY, all.progress, |point| {
+            let trace = trace(source, &grid, f64::INFINITY, Between::Nothing, all.progress, |part| {
+                let Traced::World(point) = part else { return };
                 for body in point.world.bodies.iter().filter(|body| bodies.contains_key(&body.id)) {
                     run.push(body.velocity.norm(), body.mass);
                 }
@@ -231,7 +249,9 @@ impl Composer<'_> {
             let walls = pressed_bodies(&all.picture.look.bodies, source)?;
             let mut run = PressureRun::new(title, source.world(), Range { from: time[0], to: time[1] }, walls);
             add_impulses(&mut run, source, &grid, all.progress)?;
-            let trace = trace(source, &grid, column(&grid, &all.style), all.progress, |point| {
+            let column = column(&grid, &all.style);
+            let trace = trace(source, &grid, column, Between::Worlds, all.progress, |part| {
+                let Traced::World(point) = part else { return };
                 if point.is_after_gap {
                     run.lift();
                 }
@@ -242,6 +262,11 @@ impl Composer<'_> {
         })?;
         Ok((figures::pressure(&runs, time_range(steps, self.sources), &self.style)?, statuses))
     }
+}
+
+/// A body at an instant, without a trail.
+fn sprite(appearance: &Arc<Appearance>, rect: Rect, velocity: Vector) -> Sprite {
+    Sprite { appearance: appearance.clone(), rect, velocity, trail: Vec::new() }
 }
 
 /// The bodies of a diagram of lines: the chosen ones of finite mass. Energy and momentum are those of all bodies together,
@@ -416,9 +441,7 @@ fn velocity_cloud(
         return Err(source.nothing_to_show("no chosen body is alive in the last state: use --to"));
     };
     let of_body = |body: &SampledBody| {
-        let appearance = bodies.get(&body.info.id)?.clone();
-        let rect = body.info.spawn.rect;
-        let sprite = Sprite { appearance, rect, velocity: body.velocity, trail: Vec::new() };
+        let sprite = sprite(bodies.get(&body.info.id)?, body.info.spawn.rect, body.velocity);
         Some((body.velocity, color::body_color(&sprite, style)))
     };
     let time = state.step as f64 / grid.rate;

@@ -1,9 +1,80 @@
-use super::{Error, Language, Progress, ReadExtent, ReadStatus, Source, StepGrid, recorded_world};
-use crate::physics::{Body, BodyId, Collision, CollisionCount, Engine, Observer, Vector, World, larger};
+use super::{Appearance, Error, Language, Progress, ReadExtent, ReadStatus, Source, StepGrid, recorded_world};
+use crate::physics::{Body, BodyId, Collision, CollisionCount, Engine, Observer, Rect, Vector, World, larger};
 use crate::recording::{Change, Error as RecordingError, Health, Item, Playback};
 use crate::replay::Replayer;
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::RangeInclusive;
+use std::sync::Arc;
+
+/// A part of a [`trace`].
+pub enum Traced<'a> {
+    /// The world at one instant.
+    World(TracePoint<'a>),
+    /// The colliding bodies at one instant.
+    Impacts(&'a Impacts),
+}
+
+/// The collisions at one instant.
+#[derive(Clone, Debug, Default)]
+pub struct Impacts {
+    /// Seconds since step 0.
+    pub time: f64,
+    /// The bodies that collide.
+    pub bodies: BTreeMap<BodyId, Impact>,
+}
+
+/// The collisions of one body at one instant.
+#[derive(Clone, Debug)]
+pub struct Impact {
+    /// The body.
+    pub appearance: Arc<Appearance>,
+    /// Its rectangle, m.
+    pub rect: Rect,
+    /// Its velocity before all collisions of the instant, m/s.
+    pub before: Vector,
+    /// Its velocity after them, m/s.
+    pub after: Vector,
+    /// The sum of their impulses, N·s.
+    impulse: Vector,
+}
+
+impl Impacts {
+    fn add(&mut self, collision: &Collision, appearances: &BTreeMap<BodyId, Arc<Appearance>>) {
+        for (at, sign) in [1.0, -1.0].into_iter().enumerate() {
+            let id = collision.bodies[at];
+            let Some(appearance) = appearances.get(&id) else { continue };
+            let impact = self.bodies.entry(id).or_insert_with(|| Impact {
+                appearance: appearance.clone(),
+                rect: collision.rects[at],
+                before: collision.before[at],
+                after: collision.after[at],
+                impulse: Vector::ZERO,
+            });
+            impact.after = collision.after[at];
+            impact.impulse = impact.impulse.add(collision.normal.mult(sign * collision.impulse));
+        }
+    }
+
+    /// Returns true if the impulses explain the velocities: no body pushes others that do not collide.
+    pub fn are_complete(&self) -> bool {
+        self.bodies.values().all(|Impact { appearance, before, after, impulse, .. }| {
+            let mass = appearance.mass;
+            let rounding = 1e-9 * impulse.norm() + 1e-12 * mass * (before.norm() + after.norm());
+            mass == f64::INFINITY || after.sub(*before).mult(mass).sub(*impulse).norm() <= rounding
+        })
+    }
+}
+
+/// The parts of a [`trace`] between the states.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Between {
+    /// None.
+    Nothing,
+    /// The world before and after collisions, spawns and deletes.
+    Worlds,
+    /// The same, and the colliding bodies at all other collisions.
+    Collisions,
+}
 
 /// The world at one instant of a [`trace`].
 pub struct TracePoint<'a> {
@@ -59,16 +130,17 @@ impl GapReason {
     }
 }
 
-/// Passes the world in each state of `grid` to `visit`, in the order of time, and between two states the world before and
-/// after each collision at its exact instant, and before spawns and deletes.
+/// Passes the world in each state of `grid` to `visit`, in the order of time, and what `between` demands: between two
+/// states the world before and after collisions at their exact instants, and before spawns and deletes.
 ///
 /// The handout's solver resolves all collisions of a step at its beginning: there, the velocities change at once. Positions
 /// change from state to state, including the displacements that separate boxes.
 ///
-/// The exact instants require a replay. They are omitted if steps are shorter than a column, `column` seconds, because
-/// then no picture can show them; of several collisions in one column only the first is an instant. So both time and
-/// memory are bounded by the number of columns, beyond reading the recording. A recording of another version of the
-/// engine, which cannot be replayed, is traced by its states alone.
+/// The exact instants require a replay. Of several collisions in one column of `column` seconds only the first is shown
+/// with the whole world, and none if steps are shorter than a column. Of the others of the event-driven solver, the
+/// bodies that collide are passed on, so that no motion is lost, however fast. So memory is bounded by the number of
+/// columns, and time by a replay. A recording of another version of the engine, which cannot be replayed, is traced by
+/// its states alone.
 ///
 /// # Errors
 /// If the recording cannot be read, diverges or has none of the states.
@@ -76,15 +148,26 @@ pub fn trace(
     source: &Source,
     grid: &StepGrid,
     column: f64,
+    between: Between,
     progress: Progress,
-    mut visit: impl FnMut(TracePoint),
+    mut visit: impl FnMut(Traced),
 ) -> Result<Trace, Error> {
     let changes = ChangeSteps::read(source, grid, column)?;
-    let is_wide = grid.every == 1 && 1.0 / grid.rate >= column;
-    let mut tracer =
-        Tracer { source, grid, column, changes: &changes.0, last: None, gaps: Vec::new(), visit: &mut visit };
+    let has_worlds = between != Between::Nothing && grid.every == 1 && 1.0 / grid.rate >= column;
+    let has_collisions = between == Between::Collisions && source.header.config.solver.is_continuous();
+    let appearances = if has_collisions { source.appearances()? } else { BTreeMap::new() };
+    let mut tracer = Tracer {
+        source,
+        grid,
+        column,
+        changes: &changes.0,
+        appearances: &appearances,
+        last: None,
+        gaps: Vec::new(),
+        visit: &mut visit,
+    };
     let steps = source.steps_to_read(*grid.steps.start(), *grid.steps.end());
-    let replayer = match is_wide {
+    let replayer = match has_worlds || has_collisions {
         true => match Replayer::new(source.recording()?, steps) {
             Ok(replayer) => Some(replayer),
             Err(RecordingError::OtherSemantics { .. }) => None,
@@ -93,7 +176,8 @@ pub fn trace(
         false => None,
     };
     let (health, extent) = match replayer {
-        Some(replayer) => tracer.replay(replayer, progress)?,
+        Some(replayer) if has_worlds => tracer.replay(replayer, progress)?,
+        Some(replayer) => tracer.replay_collisions(replayer, progress)?,
         None => tracer.play_back(progress)?,
     };
     if tracer.last.is_none() {
@@ -140,10 +224,12 @@ struct Tracer<'a> {
     grid: &'a StepGrid,
     column: f64,
     changes: &'a BTreeSet<u64>,
+    /// The bodies whose collisions are passed on.
+    appearances: &'a BTreeMap<BodyId, Arc<Appearance>>,
     /// The last state.
     last: Option<u64>,
     gaps: Vec<TraceGap>,
-    visit: &'a mut dyn FnMut(TracePoint),
+    visit: &'a mut dyn FnMut(Traced),
 }
 
 impl Tracer<'_> {
@@ -186,11 +272,57 @@ impl Tracer<'_> {
             instants = StepCollisions { step, offsets: Vec::new(), changes: Some(Vec::new()), ..instants };
             progress(step, *self.grid.steps.end());
         }
+        self.read_to_end(&replayer)
+    }
+
+    /// Traces a replay, with the colliding bodies between its states.
+    fn replay_collisions<R: std::io::Read + std::io::Seek>(
+        &mut self,
+        mut replayer: Replayer<R>,
+        progress: Progress,
+    ) -> Result<(Health, ReadExtent), Error> {
+        let end = *self.grid.steps.end();
+        // The step of the last state of the replay, after which its collisions are passed on.
+        let mut reached: Option<u64> = None;
+        loop {
+            let source = self.source;
+            let mut observer = match reached {
+                Some(step) if step < end => Some(self.step(step)),
+                Some(_) | None => None,
+            };
+            let next = replayer.next_state(&mut observer).map_err(|error| source.read_error(error))?;
+            observer.into_iter().for_each(|mut step| step.end_instant());
+            let Some(step) = next else { break };
+            reached = None;
+            if let Some(engine) = replayer.engine() {
+                if self.grid.contains(step) {
+                    self.state(step, engine.world());
+                }
+                reached = self.last.is_some().then_some(step);
+            }
+            progress(step, end);
+        }
+        self.read_to_end(&replayer)
+    }
+
+    /// The health of a recording after its replay.
+    fn read_to_end<R: std::io::Read + std::io::Seek>(
+        &self,
+        replayer: &Replayer<R>,
+    ) -> Result<(Health, ReadExtent), Error> {
         let verdict = replayer.verdict();
         match verdict.health() {
             Some(health) => Ok((health, ReadExtent::End)),
             None => Err(Error::Diverged { path: self.source.path.clone(), verdict: Box::new(verdict) }),
         }
+    }
+
+    /// The parts of the trace in a step.
+    fn step(&mut self, step: u64) -> TracedStep<'_> {
+        let (start, duration) = (step as f64 / self.grid.rate, 1.0 / self.grid.rate);
+        let margin = 4.0 * f64::EPSILON * (start + duration);
+        let impacts = Impacts::default();
+        TracedStep { step, start, margin, impacts, appearances: self.appearances, visit: &mut *self.visit }
     }
 
     /// A state, and the gap before it if states are missing.
@@ -202,7 +334,7 @@ impl Tracer<'_> {
             self.add_gap(expected..=step - 1, step);
         }
         let is_after_change = self.last.is_some_and(|last| self.changes.range(last + 1..=step).next().is_some());
-        (self.visit)(TracePoint { time: step as f64 / rate, world, is_after_gap, is_after_change });
+        (self.visit)(Traced::World(TracePoint { time: step as f64 / rate, world, is_after_gap, is_after_change }));
         self.last = Some(step);
     }
 
@@ -232,37 +364,40 @@ impl Tracer<'_> {
     /// The instants between a state and the next one, from the collisions alone, so each vertex costs no more than the
     /// positions of the bodies.
     fn within_moving_step(&mut self, mut moving: MovingWorld, collisions: &StepCollisions) {
-        let (start, duration) = (collisions.step as f64 / self.grid.rate, 1.0 / self.grid.rate);
+        let duration = 1.0 / self.grid.rate;
         let mut between = self.between(duration);
         let mut changes = collisions.changes.iter().flatten().peekable();
-        let mut visit = |offset: f64, world: &World| {
-            (self.visit)(TracePoint { time: start + offset, world, is_after_gap: false, is_after_change: false });
-        };
-        let margin = 4.0 * f64::EPSILON * (start + duration);
+        let mut step = self.step(collisions.step);
+        let margin = step.margin;
         for &collision in &collisions.offsets {
             while let Some(offset) = between.next_if(|&offset| offset < collision) {
                 while let Some(change) = changes.next_if(|change| change.time <= offset) {
                     moving.apply(change);
+                    step.collision(change);
                 }
-                visit(offset, moving.at(offset));
+                step.world(offset, moving.at(offset));
             }
             while let Some(change) = changes.next_if(|change| change.time < collision - margin) {
                 moving.apply(change);
+                step.collision(change);
             }
-            visit(collision, moving.at(collision));
+            step.world(collision, moving.at(collision));
             while let Some(change) = changes.next_if(|change| change.time <= collision + margin) {
                 moving.apply(change);
             }
             if collision + margin < duration {
-                visit(collision, moving.at(collision));
+                step.world(collision, moving.at(collision));
             }
         }
         for offset in between {
             while let Some(change) = changes.next_if(|change| change.time <= offset) {
                 moving.apply(change);
+                step.collision(change);
             }
-            visit(offset, moving.at(offset));
+            step.world(offset, moving.at(offset));
         }
+        changes.for_each(|change| step.collision(change));
+        step.end_instant();
     }
 
     /// The instants within a step of `duration` seconds at which curves are drawn because a force bends them.
@@ -289,7 +424,7 @@ impl Tracer<'_> {
             return Ok(());
         }
         if is_continuous {
-            self.within_step(&engine, &collisions.offsets)?;
+            self.within_step(&engine, collisions)?;
         }
         let mut end = None;
         if is_changed {
@@ -299,46 +434,93 @@ impl Tracer<'_> {
             end = Some(engine);
         }
         let end = end.as_ref().map(Engine::world);
-        let mut visit = |step: u64, world: &World| {
-            let time = step as f64 / self.grid.rate;
-            (self.visit)(TracePoint { time, world, is_after_gap: false, is_after_change: false });
-        };
+        let mut visits = self.step(step);
         if !is_continuous && !collisions.offsets.is_empty() {
-            visit(step, &after_impulses(engine.world(), end.unwrap_or(next), duration));
+            visits.world(0.0, &after_impulses(engine.world(), end.unwrap_or(next), duration));
         }
-        end.into_iter().for_each(|end| visit(step + 1, end));
+        end.into_iter().for_each(|end| self.step(step + 1).world(0.0, end));
         Ok(())
     }
 
     /// The instants between the state of `engine` and the next one, computed by the engine once more.
-    fn within_step(&mut self, engine: &Engine, collisions: &[f64]) -> Result<(), Error> {
-        let (step, duration) = (engine.current_step(), 1.0 / self.grid.rate);
-        let (start, mut ignored) = (step as f64 / self.grid.rate, CollisionCount::default());
+    fn within_step(&mut self, engine: &Engine, collisions: &StepCollisions) -> Result<(), Error> {
+        let (source, duration) = (self.source, 1.0 / self.grid.rate);
         let mut between = self.between(duration);
         let mut within = engine.within_step();
-        let mut world_after = |offset: f64| {
-            let world = within.world_after(offset, &mut ignored);
-            world.map_err(|source| Error::Step { path: self.source.path.clone(), source })
-        };
-        let mut visit = |offset: f64, world: &World| {
-            (self.visit)(TracePoint { time: start + offset, world, is_after_gap: false, is_after_change: false });
-        };
-        for &collision in collisions {
+        let failed = |error| Error::Step { path: source.path.clone(), source: error };
+        let mut step = self.step(engine.current_step());
+        for &collision in &collisions.offsets {
             while let Some(offset) = between.next_if(|&offset| offset < collision) {
-                visit(offset, &world_after(offset)?);
+                let world = within.world_after(offset, &mut step).map_err(failed)?;
+                step.world(offset, &world);
             }
             // Before and after the collision, whose instant is rounded like a time since step 0.
-            let margin = 4.0 * f64::EPSILON * (start + duration);
-            for offset in [collision - margin, collision + margin] {
-                if offset > 0.0 && offset < duration {
-                    visit(collision, &world_after(offset)?);
-                }
+            let (before, after) = (collision - step.margin, collision + step.margin);
+            if before > 0.0 {
+                let world = within.world_after(before, &mut step).map_err(failed)?;
+                step.world(collision, &world);
+            }
+            if after < duration {
+                let world = within.world_after(after, &mut CollisionCount::default()).map_err(failed)?;
+                step.world(collision, &world);
             }
         }
         for offset in between {
-            visit(offset, &world_after(offset)?);
+            let world = within.world_after(offset, &mut step).map_err(failed)?;
+            step.world(offset, &world);
         }
+        let has_others = collisions.changes.as_ref().is_none_or(|changes| changes.len() > collisions.offsets.len());
+        if has_others && !step.appearances.is_empty() {
+            within.world_after(duration, &mut step).map_err(failed)?;
+        }
+        step.end_instant();
         Ok(())
+    }
+}
+
+/// The parts of a trace in one step. As an observer, it passes on the bodies of collisions.
+struct TracedStep<'a> {
+    step: u64,
+    /// The time of the step, s.
+    start: f64,
+    /// The rounding error of times in the step, s.
+    margin: f64,
+    /// The collisions at the last instant, which may not be all.
+    impacts: Impacts,
+    appearances: &'a BTreeMap<BodyId, Arc<Appearance>>,
+    visit: &'a mut dyn FnMut(Traced),
+}
+
+impl TracedStep<'_> {
+    /// Passes on the world at an instant, s after the start of the step.
+    fn world(&mut self, offset: f64, world: &World) {
+        self.end_instant();
+        let time = self.start + offset;
+        (self.visit)(Traced::World(TracePoint { time, world, is_after_gap: false, is_after_change: false }));
+    }
+
+    /// Passes on the collisions of the last instant.
+    fn end_instant(&mut self) {
+        let impacts = std::mem::take(&mut self.impacts);
+        if !impacts.bodies.is_empty() {
+            (self.visit)(Traced::Impacts(&impacts));
+        }
+    }
+}
+
+impl Observer for TracedStep<'_> {
+    fn collision(&mut self, collision: &Collision) {
+        if collision.step != self.step || collision.impulse == 0.0 || self.appearances.is_empty() {
+            return;
+        }
+        let time = self.start + collision.time;
+        if time > self.impacts.time + self.margin {
+            self.end_instant();
+        }
+        if self.impacts.bodies.is_empty() {
+            self.impacts.time = time;
+        }
+        self.impacts.add(collision, self.appearances);
     }
 }
 
@@ -363,32 +545,23 @@ struct StepCollisions {
     column: f64,
     /// The first instant of a collision in each column, s after the start of the step.
     offsets: Vec<f64>,
-    /// The velocities after each collision, in order; `None` if there are more than [`MAX_CHANGES`].
-    changes: Option<Vec<VelocityChange>>,
+    /// All collisions, in order; `None` if there are more than [`MAX_CHANGES`].
+    changes: Option<Vec<Collision>>,
 }
 
-/// The largest number of collisions of a step that are kept, 8 MB.
+/// The largest number of collisions of a step that are kept, 24 MB.
 const MAX_CHANGES: usize = 100_000;
-
-/// The velocities of two bodies after a collision.
-struct VelocityChange {
-    /// Seconds after the start of the step.
-    time: f64,
-    bodies: [BodyId; 2],
-    after: [Vector; 2],
-}
 
 impl Observer for StepCollisions {
     fn collision(&mut self, collision: &Collision) {
         if collision.step != self.step || collision.impulse == 0.0 {
             return;
         }
-        let &Collision { time, bodies, after, .. } = collision;
-        if self.offsets.last().is_none_or(|last| time - last >= self.column) {
-            self.offsets.push(time);
+        if self.offsets.last().is_none_or(|last| collision.time - last >= self.column) {
+            self.offsets.push(collision.time);
         }
         match &mut self.changes {
-            Some(changes) if changes.len() < MAX_CHANGES => changes.push(VelocityChange { time, bodies, after }),
+            Some(changes) if changes.len() < MAX_CHANGES => changes.push(collision.clone()),
             _ => self.changes = None,
         }
     }
@@ -455,7 +628,7 @@ impl MovingWorld {
         self.since[at] = time;
     }
 
-    fn apply(&mut self, change: &VelocityChange) {
+    fn apply(&mut self, change: &Collision) {
         for (id, velocity) in change.bodies.iter().zip(change.after) {
             if let Ok(at) = self.world.bodies.binary_search_by_key(id, |body| body.id) {
                 self.advance(at, change.time);
@@ -475,7 +648,7 @@ impl MovingWorld {
 mod tests {
     use super::*;
     use crate::picture::Thinning;
-    use crate::picture::figures::EnergySample;
+    use crate::picture::figures::{EnergySample, SystemSums, TimeCurve};
     use crate::replay::{self, ALL_STEPS, RecordOptions};
     use crate::scene;
     use std::fs::File;
@@ -517,10 +690,12 @@ mod tests {
     fn points(source: &Source, column: f64) -> (Vec<(f64, f64, bool)>, Trace) {
         let grid = StepGrid::new(0..=source.header.steps, source.header.config.rate, Thinning::All);
         let mut points = Vec::new();
-        let visit = |point: TracePoint| {
-            points.push((point.time, point.world.kinetic_energy(), point.is_after_change));
+        let visit = |traced: Traced| {
+            if let Traced::World(point) = traced {
+                points.push((point.time, point.world.kinetic_energy(), point.is_after_change));
+            }
         };
-        let trace = trace(source, &grid, column, &mut |_, _| (), visit).unwrap();
+        let trace = trace(source, &grid, column, Between::Collisions, &mut |_, _| (), visit).unwrap();
         (points, trace)
     }
 
@@ -587,8 +762,11 @@ mod tests {
         let source = Source::open(&path).unwrap();
         let grid = StepGrid::new(0..=96, 32.0, Thinning::All);
         let mut points = Vec::new();
-        let visit = |point: TracePoint| points.push((point.time, point.world.bodies.last().unwrap().velocity));
-        trace(&source, &grid, 1e-6, &mut |_, _| (), visit).unwrap();
+        let visit = |traced: Traced| match traced {
+            Traced::World(point) => points.push((point.time, point.world.bodies.last().unwrap().velocity)),
+            Traced::Impacts(impacts) => panic!("{impacts:?}"),
+        };
+        trace(&source, &grid, 1e-6, Between::Collisions, &mut |_, _| (), visit).unwrap();
         let steps = points.windows(2).filter(|pair| pair[0].0 == pair[1].0);
         assert!(steps.clone().count() > 10 && steps.clone().all(|pair| pair[1].1.y <= 0.0), "{points:?}");
         for pair in points.windows(2).filter(|pair| pair[0].0 < pair[1].0) {
@@ -668,9 +846,12 @@ mod tests {
             let grid = StepGrid::new(0..=source.header.steps, source.header.config.rate, Thinning::All);
             for column in [1e-6, 1.0] {
                 let mut drawn = Vec::new();
-                let visit =
-                    |point: TracePoint| drawn.push((point.time, bits(EnergySample::of(point.world, point.time))));
-                trace(&source, &grid, column, &mut |_, _| (), visit).unwrap();
+                let visit = |traced: Traced| {
+                    if let Traced::World(point) = traced {
+                        drawn.push((point.time, bits(EnergySample::of(point.world, point.time))));
+                    }
+                };
+                trace(&source, &grid, column, Between::Collisions, &mut |_, _| (), visit).unwrap();
                 for row in &table {
                     assert!(drawn.contains(row), "seed {seed}, t = {}: {row:?} is not drawn", row.0);
                     compared += 1;
@@ -681,8 +862,94 @@ mod tests {
         assert!(with_potential > 20 && with_potential < 50 && compared > 5000, "{with_potential}, {compared}");
     }
 
+    /// A ball that crosses a slot 100 times per second, with or without weight.
+    fn slot(folder: &std::path::Path, rate: u32, gravity: &str) -> Source {
+        let text = format!(
+            "world = {{ size = [1.6, 0.9]{gravity} }}\nrun = {{ duration = 4.0, rate = {rate} }}\n\
+             [[spawn]]\nname = \"left\"\nat = [0.0, 0.0]\nsize = [0.5, 0.9]\nmass = inf\n\
+             [[spawn]]\nname = \"right\"\nat = [1.1, 0.0]\nsize = [0.5, 0.9]\nmass = inf\n\
+             [[spawn]]\nname = \"ball\"\nat = [0.5, 0.4]\nsize = [0.1, 0.1]\nmass = 2.0\nvelocity = [50.0, 0.0]\n"
+        );
+        let scene = scene::parse("scene.toml", &text).unwrap();
+        let path = folder.join(format!("{rate}{}.mcap", gravity.len()));
+        let options = RecordOptions::complete(&scene);
+        replay::record(&scene, options, replay::NO_LIVE_EVENTS, File::create(&path).unwrap(), |_| ()).unwrap();
+        Source::open(&path).unwrap()
+    }
+
+    /// Whether several collisions are in a column or several steps: every crossing is in the trace.
     #[test]
-    fn wide_columns_need_no_replay_and_show_the_states_alone() {
+    fn the_colliding_bodies_are_traced_at_every_collision() {
+        let folder = tempfile::tempdir().unwrap();
+        for (rate, column) in [(10, 0.05), (1000, 0.05), (10, 1e-6)] {
+            let source = slot(folder.path(), rate, "");
+            let mut collisions: Vec<Collision> = Vec::new();
+            Replayer::new(source.recording().unwrap(), ALL_STEPS).unwrap().run(&mut collisions, |_| ()).unwrap();
+            let grid = StepGrid::new(0..=source.header.steps, f64::from(rate), Thinning::All);
+            let (mut traced, mut last) = (Vec::new(), 0.0);
+            let visit = |part: Traced| {
+                let (time, at) = match part {
+                    Traced::World(point) => (point.time, point.world.bodies[2].rect.origin.x),
+                    Traced::Impacts(impacts) => {
+                        assert!(impacts.are_complete(), "{impacts:?}");
+                        (impacts.time, impacts.bodies[&2].rect.origin.x)
+                    }
+                };
+                assert!(time >= last, "{time} after {last}");
+                last = time;
+                traced.push((time, at));
+            };
+            trace(&source, &grid, column, Between::Collisions, &mut |_, _| (), visit).unwrap();
+            assert!(collisions.len() > 390, "{}", collisions.len());
+            for Collision { instant, rects, .. } in &collisions {
+                let expected = rects.iter().find(|rect| rect.width() == 0.1).unwrap().origin.x;
+                let is_shown = |(time, at): &(f64, f64)| (time - instant).abs() < 1e-9 && (at - expected).abs() < 1e-9;
+                assert!(traced.iter().any(is_shown), "{instant} at {rate} Hz, column {column}");
+            }
+        }
+    }
+
+    #[test]
+    fn figures_show_fast_motion_as_a_band() {
+        let folder = tempfile::tempdir().unwrap();
+        for (rate, gravity) in
+            [(10, ""), (1000, ""), (10, ", gravity = [30.0, 0.0]"), (1000, ", gravity = [30.0, 0.0]")]
+        {
+            let source = slot(folder.path(), rate, gravity);
+            let grid = StepGrid::new(0..=source.header.steps, f64::from(rate), Thinning::All);
+            let mut sums = SystemSums::default();
+            let (mut momenta, mut energies) = (TimeCurve::new(0.05), TimeCurve::new(0.05));
+            let visit = |part: Traced| {
+                let samples = match part {
+                    Traced::World(point) => {
+                        let sample = EnergySample::of(point.world, point.time);
+                        sums.set(point.world, sample);
+                        vec![sample]
+                    }
+                    Traced::Impacts(impacts) => sums.collide(impacts).unwrap().into(),
+                };
+                for sample in samples {
+                    momenta.push(sample.time, sample.momentum.x);
+                    energies.push(sample.time, sample.total());
+                }
+            };
+            trace(&source, &grid, 0.05, Between::Collisions, &mut |_, _| (), visit).unwrap();
+            let energies: Vec<f64> = energies.values().collect();
+            assert!(
+                energies.iter().all(|energy| (energy - energies[0]).abs() < 1e-9 * energies[0].abs()),
+                "{energies:?}"
+            );
+            let parts = momenta.parts();
+            for column in 0..79 {
+                let within = parts[0].iter().filter(|point| (point[0] / 0.05).floor() == f64::from(column));
+                let values: Vec<f64> = within.map(|point| point[1]).collect();
+                assert!(values.iter().any(|p| *p > 99.0) && values.iter().any(|p| *p < -99.0), "{column}: {values:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn wide_columns_show_the_states_and_the_colliding_bodies() {
         let folder = tempfile::tempdir().unwrap();
         let (points, trace) = points(&source(folder.path(), 64, 0.5), 0.1);
         assert_eq!((points.len(), trace.changes.len()), (257, 2));

@@ -1,13 +1,14 @@
 use super::axes::{Axes, AxisTitles, Range, Scale};
 use super::panels::Layout;
 use super::timeline::{Timeline, draw_timeline, timeline_legend};
-use super::{MAX_IN_LEGEND, TimeCurve, counted_bodies};
-use crate::physics::{Axis, Body, BodyId, Rect, Vector, World, larger, smaller};
+use super::{EnergySample, MAX_IN_LEGEND, SystemSums, TimeCurve, counted_bodies};
+use crate::physics::{Axis, BodyId, Rect, Vector, World, larger, smaller};
 use crate::picture::layers::dashes::DashPattern;
 use crate::picture::layers::footer::{Entry, LINE_WIDTH, Legend, quoted};
 use crate::picture::number::Unit;
 use crate::picture::raster::color::SPEED_COLORS;
 use crate::picture::text::Line;
+use crate::picture::trace::{Impact, Impacts};
 use crate::picture::{
     Appearance, Color, ColorBy, DisplayList, DrawingMetrics, Ink, Palette, Quantity, RenderError, Style, color,
 };
@@ -30,6 +31,8 @@ pub struct LineRun {
     lines: BTreeMap<Option<BodyId>, LineOfBody>,
     /// The motion of each body, or of all together, in the last state.
     last: BTreeMap<Option<BodyId>, Motion>,
+    /// Energy and momentum of all bodies together since the last state.
+    sums: SystemSums,
 }
 
 /// The bodies whose quantity is shown.
@@ -91,7 +94,8 @@ impl LineRun {
     /// Creates a run without values, for curves with columns of `column` seconds in a world of `world_height` metres.
     pub fn new(title: String, quantity: Quantity, subject: LineSubject, world_height: f64, column: f64) -> LineRun {
         let (timeline, lines, last) = (Timeline::default(), BTreeMap::new(), BTreeMap::new());
-        LineRun { title, timeline, quantity, world_height, column, subject, lines, last }
+        let sums = SystemSums::default();
+        LineRun { title, timeline, quantity, world_height, column, subject, lines, last, sums }
     }
 
     /// Adds the values of a state; times must not decrease. Where a quantity turns between two states of a free motion,
@@ -99,31 +103,59 @@ impl LineRun {
     pub fn push(&mut self, time: f64, world: &World) {
         let subject = std::mem::replace(&mut self.subject, LineSubject::System);
         match &subject {
-            LineSubject::System => {
-                let potential = world.potential_energy();
-                if self.quantity == Quantity::Momentum {
-                    let motion = Motion { time, position: Vector::ZERO, velocity: world.momentum() };
-                    let last = self.last.insert(None, motion);
-                    let turn = last.and_then(|last| momentum_turn(&last, &motion, total_force(world)));
-                    turn.into_iter().chain([motion]).for_each(|at| self.add(None, at.time, at.velocity.norm(), 0.0));
-                } else {
-                    self.add(None, time, world.kinetic_energy() + potential, potential);
-                }
-            }
+            LineSubject::System => self.push_system(time, world),
             LineSubject::Bodies(bodies) => {
                 for (body, appearance) in world.bodies.iter().filter_map(|body| Some((body, bodies.get(&body.id)?))) {
-                    let potential = -appearance.force.dot(body.rect.center());
-                    let motion = Motion { time, position: body.rect.origin, velocity: body.velocity };
-                    let acceleration = appearance.force.mult(1.0 / appearance.mass);
-                    let last = self.last.insert(Some(body.id), motion);
-                    let turn = last.and_then(|last| last.turning_point(&motion, acceleration, self.quantity));
-                    for at in turn.into_iter().chain([motion]) {
-                        self.add(Some(body.id), at.time, self.value(body, &at, potential), potential);
-                    }
+                    self.push_body(time, appearance, &body.rect, body.velocity);
                 }
             }
         }
         self.subject = subject;
+    }
+
+    /// Adds the values before and after collisions between two states.
+    pub fn push_impacts(&mut self, impacts: &Impacts) {
+        let Impacts { time, .. } = *impacts;
+        if self.subject == LineSubject::System {
+            for EnergySample { kinetic, potential, momentum, .. } in self.sums.collide(impacts).into_iter().flatten() {
+                match self.quantity {
+                    Quantity::Momentum => self.add(None, time, momentum.norm(), 0.0),
+                    _ => self.add(None, time, kinetic + potential, potential),
+                }
+            }
+            // The momentum turns within a pixel, if at all.
+            self.last.clear();
+            return;
+        }
+        for (id, Impact { appearance, rect, before, after, .. }) in &impacts.bodies {
+            if self.appearance(Some(*id)).is_some() {
+                [before, after].into_iter().for_each(|velocity| self.push_body(time, appearance, rect, *velocity));
+            }
+        }
+    }
+
+    fn push_system(&mut self, time: f64, world: &World) {
+        let sample = EnergySample::of(world, time);
+        self.sums.set(world, sample);
+        if self.quantity == Quantity::Momentum {
+            let motion = Motion { time, position: Vector::ZERO, velocity: sample.momentum };
+            let last = self.last.insert(None, motion);
+            let turn = last.and_then(|last| momentum_turn(&last, &motion, total_force(world)));
+            turn.into_iter().chain([motion]).for_each(|at| self.add(None, at.time, at.velocity.norm(), 0.0));
+        } else {
+            self.add(None, time, sample.total(), sample.potential);
+        }
+    }
+
+    fn push_body(&mut self, time: f64, appearance: &Appearance, rect: &Rect, velocity: Vector) {
+        let Appearance { id, mass, force, .. } = *appearance;
+        let potential = -force.dot(rect.center());
+        let motion = Motion { time, position: rect.origin, velocity };
+        let last = self.last.insert(Some(id), motion);
+        let turn = last.and_then(|last| last.turning_point(&motion, force.mult(1.0 / mass), self.quantity));
+        for at in turn.into_iter().chain([motion]) {
+            self.add(Some(id), at.time, self.value(mass, rect.height(), &at, potential), potential);
+        }
     }
 
     fn add(&mut self, key: Option<BodyId>, time: f64, value: f64, potential: f64) {
@@ -135,16 +167,15 @@ impl LineRun {
         line.curve.push(time, value);
     }
 
-    /// The value of the quantity for a motion of a body, whose potential energy is that in J.
-    fn value(&self, body: &Body, Motion { position, velocity, .. }: &Motion, potential: f64) -> f64 {
-        let mass = body.mass;
+    /// The value of the quantity for a motion of a body of a mass, kg, a height, m, and a potential energy, J.
+    fn value(&self, mass: f64, height: f64, Motion { position, velocity, .. }: &Motion, potential: f64) -> f64 {
         match self.quantity {
             Quantity::X => position.x,
             Quantity::Y => position.y,
             Quantity::Vx => velocity.x,
             Quantity::Vy => velocity.y,
             Quantity::Speed => velocity.norm(),
-            Quantity::Height => self.world_height - (position.y + body.rect.height()),
+            Quantity::Height => self.world_height - (position.y + height),
             Quantity::Energy => 0.5 * mass * velocity.dot(*velocity) + potential,
             Quantity::Momentum => mass * velocity.norm(),
         }

@@ -211,23 +211,26 @@ impl Band {
         self.is_static() && self.positions().all(|from| covered(from) > (high - low) / 2.0)
     }
 
-    /// One end of the body over time in a part of a curve, px; `offset` is its distance from the lower end, m.
-    fn edge(part: &[[f64; 2]], offset: f64, axes: &Axes) -> Vec<Vector> {
-        let points = part.iter().map(|[time, from]| axes.point(*time, from + offset));
-        let mut points: Vec<Vector> = points.filter(|at| at.is_finite()).collect();
-        points.dedup();
-        points
+    /// The lower and the upper end of the body over time in each part of its curve, px, with the colour of the part.
+    fn ends(&self, axes: &Axes) -> impl Iterator<Item = (Color, [Vec<Vector>; 2])> {
+        let on_page = |end: Vec<[f64; 2]>| {
+            let points = end.into_iter().map(|[time, at]| axes.point(time, at));
+            let mut points: Vec<Vector> = points.filter(|at| at.is_finite()).collect();
+            points.dedup();
+            points
+        };
+        let parts = self.parts.iter();
+        let ends = parts.flat_map(|(color, curve)| curve.bands(self.size).into_iter().map(|ends| (*color, ends)));
+        ends.map(move |(color, ends)| (color, ends.map(on_page)))
     }
 
     /// The areas between both ends.
     fn areas(&self, axes: &Axes) -> Vec<Shape> {
-        let parts = self.parts.iter().flat_map(|(color, curve)| curve.parts().into_iter().map(|part| (*color, part)));
-        let area = |(color, part): (Color, Vec<[f64; 2]>)| {
-            let high = Band::edge(&part, self.size, axes).into_iter().rev();
-            let points = Band::edge(&part, 0.0, axes).into_iter().chain(high).collect();
+        let area = |(color, [low, high]): (Color, [Vec<Vector>; 2])| {
+            let points = low.into_iter().chain(high.into_iter().rev()).collect();
             Shape::Polygon { points, ink: Ink { color, opacity: 150 } }
         };
-        parts.map(area).collect()
+        self.ends(axes).map(area).collect()
     }
 
     /// The lines along both ends.
@@ -235,8 +238,7 @@ impl Band {
         let color = self.parts.first().map_or(panels.metrics.palette.muted, |(color, _)| *color);
         let ink = border_color(color, &panels.metrics).into();
         let line = |points| Shape::Polyline { points, width: 0.75 * panels.metrics.line_width, ink };
-        let ends = |part: Vec<[f64; 2]>| [0.0, self.size].map(|offset| line(Band::edge(&part, offset, axes)));
-        self.parts.iter().flat_map(|(_, curve)| curve.parts()).flat_map(ends).collect()
+        self.ends(axes).flat_map(|(_, ends)| ends.map(line)).collect()
     }
 }
 

@@ -1,6 +1,6 @@
 //! A curve over time, reduced to what a page can show.
 
-use crate::physics::larger;
+use crate::physics::{larger, smaller};
 
 /// A curve over time, whose memory is bounded by the width of the page and not by the number of its points.
 ///
@@ -77,6 +77,31 @@ impl TimeCurve {
         complete.parts
     }
 
+    /// The lower and the upper end of a body of this extent whose lower end is the curve, in each part. In a column in
+    /// which the body moves by more than its extent, these are the lowest and the highest place that it reaches, so
+    /// that the band between them has no more corners than pixels.
+    pub fn bands(&self, extent: f64) -> Vec<[Vec<[f64; 2]>; 2]> {
+        let column = |point: &[f64; 2]| (point[0] / self.column_width).floor();
+        let is_in_one = |a: &[f64; 2], b: &[f64; 2]| self.column_width > 0.0 && column(a) == column(b);
+        let band = |part: Vec<[f64; 2]>| {
+            let mut ends = [Vec::new(), Vec::new()];
+            for points in part.chunk_by(is_in_one) {
+                let lowest = points.iter().map(|point| point[1]).fold(f64::INFINITY, smaller);
+                let highest = points.iter().map(|point| point[1]).fold(f64::NEG_INFINITY, larger);
+                if highest - lowest > extent {
+                    let times = [points[0][0], points[points.len() - 1][0]];
+                    ends[0].extend(times.map(|time| [time, lowest]));
+                    ends[1].extend(times.map(|time| [time, highest + extent]));
+                } else {
+                    ends[0].extend(points);
+                    ends[1].extend(points.iter().map(|[time, value]| [*time, value + extent]));
+                }
+            }
+            ends
+        };
+        self.parts().into_iter().map(band).collect()
+    }
+
     /// The kept values.
     pub fn values(&self) -> impl Iterator<Item = f64> {
         let in_column = self.column.iter().flat_map(|column| column.kept.iter().map(|kept| kept.1[1]));
@@ -119,7 +144,6 @@ fn is_straight(start: [f64; 2], middle: [f64; 2], end: [f64; 2]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::smaller;
 
     fn curve(column_width: f64, points: &[[f64; 2]]) -> Vec<Vec<[f64; 2]>> {
         let mut curve = TimeCurve::new(column_width);
@@ -149,6 +173,18 @@ mod tests {
         assert_eq!(curve(0.5, &line), [vec![[0.0, 0.0], [1000.0, 100.0]]]);
         let step = [[0.0, 5.0], [3.25, 5.0], [3.25, 2.0], [10.0, 2.0]];
         assert_eq!(curve(0.5, &step), [step.to_vec()]);
+    }
+
+    #[test]
+    fn the_band_of_a_fast_body_is_the_range_of_each_column() {
+        let mut fast = TimeCurve::new(1.0);
+        let points = [[0.0, 5.0], [1.0, 5.5], [2.0, 1.0], [2.25, 9.0], [2.5, 0.5], [2.75, 4.0], [3.0, 6.0]];
+        points.iter().for_each(|point| fast.push(point[0], point[1]));
+        let [low, high] = &fast.bands(2.0)[0];
+        assert_eq!(low, &[[0.0, 5.0], [1.0, 5.5], [2.0, 0.5], [2.75, 0.5], [3.0, 6.0]]);
+        assert_eq!(high, &[[0.0, 7.0], [1.0, 7.5], [2.0, 11.0], [2.75, 11.0], [3.0, 8.0]]);
+        let [low, high] = &fast.bands(10.0)[0];
+        assert!(*low == points && high.iter().zip(low).all(|(high, low)| *high == [low[0], low[1] + 10.0]));
     }
 
     #[test]
