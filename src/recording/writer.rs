@@ -83,6 +83,7 @@ impl<W: Write + Send + 'static> Writer<W> {
             check("the size of the scene's text in bytes", scene.text.len(), limits::SCENE_BYTES)?;
             check("the length of the scene's file name in bytes", scene.file_name.len(), limits::STRING_BYTES)?;
         }
+        check("the number of images of the scene", header.images.len(), limits::IMAGES)?;
         let image_bytes = header.images.iter().map(|image| image.bytes).sum::<u64>();
         check("the size of the scene's images in bytes", image_bytes as usize, limits::IMAGES_BYTES)?;
         let Header { steps, every, config, .. } = header;

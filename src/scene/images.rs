@@ -29,7 +29,8 @@ impl Scene {
     /// images, and its boxes are drawn without them.
     ///
     /// # Errors
-    /// Returns [`SceneError::Scene`] with each image that cannot be read, is too large or is no PNG file.
+    /// Returns [`SceneError::Scene`] if there are more than 1,000 images, or with each image that cannot be read, is
+    /// too large or is no PNG file.
     pub fn load_images(&mut self, folder: &Path) -> Result<(), SceneError> {
         let names = self.image_names();
         if names.is_empty() {
@@ -40,7 +41,16 @@ impl Scene {
         if let Ok(root) = &root {
             find_images(root, &mut places);
         }
+        let excerpt = || Excerpt { name: self.source.path.clone(), line: 1, text: self.source.text.clone() };
         let reporter = Reporter::default();
+        if names.len() > limits::IMAGES {
+            let mut spans: Vec<&Range<usize>> = places.values().collect();
+            spans.sort_by_key(|span| span.start);
+            let span = spans.get(limits::IMAGES).map_or(0..0, |span| (*span).clone());
+            let kind = DiagnosticKind::TooMany { what: "image files", limit: limits::IMAGES as u64 };
+            let result = Err(reporter.report(Diagnostic::new(kind, span)));
+            return reporter.finish(result, excerpt).map_err(SceneError::Scene);
+        }
         let (mut images, mut bytes, mut pixels) = (Vec::new(), 0, 0);
         let mut result = Ok(());
         for name in names {
@@ -61,9 +71,9 @@ impl Scene {
                 }
             }
         }
+        reporter.finish(result, excerpt).map_err(SceneError::Scene)?;
         self.images = images;
-        let excerpt = || Excerpt { name: self.source.path.clone(), line: 1, text: self.source.text.clone() };
-        reporter.finish(result, excerpt).map_err(SceneError::Scene)
+        Ok(())
     }
 }
 

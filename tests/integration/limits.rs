@@ -1,5 +1,6 @@
 //! Each limit is the same in a scene, in its recording and in its pictures: what one accepts, all accept.
 
+use crate::images;
 use crate::rebond::Workplace;
 
 /// A scene of one moving box, with more tables.
@@ -48,6 +49,30 @@ fn a_scene_and_a_recording_have_up_to_256_materials() {
     // Many pairs of few materials.
     let all = (0..60).flat_map(|a| (a..60).map(move |b| format!("\"m{a}/m{b}\" = 0.5\n"))).collect::<String>();
     assert_accepted("pairs", &scene(&format!("[restitution]\n{all}")), "");
+}
+
+#[test]
+fn a_scene_and_a_recording_have_up_to_1000_image_files() {
+    let spawn = |index: u32| {
+        let [x, y] = [index % 40, index / 40].map(f64::from);
+        format!("[[spawn]]\nat = [{x:?}, {y:?}]\nsize = [1.0, 1.0]\nmass = inf\nimage = \"{index}.png\"\n")
+    };
+    let scene = |count: u32| format!("run.steps = 6\n{}", (0..count).map(spawn).collect::<String>());
+    let workplace = Workplace::with_scene(&scene(1000));
+    let png = images::encoded([1, 1], &[255, 0, 0, 255]);
+    (0..1001).for_each(|index| std::fs::write(workplace.path(&format!("{index}.png")), &png).unwrap());
+    workplace.done("record scene.toml -o run.mcap");
+    let replayed = workplace.done("replay run.mcap");
+    assert!(replayed.output.starts_with("same: 6 steps"), "{replayed:?}");
+    workplace.done("render run.mcap --at 0 -o still.png");
+    workplace.write("more.toml", &scene(1001));
+    for command in ["record more.toml -o more.mcap", "render more.toml --at 0 -o more.png"] {
+        let refused = workplace.rebond(command);
+        assert!(refused.code == 1 && refused.errors.contains("more than 1000 image files"), "{refused:?}");
+        // The place of the last one.
+        assert!(refused.errors.contains("more.toml:5006:9"), "{refused:?}");
+    }
+    assert!(!workplace.path("more.mcap").exists() && !workplace.path("more.png").exists());
 }
 
 #[test]
