@@ -120,7 +120,9 @@ impl SectionReader {
 
     /// Returns true if every image that the settings declare was found.
     fn has_images(&self, header: &Header) -> bool {
-        header.images.iter().all(|image| self.images.iter().any(|(_, name, _)| *name == image.name))
+        // Names are only compared once there are enough, since this is asked after each record.
+        self.images.len() >= header.images.len()
+            && header.images.iter().all(|image| self.images.iter().any(|(_, name, _)| *name == image.name))
     }
 
     /// The declared images with their content, and the offsets of their attachments. Content that does not match its digest
