@@ -19,7 +19,7 @@ use std::path::Path;
 /// Compares the states of another program with those of a recording, and prints the verdict.
 pub fn run(options: &ReplayOptions, states: &Path) -> Result<Exit, CommandError> {
     let inputs = [options.recording.as_path(), states];
-    let create = |path| OutputFile::create(path, Overwrite::from_force(options.force), &inputs);
+    let create = |path: &Path| OutputFile::create(path, Overwrite::for_junit(path, options.force), &inputs);
     let report = options.junit.as_deref().map(create).transpose()?;
     let compared = compare(options, states);
     if let Some(report) = report {

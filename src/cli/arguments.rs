@@ -124,10 +124,10 @@ pub struct ReplayOptions {
     /// Accept differences up to T (m, m/s) of that program
     #[arg(long, value_name = "T", requires = "against", allow_negative_numbers = true, value_parser = tolerance)]
     pub tolerance: Option<f64>,
-    /// Write the result of --against to a JUnit file
+    /// Write the result of --against as a JUnit report
     #[arg(long, value_name = "FILE.xml", requires = "against")]
     pub junit: Option<PathBuf>,
-    /// Overwrite an existing JUnit file
+    /// Overwrite FILE.xml even if it is not a JUnit report
     #[arg(short, long, requires = "junit")]
     pub force: bool,
     /// Print the verdict as a JSON object
@@ -258,7 +258,7 @@ pub struct CheckOptions {
     /// Write a JUnit report to this file
     #[arg(long, value_name = "FILE.xml")]
     pub junit: Option<PathBuf>,
-    /// Overwrite a file that is no JUnit report
+    /// Overwrite FILE.xml even if it is not a JUnit report
     #[arg(short, long, requires = "junit")]
     pub force: bool,
     /// Annotate files on GitHub, and write the summary of the step

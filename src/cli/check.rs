@@ -16,7 +16,7 @@ use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::{self, Display, Formatter};
 use std::fs::{self, File};
-use std::io::{self, Read, Write};
+use std::io::{self, Write};
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
 
@@ -129,18 +129,11 @@ fn check(options: &CheckOptions, journal: &Journal) -> Result<Exit, CommandError
 /// Opens the JUnit report, or returns an error before any work is done if it cannot be written or is a file that is
 /// checked.
 fn open_junit(path: &Path, cases: &[Case], options: &CheckOptions) -> Result<OutputFile, CommandError> {
-    let mut output = OutputFile::create(path, overwrite_report(path, options.force), &[])?;
+    let mut output = OutputFile::create(path, Overwrite::for_junit(path, options.force), &[])?;
     if path.is_file() {
         cases.iter().try_for_each(|case| output.refuse_inputs(&case.inputs()))?;
     }
     Ok(output)
-}
-
-/// The policy for a JUnit report that exists: an earlier one is replaced, any other file only with `--force`.
-fn overwrite_report(path: &Path, force: bool) -> Overwrite {
-    let mut start = String::new();
-    let read = File::open(path).and_then(|file| file.take(200).read_to_string(&mut start));
-    Overwrite::from_force(force || read.is_ok() && start.contains("<testsuites>"))
 }
 
 /// The folder of the page. Each shard has its own.

@@ -12,7 +12,7 @@ use crate::temporary::{TemporaryFile, TemporaryFolder, uninterrupted};
 use same_file::Handle;
 use std::collections::BTreeSet;
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, BufWriter, ErrorKind, IsTerminal, Write};
+use std::io::{self, BufWriter, ErrorKind, IsTerminal, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -58,6 +58,17 @@ impl Overwrite {
     /// The policy that `--force` selects.
     pub const fn from_force(force: bool) -> Overwrite {
         if force { Overwrite::Allowed } else { Overwrite::Refused }
+    }
+
+    /// The policy for a JUnit report: an earlier report is replaced, any other file only with `--force`.
+    pub fn for_junit(path: &Path, force: bool) -> Overwrite {
+        let is_report = || {
+            let mut start = String::new();
+            let read = File::open(path).and_then(|file| file.take(200).read_to_string(&mut start));
+            read.is_ok() && start.contains("<testsuites>")
+        };
+        // Reading a pipe would wait for ever.
+        Overwrite::from_force(force || path.is_file() && is_report())
     }
 }
 

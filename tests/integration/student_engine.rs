@@ -168,7 +168,17 @@ fn a_comparison_is_a_junit_report() {
         let report = String::from_utf8(workplace.read(&format!("{name}.xml"))).unwrap();
         assert!(report.contains(element), "{report}");
     }
-    assert_eq!(workplace.rebond("replay run.mcap --against states.csv --junit states.xml").code, 1, "it exists");
-    workplace.done("replay run.mcap --against states.csv --junit states.xml --force");
+    let report = workplace.read("states.xml");
+    workplace.rebond("replay run.mcap --against other.csv --junit states.xml");
+    assert_ne!(workplace.read("states.xml"), report, "an earlier report is replaced");
+    workplace.done("replay run.mcap --against states.csv --junit states.xml");
+    assert_eq!(workplace.read("states.xml"), report);
+    workplace.write("notes.txt", "my notes");
+    let refused = workplace.rebond("replay run.mcap --against states.csv --junit notes.txt");
+    assert!(refused.code == 1 && workplace.read("notes.txt") == b"my notes", "{refused:?}");
+    workplace.done("replay run.mcap --against states.csv --junit notes.txt --force");
+    assert_eq!(workplace.read("notes.txt"), report);
+    let refused = workplace.rebond("replay run.mcap --against states.csv --junit states.csv --force");
+    assert!(refused.code == 1 && refused.errors.contains("reads this file"), "{refused:?}");
     assert_eq!(workplace.rebond("replay run.mcap --junit x.xml").code, 2);
 }
