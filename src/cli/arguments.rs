@@ -112,12 +112,12 @@ Examples:
 pub struct ReplayOptions {
     /// The recording
     pub recording: PathBuf,
-    /// Start comparing at this step
+    /// Start comparing at this step or time (1.5s)
     #[arg(long, value_name = "STEP", allow_negative_numbers = true)]
-    pub from: Option<u64>,
-    /// Stop comparing after this step
+    pub from: Option<StepOrTime>,
+    /// Stop comparing after this step or time
     #[arg(long, value_name = "STEP", allow_negative_numbers = true)]
-    pub to: Option<u64>,
+    pub to: Option<StepOrTime>,
     /// Compare the states of another program; - for standard input
     #[arg(long, value_name = "STATES.csv")]
     pub against: Option<PathBuf>,
@@ -133,6 +133,14 @@ pub struct ReplayOptions {
     /// Print the verdict as a JSON object
     #[arg(long)]
     pub json: bool,
+}
+
+impl ReplayOptions {
+    /// The steps to compare in a recording of a `rate`, Hz.
+    pub fn steps(&self, rate: f64) -> RangeInclusive<u64> {
+        let step = |point: StepOrTime| point.step(rate);
+        self.from.map_or(0, step)..=self.to.map_or(u64::MAX, step)
+    }
 }
 
 /// Parses a number, 0 or more.

@@ -12,21 +12,23 @@ pub fn run(options: &ReplayOptions) -> Result<Exit, CommandError> {
     if let Some(states) = &options.against {
         return against::run(options, states);
     }
-    let steps = options.from.unwrap_or(0)..=options.to.unwrap_or(u64::MAX);
+    let steps = |rate| options.steps(rate);
     let verdict = replay_with_progress(&options.recording, steps, &mut CollisionCount::default())?;
     let text = if options.json { verdict_json(&verdict).to_string() } else { verdict.to_string() };
     output::print(&format!("{text}\n"))?;
     Ok(exit_code(&verdict))
 }
 
-/// Replays with a progress bar. Collisions are passed to the observer.
+/// Replays with a progress bar, and compares the steps that `steps` returns for the rate of the recording. Collisions
+/// are passed to the observer.
 pub fn replay_with_progress<O: Observer>(
     path: &Path,
-    steps: RangeInclusive<u64>,
+    steps: impl FnOnce(f64) -> RangeInclusive<u64>,
     observer: &mut O,
 ) -> Result<Verdict, CommandError> {
     let recording = recording::open(path).map_err(CommandError::in_recording(path))?;
     let bar = output::progress_bar("replaying", recording.header.steps);
+    let steps = steps(recording.header.config.rate);
     let replayer = Replayer::new(recording, steps);
     let verdict = replayer.and_then(|replayer| replayer.run(observer, |step| bar.set_position(step)));
     bar.finish_and_clear();

@@ -95,7 +95,10 @@ fn exported_states_are_the_same_in_any_order_of_rows_and_columns_and_without_som
     let outcome = workplace.rebond("replay run.mcap --against thin.csv");
     assert_eq!(outcome.code, 4);
     assert!(outcome.output.contains("no rows for steps 1 to 9 and 72 more steps; 10 states same"), "{outcome:?}");
-    workplace.done("replay run.mcap --against states.csv --from 20 --to 30");
+    let [steps, times] = ["--from 30 --to 60", "--from 0.5s --to 1s"]
+        .map(|range| workplace.done(&format!("replay run.mcap --against states.csv {range}")).output);
+    assert!(steps.contains("same: 31 states"), "{steps}");
+    assert_eq!(times, steps);
 }
 
 #[test]

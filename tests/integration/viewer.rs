@@ -19,7 +19,9 @@ fn scene_updates_change_nothing_else() {
     assert_eq!(workplace.done("record scene.toml -o run.mcap --viewer --force").output, plain);
     assert!(workplace.read("run.mcap").len() > workplace.read("plain.mcap").len());
     assert_eq!(workplace.done("replay run.mcap").output, "same: 40 steps, 9 bodies\n");
-    assert_eq!(workplace.done("replay run.mcap --from 30 --to 35").output, "same: 5 steps, 9 bodies\n");
+    for range in ["--from 30 --to 35", "--from 1s --to 1.17s"] {
+        assert_eq!(workplace.done(&format!("replay run.mcap {range}")).output, "same: 5 steps, 9 bodies\n", "{range}");
+    }
     let export = |name| workplace.done(&format!("export {name} --from 24 --to 31")).output;
     assert_eq!(export("run.mcap"), export("plain.mcap"));
 }
