@@ -134,8 +134,12 @@ fn case_runs(cases: &[Case]) -> Vec<Vec<CaseRun<'_>>> {
 
 /// Selects the requested families, and of these the requested shard.
 fn select<'a>(mut runs: Vec<Vec<CaseRun<'a>>>, options: &ReportOptions) -> Result<Vec<Vec<CaseRun<'a>>>, CommandError> {
-    let mut known: Vec<String> = runs.iter().flatten().map(|run| run.case.family.clone()).collect();
-    known.dedup();
+    let mut known: Vec<String> = Vec::new();
+    for CaseRun { case, .. } in runs.iter().flatten() {
+        if !known.contains(&case.family) {
+            known.push(case.family.clone());
+        }
+    }
     if let Some(name) = options.only.iter().find(|name| !known.contains(name)) {
         return Err(CommandError::UnknownFamily { name: name.clone(), known: known.join(", ") });
     }

@@ -125,6 +125,12 @@ fn a_stored_report_is_read_back() {
     );
     let refused = workplace.rebond("report --only stacks");
     assert!(refused.code == 1 && refused.errors.contains("unknown family of scenes \"stacks\""), "{refused:?}");
+    let (_, known) = refused.errors.split_once("known families: ").unwrap();
+    let mut known: Vec<&str> = known.trim().split(", ").collect();
+    let count = known.len();
+    known.sort_unstable();
+    known.dedup();
+    assert!(known.len() == count && known.contains(&"corner"), "{refused:?}");
 }
 
 /// A row with invented costs, so that its diagram is deterministic.
