@@ -402,7 +402,8 @@ impl std::fmt::Display for AnimationSchedule {
         while frames > 0.0 && frames * parts < 10.0 {
             parts *= 10.0;
         }
-        write!(out, ", {} frames/s", (frames * parts).round() / parts)?;
+        let frames = (frames * parts).round() / parts;
+        write!(out, ", {frames} {}/s", if frames == 1.0 { "frame" } else { "frames" })?;
         if self.timing.slow != 1.0 {
             write!(out, ", {} × real time", self.timing.slow)?;
         }

@@ -383,6 +383,7 @@ fn tiles(ratio: f64, restitution: f64) -> CaseSpec {
     let top = 8.0 - side;
     bodies += &spawn([0.5, top], [side; 2], 1.0, [3.0, 0.0]);
     let oracle = closed_form(move |time| vec![[uniform(0.5, 3.0, time), Fixed256::from(top)]]);
+    let noun = if ratio == 1.0 { "tile" } else { "tiles" };
     CaseSpec {
         world: [32.0, 9.0],
         gravity: GRAVITY,
@@ -390,7 +391,7 @@ fn tiles(ratio: f64, restitution: f64) -> CaseSpec {
         steps: 240,
         oracle,
         collisions: Some(0),
-        ..CaseSpec::new("tiles", &format!("box of {ratio} tiles over seams, e = {restitution}"), bodies)
+        ..CaseSpec::new("tiles", &format!("box of {ratio} {noun} over seams, e = {restitution}"), bodies)
     }
 }
 

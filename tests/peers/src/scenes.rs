@@ -139,8 +139,9 @@ fn seams(rate: u64, ratio: f64, restitution: f64) -> Scene {
     let tiles = (0..30).map(|number| spawn([WIDTH * f64::from(number), 8.0], [WIDTH, 0.5], f64::INFINITY, [0.0; 2]));
     let bodies = tiles.collect::<String>() + &spawn([0.5, 8.0 - side], [side; 2], 1.0, [3.0, 0.0]);
     let world = format!("size = [24.0, 9.0]\n{GRAVITY}");
+    let noun = if ratio == 1.0 { "tile" } else { "tiles" };
     scene(
-        &format!("seams, box of {ratio} tiles, e = {restitution}"),
+        &format!("seams, box of {ratio} {noun}, e = {restitution}"),
         rate,
         6,
         &world,
