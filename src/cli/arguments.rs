@@ -62,7 +62,7 @@ pub struct RecordOptions {
     /// Override a value of the scene: spawn.c.mass=2
     #[arg(long, value_name = "KEY=VALUE", value_parser = single_override)]
     pub set: Vec<Override>,
-    /// Skip the run if OUT.mcap has it already; replace a part of it
+    /// Keep OUT.mcap if it has this run, and replace it if it has only a part of it
     #[arg(long, conflicts_with = "events")]
     pub skip_existing: bool,
     /// Run N steps instead of the number in the scene
@@ -190,7 +190,7 @@ pub struct ExportOptions {
     /// Stop after this step or time
     #[arg(long, value_name = "STEP", allow_hyphen_values = true)]
     pub to: Option<StepOrTime>,
-    /// Override values of scenes; KEY=[A | B] are two runs
+    /// Override scene values; KEY=[A | B] are two runs
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<Sweep>,
     /// Export part I of N; the parts concatenate to the whole table
@@ -231,8 +231,8 @@ manifest NAME.check, one command per line, with paths relative to its folder:
   rebond record fall.toml -o slow.mcap --set run.rate=30
   rebond figure strobe fall.mcap -o fall.svg
   skip large.toml        no recording is kept
-Exit codes: 0 same, 3 something differs, 4 a recording is incomplete or corrupt,
-1 a check failed. If several apply: 1 before 4 before 3.
+Exit codes: 0 same, 3 something differs or is missing, 4 a recording is
+incomplete or corrupt, 1 a check failed. If several apply: 1 before 4 before 3.
 
 Examples:
   rebond check recordings
@@ -310,7 +310,7 @@ pub struct ReportOptions {
     /// Measure these scenes instead of the built-in ones
     #[arg(value_name = "SCENE.toml", conflicts_with_all = ["growth", "read"])]
     pub scenes: Vec<PathBuf>,
-    /// Override values of scenes; KEY=[A | B] are two runs
+    /// Override scene values; KEY=[A | B] are two runs
     #[arg(long, value_name = "KEY=VALUE", requires = "scenes")]
     pub set: Vec<Sweep>,
     /// Include runs that take long

@@ -108,9 +108,9 @@ pub enum Exit {
     Done = 0,
     /// Invalid input, an unreadable or missing file, or a result that cannot be written.
     Error = 1,
-    /// A replay diverged or a picture differs.
+    /// A replay diverged, or something differs from its reference or is missing.
     Diverged = 3,
-    /// A recording is incomplete or corrupt; the part that could be read is the same.
+    /// A recording is incomplete or corrupt: its readable part was used, or it lacks the chosen steps.
     Damaged = 4,
 }
 

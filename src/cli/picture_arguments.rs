@@ -27,7 +27,7 @@ pub struct RenderOptions {
     /// The output file or folder.
     #[command(flatten)]
     pub output: OutputOptions,
-    /// Override values of scenes; KEY=[A | B] are two
+    /// Override scene values; KEY=[A | B] are two runs
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<Sweep>,
     /// Draw only the state of this step or time (1.5s)
@@ -42,13 +42,13 @@ pub struct RenderOptions {
     /// Play in slow motion, for example 0.1 times as fast
     #[arg(long, value_name = "PACE", allow_negative_numbers = true, value_parser = speed)]
     pub slow: Option<f64>,
-    /// Pause S seconds, for example 0.5 at collisions
-    #[arg(long, num_args = 3, value_names = ["S", "at", "…"], allow_negative_numbers = true)]
+    /// Pause S seconds at collisions: 0.5 at collisions
+    #[arg(long, num_args = 3, value_names = ["S", "at", "WHEN"], allow_negative_numbers = true)]
     pub hold: Option<Vec<HoldWord>>,
     /// Allow more than an hour or 100,000 frames
     #[arg(long)]
     pub long: bool,
-    /// Title of a source; repeatable [default: the scene's]
+    /// Title of a source; repeatable [default: its own]
     #[arg(long, value_name = "TEXT")]
     pub title: Vec<String>,
     /// The appearance.
@@ -89,7 +89,7 @@ pub struct FigureCommandOptions {
     /// The output file: .png, .svg or .pdf.
     #[command(flatten)]
     pub output: OutputOptions,
-    /// Override values of scenes; KEY=[A | B] are two
+    /// Override scene values; KEY=[A | B] are two runs
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<Sweep>,
     /// The appearance.
@@ -113,7 +113,7 @@ pub struct FigureCommandOptions {
     /// collision: velocities in the frame lab (default) or com
     #[arg(long, value_name = "NAME")]
     pub frame: Option<ReferenceFrame>,
-    /// Title of a source; repeatable [default: the scene's]
+    /// Title of a source; repeatable [default: its own]
     #[arg(long, value_name = "TEXT")]
     pub title: Vec<String>,
 }
