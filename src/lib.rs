@@ -69,8 +69,9 @@
 //! # Features
 //!
 //! Without default features, the library parses and runs scenes and writes, reads and replays recordings. `draw` adds
-//! pictures. `report` adds measurements of error and cost on hard scenes. `cli`, the default, adds the command `rebond`
-//! and implies both.
+//! pictures of states, animations, and checks of recordings and pictures. `figures` adds lecture figures and implies
+//! `draw`. `report` adds measurements of error and cost on hard scenes. `cli`, the default, adds the command `rebond`
+//! and implies all of them.
 
 mod body_selector;
 #[cfg(feature = "draw")]

@@ -107,7 +107,8 @@ def main(folder, compiler):
         *error_table(read_rows(folder, "errors")), "",
         "The diagram `snapshots/report/errors.svg` shows error against cost for each family of scenes.", "",
         "Growth of the cost of a gas with the number of bodies, which `snapshots/report/growth.svg` shows with the growth "
-        "with the number of steps:", "",
+        "with the number of steps. The first step, in which all bodies are inserted, is not measured here; the table "
+        "above includes it.", "",
         *growth_table(read_rows(folder, "growth")),
     ]
     CHAPTER.write_text(replace_section(CHAPTER.read_text(), lines))
