@@ -50,10 +50,11 @@ impl Spawn {
         Spawn { material: material.into(), ..self }
     }
 
-    /// Returns true if all numbers are valid: only the mass may be infinite, and none may be NaN, whose bits
-    /// differ between processors.
+    /// Returns true if all numbers and the acceleration by the force are valid: only the mass may be infinite, and none may
+    /// be NaN, whose bits differ between processors.
     pub fn is_valid(&self) -> bool {
-        let finite = [self.rect.origin, self.velocity, self.force].into_iter().all(Vector::is_finite);
+        let acceleration = Vector::new(self.force.x / self.mass, self.force.y / self.mass);
+        let finite = [self.rect.origin, self.velocity, self.force, acceleration].into_iter().all(Vector::is_finite);
         let sides = [self.rect.width(), self.rect.height()].into_iter().all(|side| side.is_finite() && side > 0.0);
         finite && sides && self.mass > 0.0
     }
@@ -71,6 +72,11 @@ mod tests {
             Spawn { name, rect, mass, velocity: Vector::ZERO, force: Vector::ZERO, material }.is_valid()
         };
         assert!(is_valid(1.0, 0.0, 1.0) && is_valid(f64::INFINITY, 0.0, 1.0));
+        let pushed = |mass: f64| {
+            let spawn = Spawn::new("", Rect::new(Vector::ZERO, 1.0, 1.0), mass);
+            spawn.with_force(Vector::new(0.0, 1e300)).is_valid()
+        };
+        assert!(pushed(1.0) && pushed(f64::INFINITY) && !pushed(1e-300), "the acceleration must be finite, too");
         for invalid in [f64::NAN, f64::NEG_INFINITY] {
             assert!(!is_valid(invalid, 0.0, 1.0) && !is_valid(1.0, invalid, 1.0) && !is_valid(1.0, 0.0, invalid));
         }

@@ -156,6 +156,7 @@ const SIZE: Key = Key { name: "size", accepts: "two positive finite extents, m" 
 const MASS: Key = Key { name: "mass", accepts: "a positive number of kg, or inf for a body that nothing can push" };
 const VELOCITY: Key = Key { name: "velocity", accepts: "two finite numbers, m/s" };
 pub const FORCE: Key = Key { name: "force", accepts: "two finite numbers, N" };
+const ACCELERATING: &str = "a force, N, that gives the body a finite acceleration, force/mass";
 pub const MATERIAL: Key = Key { name: "material", accepts: "1 to 256 bytes without control characters and without /" };
 pub const COLOR: Key = Key { name: "color", accepts: "a colour \"#rrggbb\" in hexadecimal digits" };
 pub const IMAGE: Key = Key {
@@ -267,7 +268,7 @@ fn read_blueprint(table: &Table) -> (Result<Blueprint, ErrorReported>, NameField
     let size = table.required(SIZE, Node::size);
     let mass = table.required(MASS, Node::mass);
     let velocity = table.optional(VELOCITY, Node::vector);
-    let force = table.optional(FORCE, Node::vector);
+    let force = read_force(table, mass.unwrap_or(f64::INFINITY));
     let material = table.optional(MATERIAL, material);
     let color = table.optional(COLOR, color);
     let image = table.optional(IMAGE, image);
@@ -278,13 +279,21 @@ fn read_blueprint(table: &Table) -> (Result<Blueprint, ErrorReported>, NameField
             size: size?,
             mass: mass?,
             velocity: canonical_velocity(mass?, velocity?.unwrap_or_default()),
-            force: force?.unwrap_or_default(),
+            force: force?,
             material: material?.unwrap_or_default().into(),
             color: color?.map(String::from),
             image: image?.map(String::from),
         })
     };
     (blueprint(), name_field, mass == Ok(f64::INFINITY))
+}
+
+/// Reads the constant force on a body of a mass in kg, by default none.
+pub fn read_force(table: &Table, mass: f64) -> Result<Vector, ErrorReported> {
+    let Some(field) = table.get(FORCE)? else { return Ok(Vector::ZERO) };
+    let force = field.read(Node::vector)?;
+    let acceleration = Vector::new(force.x / mass, force.y / mass);
+    if acceleration.is_finite() { Ok(force) } else { Err(field.accepting(ACCELERATING).refuse(field.node)) }
 }
 
 /// Reads a name that a scene may assign; names that begin with `#` are assigned only by the run.

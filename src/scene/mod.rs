@@ -263,6 +263,14 @@ mod tests {
     }
 
     #[test]
+    fn a_force_that_gives_an_infinite_acceleration_is_refused() {
+        let text = "[run]\nsteps = 10\n[[spawn]]\nat = [1.0, 2.0]\nsize = [1.0, 1.0]\nmass = 1e-300\nforce = [0.0, 1e300]\n\
+                    [[scatter]]\ncount = 1\nregion = [0, 0, 9, 9]\nsize = [[1, 1], [1, 1]]\nmass = [1e-300, 1]\n\
+                    force = [1e300, 0.0]\n";
+        assert_eq!(messages(text), ["`spawn.force` cannot be [0.0, 1e300]", "`scatter.force` cannot be [1e300, 0.0]"]);
+    }
+
+    #[test]
     fn a_misspelled_key_is_not_also_reported_as_missing() {
         let text = "[rum]\nsteps = 10\n[[spawn]]\nat = [1.0, 2.0]\nsiz = [1.0, 1.0]\n";
         assert_eq!(messages(text), ["unknown key `rum`", "`spawn.mass` is missing", "unknown key `spawn.siz`"]);

@@ -85,7 +85,8 @@ pub fn read(table: &Table) -> Request<Scatter> {
     let mass = table.required(MASS, mass_range);
     let velocity = table.optional(VELOCITY, velocity_ranges);
     let overlap = table.optional(OVERLAP, Node::boolean);
-    let force = table.optional(action::FORCE, Node::vector);
+    let lightest = mass.map_or(f64::INFINITY, |[from, _]| from);
+    let force = action::read_force(table, lightest);
     let material = table.optional(action::MATERIAL, action::material);
     let color = table.optional(action::COLOR, action::color);
     let image = table.optional(action::IMAGE, action::image);
@@ -104,7 +105,7 @@ pub fn read(table: &Table) -> Request<Scatter> {
             mass: mass?,
             velocity: velocity?.unwrap_or_default(),
             overlap: overlap?.unwrap_or(false),
-            force: force?.unwrap_or_default(),
+            force: force?,
             material: material?.unwrap_or_default().into(),
             color: color?.map(String::from),
             image: image?.map(String::from),
