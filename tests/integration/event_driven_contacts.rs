@@ -143,6 +143,25 @@ fn a_row_with_a_force_on_its_last_box_moves_as_one() {
     }
 }
 
+#[test]
+fn boxes_that_were_pushed_stay_in_contact_when_the_force_ends() {
+    let row = [
+        spec([0.0, 0.0], [1.0, 1.0], 1.0).with_force(4.0, 0.0),
+        spec([1.0, 0.0], [1.0, 1.0], 1.0),
+        spec([2.0, 0.0], [1.0, 1.0], 1.0),
+        spec([3.0, 0.0], [1.0, 1.0], 1.0),
+        spec([-8.0, 0.0], [1.0, 1.0], 1.0).with_velocity(5.0, 0.0),
+    ];
+    let forced_elsewhere = spec([1000.0, 5000.0], [1.0, 1.0], 1.0).with_force(1.0, 0.0);
+    for bodies in [row.to_vec(), [&row[..], &[forced_elsewhere]].concat()] {
+        let mut engine = world(Conditions::default(), &bodies);
+        run(&mut engine, 30);
+        engine.apply(&Event::Delete(0));
+        let impulses: Vec<f64> = run(&mut engine, 170).iter().map(|collision| collision.impulse).collect();
+        assert_eq!(impulses, [6.75], "1 kg at 5 m/s hits 3 kg at 0.5 m/s");
+    }
+}
+
 /// A ball dropped from the height h is at rest after √(2h/g)·(1 + e)/(1 − e).
 #[test]
 fn a_bouncing_ball_comes_to_rest_at_the_limit_of_its_series_of_impacts() {

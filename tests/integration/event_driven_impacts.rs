@@ -294,6 +294,32 @@ fn a_collision_at_the_instant_of_a_sample_precedes_the_sample() {
 }
 
 #[test]
+fn each_impact_counts_once_against_the_limit_of_events() {
+    let bodies = |others: usize| {
+        let far = (0..others).map(|index| spec([100.0 + 2.0 * index as f64, 100.0], [1.0, 1.0], INFINITE));
+        let two = [spec([0.0, 0.0], [1.0, 1.0], 1.0).with_velocity(1.0, 0.0), spec([1.5, 0.0], [1.0, 1.0], 1.0)];
+        two.into_iter().chain(far).collect::<Vec<BodySpec>>()
+    };
+    for (restitution, others) in [(1.0, 0), (0.5, 0), (0.0, 0), (1.0, 20), (0.0, 20)] {
+        let conditions =
+            |events_per_step| Conditions { rate: 1.0, restitution, events_per_step, ..Conditions::default() };
+        assert_eq!(count(&mut world(conditions(1), &bodies(others)), 1), 1, "e = {restitution}, {others} others");
+        let mut in_a_row = bodies(others);
+        in_a_row.push(spec([2.75, 0.0], [1.0, 1.0], 1.0).with_velocity(-0.125, 0.0));
+        let error = world(conditions(1), &in_a_row).step(&mut Vec::new()).expect_err("two impacts");
+        assert!(matches!(error, StepError::TooManyEvents { limit: 1, .. }), "{error}");
+        assert_eq!(world(conditions(3), &in_a_row).step(&mut Vec::new()), Ok(()));
+    }
+}
+
+#[test]
+fn gravity_and_a_force_that_add_up_to_an_infinite_acceleration_are_an_error() {
+    let body = spec([0.0, 0.0], [1.0, 1.0], 1.0).with_force(1e308, 0.0);
+    let mut engine = world(Conditions { gravity: Some([1e308, 0.0]), ..Conditions::default() }, &[body]);
+    assert_eq!(engine.step(&mut Vec::new()), Err(StepError::NotFinite { step: 0, body: "0".to_owned() }));
+}
+
+#[test]
 fn an_error_of_too_many_events_names_the_bodies() {
     let bodies = [
         spec([0.0, 0.0], [1.0, 1.0], INFINITE),

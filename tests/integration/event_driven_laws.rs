@@ -243,6 +243,17 @@ fn a_snapshot_that_does_not_fit_the_solver_is_rejected() {
         error_of(&|snapshot| snapshot.solver.numbers[0] = f64::NAN),
         error_of(&|snapshot| snapshot.solver.numbers.push(0.0)),
         error_of(&|snapshot| snapshot.bodies.truncate(2)),
+        error_of(&|snapshot| {
+            // The last of the four pending spawns, before the number of pending wakes.
+            let last = snapshot.solver.integers.len() - 2;
+            snapshot.solver.integers[last] -= 1;
+        }),
+        error_of(&|snapshot| {
+            // A contact of the first wall, whose mass is made finite, with the second one.
+            snapshot.bodies[0].mass = 1.0;
+            let contacts = 2 + 2 * snapshot.bodies.len();
+            snapshot.solver.integers.splice(contacts..=contacts, [1, 0, 1, 1]);
+        }),
     ] {
         assert!(error.to_string().starts_with("the snapshot of step 0 does not fit the solver: "), "{error}");
     }

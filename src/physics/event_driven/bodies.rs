@@ -26,6 +26,8 @@ pub struct Bodies {
     details: Vec<BodyDetails>,
     /// For each axis, the number of bodies alive with a constant force along it.
     force_counts: [u32; 2],
+    /// For each axis, the number of bodies alive with a load of [`Load::OwnForces`].
+    load_counts: [u32; 2],
     /// Random rounding, by which the accuracy of a run is estimated; usually none.
     rounding: RandomRounding,
     resolution: Resolution,
@@ -39,6 +41,7 @@ impl Bodies {
             states: Vec::new(),
             details: Vec::new(),
             force_counts: [0; 2],
+            load_counts: [0; 2],
             rounding: RandomRounding::default(),
             resolution: Resolution::default(),
         }
@@ -104,7 +107,8 @@ impl Bodies {
             false => quotient(force[axis], body.mass) + self.gravity[axis].into(),
         });
         let trajectory = Trajectory::new(Axis::BOTH.map(|axis| {
-            let (position, velocity) = (body.rect.origin[axis], body.velocity[axis]);
+            // Not −0, which some formulas for the state at an instant keep, and others do not.
+            let (position, velocity) = (body.rect.origin[axis] + 0.0, body.velocity[axis] + 0.0);
             AxisTrajectory { position, velocity, acceleration: free_acceleration[axis].high, since }
         }));
         let low_parts = free_acceleration
@@ -133,6 +137,7 @@ impl Bodies {
         let params = &mut self.details[slot as usize].params;
         params.alive = false;
         for axis in Axis::BOTH {
+            self.load_counts[axis] -= u32::from(self.states[slot as usize].load[axis] == Load::OwnForces);
             self.force_counts[axis] -= u32::from(params.has_force[axis]);
         }
         for later in &mut self.states[slot as usize + 1..] {
@@ -152,9 +157,10 @@ impl Bodies {
         self.gravity[axis]
     }
 
-    /// Returns true if a body alive carries a constant force along an axis.
+    /// Returns true if a component may carry forces of its own along an axis: if a constant force acts on a body alive, or
+    /// did when the component of one was last solved.
     pub fn carry_forces(&self, axis: Axis) -> bool {
-        self.force_counts[axis] > 0
+        self.force_counts[axis] > 0 || self.load_counts[axis] > 0
     }
 
     /// Returns true if neither gravity nor a constant force acts on any body.
@@ -164,7 +170,9 @@ impl Bodies {
 
     /// Sets whether the component of a body carries forces of its own along an axis.
     pub fn set_load(&mut self, slot: Slot, axis: Axis, load: Load) {
-        self.states[slot as usize].load[axis] = load;
+        let previous = std::mem::replace(&mut self.states[slot as usize].load[axis], load);
+        self.load_counts[axis] -= u32::from(previous == Load::OwnForces);
+        self.load_counts[axis] += u32::from(load == Load::OwnForces);
     }
 
     /// A body along an axis at its reference instant.
@@ -253,7 +261,7 @@ impl Bodies {
         let body = &mut self.states[slot as usize];
         body.trajectory.set(axis, trajectory);
         body.since = body.trajectory.latest();
-        body.load[axis] = load;
+        self.set_load(slot, axis, load);
         self.details[slot as usize].low_parts[axis] = low_parts;
     }
 
@@ -325,12 +333,41 @@ mod tests {
     }
 
     #[test]
+    fn no_velocity_is_minus_zero() {
+        let mut engine = Engine::new(EngineConfig::new(SolverKind::Handout, 1.0));
+        let spawn = Spawn::new("", Rect::new(Vector::new(-0.0, 0.0), 1.0, 1.0), 1.0);
+        engine.apply(&Event::Spawn(spawn.with_velocity(Vector::new(-0.0, 1.0))));
+        let mut bodies = Bodies::new([0.0; 2]);
+        bodies.push(&engine.world().bodies[0], 0, Instant::START);
+        let at = Instant { high: 1.0, low: 0.0 };
+        for state in [bodies[0].trajectory.at(at), bodies[0].trajectory.drifted(at)] {
+            assert_eq!(
+                state.map(|vector| vector.map(f64::to_bits)),
+                [[0.0, 1.0_f64], [0.0, 1.0]].map(|v| v.map(f64::to_bits))
+            );
+        }
+    }
+
+    #[test]
     fn a_force_acts_until_its_body_is_deleted() {
         let mut bodies = bodies(3);
         assert_eq!(bodies.params(2).free_acceleration, [2.0.into(), 10.0.into()]);
         assert!(bodies.carry_forces(Axis::X) && !bodies.carry_forces(Axis::Y) && !bodies.are_free());
+        bodies.set_load(0, Axis::X, Load::OwnForces);
         bodies.delete(2);
+        assert!(bodies.carry_forces(Axis::X), "the body that was pushed has not been examined since");
+        bodies.set_load(0, Axis::X, Load::GravityOnly);
         assert!(!bodies.carry_forces(Axis::X));
+    }
+
+    #[test]
+    fn a_deleted_body_carries_no_forces() {
+        let mut bodies = bodies(2);
+        bodies.set_load(0, Axis::Y, Load::OwnForces);
+        bodies.set_load(0, Axis::Y, Load::OwnForces);
+        assert!(bodies.carry_forces(Axis::Y));
+        bodies.delete(0);
+        assert!(!bodies.carry_forces(Axis::Y));
     }
 
     #[test]

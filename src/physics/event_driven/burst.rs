@@ -48,16 +48,16 @@ struct Collapse {
 }
 
 impl EventDriven {
-    /// Carries out the impacts of the instant; returns their number.
+    /// Carries out the impacts of the instant.
     pub(super) fn carry_out_impacts<O: Observer>(
         &mut self,
         patch: &mut Patch,
         world: &World,
         observer: &mut O,
-    ) -> Result<u64, StepError> {
-        let mut count = 0;
+    ) -> Result<(), StepError> {
+        let mut count = 0_u64;
         while let Some(index) = patch.first_approaching() {
-            if count % SQUEEZE_INTERVAL == 0 {
+            if count.is_multiple_of(SQUEEZE_INTERVAL) {
                 self.check_squeezed(patch, world)?;
             }
             count += 1;
@@ -72,7 +72,7 @@ impl EventDriven {
                 self.collide(patch, index, axis, world, observer)?;
             }
         }
-        Ok(count)
+        Ok(())
     }
 
     /// Carries out one impact, or the limit of the infinite sequence that it belongs to.
@@ -210,7 +210,11 @@ impl EventDriven {
             Axis::BOTH.into_iter().for_each(|axis| patch.mark_dirty(*body, axis));
             self.end_contacts_of_other_velocity(patch, *body, axis);
             for index in 0..patch.bodies[*body as usize].touches.len() {
-                patch.refresh(patch.bodies[*body as usize].touches[index]);
+                let touch = patch.bodies[*body as usize].touches[index];
+                // Velocities along an axis do not change whether faces across the other approach.
+                if patch.touches[touch as usize].kind != TouchKind::Face(axis.other()) {
+                    patch.refresh(touch);
+                }
             }
         }
     }

@@ -323,6 +323,7 @@ impl CellLists {
     }
 
     /// Returns the bodies of [`CellLists::find_neighbours`] sorted by slot, without duplicates.
+    #[cfg(test)]
     pub fn neighbours_of(&self, slot: Slot, body: &BodyState, swept: &SweptAabb) -> Vec<Slot> {
         let mut buffer = NeighbourBuffer::default();
         self.find_neighbours(slot, body, swept, &mut buffer);

@@ -135,7 +135,7 @@ impl EventDriven {
         }
         let seconds = self.seconds_of_closure(&slots, axis.other(), seconds)?;
         let position = |slot: &Slot| self.bodies[*slot].trajectory.at(self.now)[0][axis];
-        slots.sort_unstable_by(|a, b| position(a).total_cmp(&position(b)));
+        slots.sort_unstable_by(|a, b| position(a).total_cmp(&position(b)).then(a.cmp(b)));
         let mut gaps = Vec::with_capacity(slots.len() - 1);
         for pair in slots.windows(2) {
             let side = if pair[0] < pair[1] { Side::High } else { Side::Low };

@@ -3,7 +3,6 @@
 use super::EventDriven;
 use super::body_state::Slot;
 use super::pair_event::tolerance;
-use super::swept_aabb::SweptAabb;
 use crate::physics::{Axis, Side, StepError, World};
 
 impl EventDriven {
@@ -29,7 +28,9 @@ impl EventDriven {
             let between = between.map(|slot| self.name_of(world, slot));
             return StepError::Crushed { step, body: self.name_of(world, slot), between };
         }
-        let bodies = pair.map(|slot| self.name_of(world, slot)).to_vec();
+        // A cell crossing concerns one body.
+        let slots = if pair[0] == pair[1] { &pair[..1] } else { &pair[..] };
+        let bodies = slots.iter().map(|slot| self.name_of(world, *slot)).collect();
         StepError::TooManyEvents { step, limit: self.max_events, bodies }
     }
 
@@ -60,19 +61,13 @@ impl EventDriven {
     /// The nearest infinite mass on a side of a body.
     fn nearest_wall(&self, slot: Slot, axis: Axis, side: Side) -> Option<Slot> {
         let own = self.state_dd(slot, axis).position.high;
-        let mut near = if self.window_lists.is_active() {
-            self.window_lists.neighbours_of(slot)
-        } else {
-            self.cell_lists.neighbours_of(slot, &self.bodies[slot], &SweptAabb::EVERYWHERE)
-        };
-        near.retain(|other| {
+        let walls = self.bodies.alive().filter(|other| {
             let position = self.state_dd(*other, axis).position.high;
-            let is_wall_beside = self.bodies[*other].infinite && self.overlaps_along(axis.other(), slot, *other);
             let is_on_side = match side {
                 Side::High => position > own,
                 Side::Low => position < own,
             };
-            is_wall_beside && is_on_side
+            self.bodies[*other].infinite && is_on_side && self.overlaps_along(axis.other(), slot, *other)
         });
         let face = |other: &Slot| {
             let body = &self.bodies[*other];
@@ -82,7 +77,7 @@ impl EventDriven {
                 Side::Low => -(near + body.size[axis]),
             }
         };
-        near.into_iter().min_by(|a, b| face(a).total_cmp(&face(b)))
+        walls.min_by(|a, b| face(a).total_cmp(&face(b)))
     }
 
     /// Checks the invariants between instants: no pair overlaps, none that touches approaches; in a contact nothing
@@ -139,7 +134,8 @@ impl EventDriven {
     #[cfg(debug_assertions)]
     fn overlaps(&self, pair: [Slot; 2]) -> bool {
         Axis::BOTH.into_iter().all(|axis| {
-            let [first, second] = pair.map(|slot| self.state_dd(slot, axis).position);
+            let now = self.now_of(pair);
+            let [first, second] = pair.map(|slot| self.bodies.state_at(slot, axis, now).position);
             let [first_size, second_size] = pair.map(|slot| self.bodies.size(slot, axis));
             let scale = first.high.abs() + second.high.abs() + first_size.high + second_size.high;
             let gaps = [(second - first - first_size).high, (first - second - second_size).high];

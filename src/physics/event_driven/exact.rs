@@ -265,7 +265,7 @@ impl Bodies {
     }
 
     /// The instant from which the trajectories of both bodies hold.
-    fn common_reference(&self, pair: [Slot; 2]) -> Instant {
+    pub fn common_reference(&self, pair: [Slot; 2]) -> Instant {
         self[pair[0]].since.max(self[pair[1]].since)
     }
 }
@@ -278,7 +278,7 @@ impl EventDriven {
         let references = [self.bodies.reference(pair[0], axis), self.bodies.reference(pair[1], axis)];
         let relative = ExactAxis::between(&self.bodies, &references, from);
         let at = relative.contact(side, from, self.bodies.rounding())?;
-        self.now.is_before(at).then_some(at)
+        self.now.max(from).is_before(at).then_some(at)
     }
 
     /// True if the gap or the overlap of an event is 0 already at an instant: then it happens at that instant.
@@ -298,6 +298,7 @@ impl EventDriven {
     #[cold]
     pub(super) fn predict_exactly(&self, pair: [Slot; 2]) -> Option<(Instant, PairEvent)> {
         let from = self.bodies.common_reference(pair);
+        let now = self.now.max(from);
         let axes = Axis::BOTH.map(|axis| self.bodies.exact_axis(pair, axis, from));
         let finite = if self.bodies[pair[0]].infinite { [pair[1], pair[0]] } else { pair };
         let contacts = self.contacts.axes_between(finite[0], finite[1]);
@@ -310,7 +311,7 @@ impl EventDriven {
                 | PairEvent::ContactEnd(axis, side)) = event;
                 axes[axis].has_exact_root(side, time)
             });
-            if !self.now.is_before(at) {
+            if !now.is_before(at) {
                 is_overdue = true;
             } else if at.is_before(first.map_or(Instant::NEVER, |(earliest, _)| earliest)) {
                 first = Some((at, event));
@@ -338,7 +339,7 @@ impl EventDriven {
             && contacts == [false; 2]
             && let Some(event) = self.approach_now(pair)
         {
-            return Some((self.now, event));
+            return Some((now, event));
         }
         first
     }
@@ -346,7 +347,7 @@ impl EventDriven {
     /// Gap, approach speed and approach acceleration of two bodies along an axis now; 0 if below rounding.
     #[cfg(debug_assertions)]
     pub(super) fn motion_now(&self, pair: [Slot; 2], axis: Axis) -> [f64; 3] {
-        let along = self.bodies.exact_axis(pair, axis, self.now);
+        let along = self.bodies.exact_axis(pair, axis, self.now_of(pair));
         let [gap, speed, acceleration] = along.closing(along.nearest_side());
         let roundings = [along.gap_rounding, along.speed_rounding, along.acceleration_rounding];
         [gap.or_zero(roundings[0]).high, speed.or_zero(roundings[1]).high, acceleration.or_zero(roundings[2]).high]
@@ -356,7 +357,8 @@ impl EventDriven {
     /// other from rest. The alignment of faces at the end of an instant can bring bodies into touch that were not
     /// before.
     pub(super) fn approach_now(&self, pair: [Slot; 2]) -> Option<PairEvent> {
-        let axes = Axis::BOTH.map(|axis| self.bodies.exact_axis(pair, axis, self.now));
+        let now = self.now_of(pair);
+        let axes = Axis::BOTH.map(|axis| self.bodies.exact_axis(pair, axis, now));
         let gaps = Axis::BOTH.map(|axis| axes[axis].nearest().or_zero(axes[axis].gap_rounding).high);
         if gaps[0] > 0.0 || gaps[1] > 0.0 {
             return None;

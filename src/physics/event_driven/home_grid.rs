@@ -224,7 +224,7 @@ impl HomeGrid {
     /// Divides the rows of cells into bands, at least one, each of about the given number of bodies.
     pub fn divide(&self, bodies: usize, bands: &mut Vec<Band>) {
         let rows = self.cells[1] as usize;
-        let rows_per_band = (rows * bodies).div_ceil(self.slots.len().max(1)).min(rows);
+        let rows_per_band = rows.div_ceil(self.slots.len().div_ceil(bodies).clamp(1, rows));
         bands.resize_with(rows.div_ceil(rows_per_band), Band::default);
         for (band, first) in bands.iter_mut().zip((1..).step_by(rows_per_band)) {
             band.rows = first..(first + rows_per_band).min(rows + 1);

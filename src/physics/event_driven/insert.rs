@@ -4,16 +4,25 @@ use super::EventDriven;
 use super::body_state::Slot;
 use super::cell_lists::CellLists;
 use super::event_queue::EventQueue;
-use crate::physics::{Axis, World};
+use crate::physics::{Axis, StepError, World};
 
 impl EventDriven {
     /// Inserts the bodies spawned since the last step; returns the bodies whose contacts or accelerations may change with them.
     ///
     /// If the bodies have outgrown cell lists and event queue, or are few, both are rebuilt and all
     /// bodies predict again; likewise if a static body is spawned, which predicts nothing itself.
-    pub(super) fn insert_spawned(&mut self, world: &World) -> Vec<Slot> {
+    ///
+    /// # Errors
+    /// [`StepError::NotFinite`] if gravity and the constant force on a body add up to an infinite acceleration.
+    pub(super) fn insert_spawned(&mut self, world: &World) -> Result<Vec<Slot>, StepError> {
         if self.pending_spawns.is_empty() {
-            return Vec::new();
+            return Ok(Vec::new());
+        }
+        let accelerates = |slot: &&Slot| {
+            self.bodies.params(**slot).free_acceleration.iter().all(|acceleration| acceleration.high.is_finite())
+        };
+        if let Some(slot) = self.pending_spawns.iter().find(|slot| !accelerates(slot)) {
+            return Err(StepError::NotFinite { step: self.step, body: self.name_of(world, *slot) });
         }
         let spawned = std::mem::take(&mut self.pending_spawns);
         let is_outgrown =
@@ -43,7 +52,7 @@ impl EventDriven {
         // A body that touches no other falls freely as it was spawned. To leave it out saves memory with many bodies.
         concerned.extend(touching);
         concerned.extend(spawned.into_iter().filter(|slot| self.bodies.params(*slot).has_force != [false; 2]));
-        concerned
+        Ok(concerned)
     }
 
     /// The bodies of finite mass near spawned bodies of infinite mass.

@@ -31,9 +31,9 @@
 //! other can be earlier. Where the error bounds of two events of a body overlap, both are computed exactly, so no
 //! event hides an earlier one.
 //!
-//! A later event belongs to the same instant if its gap is 0 already at the time of the first (rule 1). So the window
-//! of an instant follows from coordinates and speeds and has no unit of its own. A pair that still approaches when its
-//! computed time is past is due now.
+//! A later event belongs to the same instant if its gap is 0 already at the time of the first, and that of the first is
+//! still 0 at its time (rule 1). So the window of an instant follows from coordinates and speeds and has no unit of its
+//! own. A pair that still approaches when its computed time is past is due now.
 //!
 //! # Rules
 //!
@@ -386,7 +386,7 @@ impl EventDriven {
             return Ok(());
         }
         self.changed.retain(|slot| self.bodies.params(*slot).alive);
-        let mut concerned = self.insert_spawned(world);
+        let mut concerned = self.insert_spawned(world)?;
         concerned.append(&mut self.pending_wakes);
         concerned.sort_unstable();
         concerned.dedup();
@@ -405,40 +405,50 @@ impl EventDriven {
         if self.event_queue.next_time().high > last.high * VICINITY {
             return Ok(());
         }
-        let end_of_vicinity = end_of_vicinity(last);
-        while let Some((slot, event)) = self.event_queue.pop(end_of_vicinity) {
+        let end = end_of_vicinity(last);
+        while let Some((slot, event)) = self.event_queue.pop(end) {
             self.read_ahead();
             if event.pair_event.is_none() {
                 self.advance_clock(if last.is_before(event.at) { last } else { event.at });
             }
-            if let Some(event) = self.next_exact_event(slot, event, end_of_vicinity) {
-                if last.is_before(event.at) && !self.coincides(&event, last) {
-                    self.event_queue.set(slot, Some(event));
-                    self.predict_changed();
-                    return Ok(());
-                }
-                self.advance_clock(event.at);
-                self.count_event(world, event.pair)?;
-                self.changed.push(slot);
-                let others = if self.is_alone_in_time() { Vec::new() } else { self.collect_simultaneous(world)? };
-                if others.is_empty()
-                    && let Some(PairEvent::FaceImpact(axis, side)) = event.pair_event
-                    && self.collide_isolated(world, event.pair, axis, side, observer)
-                {
-                    self.continue_in_closed_group(world, axis, last, observer)?;
-                    self.predict_changed();
-                    self.receding = None;
-                    continue;
-                }
-                let concerned = self.concerned_by(&event, others);
-                self.process_instant(world, &concerned, observer)?;
-                #[cfg(debug_assertions)]
-                if self.asserts_invariants {
-                    self.assert_consistent();
-                }
+            let pair = event.pair;
+            let Some(event) = self.next_exact_event(slot, event, end) else {
+                self.count_repetition(world, pair)?;
                 continue;
+            };
+            if last.is_before(event.at) && !self.coincides(&event, last) {
+                self.event_queue.set(slot, Some(event));
+                self.predict_changed();
+                return Ok(());
             }
-            self.count_repetition(world, event.pair)?;
+            // The clock never passes `last`: an event that coincides with it does not delay the inputs then.
+            self.advance_clock(if last.is_before(event.at) { last } else { event.at });
+            self.count_event(world, pair)?;
+            self.changed.push(slot);
+            let others = match end_of_vicinity(event.at).is_before(self.event_queue.next_time()) {
+                true => Vec::new(),
+                false => self.collect_simultaneous(world, event.at)?,
+            };
+            if others.is_empty()
+                && event.at == self.now
+                && let Some(PairEvent::FaceImpact(axis, side)) = event.pair_event
+                && self.collide_isolated(world, pair, axis, side, observer)
+            {
+                self.continue_in_closed_group(world, axis, last, observer)?;
+                self.predict_changed();
+                self.receding = None;
+            } else {
+                let concerned = self.concerned_by(&event, others);
+                // An instant counts as many events as it has impacts, at least one.
+                let counted = self.events;
+                self.events -= 1;
+                self.process_instant(world, &concerned, observer)?;
+                self.events = self.events.max(counted);
+            }
+            #[cfg(debug_assertions)]
+            if self.asserts_invariants {
+                self.assert_consistent();
+            }
         }
         Ok(())
     }
@@ -515,11 +525,6 @@ impl EventDriven {
         None
     }
 
-    /// True if no other event can be at the present instant.
-    fn is_alone_in_time(&mut self) -> bool {
-        end_of_vicinity(self.now).is_before(self.event_queue.next_time())
-    }
-
     /// Counts an event against the limit of the step.
     fn count_event(&mut self, world: &World, pair: [Slot; 2]) -> Result<(), StepError> {
         self.events += 1;
@@ -534,6 +539,13 @@ impl EventDriven {
             return Err(self.too_many_events(world, pair));
         }
         Ok(())
+    }
+
+    /// The present instant for a pair of bodies: the later one of the clock and their references. If an instant consists of
+    /// several groups of bodies, or coincides with a sample, some references are later than the clock by rounding.
+    #[inline]
+    fn now_of(&self, pair: [Slot; 2]) -> Instant {
+        self.now.max(self.bodies.common_reference(pair))
     }
 
     /// The state of a body along an axis at the present instant.

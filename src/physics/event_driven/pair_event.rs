@@ -241,12 +241,20 @@ fn predict_from_sample(first: &Sample, second: &BodyState, order: Side, horizon:
     if relative.stay_separated(horizon) {
         return Prediction::None;
     }
-    let elapsed = first.at.seconds_until(now);
+    let elapsed = seconds_since(first.at, now);
     match predict_uniform(&relative, elapsed) {
         Some(Prediction::None) => Prediction::None,
         Some(prediction) => place(prediction, first.at, order),
         None => place(predict_general(&relative, elapsed), first.at, order),
     }
+}
+
+/// The seconds from the reference of a pair to the present instant. By rounding, a reference can be later than the clock;
+/// then it is the present instant of the pair.
+#[inline]
+fn seconds_since(reference: Instant, now: Instant) -> f64 {
+    let seconds = reference.seconds_until(now);
+    if seconds > 0.0 { seconds } else { 0.0 }
 }
 
 /// Counts the times of a prediction from its reference instant, and the side from the earlier body.
@@ -339,7 +347,7 @@ fn predict_general(relative: &Relative, elapsed: f64) -> Prediction {
 pub fn predict_contact_end(axis: Axis, first: &BodyState, second: &BodyState, now: Instant) -> Prediction {
     let from = first.since.max(second.since);
     let relative = Relative::new(&Sample::new(first, from), second);
-    let elapsed = from.seconds_until(now);
+    let elapsed = seconds_since(from, now);
     let across = axis.other();
     let mut end = Prediction::None;
     let mut least = f64::INFINITY;

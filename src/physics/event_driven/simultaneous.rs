@@ -46,12 +46,16 @@ impl EventDriven {
         result
     }
 
-    /// Takes the other events in the vicinity of the present instant from the queue.
+    /// Takes the other events in the vicinity of an instant, the time of the next event, from the queue.
     ///
     /// # Errors
     /// [`StepError::TooManyEvents`] if bodies predict again too often.
-    pub(super) fn collect_simultaneous(&mut self, world: &World) -> Result<Vec<ScheduledEvent>, StepError> {
-        let (mut events, last) = (Vec::new(), end_of_vicinity(self.now));
+    pub(super) fn collect_simultaneous(
+        &mut self,
+        world: &World,
+        at: Instant,
+    ) -> Result<Vec<ScheduledEvent>, StepError> {
+        let (mut events, last) = (Vec::new(), end_of_vicinity(at));
         while let Some((other, event)) = self.event_queue.pop(last) {
             let pair = event.pair;
             match self.next_exact_event(other, event, last) {
@@ -70,13 +74,17 @@ impl EventDriven {
     /// Bodies that touch share the time of the earliest of their events. Times that differ by less than the resolution of
     /// positions are one instant also for bodies that do not touch, so that the order of their impacts does not follow
     /// from rounding, but each group keeps its own time, so that it does not depend on the other groups.
-    pub(super) fn concerned_by(&mut self, first: &ScheduledEvent, others: Vec<ScheduledEvent>) -> Vec<Concerned> {
+    pub(super) fn concerned_by(&self, first: &ScheduledEvent, others: Vec<ScheduledEvent>) -> Vec<Concerned> {
         if others.is_empty() {
             return first.pair.map(|slot| Concerned { slot, at: first.at }).to_vec();
         }
         let events = [vec![*first], others].concat();
-        let is_first = |event: &&ScheduledEvent| event.at == first.at || self.coincides(event, first.at);
-        let simultaneous: Vec<&ScheduledEvent> = events.iter().filter(is_first).collect();
+        // The instant ends before the first event that differs from it: the gap of one is not 0 at the time of the other.
+        let is_simultaneous = |event: &ScheduledEvent| {
+            event.at == first.at || (self.coincides(event, first.at) && self.coincides(first, event.at))
+        };
+        let end = events.iter().position(|event| !is_simultaneous(event)).unwrap_or(events.len());
+        let simultaneous = &events[..end];
         let mut concerned: Vec<Concerned> = Vec::new();
         let mut add = |pair: [Slot; 2], at: Instant| concerned.extend(pair.map(|slot| Concerned { slot, at }));
         if simultaneous.iter().all(|event| event.at == first.at) {
@@ -84,9 +92,7 @@ impl EventDriven {
         } else {
             let finite_of = |pair: [Slot; 2]| if self.bodies[pair[0]].infinite { pair[1] } else { pair[0] };
             let (mut group_of, mut times) = (BTreeMap::new(), Vec::new());
-            let latest = simultaneous.iter().fold(first.at, |latest, event| latest.max(event.at));
-            // The events in between belong to the instant, too: the clock stands after them then.
-            for event in events.iter().filter(|event| !latest.is_before(event.at)) {
+            for event in simultaneous {
                 let start = finite_of(event.pair);
                 if !group_of.contains_key(&start) {
                     group_of.extend(self.connected_by_touching(start, first.at).into_iter().zip(repeat(times.len())));
@@ -95,14 +101,13 @@ impl EventDriven {
                 let time = &mut times[group_of[&start]];
                 *time = if event.at.is_before(*time) { event.at } else { *time };
             }
-            for event in &events {
+            for event in simultaneous {
                 if let Some(group) = group_of.get(&finite_of(event.pair))
                     && (event.at == times[*group] || self.coincides(event, times[*group]))
                 {
                     add(event.pair, times[*group]);
                 }
             }
-            times.into_iter().for_each(|time| self.advance_clock(time));
         }
         let order = |body: &Concerned| (body.slot, body.at.high.to_bits(), body.at.low.to_bits());
         concerned.sort_unstable_by_key(order);

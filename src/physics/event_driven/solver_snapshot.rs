@@ -109,8 +109,11 @@ impl EventDriven {
                 pending.push(reader.slot(self.bodies.len())?);
             }
         }
-        if !self.pending_spawns.is_sorted() {
-            return Err("its pending spawns are not in creation order".to_owned());
+        if !self.pending_spawns.is_sorted_by(|a, b| a < b) {
+            return Err("its pending spawns are not in creation order, each once".to_owned());
+        }
+        if let Some(slot) = self.pending_spawns.iter().find(|slot| self.contacts.has_contacts(**slot)) {
+            return Err(format!("the pending spawn with index {slot} has contacts"));
         }
         reader.end()?;
         self.now = now;
@@ -198,7 +201,8 @@ impl SnapshotReader<'_> {
         };
         let since = Instant { high, low: self.number()? };
         let size = self.number()?;
-        if now.is_before(since) {
+        // By rounding, a reference can be later than the clock, see `EventDriven::now_of`.
+        if super::end_of_vicinity(now).is_before(since) {
             return Err(format!("the reference instant {high} s of a body is in the future"));
         }
         Ok((AxisTrajectory { position, velocity, acceleration, since }, AxisLowParts { size, ..low_parts }))

@@ -213,6 +213,7 @@ impl WindowLists {
     }
 
     /// The list of a body, sorted by slot.
+    #[cfg(any(test, debug_assertions))]
     pub fn neighbours_of(&self, slot: Slot) -> Vec<Slot> {
         let mut all = Vec::new();
         self.visit(slot, |other| all.push(other));

@@ -5,7 +5,7 @@ use super::{
     kinds::random_scene,
     random::Random,
     run::{Impact, Outcome, State, larger},
-    scene::Scene,
+    scene::{Scene, SceneBody},
 };
 use crate::world_builder::{BodySpec, INFINITE, spec};
 use rebond::internals::physics::Engine;
@@ -127,6 +127,76 @@ fn distant_bodies_change_nothing() {
             }
         };
         to_the_bit(&outcome(scene), &outcome_within(&scene.with_others(&others, random.chance(50)), scene))
+    });
+}
+
+#[test]
+fn a_force_elsewhere_changes_nothing_when_all_bodies_with_forces_are_deleted() {
+    check("a force elsewhere", random_scene, |scene| {
+        let is_deleted = |label: usize| scene.deletes.iter().any(|delete| delete.1 == label);
+        let forced = scene.bodies.iter().filter(|body| body.spec.force != [0.0; 2] && !is_deleted(body.label));
+        let mut random = Random::new(scene.seed);
+        let deletes = forced.map(|body| (random.whole(body.step as i64 + 1, scene.steps as i64) as u64, body.label));
+        let mut without_forces = scene.clone();
+        without_forces.deletes.extend(deletes);
+        if without_forces.deletes.len() == scene.deletes.len() {
+            return Ok(Law::DoesNotApply);
+        }
+        let elsewhere = [spec([65536.0; 2], [1.0; 2], 1.0).with_force(1.0, 1.0)];
+        let with_another = without_forces.with_others(&elsewhere, random.chance(50));
+        to_the_bit(&outcome(&without_forces), &outcome_within(&with_another, &without_forces))
+    });
+}
+
+/// A row that flies to a wall, 4.5 hours after the start: the time between two of its impacts is a few roundings of their
+/// times, as doubles.
+fn row_with_tiny_gaps(seed: u64) -> Scene {
+    const HOURS: f64 = 16384.0;
+    let mut random = Random::new(seed);
+    let speed = random.pick(&[1.0, 32.0, 1024.0]);
+    let mut face = -speed * random.pick(&[0.0, 1e-6, 0.125]);
+    let mut bodies = vec![spec([0.0, -1.0], [1.0, 3.0], INFINITE)];
+    for _ in 0..random.whole(1, 5) {
+        let size = random.pick(&[1.0, 0.5, 0.75]);
+        let velocity = speed * random.pick(&[1.0, 1.0, 1.0, 2.0]);
+        face -= size;
+        bodies.push(
+            spec([face, random.pick(&[0.0, 0.5])], [size, 1.0], random.pick(&[1.0, 3.0])).with_velocity(velocity, 0.0),
+        );
+        face -= speed * HOURS * random.pick(&[0.0, 1.0, 2.0, 4.0, 1e6]) * (f64::EPSILON * random.between(0.0, 2.0));
+    }
+    random.shuffle(&mut bodies);
+    let body = |(label, spec)| SceneBody { label, spec, material: "", step: 1 };
+    Scene {
+        kind: "row with tiny gaps",
+        seed,
+        rate: 1.0 / HOURS,
+        steps: 2,
+        gravity: [0.0; 2],
+        restitution: random.pick(&[1.0, 0.5, 0.9]),
+        pairs: Vec::new(),
+        bodies: (0..).zip(bodies).map(body).collect(),
+        deletes: Vec::new(),
+        is_dyadic: false,
+    }
+}
+
+#[test]
+fn slow_impacts_elsewhere_at_nearly_the_same_time_change_nothing() {
+    let scene_of = |seed: u64| if seed.is_multiple_of(2) { row_with_tiny_gaps(seed) } else { random_scene(seed / 2) };
+    check("slow impacts elsewhere", scene_of, |scene| {
+        let expected = outcome(scene);
+        let mut random = Random::new(scene.seed + 1);
+        let mut others = Vec::new();
+        for index in 0..if expected.impacts.is_empty() { 0 } else { random.whole(1, 3) } {
+            let instant = expected.impacts[random.below(expected.impacts.len() as u64) as usize].instant;
+            let speed = 1.0 / random.pick(&[1_u64 << 8, 1 << 14, 1 << 20, 1 << 28, 1 << 40]) as f64;
+            let roundings = random.pick(&[0.0, 1.0, 2.0, 3.0, 8.0, -1.0, -2.0]);
+            let y = 65536.0 + 4.0 * index as f64;
+            others.push(spec([-1.0, y], [1.0; 2], 1.0).with_velocity(speed, 0.0));
+            others.push(spec([speed * instant * (1.0 + roundings * f64::EPSILON), y], [1.0; 2], 1.0));
+        }
+        to_the_bit(&expected, &outcome_within(&scene.with_others(&others, random.chance(50)), scene))
     });
 }
 
