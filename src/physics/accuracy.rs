@@ -14,7 +14,7 @@ const RESOLUTION_FACTOR: f64 = 64.0;
 /// Impacts up to this fraction of the greatest approach speed are too slow to count in a sequence of collisions.
 const SLOW: f64 = 1e-6;
 
-/// Likewise those up to this fraction of the speed gained along the largest side of a body in free fall or under its force.
+/// Likewise those up to this fraction of √(acceleration × largest side), about the speed gained in falling that far.
 const SLOW_IN_FREE_FALL: f64 = 1.0 / (1_u64 << 20) as f64;
 
 /// Impacts up to this fraction of a step apart belong to one instant.
@@ -60,7 +60,7 @@ pub struct AccuracyProbe {
 }
 
 impl AccuracyProbe {
-    /// Starts at the present state of `engine`; `None` with the handout solver, whose accuracy depends on the step.
+    /// Starts with an engine that has no bodies yet; `None` with the handout solver, whose accuracy depends on the step.
     pub fn new(engine: &Engine) -> Option<AccuracyProbe> {
         let copies = [engine.perturbed(1, 1.0 / RESOLUTION_FACTOR)?, engine.perturbed(2, RESOLUTION_FACTOR)?];
         let instant = SAME_INSTANT * engine.period();

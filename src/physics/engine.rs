@@ -147,9 +147,8 @@ impl Engine {
         Engine { world, step: 0, next_id: 0, rate: config.rate, solver, failure: None }
     }
 
-    /// Sets the number of threads among which the event-driven solver divides the work that depends on no order, from some ten
-    /// thousand bodies on; `None`, the default, stands for as many as the system runs at the same time. It changes no
-    /// result.
+    /// Sets the number of threads that share the work of the event-driven solver whose order does not matter, with 2¹⁵ bodies
+    /// or more; `None`, the default, stands for as many as the system can run at the same time. No result depends on it.
     pub fn set_threads(&mut self, count: Option<NonZero<u32>>) {
         if let Solver::EventDriven(solver) = &mut self.solver {
             solver.set_threads(count);
@@ -173,7 +172,7 @@ impl Engine {
 
     /// Applies an event at the current step.
     ///
-    /// The deletion of a body that is not alive has no effect.
+    /// The numbers of a spawn must be [valid](Spawn::is_valid). The deletion of a body that is not alive has no effect.
     pub fn apply(&mut self, event: &Event) {
         match event {
             Event::Spawn(spawn) => self.spawn(spawn),

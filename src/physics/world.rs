@@ -75,7 +75,7 @@ pub type BodyId = u32;
 
 /// A box: a rectangle with a mass, a velocity and a force.
 ///
-/// The fields that change in every step lie in one cache line.
+/// Position and velocity, which the event-driven solver writes in every step, lie in one cache line.
 #[non_exhaustive]
 #[doc(alias("box", "rigid body"))]
 #[derive(Clone, Debug, PartialEq)]

@@ -92,7 +92,8 @@ pub struct AxisLowParts {
     pub velocity: f64,
     /// Low part of the acceleration, m/s².
     pub acceleration: f64,
-    /// Low part of the size, m: what makes faces coincide that decimal coordinates leave an ulp apart.
+    /// Low part of the size, m: the change that makes faces coincide which decimal coordinates leave an ulp apart. It can
+    /// exceed half a unit in the last place of the size.
     pub size: f64,
 }
 

@@ -49,13 +49,13 @@ pub enum Load {
     OwnForces,
 }
 
-/// The data of a body that predictions do not read: two cache lines, of which processors fetch both.
+/// The data of a body that predictions do not read: two adjacent cache lines, which processors fetch together.
 #[derive(Clone, Debug)]
 #[repr(C, align(128))]
 pub struct BodyDetails {
     /// The low parts of its trajectory along x and y.
     pub low_parts: [AxisLowParts; 2],
-    /// What an impact does not change.
+    /// The data that no impact changes.
     pub params: BodyParams,
 }
 

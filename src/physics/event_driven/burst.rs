@@ -16,7 +16,7 @@ use super::exact::{Resolution, VELOCITY_ROUNDING};
 use super::impact::Impact;
 use super::impact_history::Cycle;
 use super::least_change::MASS_UNIT;
-use super::patch::{Local, Patch, Touch, TouchKind};
+use super::patch::{Entry, Local, Patch, Touch, TouchKind};
 use crate::physics::{Axis, Collision, Observer, Rect, Side, StepError, Vector, World, larger};
 
 /// Approaches below this fraction of the greatest of a burst are rounding.
@@ -25,7 +25,7 @@ const DECAYED: f64 = 1.0 / (1_u128 << 80) as f64;
 /// Approaches below this multiple of the rounding of velocities are rounding, too.
 const UNDECIDED: f64 = 256.0;
 
-/// The chains between infinite masses are searched again every so many impacts.
+/// The impacts between two searches for chains that infinite masses squeeze.
 const SQUEEZE_INTERVAL: u64 = 64;
 
 /// One side of an impact: the body and all that it pushes.
@@ -65,7 +65,7 @@ impl EventDriven {
             let axes = match touch.kind {
                 TouchKind::Face(Axis::X) => [true, false],
                 TouchKind::Face(Axis::Y) => [false, true],
-                TouchKind::Corner => patch.blocked_axes(&touch, false),
+                TouchKind::Corner => patch.blocked_axes(&touch, Entry::Moving),
             };
             self.count_event(world, touch.bodies.map(|body| patch.bodies[body as usize].slot))?;
             for axis in Axis::BOTH.into_iter().filter(|axis| axes[*axis]) {

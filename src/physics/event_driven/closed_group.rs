@@ -1,5 +1,5 @@
-//! The impacts of a few bodies in a row that meet no others for a while, as in Galperin's billiard, one after the other,
-//! without the event queue in between.
+//! Closed groups: a few bodies in a row that touch no others for a while, as in Galperin's billiard. Their impacts are
+//! carried out one after another without the event queue.
 //!
 //! A group influences no result: the numbers come from the same functions as elsewhere, and where it is not certain by a
 //! margin which event is next, the group is left and its bodies predict again.
@@ -15,7 +15,7 @@ use super::reference::Reference;
 use super::{EventDriven, VICINITY};
 use crate::physics::{Axis, Observer, Side, StepError, World, smaller};
 
-/// A group is looked for after every so many events of a step, so that a search in vain costs little.
+/// The events of a step between two searches for a group, so that a search in vain costs little.
 pub const SEARCH_INTERVAL: u64 = 4;
 
 /// Bodies are certainly apart, or certainly overlap along an axis, by more than this fraction of the magnitudes of the
@@ -32,7 +32,7 @@ struct ClosedGroup {
     members: Vec<Member>,
     /// The gap between each member and the next.
     gaps: Vec<Gap>,
-    /// Until then, in seconds since step 0, they keep overlapping along the other axis, and meet no other body.
+    /// The seconds since step 0 up to which they overlap along the other axis and touch no other body.
     until: f64,
 }
 
@@ -51,7 +51,7 @@ struct Gap {
     closes: Instant,
 }
 
-/// How two bodies lie along an axis, and for how many seconds from now that certainly does not change.
+/// The position of two bodies relative to each other along an axis, and the seconds from now for which it certainly lasts.
 enum Overlap {
     Overlapping(f64),
     Apart(f64),
@@ -221,7 +221,8 @@ impl EventDriven {
         group.until = smaller(group.until, self.event_queue.next_time().high);
     }
 
-    /// Lets the members predict again: those that have collided with all others that changed, when the instant ends.
+    /// Predicts the next events of the members. Those that have collided are only marked as changed and predict at the end of
+    /// the instant.
     fn leave(&mut self, group: &ClosedGroup) {
         for member in group.members.iter().filter(|member| member.has_collided) {
             self.invalidate(member.slot);
@@ -283,8 +284,8 @@ impl ClosedGroup {
         (at < last && at * VICINITY < second).then_some(first)
     }
 
-    /// True if the two bodies at a gap certainly touch no other member that they could push when it closes, and no others
-    /// meet then that are not neighbours.
+    /// True if the two bodies at a gap certainly touch no other member that they could push when it closes, and no two members
+    /// that are not neighbours touch then.
     #[inline]
     fn is_isolated(&self, index: usize) -> bool {
         let Gap { meeting, closes: at } = &self.gaps[index];

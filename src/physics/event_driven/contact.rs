@@ -22,7 +22,8 @@ pub struct Contact {
 ///
 /// Invariants: a contact is stored with each of its bodies that has a finite mass, in creation order of the other
 /// body. A body is supported on a side of an axis if and only if contacts on that side lead to an infinite mass.
-/// Contacts along an axis lead from lower to higher coordinates, so they form no cycle, and no body supports itself.
+/// Contacts along an axis lead from lower to higher coordinates, so they form no cycle, and no body supports itself, unless
+/// the rounding of coordinates exceeds the sizes of the boxes.
 #[derive(Clone, Debug, Default)]
 pub struct ContactGraph {
     /// By slot.
@@ -60,7 +61,7 @@ impl ContactGraph {
         }
     }
 
-    /// Along which axes two bodies are in contact; the mass of `slot` must be finite.
+    /// For each axis, true if two bodies are in contact along it; the mass of `slot` must be finite.
     #[inline]
     pub fn axes_between(&self, slot: Slot, other: Slot) -> [bool; 2] {
         let mut axes = [false; 2];

@@ -145,9 +145,9 @@ const EMPTY_ENTRY: QueueEntry =
 /// The events and cell crossings of all bodies.
 ///
 /// Invariants: a body whose event is not in the heap is listed in a bin that is due no later than its event and its
-/// crossing. At most one entry of a body in the bins is valid, the one that its `bin` names. A body whose event or
-/// crossing is postponed stays in its bin until the bin is due and is inserted again then, so the bins do not grow
-/// however often a body predicts again.
+/// crossing. A body is taken only from the bin that its `bin` names, and once: entries elsewhere and a second one there are
+/// skipped. A body whose event or crossing is postponed stays in its bin until the bin is due and is inserted again then,
+/// so the bins do not grow however often a body predicts again.
 #[derive(Clone, Debug)]
 pub struct EventQueue {
     clock: Clock,
@@ -274,7 +274,7 @@ impl EventQueue {
         Some(event)
     }
 
-    /// With many bodies, the pairs of bodies with events in the current slice, when called for the first time in the slice.
+    /// The pairs of the events in the current slice at the first call in it, with many bodies; otherwise `None`.
     pub fn pairs_to_read_ahead(&mut self) -> Option<impl Iterator<Item = [Slot; 2]> + Clone + '_> {
         if self.slice_read_ahead == self.current_slice || self.entries.len() < MIN_READ_AHEAD {
             return None;
@@ -357,6 +357,7 @@ impl EventQueue {
     fn redistribute(&mut self, mut bin: Vec<Slot>, due: &mut Vec<Slot>) -> Vec<Slot> {
         let current_step = self.current_step();
         if self.entries.len() >= MIN_READ_AHEAD {
+            // Reads the records at the same time, see `EventDriven::read_ahead`.
             black_box(bin.iter().fold(0, |sum, slot| sum ^ self.entries[*slot as usize].bin));
         }
         for slot in bin.drain(..) {

@@ -201,7 +201,7 @@ impl ExactAxis {
         acceleration.high != 0.0 && speed.high != 0.0 && square.high.abs() <= rounding
     }
 
-    /// The later root of gap − speed·t − ½·acceleration·t² at which the gap shrinks.
+    /// The root of gap − speed·t − ½·acceleration·t² = 0 at which the gap shrinks, if there is one.
     #[inline(always)]
     fn root(&self, gap: DoubleDouble, speed: DoubleDouble, acceleration: DoubleDouble) -> Option<DoubleDouble> {
         let speed = speed.or_zero(self.speed_rounding);

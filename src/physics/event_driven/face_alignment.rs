@@ -1,4 +1,4 @@
-//! Makes the faces of a spawned body coincide with those that they meet within the rounding of coordinates.
+//! Makes faces of a spawned body coincide with faces that lie within the rounding of the coordinates.
 //!
 //! Positions and sizes are given in decimals, so the faces of boxes that are meant to touch can be a few units in
 //! the last place apart. From the start of a body on, they are the same double-double number.

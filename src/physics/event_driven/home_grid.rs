@@ -85,14 +85,14 @@ pub struct Band {
     pairs: Vec<[u32; 2]>,
     /// The number of pairs before those with the first one in the last row, and of all.
     counts: [usize; 2],
-    /// The pairs whose paths may overlap, in creation order of the bodies; then spare space.
+    /// The pairs whose paths may overlap, the body that is to predict their event first; then spare space.
     approaches: Vec<[Slot; 2]>,
     /// The number of these pairs.
     approach_count: usize,
 }
 
 impl Band {
-    /// The pairs of bodies whose paths may overlap, in creation order of the bodies.
+    /// The pairs of bodies whose paths may overlap; the first of a pair is to predict their event.
     pub fn approaches(&self) -> &[[Slot; 2]] {
         &self.approaches[..self.approach_count]
     }
@@ -215,7 +215,7 @@ impl HomeGrid {
         self.buckets_inside().map(of_bucket).sum()
     }
 
-    /// The greatest magnitude of a coordinate, about; m.
+    /// The approximate greatest magnitude of a coordinate, m.
     pub fn extent(&self) -> f64 {
         let ends = Axis::BOTH.map(|axis| self.origin[axis] + self.side * f64::from(self.cells[axis]));
         self.origin.into_iter().chain(ends).map(f64::abs).fold(self.side, larger)
@@ -252,7 +252,7 @@ impl HomeGrid {
         for [_, second] in bands.iter().flat_map(Band::crossing) {
             ends[second as usize] += 1;
         }
-        // The end of each list is first that of the next one, and is lowered as members are added.
+        // Each entry is first the end of a list, and is lowered to its start as members are added.
         let mut sum = 0;
         for (slot, length) in self.slots.iter().zip(&mut *ends) {
             let start = sum;
@@ -347,7 +347,7 @@ impl HomeGrid {
         fits
     }
 
-    /// How often bodies have left their homes.
+    /// The number of times that bodies have left their homes.
     pub fn strays(&self) -> usize {
         self.strays.len()
     }

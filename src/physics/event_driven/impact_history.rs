@@ -1,4 +1,4 @@
-//! The impacts of one instant among bodies connected by touching: when an infinite sequence has shown its limit.
+//! Detects cycles in the impacts of an instant, from which the limit of an infinite sequence follows.
 
 use super::double_double::DoubleDouble;
 use crate::physics::larger;
@@ -6,18 +6,18 @@ use crate::physics::larger;
 /// The longest period that is looked for.
 const MAX_PERIOD: usize = 200;
 
-/// The history is searched for a period every so many impacts.
+/// The impacts between two searches for a period.
 const SEARCH_INTERVAL: u64 = 16;
 
 /// Directions that agree to this, or to the rounding of velocities, are the same.
 const SAME_DIRECTION: f64 = 1.0 / (1_u64 << 60) as f64;
 
-/// Cycles are proven only while the speeds are above this multiple of the rounding of velocities, which gives their
-/// direction to 30 bits, ...
+/// A cycle is proven only from speeds above this multiple of the rounding of velocities, which gives their direction to 30
+/// bits.
 const LEAST_PRECISION: f64 = (1_u64 << 30) as f64;
 
-/// ... and above this fraction of the greatest of the burst, so that the first condition holds in all frames of reference
-/// that are not 2³⁰ times faster, and the same cycles are proven in them.
+/// A cycle is proven only from speeds above this fraction of the greatest of the burst, so that the same cycles are proven
+/// in all frames of reference that are not 2³⁰ times faster.
 const SLOWEST: f64 = 1.0 / (1_u64 << 32) as f64;
 
 /// Lengths that agree to this are the same.

@@ -3,7 +3,7 @@ use super::double_double::DoubleDouble;
 /// An instant of simulated time: the seconds since step 0 in double-double precision.
 ///
 /// It is independent of the steps and of their rate. Instants closer than the rounding of a coordinate at
-/// them cannot be told apart.
+/// them cannot be distinguished.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Instant {
     /// The seconds, rounded to a double.

@@ -1,5 +1,5 @@
-//! The impact of two bodies of which those that give way touch nothing else: most impacts of a gas, and most
-//! bounces on something that rests. It computes the same numbers as `simultaneous`.
+//! Isolated impacts: neither of the two bodies that can be moved touches a third. Most impacts of a gas and most bounces on
+//! a resting body are isolated. The numbers are the same as those of `simultaneous`.
 
 use super::EventDriven;
 use super::axis_trajectory::StateDd;
@@ -21,7 +21,7 @@ pub struct Meeting {
     axis: Axis,
     /// The side of the earlier body, in creation order, on which the later one lies.
     pub side: Side,
-    /// True for a body that does not give way.
+    /// True for a body that the impact cannot move.
     pub is_infinite: [bool; 2],
     /// The side of the body that keeps its position.
     anchor: Side,

@@ -8,17 +8,19 @@
 //! # Phases of a step
 //!
 //! 1. **Insert.** The bodies spawned since the last step enter the cell lists (`insert`), overlaps that they
-//!    cause are removed (`separation`), and faces that decimal coordinates leave an ulp apart are
-//!    made to coincide (`face_alignment`). What inputs changed is an instant of its own.
-//! 2. **Process events** in the order of their times (`event_queue`): the instants at which bodies touch or
-//!    cease to (`simultaneous`), and the cell crossings of fast bodies (`cell_lists`). Each body whose
-//!    trajectory or contacts changed predicts its next event again (`predict`) among its neighbours. The impacts of a
-//!    few bodies in a row that meet no others follow each other without that (`closed_group`).
+//!    cause are removed (`separation`), and faces that decimal coordinates leave an ulp apart are made to coincide
+//!    (`face_alignment`). The changes made by inputs are processed as an instant of their own.
+//! 2. **Process events** in the order of their times (`event_queue`). An impact that involves no third body is carried out
+//!    at once (`isolated`), and further impacts of a few bodies in a row follow without the queue (`closed_group`). Any
+//!    other instant (`simultaneous`) is processed on the bodies that it involves (`patch`): contacts (`resting`) and
+//!    impacts (`burst`). A fast body that leaves its cell is moved to the next one (`cell_lists`). Each body whose
+//!    trajectory or contacts changed predicts its next event again (`predict`).
 //! 3. **Sample.** The states of the bodies that moved are written to the world (`dirty_states`).
-//! 4. **Find neighbours.** In undisturbed motion, lists of neighbours are made anew for each window of some steps
-//!    (`window_lists`, `home_grid`), with many bodies on several `threads`, as the states are sampled. For some steps
-//!    after an input, and with few bodies, the bodies that would leave their cells in the next step are moved to their
-//!    next cells instead (`cell_lists`, `spatial_hash`).
+//! 4. **Find neighbours.** Without inputs for some steps, each body gets a list of neighbours for a window of several steps
+//!    (`window_lists`, `home_grid`). Otherwise, the bodies that would leave their cells in the next step are moved to their
+//!    next cells (`cell_lists`, `spatial_hash`).
+//!
+//! With many bodies, phase 3 and the start of a window run on several `threads`.
 //!
 //! A step in which nothing moves and nothing is due does none of this. `solver_snapshot` stores what
 //! is needed to continue bit for bit; `diagnose` creates the errors of a failed step.
@@ -67,8 +69,8 @@
 //! 3. After an instant, no touching pair approaches, and none without a contact accelerates towards each other from rest.
 //!    Where the alignment of faces makes a pair touch that does, its impact is due at the same time.
 //!
-//! Those of its parts are stated with the types that own them: `Bodies`, `ContactGraph`, `CellLists`, `WindowLists`,
-//! `HomeGrid`, `EventQueue`.
+//! The invariants of the parts are documented at `Bodies`, `ContactGraph`, `CellLists`, `WindowLists`, `HomeGrid` and
+//! `EventQueue`.
 
 mod axis_trajectory;
 mod bodies;
@@ -128,22 +130,22 @@ use swept_aabb::SweptAabb;
 use threads::Threads;
 use window_lists::WindowLists;
 
-/// Repetitions (predictions after cell crossings and void events, and bounces that are captured within an instant)
-/// allowed per body and step, beyond the limit of events, before the step is aborted. No speed requires nearly as many;
-/// the limit ensures that no scene hangs.
+/// Repetitions allowed per body and step beyond the limit of events: predictions after cell crossings, of invalidated
+/// events and of events whose order doubles cannot decide, and captured bounces. No speed requires nearly as many; the
+/// limit ensures that every step ends.
 const MAX_REPETITIONS_PER_BODY: u64 = 1000;
 
-/// Events within this fraction of the time since step 0 are compared by their gaps: the rounding of times in
-/// doubles.
+/// The vicinity of an instant, as a fraction of the time since step 0: the rounding of times in doubles. Events within it
+/// are compared by their gaps.
 const COMPARED_TIMES: f64 = 1.0 / (1_u64 << 50) as f64;
 
-/// The factor from a time to the end of its vicinity, and somewhat more.
+/// The factor from a time to one that is certainly after the end of its vicinity.
 const VICINITY: f64 = 1.0 + 4.0 * COMPARED_TIMES;
 
 /// The event-driven solver.
 ///
-/// A snapshot stores only trajectories, contacts, pending spawns and wakes. Cell lists, window lists and event queue are
-/// derived from them and influence no result.
+/// A snapshot stores the clock, trajectories, low parts of sizes, contacts, loads, pending spawns and wakes. Cell lists,
+/// window lists and event queue are derived from them and influence no result.
 #[derive(Clone, Debug)]
 pub struct EventDriven {
     clock: Clock,
@@ -243,7 +245,7 @@ impl EventDriven {
         }
     }
 
-    /// Sets the number of threads; without one, as many as the system runs at the same time.
+    /// Sets the number of threads; `None` stands for as many as the system can run at the same time.
     pub fn set_threads(&mut self, count: Option<NonZero<u32>>) {
         self.threads = Threads::new(count);
     }

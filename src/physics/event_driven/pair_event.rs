@@ -11,7 +11,7 @@ use crate::physics::{Axis, Side};
 pub enum PairEvent {
     /// Faces collide along the axis; on the other axis the boxes overlap by more than rounding.
     FaceImpact(Axis, Side),
-    /// Faces or corners meet along the axis; doubles cannot distinguish them.
+    /// Faces or corners touch along the axis; doubles cannot distinguish them.
     CornerImpact(Axis, Side),
     /// Boxes in contact along the other axis cease to overlap along this one.
     ContactEnd(Axis, Side),
@@ -179,7 +179,7 @@ impl Relative {
         BoundedTime { seconds, error: error + 4.0 * f64::EPSILON * seconds }
     }
 
-    /// When a gap closes; `Err` if rounding decides whether it does now.
+    /// The time at which a gap closes; `Err` if rounding decides whether it closes now.
     fn time_to_contact(&self, axis: Axis, side: Side) -> Result<Option<BoundedTime>, ()> {
         let [gap, speed, acceleration] = self.closing(axis, side);
         if speed <= 0.0 && acceleration <= 0.0 {

@@ -71,6 +71,15 @@ pub enum TouchKind {
     Corner,
 }
 
+/// The motions by which a corner counts as entered along an axis.
+#[derive(Clone, Copy, Debug)]
+pub enum Entry {
+    /// An approach.
+    Moving,
+    /// An approach, or an acceleration towards each other from rest.
+    MovingOrFromRest,
+}
+
 /// Two boxes that touch; the first is the earlier one in creation order.
 #[derive(Clone, Copy, Debug)]
 pub struct Touch {
@@ -145,7 +154,7 @@ pub struct Patch {
     pub dirty: [Vec<Local>; 2],
     /// Spare lists of touches.
     spare: Vec<Vec<u32>>,
-    /// By local index, for the roots of the forest: the impacts so far. Those of earlier instants follow.
+    /// The impacts so far, by local index; only the entries of roots count. Entries beyond `bodies` are kept for their memory.
     pub bursts: Vec<Burst>,
 }
 
@@ -236,10 +245,12 @@ impl Patch {
     }
 
     /// The axes along which a corner blocks: the gentler one, both if they are equal, none if it is not entered.
-    pub fn blocked_axes(&self, touch: &Touch, with_acceleration: bool) -> [bool; 2] {
+    pub fn blocked_axes(&self, touch: &Touch, entry: Entry) -> [bool; 2] {
         let motions = Axis::BOTH.map(|axis| {
-            let acceleration =
-                if with_acceleration { self.approach_acceleration(touch, axis) } else { DoubleDouble::ZERO };
+            let acceleration = match entry {
+                Entry::Moving => DoubleDouble::ZERO,
+                Entry::MovingOrFromRest => self.approach_acceleration(touch, axis),
+            };
             [self.approach(touch, axis), acceleration]
         });
         let enters = |[speed, acceleration]: [DoubleDouble; 2]| {
@@ -265,8 +276,7 @@ impl Patch {
         touches.iter().copied().find(|touch| self.touches[*touch as usize].other(body) == other)
     }
 
-    /// The root of a body in the forest of bodies connected by touching; that of a finite neighbour for an
-    /// infinite mass.
+    /// The root of a body of finite mass in the forest of bodies connected by touching.
     pub fn root(&self, mut body: Local) -> Local {
         while self.bodies[body as usize].parent != body {
             body = self.bodies[body as usize].parent;

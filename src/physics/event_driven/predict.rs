@@ -8,7 +8,7 @@ use super::event_queue::{MIN_READ_AHEAD, Precision, ScheduledEvent};
 use super::instant::Instant;
 use super::pair_event::{Prediction, Sample, predict_contact_end, predict_pair_event};
 use super::swept_aabb::SweptAabb;
-use crate::physics::Side;
+use crate::physics::{Side, smaller};
 use std::hint::black_box;
 
 /// The pair in creation order.
@@ -30,7 +30,7 @@ struct Predictor<'a> {
     /// The earliest event found so far, and the seconds from the sample until it happens at the latest.
     first: Option<(ScheduledEvent, f64)>,
     /// The earliest time of any other event, in seconds from the sample.
-    second: f64,
+    runner_up: f64,
     /// Seconds from the sample to the time by which the body predicts again in any case.
     horizon: f64,
 }
@@ -39,7 +39,7 @@ struct Predictor<'a> {
 /// events are compared in their total order and not cut off.
 const HORIZON_MARGIN: f64 = 1.0 + 1e-9;
 
-/// Likewise for times since step 0.
+/// The factor from a time since step 0 to one that is certainly later, whatever the rounding.
 const LATENESS: f64 = 1.0 + 1.0 / (1_u64 << 40) as f64;
 
 /// The number of pairs whose records are read at the same time, so that the processor waits for many cache misses
@@ -64,7 +64,7 @@ impl<'a> Predictor<'a> {
             precision,
             sample,
             first: None,
-            second: f64::INFINITY,
+            runner_up: f64::INFINITY,
             horizon: f64::INFINITY,
         }
     }
@@ -120,21 +120,21 @@ impl<'a> Predictor<'a> {
         let event = ScheduledEvent { at, pair, pair_event: Some(pair_event), partner_generation, precision };
         let seconds = self.sample.at.seconds_until(at);
         let latest = seconds + upper;
-        let other = match self.first {
+        let runner_up = match self.first {
             Some((first, _)) if !event.is_before(&first) => seconds,
             previous => {
                 self.first = Some((event, latest));
                 previous.map_or(f64::INFINITY, |(previous, _)| self.sample.at.seconds_until(previous.at))
             }
         };
-        self.second = if other < self.second { other } else { self.second };
+        self.runner_up = smaller(runner_up, self.runner_up);
         self.limit_horizon(latest)
     }
 
     /// The earliest event.
     fn first(&self) -> Option<ScheduledEvent> {
         let (first, latest) = self.first?;
-        let is_contested = first.precision == Precision::LowerBound && self.second <= latest;
+        let is_contested = first.precision == Precision::LowerBound && self.runner_up <= latest;
         Some(if is_contested { ScheduledEvent { precision: Precision::Contested, ..first } } else { first })
     }
 
@@ -190,7 +190,8 @@ impl EventDriven {
         self.predict_to(slot, Precision::LowerBound);
     }
 
-    /// Predicts the next event of a body, if asked for with exact times.
+    /// Predicts the next event of a body, its time in doubles ([`Precision::LowerBound`]) or in double-double arithmetic
+    /// ([`Precision::Exact`]).
     pub(super) fn predict_to(&mut self, slot: Slot, precision: Precision) {
         let mut neighbours = std::mem::take(&mut self.neighbour_buffer);
         self.predict_with(slot, precision, &mut neighbours);

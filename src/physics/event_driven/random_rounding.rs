@@ -3,7 +3,8 @@
 //!
 //! The method is that of J. Vignes, "A stochastic arithmetic for reliable scientific computation", Mathematics and
 //! Computers in Simulation 35 (1993). Results that need no rounding stay as they are, so that exact coincidences
-//! stay exact. The random numbers depend on the rounded numbers alone: the same question gets the same answer.
+//! stay exact. The random numbers depend on the rounded numbers alone: the same numbers are always rounded in the
+//! same way.
 
 use super::axis_trajectory::StateDd;
 use super::double_double::DoubleDouble;

@@ -6,13 +6,13 @@
 //! is carried, that is, if some acceleration differs from free fall.
 //!
 //! Where no body of a component carries a force of its own, a body is held if constraints lead from it
-//! to an infinite mass in the direction of gravity, and falls freely otherwise. The contact graph knows so without a
-//! visit of the component.
+//! to an infinite mass in the direction of gravity, and falls freely otherwise. The contact graph stores this, so the
+//! component need not be visited.
 
 use super::EventDriven;
 use super::body_state::{Load, Slot};
 use super::double_double::DoubleDouble;
-use super::patch::{Local, Patch, Touch, TouchKind};
+use super::patch::{Entry, Local, Patch, Touch, TouchKind};
 use crate::physics::{Axis, Side};
 use std::cmp::Ordering;
 
@@ -99,11 +99,11 @@ impl EventDriven {
         self.keep_contacts(patch, body, axis, |patch, other| {
             patch.touch_between(body, other).is_some_and(|touch| {
                 let touch = &patch.touches[touch as usize];
-                let across = match touch.kind {
+                let lasts_across = match touch.kind {
                     TouchKind::Face(face) => face == axis,
                     TouchKind::Corner => patch.approach(touch, axis.other()).high >= 0.0,
                 };
-                across && patch.approach_sign(touch, axis) == Ordering::Equal
+                lasts_across && patch.approach_sign(touch, axis) == Ordering::Equal
             })
         });
     }
@@ -346,7 +346,7 @@ impl EventDriven {
             if Axis::BOTH.into_iter().any(|axis| self.is_contact(patch, touch, axis)) {
                 continue;
             }
-            let axes = patch.blocked_axes(touch, true);
+            let axes = patch.blocked_axes(touch, Entry::MovingOrFromRest);
             for axis in Axis::BOTH {
                 if axes[axis] && patch.approach(touch, axis).high == 0.0 {
                     blocked.push((index, axis));

@@ -142,7 +142,8 @@ impl EventDriven {
 
 /// The free position nearest to the present one, if there is one within `radius`, m.
 ///
-/// Ties are resolved in the order left, right, top, bottom.
+/// Of several nearest positions, it is that with the smallest displacement along x, then with the lowest x and y: top,
+/// bottom, left, right.
 fn nearest_free_corner(aabb: &Aabb, obstacles: &[Aabb], radius: f64) -> Option<[f64; 2]> {
     let [xs, ys] = Axis::BOTH.map(|axis| candidate_coordinates(aabb, obstacles, axis));
     let mut best = None;

@@ -1,4 +1,4 @@
-//! Swept AABBs: the axis-aligned bounding box of the area that a body sweeps until its next prediction.
+//! Swept AABBs: axis-aligned rectangles around all positions of a body for some time.
 
 use super::body_state::BodyState;
 use super::pair_event::Sample;
@@ -11,10 +11,10 @@ const MARGIN: f64 = 1.0 / (1_u64 << 22) as f64;
 /// Maximum time, s: longer than any run, with a finite square.
 const MAX_SECONDS: f64 = 1e150;
 
-/// A rectangle that a body does not leave before its next prediction.
+/// A rectangle around a box, or around all its positions for some time, rounded outwards to single precision.
 ///
-/// If the rectangles of two bodies are disjoint, the bodies cannot touch before one of them predicts
-/// again, so no prediction is needed for the pair. Single precision suffices and halves the memory.
+/// If the rectangles of two bodies are disjoint, the bodies do not touch in that time, so no prediction is needed for the
+/// pair. Single precision suffices and halves the memory.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(16))]
 pub struct SweptAabb {

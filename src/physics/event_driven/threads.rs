@@ -4,9 +4,7 @@ use std::num::NonZero;
 use std::sync::{Mutex, PoisonError};
 use std::thread::{Builder, available_parallelism, scope};
 
-/// The number of threads among which the parts of a step are divided that depend on no order.
-///
-/// It influences no result.
+/// The number of threads that share the work of a step whose order does not matter. It influences no result.
 #[derive(Clone, Copy, Debug)]
 pub struct Threads(usize);
 

@@ -23,7 +23,7 @@ use super::predict::Approach;
 use super::spatial_hash::NONE;
 use super::swept_aabb::SweptAabb;
 use super::threads::Threads;
-use crate::physics::larger;
+use crate::physics::{larger, smaller};
 
 /// The numbers on which speed depends, but no result.
 #[derive(Clone, Copy, Debug)]
@@ -66,6 +66,9 @@ const ROUNDING: f64 = 1.0 / (1_u64 << 20) as f64;
 const MIN_WINDOW: f64 = 2.0;
 const MAX_WINDOW: f64 = 64.0;
 
+/// The factor by which the cells are enlarged if too many homes are larger than they.
+const WIDENING: f64 = 1.5;
+
 /// With more strays than one for this number of bodies, the window ends at once.
 const MIN_BODIES_PER_STRAY: usize = 4;
 
@@ -77,7 +80,7 @@ const RETRY_STEPS: u64 = 256;
 /// Invariants: a body does not leave its path before `valid_until` unless its trajectory changes, and its path lies in
 /// its home. Two bodies whose homes overlap are in each other's lists; only static bodies, which predict nothing, have
 /// none. Two listed bodies whose paths overlap were predicted, up to `valid_until`, since the later of their latest
-/// changes, unless the earlier of them has an event before that of the pair.
+/// changes, unless the first of them has an event before that of the pair.
 #[derive(Clone, Debug, Default)]
 pub struct WindowLists {
     tuning: Tuning,
@@ -115,7 +118,7 @@ pub struct WindowLists {
     found: NeighbourBuffer,
 }
 
-/// What a window stores of a body and only the body itself reads: half a cache line.
+/// The record of a body in a window that only the body itself reads: half a cache line.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(32))]
 struct Resident {
@@ -221,7 +224,7 @@ impl WindowLists {
         all
     }
 
-    /// Lets the path of a body be unknown, because its trajectory has changed.
+    /// Marks the path of a body as unknown after a change of its trajectory.
     #[inline]
     pub fn invalidate(&mut self, slot: Slot) {
         self.paths[slot as usize] = SweptAabb::EVERYWHERE;
@@ -245,30 +248,38 @@ impl WindowLists {
         let distance = self.tuning.displacement * self.size;
         // The root of distance = speed·t + ½·acceleration·t².
         let seconds = 2.0 * distance / (speed + (speed * speed + 2.0 * acceleration * distance).sqrt());
-        let steps = seconds / clock.period;
-        if steps.is_nan() || steps < MIN_WINDOW {
-            return false;
+        let mut steps = smaller(seconds / clock.period, MAX_WINDOW);
+        let mut widening = 1.0;
+        // A NaN is too short, too.
+        while steps >= MIN_WINDOW {
+            let end = step + steps as u64;
+            let seconds = (end - step) as f64 * clock.period;
+            let displacement = seconds * (speed + 0.5 * acceleration * seconds);
+            self.skin = larger(displacement * self.tuning.skin, self.size * MIN_SKIN);
+            self.end = Some(end);
+            // Events at the end may be a little later than it.
+            self.valid_until = super::end_of_vicinity(clock.start_of(end)).after(clock.period / 16.0);
+            self.set_homes(bodies, now, threads);
+            // In a gas, almost no body is more than twice as fast along an axis.
+            let side = widening * (self.size + 2.0 * (self.skin + displacement));
+            if self.sort_homes(side, threads) {
+                self.make_lists(threads);
+                self.list_outside_grid();
+                return true;
+            }
+            // In a heap, some bodies still fall when most are at rest. They fit into larger cells, or have smaller homes in a
+            // shorter window.
+            (widening, steps) = if widening < WIDENING { (WIDENING, steps) } else { (widening, steps / 2.0) };
         }
-        let steps = if steps < MAX_WINDOW { steps as u64 } else { MAX_WINDOW as u64 };
-        let seconds = steps as f64 * clock.period;
-        let displacement = seconds * (speed + 0.5 * acceleration * seconds);
-        self.skin = larger(displacement * self.tuning.skin, self.size * MIN_SKIN);
-        self.end = Some(step + steps);
-        // Events at the end may be a little later than it.
-        self.valid_until = super::end_of_vicinity(clock.start_of(step + steps)).after(clock.period / 16.0);
-        self.set_homes(bodies, now, threads);
-        // Almost no body is more than twice as fast along an axis.
-        let side = self.size + 2.0 * (self.skin + displacement);
+        false
+    }
+
+    /// Sorts the homes into cells of a side, m; returns false if lists do not pay with these cells.
+    fn sort_homes(&mut self, side: f64, threads: Threads) -> bool {
         self.large.clear();
         let residents = &self.residents;
-        if !self.grid.sort(side, &self.moving, |slot| &residents[slot as usize].home, &mut self.large, threads)
-            || self.large.len() > self.max_large()
-        {
-            return false;
-        }
-        self.make_lists(threads);
-        self.list_outside_grid();
-        true
+        self.grid.sort(side, &self.moving, |slot| &residents[slot as usize].home, &mut self.large, threads)
+            && self.large.len() <= self.max_large()
     }
 
     /// The root mean squares of the speeds (m/s) and accelerations (m/s²) of the bodies that can move.
