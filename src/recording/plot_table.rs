@@ -1,4 +1,5 @@
-//! Tables for plotting: MCAP files with one topic per body, which `rebond export -o FILE.mcap` writes. They are no recordings.
+//! Tables for plotting: MCAP files with one topic per body, which `rebond export -o FILE.mcap` writes. They are not
+//! recordings.
 
 use super::{Error, open_file};
 use mcap::{MAGIC, records::op};
@@ -53,15 +54,21 @@ fn summary_schemas(file: &mut (impl Read + Seek)) -> io::Result<Vec<Vec<u8>>> {
     Ok(names)
 }
 
-/// Splits the first record, with its opcode in front of its fields, from the following ones.
-fn split_record(bytes: &[u8]) -> Option<((u8, &[u8]), &[u8])> {
+/// A record of an MCAP file.
+struct Record<'a> {
+    opcode: u8,
+    fields: &'a [u8],
+}
+
+/// Splits the first record from the following ones.
+fn split_record(bytes: &[u8]) -> Option<(Record<'_>, &[u8])> {
     let (prefix, rest) = bytes.split_at_checked(PREFIX)?;
     let (fields, following) = rest.split_at_checked(usize::try_from(number(&prefix[1..])).ok()?)?;
-    Some(((prefix[0], fields), following))
+    Some((Record { opcode: prefix[0], fields }, following))
 }
 
 /// The name in a schema record: its id (2 bytes), the length of the name (4 bytes), the name.
-fn schema_name((opcode, fields): (u8, &[u8])) -> Option<Vec<u8>> {
+fn schema_name(Record { opcode, fields }: Record) -> Option<Vec<u8>> {
     let (length, rest) = fields.get(2..).filter(|_| opcode == op::SCHEMA)?.split_at_checked(4)?;
     Some(rest.get(..number(length) as usize)?.to_vec())
 }
