@@ -71,7 +71,10 @@ pub enum CommandError {
     #[error("{0}")]
     TemporaryFiles(io::Error),
     /// The page of differences cannot be written.
-    #[error("cannot write the page of differences to {}: {source}; choose another folder with --report", folder.display())]
+    #[error(
+        "cannot write the page of differences to {}: {source}; choose another folder with --report",
+        folder.display()
+    )]
     Page {
         /// The folder of the page.
         folder: PathBuf,

@@ -86,8 +86,8 @@ pub fn run(options: &RenderOptions) -> Result<Exit, CommandError> {
     Ok(exit)
 }
 
-/// Names the frames in a folder that were there before and are not replaced, because they may be of another run. They are
-/// kept, because a run may be drawn in several ranges of steps.
+/// Names the frames in a folder that were there before and are not replaced, because they may be of another run. They
+/// are kept, because a run may be drawn in several ranges of steps.
 fn warn_of_other_frames(folder: &Path, others: &[String]) {
     if let [first, ..] = others
         && let Some(last) = others.last()

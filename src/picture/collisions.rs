@@ -11,14 +11,14 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// Finds the first collision with an impulse in or after a step, or at or after a time, between the bodies of `pair` if
-/// given, by replaying the recording. If no later collision has an impulse, finds the first one without: bodies that overlap at rest or while
-/// they separate, which the handout's solver displaces.
+/// given, by replaying the recording. If no later collision has an impulse, finds the first one without: bodies that
+/// overlap at rest or while they separate, which the handout's solver displaces.
 ///
 /// Returns it with the health of the recording as far as it was read.
 ///
 /// # Errors
-/// If there is no such collision or no state, if a [`CollisionSelector`] cannot name it, or if the recording cannot be read
-/// or diverges.
+/// If there is no such collision or no state, if a [`CollisionSelector`] cannot name it, or if the recording cannot be
+/// read or diverges.
 pub fn find_collision(
     source: &Source,
     start: StepOrTime,
@@ -121,8 +121,8 @@ impl<'a> Search<'a> {
         };
         let names = collision.bodies.map(|id| self.bodies.get(&id).map_or("", |body| body.name.as_str()));
         let reason = format!(
-            "the collision of {:?} and {:?} at {} s is not their first one in step {step}; choose a collision by its step \
-             with --step {step} or --step {}, or record with a higher rate",
+            "the collision of {:?} and {:?} at {} s is not their first one in step {step}; choose a collision by its \
+             step with --step {step} or --step {}, or record with a higher rate",
             names[0],
             names[1],
             collision.instant,

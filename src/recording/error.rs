@@ -35,8 +35,8 @@ pub enum Error {
     },
     /// The file is a table for plotting, which `rebond export` has written.
     #[error(
-        "a table for plotting, written by rebond export, not a recording; use the recording or the scene that it was made \
-         from"
+        "a table for plotting, written by rebond export, not a recording; use the recording or the scene that it was \
+         made from"
     )]
     PlotTable,
     /// The file ends before its settings.

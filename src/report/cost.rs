@@ -26,8 +26,8 @@ const MIN_SECONDS: f64 = 0.1;
 const MAX_SECONDS: f64 = 1.5;
 
 impl Cost {
-    /// Measures a run. If it ends in an error, the part up to the error is measured. `None` if no body of finite mass takes
-    /// a step.
+    /// Measures a run. If it ends in an error, the part up to the error is measured. `None` if no body of finite mass
+    /// takes a step.
     ///
     /// # Errors
     /// Returns an error if an input of the scene is invalid.

@@ -130,8 +130,8 @@ pub fn load_with(path: &Path, overrides: &[Override]) -> Result<Scene, SceneErro
     load_text(path, &read_text(path)?, overrides)
 }
 
-/// Parses the text of the file at `path`, which may be a pipe that cannot be read again, as [`load_with`] does, and reads
-/// its images.
+/// Parses the text of the file at `path`, which may be a pipe that cannot be read again, as [`load_with`] does, and
+/// reads its images.
 ///
 /// # Errors
 /// Those of [`load_with`].

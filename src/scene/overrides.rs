@@ -289,8 +289,8 @@ struct Place<'t> {
 }
 
 impl Target<'_> {
-    /// Finds the place below `table`, whose path is the first `depth` keys. Tables that do not exist are added on the way. A
-    /// place that cannot be is reported.
+    /// Finds the place below `table`, whose path is the first `depth` keys. Tables that do not exist are added on the
+    /// way. A place that cannot be is reported.
     fn find<'t>(&self, table: &'t mut dyn TableLike, depth: usize, mut path: Vec<String>) -> Option<Place<'t>> {
         let key = &self.keys[depth];
         if depth + 1 == self.keys.len() {
