@@ -474,7 +474,7 @@ impl EventDriven {
     }
 }
 
-/// The first axis along which two boxes part so slowly that they meet again before they have moved by the resolution of
+/// The first axis along which two boxes part so slowly that they collide again before they have moved by the resolution of
 /// their positions. At a corner they must also come to overlap on the other axis, from rest or after such a bounce.
 fn returning_axis(patch: &Patch, touch: &Touch, resolution: Resolution) -> Option<Axis> {
     let motions =

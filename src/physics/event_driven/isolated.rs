@@ -12,7 +12,8 @@ use super::least_change::MASS_UNIT;
 use super::reference::{Reference, ScaledState};
 use crate::physics::{Axis, Collision, Observer, Rect, Side, Vector, World};
 
-/// Two bodies whose faces meet, those that give way without contacts: what stays the same from impact to impact.
+/// Two bodies whose faces collide, without contacts of those that give way: the data that stay the same from impact to
+/// impact.
 ///
 /// All pairs have the body on the low side first.
 #[derive(Clone, Copy, Debug)]
@@ -44,7 +45,7 @@ impl Meeting {
 }
 
 impl EventDriven {
-    /// Carries out the impact of two bodies whose faces meet now, unless other bodies, contacts or limits are
+    /// Carries out the impact of two bodies whose faces touch now, unless other bodies, contacts or limits are
     /// involved; returns whether it did. `side` is that of the first on which the second lies.
     pub(super) fn collide_isolated<O: Observer>(
         &mut self,
