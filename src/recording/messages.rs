@@ -345,13 +345,11 @@ mod tests {
     fn spawn() -> impl Strategy<Value = Spawn> {
         let mass = prop_oneof![positive(), Just(f64::INFINITY)];
         (".*", vector(), positive(), positive(), mass, vector(), vector(), ".*").prop_map(
-            |(name, origin, width, height, mass, velocity, force, material)| Spawn {
-                name,
-                rect: Rect::new(origin, width, height),
-                mass,
-                velocity,
-                force,
-                material,
+            |(name, origin, width, height, mass, velocity, force, material)| {
+                let rect = Rect::new(origin, width, height);
+                let spawn = Spawn { name, rect, mass, velocity, force, material };
+                // A force that gives an infinite acceleration is not valid.
+                if spawn.is_valid() { spawn } else { Spawn { force: Vector::ZERO, ..spawn } }
             },
         )
     }
