@@ -265,7 +265,7 @@ pub enum CommandError {
         frames: u64,
         /// Its duration, s.
         seconds: f64,
-        /// What brings it within the limits.
+        /// Advice that brings it within the limits.
         cures: String,
     },
     /// A clip is longer than any clip may be.
@@ -283,7 +283,7 @@ pub enum CommandError {
         max_frames: u64,
         /// The longest duration, s.
         max_seconds: f64,
-        /// What brings it within the limits.
+        /// Advice that brings it within the limits.
         cures: String,
     },
     /// A range ends before it starts.

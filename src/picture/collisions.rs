@@ -112,7 +112,7 @@ impl<'a> Search<'a> {
     }
 
     /// Returns an error if the pair of the collision found has collided in the same step before, so that step and pair
-    /// do not tell the two apart.
+    /// do not distinguish the two collisions.
     fn refuse_ambiguous(&self) -> Result<(), Error> {
         let (step, pairs) = &self.passed;
         let found = self.found.as_ref().or(self.without_impulse.as_ref());

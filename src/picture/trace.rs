@@ -1,5 +1,7 @@
+use super::impacts::Impacts;
+use super::moving_world::{MovingWorld, StepCollisions, after_impulses};
 use super::{Appearance, Error, Language, Progress, ReadExtent, ReadStatus, Source, StepGrid, recorded_world};
-use crate::physics::{Body, BodyId, Collision, CollisionCount, Engine, Observer, Rect, Vector, World, larger};
+use crate::physics::{BodyId, Collision, CollisionCount, Engine, Observer, World};
 use crate::recording::{Change, Error as RecordingError, Health, Item, Playback};
 use crate::replay::Replayer;
 use std::collections::{BTreeMap, BTreeSet};
@@ -12,57 +14,6 @@ pub enum Traced<'a> {
     World(TracePoint<'a>),
     /// The colliding bodies at one instant.
     Impacts(&'a Impacts),
-}
-
-/// The collisions at one instant.
-#[derive(Clone, Debug, Default)]
-pub struct Impacts {
-    /// Seconds since step 0.
-    pub time: f64,
-    /// The bodies that collide.
-    pub bodies: BTreeMap<BodyId, Impact>,
-}
-
-/// The collisions of one body at one instant.
-#[derive(Clone, Debug)]
-pub struct Impact {
-    /// The body.
-    pub appearance: Arc<Appearance>,
-    /// Its rectangle, m.
-    pub rect: Rect,
-    /// Its velocity before all collisions of the instant, m/s.
-    pub before: Vector,
-    /// Its velocity after them, m/s.
-    pub after: Vector,
-    /// The sum of their impulses, N·s.
-    impulse: Vector,
-}
-
-impl Impacts {
-    fn add(&mut self, collision: &Collision, appearances: &BTreeMap<BodyId, Arc<Appearance>>) {
-        for (at, sign) in [1.0, -1.0].into_iter().enumerate() {
-            let id = collision.bodies[at];
-            let Some(appearance) = appearances.get(&id) else { continue };
-            let impact = self.bodies.entry(id).or_insert_with(|| Impact {
-                appearance: appearance.clone(),
-                rect: collision.rects[at],
-                before: collision.before[at],
-                after: collision.after[at],
-                impulse: Vector::ZERO,
-            });
-            impact.after = collision.after[at];
-            impact.impulse = impact.impulse.add(collision.normal.mult(sign * collision.impulse));
-        }
-    }
-
-    /// Returns true if the impulses explain the velocities: no body pushes others that do not collide.
-    pub fn are_complete(&self) -> bool {
-        self.bodies.values().all(|Impact { appearance, before, after, impulse, .. }| {
-            let mass = appearance.mass;
-            let rounding = 1e-9 * impulse.norm() + 1e-12 * mass * (before.norm() + after.norm());
-            mass == f64::INFINITY || after.sub(*before).mult(mass).sub(*impulse).norm() <= rounding
-        })
-    }
 }
 
 /// The parts of a [`trace`] between the states.
@@ -524,129 +475,13 @@ impl Observer for TracedStep<'_> {
     }
 }
 
-/// The world at the beginning of a step of the handout's solver, from `start` to `end`, after its impulses: the velocities
-/// are those at the end, without the change that forces have caused since.
-fn after_impulses(start: &World, end: &World, duration: f64) -> World {
-    let mut world = MovingWorld::new(start);
-    for (at, body) in world.world.bodies.iter_mut().enumerate() {
-        if let Ok(after) = end.bodies.binary_search_by_key(&body.id, |body| body.id) {
-            body.velocity = end.bodies[after].velocity.sub(world.accelerations[at].mult(duration));
-        }
-    }
-    world.world
-}
-
 /// The distance of points on curves that are not straight, in columns.
 const SMOOTH_COLUMNS: f64 = 8.0;
-
-/// The collisions of a step.
-struct StepCollisions {
-    step: u64,
-    column: f64,
-    /// The first instant of a collision in each column, s after the start of the step.
-    offsets: Vec<f64>,
-    /// All collisions, in order; `None` if there are more than [`MAX_CHANGES`].
-    changes: Option<Vec<Collision>>,
-}
-
-/// The largest number of collisions of a step that are kept, 24 MB.
-const MAX_CHANGES: usize = 100_000;
-
-impl Observer for StepCollisions {
-    fn collision(&mut self, collision: &Collision) {
-        if collision.step != self.step || collision.impulse == 0.0 {
-            return;
-        }
-        if self.offsets.last().is_none_or(|last| collision.time - last >= self.column) {
-            self.offsets.push(collision.time);
-        }
-        match &mut self.changes {
-            Some(changes) if changes.len() < MAX_CHANGES => changes.push(collision.clone()),
-            _ => self.changes = None,
-        }
-    }
-}
-
-/// The world within a step, moved on from its start by the collisions of two bodies each. Bodies move uniformly
-/// accelerated in between.
-struct MovingWorld {
-    world: World,
-    /// The instant of the position and velocity of each body, s after the start of the step.
-    since: Vec<f64>,
-    accelerations: Vec<Vector>,
-}
-
-impl MovingWorld {
-    /// The world at the start of a step, if its collisions explain the state at the end: no body rests on another or is
-    /// pushed together with one, and all collisions are known.
-    fn through(engine: &Engine, collisions: &StepCollisions, end: &World, duration: f64) -> Option<MovingWorld> {
-        let start = engine.world();
-        let changes = collisions.changes.as_ref()?;
-        let new = || MovingWorld::new(start);
-        let mut moved = new();
-        changes.iter().for_each(|change| moved.apply(change));
-        let moved = moved.at(duration);
-        let size = |value: Vector| larger(value.x.abs(), value.y.abs());
-        let reach = end.bodies.iter().map(|body| size(body.rect.far_corner())).fold(0.0, larger);
-        let speed = end.bodies.iter().map(|body| size(body.velocity)).fold(0.0, larger);
-        let is_near = |a: Vector, b: Vector, scale: f64| size(a.sub(b)) <= 1e-9 * scale;
-        let is_explained = moved.bodies.len() == end.bodies.len()
-            && moved.bodies.iter().zip(&end.bodies).all(|(a, b)| {
-                a.id == b.id
-                    && is_near(a.rect.origin, b.rect.origin, reach + speed * duration)
-                    && is_near(a.velocity, b.velocity, speed)
-            });
-        is_explained.then(new)
-    }
-
-    fn new(start: &World) -> MovingWorld {
-        let world = World {
-            // Names are not needed, and would have to be copied.
-            bodies: start.bodies.iter().map(|body| Body { name: String::new(), ..body.clone() }).collect(),
-            gravity: start.gravity,
-            restitution: start.restitution.clone(),
-        };
-        let gravity = start.gravity.unwrap_or(Vector::ZERO);
-        let acceleration = |body: &Body| match body.mass.is_finite() {
-            true => gravity.add(body.constant_force.mult(1.0 / body.mass)),
-            false => Vector::ZERO,
-        };
-        MovingWorld {
-            since: vec![0.0; world.bodies.len()],
-            accelerations: world.bodies.iter().map(acceleration).collect(),
-            world,
-        }
-    }
-
-    /// Moves a body to an instant of the step.
-    fn advance(&mut self, at: usize, time: f64) {
-        let (body, elapsed) = (&mut self.world.bodies[at], time - self.since[at]);
-        let change = self.accelerations[at].mult(elapsed);
-        let mean = body.velocity.add(change.mult(0.5));
-        body.rect.origin = body.rect.origin.add(mean.mult(elapsed));
-        body.velocity = body.velocity.add(change);
-        self.since[at] = time;
-    }
-
-    fn apply(&mut self, change: &Collision) {
-        for (id, velocity) in change.bodies.iter().zip(change.after) {
-            if let Ok(at) = self.world.bodies.binary_search_by_key(id, |body| body.id) {
-                self.advance(at, change.time);
-                self.world.bodies[at].velocity = velocity;
-            }
-        }
-    }
-
-    /// The world at an instant of the step that is not before the last collision.
-    fn at(&mut self, time: f64) -> &World {
-        (0..self.world.bodies.len()).for_each(|at| self.advance(at, time));
-        &self.world
-    }
-}
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::physics::Vector;
     use crate::picture::Thinning;
     use crate::picture::figures::{EnergySample, SystemSums, TimeCurve};
     use crate::replay::{self, ALL_STEPS, RecordOptions};
@@ -877,7 +712,7 @@ mod tests {
         Source::open(&path).unwrap()
     }
 
-    /// Whether several collisions are in a column or several steps: every crossing is in the trace.
+    /// Every crossing is in the trace, if several collisions are in a column and if several steps are.
     #[test]
     fn the_colliding_bodies_are_traced_at_every_collision() {
         let folder = tempfile::tempdir().unwrap();

@@ -3,12 +3,12 @@ use super::panels::Layout;
 use super::timeline::{Timeline, draw_timeline, timeline_legend};
 use super::{EnergySample, MAX_IN_LEGEND, SystemSums, TimeCurve, counted_bodies};
 use crate::physics::{Axis, BodyId, Rect, Vector, World, larger, smaller};
+use crate::picture::impacts::{Impact, Impacts};
 use crate::picture::layers::dashes::DashPattern;
 use crate::picture::layers::footer::{Entry, LINE_WIDTH, Legend, quoted};
 use crate::picture::number::Unit;
 use crate::picture::raster::color::SPEED_COLORS;
 use crate::picture::text::Line;
-use crate::picture::trace::{Impact, Impacts};
 use crate::picture::{
     Appearance, Color, ColorBy, DisplayList, DrawingMetrics, Ink, Palette, Quantity, RenderError, Style, color,
 };

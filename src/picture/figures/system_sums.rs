@@ -2,7 +2,7 @@
 
 use super::EnergySample;
 use crate::physics::{Body, BodyId, Vector, World};
-use crate::picture::trace::{Impact, Impacts};
+use crate::picture::impacts::{Impact, Impacts};
 
 /// Energy and momentum of the bodies of finite mass in a state, continued through the collisions after it. A collision
 /// costs as much as its bodies, not as all bodies: those that do not collide keep the values of the state.
