@@ -663,7 +663,8 @@ mod tests {
     fn the_energy_of_each_state_is_that_of_the_exported_table_to_the_bit() {
         let folder = tempfile::tempdir().unwrap();
         let (mut with_potential, mut compared) = (0, 0);
-        for seed in 0..60 {
+        let seeds = if cfg!(debug_assertions) { 20 } else { 60 };
+        for seed in 0..seeds {
             let path = folder.path().join(format!("{seed}.mcap"));
             let scene = scene::parse("scene.toml", &random_scene(seed)).unwrap();
             let options = RecordOptions::complete(&scene);
@@ -694,7 +695,8 @@ mod tests {
             }
             with_potential += u32::from(table.iter().any(|row| f64::from_bits(row.1[1]) != 0.0));
         }
-        assert!(with_potential > 20 && with_potential < 50 && compared > 5000, "{with_potential}, {compared}");
+        let of_seeds = |fraction: f64| f64::from(with_potential) > fraction * seeds as f64;
+        assert!(of_seeds(0.3) && !of_seeds(0.85) && compared > 80 * seeds, "{with_potential}, {compared}");
     }
 
     /// A ball that crosses a slot 100 times per second, with or without weight.

@@ -113,7 +113,9 @@ fn a_cut_recording_keeps_all_complete_chunks() {
     let (complete, _) = items(&bytes);
     let mut kept = 0;
     let mut table = Vec::new();
-    for cut in 0..bytes.len() {
+    // In debug builds every 11th cut, and all of the last chunk and the index.
+    let is_tried = |cut: usize| !cfg!(debug_assertions) || cut.is_multiple_of(11) || cut + 500 > bytes.len();
+    for cut in (0..bytes.len()).filter(|cut| is_tried(*cut)) {
         if let Err(error) = read(&bytes[..cut]) {
             assert!(matches!(error, Error::TruncatedHeader), "cut at {cut}: {error}");
             assert_eq!(kept, 0, "cut at {cut} loses items of a shorter part");
@@ -155,8 +157,8 @@ fn every_flipped_bit_is_detected_and_costs_at_most_one_chunk() {
     let bytes = record(&drop_and_delete());
     let (complete, _) = items(&bytes);
     let mut table = BTreeMap::new();
-    // In release builds every bit. Otherwise every 13th, which covers all bit positions within a byte.
-    let stride = if cfg!(debug_assertions) { 13 } else { 1 };
+    // In release builds every bit. Otherwise every 29th, which covers all bit positions within a byte.
+    let stride = if cfg!(debug_assertions) { 29 } else { 1 };
     for bit in (0..bytes.len() * 8).step_by(stride) {
         let mut flipped = bytes.clone();
         flipped[bit / 8] ^= 1 << (bit % 8);
