@@ -18,6 +18,7 @@ use super::impact_history::Cycle;
 use super::least_change::MASS_UNIT;
 use super::patch::{Entry, Local, Patch, Touch, TouchKind};
 use crate::physics::{Axis, Collision, Observer, Rect, Side, StepError, Vector, World, larger};
+use std::cmp::Ordering;
 
 /// Approaches below this fraction of the greatest of a burst are rounding.
 const DECAYED: f64 = 1.0 / (1_u128 << 80) as f64;
@@ -31,7 +32,7 @@ const SQUEEZE_INTERVAL: u64 = 64;
 /// One side of an impact: the body and all that it pushes.
 #[derive(Clone, Debug, Default)]
 pub struct Cluster {
-    /// Empty if the impact moves none.
+    /// The body, and the others in creation order. Empty if the impact moves none.
     members: Vec<Local>,
     /// In units of [`MASS_UNIT`]; infinite if the cluster cannot move.
     mass: DoubleDouble,
@@ -167,15 +168,15 @@ impl EventDriven {
         cluster.mass = self.total_mass(patch, &cluster.members);
     }
 
-    /// The total mass of bodies in units of [`MASS_UNIT`], summed in creation order.
+    /// The total mass of bodies in units of [`MASS_UNIT`], summed in creation order. Those after the first must be in this
+    /// order.
     fn total_mass(&self, patch: &Patch, members: &[Local]) -> DoubleDouble {
-        let mass = |slot: Slot| DoubleDouble::from(self.bodies.params(slot).mass * MASS_UNIT);
-        if let [single] = members {
-            return mass(patch.bodies[*single as usize].slot);
-        }
-        let mut slots: Vec<Slot> = members.iter().map(|body| patch.bodies[*body as usize].slot).collect();
-        slots.sort_unstable();
-        slots.into_iter().map(mass).reduce(|sum, mass| sum + mass).unwrap_or(DoubleDouble::ZERO)
+        let slot_of = |body: &Local| patch.bodies[*body as usize].slot;
+        let mass = |body: &Local| DoubleDouble::from(self.bodies.params(slot_of(body)).mass * MASS_UNIT);
+        let Some((first, others)) = members.split_first() else { return DoubleDouble::ZERO };
+        let (earlier, later) = others.split_at(others.partition_point(|body| slot_of(body) < slot_of(first)));
+        let in_order = earlier.iter().chain([first]).chain(later).map(mass);
+        in_order.reduce(|sum, mass| sum + mass).unwrap_or(DoubleDouble::ZERO)
     }
 
     /// Gives the clusters on both sides of an impact their velocities and ends their contacts with bodies of
@@ -207,14 +208,17 @@ impl EventDriven {
     fn velocities_changed(&mut self, patch: &mut Patch, members: &[Local], axis: Axis) {
         for body in members {
             self.explore(patch, *body);
-            Axis::BOTH.into_iter().for_each(|axis| patch.mark_dirty(*body, axis));
+            patch.mark_dirty(*body, axis);
             self.end_contacts_of_other_velocity(patch, *body, axis);
             for index in 0..patch.bodies[*body as usize].touches.len() {
                 let touch = patch.bodies[*body as usize].touches[index];
-                // Velocities along an axis do not change whether faces across the other approach.
-                if patch.touches[touch as usize].kind != TouchKind::Face(axis.other()) {
-                    patch.refresh(touch);
+                // Across the axis, only corners depend on the velocities along it.
+                match patch.touches[touch as usize].kind {
+                    TouchKind::Face(face) if face != axis => continue,
+                    TouchKind::Face(_) => {}
+                    TouchKind::Corner => patch.mark_dirty(*body, axis.other()),
                 }
+                patch.refresh(touch);
             }
         }
     }
@@ -223,7 +227,8 @@ impl EventDriven {
         self.keep_contacts(patch, body, axis, |patch, other| {
             let [own, others] = [body, other].map(|body| patch.axis(body, axis));
             let rounding = (own.speed + others.speed) * VELOCITY_ROUNDING;
-            (own.state.velocity - others.state.velocity).high.abs() <= rounding
+            let [velocity, others] = [own.state.velocity, others.state.velocity];
+            velocity == others || (velocity - others).high.abs() <= rounding
         });
     }
 
@@ -477,17 +482,18 @@ impl EventDriven {
 /// The first axis along which two boxes part so slowly that they collide again before they have moved by the resolution of
 /// their positions. At a corner they must also come to overlap on the other axis, from rest or after such a bounce.
 fn returning_axis(patch: &Patch, touch: &Touch, resolution: Resolution) -> Option<Axis> {
-    let motions =
-        Axis::BOTH.map(|axis| (patch.approach(touch, axis).high, patch.approach_acceleration(touch, axis).high));
-    let returns = |axis: Axis| {
-        let (speed, acceleration) = motions[axis];
+    let acceleration = |axis: Axis| patch.approach_acceleration(touch, axis).high;
+    let is_hidden = |axis: Axis| {
+        let (speed, acceleration) = (-patch.approach(touch, axis).high, acceleration(axis));
         let coordinates = touch.bodies.map(|body| patch.axis(body, axis).state.position.high);
         let sizes = touch.bodies.map(|body| patch.axis(body, axis).size.high);
-        speed < 0.0 && acceleration > 0.0 && resolution.hides_bounce(-speed, acceleration, coordinates, sizes)
+        acceleration > 0.0 && resolution.hides_bounce(speed, acceleration, coordinates, sizes)
     };
-    let enters = |axis: Axis| {
-        let (speed, acceleration) = motions[axis];
-        speed > 0.0 || (speed == 0.0 && acceleration > 0.0) || returns(axis)
+    let returns = |axis: Axis| patch.approach_sign(touch, axis) == Ordering::Less && is_hidden(axis);
+    let enters = |axis: Axis| match patch.approach_sign(touch, axis) {
+        Ordering::Greater => true,
+        Ordering::Equal => acceleration(axis) > 0.0,
+        Ordering::Less => is_hidden(axis),
     };
     Axis::BOTH.into_iter().find(|axis| match touch.kind {
         TouchKind::Face(face) => face == *axis && returns(face),

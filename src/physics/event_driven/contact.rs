@@ -30,6 +30,8 @@ pub struct ContactGraph {
     nodes: Vec<Node>,
     /// The total number of entries; at 0, lookups read no memory.
     count: usize,
+    /// Buffer for the bodies whose supports must be examined.
+    unchecked: Vec<Slot>,
 }
 
 /// A body in the graph.
@@ -107,13 +109,13 @@ impl ContactGraph {
                 self.count += 1;
             }
         }
-        self.update_supports(axis, vec![low, high])
+        self.update_supports(axis, [low, high])
     }
 
     /// Removes the contact of two bodies along an axis; returns the bodies whose support changed.
     pub fn remove(&mut self, [slot, other]: [Slot; 2], axis: Axis) -> Vec<Slot> {
         self.unlink([slot, other], axis);
-        self.update_supports(axis, vec![slot, other])
+        self.update_supports(axis, [slot, other])
     }
 
     /// Removes all contacts of a body; returns the bodies of finite mass that were in contact with it or whose
@@ -128,8 +130,7 @@ impl ContactGraph {
         let mut concerned = others.clone();
         for axis in Axis::BOTH {
             others.iter().for_each(|other| self.unlink([slot, *other], axis));
-            let unchecked = others.iter().copied().chain([slot]).collect();
-            concerned.extend(self.update_supports(axis, unchecked));
+            concerned.extend(self.update_supports(axis, others.iter().copied().chain([slot])));
         }
         concerned.retain(|other| *other != slot && !self.nodes[*other as usize].has_infinite_mass);
         concerned
@@ -144,9 +145,10 @@ impl ContactGraph {
         }
     }
 
-    /// Updates the supports, starting at `unchecked`; returns the bodies for which they changed.
-    fn update_supports(&mut self, axis: Axis, mut unchecked: Vec<Slot>) -> Vec<Slot> {
-        let mut changed = Vec::new();
+    /// Updates the supports, starting at some bodies; returns those for which they changed.
+    fn update_supports(&mut self, axis: Axis, start: impl IntoIterator<Item = Slot>) -> Vec<Slot> {
+        let (mut changed, mut unchecked) = (Vec::new(), std::mem::take(&mut self.unchecked));
+        unchecked.extend(start);
         while let Some(slot) = unchecked.pop() {
             if self.nodes[slot as usize].has_infinite_mass {
                 continue;
@@ -160,6 +162,7 @@ impl ContactGraph {
                 unchecked.extend(along.map(|contact| contact.other));
             }
         }
+        self.unchecked = unchecked;
         changed
     }
 

@@ -10,11 +10,12 @@ use super::impact_history::ImpactHistory;
 use super::instant::Instant;
 use super::pair_event::Sample;
 use super::reference::{Reference, ScaledState};
+use super::simultaneous::Alignment;
 use super::spatial_hash::NONE;
 use super::swept_aabb::SweptAabb;
 use crate::physics::{Axis, Side, larger};
-use std::cmp::Ordering;
-use std::collections::BTreeSet;
+use std::cmp::{Ordering, Reverse};
+use std::collections::BinaryHeap;
 
 /// An index into [`Patch::bodies`].
 pub type Local = u32;
@@ -91,8 +92,10 @@ pub struct Touch {
     pub blocks: [bool; 2],
     /// True if a block of the corner was released since contacts were last settled.
     pub was_released: bool,
-    /// True if it is listed in [`Patch::approaching`].
-    is_listed: bool,
+    /// True if the bodies approach each other, so that an impact is due.
+    approaches: bool,
+    /// True if it is in [`Patch::queue`].
+    is_queued: bool,
 }
 
 impl Touch {
@@ -147,15 +150,20 @@ pub struct Patch {
     pub touches: Vec<Touch>,
     /// By slot, the local index or [`NONE`].
     index: Vec<u32>,
-    /// The touches whose bodies approach each other: first the faces, then, marked true, the corners; each in creation
-    /// order of the bodies.
-    approaching: BTreeSet<(bool, Slot, Slot, u32)>,
+    /// The touches whose bodies approach each other, and some that did earlier in the instant: first the faces, then, marked
+    /// true, the corners; each in creation order of the bodies.
+    queue: BinaryHeap<Reverse<(bool, Slot, Slot, u32)>>,
+    /// True if two of the bodies touch at a corner.
+    has_corners: bool,
     /// For each axis, the bodies whose contacts must be examined.
     pub dirty: [Vec<Local>; 2],
     /// Spare lists of touches.
     spare: Vec<Vec<u32>>,
     /// The impacts so far, by local index; only the entries of roots count. Entries beyond `bodies` are kept for their memory.
     pub bursts: Vec<Burst>,
+    /// Buffer for the bodies that wait to be explored.
+    pub waiting: Vec<Local>,
+    pub alignment: Alignment,
 }
 
 impl Patch {
@@ -168,7 +176,8 @@ impl Patch {
             self.spare.push(touches);
         }
         self.touches.clear();
-        self.approaching.clear();
+        self.queue.clear();
+        self.has_corners = false;
         self.dirty.iter_mut().for_each(Vec::clear);
         if self.bodies.capacity() > KEPT_BODIES {
             *self = Patch { index: std::mem::take(&mut self.index), ..Patch::default() };
@@ -217,6 +226,9 @@ impl Patch {
     #[inline]
     pub fn approach_sign(&self, touch: &Touch, axis: Axis) -> Ordering {
         let [low, high] = touch.ordered(axis).map(|body| self.axis(body, axis));
+        if low.state.velocity == high.state.velocity {
+            return Ordering::Equal;
+        }
         let difference = low.state.velocity.high - high.state.velocity.high;
         let exact = || self.approach(touch, axis).high.partial_cmp(&0.0).unwrap_or(Ordering::Equal);
         if difference.abs() > (low.speed + high.speed) * CLEAR_SIGN {
@@ -316,30 +328,40 @@ impl Patch {
     }
 
     /// The first of the approaching touches.
-    pub fn first_approaching(&self) -> Option<u32> {
-        self.approaching.first().map(|(_, _, _, index)| *index)
+    pub fn first_approaching(&mut self) -> Option<u32> {
+        while let Some(Reverse((_, _, _, index))) = self.queue.peek().copied() {
+            let touch = &mut self.touches[index as usize];
+            if touch.approaches {
+                return Some(index);
+            }
+            touch.is_queued = false;
+            self.queue.pop();
+        }
+        None
     }
 
-    /// Lists a touch among the approaching ones, or removes it from them.
+    /// Queues a touch if its bodies approach each other.
     pub fn refresh(&mut self, index: u32) {
-        let touch = self.touches[index as usize];
+        let touch = &self.touches[index as usize];
+        let approaches_along = |axis: Axis| self.approach_sign(touch, axis) == Ordering::Greater;
         let approaches = match touch.kind {
-            TouchKind::Face(axis) => self.approach_sign(&touch, axis) == Ordering::Greater,
-            TouchKind::Corner => {
-                Axis::BOTH.into_iter().all(|axis| self.approach_sign(&touch, axis) == Ordering::Greater)
-            }
+            TouchKind::Face(axis) => approaches_along(axis),
+            TouchKind::Corner => Axis::BOTH.into_iter().all(approaches_along),
         };
-        if approaches == touch.is_listed {
-            return;
+        let must_queue = approaches && !touch.is_queued;
+        if must_queue {
+            let [first, second] = touch.bodies.map(|body| self.bodies[body as usize].slot);
+            self.queue.push(Reverse((touch.kind == TouchKind::Corner, first, second, index)));
         }
-        let [first, second] = touch.bodies.map(|body| self.bodies[body as usize].slot);
-        let entry = (touch.kind == TouchKind::Corner, first, second, index);
-        if approaches {
-            self.approaching.insert(entry);
-        } else {
-            self.approaching.remove(&entry);
-        }
-        self.touches[index as usize].is_listed = approaches;
+        let touch = &mut self.touches[index as usize];
+        touch.approaches = approaches;
+        touch.is_queued |= must_queue;
+    }
+
+    /// True if two of the bodies touch at a corner.
+    #[inline]
+    pub fn has_corners(&self) -> bool {
+        self.has_corners
     }
 }
 
@@ -351,10 +373,13 @@ const EQUAL_APPROACH: f64 = 1.0 / (1_u128 << 85) as f64;
 
 impl EventDriven {
     /// The local index of a body, which is added to the patch with its state at an instant if necessary.
+    #[inline]
     pub(super) fn load(&self, patch: &mut Patch, slot: Slot, at: Instant) -> Local {
-        if let Some(local) = patch.find(slot) {
-            return local;
-        }
+        patch.find(slot).unwrap_or_else(|| self.load_new(patch, slot, at))
+    }
+
+    /// The local index of a body that is not in the patch, which is added to it.
+    fn load_new(&self, patch: &mut Patch, slot: Slot, at: Instant) -> Local {
         // Both axes side by side.
         let references = [self.bodies.reference(slot, Axis::X), self.bodies.reference(slot, Axis::Y)];
         let [x, y] = Reference::scaled_states_at(&references, at, self.bodies.rounding());
@@ -363,10 +388,16 @@ impl EventDriven {
     }
 
     /// Adds all bodies that touch a body of finite mass to the patch.
+    #[inline(always)]
     pub(super) fn explore(&mut self, patch: &mut Patch, body: Local) {
-        if patch.bodies[body as usize].infinite || patch.bodies[body as usize].explored {
-            return;
+        if !patch.bodies[body as usize].infinite && !patch.bodies[body as usize].explored {
+            self.find_touches(patch, body);
         }
+    }
+
+    /// Adds all bodies that touch a body to the patch, and their touches.
+    #[inline(never)]
+    fn find_touches(&mut self, patch: &mut Patch, body: Local) {
         patch.bodies[body as usize].explored = true;
         let mut neighbours = std::mem::take(&mut self.neighbour_buffer);
         let LocalBody { slot, at, .. } = patch.bodies[body as usize];
@@ -417,8 +448,10 @@ impl EventDriven {
             side,
             blocks: [false; 2],
             was_released: false,
-            is_listed: false,
+            approaches: false,
+            is_queued: false,
         });
+        patch.has_corners |= kind == TouchKind::Corner;
         patch.bodies[first as usize].touches.push(index);
         patch.bodies[second as usize].touches.push(index);
         if !patch.bodies[first as usize].infinite && !patch.bodies[second as usize].infinite {

@@ -19,12 +19,17 @@ use std::cmp::Ordering;
 impl EventDriven {
     /// Begins and ends contacts and solves the accelerations, from the positions and velocities of the instant.
     pub(super) fn settle(&mut self, patch: &mut Patch) {
-        self.forget_blocks(patch);
+        if patch.has_corners() {
+            self.forget_blocks(patch);
+        }
         loop {
             for axis in Axis::BOTH {
                 while !patch.dirty[axis].is_empty() {
                     self.settle_axis(patch, axis);
                 }
+            }
+            if !patch.has_corners() {
+                break;
             }
             let has_turned = self.end_turned_contacts(patch);
             let has_blocked = self.block_entered_corners(patch);
@@ -55,12 +60,15 @@ impl EventDriven {
     /// Examines the dirty bodies and all that depend on them.
     fn settle_axis(&mut self, patch: &mut Patch, axis: Axis) {
         let mut examined = std::mem::take(&mut self.examined);
+        let falling_side = self.falling_side(axis);
         while let Some(body) = patch.dirty[axis].pop() {
             patch.axis_mut(body, axis).is_dirty = false;
             self.explore(patch, body);
             self.end_lost_contacts(patch, body, axis);
-            if self.load_of(patch, body, axis) == Load::GravityOnly {
-                self.hold_by_gravity(patch, body, axis);
+            if let Some(side) = falling_side
+                && self.load_of(patch, body, axis) == Load::GravityOnly
+            {
+                self.hold_by_gravity(patch, body, axis, side);
             }
             examined.push(body);
         }
@@ -69,7 +77,7 @@ impl EventDriven {
         let mut solved = Vec::new();
         for body in &examined {
             match self.load_of(patch, *body, axis) {
-                Load::GravityOnly => self.accelerate_by_gravity(patch, *body, axis),
+                Load::GravityOnly => self.accelerate_by_gravity(patch, *body, axis, falling_side),
                 Load::OwnForces if solved.contains(body) => {}
                 Load::OwnForces => self.solve_component(patch, *body, axis, &mut solved),
             }
@@ -132,10 +140,16 @@ impl EventDriven {
     }
 
     /// The load of a component, as far as it is known.
+    #[inline]
     fn load_of(&self, patch: &Patch, body: Local, axis: Axis) -> Load {
-        if !self.bodies.carry_forces(axis) {
-            return Load::GravityOnly;
+        match self.bodies.carry_forces(axis) {
+            true => self.load_with_forces(patch, body, axis),
+            false => Load::GravityOnly,
         }
+    }
+
+    /// The load of a component, as far as it is known, if forces act along the axis.
+    fn load_with_forces(&self, patch: &Patch, body: Local, axis: Axis) -> Load {
         let is_forced = |body: Local| {
             let slot = patch.bodies[body as usize].slot;
             self.bodies[slot].load[axis] == Load::OwnForces || self.bodies.params(slot).has_force[axis]
@@ -162,8 +176,7 @@ impl EventDriven {
     }
 
     /// Adds contacts with the held bodies below and, if the body is held itself, with those above.
-    fn hold_by_gravity(&mut self, patch: &mut Patch, body: Local, axis: Axis) {
-        let Some(side) = self.falling_side(axis) else { return };
+    fn hold_by_gravity(&mut self, patch: &mut Patch, body: Local, axis: Axis, side: Side) {
         for index in 0..patch.bodies[body as usize].touches.len() {
             let touch = patch.touches[patch.bodies[body as usize].touches[index] as usize];
             let below = if touch.side_of(body, axis) == side { touch.other(body) } else { body };
@@ -176,8 +189,8 @@ impl EventDriven {
         }
     }
 
-    fn accelerate_by_gravity(&mut self, patch: &mut Patch, body: Local, axis: Axis) {
-        let is_held = self.falling_side(axis).is_some_and(|side| self.is_held(patch, body, axis, side));
+    fn accelerate_by_gravity(&mut self, patch: &mut Patch, body: Local, axis: Axis, falling_side: Option<Side>) {
+        let is_held = falling_side.is_some_and(|side| self.is_held(patch, body, axis, side));
         let slot = patch.bodies[body as usize].slot;
         let acceleration = if is_held { DoubleDouble::ZERO } else { self.bodies.params(slot).free_acceleration[axis] };
         self.bodies.set_load(slot, axis, Load::GravityOnly);

@@ -152,7 +152,8 @@ impl EventDriven {
     /// Adds the bodies concerned to the patch, and in turn each body that begins or ceases to touch one of them now:
     /// of several such events of a body, the queue holds only one.
     fn load_concerned(&mut self, patch: &mut Patch, concerned: &[Concerned]) {
-        let mut waiting: Vec<Local> = concerned.iter().map(|body| self.load(patch, body.slot, body.at)).collect();
+        let mut waiting = std::mem::take(&mut patch.waiting);
+        waiting.extend(concerned.iter().map(|body| self.load(patch, body.slot, body.at)));
         while let Some(body) = waiting.pop() {
             Axis::BOTH.into_iter().for_each(|axis| patch.mark_dirty(body, axis));
             self.explore(patch, body);
@@ -167,6 +168,7 @@ impl EventDriven {
                 }
             }
         }
+        patch.waiting = waiting;
     }
 
     /// Makes the instant the reference of the bodies that it changed.
@@ -195,17 +197,19 @@ impl EventDriven {
 ///
 /// Unchanged bodies and, where there is none, the earliest changed one keep their positions.
 fn align_faces(patch: &mut Patch, axis: Axis) {
-    let mut changed: Vec<Local> =
-        (0..patch.bodies.len() as Local).filter(|body| patch.axis(*body, axis).has_changed).collect();
-    if changed.is_empty() {
+    if !patch.bodies.iter().any(|body| body.axes[axis].has_changed) {
         return;
     }
+    let mut buffers = std::mem::take(&mut patch.alignment);
+    let Alignment { changed, faces, is_placed, queue } = &mut buffers;
+    changed.clear();
+    changed.extend((0..patch.bodies.len() as Local).filter(|body| patch.axis(*body, axis).has_changed));
     changed.sort_unstable_by_key(|body| patch.bodies[*body as usize].slot);
-    let mut faces = Vec::new();
-    let mut is_placed: Vec<bool> = patch.bodies.iter().map(|body| !body.axes[axis].has_changed).collect();
-    let mut queue: Vec<Local> = Vec::new();
-    for body in &changed {
-        find_faces(patch, *body, axis, &mut faces);
+    is_placed.clear();
+    is_placed.extend(patch.bodies.iter().map(|body| !body.axes[axis].has_changed));
+    queue.clear();
+    for body in &*changed {
+        find_faces(patch, *body, axis, faces);
         if let Some((other, touch)) = faces.iter().find(|(other, _)| !patch.axis(*other, axis).has_changed) {
             place_on(patch, *body, *other, *touch, axis);
             is_placed[*body as usize] = true;
@@ -213,24 +217,37 @@ fn align_faces(patch: &mut Patch, axis: Axis) {
         }
     }
     let mut next = 0;
-    for body in changed {
+    for body in &*changed {
         loop {
             while let Some(by) = queue.get(next).copied() {
                 next += 1;
-                find_faces(patch, by, axis, &mut faces);
-                for (other, touch) in &faces {
+                find_faces(patch, by, axis, faces);
+                for (other, touch) in &*faces {
                     if !std::mem::replace(&mut is_placed[*other as usize], true) {
                         place_on(patch, *other, by, *touch, axis);
                         queue.push(*other);
                     }
                 }
             }
-            if std::mem::replace(&mut is_placed[body as usize], true) {
+            if std::mem::replace(&mut is_placed[*body as usize], true) {
                 break;
             }
-            queue.push(body);
+            queue.push(*body);
         }
     }
+    patch.alignment = buffers;
+}
+
+/// Buffers for [`align_faces`].
+#[derive(Clone, Debug, Default)]
+pub struct Alignment {
+    changed: Vec<Local>,
+    /// The faces of a body.
+    faces: Vec<(Local, u32)>,
+    /// By local index, true for a body that keeps its position, or has got one.
+    is_placed: Vec<bool>,
+    /// The placed bodies, on whose faces others are placed.
+    queue: Vec<Local>,
 }
 
 /// Replaces `found` by the bodies that touch one on a face along an axis, in creation order, with their touches.
