@@ -8,7 +8,7 @@ use super::instant::Instant;
 use super::random_rounding::RandomRounding;
 use super::reference::Reference;
 use super::trajectory::Trajectory;
-use crate::physics::{Axis, Body, BodyId};
+use crate::physics::{Axis, Body, BodyId, larger};
 use std::ops::Index;
 
 /// The bodies in creation order: trajectories and sizes in double-double arithmetic, masses, free accelerations.
@@ -221,7 +221,7 @@ impl Bodies {
         Axis::BOTH.into_iter().all(|axis| {
             let offset = to[axis] - from[axis];
             let [ahead, behind] = [offset - a.size[axis], -offset - b.size[axis]];
-            let gap = if ahead > behind { ahead } else { behind };
+            let gap = larger(ahead, behind);
             let speeds = a.trajectory.velocity[axis].abs() + b.trajectory.velocity[axis].abs();
             let times = a.since.seconds_until(at) + b.since.seconds_until(at);
             let scale = from[axis].abs() + to[axis].abs() + a.size[axis] + b.size[axis] + speeds * times;
@@ -268,9 +268,9 @@ impl Bodies {
     /// The longest side among the bodies of finite mass, without the outliers; m.
     ///
     /// A side of more than twice the 90th percentile is an outlier.
-    pub fn typical_size(&self) -> f64 {
+    pub fn largest_usual_size(&self) -> f64 {
         let moving = self.alive().filter(|slot| !self[*slot].infinite);
-        let longer = |[width, height]: [f64; 2]| if width > height { width } else { height };
+        let longer = |[width, height]: [f64; 2]| larger(width, height);
         let mut sizes: Vec<f64> = moving.map(|slot| longer(self[slot].size)).collect();
         sizes.sort_unstable_by(f64::total_cmp);
         let Some(large) = sizes.get(sizes.len() * 9 / 10) else { return 1.0 };

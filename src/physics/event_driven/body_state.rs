@@ -7,6 +7,9 @@ use crate::physics::{BodyId, Material};
 /// The index of a body within the solver, in creation order.
 pub type Slot = u32;
 
+/// No body, or no index of a list.
+pub const NONE: u32 = u32::MAX;
+
 /// The data of a body that predictions read, and nothing else: two cache lines.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]

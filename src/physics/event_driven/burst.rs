@@ -186,10 +186,10 @@ impl EventDriven {
         let mut speed = 0.0;
         for body in members {
             let magnitude = patch.axis(*body, axis).speed;
-            speed = if magnitude > speed { magnitude } else { speed };
+            speed = larger(magnitude, speed);
         }
         for velocity in after {
-            speed = if velocity.high.abs() > speed { velocity.high.abs() } else { speed };
+            speed = larger(velocity.high.abs(), speed);
         }
         for side in Side::BOTH {
             for body in &clusters[side as usize].members {
@@ -289,7 +289,7 @@ impl EventDriven {
         for body in members {
             let state = patch.axis_mut(*body, axis);
             state.state.velocity = velocity;
-            state.speed = if velocity.high.abs() > state.speed { velocity.high.abs() } else { state.speed };
+            state.speed = larger(velocity.high.abs(), state.speed);
             state.has_changed = true;
         }
         self.velocities_changed(patch, members, axis);

@@ -4,12 +4,13 @@
 //! crossings influence no result.
 
 use super::axis_trajectory::closing_time;
-use super::body_state::{BodyState, Slot};
+use super::body_state::{BodyState, NONE, Slot};
 use super::instant::{Clock, Instant};
+use super::neighbour_buffer::NeighbourBuffer;
 use super::pair_event::Sample;
-use super::spatial_hash::{NONE, SpatialHash};
+use super::spatial_hash::SpatialHash;
 use super::swept_aabb::SweptAabb;
-use crate::physics::{Axis, smaller};
+use crate::physics::{Axis, larger, smaller};
 
 /// Maximum size of a box as a fraction of the side of its cell. With [`BORDER_SLACK`] on either side it
 /// never extends beyond the adjacent cells.
@@ -255,11 +256,11 @@ impl CellLists {
                 let (velocity, acceleration) = (sample.velocity[axis], acceleration[axis]);
                 let [behind, ahead] = [(behind, -1.0), (ahead, 1.0)]
                     .map(|(distance, sign)| closing_time(distance[axis], sign * velocity, sign * acceleration));
-                if ahead < behind { ahead } else { behind }
+                smaller(ahead, behind)
             })
         };
-        let first = if times[0] < times[1] { times[0] } else { times[1] };
-        if first > 0.0 { first } else { 0.0 }
+        let first = smaller(times[0], times[1]);
+        larger(first, 0.0)
     }
 
     /// Moves a body to the cell that contains it halfway through the rest of the step, or, if it is fast,
@@ -418,55 +419,6 @@ impl CellLists {
             self.visit_cells(index, from, to, &mut visit);
         }
         self.static_bodies.iter().for_each(|(slot, _)| visit(*slot));
-    }
-}
-
-/// The neighbours found for a body, possibly with duplicates.
-///
-/// A reusable buffer. Candidates are added without a branch: whether one is a neighbour is unpredictable, and
-/// mispredicted branches would dominate the cost.
-#[derive(Clone, Debug, Default)]
-pub struct NeighbourBuffer {
-    slots: Vec<Slot>,
-    count: usize,
-}
-
-impl NeighbourBuffer {
-    /// Removes all bodies.
-    pub fn clear(&mut self) {
-        self.count = 0;
-    }
-
-    /// Adds a body if `is_near` is true.
-    #[inline]
-    pub fn push_if(&mut self, slot: Slot, is_near: bool) {
-        self.extend_by(&[slot], |_| is_near);
-    }
-
-    /// Adds the bodies for which `is_near` is true.
-    #[inline]
-    pub fn extend_by(&mut self, bodies: &[Slot], is_near: impl Fn(Slot) -> bool) {
-        if self.slots.len() < self.count + bodies.len() {
-            self.grow(bodies.len());
-        }
-        // A count in a register, not in memory, which each addition would wait for.
-        let mut count = self.count;
-        for slot in bodies {
-            self.slots[count] = *slot;
-            count += usize::from(is_near(*slot));
-        }
-        self.count = count;
-    }
-
-    #[cold]
-    #[inline(never)]
-    fn grow(&mut self, more: usize) {
-        self.slots.resize(2 * self.count + more + 16, 0);
-    }
-
-    /// The bodies found.
-    pub fn slots(&self) -> &[Slot] {
-        &self.slots[..self.count]
     }
 }
 

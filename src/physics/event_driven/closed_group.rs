@@ -8,7 +8,7 @@ use super::body_state::Slot;
 use super::double_double::DoubleDouble;
 use super::exact::ExactAxis;
 use super::instant::Instant;
-use super::isolated::Meeting;
+use super::isolated::ImpactPair;
 use super::predict::ordered_pair;
 use super::random_rounding::RandomRounding;
 use super::reference::Reference;
@@ -46,7 +46,7 @@ struct Member {
 }
 
 struct Gap {
-    meeting: Meeting,
+    impact_pair: ImpactPair,
     /// The instant at which it closes.
     closes: Instant,
 }
@@ -99,18 +99,18 @@ impl EventDriven {
         index: usize,
         observer: &mut O,
     ) -> Result<bool, StepError> {
-        let Gap { meeting, closes: at } = &group.gaps[index];
+        let Gap { impact_pair, closes: at } = &group.gaps[index];
         let [low, high] = [&group.members[index].reference, &group.members[index + 1].reference];
         let states = [low.drifted_state_at(*at), high.drifted_state_at(*at)];
-        let Some(impact) = self.impact_of(meeting, &states) else { return Ok(false) };
+        let Some(impact) = self.impact_of(impact_pair, &states) else { return Ok(false) };
         self.advance_clock(*at);
-        self.count_event(world, meeting.pair())?;
-        let changed = self.carry_out(meeting, &states, &impact, observer);
+        self.count_event(world, impact_pair.slots())?;
+        let changed = self.carry_out(impact_pair, &states, &impact, observer);
         #[cfg(test)]
         {
             self.impacts_in_groups += 1;
         }
-        for (place, state) in changed.into_iter().enumerate().filter(|(place, _)| !meeting.is_infinite[*place]) {
+        for (place, state) in changed.into_iter().enumerate().filter(|(place, _)| !impact_pair.is_immovable[*place]) {
             let member = &mut group.members[index + place];
             (member.reference.state, member.reference.since) = (state, *at);
             (member.since, member.has_collided) = (*at, true);
@@ -139,8 +139,8 @@ impl EventDriven {
         let mut gaps = Vec::with_capacity(slots.len() - 1);
         for pair in slots.windows(2) {
             let side = if pair[0] < pair[1] { Side::High } else { Side::Low };
-            let meeting = self.meeting(world, ordered_pair(pair[0], pair[1]), axis, side)?;
-            gaps.push(Gap { meeting, closes: Instant::NEVER });
+            let impact_pair = self.impact_pair(world, ordered_pair(pair[0], pair[1]), axis, side)?;
+            gaps.push(Gap { impact_pair, closes: Instant::NEVER });
         }
         let members = slots.into_iter().map(|slot| {
             let reference = self.bodies.reference(slot, axis);
@@ -153,7 +153,7 @@ impl EventDriven {
         if !group.members.iter().all(|member| is_zero(member.reference.state.acceleration)) {
             return None;
         }
-        let hit = group.gaps.iter().position(|gap| gap.meeting.pair() == receding)?;
+        let hit = group.gaps.iter().position(|gap| gap.impact_pair.slots() == receding)?;
         for index in (0..group.gaps.len()).filter(|index| *index != hit) {
             group.gaps[index].closes = group.closing_of(index, self)?;
         }
@@ -175,7 +175,7 @@ impl EventDriven {
                     (Overlap::Overlapping(seconds), Some(_)) | (Overlap::Apart(seconds), None) => seconds,
                     _ => return None,
                 };
-                least = if seconds < least { seconds } else { least };
+                least = smaller(seconds, least);
             }
         }
         Some(least)
@@ -205,7 +205,7 @@ impl EventDriven {
             Overlap::Apart(lasting(behind, velocity))
         } else if ahead < -rounding && behind < -rounding {
             let (ahead, behind) = (lasting(-ahead, velocity), lasting(-behind, -velocity));
-            Overlap::Overlapping(if ahead < behind { ahead } else { behind })
+            Overlap::Overlapping(smaller(ahead, behind))
         } else {
             Overlap::Unclear
         }
@@ -238,7 +238,7 @@ impl EventDriven {
     /// trajectories; returns false if it is not certain when one closes.
     #[inline]
     fn update_gaps(&self, group: &mut ClosedGroup, index: usize) -> bool {
-        let [keeps_low, keeps_high] = group.gaps[index].meeting.is_infinite;
+        let [keeps_low, keeps_high] = group.gaps[index].impact_pair.is_immovable;
         group.gaps[index].closes = Instant::NEVER;
         for (neighbour, is_kept) in [(index.wrapping_sub(1), keeps_low), (index + 1, keeps_high)] {
             if neighbour < group.gaps.len() && !is_kept {
@@ -256,7 +256,7 @@ impl ClosedGroup {
     fn closing_of(&self, index: usize, solver: &EventDriven) -> Option<Instant> {
         let [low, high] = [&self.members[index], &self.members[index + 1]];
         let from = low.since.max(high.since);
-        let side = self.gaps[index].meeting.side;
+        let side = self.gaps[index].impact_pair.side;
         let [first, second] = match side {
             Side::High => [&low.reference, &high.reference],
             Side::Low => [&high.reference, &low.reference],
@@ -278,7 +278,7 @@ impl ClosedGroup {
             let closes = gap.closes.high;
             let is_first = closes < at;
             let other = if is_first { at } else { closes };
-            second = if other < second { other } else { second };
+            second = smaller(other, second);
             (first, at) = if is_first { (index, closes) } else { (first, at) };
         }
         (at < last && at * VICINITY < second).then_some(first)
@@ -288,12 +288,12 @@ impl ClosedGroup {
     /// that are not neighbours touch then.
     #[inline]
     fn is_isolated(&self, index: usize) -> bool {
-        let Gap { meeting, closes: at } = &self.gaps[index];
+        let Gap { impact_pair, closes: at } = &self.gaps[index];
         let members = &self.members[..];
         let is_clear_below =
-            index == 0 || meeting.is_infinite[0] || are_apart([&members[index - 1], &members[index]], *at);
+            index == 0 || impact_pair.is_immovable[0] || are_apart([&members[index - 1], &members[index]], *at);
         let is_clear_above = index + 2 == members.len()
-            || meeting.is_infinite[1]
+            || impact_pair.is_immovable[1]
             || are_apart([&members[index + 1], &members[index + 2]], *at);
         is_clear_below && is_clear_above && members.windows(3).all(|row| are_apart([&row[0], &row[2]], *at))
     }

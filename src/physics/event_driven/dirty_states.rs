@@ -1,14 +1,12 @@
 //! Sampling: writes the changed states to the world at the end of each step.
 
 use super::bodies::Bodies;
-use super::body_state::{BodyState, Slot};
+use super::body_state::{BodyState, NONE, Slot};
 use super::instant::Instant;
 use super::threads::Threads;
 use super::trajectory::Trajectory;
 use crate::physics::{Body, StepError, Vector, World};
 use std::sync::atomic::{AtomicBool, Ordering};
-
-const NONE: u32 = u32::MAX;
 
 /// From this number of bodies on, several threads write their states faster than one.
 const MIN_SHARED: usize = 1 << 15;

@@ -5,14 +5,12 @@
 //! sort only roughly; within a slice the heap delivers events in their total order, so the width of the slices
 //! changes no result. The order of the cell crossings of a step changes none either.
 
-use super::body_state::Slot;
+use super::body_state::{NONE, Slot};
 use super::instant::{Clock, Instant};
 use super::pair_event::PairEvent;
 use std::cmp::{Ordering, Reverse};
 use std::collections::BinaryHeap;
 use std::hint::black_box;
-
-const NONE: u32 = u32::MAX;
 
 /// Bodies per slice of a step: few enough to keep the heap small, enough to leave few slices empty.
 const BODIES_PER_SLICE: u64 = 32;

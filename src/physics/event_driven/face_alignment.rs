@@ -7,7 +7,7 @@ use super::EventDriven;
 use super::axis_trajectory::StateDd;
 use super::body_state::Slot;
 use super::double_double::DoubleDouble;
-use crate::physics::{Axis, Side};
+use crate::physics::{Axis, Side, larger};
 use std::collections::BTreeMap;
 
 /// Faces that differ by at most this many units in the last place of the largest number involved coincide.
@@ -80,7 +80,7 @@ impl EventDriven {
         let far = position + size;
         let mut scale = size.high;
         for number in [position.high.abs(), far.high.abs()] {
-            scale = if number > scale { number } else { scale };
+            scale = larger(number, scale);
         }
         Faces { at: [position, far], scale }
     }
@@ -98,7 +98,7 @@ impl EventDriven {
         });
         let mut aligned = vec![[None; 2]; slots.len()];
         let coincide = |a: &Face, b: &Face| {
-            let scale = if a.scale > b.scale { a.scale } else { b.scale };
+            let scale = larger(a.scale, b.scale);
             (b.at - a.at).high <= scale * (COINCIDING_ULPS * f64::EPSILON)
         };
         for group in faces.chunk_by(coincide).filter(|group| group.len() > 1) {

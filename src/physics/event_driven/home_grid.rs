@@ -1,7 +1,6 @@
 //! The grid from which the lists of a window are made.
 
-use super::body_state::Slot;
-use super::spatial_hash::NONE;
+use super::body_state::{NONE, Slot};
 use super::swept_aabb::SweptAabb;
 use super::threads::Threads;
 use crate::physics::{Axis, larger, smaller};

@@ -94,7 +94,7 @@ impl EventDriven {
     pub(super) fn rebuild_indices(&mut self) {
         self.window_lists.end(self.step);
         self.indexed_bodies = self.bodies.len();
-        self.cell_lists = CellLists::new(self.bodies.typical_size());
+        self.cell_lists = CellLists::new(self.bodies.largest_usual_size());
         self.event_queue = EventQueue::new(self.clock, self.step, self.bodies.len());
         for slot in self.bodies.alive() {
             if self.pending_spawns.binary_search(&slot).is_err() {

@@ -4,26 +4,26 @@
 use super::EventDriven;
 use super::axis_trajectory::StateDd;
 use super::body_state::Slot;
-use super::cell_lists::NeighbourBuffer;
 use super::double_double::DoubleDouble;
 use super::exact::VELOCITY_ROUNDING;
 use super::impact::Impact;
 use super::least_change::MASS_UNIT;
+use super::neighbour_buffer::NeighbourBuffer;
 use super::reference::{Reference, ScaledState};
-use crate::physics::{Axis, Collision, Observer, Rect, Side, Vector, World};
+use crate::physics::{Axis, Collision, Observer, Rect, Side, Vector, World, larger};
 
 /// Two bodies whose faces collide, without contacts of those that give way: the data that stay the same from impact to
 /// impact.
 ///
 /// All pairs have the body on the low side first.
 #[derive(Clone, Copy, Debug)]
-pub struct Meeting {
+pub struct ImpactPair {
     bodies: [Slot; 2],
     axis: Axis,
     /// The side of the earlier body, in creation order, on which the later one lies.
     pub side: Side,
     /// True for a body that the impact cannot move.
-    pub is_infinite: [bool; 2],
+    pub is_immovable: [bool; 2],
     /// The side of the body that keeps its position.
     anchor: Side,
     restitution: f64,
@@ -31,10 +31,10 @@ pub struct Meeting {
     mass: [DoubleDouble; 2],
 }
 
-impl Meeting {
+impl ImpactPair {
     /// The bodies in creation order.
     #[inline]
-    pub fn pair(&self) -> [Slot; 2] {
+    pub fn slots(&self) -> [Slot; 2] {
         self.in_creation_order(self.bodies)
     }
 
@@ -55,12 +55,12 @@ impl EventDriven {
         side: Side,
         observer: &mut O,
     ) -> bool {
-        let Some(meeting) = self.meeting(world, pair, axis, side) else { return false };
-        let [low, high] = meeting.bodies;
+        let Some(impact_pair) = self.impact_pair(world, pair, axis, side) else { return false };
+        let [low, high] = impact_pair.bodies;
         let references = [self.bodies.reference(low, axis), self.bodies.reference(high, axis)];
         let states = Reference::scaled_states_at(&references, self.now, self.bodies.rounding());
-        let Some(impact) = self.impact_of(&meeting, &states) else { return false };
-        let gives_way = meeting.is_infinite.map(|is_infinite| !is_infinite);
+        let Some(impact) = self.impact_of(&impact_pair, &states) else { return false };
+        let gives_way = impact_pair.is_immovable.map(|is_immovable| !is_immovable);
         let mut neighbours = std::mem::take(&mut self.neighbour_buffer);
         let is_isolated = (!gives_way[0] || self.touches_none_but(low, Some(high), &mut neighbours))
             && (!gives_way[1] || self.touches_none_but(high, Some(low), &mut neighbours));
@@ -68,46 +68,46 @@ impl EventDriven {
         if !is_isolated {
             return false;
         }
-        self.carry_out(&meeting, &states, &impact, observer);
+        self.carry_out(&impact_pair, &states, &impact, observer);
         for (slot, _) in [low, high].into_iter().zip(gives_way).filter(|(_, gives_way)| *gives_way) {
             self.invalidate(slot);
         }
         true
     }
 
-    /// The meeting of two bodies, unless contacts are involved, neither gives way, or the impact is plastic. `side` is that
-    /// of the first on which the second lies.
+    /// The data of two bodies whose faces collide, unless contacts are involved, neither gives way, or the impact is plastic.
+    /// `side` is that of the first on which the second lies.
     #[inline(always)]
-    pub(super) fn meeting(&self, world: &World, pair: [Slot; 2], axis: Axis, side: Side) -> Option<Meeting> {
+    pub(super) fn impact_pair(&self, world: &World, pair: [Slot; 2], axis: Axis, side: Side) -> Option<ImpactPair> {
         let bodies = if side == Side::High { pair } else { [pair[1], pair[0]] };
         let [low, high] = bodies.map(|slot| self.bodies.params(slot));
         let restitution = world.restitution.between(low.material, high.material);
-        let is_infinite = [(0, Side::Low), (1, Side::High)].map(|(place, pushed)| {
+        let is_immovable = [(0, Side::Low), (1, Side::High)].map(|(place, pushed)| {
             self.bodies[bodies[place]].infinite || self.contacts.is_supported(bodies[place], axis, pushed)
         });
-        let has_contacts = |place: usize| !is_infinite[place] && !self.contacts.of(bodies[place]).is_empty();
-        if restitution == 0.0 || is_infinite == [true; 2] || has_contacts(0) || has_contacts(1) {
+        let has_contacts = |place: usize| !is_immovable[place] && !self.contacts.of(bodies[place]).is_empty();
+        if restitution == 0.0 || is_immovable == [true; 2] || has_contacts(0) || has_contacts(1) {
             return None;
         }
-        let mass = [(low, is_infinite[0]), (high, is_infinite[1])].map(|(params, is_infinite)| match is_infinite {
+        let mass = [(low, is_immovable[0]), (high, is_immovable[1])].map(|(params, is_immovable)| match is_immovable {
             true => f64::INFINITY.into(),
             false => (params.mass * MASS_UNIT).into(),
         });
         // The earlier body, or that which does not give way.
-        let anchor = match (is_infinite, side) {
+        let anchor = match (is_immovable, side) {
             ([true, _], _) => Side::Low,
             ([_, true], _) => Side::High,
             (_, Side::High) => Side::Low,
             (_, Side::Low) => Side::High,
         };
-        Some(Meeting { bodies, axis, side, is_infinite, anchor, restitution, mass })
+        Some(ImpactPair { bodies, axis, side, is_immovable, anchor, restitution, mass })
     }
 
-    /// The impact at a meeting, given the states now; `None` if the bodies do not approach, or the bounce is hidden by the
+    /// The impact of a pair, given the states now; `None` if the bodies do not approach, or the bounce is hidden by the
     /// resolution of positions.
     #[inline(always)]
-    pub(super) fn impact_of(&self, meeting: &Meeting, states: &[ScaledState; 2]) -> Option<Impact> {
-        let &Meeting { bodies, axis, restitution, mass, .. } = meeting;
+    pub(super) fn impact_of(&self, impact_pair: &ImpactPair, states: &[ScaledState; 2]) -> Option<Impact> {
+        let &ImpactPair { bodies, axis, restitution, mass, .. } = impact_pair;
         let [low, high] = states;
         let approach = (low.state.velocity - high.state.velocity).high;
         if approach <= (low.speed + high.speed) * VELOCITY_ROUNDING {
@@ -124,25 +124,25 @@ impl EventDriven {
         Some(Impact { velocity: [low.state.velocity, high.state.velocity], mass, restitution })
     }
 
-    /// Carries out the impact at a meeting, given the states now. Returns the states after it along the axis; the
+    /// Carries out the impact of a pair, given the states now. Returns the states after it along the axis; the
     /// predictions that involve the bodies remain to be invalidated.
     #[inline(always)]
     pub(super) fn carry_out<O: Observer>(
         &mut self,
-        meeting: &Meeting,
+        impact_pair: &ImpactPair,
         states: &[ScaledState; 2],
         impact: &Impact,
         observer: &mut O,
     ) -> [StateDd; 2] {
-        let &Meeting { bodies, axis, side, is_infinite, restitution, .. } = meeting;
-        let pair = meeting.pair();
+        let &ImpactPair { bodies, axis, side, is_immovable, restitution, .. } = impact_pair;
+        let pair = impact_pair.slots();
         let [low, high] = states;
         let after = self.bodies.rounding().velocities(impact, impact.velocities_with(|| self.latest_shares.of(impact)));
         let before = self.rects_and_velocities(pair);
-        let own_speeds = [(low, is_infinite[0]), (high, is_infinite[1])]
-            .map(|(body, is_infinite)| if is_infinite { 0.0 } else { body.speed });
+        let own_speeds = [(low, is_immovable[0]), (high, is_immovable[1])]
+            .map(|(body, is_immovable)| if is_immovable { 0.0 } else { body.speed });
         let speeds = [own_speeds[0], own_speeds[1], after[0].high.abs(), after[1].high.abs()];
-        let speed = speeds.iter().fold(0.0, |greatest, speed| if *speed > greatest { *speed } else { greatest });
+        let speed = speeds.iter().fold(0.0, |greatest, speed| larger(*speed, greatest));
         let sizes = [self.bodies.size(bodies[0], axis), self.bodies.size(bodies[1], axis)];
         let acceleration = low.state.acceleration_relative_to(&high.state).high;
         let resolution = self.bodies.resolution().of_gap([sizes[0].high, sizes[1].high], low.length + high.length);
@@ -151,17 +151,17 @@ impl EventDriven {
         let is_receding = (after[1] - after[0]).high > speed * VELOCITY_ROUNDING && acceleration <= 0.0 && is_extended;
         self.receding = is_receding.then_some(pair);
         let [low, high] = [low.state, high.state];
-        let positions = match meeting.anchor {
+        let positions = match impact_pair.anchor {
             Side::Low => [low.position, low.position + sizes[0]],
             Side::High => [high.position - sizes[0], high.position],
         };
         let velocities = after.map(|velocity| velocity.or_zero(speed * VELOCITY_ROUNDING));
         let mut changed = [low, high];
-        if !is_infinite[0] {
+        if !is_immovable[0] {
             changed[0] = StateDd { position: positions[0], velocity: velocities[0], ..low };
             self.bodies.set_trajectory(bodies[0], axis, changed[0], self.now);
         }
-        if !is_infinite[1] {
+        if !is_immovable[1] {
             changed[1] = StateDd { position: positions[1], velocity: velocities[1], ..high };
             self.bodies.set_trajectory(bodies[1], axis, changed[1], self.now);
         }

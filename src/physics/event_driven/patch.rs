@@ -2,16 +2,15 @@
 
 use super::EventDriven;
 use super::axis_trajectory::StateDd;
-use super::body_state::Slot;
-use super::cell_lists::NeighbourBuffer;
+use super::body_state::{NONE, Slot};
 use super::double_double::DoubleDouble;
 use super::exact::{ACCELERATION_ROUNDING, DEEPEST_ROUNDING, Resolution, VELOCITY_ROUNDING};
 use super::impact_history::ImpactHistory;
 use super::instant::Instant;
+use super::neighbour_buffer::NeighbourBuffer;
 use super::pair_event::Sample;
 use super::reference::{Reference, ScaledState};
 use super::simultaneous::Alignment;
-use super::spatial_hash::NONE;
 use super::swept_aabb::SweptAabb;
 use crate::physics::{Axis, Side, larger};
 use std::cmp::{Ordering, Reverse};

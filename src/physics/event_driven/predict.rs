@@ -2,10 +2,10 @@
 
 use super::EventDriven;
 use super::body_state::Slot;
-use super::cell_lists::NeighbourBuffer;
 use super::contact::Contact;
 use super::event_queue::{MIN_READ_AHEAD, Precision, ScheduledEvent};
 use super::instant::Instant;
+use super::neighbour_buffer::NeighbourBuffer;
 use super::pair_event::{Prediction, Sample, predict_contact_end, predict_pair_event};
 use super::swept_aabb::SweptAabb;
 use crate::physics::{Side, smaller};
@@ -72,7 +72,7 @@ impl<'a> Predictor<'a> {
     /// The seconds from `now` to the horizon, at most `limit`.
     fn seconds_to_horizon(&self, now: Instant, limit: f64) -> f64 {
         let seconds = self.horizon - self.sample.at.seconds_until(now);
-        if seconds < limit { seconds } else { limit }
+        smaller(seconds, limit)
     }
 
     /// Predicts the next event with another body; returns true if that lowered the horizon.

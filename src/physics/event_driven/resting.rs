@@ -13,7 +13,7 @@ use super::EventDriven;
 use super::body_state::{Load, Slot};
 use super::double_double::DoubleDouble;
 use super::patch::{Entry, Local, Patch, Touch, TouchKind};
-use crate::physics::{Axis, Side};
+use crate::physics::{Axis, Side, larger};
 use std::cmp::Ordering;
 
 impl EventDriven {
@@ -434,6 +434,6 @@ fn set_acceleration(patch: &mut Patch, body: Local, axis: Axis, acceleration: Do
         state.state.acceleration = acceleration;
         state.has_changed = true;
         let magnitude = acceleration.high.abs();
-        state.acceleration = if magnitude > state.acceleration { magnitude } else { state.acceleration };
+        state.acceleration = larger(magnitude, state.acceleration);
     }
 }

@@ -3,9 +3,9 @@
 use super::EventDriven;
 use super::axis_trajectory::StateDd;
 use super::body_state::Slot;
-use super::cell_lists::NeighbourBuffer;
+use super::neighbour_buffer::NeighbourBuffer;
 use super::pair_event::tolerance;
-use crate::physics::Axis;
+use crate::physics::{Axis, larger};
 
 /// An axis-aligned bounding box: upper-left corner and size, m.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -109,7 +109,7 @@ impl EventDriven {
     ///
     /// Bodies in `unplaced`, which is in creation order, are no obstacles.
     fn nearest_free_position(&self, slot: Slot, aabb: Aabb, unplaced: &[Slot]) -> Option<[f64; 2]> {
-        let mut radius = if aabb.size[0] > aabb.size[1] { aabb.size[0] } else { aabb.size[1] };
+        let mut radius = larger(aabb.size[0], aabb.size[1]);
         let mut is_free = true;
         self.cell_lists.visit_region(aabb.low, aabb.high(), |other| {
             is_free &= other == slot || !aabb.overlaps(&self.aabb_of(other)) || unplaced.binary_search(&other).is_ok();

@@ -9,10 +9,10 @@
 //! contacts may change, and brings all that it touches.
 
 use super::body_state::Slot;
-use super::cell_lists::NeighbourBuffer;
 use super::event_queue::ScheduledEvent;
 use super::exact::VELOCITY_ROUNDING;
 use super::instant::Instant;
+use super::neighbour_buffer::NeighbourBuffer;
 use super::patch::{Local, LocalBody, Patch, TouchKind};
 use super::{EventDriven, end_of_vicinity};
 use crate::physics::{Axis, Observer, Side, StepError, World};

@@ -1,9 +1,6 @@
 //! A spatial hash: one grid of square cells, hashed to a fixed number of buckets.
 
-use super::body_state::Slot;
-
-/// The null slot: no body.
-pub const NONE: u32 = u32::MAX;
+use super::body_state::{NONE, Slot};
 
 /// Maximum number of cells per bucket that a static box may cover to be listed by cell; a larger one is
 /// oversized.

@@ -2,7 +2,7 @@
 
 use super::body_state::BodyState;
 use super::pair_event::Sample;
-use crate::physics::Axis;
+use crate::physics::{Axis, larger, smaller};
 
 /// Enlargement relative to the magnitude of the coordinates: more than any rounding, including that to
 /// single precision.
@@ -33,11 +33,11 @@ impl SweptAabb {
     #[inline]
     pub fn new(sample: &Sample, seconds: f64) -> SweptAabb {
         let body: &BodyState = sample.body;
-        let seconds = if seconds < MAX_SECONDS { seconds } else { MAX_SECONDS };
+        let seconds = smaller(seconds, MAX_SECONDS);
         let from = sample.position;
         let to = Axis::BOTH.map(|axis| from[axis] + sample.velocity[axis] * seconds);
-        let mut low = Axis::BOTH.map(|axis| if from[axis] < to[axis] { from[axis] } else { to[axis] });
-        let mut high = Axis::BOTH.map(|axis| if from[axis] > to[axis] { from[axis] } else { to[axis] });
+        let mut low = Axis::BOTH.map(|axis| smaller(from[axis], to[axis]));
+        let mut high = Axis::BOTH.map(|axis| larger(from[axis], to[axis]));
         let mut magnitudes = Axis::BOTH.map(|axis| low[axis].abs() + high[axis].abs() + body.size[axis]);
         if body.trajectory.acceleration != [0.0; 2] {
             let deflection = body.trajectory.acceleration.map(|acceleration| 0.5 * acceleration * (seconds * seconds));
@@ -91,7 +91,7 @@ impl SweptAabb {
     pub fn longer_side(&self) -> f64 {
         let [low, high] = self.corners();
         let [width, height] = Axis::BOTH.map(|axis| high[axis] - low[axis]);
-        if width > height { width } else { height }
+        larger(width, height)
     }
 
     /// Returns true if the rectangles have no point in common; false if a border is NaN.

@@ -13,14 +13,14 @@
 
 use super::EventDriven;
 use super::bodies::Bodies;
-use super::body_state::Slot;
-use super::cell_lists::{CellLists, NeighbourBuffer};
+use super::body_state::{NONE, Slot};
+use super::cell_lists::CellLists;
 use super::event_queue::EventQueue;
 use super::home_grid::{Band, HomeGrid};
 use super::instant::{Clock, Instant};
+use super::neighbour_buffer::NeighbourBuffer;
 use super::pair_event::Sample;
 use super::predict::Approach;
-use super::spatial_hash::NONE;
 use super::swept_aabb::SweptAabb;
 use super::threads::Threads;
 use crate::physics::{larger, smaller};
@@ -437,7 +437,7 @@ impl EventDriven {
             self.predict_changed();
         } else if self.window_lists.may_begin(step) && self.bodies.len() >= self.window_lists.tuning.min_bodies {
             let (statics, moving) = self.bodies.alive().partition(|slot| self.bodies[*slot].is_static());
-            let size = self.bodies.typical_size();
+            let size = self.bodies.largest_usual_size();
             let tuning = self.window_lists.tuning;
             let mut lists = WindowLists { tuning, size, moving, statics, ..WindowLists::default() };
             if !lists.begin(&self.bodies, &self.clock, step, self.now, self.threads_of_window()) {
