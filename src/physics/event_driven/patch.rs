@@ -149,8 +149,8 @@ pub struct Patch {
     pub touches: Vec<Touch>,
     /// By slot, the local index or [`NONE`].
     index: Vec<u32>,
-    /// The touches whose bodies approach each other, and some that did earlier in the instant: first the faces, then, marked
-    /// true, the corners; each in creation order of the bodies.
+    /// The touches whose bodies approach each other, and some that did earlier in the instant, each once: first the faces,
+    /// then, marked true, the corners; each in creation order of the bodies.
     queue: BinaryHeap<Reverse<(bool, Slot, Slot, u32)>>,
     /// True if two of the bodies touch at a corner.
     has_corners: bool,
@@ -386,7 +386,7 @@ impl EventDriven {
         patch.insert(slot, self.bodies[slot].infinite, at, axes)
     }
 
-    /// Adds all bodies that touch a body of finite mass to the patch.
+    /// Adds all bodies that touch a body of finite mass to the patch. Inlined, since most bodies are explored already.
     #[inline(always)]
     pub(super) fn explore(&mut self, patch: &mut Patch, body: Local) {
         if !patch.bodies[body as usize].infinite && !patch.bodies[body as usize].explored {
