@@ -190,6 +190,7 @@ function pageMain(source) {
       setOutput($('set-e'), short(status.restitution));
     }
     all('#panel-world input, #clear, #next, #undo').forEach((control) => { control.disabled = state.film !== null; });
+    $('world-help').textContent = state.film ? T().fixedFilm : T().worldHelp;
     paint();
     showTime();
     showPanel();

@@ -161,7 +161,7 @@ const PAIRS = {
     [
       'Click: a box. Click on a box: it disappears, and no new one is made.',
       'Drag a box: throw it while the world runs, move it while it stands still.',
-      'Drag from an empty place: a new box with that velocity.',
+      'Drag from an empty place: a new box with that velocity. Escape lets go.',
       'Space: play and pause. , and . : one step. N: to the next collision. Z: undo. Home: to the start. B: both solvers.',
       'Keyboard in the world: arrows move the cursor (with Shift by 1 m), Enter clicks, Delete deletes.',
       'A recording that is saved here replays bit for bit with “rebond replay”.',
@@ -169,7 +169,7 @@ const PAIRS = {
     [
       'Cliquer : une boîte. Cliquer sur une boîte : elle disparaît, et aucune autre n’apparaît.',
       'Glisser une boîte : la lancer pendant que le monde tourne, la déplacer quand il est arrêté.',
-      'Glisser depuis un endroit vide : une nouvelle boîte avec cette vitesse.',
+      'Glisser depuis un endroit vide : une nouvelle boîte avec cette vitesse. Échap lâche.',
       'Espace : lancer et arrêter. , et . : un pas. N : à la prochaine collision. Z : annuler. Début : au départ. B : les deux solveurs.',
       'Clavier dans le monde : les flèches déplacent le curseur (avec Maj de 1 m), Entrée clique, Suppr supprime.',
       'Un enregistrement fait ici se rejoue au bit près avec « rebond replay ».',

@@ -691,6 +691,7 @@ const tests = {
     await wait(() => rebond.state.film?.verdict);
     assert.deepEqual(await run(() => [rebond.state.panel, document.getElementById('scenes').selectedOptions[0].text, document.title]), [null, 'A session of clicks', 'A session of clicks – rebond']);
     assert.deepEqual(await run(() => ['set-g', 'clear', 'next', 'undo'].map((id) => document.getElementById(id).disabled)), [true, true, true, true]);
+    assert.match(await run(() => document.getElementById('world-help').textContent), /recording cannot be changed/);
     const world = await place(3, 3);
     for (const action of [() => page.keyboard.press('b'), () => page.keyboard.press('n'), () => page.keyboard.press('z'), () => page.mouse.click(...world)]) {
       await press('toast-close');
@@ -1073,6 +1074,9 @@ const tests = {
     await tap();
     await settle();
     assert.deepEqual(await finite(), []);
+    await open('#scene=first-scene&both', { width: 360, height: 640 });
+    const [bottom, top] = await run(() => [document.getElementById('canvas-1').getBoundingClientRect().bottom, document.getElementById('transport').getBoundingClientRect().top]);
+    assert.ok(bottom <= top, `the second world ends at ${bottom}, the controls begin at ${top}`);
   },
 
   async 'axe finds nothing, in both languages and themes, with every panel'() {
