@@ -308,7 +308,7 @@ const tests = {
 
     // The button belongs to that recording alone.
     await openFile(join(repository, 'recordings/click-session.mcap'));
-    await wait(() => rebond.state.film?.verdict);
+    await wait(() => rebond.state.film.name === 'click-session.mcap' && rebond.state.film.verdict);
     assert.equal(await run(() => document.getElementById('film-step').hidden), true);
   },
 
