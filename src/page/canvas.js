@@ -10,7 +10,12 @@ const cached = (make) => {
   };
 };
 const css = cached((color) => `#${color.toString(16).padStart(6, '0')}`);
-const luma = (color) => 0.299 * (color >> 16) + 0.587 * ((color >> 8) & 255) + 0.114 * (color & 255);
+/** The colour of a name on a box, as in pictures: dark grey, else white, else black, with a contrast of 4.5 (WCAG 2). */
+const inkOn = cached((color) => {
+  const linear = (c) => (c <= 10 ? c / 3294.6 : ((c / 255 + 0.055) / 1.055) ** 2.4);
+  const luminance = 0.2126 * linear(color >> 16) + 0.7152 * linear((color >> 8) & 255) + 0.0722 * linear(color & 255);
+  return luminance > 0.2505 ? '#1f2328' : luminance < 0.1833 ? '#ffffff' : '#000000';
+});
 const mix = (color, to, part) => {
   const channel = (shift) => Math.round(((color >> shift) & 255) * (1 - part) + to * part) << shift;
   return css(channel(16) | channel(8) | channel(0));
@@ -66,6 +71,9 @@ class Stage {
     this.left = (canvas.width - width * this.scale) / 2;
     this.top = (canvas.height - height * this.scale) / 2;
     this.border = border;
+    /** The distance of the lines of the grid, m. */
+    this.grid = 1;
+    while (this.grid * this.scale < 24) this.grid *= this.grid.toString().startsWith('2') ? 2.5 : 2;
   }
 
   /** The point of the world at a point of the page. */
@@ -85,12 +93,24 @@ class Stage {
     ];
   }
 
-  /** The index of the body of finite mass created last that covers a point, or -1. */
-  bodyAt([x, y]) {
+  /** Forgets what belongs to another session, or another time of this one. */
+  clear() {
+    this.trails.clear();
+    this.flashes = [];
+    this.key = null;
+  }
+
+  /**
+   * The index of the body created last that covers a point, or -1; an infinite mass only if `isGripped`. A body reaches
+   * at least `least` CSS pixels from its centre.
+   */
+  bodyAt([x, y], isGripped, least) {
     const b = this.bodies;
+    const reach = (least / this.scale) * (this.canvas.width / this.canvas.getBoundingClientRect().width);
+    const covers = (at, length, z) => Math.abs(z - at - length / 2) <= Math.max(length / 2, reach);
     for (let i = b.length - Engine.BODY; i >= 0; i -= Engine.BODY) {
-      const inside = x >= b[i + 1] && x <= b[i + 1] + b[i + 3] && y >= b[i + 2] && y <= b[i + 2] + b[i + 4];
-      if (inside && b[i + 7] !== Infinity) return i;
+      const inside = covers(b[i + 1], b[i + 3], x) && covers(b[i + 2], b[i + 4], y);
+      if (inside && (b[i + 7] !== Infinity || (!b[i + 9] && isGripped(i)))) return i;
     }
     return -1;
   }
@@ -197,8 +217,7 @@ class Stage {
 
   drawGrid(ink) {
     const { pen, scale: k, left, top, size: [width, height] } = this;
-    let step = 1;
-    while (step * k < 24) step *= step.toString().startsWith('2') ? 2.5 : 2;
+    const step = this.grid;
     pen.strokeStyle = ink.grid;
     pen.lineWidth = this.ratio;
     pen.beginPath();
@@ -308,7 +327,7 @@ class Stage {
       pen.font = `600 ${size}px system-ui, sans-serif`;
       for (let at = 0; at < list.length; at += 2) {
         const i = list[at];
-        pen.fillStyle = luma(b[i + 8]) > 140 ? '#10151c' : '#ffffff';
+        pen.fillStyle = inkOn(b[i + 8]);
         const y = b[i + 2] + b[i + 4] * (b[i + 6] < 0 ? 1 - height : height);
         pen.fillText(names[list[at + 1]][0], left + (b[i + 1] + b[i + 3] / 2) * k, top + y * k);
       }
@@ -380,28 +399,45 @@ class Stage {
     const { pen, scale: k, ratio } = this;
     pen.strokeStyle = ink.ghost;
     pen.lineWidth = 2.5 * ratio;
+    // A margin keeps lines apart from a box of their colour.
+    const stroke = () => {
+      pen.save();
+      pen.setLineDash([]);
+      pen.strokeStyle = ink.paper;
+      pen.lineWidth = 6 * ratio;
+      pen.stroke();
+      pen.restore();
+      pen.stroke();
+    };
     if (mark.kind === 'cursor') {
       const [x, y, r] = [X(mark.x), Y(mark.y), 12 * ratio];
       pen.beginPath();
       pen.arc(x, y, r / 2, 0, 7);
       pen.moveTo(x - r, y); pen.lineTo(x + r, y);
       pen.moveTo(x, y - r); pen.lineTo(x, y + r);
-      pen.stroke();
+      stroke();
       return;
     }
     pen.setLineDash(mark.kind === 'ghost' ? [6 * ratio, 4 * ratio] : []);
-    pen.strokeRect(X(mark.x) - 2 * ratio, Y(mark.y) - 2 * ratio, mark.w * k + 4 * ratio, mark.h * k + 4 * ratio);
+    pen.beginPath();
+    pen.rect(X(mark.x) - 2 * ratio, Y(mark.y) - 2 * ratio, mark.w * k + 4 * ratio, mark.h * k + 4 * ratio);
+    stroke();
     pen.setLineDash([]);
     if (mark.v) {
       pen.beginPath();
       this.arrow(mark.x + mark.w / 2, mark.y + mark.h / 2, mark.v[0] * mark.scale, mark.v[1] * mark.scale);
-      pen.stroke();
+      stroke();
+      pen.font = `600 ${15 * ratio}px system-ui, sans-serif`;
+      pen.textAlign = 'center';
+      pen.textBaseline = 'bottom';
+      pen.fillStyle = ink.ink;
+      pen.fillText(mark.text, X(mark.x + mark.w / 2), Y(mark.y) - 6 * ratio);
     }
   }
 }
 
 /** Draws energy and momentum against time: kinetic above potential energy, both from 0, and the norm of the momentum. */
-function drawStrip(canvas, samples, rate, step, theme) {
+function drawStrip(canvas, samples, rate, step, theme, labels) {
   const ratio = Math.min(globalThis.devicePixelRatio || 1, 2);
   const box = canvas.getBoundingClientRect();
   [canvas.width, canvas.height] = [Math.max(1, Math.round(box.width * ratio)), Math.max(1, Math.round(box.height * ratio))];
@@ -435,6 +471,15 @@ function drawStrip(canvas, samples, rate, step, theme) {
   pen.beginPath();
   for (let i = 0; i < samples.length; i += 5) pen.lineTo(X(samples[i]), Y(Math.hypot(samples[i + 3], samples[i + 4]), momentum));
   pen.stroke();
+  // The largest values of both, and the last time.
+  pen.font = `${11 * ratio}px system-ui, sans-serif`;
+  pen.fillStyle = ink.ink;
+  pen.textBaseline = 'top';
+  const [peaks, time] = labels(top, momentum, last / rate);
+  pen.fillText(peaks, 4 * ratio, 2 * ratio);
+  pen.textAlign = 'right';
+  pen.textBaseline = 'bottom';
+  pen.fillText(time, canvas.width - 4 * ratio, canvas.height - 2 * ratio);
   pen.strokeStyle = ink.ink;
   pen.lineWidth = ratio;
   pen.beginPath();

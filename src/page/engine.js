@@ -138,10 +138,11 @@ class Engine {
     this.give(name);
     return this.ask(this.x.throw_body(which, x, y, vx, vy, now ? 1 : 0));
   }
-  set(from, to, key, value) { this.give(`${key}\n${value}`); this.ask(this.x.set(from, to)); }
+  set(which, key, value) { this.give(`${key}\n${value}`); this.ask(this.x.set(which)); }
   scene(which) { return this.ask(this.x.scene(which)); }
   lines(which) { return this.ask(this.x.lines(which)); }
   bodies(which, offset, key) { return this.numbers(this.x.bodies(which, offset, key), Engine.BODY); }
+  isMadeByEvent(which, name) { this.give(name); return this.x.is_made_by_event(which) === 1; }
   names(which) { return JSON.parse(this.ask(this.x.names(which))); }
   collisions(which) { return this.numbers(this.x.collisions(which), Engine.COLLISION); }
   picture(format, step, options) { this.give(`${format}\n${step}\n${options}`); return this.file(this.x.picture()); }

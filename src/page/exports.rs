@@ -115,14 +115,30 @@ pub extern "C" fn bundled() {
     give(json!(BUNDLED).to_string());
 }
 
-/// Starts a session. The input is the name of the scene, a line feed, and its text.
+/// Starts a session in the place of the present one, to which undo returns. The input is the name of the scene, a line feed, and its text.
 #[unsafe(no_mangle)]
 pub extern "C" fn load(which: usize) -> i32 {
     let session = text().and_then(|text| {
         let (name, text) = text.split_once('\n').unwrap_or(("scene.toml", &text));
         Session::new(name, text)
     });
-    answer(session.and_then(|session| keep(which, session)).map(|()| ""))
+    let replaced = session.and_then(|session| {
+        let before = SESSIONS.with_borrow_mut(|sessions| sessions.get_mut(which).and_then(Option::take));
+        keep(
+            which,
+            match before {
+                Some(before) => session.in_place_of(before),
+                None => session,
+            },
+        )
+    });
+    answer(replaced.map(|()| ""))
+}
+
+/// Starts the session with the other solver beside the first one.
+#[unsafe(no_mangle)]
+pub extern "C" fn beside() -> i32 {
+    answer(with(0, |session| session.beside()).and_then(|session| keep(1, session)).map(|()| ""))
 }
 
 /// Ends a session.
@@ -131,15 +147,10 @@ pub extern "C" fn unload(which: usize) {
     SESSIONS.with_borrow_mut(|sessions| sessions.get_mut(which).map(Option::take));
 }
 
-/// Replaces the lines of events by the input and starts again.
+/// Replaces the lines of events by the input and starts again, if any of its lines is accepted.
 #[unsafe(no_mangle)]
 pub extern "C" fn set_lines(which: usize) -> i32 {
-    answer(text().and_then(|text| {
-        with(which, |session| {
-            session.set_lines(&text);
-            Ok("")
-        })
-    }))
+    answer(text().and_then(|text| with(which, |session| session.set_lines(&text).map(|()| ""))))
 }
 
 /// The state of a session, as JSON. Lines that were refused are reported once.
@@ -187,6 +198,15 @@ pub extern "C" fn go_to(which: usize, to: f64) {
     });
 }
 
+/// Goes back to a step, as if the session had never been beyond `end`.
+#[unsafe(no_mangle)]
+pub extern "C" fn go_back(which: usize, to: f64, end: f64) {
+    let _ = with(which, |session| {
+        session.go_back(to as u64, end as u64);
+        Ok(())
+    });
+}
+
 /// Makes up to `steps` steps to the one that was set; returns 1 if it is reached.
 #[unsafe(no_mangle)]
 pub extern "C" fn advance(which: usize, steps: u32) -> i32 {
@@ -205,21 +225,20 @@ pub extern "C" fn throw_body(which: usize, x: f64, y: f64, vx: f64, vy: f64, now
     answer(text().and_then(|name| with(which, |session| session.throw(&name, [x, y], [vx, vy], when(now)))))
 }
 
-/// Undoes the last event; returns 1 if there is none.
+/// Undoes the last event, setting or scene; returns 1 if there is none.
 #[unsafe(no_mangle)]
 pub extern "C" fn undo(which: usize) -> i32 {
     i32::from(with(which, |session| Ok(session.undo())) != Ok(true))
 }
 
-/// Changes the scene of session `from` and keeps the result as session `to`. The input is a key, a line feed and a
-/// value in TOML.
+/// Changes the scene of a session. The input is a key, a line feed and a value in TOML.
 #[unsafe(no_mangle)]
-pub extern "C" fn set(from: usize, to: usize) -> i32 {
+pub extern "C" fn set(which: usize) -> i32 {
     let changed = text().and_then(|text| {
         let (path, value) = text.split_once('\n').unwrap_or((&text, ""));
-        with(from, |session| session.with_setting(path, value))
+        with(which, |session| session.with_setting(path, value))
     });
-    answer(changed.and_then(|session| keep(to, session)).map(|()| ""))
+    answer(changed.and_then(|session| keep(which, session)).map(|()| ""))
 }
 
 /// The text of the scene.
@@ -262,6 +281,13 @@ pub extern "C" fn bodies(which: usize, offset: f64, key: u32) -> usize {
 #[unsafe(no_mangle)]
 pub extern "C" fn names(which: usize) -> i32 {
     answer(with(which, |session| Ok(session.names())))
+}
+
+/// Returns 1 if an event made the body whose name is the input, rather than the scene.
+#[unsafe(no_mangle)]
+pub extern "C" fn is_made_by_event(which: usize) -> i32 {
+    let is_made = text().and_then(|name| with(which, |session| Ok(session.is_made_by_event(&name))));
+    i32::from(is_made == Ok(true))
 }
 
 /// Fills the columns with the collisions of the last step, and returns their number.
@@ -351,6 +377,12 @@ pub extern "C" fn save_advance(states: u32) -> i32 {
     }
 }
 
+/// Ends the recording before its end.
+#[unsafe(no_mangle)]
+pub extern "C" fn save_stop() {
+    SAVE.set(None);
+}
+
 /// The last step that is recorded.
 #[unsafe(no_mangle)]
 pub extern "C" fn save_step() -> f64 {
@@ -405,6 +437,18 @@ pub extern "C" fn film_bodies(key: u32) -> usize {
 #[unsafe(no_mangle)]
 pub extern "C" fn film_names() -> i32 {
     answer(with_film(|film| Ok(film.names())))
+}
+
+/// The lines of events of the recording.
+#[unsafe(no_mangle)]
+pub extern "C" fn film_lines() -> i32 {
+    answer(with_film(|film| film.lines().map(|lines| lines.iter().map(|line| line.json() + "\n").collect::<String>())))
+}
+
+/// The scene of the recording with its events as tables.
+#[unsafe(no_mangle)]
+pub extern "C" fn film_scene_with_events() -> i32 {
+    answer(with_film(|film| film.scene_with_events()))
 }
 
 /// Starts to replay the recording.

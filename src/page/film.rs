@@ -1,6 +1,10 @@
+use crate::EventLine;
 use crate::columns::{ColorKey, push_body};
-use rebond::recordings::{Playback, Recording, SampledState};
-use rebond::{ALL_STEPS, CollisionCount, Replayer, Verdict};
+use crate::scene_text::with_events;
+use rebond::internals::recording::color_and_image;
+use rebond::internals::scene::{Action, Blueprint, Input, InputLocation};
+use rebond::recordings::{Change, Item, Playback, RecordedEvent, Recording, SampledState};
+use rebond::{ALL_STEPS, CollisionCount, Replayer, Run, Scene, Vector, Verdict, parse_scene};
 use std::io::Cursor;
 use std::sync::Arc;
 
@@ -15,6 +19,8 @@ pub struct Film {
     pub size: [f64; 2],
     /// The scene in the recording; empty if it has none.
     pub scene: String,
+    /// The file name of the scene.
+    scene_name: String,
     /// The title of the scene, or the name of the file.
     pub title: String,
     /// The highest speed, m/s.
@@ -37,6 +43,7 @@ impl Film {
             steps: source.statistics.last_step.unwrap_or(0),
             size: source.scene.size,
             scene: source.header.scene.as_ref().map_or(String::new(), |scene| scene.text.clone()),
+            scene_name: source.header.scene.as_ref().map_or(String::new(), |scene| scene.file_name.clone()),
             title: source.title().to_owned(),
             top_speed: source.statistics.top_speed,
             materials: source.statistics.materials.clone(),
@@ -76,6 +83,60 @@ impl Film {
         self.state.as_ref().map(|state| state.step).ok_or_else(|| format!("no state is recorded from step {step} on"))
     }
 
+    /// The lines of events with which the scene runs as it did: a click is in a recording as what it did.
+    ///
+    /// # Errors
+    /// If the recording does not contain the scene, or an event that no line causes.
+    pub fn lines(&self) -> Result<Vec<EventLine>, String> {
+        let scene = self.parsed_scene()?;
+        let recording = read(&self.bytes)?;
+        if !recording.header.has_live_events {
+            return Ok(Vec::new());
+        }
+        let mut recorded: Vec<RecordedEvent> = Vec::new();
+        for item in recording {
+            if let Item::Event(event) = item.map_err(|error| error.to_string())? {
+                recorded.push(event);
+            }
+        }
+        let mut recorded = recorded.as_slice();
+        let mut run = Run::new(&scene);
+        let mut lines = Vec::new();
+        loop {
+            let step = run.engine().current_step();
+            let (events, later) = recorded.split_at(recorded.partition_point(|event| event.step <= step));
+            let added = added_lines(&scene, &run, events);
+            let input =
+                |line: &EventLine| Input { step, action: line.action.clone(), location: InputLocation::EventLine(0) };
+            let applied = run.apply_inputs(added.iter().map(input).collect(), |error| Err(error.into()));
+            let applied = applied.map_err(|error| error.to_string())?;
+            // Lines have an order of their own within a step, which does not change the world after it.
+            let is_applied = |(at, event): (usize, &RecordedEvent)| applied[at] == *event || applied.contains(event);
+            if applied.len() != events.len() || !events.iter().enumerate().all(is_applied) {
+                return Err(format!("no lines of events cause what is recorded at step {step}"));
+            }
+            lines.extend(added);
+            recorded = later;
+            if recorded.is_empty() {
+                return Ok(lines);
+            }
+            run.step(&mut Vec::new()).map_err(|error| error.to_string())?;
+        }
+    }
+
+    /// The scene with its events as tables.
+    ///
+    /// # Errors
+    /// Those of [`Film::lines`], or of tables that cannot be appended.
+    pub fn scene_with_events(&self) -> Result<String, String> {
+        let scene = self.parsed_scene()?;
+        with_events(&scene, &self.lines()?, scene.run.steps)
+    }
+
+    fn parsed_scene(&self) -> Result<Scene, String> {
+        parse_scene(&self.scene_name, &self.scene).map_err(|error| error.to_string())
+    }
+
     /// Appends the columns of the bodies shown.
     pub fn fill_columns(&self, key: ColorKey, columns: &mut Vec<f64>) {
         let materials: Vec<&str> = self.materials.iter().map(String::as_str).collect();
@@ -92,6 +153,64 @@ impl Film {
         let bodies = bodies.map(|body| [&body.info.spawn.name as &str, &body.info.spawn.material]);
         serde_json::to_string(&bodies.collect::<Vec<_>>()).unwrap_or_default()
     }
+}
+
+/// The lines that cause what of `events`, the recorded ones of the present step of `run`, its scene does not cause.
+fn added_lines(scene: &Scene, run: &Run, events: &[RecordedEvent]) -> Vec<EventLine> {
+    if events.is_empty() {
+        return Vec::new();
+    }
+    let step = run.engine().current_step();
+    let mut scene_only = Run::restore(scene, &run.snapshot()).ok();
+    let of_scene = scene_only.as_mut().and_then(|run| run.apply_inputs(Vec::new(), |error| Err(error.into())).ok());
+    let mut of_scene = of_scene.unwrap_or_default().into_iter().peekable();
+    let mut lines = Vec::new();
+    for RecordedEvent { change, .. } in events {
+        let is_same = |other: &RecordedEvent| match (&other.change, change) {
+            (Change::Spawn { spawn: one, color, .. }, Change::Spawn { spawn: two, color: color2, .. }) => {
+                one == two && color == color2
+            }
+            (other, change) => other == change,
+        };
+        // The events of the scene are in the same order.
+        if of_scene.next_if(is_same).is_some() {
+            continue;
+        }
+        let action = match change {
+            Change::Spawn { spawn, color, .. } => {
+                let (color, image) = color_and_image(color.as_deref());
+                let blueprint = Blueprint {
+                    name: Some(spawn.name.clone()).filter(|name| !name.starts_with('#')),
+                    size: [spawn.rect.width(), spawn.rect.height()],
+                    mass: spawn.mass,
+                    velocity: spawn.velocity,
+                    force: spawn.force,
+                    material: spawn.material.clone(),
+                    color: color.map(str::to_owned),
+                    image: image.map(str::to_owned),
+                };
+                Action::Spawn(blueprint.placed_at(spawn.rect.origin))
+            }
+            Change::Delete { id } => {
+                let alive = run.engine().world().bodies.iter().find(|body| body.id == *id);
+                let made = events.iter().find_map(|event| match &event.change {
+                    Change::Spawn { id: made, spawn, .. } if made == id => Some(spawn.rect),
+                    _ => None,
+                });
+                match (alive, made) {
+                    (Some(body), _) => Action::Delete { name: body.name.clone() },
+                    // Deletes come before spawns, and clicks after them.
+                    (None, Some(rect)) => {
+                        let half = Vector::new(rect.width(), rect.height()).mult(0.5);
+                        Action::Click { at: rect.origin.add(half), spawn: None }
+                    }
+                    (None, None) => continue,
+                }
+            }
+        };
+        lines.push(EventLine { step, action });
+    }
+    lines
 }
 
 /// A replay of a recording, in slices.

@@ -13,18 +13,25 @@ function pageMain(source) {
     if (!Number.isFinite(number)) return '–';
     const [digits, power] = String(Number(number.toPrecision(4))).split('e');
     const raised = power?.replace('+', '').replace(/./g, (sign) => (sign === '-' ? '⁻' : '⁰¹²³⁴⁵⁶⁷⁸⁹'[sign]));
-    return `${digits.replace('-', '−')}${raised ? `·10${raised}` : ''}`;
+    return local(`${digits.replace('-', '−')}${raised ? `·10${raised}` : ''}`);
   }
+  const couple = (x, y) => `(${short(x)}${state.language === 'fr' ? ' ;' : ','} ${short(y)})`;
+  /** The text of a number with the decimal separator of the language. */
+  const local = (text) => (state.language === 'fr' ? text.replace('.', ',') : text);
   const prefers = (query) => globalThis.matchMedia?.(query).matches ?? false;
+
+  /** What an earlier visit kept; some browsers have no storage for files. */
+  function kept(key) { try { return localStorage.getItem(key); } catch { return null; } }
+  function keep(key, value) { try { localStorage.setItem(key, value); } catch { /* not kept */ } }
 
   const view = {
     theme: prefers('(prefers-color-scheme: dark)') ? 'dark' : 'light',
     show: new Set(['velocity', 'name', 'clock']), color: 0, marks: [], paused: true, walls: true, reach: {},
   };
   const state = {
-    language: (navigator.language || 'en').startsWith('fr') ? 'fr' : 'en',
+    language: (kept('language') ?? navigator.language ?? '').startsWith('fr') ? 'fr' : 'en',
     playing: false, held: false, both: false, behind: 0, last: 0, rate: 60, rates: RATES, status: [null, null], journal: [null, null],
-    acts: [], film: null, panel: null, turn: 0, seeking: false, busy: 0, scene: '', bundled: [], cursor: null, selected: null, hinted: false,
+    acts: [], film: null, grip: null, saved: '', panel: null, turn: 0, seeking: false, busy: 0, scene: '', bundled: [], cursor: null, selected: null, hinted: false,
   };
   const T = () => TEXTS[state.language];
   const stages = [new Stage($('canvas-0')), new Stage($('canvas-1'))];
@@ -64,6 +71,7 @@ function pageMain(source) {
     try { message = engine.text() || message; } catch { /* the memory is gone, too */ }
     engine = await Engine.create();
     Object.assign(state, { film: null, acts: [], seeking: false, busy: 0 });
+    stages.forEach((stage) => stage.clear());
     $('film').hidden = true;
     for (const which of [0, 1]) {
       const kept = state.journal[which];
@@ -83,35 +91,59 @@ function pageMain(source) {
     state.journal[which] = { name: state.status[which].name, scene: engine.scene(which), lines: engine.lines(which) };
   }
 
-  /** Starts a session. `bundled` is the name of a scene of the page, null for any other. */
+  /**
+   * Starts a session in the place of the present one, to which undo returns. `bundled` is the name of a scene of the
+   * page, null for any other.
+   */
   function load(name, text, lines = '', bundled = null) {
     engine.load(0, name, text);
+    remember();
     state.scene = bundled;
     closeFilm();
-    if (lines) engine.setLines(0, lines);
-    showSession();
+    try {
+      if (lines) { engine.setLines(0, lines); remember(); }
+    } finally {
+      showSession();
+      state.saved = engine.lines(0);
+    }
   }
+
+  /** Remembers that the sessions were changed, and the scene before that. */
+  function remember(which = sides()) { state.acts.push({ which, scene: state.scene }); }
 
   /** Shows the session that the engine has started. */
   function showSession() {
-    Object.assign(state, { playing: false, behind: 0, acts: [], selected: null, cursor: null });
+    Object.assign(state, { playing: false, behind: 0, busy: 0, selected: null, cursor: null });
     view.reach = {};
     if (state.both) splitSolvers();
-    stages.forEach((stage) => { stage.trails.clear(); stage.flashes = []; });
-    $('editor').value = engine.scene(0);
+    stages.forEach((stage) => stage.clear());
+    $('editor').value = '';
+    showText();
     $('editor-errors').textContent = '';
     refresh();
     if (state.status[0].images) toast(T().images);
     sides().forEach(note);
   }
 
+  /** Shows the text of the scene, unless another one is being written. */
+  function showText() {
+    const editor = $('editor');
+    const written = editor.value !== editor.defaultValue && editor.value;
+    editor.defaultValue = state.film ? state.film.scene : engine.scene(0);
+    editor.value = written || editor.defaultValue;
+  }
+
   /** Starts the session beside, with the other solver. */
   function splitSolvers() {
-    const other = engine.status(0).solver === 'handout' ? 'event-driven' : 'handout';
-    engine.set(0, 1, 'run.solver', `"${other}"`);
-    // It has the events of the first session, which are undone in both.
-    state.acts = state.acts.filter((acted) => acted.includes(0)).map(() => [0, 1]);
+    engine.ask(engine.x.beside());
+    // It has all that was changed in the first session, which is undone in both.
+    regroup([0, 1]);
     state.status[1] = engine.status(1);
+  }
+
+  /** What was changed in the first session is undone in these ones. */
+  function regroup(which) {
+    state.acts = state.acts.filter((acted) => acted.which.includes(0)).map(({ scene }) => ({ which, scene }));
   }
 
   function refreshStatus() {
@@ -142,7 +174,8 @@ function pageMain(source) {
       $('title').textContent = status.title || status.name;
       nameScene(status.title || status.name);
       document.title = `${status.title || status.name} – rebond`;
-      $('set-g').value = status.gravity?.[1] ?? 0;
+      const [gx, gy] = status.gravity ?? [0, 0];
+      $('set-g').value = gy;
       $('set-e').value = status.restitution;
       state.rates = [...new Set([...RATES, status.rate])].sort((a, b) => a - b);
       $('set-rate').max = state.rates.length - 1;
@@ -152,7 +185,12 @@ function pageMain(source) {
       const materials = new Set(['steel', 'wood', ...status.materials]);
       $('materials').replaceChildren(...[...materials].map((name) => new Option(name)));
       all('output').forEach(showOutput);
+      // The sliders have fewer values than the world.
+      setOutput($('set-g'), gx ? couple(gx, gy) : short(gy));
+      setOutput($('set-e'), short(status.restitution));
     }
+    all('#panel-world input, #clear, #next, #undo').forEach((control) => { control.disabled = state.film !== null; });
+    $('world-help').textContent = state.film ? T().fixedFilm : T().worldHelp;
     paint();
     showTime();
     showPanel();
@@ -161,8 +199,12 @@ function pageMain(source) {
   function showOutput(output) {
     const input = output.previousElementSibling;
     if (!input || output.id === 'clock') return;
-    output.value = short(input.id === 'set-rate' ? state.rates[input.value] : Number(input.value));
-    input.setAttribute('aria-valuetext', output.value);
+    setOutput(input, short(input.id === 'set-rate' ? state.rates[input.value] : Number(input.value)));
+  }
+
+  function setOutput(input, text) {
+    input.nextElementSibling.value = text;
+    input.setAttribute('aria-valuetext', text);
   }
 
   function paint(offset = 0) {
@@ -191,6 +233,19 @@ function pageMain(source) {
       view.walls = stage.names.some(([name]) => name === 'wall-top') || stage.names.some(([name]) => name.startsWith('wall-'));
       stage.draw({ ...view, marks: marks(stage) });
     }
+    if (state.panel === 'view') showScales();
+  }
+
+  /** States at the names of overlays what their lengths mean. */
+  function showScales() {
+    const { velocity, momentum } = view.reach;
+    const metre = (scale, unit) => (scale ? ` (1 m = ${short(1 / scale)} ${unit})` : '');
+    const scales = { velocity: metre(velocity, 'm/s'), momentum: metre(momentum, 'kg·m/s'), grid: ` (${short(stages[0].grid)} m)` };
+    for (const input of all('#overlays input')) {
+      const text = T()[input.value] + (view.show.has(input.value) && scales[input.value] || '');
+      const span = input.nextElementSibling;
+      if (span.textContent !== text) span.textContent = text;
+    }
   }
 
   function marks(stage) {
@@ -210,8 +265,8 @@ function pageMain(source) {
       : [engine.x.step_now(0), Math.max(state.status[0].end, state.status[0].steps, engine.x.step_now(0)), state.rate];
     $('scrub').max = end;
     $('scrub').value = step;
-    $('clock').value = `${(step / rate).toFixed(2)} s`;
-    $('scrub').setAttribute('aria-valuetext', `${(step / rate).toFixed(2)} s, ${T().steps(step)}`);
+    $('clock').value = local(`${(step / rate).toFixed(2)} s`);
+    $('scrub').setAttribute('aria-valuetext', `${$('clock').value}, ${T().steps(step)}`);
     const names = { 'event-driven': T().eventDriven.split(/[:：]/)[0].trim(), handout: T().handout.split(/[:：]/)[0].trim() };
     for (const which of [0, 1]) {
       $(`caption-${which}`).textContent = state.both && !state.film && state.status[which] ? names[state.status[which].solver] : '';
@@ -227,9 +282,16 @@ function pageMain(source) {
     state.behind = 0;
     hideHint();
     showPlay();
+    say(T().running);
   }
 
-  function stop() { state.playing = false; showPlay(); }
+  function stop() {
+    if (state.playing) sayTime();
+    state.playing = false;
+    showPlay();
+  }
+
+  function sayTime() { say($('scrub').getAttribute('aria-valuetext')); }
 
   function showPlay() {
     $('play-icon').setAttribute('d', state.playing ? 'M6 4h4v16H6zM14 4h4v16h-4z' : 'M7 4v16l13-8z');
@@ -340,18 +402,29 @@ function pageMain(source) {
   async function stepForward() {
     if (state.seeking) return;
     stop();
-    if (state.film) { showFilm(Math.min(state.film.step + 1, state.film.steps)); return; }
-    stepAll();
-    refresh();
+    if (state.film) showFilm(Math.min(state.film.step + 1, state.film.steps));
+    else { stepAll(); refresh(); }
+    sayTime();
   }
 
-  const stepBack = () => seek((state.film ? state.film.step : engine.x.step_now(0)) - 1);
+  async function stepBack() {
+    await seek((state.film ? state.film.step : engine.x.step_now(0)) - 1);
+    sayTime();
+  }
+
+  /** A recording cannot be changed: says so and returns true if one is shown. */
+  function isFixed() {
+    if (state.film) toast(T().fixedFilm, 'good');
+    return state.film !== null;
+  }
 
   /** Runs to the next collision with an impulse, stops, and shows its figures. */
   async function nextCollision() {
-    if (state.film || state.seeking) return;
+    if (state.seeking || isFixed()) return;
     stop();
-    const last = engine.x.step_now(0) + 60 * state.rate;
+    const first = engine.x.step_now(0);
+    const last = first + 60 * state.rate;
+    const ends = sides().map((which) => engine.status(which).end);
     let found = false;
     const finished = await inSlices(() => {
       if (!stepAll()) return true;
@@ -360,9 +433,15 @@ function pageMain(source) {
       return found || engine.x.step_now(0) >= last;
     });
     if (!finished) return;
+    if (!found && !engine.status(0).failure) {
+      for (const which of sides()) engine.x.go_back(which, first, ends[which]);
+      stages.forEach((stage) => stage.clear());
+      await advance();
+      toast(T().noCollision, 'good');
+      return;
+    }
     refresh();
     if (state.status[0].failure) return;
-    if (!found) { toast(T().noCollision, 'good'); return; }
     openPanel('collision');
     say($('collision-text').textContent);
   }
@@ -373,7 +452,9 @@ function pageMain(source) {
 
   /** Adds an event to all sessions: to the present state while time stands, else to the next one. */
   async function act(apply) {
-    if (state.film) return;
+    if (isFixed()) return;
+    const names = () => new Set(stages[0].names.map(([name]) => name));
+    const before = names();
     const undone = [];
     let problem = null;
     for (const which of sides()) {
@@ -393,28 +474,40 @@ function pageMain(source) {
         problem ??= error;
       }
     }
-    if (undone.length) state.acts.push(undone);
+    if (undone.length) remember(undone);
     for (const which of sides()) { state.status[which] = engine.status(which); note(which); }
     hideHint();
     refresh();
+    const after = names();
+    const said = [...after].filter((name) => !before.has(name)).map(T().made).concat([...before].filter((name) => !after.has(name)).map(T().gone));
+    if (said.length) say(said.join(', '));
     if (problem) toast(T().refused + problem.message);
   }
 
   const decimal = (number) => { const text = String(Number(number.toPrecision(12))); return /[.e]/.test(text) ? text : `${text}.0`; };
   const pair = ([x, y]) => `[${decimal(x)}, ${decimal(y)}]`;
 
+  /** A number as typed, with a point or a comma. */
+  const typed = (text) => Number(text.trim().replace(',', '.') || NaN);
+
   function blueprint(velocity) {
     const value = (id) => Number($(id).value);
+    const kilograms = typed($('box-m').value);
+    const isMass = $('box-fixed').checked || (kilograms >= 0.001 && kilograms < Infinity);
+    $('box-m').setAttribute('aria-invalid', !isMass);
     const body = { size: [value('box-w'), value('box-h')], v: velocity ?? [value('box-vx'), value('box-vy')] };
-    const mass = $('box-fixed').checked ? '"inf"' : decimal(value('box-m'));
+    if (!isMass) return body;
+    const mass = $('box-fixed').checked ? '"inf"' : decimal(kilograms);
     const material = $('box-material').value.trim();
     body.json = `{"size": ${pair(body.size)}, "mass": ${mass}, "velocity": ${pair(body.v)}${material ? `, "material": ${JSON.stringify(material)}` : ''}}`;
     return body;
   }
 
-  const click = (point, velocity) => act((which, now) => {
-    engine.event(which, `{"click": {"at": ${pair(point)}, "spawn": ${blueprint(velocity).json}}}`, now);
-  });
+  function click(point, velocity) {
+    const { json } = blueprint(velocity);
+    if (!json) { toast(T().badMass); return undefined; }
+    return act((which, now) => engine.event(which, `{"click": {"at": ${pair(point)}, "spawn": ${json}}}`, now));
+  }
   const remove = (name) => act((which, now) => engine.event(which, `{"delete": {"name": ${JSON.stringify(name)}}}`, now));
   const move = async (name, at, v) => {
     let renamed = name;
@@ -423,41 +516,52 @@ function pageMain(source) {
   };
 
   async function undo() {
+    if (isFixed()) return;
     const acted = state.acts.pop();
-    if (!acted || state.film) { toast(T().nothingToUndo, 'good'); return; }
+    if (!acted || acted.which.map((which) => engine.x.undo(which)).every(Boolean)) { toast(T().nothingToUndo, 'good'); return; }
     const playing = state.playing;
     stop();
-    for (const which of acted) engine.x.undo(which);
+    quiet();
+    if (acted.scene !== state.scene) {
+      state.scene = acted.scene;
+      $('scenes').value = state.scene ?? 'own';
+    }
+    stages.forEach((stage) => stage.clear());
     await advance();
+    showText();
     sides().forEach(note);
     say(T().undone);
     if (playing) start();
   }
 
   async function setting(key, value) {
+    if (isFixed()) return;
     const playing = state.playing;
     stop();
-    for (const which of sides()) engine.set(which, which, key, value);
+    for (const which of sides()) engine.set(which, key, value);
+    remember();
     await advance();
     sides().forEach(note);
-    $('editor').value = engine.scene(0);
+    showText();
     if (playing) start();
   }
 
   async function setSolver(value) {
+    if (isFixed()) return;
     stop();
     state.both = value === 'both';
     if (value === 'both') splitSolvers();
     else {
       engine.x.unload(1);
       state.journal[1] = null;
-      if (engine.status(0).solver !== value) engine.set(0, 0, 'run.solver', `"${value}"`);
+      regroup([0]);
+      if (engine.status(0).solver !== value) { engine.set(0, 'run.solver', `"${value}"`); remember(); }
     }
     $('canvas-1').parentElement.hidden = !state.both;
     $('side-label').hidden = !state.both;
     await advance();
     sides().forEach(note);
-    $('editor').value = engine.scene(0);
+    showText();
   }
 
   // Pointer
@@ -466,16 +570,18 @@ function pageMain(source) {
     const stage = stages[which];
     const { canvas } = stage;
     let grip = null;
-    const release = () => { grip = null; state.held = false; view.marks = []; };
+    const release = () => { grip = null; state.grip = null; state.held = false; view.marks = []; };
     canvas.addEventListener('pointerdown', (event) => {
-      if (event.button !== 0 || state.film || state.seeking || grip) return;
+      if (event.button !== 0 || state.seeking || grip || isFixed()) return;
       const at = stage.point(event);
-      const index = stage.bodyAt(at);
+      const index = bodyAt(which, at, event.pointerType === 'touch' ? 12 : 0);
+      if (index < 0 && isOutside(at)) return;
       const b = index < 0 ? null : stage.bodies.slice(index, index + Engine.BODY);
       grip = {
         id: event.pointerId, at, place: [event.clientX, event.clientY], moved: false, b,
         name: b && stage.names[index / Engine.BODY][0], path: [[...at, event.timeStamp]],
       };
+      state.grip = () => { release(); paint(); };
       canvas.setPointerCapture(event.pointerId);
       state.cursor = null;
     });
@@ -490,12 +596,16 @@ function pageMain(source) {
       view.marks = [ghost(at)];
       paint();
     });
+    // A drag of a metre is 2 m/s.
+    const thrown = (to, from) => [2 * (to[0] - from[0]), 2 * (to[1] - from[1])];
     const ghost = (at) => {
       const { b } = grip;
       if (b) return { kind: 'ghost', x: b[1] + at[0] - grip.at[0], y: b[2] + at[1] - grip.at[1], w: b[3], h: b[4] };
       const { size: [w, h] } = blueprint();
-      const v = [at[0] - grip.at[0], at[1] - grip.at[1]];
-      return { kind: 'ghost', x: grip.at[0] - w / 2, y: grip.at[1] - h / 2, w, h, v, scale: 1 };
+      const v = thrown(at, grip.at);
+      // The arrow is the one that the box will have.
+      const scale = view.reach.velocity ?? Math.min(...stage.size) / 36;
+      return { kind: 'ghost', x: grip.at[0] - w / 2, y: grip.at[1] - h / 2, w, h, v, scale, text: `${short(Math.hypot(...v))} m/s` };
     };
     canvas.addEventListener('pointerup', (event) => {
       if (!grip || event.pointerId !== grip.id) return;
@@ -505,9 +615,8 @@ function pageMain(source) {
       release();
       if (!engine) { view.marks.push(spot); paint(); }
       attempt(() => {
-        if (!moved) return click(from);
-        // An arrow of a metre is 2 m/s.
-        if (!b) return click(from, [2 * (at[0] - from[0]), 2 * (at[1] - from[1])]);
+        if (!moved) return tap(from, b, name);
+        if (!b) return click(from, thrown(at, from));
         return move(name, [spot.x, spot.y], state.playing ? speed(path, event.timeStamp) : [b[5], b[6]]);
       });
     });
@@ -515,6 +624,31 @@ function pageMain(source) {
     canvas.addEventListener('focus', () => { if (canvas.matches(':focus-visible')) { state.cursor ??= stage.size.map((length) => length / 2); } paint(); });
     canvas.addEventListener('blur', () => paint());
     canvas.addEventListener('keydown', (event) => canvasKey(event, which));
+  }
+
+  /**
+   * The place in the columns of the body at a point, or -1: one of finite mass, or one that an event made. On a touch
+   * screen small bodies reach `least` pixels from their centres.
+   */
+  function bodyAt(which, at, least = 0) {
+    const stage = stages[which];
+    const isMade = (index) => engine.isMadeByEvent(which, stage.names[index / Engine.BODY][0]);
+    return stage.bodyAt(at, isMade, least);
+  }
+
+  /** Says so and returns true if a point is beyond the walls. */
+  function isOutside([x, y]) {
+    const [width, height] = stages[0].size;
+    const isBeyond = view.walls && !(x >= 0 && x <= width && y >= 0 && y <= height);
+    if (isBeyond) toast(T().outside, 'good');
+    return isBeyond;
+  }
+
+  /** A click at a point, where the columns `b` of a body named `name` may be. */
+  function tap(at, b, name) {
+    // The engine’s click passes through infinite masses, and meets a small body only on it.
+    const isMissed = b && (b[7] === Infinity || Math.abs(at[0] - b[1] - b[3] / 2) > b[3] / 2 || Math.abs(at[1] - b[2] - b[4] / 2) > b[4] / 2);
+    return isMissed ? remove(name) : click(at);
   }
 
   /** The velocity of the pointer over the last 100 ms, m/s, at most 60. */
@@ -529,41 +663,57 @@ function pageMain(source) {
   const ARROWS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 
   function canvasKey(event, which) {
+    if (state.grip) return;
     const stage = stages[which];
     const arrow = ARROWS[event.key];
     state.cursor ??= stage.size.map((length) => length / 2);
-    const index = () => stage.bodyAt(state.cursor);
+    const index = () => bodyAt(which, state.cursor);
+    const name = () => (index() < 0 ? '' : stage.names[index() / Engine.BODY][0]);
     if (arrow) {
       const length = event.shiftKey ? 1 : 0.25;
       state.cursor = state.cursor.map((x, axis) => Math.max(0, Math.min(stage.size[axis], x + arrow[axis] * length)));
-      const name = index() < 0 ? '' : stage.names[index() / Engine.BODY][0];
-      say(T().cursor(short(state.cursor[0]), short(state.cursor[1]), name));
+      say(T().cursor(short(state.cursor[0]), short(state.cursor[1]), name()));
       paint();
     } else if (event.key === 'Enter') {
-      attempt(() => click(state.cursor));
+      attempt(() => tap(state.cursor, index() < 0 ? null : stage.bodies.slice(index(), index() + Engine.BODY), name()));
     } else if (event.key === 'Delete' || event.key === 'Backspace') {
-      if (index() >= 0) attempt(() => remove(stage.names[index() / Engine.BODY][0]));
+      if (index() >= 0) attempt(() => remove(name()));
     } else return;
     event.preventDefault();
   }
 
   function pageKey(event) {
     if (event.ctrlKey || event.metaKey || event.altKey || $('enlarged').open) return;
-    const target = event.target;
-    if (target.closest('textarea, select, input:not([type="range"]):not([type="checkbox"]):not([type="radio"])')) return;
-    const onControl = target.closest('button, input, label');
-    const keys = {
-      ' ': () => (onControl ? null : state.playing ? stop() : start()), ',': stepBack, '.': stepForward, n: nextCollision, z: undo,
-      Home: () => (onControl ? null : seek(0)), b: () => setSolver(state.both ? state.status[0].solver : 'both'), Escape: () => (state.panel ? openPanel(null) : quiet()),
-    };
     const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
+    if (state.grip) {
+      // While a box is held, a key only lets it go.
+      if (key === 'Escape') state.grip();
+      event.preventDefault();
+      return;
+    }
+    const of = (controls) => event.target.closest(controls);
+    if (key !== 'Escape' && of('textarea, input:not([type="range"]):not([type="checkbox"]):not([type="radio"])')) return;
+    const keys = {
+      ' ': of('button, select, input:not([type="range"])') ? null : () => (state.playing ? stop() : start()),
+      ',': stepBack, '.': stepForward, n: nextCollision, z: undo,
+      Home: of('button, select, input') ? null : () => seek(0),
+      b: () => setSolver(state.both ? state.status[0].solver : 'both'), Escape: () => (state.panel ? closePanel() : quiet()),
+    };
     const action = keys[key];
-    if (!action || ((key === ' ' || key === 'Home') && onControl)) return;
+    if (!action) return;
     event.preventDefault();
     attempt(action);
   }
 
   // Panels
+
+  /** Closes the panel; the focus does not stay in it. */
+  function closePanel() {
+    const opener = document.querySelector(`[data-panel="${state.panel}"]`) ?? $('play');
+    const hadFocus = $('panel').contains(document.activeElement);
+    openPanel(null);
+    if (hadFocus) opener.focus();
+  }
 
   function openPanel(name) {
     const shown = name === state.panel && name !== 'collision' ? null : name;
@@ -574,20 +724,22 @@ function pageMain(source) {
     all('#tabs button').forEach((button) => button.setAttribute('aria-expanded', button.dataset.panel === shown));
     showPanel();
     paint();
-    if (shown) $('panel').scrollTop = 0;
+    if (shown) { $('panel').scrollTop = 0; $('panel').scrollIntoView({ block: 'nearest' }); }
   }
 
   function showPanel() {
     if (state.panel === 'data') showData();
-    if (state.panel === 'collision') showCollision();
+    if (state.panel === 'collision' && !state.film) showCollision();
     if (state.panel === 'files') showCommand();
   }
 
   function showData() {
     const stage = stages[0];
-    for (const id of ['strip', 'energy', 'bodies-help', 'recent']) $(id).hidden = state.film !== null;
+    for (const id of ['strip', 'legend', 'energy', 'bodies-help', 'recent']) $(id).hidden = state.film !== null;
     if (!state.film) {
-      drawStrip($('strip'), engine.numbers(engine.x.energy(0), 5), state.rate, engine.x.step_now(0), view.theme);
+      drawStrip($('strip'), engine.numbers(engine.x.energy(0), 5), state.rate, engine.x.step_now(0), view.theme, (top, momentum, last) => [
+        T().peaks(short(top), short(momentum)), `${short(last)} s`,
+      ]);
       engine.x.energy_now(0);
       const [k, p, px, py] = engine.numbers(4, 1);
       $('energy').textContent = T().energy(...[k, p, k + p, px, py].map(short));
@@ -651,8 +803,14 @@ function pageMain(source) {
         showData();
         [...$('bodies').querySelectorAll('button')].find((other) => other.textContent === renamed)?.focus();
       });
-    } else if (event.key === 'Delete' || event.key === 'Backspace') attempt(() => remove(name));
-    else return;
+    } else if (event.key === 'Delete' || event.key === 'Backspace') {
+      const at = button.closest('tr').rowIndex - 1;
+      attempt(async () => {
+        await remove(name);
+        const left = $('bodies').querySelectorAll('button');
+        (left[Math.min(at, left.length - 1)] ?? $('bodies').closest('.scroll')).focus();
+      });
+    } else return;
     event.preventDefault();
     event.stopPropagation();
   }
@@ -660,6 +818,14 @@ function pageMain(source) {
   function showCollision() {
     const c = engine.collisions(0).slice();
     const name = (id) => stages[0].names[[...stages[0].names.keys()].find((n) => stages[0].bodies[n * Engine.BODY] === id)]?.[0] ?? `#${id}`;
+    // The figures call the body of finite mass c, else the one created first, whatever the order of the collision.
+    const isInfinite = (id) => { const b = stages[0].bodies; for (let i = 0; i < b.length; i += Engine.BODY) if (b[i] === id) return b[i + 7] === Infinity; return false; };
+    for (let i = 0; i < c.length; i += Engine.COLLISION) {
+      const [x, y] = [isInfinite(c[i]), isInfinite(c[i + 1])];
+      if (x === y ? c[i] < c[i + 1] : y) continue;
+      [c[i], c[i + 1]] = [c[i + 1], c[i]];
+      for (const at of [2, 3, 9, 10]) c[i + at] = -c[i + at] || 0;
+    }
     const indices = [];
     for (let i = 0; i < c.length / Engine.COLLISION; i += 1) if (c[i * Engine.COLLISION + 5]) indices.push(i);
     $('pick').hidden = indices.length < 2;
@@ -680,7 +846,7 @@ function pageMain(source) {
     const n = c.slice(index * Engine.COLLISION, (index + 1) * Engine.COLLISION);
     const [a, b] = [name(n[0]), name(n[1])];
     $('collision-text').textContent = T().collided(a, b, short(n[8]));
-    const rows = { a, b, t: `${short(n[8])} s`, n: `(${short(n[2])}, ${short(n[3])})`, e: short(n[4]), before: `${short(n[6])} m/s`, after: `${short(n[7])} m/s`, j: `${short(n[5])} N·s`, p: `(${short(n[9])}, ${short(n[10])}) m` };
+    const rows = { a, b, t: `${short(n[8])} s`, n: couple(n[2], n[3]), e: short(n[4]), before: `${short(n[6])} m/s`, after: `${short(n[7])} m/s`, j: `${short(n[5])} N·s`, p: `${couple(n[9], n[10])} m` };
     $('collision-numbers').replaceChildren(...Object.entries(rows).flatMap(([key, text]) => {
       const [dt, dd] = [document.createElement('dt'), document.createElement('dd')];
       dt.textContent = T().numbers[key];
@@ -717,13 +883,21 @@ function pageMain(source) {
   async function recording(which) {
     if (state.film) return state.film.bytes;
     engine.ask(engine.x.save_start(which));
+    const { busy } = state;
+    const last = engine.status(which).recorded_steps;
+    const began = performance.now();
     let states = 16;
     for (;;) {
-      const began = performance.now();
+      const sliced = performance.now();
       const code = engine.x.save_advance(states);
       if (code) return engine.file(code === 1 ? 1 : 0);
-      states = nextSlice(states, performance.now() - began);
+      states = nextSlice(states, performance.now() - sliced);
+      if (sliced - began > 500 && !$('toast').hidden) $('toast-text').textContent = T().progress(local((100 * engine.x.save_step() / last).toFixed(1)));
       await idle();
+      if (state.busy !== busy) {
+        engine.x.save_stop();
+        throw new Refusal(T().notSaved);
+      }
     }
   }
 
@@ -767,14 +941,15 @@ function pageMain(source) {
     const name = base();
     const step = present();
     if (state.busy) return;
-    state.busy = 1;
+    const busy = (state.busy = performance.now());
+    const film = state.film;
     stop();
     toast(T().working, 'good');
     try {
       if (kind === 'mcap') download(`${name}.mcap`, await recording(which));
-      else if (kind === 'toml') download(`${name}.toml`, state.film ? state.film.scene : engine.ask(engine.x.recorded_scene(which)));
-      else if (kind === 'clicks') download(`${name}-clicks.toml`, state.film ? state.film.scene : engine.ask(engine.x.scene_with_events(which)));
-      else if (kind === 'jsonl') download(`${name}.jsonl`, state.film ? '' : engine.lines(which));
+      else if (kind === 'toml') download(`${name}.toml`, film ? film.scene : engine.ask(engine.x.recorded_scene(which)));
+      else if (kind === 'clicks') download(`${name}-clicks.toml`, engine.ask(film ? engine.x.film_scene_with_events() : engine.x.scene_with_events(which)));
+      else if (kind === 'jsonl') download(`${name}.jsonl`, film ? engine.ask(engine.x.film_lines()) : engine.lines(which));
       else if (kind === 'link') await makeLink(which);
       else {
         const file = await recording(which);
@@ -784,16 +959,18 @@ function pageMain(source) {
         const modules = [Engine.core, Engine.rest];
         const job = { modules, recording: file, format: table === undefined ? kind : 'csv', table, step, options };
         const bytes = await workBeside(job);
+        if (state.busy !== busy) throw new Refusal(T().notSaved);
         const type = { png: 'image/png', svg: 'image/svg+xml', gif: 'image/gif' }[kind] ?? 'text/csv';
         download(table === undefined ? `${name}.${kind}` : `${name}-${kind}.csv`, bytes, type);
       }
+      if (!film && ['mcap', 'clicks', 'jsonl', 'link'].includes(kind)) state.saved = engine.lines(0);
     } finally {
-      state.busy = 0;
+      if (state.busy === busy) state.busy = 0;
     }
   }
 
   async function makeLink(which) {
-    const session = { n: state.film?.name ?? state.status[which].name, s: state.film?.scene ?? engine.scene(which), l: state.film ? '' : engine.lines(which), t: present() };
+    const session = { n: state.film?.name ?? state.status[which].name, s: state.film?.scene ?? engine.scene(which), l: state.film ? engine.ask(engine.x.film_lines()) : engine.lines(which), t: present() };
     const packed = toBase64(await compressed(encoder.encode(JSON.stringify(session)), 'deflate-raw'));
     const fragment = `s=${packed.replaceAll('+', '-').replaceAll('/', '_').replaceAll('=', '')}`;
     if (fragment.length > LIMITS.link) { toast(T().linkLong(fragment.length)); document.querySelector('[data-file="clicks"]').focus(); return; }
@@ -838,16 +1015,22 @@ function pageMain(source) {
     if (file.size > LIMITS.file * 1e6) { toast(T().tooLarge(LIMITS.file)); return; }
     const bytes = new Uint8Array(await file.arrayBuffer());
     const name = file.name.replace(/[\r\n/\\]/g, ' ');
+    const [, ending] = /\.(\w+)$/.exec(name.toLowerCase()) ?? [];
+    const text = () => {
+      try { return new TextDecoder('utf-8', { fatal: true }).decode(bytes); } catch { throw new Refusal(T().notText(name)); }
+    };
     const magic = bytes[0] === 0x89 && decoder.decode(bytes.subarray(1, 5)) === 'MCAP';
-    if (magic || name.endsWith('.mcap')) await openFilm(name, bytes);
-    else if (name.endsWith('.jsonl')) {
+    if (magic || ending === 'mcap') await openFilm(name, bytes);
+    else if (ending === 'jsonl') {
+      const events = text();
       closeFilm();
       stop();
-      for (const which of sides()) engine.setLines(which, decoder.decode(bytes));
-      state.acts.push(sides());
+      for (const which of sides()) engine.setLines(which, events);
+      remember();
       refresh();
       sides().forEach(note);
-    } else if (name.endsWith('.toml')) { load(name, decoder.decode(bytes)); }
+      state.saved = engine.lines(0);
+    } else if (ending === 'toml') load(name, text());
     else toast(T().unknownFile);
   }
 
@@ -856,15 +1039,20 @@ function pageMain(source) {
     const about = engine.film(bytes);
     state.film = { ...about, name, bytes, step: 0 };
     view.reach = {};
-    if (state.both) { state.both = false; $('canvas-1').parentElement.hidden = true; $('side-label').hidden = true; engine.x.unload(1); state.journal[1] = null; }
+    if (state.panel === 'collision') openPanel(null);
+    if (state.both) { regroup([0]); state.both = false; $('canvas-1').parentElement.hidden = true; $('side-label').hidden = true; engine.x.unload(1); state.journal[1] = null; }
     stages[0].trails.clear();
     $('title').textContent = about.title || name;
+    document.title = `${about.title || name} – rebond`;
+    nameScene(about.title || name);
     $('film').hidden = false;
     $('film-title').textContent = name;
     $('film-step').hidden = true;
     $('film-scene').hidden = !about.scene;
-    $('editor').value = about.scene;
+    $('editor').value = '';
+    showText();
     quiet();
+    refresh();
     showFilm(0);
     hideHint();
     await replayFilm(state.film);
@@ -890,7 +1078,7 @@ function pageMain(source) {
           film.verdict = verdict;
           if (verdict.diverged !== null) {
             $('film-step').hidden = false;
-            $('film-step').textContent = T().divergedAt(verdict.diverged);
+            showDivergence();
           }
           break;
         }
@@ -908,12 +1096,14 @@ function pageMain(source) {
     $('film-progress').hidden = true;
   }
 
+  function showDivergence() { $('film-step').textContent = T().divergedAt(state.film.verdict.diverged); }
+
   function showFilm(step) {
     state.film.step = Number(engine.ask(engine.x.film_show(step)));
     paint();
     if (view.show.has('trail') && state.playing) stages[0].extendTrails(state.film.rate);
     showTime();
-    if (state.panel === 'data' && (!state.playing || (tick += 1) % 15 === 0)) showData();
+    if (!state.playing || (tick += 1) % 15 === 0) showPanel();
   }
 
   function closeFilm() {
@@ -922,7 +1112,11 @@ function pageMain(source) {
     engine.x.film_close();
     $('film').hidden = true;
     stop();
-    if (state.status[0]) { $('editor').value = engine.scene(0); refresh(); }
+    $('scenes').querySelector('[value="own"]')?.remove();
+    $('scenes').value = state.scene ?? 'own';
+    $('editor').value = '';
+    showText();
+    refresh();
   }
 
   // Language, theme, start
@@ -936,7 +1130,7 @@ function pageMain(source) {
       element.setAttribute('aria-label', T()[element.dataset.l]);
       if (element.tagName === 'BUTTON') element.title = T()[element.dataset.l];
     }
-    for (const input of all('#overlays input')) input.nextElementSibling.textContent = T()[input.value];
+    if (state.film?.verdict) showDivergence();
     $('help').replaceChildren(...T().helpLines.map((line) => { const li = document.createElement('li'); li.textContent = line; return li; }));
     if (!state.hinted) $('hint').textContent = T().hint;
     showPlay();
@@ -957,7 +1151,7 @@ function pageMain(source) {
 
   /** Shows the title of a scene that is not bundled among the scenes. */
   function nameScene(title) {
-    if (state.scene !== null) return;
+    if (state.scene !== null && !state.film) return;
     const options = $('scenes').options;
     const own = [...options].find((option) => option.value === 'own') ?? new Option('', 'own');
     own.textContent = title;
@@ -977,12 +1171,13 @@ function pageMain(source) {
     on('undo', 'click', undo);
     on('scrub', 'input', () => seek(Number($('scrub').value)));
     on('scenes', 'change', () => { quiet(); if ($('scenes').value !== 'own') choose($('scenes').value); });
-    on('language', 'click', () => { state.language = state.language === 'fr' ? 'en' : 'fr'; translate(); state.figureKey = null; refresh(); });
+    on('language', 'click', () => { state.language = state.language === 'fr' ? 'en' : 'fr'; keep('language', state.language); translate(); state.figureKey = null; refresh(); });
     on('theme', 'click', () => { setTheme(view.theme === 'dark' ? 'light' : 'dark'); refresh(); });
-    on('toast-close', 'click', quiet);
-    on('panel-close', 'click', () => { const opened = document.querySelector(`[data-panel="${state.panel}"]`); openPanel(null); (opened ?? $('play')).focus(); });
-    on('clear', 'click', async () => { stop(); for (const which of sides()) engine.setLines(which, ''); state.acts.push(sides()); await seek(0); sides().forEach(note); say(T().cleared); });
-    on('set-g', 'change', () => setting('world.gravity', `[0.0, ${decimal(Number($('set-g').value))}]`));
+    // Closing the message of a file that is being made ends that, too.
+    on('toast-close', 'click', () => { quiet(); state.busy = 0; });
+    on('panel-close', 'click', closePanel);
+    on('clear', 'click', async () => { stop(); for (const which of sides()) engine.setLines(which, ''); remember(); await seek(0); sides().forEach(note); say(T().cleared); });
+    on('set-g', 'change', () => setting('world.gravity', pair([state.status[0].gravity?.[0] ?? 0, Number($('set-g').value)])));
     on('set-e', 'change', () => setting('restitution.default', decimal(Number($('set-e').value))));
     on('set-rate', 'change', () => setting('run.rate', decimal(state.rates[$('set-rate').value])));
     on('solvers', 'change', (event) => setSolver(event.target.value));
@@ -1005,11 +1200,23 @@ function pageMain(source) {
     }));
     on('enlarged-close', 'click', () => $('enlarged').close());
     on('film-close', 'click', closeFilm);
-    on('film-scene', 'click', () => load(`${base()}.toml`, state.film.scene));
+    on('film-scene', 'click', () => load(`${base()}.toml`, state.film.scene, engine.ask(engine.x.film_lines())));
     on('film-step', 'click', () => showFilm(Math.min(state.film.verdict.diverged, state.film.steps)));
+    on('box-m', 'input', () => blueprint());
     on('bodies', 'click', (event) => { const button = event.target.closest('button'); if (button) { state.selected = state.selected === button.textContent ? null : button.textContent; refresh(); } });
     $('bodies').addEventListener('keydown', listKey);
-    all('[data-panel]').forEach((button) => button.addEventListener('click', () => attempt(() => openPanel(button.dataset.panel))));
+    all('[data-panel]').forEach((button) => button.addEventListener('click', ({ detail }) => attempt(() => {
+      openPanel(button.dataset.panel);
+      // The panel comes before its tab: from the keyboard, the focus goes there.
+      if (state.panel && !detail) $('panel').focus();
+    })));
+    // After a click on a control, or a choice with the pointer, Space and letters act on the world.
+    let isPointer = false;
+    addEventListener('pointerdown', () => { isPointer = true; }, true);
+    addEventListener('keydown', () => { isPointer = false; }, true);
+    addEventListener('click', ({ detail, target }) => { if (detail && target.closest?.('header button, #transport button, #film button, #panel-close')) document.activeElement.blur(); });
+    all('header select, #transport select').forEach((select) => select.addEventListener('change', () => { if (isPointer) select.blur(); }));
+    addEventListener('beforeunload', (event) => { if (engine && ![state.saved, ''].includes(engine.lines(0))) event.preventDefault(); });
     all('[data-file]').forEach((button) => button.addEventListener('click', () => attempt(() => save(button.dataset.file))));
     all('input[type="range"]').forEach((input) => input.addEventListener('input', () => { const output = input.nextElementSibling; if (output) showOutput(output); }));
     addEventListener('keydown', pageKey);

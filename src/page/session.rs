@@ -10,6 +10,7 @@ use rebond::{
     Body, BodyId, Collision, Diagnostic, Language, Run, Scene, SceneError, StepError, Theme, Vector, parse_scene,
 };
 use std::collections::{BTreeMap, VecDeque};
+use std::rc::Rc;
 
 /// The largest number of bodies alive.
 pub const MAX_BODIES: usize = 20_000;
@@ -29,6 +30,9 @@ const MAX_RECENT: usize = 200;
 /// Sessions that undo can return to.
 const MAX_UNDO: usize = 200;
 
+/// The lines that are listed if none of a file is accepted.
+const MAX_LISTED: usize = 5;
+
 /// The state that an event changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum When {
@@ -38,11 +42,20 @@ pub enum When {
     Next,
 }
 
+/// A session that undo returns to.
+#[derive(Clone)]
+struct Before {
+    scene: Rc<Scene>,
+    lines: Vec<EventLine>,
+    /// If the session was left for one with another scene: the step shown and the last one reached.
+    left_at: Option<[u64; 2]>,
+}
+
 /// A scene and lines of events, and the run that follows from them.
 ///
 /// The states are those that `rebond record` writes for the same scene and lines.
 pub struct Session {
-    scene: Scene,
+    scene: Rc<Scene>,
     /// In the order of their steps.
     lines: Vec<EventLine>,
     run: Run,
@@ -61,7 +74,7 @@ pub struct Session {
     target: u64,
     failure: Option<String>,
     refused: Vec<String>,
-    undo: Vec<Vec<EventLine>>,
+    undo: Vec<Before>,
     top_speed: f64,
 }
 
@@ -71,10 +84,11 @@ impl Session {
     /// # Errors
     /// The messages of the parser, or of a scene that is too large for the page.
     pub fn new(name: &str, text: &str) -> Result<Session, String> {
-        Session::with_lines(parse_scene(name, text).map_err(|error| all_messages(&error))?, Vec::new())
+        let scene = parse_scene(name, text).map_err(|error| all_messages(&error))?;
+        Session::with_lines(Rc::new(scene), Vec::new())
     }
 
-    fn with_lines(scene: Scene, lines: Vec<EventLine>) -> Result<Session, String> {
+    fn with_lines(scene: Rc<Scene>, lines: Vec<EventLine>) -> Result<Session, String> {
         let spawns = scene.inputs.iter().filter(|input| !matches!(input.action, Action::Delete { .. })).count();
         if spawns > MAX_BODIES {
             return Err(format!("the scene spawns {spawns} bodies; the page shows at most {MAX_BODIES}"));
@@ -103,6 +117,13 @@ impl Session {
         };
         session.rewind(0);
         session.failure.clone().map_or(Ok(session), Err)
+    }
+
+    /// This session in the place of another one, to which undo returns.
+    pub fn in_place_of(mut self, mut before: Session) -> Session {
+        before.remember(Some([before.step_now(), before.end]));
+        self.undo = before.undo;
+        self
     }
 
     /// The scene.
@@ -151,32 +172,42 @@ impl Session {
     }
 
     /// Replaces the lines of events, and starts again at step 0. Lines that are refused are dropped and reported.
-    pub fn set_lines(&mut self, text: &str) {
-        self.remember();
-        self.lines.clear();
+    ///
+    /// # Errors
+    /// The messages of a text of which no line is accepted; the session is then as before.
+    pub fn set_lines(&mut self, text: &str) -> Result<(), String> {
+        let (mut lines, mut refused) = (Vec::new(), Vec::new());
         let mut step = 0;
         for (index, line) in text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()) {
             let parsed = EventLine::parse(line, None).or_else(|_| EventLine::parse(line, Some(step + 1)));
             match parsed {
-                _ if self.lines.len() >= MAX_LINES => {
-                    self.refused.push(format!("the page keeps at most {MAX_LINES} events"));
+                _ if lines.len() >= MAX_LINES => {
+                    refused.push(format!("the page keeps at most {MAX_LINES} events"));
                     break;
                 }
                 Ok(line) if line.step < step => {
                     let number = index + 1;
-                    self.refused.push(format!("line {number}: its step, {}, is before step {step}", line.step));
+                    refused.push(format!("line {number}: its step, {}, is before step {step}", line.step));
                 }
                 Ok(line) => {
                     step = line.step;
-                    self.lines.push(line);
+                    lines.push(line);
                 }
-                Err(error) => self.refused.push(format!("line {}: {error}", index + 1)),
+                Err(error) => refused.push(format!("line {}: {error}", index + 1)),
             }
         }
+        if lines.is_empty() && !refused.is_empty() {
+            refused.truncate(MAX_LISTED);
+            return Err(refused.join("\n"));
+        }
+        self.remember(None);
+        self.lines = lines;
+        self.refused.extend(refused);
         self.end = 0;
         self.strip = EnergyStrip::new();
         self.history.forget_from(0);
         self.rewind(0);
+        Ok(())
     }
 
     /// Advances by one step, and applies the events of the next one. A line that is refused is dropped and reported.
@@ -207,6 +238,13 @@ impl Session {
         if step < self.step_now() {
             self.rewind(step);
         }
+    }
+
+    /// Goes to an earlier step, as if the session had never been beyond `end`.
+    pub fn go_back(&mut self, step: u64, end: u64) {
+        self.go_to(step);
+        self.end = end;
+        self.strip.forget_from(end + 1);
     }
 
     /// Makes up to `steps` steps to the one that was set, and returns true if it is reached or cannot be.
@@ -288,12 +326,20 @@ impl Session {
         Ok(new_name)
     }
 
-    /// Returns to the lines before the last event. The present step stays to be reached; see [`Session::advance`].
+    /// Returns to the session before the last event, setting or scene. The present time stays to be reached, or the step
+    /// at which the scene was left; see [`Session::advance`].
     pub fn undo(&mut self) -> bool {
-        let Some(lines) = self.undo.pop() else { return false };
-        let target = self.target.max(self.step_now());
-        self.change_lines(lines);
-        self.target = target;
+        let Some(Before { scene, lines, left_at }) = self.undo.pop() else { return false };
+        let now = self.target.max(self.step_now());
+        if Rc::ptr_eq(&scene, &self.scene) {
+            self.change_lines(lines);
+            self.target = now;
+            return true;
+        }
+        let [from, to] = [self.scene.run.rate, scene.run.rate];
+        let [target, end] = left_at.unwrap_or_else(|| [now, self.end].map(|step| retimed(step, from, to)));
+        let Ok(before) = Session::with_lines(scene, lines) else { return false };
+        *self = Session { undo: std::mem::take(&mut self.undo), target, end, ..before };
         true
     }
 
@@ -303,25 +349,39 @@ impl Session {
     /// # Errors
     /// The message of a value that the scene does not accept.
     pub fn with_setting(&self, path: &str, value: &str) -> Result<Session, String> {
-        let from = self.scene.run.rate;
-        let mut text = SceneText::new(&self.scene.source.text)?;
-        match path {
-            "run.rate" => {
-                let rate: f64 = value.parse().map_err(|_| format!("{value} is not a rate"))?;
-                text.set_rate(&self.scene, rate)?;
-            }
-            _ => text.set(path, value)?,
-        }
-        let scene = parse_scene(&self.scene.source.path, &text.text()).map_err(|error| all_messages(&error))?;
-        let to = scene.run.rate;
-        let retime = |lines: &[EventLine]| -> Vec<EventLine> {
-            let retimed = |line: &EventLine| EventLine { step: retimed(line.step, from, to), ..line.clone() };
-            lines.iter().map(retimed).collect()
-        };
-        let mut session = Session::with_lines(scene, retime(&self.lines))?;
-        session.undo = self.undo.iter().map(|lines| retime(lines)).collect();
+        let scene = changed(&self.scene, path, value)?;
+        let [from, to] = [self.scene.run.rate, scene.run.rate];
+        let retime = |line: &EventLine| EventLine { step: retimed(line.step, from, to), ..line.clone() };
+        let mut session = Session::with_lines(Rc::new(scene), self.lines.iter().map(retime).collect())?;
+        session.undo.clone_from(&self.undo);
+        session.undo.push(Before { scene: self.scene.clone(), lines: self.lines.clone(), left_at: None });
         session.target = retimed(self.step_now(), from, to);
         session.end = retimed(self.end, from, to);
+        Ok(session)
+    }
+
+    /// The session with the other solver, beside this one: all that can be undone here can be undone there, too.
+    ///
+    /// # Errors
+    /// The message of a scene that the other solver does not accept.
+    pub fn beside(&self) -> Result<Session, String> {
+        let other = |scene: &Scene| {
+            let solver = if scene.run.solver.name() == "handout" { "\"event-driven\"" } else { "\"handout\"" };
+            changed(scene, "run.solver", solver).map(Rc::new)
+        };
+        let scene = other(&self.scene)?;
+        let mut session = Session::with_lines(scene.clone(), self.lines.clone())?;
+        // Sessions that follow each other mostly share their scene.
+        let mut shared = (&self.scene, scene);
+        for before in self.undo.iter().rev() {
+            if !Rc::ptr_eq(&before.scene, shared.0) {
+                shared = (&before.scene, other(&before.scene)?);
+            }
+            session.undo.push(Before { scene: shared.1.clone(), ..before.clone() });
+        }
+        session.undo.reverse();
+        session.target = self.step_now();
+        session.end = self.end;
         Ok(session)
     }
 
@@ -385,6 +445,13 @@ impl Session {
         serde_json::to_string(&names.collect::<Vec<_>>()).unwrap_or_default()
     }
 
+    /// Returns true if an event made the body of this name, rather than the scene.
+    pub fn is_made_by_event(&self, name: &str) -> bool {
+        let is_named = |body: &Blueprint| body.name.as_deref() == Some(name);
+        let mut until_now = self.lines.iter().take_while(|line| line.step <= self.step_now());
+        until_now.any(|line| line.blueprint().is_some_and(is_named))
+    }
+
     /// Appends the columns of the collisions of the last step.
     pub fn fill_collisions(&self, columns: &mut Vec<f64>) {
         self.collisions.iter().for_each(|collision| push_collision(columns, collision));
@@ -444,7 +511,7 @@ impl Session {
     /// Sets the lines, which differ from the present ones from the step of `when` on, and forgets what comes after it.
     fn replace(&mut self, lines: Vec<EventLine>, when: When) -> Result<(), String> {
         let step = self.step_now();
-        self.remember();
+        self.remember(None);
         let before = std::mem::replace(&mut self.lines, lines);
         self.end = step;
         self.history.forget_from(self.step_of(when));
@@ -485,11 +552,11 @@ impl Session {
         self.rewind(first.saturating_sub(1));
     }
 
-    fn remember(&mut self) {
+    fn remember(&mut self, left_at: Option<[u64; 2]>) {
         if self.undo.len() == MAX_UNDO {
             self.undo.remove(0);
         }
-        self.undo.push(self.lines.clone());
+        self.undo.push(Before { scene: self.scene.clone(), lines: self.lines.clone(), left_at });
     }
 
     /// Goes back to the last snapshot at or before `step`.
@@ -549,6 +616,19 @@ impl Session {
         let speeds = self.bodies().iter().filter(|body| !body.is_infinite()).map(|body| body.velocity.norm());
         self.top_speed = speeds.fold(self.top_speed, |top, speed| if speed > top { speed } else { top });
     }
+}
+
+/// The scene with a value of a key such as `world.gravity` changed.
+fn changed(scene: &Scene, path: &str, value: &str) -> Result<Scene, String> {
+    let mut text = SceneText::new(&scene.source.text)?;
+    match path {
+        "run.rate" => {
+            let rate: f64 = value.parse().map_err(|_| format!("{value} is not a rate"))?;
+            text.set_rate(scene, rate)?;
+        }
+        _ => text.set(path, value)?,
+    }
+    parse_scene(&scene.source.path, &text.text()).map_err(|error| all_messages(&error))
 }
 
 /// All messages of an error in the text of a scene, each with its line and what would be accepted.

@@ -239,7 +239,7 @@ fn going_back_and_acting_forgets_what_came_after() {
     assert_eq!((session.end(), session.lines().lines().count()), (10, 1));
     go_to(&mut session, 60);
     let mut again = room();
-    again.set_lines(&session.lines());
+    again.set_lines(&session.lines()).unwrap();
     go_to(&mut again, 60);
     assert_eq!(bits(&session), bits(&again));
 }
@@ -278,6 +278,130 @@ fn both_solvers_follow_the_same_clicks() {
     assert_eq!((exact.lines(), names(&exact)), (handout.lines(), names(&handout)));
     assert_ne!(bits(&exact), bits(&handout));
     assert!(saved(&handout) == recorded("room.toml", &handout.scene().source.text, &handout.lines()));
+}
+
+#[test]
+fn settings_and_scenes_are_undone_in_their_order() {
+    let mut session = room();
+    steps(&mut session, 60);
+    session.event(&click(6.0, 5.0), When::Next).unwrap();
+    steps(&mut session, 20);
+    let mut session = session.with_setting("world.gravity", "[0.5, 1.62]").unwrap();
+    go_to(&mut session, 80);
+    let mut session = session.with_setting("run.rate", "30").unwrap();
+    while !session.advance(50) {}
+    session.event(&click(9.0, 7.0), When::Next).unwrap();
+    steps(&mut session, 2);
+    let lines = session.lines();
+    let mut session = Session::new("other.toml", "[run]\nsteps = 9\n").unwrap().in_place_of(session);
+    session.event(&click(1.0, 1.0), When::Now).unwrap();
+    let undo = |session: &mut Session| {
+        assert!(session.undo());
+        while !session.advance(9) {}
+        let gravity = session.scene().gravity.map(|gravity| [gravity.x, gravity.y]);
+        (session.scene().source.path.clone(), session.scene().run.rate, gravity, session.step_now(), names(session))
+    };
+    assert_eq!(undo(&mut session), ("other.toml".into(), 60.0, None, 0, vec![]));
+    let box_names = |boxes: &[&str]| boxes.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>();
+    let all = box_names(&["c", "#2", "box 1", "box 2"]);
+    assert_eq!(undo(&mut session), ("room.toml".into(), 30.0, Some([0.5, 1.62]), 42, all));
+    assert_eq!(session.lines(), lines);
+    let one = box_names(&["c", "#2", "box 1"]);
+    assert_eq!(undo(&mut session), ("room.toml".into(), 30.0, Some([0.5, 1.62]), 42, one.clone()));
+    assert_eq!(undo(&mut session), ("room.toml".into(), 60.0, Some([0.5, 1.62]), 84, one.clone()));
+    assert_eq!(undo(&mut session), ("room.toml".into(), 60.0, Some([0.0, 9.81]), 84, one));
+    assert_eq!(undo(&mut session), ("room.toml".into(), 60.0, Some([0.0, 9.81]), 84, box_names(&["c", "#2"])));
+    assert!(!session.undo());
+}
+
+#[test]
+fn what_is_undone_is_undone_in_the_session_beside_too() {
+    let mut exact = room().with_setting("restitution.default", "0.5").unwrap();
+    exact.event(&click(6.0, 5.0), When::Now).unwrap();
+    let mut exact = exact.with_setting("run.solver", "\"handout\"").unwrap();
+    let mut beside = exact.beside().unwrap();
+    for expected in ["event-driven", "handout", "handout", "handout"] {
+        assert_eq!(beside.scene().run.solver.name(), expected);
+        assert_ne!(exact.scene().run.solver, beside.scene().run.solver);
+        assert_eq!(exact.lines(), beside.lines());
+        assert_eq!(exact.scene().restitution, beside.scene().restitution);
+        assert_eq!(exact.undo(), beside.undo());
+    }
+    assert!(!exact.undo());
+}
+
+#[test]
+fn going_back_forgets_how_far_the_session_was() {
+    let mut session = room();
+    steps(&mut session, 150);
+    let end = session.end();
+    steps(&mut session, 900);
+    session.go_back(100, end);
+    while !session.advance(50) {}
+    assert_eq!((session.step_now(), session.end(), session.recorded_steps()), (100, 150, 150));
+    assert!(session.strip.numbers.chunks(EnergyStrip::WIDTH).all(|sample| sample[0] <= 150.0));
+}
+
+#[test]
+fn the_lines_of_a_recording_repeat_its_events() {
+    let mut session = room();
+    session.event(&click(6.0, 5.0), When::Now).unwrap();
+    session.event(&click(6.0, 5.0), When::Now).unwrap();
+    session.event(&click(9.3, 5.1), When::Now).unwrap();
+    session
+        .event(&click(4.0, 7.0).replace("\"mass\": 1.0", "\"mass\": \"inf\", \"name\": \"post\""), When::Now)
+        .unwrap();
+    steps(&mut session, 50);
+    session.throw("c", [4.0, 2.0], [5.0, -4.0], When::Next).unwrap();
+    steps(&mut session, 40);
+    session.throw("#2", [8.0, 1.0], [-5.0, 0.1], When::Now).unwrap();
+    let file = saved(&session);
+    let film = Film::open("room.mcap", file.clone()).unwrap();
+    let lines: String = film.lines().unwrap().iter().map(|line| line.json() + "\n").collect();
+    let mut again = Session::new("room.toml", &film.scene).unwrap();
+    again.set_lines(&lines).unwrap();
+    go_to(&mut session, 120);
+    go_to(&mut again, 120);
+    assert_eq!((bits(&again), again.names()), (bits(&session), session.names()), "{lines}");
+    let mut one = Session::new("one.toml", &film.scene_with_events().unwrap()).unwrap();
+    go_to(&mut one, 120);
+    assert_eq!(bits(&one), bits(&session));
+    // The events of a scene are not added once more.
+    for name in ["click-session", "spawn-and-delete"] {
+        let path = format!("{}/../../recordings/{name}.mcap", env!("CARGO_MANIFEST_DIR"));
+        assert_eq!(Film::open(name, std::fs::read(path).unwrap()).unwrap().lines().unwrap(), []);
+    }
+    let mut session =
+        Session::new("two.toml", BUNDLED.iter().find(|(name, _)| *name == "click-session").unwrap().1).unwrap();
+    steps(&mut session, 31);
+    session.event(&click(2.0, 1.0), When::Now).unwrap();
+    steps(&mut session, 30);
+    let film = Film::open("two.mcap", saved(&session)).unwrap();
+    assert_eq!(film.lines().unwrap().len(), 1);
+}
+
+#[test]
+fn a_body_of_an_event_is_told_from_one_of_the_scene() {
+    let mut session = room();
+    steps(&mut session, 5);
+    session.event(&click(6.0, 5.0), When::Next).unwrap();
+    assert!(!session.is_made_by_event("box 1"));
+    session.step();
+    assert!(
+        session.is_made_by_event("box 1") && !session.is_made_by_event("c") && !session.is_made_by_event("wall-top")
+    );
+}
+
+#[test]
+fn a_file_without_any_event_leaves_the_session_as_it_is() {
+    let mut session = room();
+    session.event(&click(6.0, 5.0), When::Now).unwrap();
+    let lines = session.lines();
+    let error = session.set_lines(&"nonsense\n".repeat(9)).unwrap_err();
+    assert!(error.starts_with("line 1: ") && error.lines().count() == 5, "{error}");
+    assert_eq!((session.lines(), names(&session).len()), (lines, 3));
+    session.set_lines("").unwrap();
+    assert_eq!(session.lines(), "");
 }
 
 #[test]
@@ -433,7 +557,7 @@ fn lines_that_are_opened_are_those_of_the_command() {
     let lines = "{\"click\": {\"at\": [4, 5], \"spawn\": {\"size\": [1, 1], \"mass\": \"inf\"}}}\n\n\
                  {\"delete\": {\"step\": 30, \"name\": \"c\"}}\nnonsense\n{\"delete\": {\"step\": 2, \"name\": \"c\"}}\n";
     let mut session = room();
-    session.set_lines(lines);
+    session.set_lines(lines).unwrap();
     go_to(&mut session, 60);
     assert_eq!(session.take_refused().len(), 2);
     assert_eq!(names(&session), ["#2", "#3"]);
@@ -471,7 +595,7 @@ proptest! {
         prop_assert!(saved(&session) == recorded("room.toml", &scene, &session.lines()));
         let (now, live) = (session.step_now(), bits(&session));
         let mut again = Session::new("room.toml", &scene).unwrap();
-        again.set_lines(&session.lines());
+        again.set_lines(&session.lines()).unwrap();
         go_to(&mut again, now);
         prop_assert_eq!(bits(&again), live);
         prop_assert!(again.take_refused().is_empty());

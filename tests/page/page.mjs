@@ -84,6 +84,14 @@ async function save(kind) {
   writeFileSync(path, Buffer.from(text, 'base64'));
   return path;
 }
+async function choose(name) {
+  await run((name) => { const list = document.getElementById('scenes'); list.value = name; list.dispatchEvent(new Event('change')); }, name);
+  await settle();
+}
+async function setWorld(id, value) {
+  await run((id, value) => { const input = document.getElementById(id); input.value = value; input.dispatchEvent(new Event('change')); }, id, value);
+  await settle();
+}
 async function openFile(path) {
   const input = await page.$('#open');
   await input.uploadFile(resolve(path));
@@ -300,7 +308,7 @@ const tests = {
 
     // The button belongs to that recording alone.
     await openFile(join(repository, 'recordings/click-session.mcap'));
-    await wait(() => rebond.state.film?.verdict);
+    await wait(() => rebond.state.film.name === 'click-session.mcap' && rebond.state.film.verdict);
     assert.equal(await run(() => document.getElementById('film-step').hidden), true);
   },
 
@@ -364,16 +372,7 @@ const tests = {
       await wait((entry) => rebond.state.status[0].name === entry, entry);
       await settle();
     };
-    const choose = async (name) => {
-      await run((name) => { const list = document.getElementById('scenes'); list.value = name; list.dispatchEvent(new Event('change')); }, name);
-      await settle();
-    };
     const panel = (name) => run((name) => { if (rebond.state.panel !== name) document.querySelector(`[data-panel="${name}"]`).click(); }, name);
-    const setWorld = async (id, value) => {
-      await panel('world');
-      await run((id, value) => { const input = document.getElementById(id); input.value = value; input.dispatchEvent(new Event('change')); }, id, value);
-      await settle();
-    };
     const show = async (...overlays) => {
       await panel('view');
       await run((overlays) => document.querySelectorAll('#overlays input').forEach((input) => { if (input.checked !== overlays.includes(input.value)) input.click(); }), overlays);
@@ -433,6 +432,7 @@ const tests = {
     await isStored('png', '4.png');
     // 6: the same clicks in other worlds.
     for (const [entry, id, value] of [['6-stick', 'set-e', '0'], ['6-bounce', 'set-e', '1'], ['6-moon', 'set-g', '1.6']]) {
+      await panel('world');
       await setWorld(id, value);
       await isStored('clicks', `${entry}.toml`);
       await openStored(`${entry}.toml`);
@@ -606,6 +606,331 @@ const tests = {
     assert.equal(await run(() => document.activeElement.dataset.file), 'clicks', 'the button of that file has the focus');
   },
 
+  async 'a new scene has its own names, and undo returns to the one before with its clicks'() {
+    await open();
+    await click(4, 5);
+    await click(8, 3);
+    await choose('first-scene');
+    const shown = () => run(() => rebond.stages[0].names.map(([name]) => name).filter((name) => !name.startsWith('wall')));
+    assert.deepEqual(await shown(), ['ball', 'block']);
+    await choose('masses');
+    assert.deepEqual(await shown(), await finite());
+    await seek(30);
+    await press('undo');
+    await press('undo');
+    await settle();
+    assert.deepEqual(await shown(), ['box 1', 'box 2']);
+    assert.deepEqual(await run(() => [document.getElementById('scenes').value, document.title, document.getElementById('editor').value === rebond.engine.scene(0)]), ['', 'Empty room – rebond', true]);
+    assert.equal((await lines()).trim().split('\n').length, 2);
+    // What is written stays, and what would be lost is asked about.
+    await run(() => { document.getElementById('editor').value = '# mine'; });
+    await setWorld('set-e', '0.5');
+    assert.equal(await run(() => document.getElementById('editor').value), '# mine');
+    const isAsked = () => run(() => !dispatchEvent(new Event('beforeunload', { cancelable: true })));
+    assert.equal(await isAsked(), true);
+    await save('clicks');
+    assert.equal(await isAsked(), false);
+  },
+
+  async 'keys act on the world after a click on a control, and in a list'() {
+    await open();
+    await page.select('#scenes', 'figure-1');
+    await page.focus('#scenes');
+    await page.keyboard.press('n');
+    await settle();
+    assert.deepEqual(await run(() => [rebond.state.scene, rebond.state.panel]), ['figure-1', 'collision']);
+    const isPlaying = () => run(() => rebond.state.playing);
+    for (const control of ['#scrub', '#forward', '[data-panel="data"]', '#theme']) {
+      await page.click(control);
+      await settle();
+      const panel = await run(() => rebond.state.panel);
+      await page.keyboard.press(' ');
+      assert.deepEqual([await isPlaying(), await run(() => rebond.state.panel)], [true, panel], control);
+      await page.keyboard.press(' ');
+      assert.equal(await isPlaying(), false, control);
+    }
+    // From the keyboard, a button is still a button.
+    const at = await step();
+    await page.focus('#forward');
+    await page.keyboard.press(' ');
+    assert.deepEqual([await isPlaying(), await step()], [false, at + 1]);
+  },
+
+  async 'the events of a recording are in its files, its link and its scene'() {
+    await open();
+    await click(4, 3);
+    await seek(50);
+    await click(9, 6);
+    const shown = await bodies();
+    const mcap = await save('mcap');
+    await openFile(mcap);
+    await wait(() => rebond.state.film?.verdict);
+    const states = command('export', mcap);
+    const [scene, events, clicks] = [await save('toml'), await save('jsonl'), await save('clicks')];
+    command('record', scene, '--events', events, '-o', 'again.mcap', '--force');
+    assert.equal(command('export', 'again.mcap'), states);
+    command('record', clicks, '-o', 'again.mcap', '--force');
+    assert.equal(command('export', 'again.mcap'), states);
+    await run(() => document.querySelector('[data-file="link"]').click());
+    await wait(() => document.getElementById('link').value !== '');
+    const link = await run(() => document.getElementById('link').value);
+    await press('film-scene');
+    await seek(50);
+    assert.deepEqual(await bodies(), shown);
+    await open(link.slice(link.indexOf('#')));
+    await seek(50);
+    assert.deepEqual(await bodies(), shown);
+  },
+
+  async 'a recording is not changed, and neither is the session behind it'() {
+    await open('#scene=figure-1');
+    await press('next');
+    await settle();
+    const before = await run(() => [rebond.engine.scene(0), rebond.engine.lines(0), rebond.engine.x.step_now(0)]);
+    await openFile(join(repository, 'recordings/click-session.mcap'));
+    await wait(() => rebond.state.film?.verdict);
+    assert.deepEqual(await run(() => [rebond.state.panel, document.getElementById('scenes').selectedOptions[0].text, document.title]), [null, 'A session of clicks', 'A session of clicks – rebond']);
+    assert.deepEqual(await run(() => ['set-g', 'clear', 'next', 'undo'].map((id) => document.getElementById(id).disabled)), [true, true, true, true]);
+    assert.match(await run(() => document.getElementById('world-help').textContent), /recording cannot be changed/);
+    const world = await place(3, 3);
+    for (const action of [() => page.keyboard.press('b'), () => page.keyboard.press('n'), () => page.keyboard.press('z'), () => page.mouse.click(...world)]) {
+      await press('toast-close');
+      await action();
+      assert.match(await toast(), /recording cannot be changed/);
+    }
+    assert.equal(await run(() => rebond.state.both), false);
+    await run(() => document.querySelector('[data-panel="files"]').click());
+    await seek(5);
+    assert.match(await run(() => document.getElementById('command').textContent), /click-session\.mcap -o click-session\.png --at 5 /);
+    await press('film-close');
+    assert.deepEqual(await run(() => [rebond.engine.scene(0), rebond.engine.lines(0), rebond.engine.x.step_now(0)]), before);
+    assert.deepEqual(await run(() => [document.getElementById('scenes').value, document.getElementById('set-g').disabled]), ['figure-1', false]);
+  },
+
+  async 'a box of infinite mass that a click made is deleted and dragged, and a wall is not'() {
+    await open('#scene=bullet-exact');
+    await run(() => document.getElementById('box-fixed').click());
+    const [x, y] = await run(() => { const b = rebond.stages[0].bodies; for (let i = 0; i < b.length; i += 10) if (!b[i + 9] && b[i + 7] === Infinity) return [b[i + 1] + b[i + 3] / 2, b[i + 2] + b[i + 4] / 2]; return null; });
+    const count = () => run(() => rebond.stages[0].names.length);
+    const before = await count();
+    await click(3, 2);
+    assert.equal(await count(), before + 1);
+    const from = await place(3, 2);
+    await page.mouse.move(...from);
+    await page.mouse.down();
+    await page.mouse.move(...await place(5, 2), { steps: 4 });
+    await page.mouse.up();
+    await settle();
+    assert.equal(await count(), before + 1);
+    await click(3, 2);
+    assert.equal(await count(), before + 2);
+    await click(5, 2);
+    await click(3, 2);
+    assert.equal(await count(), before);
+    await click(x, y);
+    assert.equal(await count(), before + 1, 'on a body of the scene, a click makes a box');
+  },
+
+  async 'World states the values of the world, keeps the other component, and is undone'() {
+    await open();
+    const output = (id) => run((id) => document.getElementById(id).nextElementSibling.value, id);
+    assert.equal(await output('set-g'), '9.81');
+    await click(4, 3);
+    await setWorld('set-g', '1.6');
+    assert.equal(await output('set-g'), '1.6');
+    await press('undo');
+    await settle();
+    assert.deepEqual([await output('set-g'), await finite()], ['9.81', ['box 1']]);
+    assert.equal(await run(() => rebond.engine.status(0).gravity[1]), 9.81);
+    await press('undo');
+    await settle();
+    assert.deepEqual(await finite(), []);
+    writeFileSync(join(folder, 'tilted.toml'), '[run]\nsteps = 60\n[world]\ngravity = [3.0, 50.0]\n[restitution]\ndefault = 0.33\n');
+    await openFile(join(folder, 'tilted.toml'));
+    await wait(() => rebond.state.status[0].name === 'tilted.toml');
+    assert.deepEqual([await output('set-g'), await output('set-e')], ['(3, 50)', '0.33']);
+    await setWorld('set-g', '1.6');
+    assert.deepEqual(await run(() => rebond.engine.status(0).gravity), [3, 1.6]);
+    // In both worlds, and for the solver.
+    await page.keyboard.press('b');
+    await settle();
+    await page.keyboard.press('z');
+    await settle();
+    assert.deepEqual(await run(() => [0, 1].map((which) => rebond.engine.status(which).gravity[1])), [50, 50]);
+    assert.notEqual(...await run(() => [0, 1].map((which) => rebond.engine.status(which).solver)));
+  },
+
+  async 'a mass has a point or a comma, and one that is none is marked and named'() {
+    await open();
+    const mass = async (text) => {
+      await run((text) => { const input = document.getElementById('box-m'); input.value = text; input.dispatchEvent(new Event('input')); }, text);
+      return run(() => document.getElementById('box-m').getAttribute('aria-invalid'));
+    };
+    assert.equal(await mass('2,5'), 'false');
+    await click(4, 3);
+    assert.equal((await bodies())[0][7], 2.5);
+    for (const text of ['', 'abc', '0.0005', '1e999', '-1']) {
+      assert.equal(await mass(text), 'true', text);
+      await click(8, 3);
+      assert.match(await toast(), /^Mass: a number/);
+    }
+    assert.deepEqual(await finite(), ['box 1']);
+    await run(() => { document.querySelector('[data-panel="box"]').click(); document.getElementById('box-m').focus(); });
+    await page.keyboard.press('Escape');
+    assert.deepEqual(await run(() => [rebond.state.panel, document.activeElement.dataset.panel]), [null, 'box']);
+  },
+
+  async 'lengths of the view are stated: the distance of the grid, the scale of arrows, the peaks of the energy'() {
+    await open('#scene=first-scene&both', { width: 360, height: 640 });
+    await run(() => document.querySelector('[data-panel="view"]').click());
+    const label = (name) => run((name) => document.querySelector(`#overlays [value="${name}"]`).nextElementSibling.textContent, name);
+    await run(() => document.querySelector('#overlays [value="grid"]').click());
+    assert.equal(await label('grid'), `grid (${await run(() => rebond.stages[0].grid)} m)`);
+    assert.equal(await label('grid'), 'grid (2 m)');
+    const scale = await run(() => 1 / rebond.view.reach.velocity);
+    assert.equal(await label('velocity'), `velocity (1 m = ${scale} m/s)`);
+    await seek(60);
+    await run(() => document.querySelector('[data-panel="data"]').click());
+    assert.match(await run(() => TEXTS.en.peaks('1', '2')), /1 J, 2 kg·m\/s/);
+    assert.match(await run(() => document.getElementById('legend').textContent), /kinetic.*potential.*momentum/);
+  },
+
+  async 'the numbers of a collision name the bodies as its figures do'() {
+    await open('#scene=figure-1');
+    await press('next');
+    await settle();
+    const numbers = await run(() => [...document.querySelectorAll('#collision-numbers dd')].map((dd) => dd.textContent));
+    const c = (await bodies()).find(([name]) => name === 'c');
+    const b = (await bodies()).find(([name]) => name === 'b');
+    assert.deepEqual(numbers.slice(0, 2), ['c', 'b']);
+    // The normal points to c.
+    assert.equal(numbers[3], c[1] < b[1] ? '(−1, 0)' : '(1, 0)');
+  },
+
+  async 'a click outside of the room makes no box, and without a collision time stands where it was'() {
+    await open();
+    const [left, top] = await place(0, 4);
+    await page.mouse.click(left - 40, top);
+    await settle();
+    assert.match(await toast(), /outside of the room/);
+    assert.equal(await lines(), '');
+    await press('next');
+    await settle();
+    await wait(() => /no collision/.test(document.getElementById('toast-text').textContent));
+    assert.deepEqual(await run(() => [rebond.engine.x.step_now(0), rebond.engine.status(0).end, rebond.engine.status(0).recorded_steps]), [0, 0, 600]);
+  },
+
+  async 'a drag is let go by Escape, and its arrow is the one that the box gets'() {
+    await open();
+    await click(4, 5);
+    const from = await place(4, 5);
+    await page.mouse.move(...from);
+    await page.mouse.down();
+    await page.mouse.move(from[0] + 100, from[1], { steps: 3 });
+    await page.keyboard.press('z');
+    assert.deepEqual(await finite(), ['box 1'], 'no undo while a box is held');
+    await page.keyboard.press('Escape');
+    assert.deepEqual(await run(() => [rebond.state.held, rebond.view.marks.length]), [false, 0]);
+    await page.mouse.up();
+    await settle();
+    assert.equal((await lines()).trim().split('\n').length, 1);
+    const [start, end] = [await place(8, 3), await place(10, 3)];
+    await page.mouse.move(...start);
+    await page.mouse.down();
+    await page.mouse.move(...end, { steps: 3 });
+    const { v, scale, text } = await run(() => rebond.view.marks[0]);
+    assert.equal(text, `${Number(Math.hypot(...v).toPrecision(4))} m/s`);
+    await page.mouse.up();
+    await settle();
+    const [, , , , , vx] = (await bodies())[1];
+    assert.ok(Math.abs(v[0] - vx) < 0.1 && scale === await run(() => rebond.view.reach.velocity), `${v} ${vx} ${scale}`);
+  },
+
+  async 'files have names in any case, and a text that is none or has no event changes nothing'() {
+    await open();
+    await click(4, 5);
+    const before = await lines();
+    for (const [entry, bytes, expected] of [
+      ['latin1.toml', Buffer.from('title = "Pi\xe8ce"\n', 'latin1'), /latin1\.toml is not UTF-8/],
+      ['garbage.jsonl', Buffer.from('garbage\n'.repeat(50)), /line 1/],
+    ]) {
+      writeFileSync(join(folder, entry), bytes);
+      await press('toast-close');
+      await openFile(join(folder, entry));
+      await wait(() => !document.getElementById('toast').hidden);
+      assert.match(await toast(), expected);
+      assert.equal(await lines(), before);
+    }
+    writeFileSync(join(folder, 'Big.TOML'), '[run]\nsteps = 1000000000\n');
+    await openFile(join(folder, 'Big.TOML'));
+    await wait(() => rebond.state.status[0].name === 'Big.TOML');
+    // A recording that would take hours ends with its message, or with its session.
+    const begin = () => run(() => document.querySelector('[data-file="mcap"]').click());
+    await begin();
+    await wait(() => /Working… [\d.]+ %/.test(document.getElementById('toast-text').textContent));
+    await press('toast-close');
+    await wait(() => /nothing is saved/.test(document.getElementById('toast-text').textContent));
+    await begin();
+    await wait(() => rebond.state.busy);
+    await choose('first-scene');
+    assert.match(await save('mcap'), /first-scene\.mcap$/);
+  },
+
+  async 'what happens is said, and the focus stays near'() {
+    await open();
+    const said = () => run(() => document.getElementById('said').textContent);
+    await page.focus('#canvas-0');
+    await page.keyboard.press('Enter');
+    await settle();
+    assert.equal(await said(), 'box 1 is made');
+    await page.keyboard.press('.');
+    assert.equal(await said(), '0.02 s, step 1');
+    await page.keyboard.press(' ');
+    assert.equal(await said(), 'runs');
+    await page.keyboard.press(' ');
+    assert.match(await said(), /s, step \d+$/);
+    await click(3, 2);
+    await page.focus('[data-panel="data"]');
+    await page.keyboard.press('Enter');
+    assert.equal(await run(() => document.activeElement.id), 'panel');
+    for (const left of [1, 0]) {
+      await page.focus('#bodies button');
+      await page.keyboard.press('Delete');
+      await settle();
+      assert.match(await said(), /is deleted/);
+      assert.equal(await run(() => document.activeElement.matches('#bodies button, .scroll')), true);
+      assert.equal((await finite()).length, left);
+    }
+    await page.keyboard.press('Escape');
+    assert.deepEqual(await run(() => [rebond.state.panel, document.activeElement.dataset.panel]), [null, 'data']);
+    // Names have the contrast that WCAG 2 demands.
+    const contrasts = await run(() => {
+      const luminance = (color) => [16, 8, 0].map((shift) => ((color >> shift) & 255) / 255).map((c) => (c <= 0.04045 ? c / 12.92 : ((c + 0.055) / 1.055) ** 2.4)).reduce((sum, c, at) => sum + c * [0.2126, 0.7152, 0.0722][at], 0) + 0.05;
+      return [0x0072b2, 0x009e73, 0xd55e00, 0xe69f00, 0xcc79a7, 0x56b4e9, 0xf0e442, 0x777777, 0xffffff, 0].map((color) => {
+        const two = [color, parseInt(inkOn(color).slice(1), 16)].map(luminance);
+        return Math.max(...two) / Math.min(...two);
+      });
+    });
+    assert.ok(contrasts.every((contrast) => contrast >= 4.5), contrasts.join());
+  },
+
+  async 'French numbers have a comma, and the language is kept'() {
+    await open('#scene=first-scene');
+    await press('language');
+    await seek(100);
+    await run(() => document.querySelector('[data-panel="data"]').click());
+    assert.match(await run(() => document.getElementById('energy').textContent), /24,07 J.*\(6 ; −4,745\)/);
+    assert.equal(await run(() => document.getElementById('clock').value), '1,67 s');
+    await open();
+    assert.equal(await run(() => document.documentElement.lang), 'fr');
+    await openFile(join(repository, 'tests/page/diverged.mcap'));
+    await wait(() => rebond.state.film?.verdict);
+    assert.equal(await run(() => document.getElementById('film-step').textContent), 'Montrer le pas 2');
+    await press('language');
+    assert.equal(await run(() => document.getElementById('film-step').textContent), 'Show step 2');
+    await run(() => localStorage.clear());
+  },
+
   async 'verdicts and collisions are said to screen readers, and systems are asked for dark and for less motion'() {
     await open('#scene=figure-1');
     await press('next');
@@ -697,11 +1022,11 @@ const tests = {
     await open();
     await run(() => document.getElementById('canvas-0').focus());
     for (let i = 0; i < 4; i += 1) await page.keyboard.press('ArrowLeft');
+    assert.match(await run(() => document.getElementById('said').textContent), /7, 4.5 m/);
     await page.keyboard.press('Enter');
     await settle();
     const [body] = await bodies();
     assert.deepEqual([body[0], body[1] + 0.5, body[2] + 0.5], ['box 1', 7, 4.5]);
-    assert.match(await run(() => document.getElementById('said').textContent), /7, 4.5 m/);
     await page.keyboard.press('.');
     assert.equal(await step(), 1);
     await page.keyboard.press(' ');
@@ -740,6 +1065,18 @@ const tests = {
     await tap();
     await settle();
     assert.deepEqual(await finite(), []);
+    // A box of a few pixels is met by a finger beside it.
+    for (const id of ['box-w', 'box-h']) await run((id) => { document.getElementById(id).value = '0.2'; }, id);
+    await tap();
+    await settle();
+    assert.deepEqual(await finite(), ['box 3']);
+    at[0] += 8;
+    await tap();
+    await settle();
+    assert.deepEqual(await finite(), []);
+    await open('#scene=first-scene&both', { width: 360, height: 640 });
+    const [bottom, top] = await run(() => [document.getElementById('canvas-1').getBoundingClientRect().bottom, document.getElementById('transport').getBoundingClientRect().top]);
+    assert.ok(bottom <= top, `the second world ends at ${bottom}, the controls begin at ${top}`);
   },
 
   async 'axe finds nothing, in both languages and themes, with every panel'() {
