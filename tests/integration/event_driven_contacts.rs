@@ -299,3 +299,42 @@ fn a_heap_of_ten_thousand_boxes_has_no_overlaps() {
     (0..scene.run.steps).for_each(|_| run.step(&mut CollisionCount::default()).unwrap());
     assert!(run.engine().world().deepest_overlap() <= 1e-12);
 }
+
+/// A box slides off a shelf and is squeezed between a pusher and a wall when it has just left it. The gap to the wall is 0
+/// below the resolution of the wall, which is coarser the thicker the wall is.
+#[test]
+fn a_box_that_a_squeeze_moves_off_its_shelf_falls_whatever_the_thickness_of_the_wall() {
+    let bodies = |pusher: f64, shelf: f64, thickness: f64| {
+        [
+            spec([-shelf, 5.0], [shelf, 1.0], INFINITE),
+            spec([1.0, 0.0], [thickness, 16.0], INFINITE),
+            spec([-0.125, 4.0], [1.0, 1.0], 1.0),
+            spec([-2.0, 3.5], [1.5, 0.75], pusher).with_velocity(1.0, 0.0).with_force(0.0, -8.0 * pusher),
+        ]
+    };
+    for (restitution, pusher) in [(0.3, 10.0), (0.3, 1e6), (0.5, 10.0), (0.5, 1000.0), (0.7, 1000.0), (0.9, 1e6)] {
+        for is_reversed in [false, true] {
+            let height_after = |shelf: f64, thickness: f64| {
+                let mut bodies = bodies(pusher, shelf, thickness);
+                if is_reversed {
+                    bodies.reverse();
+                }
+                let conditions =
+                    Conditions { rate: 16.0, restitution, gravity: Some([0.0, 8.0]), ..Conditions::default() };
+                let mut engine = world(conditions, &bodies);
+                count(&mut engine, 64);
+                body(&engine, if is_reversed { 1 } else { 2 }).rect.origin.y
+            };
+            let expected = height_after(1.0, 1.0);
+            assert!(expected > 40.0, "e = {restitution}, pusher of {pusher} kg: the box is at {expected} m");
+            for (shelf, thickness) in [(0.25, 1.0), (1.0, 16.0), (0.25, 16.0), (0.25, 1024.0)] {
+                let found = height_after(shelf, thickness);
+                assert!((found - expected).abs() < 1e-9, "{thickness} m thick wall: {found} m, not {expected} m");
+            }
+            if (restitution, pusher) == (0.5, 1000.0) {
+                // It falls from 0.50025050201 s on, in exact arithmetic.
+                assert!((expected - 52.992_986_195_472_34).abs() < 1e-9, "{expected}");
+            }
+        }
+    }
+}

@@ -149,6 +149,16 @@ impl ExactAxis {
         self.closing(self.nearest_side())[1].high > self.speed_rounding
     }
 
+    /// The side of the first body on which the second lies, unless the bodies overlap or are about to.
+    fn side_of_ended_overlap(&self) -> Option<Side> {
+        let side = self.nearest_side();
+        let [gap, speed, acceleration] = self.closing(side);
+        let begins = speed.high > self.speed_rounding
+            || (speed.high >= -self.speed_rounding && acceleration.high > self.acceleration_rounding);
+        let overlaps = gap.high < -self.gap_rounding || (gap.high <= self.gap_rounding && begins);
+        (!overlaps).then_some(side)
+    }
+
     /// True if the bodies accelerate towards each other from rest.
     fn is_pressed(&self) -> bool {
         let [_, speed, acceleration] = self.closing(self.nearest_side());
@@ -293,8 +303,8 @@ impl EventDriven {
 
     /// Predicts the next event of two bodies that changes anything; exact to the rounding of the state.
     ///
-    /// An event that is not after the present instant has been handled, unless the bodies still approach: then it
-    /// is due now.
+    /// An event that is not after the present instant has been handled, unless the bodies still approach, or are in contact
+    /// though they have just ceased to overlap: then it is due now.
     #[cold]
     pub(super) fn predict_exactly(&self, pair: [Slot; 2]) -> Option<(Instant, PairEvent)> {
         let from = self.bodies.common_reference(pair);
@@ -340,6 +350,14 @@ impl EventDriven {
             && let Some(event) = self.approach_now(pair)
         {
             return Some((now, event));
+        }
+        // The alignment of faces has just ended the overlap. A corner that blocks along both axes does not overlap.
+        let across_contact = Axis::BOTH.into_iter().find(|axis| contacts[axis.other()] && !contacts[*axis]);
+        if now == from
+            && let Some(axis) = across_contact
+            && let Some(side) = axes[axis].side_of_ended_overlap()
+        {
+            return Some((now, PairEvent::ContactEnd(axis, side)));
         }
         first
     }

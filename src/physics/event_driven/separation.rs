@@ -83,12 +83,10 @@ impl EventDriven {
         for slot in spawned.iter().filter(|slot| self.bodies[**slot].infinite) {
             let aabb = self.aabb_of(*slot);
             self.cell_lists.visit_region(aabb.low, aabb.high(), |other| {
-                displaced.push(other);
-            });
-            displaced.retain(|other| {
-                !self.bodies[*other].infinite
-                    && spawned.binary_search(other).is_err()
-                    && aabb.overlaps(&self.aabb_of(*other))
+                let is_older = !self.bodies[other].infinite && spawned.binary_search(&other).is_err();
+                if is_older && aabb.overlaps(&self.aabb_of(other)) {
+                    displaced.push(other);
+                }
             });
         }
         displaced.sort_unstable();

@@ -130,6 +130,57 @@ fn distant_bodies_change_nothing() {
     });
 }
 
+/// Boxes into which blocks of infinite mass are spawned.
+fn random_blocks_among_boxes(seed: u64) -> Scene {
+    let mut random = Random::new(seed);
+    let mut place = |label: usize, step: u64, largest: i64| {
+        let [x, y, width, height] =
+            [(0, 15), (0, 15), (1, largest), (1, largest)].map(|(least, most)| 0.25 * random.whole(least, most) as f64);
+        let mass = if step == 0 { 1.0 } else { INFINITE };
+        SceneBody { label, spec: spec([x, y], [width, height], mass), material: "", step }
+    };
+    let boxes = (0..6).map(|label| place(label, 0, 4)).collect::<Vec<_>>();
+    let blocks = (6..9).map(|label| place(label, 1 + label as u64 % 2, 8));
+    let mut scene = random_scene(0);
+    scene.bodies = boxes.into_iter().chain(blocks).collect();
+    scene.bodies.sort_by_key(|body| body.step);
+    Scene { kind: "blocks among boxes", seed, rate: 8.0, steps: 6, gravity: [0.0; 2], deletes: Vec::new(), ..scene }
+}
+
+#[test]
+fn a_distant_block_that_is_spawned_in_the_same_step_changes_nothing() {
+    check("a distant block", random_blocks_among_boxes, |scene| {
+        let mut with_distant = scene.clone();
+        let far = Random::new(scene.seed).pick(&[16384.0, -16384.0]);
+        for step in [1, 2] {
+            let place = with_distant.bodies.iter().take_while(|body| body.step <= step).count();
+            let (label, spec) = (with_distant.bodies.len(), spec([far, 4.0 * step as f64], [1.0; 2], INFINITE));
+            with_distant.bodies.insert(place, SceneBody { label, spec, material: "", step });
+        }
+        to_the_bit(&outcome(scene), &outcome_within(&with_distant, scene))
+    });
+}
+
+#[test]
+fn no_older_box_overlaps_a_spawned_block() {
+    check("spawned blocks", random_blocks_among_boxes, |scene| {
+        let mut overlap = 0.0;
+        scene.run_with(|engine| {
+            let bodies = &engine.world().bodies;
+            let is_new = |id: u32| scene.bodies[id as usize].step == engine.current_step();
+            let blocks = bodies.iter().filter(|body| body.mass == INFINITE && !is_new(body.id));
+            for block in blocks {
+                for other in bodies.iter().filter(|other| other.mass != INFINITE) {
+                    if let Some(shared) = block.rect.intersection(&other.rect) {
+                        overlap = larger(overlap, shared.width().min(shared.height()));
+                    }
+                }
+            }
+        });
+        if overlap < 1e-12 { Ok(Law::Holds) } else { Err(format!("an overlap of {overlap} m")) }
+    });
+}
+
 #[test]
 fn a_force_elsewhere_changes_nothing_when_all_bodies_with_forces_are_deleted() {
     check("a force elsewhere", random_scene, |scene| {
