@@ -251,8 +251,8 @@ fn print_summary(options: &RecordOptions, recorded: &Recorded, skipped: u64) -> 
     output::print_result(&options.output, &line)
 }
 
-/// Writes the readable part of a damaged recording to a new one, and prints what was lost. The exit code says whether
-/// anything was.
+/// Writes the readable part of a damaged recording to a new one, and prints what was lost and the first damage. The exit
+/// code is that of the damaged recording.
 pub fn recover(options: &RecoverOptions) -> Result<Exit, CommandError> {
     let path = &options.recording;
     let overwrite = Overwrite::from_force(options.output.force);
@@ -263,9 +263,10 @@ pub fn recover(options: &RecoverOptions) -> Result<Exit, CommandError> {
         Err(recording::Error::Write(error)) => Err(CommandError::unwritable(&options.output.output)(error)),
         Err(error) => Err(CommandError::in_recording(path)(error)),
     })?;
-    match output::is_quiet() && !recovery.is_everything() {
+    let exit = if recovery.health == Health::Whole { Exit::Done } else { Exit::Damaged };
+    match output::is_quiet() && exit == Exit::Damaged {
         true => output::warn(&format!("{recovery}\n")),
         false => output::print_result(&options.output.output, &recovery.to_string())?,
     }
-    Ok(if recovery.is_everything() { Exit::Done } else { Exit::Damaged })
+    Ok(exit)
 }

@@ -283,10 +283,27 @@ fn recover_keeps_the_readable_part_which_replays_the_same() {
     );
     let bytes = workplace.read("run.mcap");
     std::fs::write(workplace.path("cut.mcap"), &bytes[..bytes.len() * 2 / 3]).unwrap();
-    let recovered = workplace.done("recover cut.mcap -o fixed.mcap").output;
-    assert!(recovered.starts_with("recovered ") && recovered.contains("lost"), "{recovered}");
+    let recovered = workplace.rebond("recover cut.mcap -o fixed.mcap");
+    assert_eq!(recovered.code, 4, "{recovered:?}");
+    let report = recovered.output;
+    assert!(report.starts_with("recovered ") && report.contains("lost"), "{report}");
     let verdict = workplace.rebond("replay fixed.mcap");
     assert!(verdict.output.lines().last().unwrap().contains("same"), "{verdict:?}");
+}
+
+/// Everything can be read, because only a checksum is damaged.
+#[test]
+fn recovering_from_damage_never_succeeds_silently() {
+    let workplace = recorded();
+    let mut bytes = workplace.read("run.mcap");
+    bytes.extend(b"more");
+    std::fs::write(workplace.path("long.mcap"), bytes).unwrap();
+    for quiet in ["", " -q"] {
+        let recovered = workplace.rebond(&format!("recover long.mcap -o fixed.mcap --force{quiet}"));
+        assert_eq!(recovered.code, 4, "{recovered:?}");
+        let report = if quiet.is_empty() { recovered.output } else { recovered.errors };
+        assert!(report.starts_with("recovered 91 states") && report.contains("first damage: "), "{report}");
+    }
 }
 
 #[test]
