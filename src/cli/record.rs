@@ -237,7 +237,7 @@ fn print_summary(options: &RecordOptions, recorded: &Recorded, skipped: u64) -> 
             "path": options.output.display().to_string(), "steps": end.steps, "bodies": end.bodies,
             "collisions": collisions, "identity": end.identity.to_string(), "accuracy": end.accuracy.map(|accuracy| accuracy.to_string()), "error": end.error.as_ref().map(RecordedError::to_string),
         });
-        return output::print_result(&options.output, &object.to_string());
+        return output::print_beside(&options.output, &object.to_string());
     }
     let accuracy = end.accuracy.map(|accuracy| format!(", accuracy {accuracy}")).unwrap_or_default();
     let line = format!(

@@ -226,6 +226,8 @@ fn quiet_prints_only_results_and_errors() {
         let outcome = workplace.done(line);
         assert_eq!((outcome.output.as_str(), outcome.errors.as_str()), ("", ""), "{line}");
     }
+    let object = workplace.done("record -q --json scene.toml -o again.mcap").output;
+    assert!(object.starts_with("{\"path\":\"again.mcap\""), "{object}");
     assert_eq!(workplace.done("replay run.mcap --quiet").output, "same: 90 steps, 7 bodies\n");
     assert!(workplace.rebond("replay none.mcap --quiet").errors.contains("none.mcap"));
 }
@@ -291,7 +293,7 @@ fn recover_keeps_the_readable_part_which_replays_the_same() {
     assert!(verdict.output.lines().last().unwrap().contains("same"), "{verdict:?}");
 }
 
-/// Everything can be read, because only a checksum is damaged.
+/// Everything can be read, because bytes only follow the end.
 #[test]
 fn recovering_from_damage_never_succeeds_silently() {
     let workplace = recorded();

@@ -359,6 +359,26 @@ fn a_descriptor_is_written_to_where_the_shell_has_opened_it() {
     }
 }
 
+#[cfg(target_os = "linux")]
+#[test]
+fn a_summary_never_gets_into_an_output_that_is_standard_output() {
+    let workplace = workplace();
+    symlink("/dev/stdout", workplace.path("out.gif")).unwrap();
+    workplace.done("render scene.toml -o kept.gif --to 3");
+    for (command, kept) in [
+        ("record scene.toml -o /dev/stdout", "run.mcap"),
+        ("record scene.toml --json -o /dev/fd/1", "run.mcap"),
+        ("recover run.mcap -o /proc/self/fd/1", "run.mcap"),
+        ("render scene.toml -o out.gif --to 3", "kept.gif"),
+    ] {
+        let output = File::create(workplace.path("log")).unwrap();
+        let (_, code, errors) = end_of(workplace.start(command, Stdio::null(), output.into()));
+        assert_eq!(code, Some(0), "{command}: {errors}");
+        assert!(workplace.read("log") == workplace.read(kept), "{command}: {errors}");
+        assert!(!errors.is_empty(), "{command}");
+    }
+}
+
 #[test]
 fn a_folder_is_no_output_file_and_a_file_no_output_folder() {
     let workplace = workplace();
