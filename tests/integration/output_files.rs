@@ -210,6 +210,8 @@ fn an_input_is_never_the_output() {
     symlink("run.mcap", workplace.path("link.mcap")).unwrap();
     fs::hard_link(workplace.path("run.mcap"), workplace.path("hard.mcap")).unwrap();
     fs::copy(workplace.path("run.mcap"), workplace.path("run.csv")).unwrap();
+    let manifest = "rebond record scene.toml -o run.mcap\n";
+    workplace.write("run.check", manifest);
     let (scene, recording) = (workplace.read("scene.toml"), workplace.read("run.mcap"));
     for command in [
         "record scene.toml -o scene.toml --force",
@@ -219,11 +221,14 @@ fn an_input_is_never_the_output() {
         "recover run.mcap -o link.mcap --force",
         "recover link.mcap -o hard.mcap --force",
         "export run.csv -o run.csv --force",
+        "check run.check --junit run.check --force",
+        "check run.mcap --junit run.check --force",
         "report scene.toml --plot scene.toml --force",
     ] {
         let outcome = workplace.rebond(command);
         assert_eq!(outcome.code, 1, "{command}: {outcome:?}");
         assert_eq!((workplace.read("scene.toml"), workplace.read("run.mcap")), (scene.clone(), recording.clone()));
+        assert_eq!(workplace.read("run.check"), manifest.as_bytes(), "{command}");
         assert!(outcome.errors.contains("reads this file") || command.starts_with("report"), "{command}: {outcome:?}");
     }
     let output = File::options().append(true).open(workplace.path("run.mcap")).unwrap();
