@@ -293,6 +293,9 @@ pub(crate) fn check_extent(caption: &str, titles: &[String], recordings: usize) 
     Ok(())
 }
 
+/// The largest frame rate, frames per second of playback.
+pub const MAX_FPS: f64 = 1000.0;
+
 /// A state of a run: its step, or a time since step 0. Its text form is `90`, respectively `1.5s`, `20ms` or `3us`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]

@@ -53,7 +53,10 @@ fn wrong_usage_exits_with_2() {
         "render scene.toml -o out.gif --theme pink",
         "render scene.toml -o out.gif --size 1280",
         "render scene.toml -o out.gif --fps 0",
+        "render scene.toml -o out.gif --fps 1001",
         "render scene.toml -o out.gif --at 3 --from 2",
+        "render scene.toml -o out.png --at 3 --slow 0.5",
+        "render scene.toml -o out.png --at 3 --hold 0.5 at collisions",
     ];
     for line in lines {
         let outcome = workplace.rebond(line);
