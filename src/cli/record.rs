@@ -46,6 +46,10 @@ pub fn run(options: &RecordOptions) -> Result<Exit, CommandError> {
         Err(CommandError::Unwritable { path, source }) if begun.is_in_place() => {
             return Err(CommandError::CutRecording { last: last_readable_step(&path), path, source });
         }
+        Err(error) if begun.is_in_place() => {
+            let (path, source) = (options.output.clone(), Box::new(error));
+            return Err(CommandError::UnfinishedRun { last: last_readable_step(&path), path, source });
+        }
         recorded => recorded?,
     };
     print_summary(options, &recorded, live.map_or(0, |live| live.skipped()))?;

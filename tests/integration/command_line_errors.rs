@@ -146,6 +146,15 @@ fn an_error_inside_a_step_names_step_and_body_and_leaves_a_recording() {
 }
 
 #[test]
+fn an_error_in_the_events_names_the_steps_that_are_recorded() {
+    let workplace = Workplace::with_scene(SCENE);
+    workplace.write("events.jsonl", "{\"delete\": {\"step\": 1500, \"name\": \"nobody\"}}\n");
+    let failed = workplace.rebond("record scene.toml -o run.mcap --steps 2000 --events events.jsonl");
+    assert_eq!(failed.code, 1, "{failed:?}");
+    assert!(failed.errors.contains("; run.mcap is unfinished and has the steps 0 to 1"), "{failed:?}");
+}
+
+#[test]
 fn the_verdict_of_a_truncated_recording_counts_the_steps_that_are_the_same() {
     let workplace = Workplace::with_scene(SCENE);
     workplace.done("record scene.toml -o run.mcap");
