@@ -342,6 +342,23 @@ impl StepOrTime {
     }
 }
 
+/// A range of steps or times that ends before it starts.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("no step is in the range --from {from} --to {to}; exchange the two")]
+pub struct ReversedRange {
+    from: StepOrTime,
+    to: StepOrTime,
+}
+
+impl ReversedRange {
+    /// Returns an error if a range ends before it starts in a run at `rate` Hz.
+    pub fn refuse(from: Option<StepOrTime>, to: Option<StepOrTime>, rate: f64) -> Result<(), ReversedRange> {
+        let Some((from, to)) = from.zip(to) else { return Ok(()) };
+        let ends_before = from.time().zip(to.time()).is_some_and(|(from, to)| from > to);
+        if ends_before || from.step(rate) > to.step(rate) { Err(ReversedRange { from, to }) } else { Ok(()) }
+    }
+}
+
 impl From<u64> for StepOrTime {
     fn from(step: u64) -> StepOrTime {
         StepOrTime::Step(step)

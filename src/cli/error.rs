@@ -2,6 +2,7 @@ use super::output_file::Busy;
 use super::{Exit, arguments::is_standard_output};
 use crate::{
     picture::{self, RenderError},
+    picture_options::ReversedRange,
     recording::{self, error_text},
     replay::RunError,
     scene::{self, Excerpt, SceneError},
@@ -297,13 +298,8 @@ pub enum CommandError {
         cures: String,
     },
     /// A range ends before it starts.
-    #[error("no step is in the range --from {from} --to {to}; exchange the two")]
-    ReversedRange {
-        /// The value of `--from`.
-        from: String,
-        /// The value of `--to`.
-        to: String,
-    },
+    #[error(transparent)]
+    ReversedRange(#[from] ReversedRange),
     /// None of the states in a range is recorded in full.
     #[error(
         "{} has no full state in the steps {from} to {to}: only those of every {every} steps are recorded in full",

@@ -324,6 +324,7 @@ fn an_exported_range_equals_that_part_of_the_whole_table() {
 fn a_range_that_the_run_never_had_is_refused() {
     let workplace = recorded();
     workplace.done("record scene.toml -o thin.mcap --every 10");
+    workplace.done("export run.mcap -o table.csv");
     let names = workplace.names();
     for (range, reason) in [
         ("run.mcap --from 91", "there is no state from step 91 on: the recording has the steps 0 to 90"),
@@ -342,6 +343,35 @@ fn a_range_that_the_run_never_had_is_refused() {
     }
     let thin = workplace.rebond("export thin.mcap --from 3 --to 5 -o new.csv");
     assert!(thin.code == 1 && thin.errors.contains("has no full state in the steps 3 to 5"), "{thin:?}");
+    for command in [
+        "replay run.mcap",
+        "replay run.mcap --against table.csv",
+        "render run.mcap -o new.gif",
+        "render run.mcap -o frames/",
+        "figure strobe run.mcap -o new.svg",
+        "figure energy run.mcap -o new.svg",
+    ] {
+        for range in ["--from 6 --to 5", "--from 1s --to 6"] {
+            let refused = workplace.rebond(&format!("{command} {range}"));
+            let message = format!("no step is in the range {range}; exchange the two");
+            assert!(refused.code == 1 && refused.errors.contains(&message), "{command} {range}: {refused:?}");
+        }
+    }
+    for (command, message) in [
+        (
+            "render run.mcap -o new.gif --from 5 --to 5",
+            "only multiples of 2 are drawn, counted from step 0, and step 5",
+        ),
+        ("render run.mcap -o new.apng --from 5 --to 5", "step 5 is none; include step 6"),
+        (
+            "figure strobe run.mcap -o new.svg --from 81 --to 89 --every 40",
+            "none is in the steps 81 to 89; include step 80",
+        ),
+        ("render thin.mcap -o new.gif --from 3 --to 5", "no full state in the steps 3 to 5 by 10"),
+    ] {
+        let refused = workplace.rebond(command);
+        assert!(refused.code == 1 && refused.errors.contains(message), "{command}: {refused:?}");
+    }
     assert_eq!(workplace.names(), names);
     workplace.done("export thin.mcap --from 3 --to 5 --table bodies");
     workplace.done("export run.mcap --from 90 --to 500 --shard 2/2");
