@@ -260,7 +260,7 @@ fn collisions(
     }
 }
 
-/// Writes every body that lives in `steps`.
+/// Writes every body that lives or is spawned in `steps`.
 fn bodies(
     path: &Path,
     mut recording: Recording,
@@ -302,7 +302,9 @@ fn bodies(
     }
     let is_alive = |body: &&Lifetime| {
         let ([first, _], last) = (body.spawned.range(), body.deleted.map(EventStep::range));
-        first <= *steps.end() && last.is_none_or(|[_, last]| last > *steps.start())
+        let is_alive_later = last.is_none_or(|[_, last]| last > *steps.start());
+        // A body that is spawned and deleted at the same step is in no state.
+        first <= *steps.end() && (is_alive_later || first >= *steps.start())
     };
     let alive: Vec<&Lifetime> = bodies.values().filter(is_alive).collect();
     let default_restitution = recording.header.config.restitution.default_restitution();

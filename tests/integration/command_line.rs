@@ -378,6 +378,29 @@ fn a_range_that_the_run_never_had_is_refused() {
 }
 
 #[test]
+fn a_body_that_is_deleted_when_it_is_spawned_has_a_row() {
+    let click = "[[click]]\nat = [8.0, 5.0]\n";
+    let spawn = "spawn = { name = \"brief\", size = [0.1, 0.1], mass = 1.0 }\n";
+    let scene = format!("{SCENE}{click}{spawn}{click}");
+    let workplace = Workplace::with_scene(&scene);
+    let has_row = |options: &str| {
+        workplace.done(&format!("export scene.toml --table bodies {options}")).output.contains("\nbrief,")
+    };
+    assert!(has_row("") && has_row("--from 0 --to 0") && !has_row("--from 1"));
+}
+
+#[test]
+fn a_table_with_names_that_end_with_a_space_is_compared_with_its_recording() {
+    let body = |name: &str, x: f64| {
+        format!("[[spawn]]\nname = \"{name}\"\nat = [{x:?}, 1.0]\nsize = [0.5, 0.5]\nmass = 1.0\n")
+    };
+    let workplace = Workplace::with_scene(&format!("[run]\nsteps = 3\n{}{}", body("a", 1.0), body("a ", 3.0)));
+    workplace.done("record scene.toml -o run.mcap");
+    workplace.done("export run.mcap -o run.csv");
+    assert!(workplace.done("replay run.mcap --against run.csv").output.starts_with("same: 4 states, 2 bodies"));
+}
+
+#[test]
 fn a_range_of_times_selects_collisions_by_their_instant() {
     let body = |name: &str, x: f64, speed: f64| {
         format!(
