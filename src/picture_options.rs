@@ -293,6 +293,9 @@ pub(crate) fn check_extent(caption: &str, titles: &[String], recordings: usize) 
     Ok(())
 }
 
+/// The largest frame rate, frames per second of playback.
+pub const MAX_FPS: f64 = 1000.0;
+
 /// A state of a run: its step, or a time since step 0. Its text form is `90`, respectively `1.5s`, `20ms` or `3us`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(into = "String", try_from = "String")]
@@ -336,6 +339,23 @@ impl StepOrTime {
             StepOrTime::Step(_) => None,
             StepOrTime::Time(time) => Some(time),
         }
+    }
+}
+
+/// A range of steps or times that ends before it starts.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("no step is in the range --from {from} --to {to}; exchange the two")]
+pub struct ReversedRange {
+    from: StepOrTime,
+    to: StepOrTime,
+}
+
+impl ReversedRange {
+    /// Returns an error if a range ends before it starts in a run at `rate` Hz.
+    pub fn refuse(from: Option<StepOrTime>, to: Option<StepOrTime>, rate: f64) -> Result<(), ReversedRange> {
+        let Some((from, to)) = from.zip(to) else { return Ok(()) };
+        let ends_before = from.time().zip(to.time()).is_some_and(|(from, to)| from > to);
+        if ends_before || from.step(rate) > to.step(rate) { Err(ReversedRange { from, to }) } else { Ok(()) }
     }
 }
 

@@ -4,6 +4,7 @@ use crate::recording;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use toml::de::{DeTable, DeValue};
 
 use super::files::{Files, canonical, is_same_place, parent};
 
@@ -297,7 +298,7 @@ impl Cases {
                 self.skipped += 1;
             } else if !used.contains(&known)
                 && !recorded.contains(&known)
-                && is_scene(scene)
+                && (files.is_named(scene) || is_scene(scene))
                 && (file.exists() || !has_recording(&known))
                 && outputs.insert(canonical(&file))
             {
@@ -383,6 +384,13 @@ impl Problem {
     pub fn unreadable(path: &Path, error: &std::io::Error) -> Problem {
         let reason = format!("it cannot be read: {error}");
         Problem { path: path.into(), line: None, reason, is_missing: false }
+    }
+
+    /// The problem of a file whose name is that of no file to check.
+    pub fn unknown_kind(path: &Path) -> Problem {
+        let reason = "its name says that it is no recording (.mcap), scene (.toml), manifest (.check) or picture (.png, \
+                      .svg, .pdf, .gif or .apng); rename it, or leave it out";
+        Problem { path: path.into(), line: None, reason: reason.into(), is_missing: false }
     }
 }
 
@@ -488,15 +496,28 @@ fn damage(file: &Path, content: &[u8]) -> Option<&'static str> {
     }
 }
 
+/// Tables that scenes have.
+const SCENE_TABLES: [&str; 6] = ["run", "world", "spawn", "scatter", "click", "delete"];
+
 /// Returns true if a TOML file is a scene, valid or not, and not the configuration of another program.
 fn is_scene(path: &Path) -> bool {
-    const TABLES: [&str; 5] = ["[run]", "[[spawn]]", "[[scatter]]", "[[click]]", "[[delete]]"];
     let text = std::fs::read(path).map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).unwrap_or_default();
-    let is_line_of_scene = |line: &str| {
-        let line = line.split('#').next().unwrap_or(line).trim();
-        TABLES.contains(&line) || line.starts_with("run.") || line.starts_with("run =")
-    };
-    crate::scene::parse("", &text).is_ok() || text.lines().any(is_line_of_scene)
+    let text = text.trim_start_matches('\u{feff}');
+    match DeTable::parse(text) {
+        Ok(document) => document.get_ref().iter().any(|(key, value)| {
+            let is_table = matches!(value.get_ref(), DeValue::Table(_) | DeValue::Array(_));
+            is_table && SCENE_TABLES.contains(&key.get_ref().as_ref())
+        }),
+        Err(_) => text.lines().any(begins_scene_table),
+    }
+}
+
+/// Returns true if a line of a text that is no valid TOML begins a table of a scene.
+fn begins_scene_table(line: &str) -> bool {
+    let is_kept = |character: &char| !character.is_whitespace() && !"\"'".contains(*character);
+    let line: String = line.chars().filter(is_kept).collect();
+    let name = line.trim_start_matches('[');
+    SCENE_TABLES.iter().filter_map(|table| name.strip_prefix(table)).any(|rest| rest.starts_with([']', '.', '=']))
 }
 
 #[cfg(test)]
@@ -512,8 +533,21 @@ mod tests {
             fs::write(&path, text).unwrap();
             is_scene(&path)
         };
-        assert!(is_scene_with("[run]\nsteps = 5\n") && is_scene_with("run = { steps = 5 }\n"));
-        assert!(is_scene_with("[world]\nwals = true\n[[spawn]] # wrong\n"), "an invalid scene is a scene");
+        for scene in [
+            "[run]\nsteps = 5\n",
+            "\u{feff}run={steps=5}\n",
+            "[ \"run\" ]\nsteps = 5\n",
+            "run . steps = 5\n",
+            "spawn = [{ mass = 1 }]\n",
+        ] {
+            assert!(is_scene_with(scene), "{scene}");
+        }
+        for invalid in
+            ["[world]\nwals = true\n", "[[spawn]] # wrong\n", "[ run ]\nsteps = \n", "run={steps=5\n", "[run]\n[run]\n"]
+        {
+            assert!(is_scene_with(invalid), "an invalid scene is a scene: {invalid}");
+        }
+        assert!(!is_scene_with("run = \"make\"\n") && !is_scene_with("[tool]\nrun = { steps = 5 }\n"));
         assert!(!is_scene_with("[package]\nname = \"a\"\n") && !is_scene_with("") && !is_scene_with("\u{0}\u{1}"));
     }
 

@@ -1,7 +1,7 @@
 use super::case::Problem;
 use crate::picture::Format;
 use crate::recording;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ffi::OsStr;
 use std::fs::{self, Metadata};
 use std::path::{Component, Path, PathBuf};
@@ -11,6 +11,8 @@ use std::path::{Component, Path, PathBuf};
 pub struct Files {
     /// The files to check by the name that is the same for all of their paths, sorted, without duplicates.
     found: BTreeMap<PathBuf, PathBuf>,
+    /// The files that were given as such, by the name that is the same for all of their paths.
+    named: BTreeSet<PathBuf>,
     /// Files next to those that were given as such. They are not checked, but others may depend on them.
     context: BTreeMap<PathBuf, PathBuf>,
     /// Files with new content beside them (`NAME.new`).
@@ -22,7 +24,8 @@ pub struct Files {
 }
 
 impl Files {
-    /// Finds all files below `paths`. A path that cannot be read is one of [`Files::problems`].
+    /// Finds all files below `paths`. A path that cannot be read, and a file that was given as such and cannot be
+    /// checked, is one of [`Files::problems`].
     ///
     /// Folders are searched recursively, except hidden ones and those marked as a cache by a `CACHEDIR.TAG`.
     pub fn find(paths: &[PathBuf]) -> Files {
@@ -33,8 +36,12 @@ impl Files {
                     files.folders.extend(path.canonicalize());
                     files.walk(path);
                 }
+                Ok(metadata) if metadata.is_file() && !is_of_interest(path) => {
+                    files.problems.push(Problem::unknown_kind(path));
+                }
                 Ok(metadata) => {
                     files.add(path, &metadata);
+                    files.named.insert(canonical(path));
                     files.add_context(path);
                     if path.extension() == Some(OsStr::new("check")) {
                         files.folders.extend(parent(path).canonicalize());
@@ -138,6 +145,11 @@ impl Files {
         let known = canonical(path);
         self.found.contains_key(&known)
             || self.problems.iter().any(|problem| problem.is_missing && canonical(&problem.path) == known)
+    }
+
+    /// Returns true if the file was given as such, and not found in a folder.
+    pub(super) fn is_named(&self, path: &Path) -> bool {
+        self.named.contains(&canonical(path))
     }
 
     /// Returns true if the file is one of those that were given, or is in one of the folders or in the folder of one of the

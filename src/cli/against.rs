@@ -48,7 +48,7 @@ fn compare(options: &ReplayOptions, states: &Path) -> Result<Comparison, Command
         false => StatesTable::read(File::open(states).map_err(CommandError::unreadable(states))?, rate),
     };
     let table = table.map_err(|source| CommandError::StatesTable { path: states.into(), source })?;
-    let steps = options.steps(rate);
+    let steps = options.steps(rate)?;
     let bar = output::progress_bar("comparing", last);
     let mut replayer = Replayer::new(recording, steps).map_err(CommandError::in_recording(path))?;
     let mut comparison = Comparison::new(table, every, options.tolerance);

@@ -1,5 +1,5 @@
 use crate::picture::Theme;
-use crate::picture_options::{StepOrTime, parse_size};
+use crate::picture_options::{ReversedRange, StepOrTime, parse_size};
 use crate::recording::limits;
 use crate::scene::{Override, Sweep};
 use crate::table::Table;
@@ -137,9 +137,10 @@ pub struct ReplayOptions {
 
 impl ReplayOptions {
     /// The steps to compare in a recording of a `rate`, Hz.
-    pub fn steps(&self, rate: f64) -> RangeInclusive<u64> {
+    pub fn steps(&self, rate: f64) -> Result<RangeInclusive<u64>, ReversedRange> {
+        ReversedRange::refuse(self.from, self.to, rate)?;
         let step = |point: StepOrTime| point.step(rate);
-        self.from.map_or(0, step)..=self.to.map_or(u64::MAX, step)
+        Ok(self.from.map_or(0, step)..=self.to.map_or(u64::MAX, step))
     }
 }
 

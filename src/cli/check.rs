@@ -64,7 +64,7 @@ fn check(options: &CheckOptions, journal: &Journal) -> Result<Exit, CommandError
             let _ = journal.watch(&supervisor::key(recording, None), || index.add([recording.as_path()]));
         }
     }
-    let junit = options.junit.as_deref().map(|path| open_junit(path, &all, options)).transpose()?;
+    let junit = options.junit.as_deref().map(|path| open_junit(path, &files, &all, options)).transpose()?;
     let mut review = options.review.then(|| Review::new(journal));
     if let Some(review) = &mut review {
         review.ask_about_pending(&files)?;
@@ -127,10 +127,11 @@ fn check(options: &CheckOptions, journal: &Journal) -> Result<Exit, CommandError
 }
 
 /// Opens the JUnit report, or returns an error before any work is done if it cannot be written or is a file that is
-/// checked.
-fn open_junit(path: &Path, cases: &[Case], options: &CheckOptions) -> Result<OutputFile, CommandError> {
+/// checked or a manifest that is read.
+fn open_junit(path: &Path, files: &Files, cases: &[Case], options: &CheckOptions) -> Result<OutputFile, CommandError> {
     let mut output = OutputFile::create(path, Overwrite::for_junit(path, options.force), &[])?;
     if path.is_file() {
+        output.refuse_inputs(&files.manifests().cloned().collect::<Vec<_>>())?;
         cases.iter().try_for_each(|case| output.refuse_inputs(&case.inputs()))?;
     }
     Ok(output)

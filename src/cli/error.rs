@@ -2,6 +2,7 @@ use super::output_file::Busy;
 use super::{Exit, arguments::is_standard_output};
 use crate::{
     picture::{self, RenderError},
+    picture_options::ReversedRange,
     recording::{self, error_text},
     replay::RunError,
     scene::{self, Excerpt, SceneError},
@@ -158,6 +159,16 @@ pub enum CommandError {
         /// The last step that can be read.
         last: u64,
     },
+    /// A run failed after its recording had appeared, for example because a line of events is invalid.
+    #[error("{source}{}", unfinished_recording(path, *last))]
+    UnfinishedRun {
+        /// The recording.
+        path: PathBuf,
+        /// The cause.
+        source: Box<CommandError>,
+        /// The last step that can be read.
+        last: u64,
+    },
     /// Standard output cannot be written.
     #[error("cannot write to standard output: {0}")]
     #[diagnostic(help("free some space on its disk, or write to a file with -o instead"))]
@@ -287,13 +298,8 @@ pub enum CommandError {
         cures: String,
     },
     /// A range ends before it starts.
-    #[error("no step is in the range --from {from} --to {to}; exchange the two")]
-    ReversedRange {
-        /// The value of `--from`.
-        from: String,
-        /// The value of `--to`.
-        to: String,
-    },
+    #[error(transparent)]
+    ReversedRange(#[from] ReversedRange),
     /// None of the states in a range is recorded in full.
     #[error(
         "{} has no full state in the steps {from} to {to}: only those of every {every} steps are recorded in full",
@@ -397,11 +403,7 @@ pub fn report(error: CommandError) -> Exit {
     }
     let handler = || MietteHandlerOpts::new().without_cause_chain().wrap_lines(false).build();
     let _ = miette::set_hook(Box::new(move |_| Box::new(handler()))); // Fails only if set before.
-    let reports = match &error {
-        CommandError::Scene(error) => ErrorReport::of_scene(error),
-        error => vec![ErrorReport::new(error, error.help().as_deref())],
-    };
-    for report in reports {
+    for report in ErrorReport::of_command(&error) {
         let _ = writeln!(io::stderr(), "{:?}", miette::Report::new(report));
     }
     match error {
@@ -439,6 +441,19 @@ impl ErrorReport {
     pub fn new(message: &impl Display, help: Option<&dyn Display>) -> ErrorReport {
         let help = help.map(|help| printable(&help.to_string()));
         ErrorReport { message: printable(&message.to_string()), help, text: None, labels: Vec::new() }
+    }
+
+    /// The reports of an error, of which the first one says what has become of the recording.
+    fn of_command(error: &CommandError) -> Vec<ErrorReport> {
+        match error {
+            CommandError::Scene(error) => ErrorReport::of_scene(error),
+            CommandError::UnfinishedRun { path, source, last } => {
+                let mut reports = ErrorReport::of_command(source);
+                reports[0].message += &printable(&unfinished_recording(path, *last));
+                reports
+            }
+            error => vec![ErrorReport::new(error, error.help().as_deref())],
+        }
     }
 
     /// The reports of a scene error, one for each error of the text. If they would be too long, the last one counts
@@ -489,6 +504,11 @@ impl ErrorReport {
         let contexts: usize = self.labels.iter().filter_map(context).sum();
         self.message.len() + self.help.as_ref().map_or(0, String::len) + contexts
     }
+}
+
+/// Says which steps an unfinished recording has.
+fn unfinished_recording(path: &Path, last: u64) -> String {
+    format!("; {} is unfinished and has the steps 0 to {last}", path.display())
 }
 
 /// The help of an error that refers to no part of a text.

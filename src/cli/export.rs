@@ -6,7 +6,7 @@ use super::source::{SourceArgument, SourceFile, Verification, with_recordings_of
 use super::{Exit, output};
 use crate::physics::BodyId;
 use crate::picture::{self, EnergySample, ReadExtent, ReadStatus, recorded_world};
-use crate::picture_options::StepOrTime;
+use crate::picture_options::{ReversedRange, StepOrTime};
 use crate::recording::{self, BodyInfo, Change, Health, Item, Playback, SampledState};
 use crate::replay::Replayer;
 use crate::scene;
@@ -162,9 +162,7 @@ fn refuse_empty_range(path: &Path, file: &Path, options: &ExportOptions) -> Resu
     let recording = recording::open(file).map_err(&in_recording)?;
     let (rate, every) = (recording.header.config.rate, recording.header.every);
     let (from, to) = (options.from.unwrap_or(0.into()), options.to.unwrap_or(u64::MAX.into()));
-    if from.step(rate) > to.step(rate) || from.time().zip(to.time()).is_some_and(|(from, to)| from > to) {
-        return Err(CommandError::ReversedRange { from: from.to_string(), to: to.to_string() });
-    }
+    ReversedRange::refuse(options.from, options.to, rate)?;
     let (from, to) = (from.step(rate), to.step(rate));
     let (first, recording) = first_state(recording, from, options.table).map_err(&in_recording)?;
     if first.is_some_and(|step| step <= to) {
@@ -262,7 +260,7 @@ fn collisions(
     }
 }
 
-/// Writes every body that lives in `steps`.
+/// Writes every body that lives or is spawned in `steps`.
 fn bodies(
     path: &Path,
     mut recording: Recording,
@@ -304,7 +302,9 @@ fn bodies(
     }
     let is_alive = |body: &&Lifetime| {
         let ([first, _], last) = (body.spawned.range(), body.deleted.map(EventStep::range));
-        first <= *steps.end() && last.is_none_or(|[_, last]| last > *steps.start())
+        let is_alive_later = last.is_none_or(|[_, last]| last > *steps.start());
+        // A body that is spawned and deleted at the same step is in no state.
+        first <= *steps.end() && (is_alive_later || first >= *steps.start())
     };
     let alive: Vec<&Lifetime> = bodies.values().filter(is_alive).collect();
     let default_restitution = recording.header.config.restitution.default_restitution();

@@ -1,9 +1,9 @@
 //! Everything that commands print: lines on standard output and standard error, and progress bars.
 
 use super::Exit;
-use super::arguments::is_standard_output;
 use super::error::CommandError;
 use super::error::printable;
+use super::output_file::goes_to_standard_output;
 use crate::picture::ReadStatus;
 use crate::recording::Health;
 use crate::text::Printable;
@@ -63,8 +63,13 @@ pub fn print_result(path: &Path, text: &str) -> Result<(), CommandError> {
     if is_quiet() {
         return Ok(());
     }
-    if is_standard_output(path) {
-        info(format_args!("{text}"));
+    print_beside(path, text)
+}
+
+/// Prints a text about the result at `path` where [`print_result`] prints it, also with `--quiet`.
+pub fn print_beside(path: &Path, text: &str) -> Result<(), CommandError> {
+    if goes_to_standard_output(path) {
+        warn(&format!("{text}\n"));
         return Ok(());
     }
     print(&format!("{text}\n"))

@@ -78,7 +78,7 @@ impl OutputFile {
     pub fn create(path: &Path, overwrite: Overwrite, inputs: &[&Path]) -> Result<OutputFile, CommandError> {
         let name = path.to_owned();
         let metadata = path.metadata();
-        if is_standard_output(path) || is_descriptor_of_standard_output(path) {
+        if goes_to_standard_output(path) {
             if let Ok(output) = Handle::stdout() {
                 refuse_input(output, path, inputs)?;
             }
@@ -386,6 +386,11 @@ fn behind_links(path: &Path) -> impl Iterator<Item = PathBuf> {
 fn is_descriptor(path: &Path) -> bool {
     let in_process = |path: PathBuf| parent(&path).canonicalize().is_ok_and(|folder| folder.starts_with("/proc"));
     behind_links(path).any(in_process)
+}
+
+/// Returns true for `-` and for other names of standard output, such as `/dev/stdout`.
+pub fn goes_to_standard_output(path: &Path) -> bool {
+    is_standard_output(path) || is_descriptor_of_standard_output(path)
 }
 
 fn is_descriptor_of_standard_output(path: &Path) -> bool {

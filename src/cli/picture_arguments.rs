@@ -7,7 +7,7 @@ use crate::picture::{
     self, CollisionFigure, FigureOptions, MAX_HOLD, MIN_HOLD, PictureOptions, Quantity, ReferenceFrame, SPEEDS,
     StatesFigure,
 };
-use crate::picture_options::StepOrTime;
+use crate::picture_options::{MAX_FPS, StepOrTime};
 use crate::scene::Sweep;
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
@@ -31,10 +31,13 @@ pub struct RenderOptions {
     #[arg(long, value_name = "KEY=VALUE")]
     pub set: Vec<Sweep>,
     /// Draw only the state of this step or time (1.5s)
-    #[arg(long, value_name = "STEP", allow_hyphen_values = true, conflicts_with_all = ["from", "to", "every", "fps"])]
+    #[arg(
+        long, value_name = "STEP", allow_hyphen_values = true,
+        conflicts_with_all = ["from", "to", "every", "fps", "slow", "hold"]
+    )]
     pub at: Option<StepOrTime>,
     /// Draw about this many frames per second
-    #[arg(long, allow_negative_numbers = true, conflicts_with = "every", value_parser = positive)]
+    #[arg(long, allow_negative_numbers = true, conflicts_with = "every", value_parser = frame_rate)]
     pub fps: Option<f64>,
     /// Draw only part I of N of a folder of PNG files
     #[arg(long, value_name = "I/N", default_value = "1/1", hide_default_value = true, conflicts_with = "at")]
@@ -339,10 +342,10 @@ fn speed(text: &str) -> Result<f64, String> {
     speed.ok_or_else(|| format!("expected a number from {:e} to {:e}", SPEEDS.start(), SPEEDS.end()))
 }
 
-/// Parses a number greater than 0.
-fn positive(text: &str) -> Result<f64, String> {
-    let number = text.parse().ok().filter(|number: &f64| number.is_finite() && *number > 0.0);
-    number.ok_or_else(|| "expected a positive number".into())
+/// Parses a frame rate, frames per second.
+fn frame_rate(text: &str) -> Result<f64, String> {
+    let rate = text.parse().ok().filter(|rate| 0.0 < *rate && *rate <= MAX_FPS);
+    rate.ok_or_else(|| format!("expected a positive number, at most {MAX_FPS}"))
 }
 
 #[cfg(test)]

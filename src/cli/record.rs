@@ -46,6 +46,10 @@ pub fn run(options: &RecordOptions) -> Result<Exit, CommandError> {
         Err(CommandError::Unwritable { path, source }) if begun.is_in_place() => {
             return Err(CommandError::CutRecording { last: last_readable_step(&path), path, source });
         }
+        Err(error) if begun.is_in_place() => {
+            let (path, source) = (options.output.clone(), Box::new(error));
+            return Err(CommandError::UnfinishedRun { last: last_readable_step(&path), path, source });
+        }
         recorded => recorded?,
     };
     print_summary(options, &recorded, live.map_or(0, |live| live.skipped()))?;
@@ -237,7 +241,7 @@ fn print_summary(options: &RecordOptions, recorded: &Recorded, skipped: u64) -> 
             "path": options.output.display().to_string(), "steps": end.steps, "bodies": end.bodies,
             "collisions": collisions, "identity": end.identity.to_string(), "accuracy": end.accuracy.map(|accuracy| accuracy.to_string()), "error": end.error.as_ref().map(RecordedError::to_string),
         });
-        return output::print_result(&options.output, &object.to_string());
+        return output::print_beside(&options.output, &object.to_string());
     }
     let accuracy = end.accuracy.map(|accuracy| format!(", accuracy {accuracy}")).unwrap_or_default();
     let line = format!(
@@ -251,8 +255,8 @@ fn print_summary(options: &RecordOptions, recorded: &Recorded, skipped: u64) -> 
     output::print_result(&options.output, &line)
 }
 
-/// Writes the readable part of a damaged recording to a new one, and prints what was lost. The exit code says whether
-/// anything was.
+/// Writes the readable part of a damaged recording to a new one, and prints what was lost and the first damage. The exit
+/// code is that of the damaged recording.
 pub fn recover(options: &RecoverOptions) -> Result<Exit, CommandError> {
     let path = &options.recording;
     let overwrite = Overwrite::from_force(options.output.force);
@@ -263,9 +267,10 @@ pub fn recover(options: &RecoverOptions) -> Result<Exit, CommandError> {
         Err(recording::Error::Write(error)) => Err(CommandError::unwritable(&options.output.output)(error)),
         Err(error) => Err(CommandError::in_recording(path)(error)),
     })?;
-    match output::is_quiet() && !recovery.is_everything() {
+    let exit = if recovery.health == Health::Whole { Exit::Done } else { Exit::Damaged };
+    match output::is_quiet() && exit == Exit::Damaged {
         true => output::warn(&format!("{recovery}\n")),
         false => output::print_result(&options.output.output, &recovery.to_string())?,
     }
-    Ok(if recovery.is_everything() { Exit::Done } else { Exit::Damaged })
+    Ok(exit)
 }

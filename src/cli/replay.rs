@@ -2,6 +2,7 @@ use super::arguments::ReplayOptions;
 use super::error::CommandError;
 use super::{Exit, against, output};
 use crate::physics::{CollisionCount, Observer};
+use crate::picture_options::ReversedRange;
 use crate::recording::{self, Health, Missing};
 use crate::replay::{Difference, Replayer, Verdict, ulps};
 use serde_json::{Value, json};
@@ -23,12 +24,12 @@ pub fn run(options: &ReplayOptions) -> Result<Exit, CommandError> {
 /// are passed to the observer.
 pub fn replay_with_progress<O: Observer>(
     path: &Path,
-    steps: impl FnOnce(f64) -> RangeInclusive<u64>,
+    steps: impl FnOnce(f64) -> Result<RangeInclusive<u64>, ReversedRange>,
     observer: &mut O,
 ) -> Result<Verdict, CommandError> {
     let recording = recording::open(path).map_err(CommandError::in_recording(path))?;
     let bar = output::progress_bar("replaying", recording.header.steps);
-    let steps = steps(recording.header.config.rate);
+    let steps = steps(recording.header.config.rate)?;
     let replayer = Replayer::new(recording, steps);
     let verdict = replayer.and_then(|replayer| replayer.run(observer, |step| bar.set_position(step)));
     bar.finish_and_clear();

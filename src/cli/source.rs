@@ -205,7 +205,7 @@ impl OpenedSource {
 
 /// Replays a recording. A verdict other than `same` is an error.
 fn verify(prefix: &str, recording: &Path) -> Result<(), CommandError> {
-    let verdict = replay::replay_with_progress(recording, |_| ALL_STEPS, &mut CollisionCount::default())?;
+    let verdict = replay::replay_with_progress(recording, |_| Ok(ALL_STEPS), &mut CollisionCount::default())?;
     output::info(format_args!("{prefix}{verdict}"));
     match verdict {
         Verdict::Same { .. } => Ok(()),

@@ -135,7 +135,10 @@ impl StatesTable {
         let is_separator = |byte: &u8| !header.contains(&b',') && header.contains(byte);
         let delimiter = [b';', b'\t'].into_iter().find(is_separator).unwrap_or(b',');
         let text = text.strip_prefix("\u{feff}".as_bytes()).unwrap_or(&text);
-        let mut reader = csv::ReaderBuilder::new().delimiter(delimiter).trim(csv::Trim::All).from_reader(text);
+        // A name may begin or end with a space, unless the separators of the table are followed by spaces.
+        let has_spaces = header.windows(2).any(|pair| pair == [delimiter, b' ']);
+        let trim = if has_spaces { csv::Trim::All } else { csv::Trim::Headers };
+        let mut reader = csv::ReaderBuilder::new().delimiter(delimiter).trim(trim).from_reader(text);
         let refused = |error| TableError::new(error, text);
         let columns = Columns::find(reader.headers().map_err(refused)?)?;
         let mut steps: BTreeMap<u64, BTreeMap<String, StateRow>> = BTreeMap::new();
@@ -196,7 +199,7 @@ impl Columns {
             let found = found.chars().take(100).collect();
             TableError::Field { line, column: column.to_owned(), found, expected }
         };
-        let number = |text: &str| text.parse::<f64>().ok();
+        let number = |text: &str| text.trim().parse::<f64>().ok();
         let whole = |number: f64| (number >= 0.0 && number.fract() == 0.0 && number < 9e15).then_some(number as u64);
         let (column, index) = match (self.step, self.time) {
             (Some(step), _) => ("step", step),
@@ -211,7 +214,7 @@ impl Columns {
             step.ok_or_else(|| invalid(column, &record[index], "the number of a step, 0 or more, or its time in s"))?;
         let mut row = StateRow { line, values: [f64::NAN; 4], decimals: [None; 4] };
         for (field, column) in self.fields.iter().enumerate().filter_map(|(field, column)| Some((field, (*column)?))) {
-            let text = &record[column];
+            let text = record[column].trim();
             row.values[field] = number(text).ok_or_else(|| invalid(FIELDS[field], text, "a number"))?;
             let has_exponent = text.contains(['e', 'E']);
             row.decimals[field] = (!has_exponent).then(|| text.split_once('.').map_or(0, |(_, digits)| digits.len()));
@@ -238,6 +241,10 @@ mod tests {
         let by_time = read("\u{feff}time;name;x\r\n0.016666666666666666;c;1.5\r\n").unwrap();
         assert_eq!(by_time.steps[&1]["c"].values[0], 1.5);
         assert_eq!(read("step,name,x\n").unwrap().steps.len(), 0);
+        let spaces = read("step,name,x\n0,a, 1\n0,a ,2 \n").unwrap();
+        assert_eq!((spaces.steps[&0]["a"].values[0], spaces.steps[&0]["a "].values[0]), (1.0, 2.0));
+        assert_eq!(spaces.steps[&0]["a "].decimals[0], Some(0));
+        assert!(read("step, name, x\n0, a, 1\n").unwrap().steps[&0].contains_key("a"));
     }
 
     #[test]

@@ -6,7 +6,7 @@ use super::{
     Subject, Thinning, Timing, Window,
 };
 use crate::physics::{Axis, Rect, Vector, larger, smaller};
-use crate::picture_options::{StepOrTime, check_extent};
+use crate::picture_options::{ReversedRange, StepOrTime, check_extent};
 use crate::recording;
 use crate::text::counted;
 use std::ops::RangeInclusive;
@@ -237,6 +237,7 @@ impl PictureOptions {
     /// The steps of the [`clock`] in the time that all recordings contain.
     pub(super) fn clock_steps(&self, sources: &[Source]) -> Result<RangeInclusive<u64>, Error> {
         let rate = clock(sources)?.header.config.rate;
+        self.refuse_reversed_range(rate)?;
         let from = self.from.map_or(0, |from| from.step(rate));
         let mut to = self.to.map_or(u64::MAX, |to| to.step(rate));
         for source in sources {
@@ -246,6 +247,11 @@ impl PictureOptions {
         Ok(from..=to)
     }
 
+    fn refuse_reversed_range(&self, rate: f64) -> Result<(), Error> {
+        let reversed = |range: ReversedRange| Error::Incompatible { reason: range.to_string() };
+        ReversedRange::refuse(self.from, self.to, rate).map_err(reversed)
+    }
+
     /// The page of one state: a step of the [`clock`], or the one nearest to a time.
     fn state(step: StepOrTime, sources: &[Source]) -> Result<Page, Error> {
         let clock = clock(sources)?;
@@ -253,7 +259,7 @@ impl PictureOptions {
         let (step, last) = (step.step(clock.header.config.rate), *common.end());
         let grid = StepGrid::new(step..=step, clock.header.config.rate, Thinning::All);
         if last < step || step < *common.start() {
-            return Err(no_frames(step, step, clock.header.every, last, sources));
+            return Err(no_frames(&grid, last, sources));
         }
         restricted(grid, sources)?;
         Ok(Page::State { step, every: None })
@@ -319,6 +325,7 @@ impl PictureOptions {
         // Runs shown side by side end with the one that is the shortest in time.
         // Steps are those of the clock, as in animations.
         let rate = clock(sources)?.header.config.rate;
+        self.refuse_reversed_range(rate)?;
         let from = self.from.map_or(0, |from| from.step(rate)) as f64 / rate;
         let mut to = self.to.map_or(f64::INFINITY, |to| to.step(rate) as f64 / rate);
         for source in sources {
@@ -388,7 +395,7 @@ fn restricted(grid: StepGrid, sources: &[Source]) -> Result<StepGrid, Error> {
     let grid = alike.fold(grid, |grid, source| grid.restrict_to_every(source.header.every));
     let last = sources.iter().filter_map(|source| source.statistics.last_step).min().unwrap_or(0);
     match grid.count() {
-        0 => Err(no_frames(*grid.steps.start(), *grid.steps.end(), grid.every, last, sources)),
+        0 => Err(no_frames(&grid, last, sources)),
         _ => Ok(grid),
     }
 }
@@ -406,16 +413,16 @@ fn non_empty(grid: StepGrid, source: &Source, sources: &[Source]) -> Result<Step
     match grid.count() {
         0 => {
             let last = source.statistics.last_step.unwrap_or(0);
-            let (from, to) = (*grid.steps.start(), *grid.steps.end());
-            Err(no_frames(from, to, grid.every, last, std::slice::from_ref(source)).of_source(source, sources))
+            Err(no_frames(&grid, last, std::slice::from_ref(source)).of_source(source, sources))
         }
         _ => Ok(grid),
     }
 }
 
-/// The error for steps without a full state, of recordings whose common last one is `last`. If the end of one of them is
-/// missing, that is the reason.
-fn no_frames(from: u64, to: u64, every: u64, last: u64, sources: &[Source]) -> Error {
+/// The error for a grid without a full state, of recordings whose common last one is `last`. If the end of one of them is
+/// missing, or the grid is too coarse, that is the reason.
+fn no_frames(grid: &StepGrid, last: u64, sources: &[Source]) -> Error {
+    let (from, to) = (*grid.steps.start(), *grid.steps.end());
     let lacks = |source: &&Source| {
         source.statistics.last_step == Some(last) && (last + 1..=source.header.steps).contains(&from)
     };
@@ -423,13 +430,33 @@ fn no_frames(from: u64, to: u64, every: u64, last: u64, sources: &[Source]) -> E
     if let Some((source, health)) = cut.filter(|(_, health)| *health != recording::Health::Whole) {
         return source.missing_states(&(from..=to.max(from)), health);
     }
-    let steps = match every {
+    let alike = sources.iter().filter(|source| source.header.config.rate == grid.rate);
+    let every_step = StepGrid { every: 1, ..grid.clone() };
+    let recorded = alike.fold(every_step, |grid, source| grid.restrict_to_every(source.header.every));
+    if from <= last && recorded.count() > 0 {
+        return too_coarse(grid, last);
+    }
+    let steps = match recorded.every {
         _ if from == to => format!("at step {from}"),
         _ if from > last => format!("from step {from} on"),
         1 => format!("in the steps {from} to {to}"),
-        _ => format!("in the steps {from} to {to} by {every}"),
+        every => format!("in the steps {from} to {to} by {every}"),
     };
     Error::NothingToShow { reason: format!("the recording has no full state {steps}; its last one is at step {last}") }
+}
+
+/// The error for a grid between whose steps all chosen steps are.
+fn too_coarse(StepGrid { every, steps, .. }: &StepGrid, last: u64) -> Error {
+    let (from, to) = (*steps.start(), *steps.end());
+    let chosen =
+        if from == to { format!("step {from} is none") } else { format!("none is in the steps {from} to {to}") };
+    let next = to.div_ceil(*every).saturating_mul(*every);
+    let near = if next <= last { next } else { from / every * every };
+    let reason = format!(
+        "only multiples of {every} are drawn, counted from step 0, and {chosen}; include step {near}, or choose another \
+         interval with --every"
+    );
+    Error::NothingToShow { reason }
 }
 
 /// The bounding box of all bodies of finite mass over all runs, with a margin of 5 %, m.

@@ -6,7 +6,7 @@ use super::{
     tree::{Entry, Key, Node, Table, Value, unknown_key},
 };
 use crate::physics::{BodyId, DEFAULT_EVENTS_PER_STEP, Restitution, RestitutionPair, SolverKind, Spawn, Vector};
-use crate::picture_options::{ColorBy, Language, MAX_SIDE, Overlay, Overlays, PictureOptions, Theme};
+use crate::picture_options::{ColorBy, Language, MAX_FPS, MAX_SIDE, Overlay, Overlays, PictureOptions, Theme};
 use crate::recording::limits;
 use std::{
     collections::{BTreeMap, BTreeSet},
@@ -274,7 +274,7 @@ pub(super) const FIGURE_KEYS: &[Key] = &[FIGURE_SIZE, THEME, FPS, SHOW, COLOR_BY
 pub(super) fn read_figure(table: &Table) -> Result<PictureOptions, ErrorReported> {
     let size = table.optional(FIGURE_SIZE, |node| node.each(pixels));
     let theme = table.optional(THEME, |node| Theme::named(node.text()?).ok_or(node));
-    let fps = table.optional(FPS, |node| node.number_where(|fps| 0.0 < fps && fps <= 1000.0));
+    let fps = table.optional(FPS, |node| node.number_where(|fps| 0.0 < fps && fps <= MAX_FPS));
     let show = table.optional(SHOW, overlays);
     let color_by = table.optional(COLOR_BY, |node| ColorBy::named(node.text()?).ok_or(node));
     let language = table.optional(LANGUAGE, |node| Language::named(node.text()?).ok_or(node));

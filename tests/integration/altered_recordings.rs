@@ -377,7 +377,7 @@ fn a_missing_keyframe_and_missing_settings_are_named() {
     let found = verdict(&altered);
     assert!(found.starts_with("corrupt ") && found.contains("the metadata record \"rebond\" is missing"), "{found}");
     std::fs::write(workplace.path("altered.mcap"), altered).unwrap();
-    workplace.done("recover altered.mcap -o fixed.mcap");
+    assert_eq!(workplace.rebond("recover altered.mcap -o fixed.mcap").code, 4);
     let fixed = workplace.rebond("replay fixed.mcap").output;
     assert_eq!(fixed, "incomplete: recovered; 60 steps same\n");
 }

@@ -339,6 +339,29 @@ fn a_folder_with_nothing_to_check_is_an_error() {
 }
 
 #[test]
+fn a_named_file_is_checked_or_an_error() {
+    let workplace = Workplace::with_scene(SCENE);
+    workplace.done("record scene.toml -o scene.mcap");
+    workplace.write("short.toml", "run={steps=60}\n");
+    workplace.write("bad.toml", "run={stepz=60}\n");
+    workplace.write("Cargo.toml", "[package]\nname = \"lecture\"\n");
+    workplace.write("notes.txt", "");
+    workplace.write("scene.scene", SCENE);
+    let checked = workplace.rebond("check .");
+    assert_eq!(checked.code, 1, "{checked:?}");
+    assert_eq!(line(&checked, "short.mcap"), "missing: the recording of short.toml does not exist");
+    assert!(line(&checked, "bad.mcap").starts_with("failed: its scene bad.toml cannot be run: "), "{checked:?}");
+    assert!(!checked.output.contains("Cargo") && !checked.output.contains("notes"), "{checked:?}");
+    let named = workplace.rebond("check scene.mcap notes.txt scene.scene Cargo.toml");
+    assert_eq!(named.code, 1, "{named:?}");
+    for name in ["notes.txt", "scene.scene"] {
+        assert!(line(&named, name).starts_with("failed: its name says that it is no recording (.mcap)"), "{named:?}");
+    }
+    assert!(line(&named, "Cargo.mcap").starts_with("failed: its scene Cargo.toml cannot be run: "), "{named:?}");
+    assert!(line(&named, "scene.mcap").starts_with("same"), "{named:?}");
+}
+
+#[test]
 fn line_ends_are_no_difference() {
     let scene = "[world]\r\nwalls = true\r\n[run]\r\nsteps = 30\r\n[[spawn]]\r\nat = [2.0, 3.0]\r\nsize = [1.0, 1.0]\r\n\
                  mass = 1.0\r\nvelocity = [4.0, 1.0]\r\n";

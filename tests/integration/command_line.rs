@@ -226,6 +226,8 @@ fn quiet_prints_only_results_and_errors() {
         let outcome = workplace.done(line);
         assert_eq!((outcome.output.as_str(), outcome.errors.as_str()), ("", ""), "{line}");
     }
+    let object = workplace.done("record -q --json scene.toml -o again.mcap").output;
+    assert!(object.starts_with("{\"path\":\"again.mcap\""), "{object}");
     assert_eq!(workplace.done("replay run.mcap --quiet").output, "same: 90 steps, 7 bodies\n");
     assert!(workplace.rebond("replay none.mcap --quiet").errors.contains("none.mcap"));
 }
@@ -283,10 +285,27 @@ fn recover_keeps_the_readable_part_which_replays_the_same() {
     );
     let bytes = workplace.read("run.mcap");
     std::fs::write(workplace.path("cut.mcap"), &bytes[..bytes.len() * 2 / 3]).unwrap();
-    let recovered = workplace.done("recover cut.mcap -o fixed.mcap").output;
-    assert!(recovered.starts_with("recovered ") && recovered.contains("lost"), "{recovered}");
+    let recovered = workplace.rebond("recover cut.mcap -o fixed.mcap");
+    assert_eq!(recovered.code, 4, "{recovered:?}");
+    let report = recovered.output;
+    assert!(report.starts_with("recovered ") && report.contains("lost"), "{report}");
     let verdict = workplace.rebond("replay fixed.mcap");
     assert!(verdict.output.lines().last().unwrap().contains("same"), "{verdict:?}");
+}
+
+/// Everything can be read, because bytes only follow the end.
+#[test]
+fn recovering_from_damage_never_succeeds_silently() {
+    let workplace = recorded();
+    let mut bytes = workplace.read("run.mcap");
+    bytes.extend(b"more");
+    std::fs::write(workplace.path("long.mcap"), bytes).unwrap();
+    for quiet in ["", " -q"] {
+        let recovered = workplace.rebond(&format!("recover long.mcap -o fixed.mcap --force{quiet}"));
+        assert_eq!(recovered.code, 4, "{recovered:?}");
+        let report = if quiet.is_empty() { recovered.output } else { recovered.errors };
+        assert!(report.starts_with("recovered 91 states") && report.contains("first damage: "), "{report}");
+    }
 }
 
 #[test]
@@ -305,6 +324,7 @@ fn an_exported_range_equals_that_part_of_the_whole_table() {
 fn a_range_that_the_run_never_had_is_refused() {
     let workplace = recorded();
     workplace.done("record scene.toml -o thin.mcap --every 10");
+    workplace.done("export run.mcap -o table.csv");
     let names = workplace.names();
     for (range, reason) in [
         ("run.mcap --from 91", "there is no state from step 91 on: the recording has the steps 0 to 90"),
@@ -323,9 +343,61 @@ fn a_range_that_the_run_never_had_is_refused() {
     }
     let thin = workplace.rebond("export thin.mcap --from 3 --to 5 -o new.csv");
     assert!(thin.code == 1 && thin.errors.contains("has no full state in the steps 3 to 5"), "{thin:?}");
+    for command in [
+        "replay run.mcap",
+        "replay run.mcap --against table.csv",
+        "render run.mcap -o new.gif",
+        "render run.mcap -o frames/",
+        "figure strobe run.mcap -o new.svg",
+        "figure energy run.mcap -o new.svg",
+    ] {
+        for range in ["--from 6 --to 5", "--from 1s --to 6"] {
+            let refused = workplace.rebond(&format!("{command} {range}"));
+            let message = format!("no step is in the range {range}; exchange the two");
+            assert!(refused.code == 1 && refused.errors.contains(&message), "{command} {range}: {refused:?}");
+        }
+    }
+    for (command, message) in [
+        (
+            "render run.mcap -o new.gif --from 5 --to 5",
+            "only multiples of 2 are drawn, counted from step 0, and step 5",
+        ),
+        ("render run.mcap -o new.apng --from 5 --to 5", "step 5 is none; include step 6"),
+        (
+            "figure strobe run.mcap -o new.svg --from 81 --to 89 --every 40",
+            "none is in the steps 81 to 89; include step 80",
+        ),
+        ("render thin.mcap -o new.gif --from 3 --to 5", "no full state in the steps 3 to 5 by 10"),
+    ] {
+        let refused = workplace.rebond(command);
+        assert!(refused.code == 1 && refused.errors.contains(message), "{command}: {refused:?}");
+    }
     assert_eq!(workplace.names(), names);
     workplace.done("export thin.mcap --from 3 --to 5 --table bodies");
     workplace.done("export run.mcap --from 90 --to 500 --shard 2/2");
+}
+
+#[test]
+fn a_body_that_is_deleted_when_it_is_spawned_has_a_row() {
+    let click = "[[click]]\nat = [8.0, 5.0]\n";
+    let spawn = "spawn = { name = \"brief\", size = [0.1, 0.1], mass = 1.0 }\n";
+    let scene = format!("{SCENE}{click}{spawn}{click}");
+    let workplace = Workplace::with_scene(&scene);
+    let has_row = |options: &str| {
+        workplace.done(&format!("export scene.toml --table bodies {options}")).output.contains("\nbrief,")
+    };
+    assert!(has_row("") && has_row("--from 0 --to 0") && !has_row("--from 1"));
+}
+
+#[test]
+fn a_table_with_names_that_end_with_a_space_is_compared_with_its_recording() {
+    let body = |name: &str, x: f64| {
+        format!("[[spawn]]\nname = \"{name}\"\nat = [{x:?}, 1.0]\nsize = [0.5, 0.5]\nmass = 1.0\n")
+    };
+    let workplace = Workplace::with_scene(&format!("[run]\nsteps = 3\n{}{}", body("a", 1.0), body("a ", 3.0)));
+    workplace.done("record scene.toml -o run.mcap");
+    workplace.done("export run.mcap -o run.csv");
+    assert!(workplace.done("replay run.mcap --against run.csv").output.starts_with("same: 4 states, 2 bodies"));
 }
 
 #[test]

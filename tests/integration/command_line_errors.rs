@@ -53,7 +53,10 @@ fn wrong_usage_exits_with_2() {
         "render scene.toml -o out.gif --theme pink",
         "render scene.toml -o out.gif --size 1280",
         "render scene.toml -o out.gif --fps 0",
+        "render scene.toml -o out.gif --fps 1001",
         "render scene.toml -o out.gif --at 3 --from 2",
+        "render scene.toml -o out.png --at 3 --slow 0.5",
+        "render scene.toml -o out.png --at 3 --hold 0.5 at collisions",
     ];
     for line in lines {
         let outcome = workplace.rebond(line);
@@ -140,6 +143,15 @@ fn an_error_inside_a_step_names_step_and_body_and_leaves_a_recording() {
     assert_text("replay-of-an-error", &replayed.output);
     workplace.done("export run.mcap");
     workplace.done("info run.mcap");
+}
+
+#[test]
+fn an_error_in_the_events_names_the_steps_that_are_recorded() {
+    let workplace = Workplace::with_scene(SCENE);
+    workplace.write("events.jsonl", "{\"delete\": {\"step\": 1500, \"name\": \"nobody\"}}\n");
+    let failed = workplace.rebond("record scene.toml -o run.mcap --steps 2000 --events events.jsonl");
+    assert_eq!(failed.code, 1, "{failed:?}");
+    assert!(failed.errors.contains("; run.mcap is unfinished and has the steps 0 to 1"), "{failed:?}");
 }
 
 #[test]

@@ -210,6 +210,8 @@ fn an_input_is_never_the_output() {
     symlink("run.mcap", workplace.path("link.mcap")).unwrap();
     fs::hard_link(workplace.path("run.mcap"), workplace.path("hard.mcap")).unwrap();
     fs::copy(workplace.path("run.mcap"), workplace.path("run.csv")).unwrap();
+    let manifest = "rebond record scene.toml -o run.mcap\n";
+    workplace.write("run.check", manifest);
     let (scene, recording) = (workplace.read("scene.toml"), workplace.read("run.mcap"));
     for command in [
         "record scene.toml -o scene.toml --force",
@@ -219,11 +221,14 @@ fn an_input_is_never_the_output() {
         "recover run.mcap -o link.mcap --force",
         "recover link.mcap -o hard.mcap --force",
         "export run.csv -o run.csv --force",
+        "check run.check --junit run.check --force",
+        "check run.mcap --junit run.check --force",
         "report scene.toml --plot scene.toml --force",
     ] {
         let outcome = workplace.rebond(command);
         assert_eq!(outcome.code, 1, "{command}: {outcome:?}");
         assert_eq!((workplace.read("scene.toml"), workplace.read("run.mcap")), (scene.clone(), recording.clone()));
+        assert_eq!(workplace.read("run.check"), manifest.as_bytes(), "{command}");
         assert!(outcome.errors.contains("reads this file") || command.starts_with("report"), "{command}: {outcome:?}");
     }
     let output = File::options().append(true).open(workplace.path("run.mcap")).unwrap();
@@ -356,6 +361,26 @@ fn a_descriptor_is_written_to_where_the_shell_has_opened_it() {
         let status = Command::new("sh").args(["-c", &line]).current_dir(workplace.path("")).status();
         assert!(status.unwrap().success(), "{line}");
         assert_eq!(workplace.read("log"), format!("kept\n{table}").into_bytes(), "{line}");
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_summary_never_gets_into_an_output_that_is_standard_output() {
+    let workplace = workplace();
+    symlink("/dev/stdout", workplace.path("out.gif")).unwrap();
+    workplace.done("render scene.toml -o kept.gif --to 3");
+    for (command, kept) in [
+        ("record scene.toml -o /dev/stdout", "run.mcap"),
+        ("record scene.toml --json -o /dev/fd/1", "run.mcap"),
+        ("recover run.mcap -o /proc/self/fd/1", "run.mcap"),
+        ("render scene.toml -o out.gif --to 3", "kept.gif"),
+    ] {
+        let output = File::create(workplace.path("log")).unwrap();
+        let (_, code, errors) = end_of(workplace.start(command, Stdio::null(), output.into()));
+        assert_eq!(code, Some(0), "{command}: {errors}");
+        assert!(workplace.read("log") == workplace.read(kept), "{command}: {errors}");
+        assert!(!errors.is_empty(), "{command}");
     }
 }
 
