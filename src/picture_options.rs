@@ -343,6 +343,7 @@ impl StepOrTime {
 }
 
 /// A range of steps or times that ends before it starts.
+#[cfg(feature = "draw")]
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("no step is in the range --from {from} --to {to}; exchange the two")]
 pub struct ReversedRange {
@@ -350,6 +351,7 @@ pub struct ReversedRange {
     to: StepOrTime,
 }
 
+#[cfg(feature = "draw")]
 impl ReversedRange {
     /// Returns an error if a range ends before it starts in a run at `rate` Hz.
     pub fn refuse(from: Option<StepOrTime>, to: Option<StepOrTime>, rate: f64) -> Result<(), ReversedRange> {

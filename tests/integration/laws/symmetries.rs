@@ -172,7 +172,8 @@ fn no_older_box_overlaps_a_spawned_block() {
             for block in blocks {
                 for other in bodies.iter().filter(|other| other.mass != INFINITE) {
                     if let Some(shared) = block.rect.intersection(&other.rect) {
-                        overlap = larger(overlap, shared.width().min(shared.height()));
+                        let [width, height] = [shared.width(), shared.height()];
+                        overlap = larger(overlap, if width < height { width } else { height });
                     }
                 }
             }
