@@ -115,7 +115,8 @@ pub extern "C" fn bundled() {
     give(json!(BUNDLED).to_string());
 }
 
-/// Starts a session in the place of the present one, to which undo returns. The input is the name of the scene, a line feed, and its text.
+/// Starts a session in the place of the present one, to which undo returns. The input is the name of the scene, a line
+/// feed, and its text.
 #[unsafe(no_mangle)]
 pub extern "C" fn load(which: usize) -> i32 {
     let session = text().and_then(|text| {

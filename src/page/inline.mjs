@@ -2,6 +2,7 @@
 // security policy that allows nothing else: node inline.mjs SOURCES PARTS PAGE
 import { createHash } from 'node:crypto';
 import { readFileSync, statSync, writeFileSync } from 'node:fs';
+import { minify_sync } from 'terser';
 
 const [folder, modules, output] = process.argv.slice(2);
 const read = (path) => readFileSync(path, 'utf8').trim();
@@ -9,49 +10,9 @@ const hash = (text) => `'sha256-${createHash('sha256').update(text).digest('base
 // The first part is inflated by a module of its own; zstd is a tenth smaller, and a worker has time for it.
 const zstd = ['LICENSE', 'umd/index.js'].map((name) => read(new URL(`node_modules/fzstd/${name}`, import.meta.url)));
 const room = `const EMPTY_ROOM = ${JSON.stringify(`${read(`${folder}/room.toml`)}\n`)};`;
-/**
- * A script without comments and without the spaces and line ends that it does not need. Strings, templates and regular
- * expressions stay as they are.
- */
-function compact(script) {
-  const token = /(\/\/.*|\/\*[^]*?\*\/|\s+)|('(?:[^'\\]|\\.)*'|"(?:[^"\\]|\\.)*"|[\w$]+)|[^]/y;
-  const regex = /\/(?:[^\\/[\n]|\\.|\[(?:[^\]\\]|\\.)*\])+\/\w*/y;
-  const chunk = /(?:[^`\\$]|\\[^]|\$(?!\{))*(?:`|\$\{)/y;
-  const braces = [];
-  let [text, gap, at] = ['', '', 0];
-  const read = (expression) => {
-    expression.lastIndex = at;
-    const found = expression.exec(script);
-    at = expression.lastIndex;
-    return found;
-  };
-  while (at < script.length) {
-    const start = at;
-    let [found, blank] = read(token);
-    if (blank !== undefined) {
-      gap = (gap + blank).includes('\n') ? '\n' : ' ';
-      continue;
-    }
-    const last = text.at(-1) ?? ';';
-    if (found === '/' && (/[(,=:[!&|?{};]/.test(last) || text.endsWith('return'))) {
-      at = start;
-      [found] = read(regex);
-    }
-    // A template continues after what is inserted.
-    if (found === '`' || (found === '}' && braces.at(-1) === '${')) found += read(chunk)[0];
-    if (found[0] === '}') {
-      braces.pop();
-      if (last === ';') text = text.slice(0, -1);
-    }
-    if (found === '{' || found.endsWith('${')) braces.push(found.slice(-2));
-    const isWord = (character) => /[\w$]/.test(character);
-    const isNeeded = gap === '\n' ? !/[{(,;]/.test(last) : (isWord(last) && isWord(found[0])) || (last === found[0] && '+-'.includes(last));
-    text += (gap && isNeeded ? gap : '') + found;
-    gap = '';
-  }
-  return text;
-}
-const scripts = ['engine.js', 'texts.js', 'canvas.js', 'page.js'].map((name) => compact(read(`${folder}/${name}`)));
+// Without comments and needless spaces. Names stay as they are, since the scripts share them.
+const scripts = ['engine.js', 'texts.js', 'canvas.js', 'page.js'].map((name) =>
+  minify_sync(read(`${folder}/${name}`), { compress: false, mangle: false, ecma: 2020 }).code);
 const inflate = `const INFLATE = '${readFileSync(`${modules}/inflate.wasm`).toString('base64')}';`;
 /** The same code with escapes instead of other characters than ASCII: browsers read a page of one byte per character faster. */
 const escaped = (text, escape) => text.replace(/[^\0-\x7f]/g, (character) => escape(character.charCodeAt(0)));
