@@ -386,10 +386,10 @@ impl Problem {
         Problem { path: path.into(), line: None, reason, is_missing: false }
     }
 
-    /// The problem of a file whose name is that of no file to check.
+    /// The problem of a file that is named, but of no kind that is checked.
     pub fn unknown_kind(path: &Path) -> Problem {
-        let reason = "its name says that it is no recording (.mcap), scene (.toml), manifest (.check) or picture (.png, \
-                      .svg, .pdf, .gif or .apng); rename it, or leave it out";
+        let reason = "only recordings (.mcap), scenes (.toml), manifests (.check) and pictures (.png, .svg, .pdf, .gif or \
+                      .apng) are checked; rename the file, or leave it out";
         Problem { path: path.into(), line: None, reason: reason.into(), is_missing: false }
     }
 }

@@ -449,7 +449,7 @@ fn no_frames(grid: &StepGrid, last: u64, sources: &[Source]) -> Error {
 fn too_coarse(StepGrid { every, steps, .. }: &StepGrid, last: u64) -> Error {
     let (from, to) = (*steps.start(), *steps.end());
     let chosen =
-        if from == to { format!("step {from} is none") } else { format!("none is in the steps {from} to {to}") };
+        if from == to { format!("step {from} is not one") } else { format!("none is in the steps {from} to {to}") };
     let next = to.div_ceil(*every).saturating_mul(*every);
     let near = if next <= last { next } else { from / every * every };
     let reason = format!(

@@ -355,7 +355,7 @@ fn a_named_file_is_checked_or_an_error() {
     let named = workplace.rebond("check scene.mcap notes.txt scene.scene Cargo.toml");
     assert_eq!(named.code, 1, "{named:?}");
     for name in ["notes.txt", "scene.scene"] {
-        assert!(line(&named, name).starts_with("failed: its name says that it is no recording (.mcap)"), "{named:?}");
+        assert!(line(&named, name).starts_with("failed: only recordings (.mcap)"), "{named:?}");
     }
     assert!(line(&named, "Cargo.mcap").starts_with("failed: its scene Cargo.toml cannot be run: "), "{named:?}");
     assert!(line(&named, "scene.mcap").starts_with("same"), "{named:?}");

@@ -362,7 +362,7 @@ fn a_range_that_the_run_never_had_is_refused() {
             "render run.mcap -o new.gif --from 5 --to 5",
             "only multiples of 2 are drawn, counted from step 0, and step 5",
         ),
-        ("render run.mcap -o new.apng --from 5 --to 5", "step 5 is none; include step 6"),
+        ("render run.mcap -o new.apng --from 5 --to 5", "step 5 is not one; include step 6"),
         (
             "figure strobe run.mcap -o new.svg --from 81 --to 89 --every 40",
             "none is in the steps 81 to 89; include step 80",
