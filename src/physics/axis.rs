@@ -81,3 +81,10 @@ impl<T> Index<Side> for [T; 2] {
         &self[side as usize]
     }
 }
+
+impl<T> IndexMut<Side> for [T; 2] {
+    #[inline]
+    fn index_mut(&mut self, side: Side) -> &mut T {
+        &mut self[side as usize]
+    }
+}

@@ -42,6 +42,14 @@ pub struct Collision {
 pub trait Observer {
     /// Receives each collision once, in the order of resolution.
     fn collision(&mut self, collision: &Collision);
+
+    /// Receives a collision of which only the impulse (N·s) is computed yet. Overridden by observers that need no more.
+    fn collision_of(&mut self, _impulse: f64, collision: impl FnOnce() -> Collision)
+    where
+        Self: Sized,
+    {
+        self.collision(&collision());
+    }
 }
 
 /// Counts the collisions with an impulse.
@@ -51,6 +59,11 @@ pub struct CollisionCount(pub u64);
 impl Observer for CollisionCount {
     fn collision(&mut self, collision: &Collision) {
         self.0 += u64::from(collision.impulse != 0.0);
+    }
+
+    #[inline]
+    fn collision_of(&mut self, impulse: f64, _collision: impl FnOnce() -> Collision) {
+        self.0 += u64::from(impulse != 0.0);
     }
 }
 

@@ -322,8 +322,13 @@ impl Engine {
     /// Restores an engine from a snapshot. `config` must be the configuration of the engine that took it.
     ///
     /// # Errors
-    /// Returns an error if the solver's part of the snapshot was created by another solver or is damaged.
+    /// Returns an error if the snapshot is damaged, or its solver's part was created by another solver.
     pub fn restore(config: EngineConfig, snapshot: Snapshot) -> Result<Engine, SnapshotError> {
+        let ascend = snapshot.bodies.is_sorted_by(|a, b| a.id < b.id);
+        if !ascend || snapshot.bodies.last().is_some_and(|body| body.id >= snapshot.next_id) {
+            let reason = "its ids do not ascend up to the next one".to_owned();
+            return Err(SnapshotError { step: snapshot.step, reason });
+        }
         let mut engine = Engine::new(config);
         engine.step = snapshot.step;
         engine.next_id = snapshot.next_id;

@@ -199,7 +199,9 @@ class Sim:
         for per in range(2, min(200, len(past) // 3)):
             keys = [q[:2] for q in past[-3 * per:]]
             if keys[-per:] != keys[:per] or keys[-per:] != keys[per:2 * per]: continue
-            pairs = sorted(set(keys[-per:])); comp = s.comps(pairs)
+            pairs = sorted(set(keys[-per:])); hit = {b for q in pairs for b in q}
+            links = pairs + [q[:2] for q in s.contacts if q[2] == k]     # contacts last as long as the cycle
+            comp = [q for q in s.comps(links) if hit & set(q)]
             if len(comp) != 1: return
             rel = [[past[-1 - q * per][2][a][k] - past[-1 - q * per][2][b][k] for a, b in pairs] for q in (0, 1, 2)]
             n0, n1, n2 = (gmpy2.sqrt(sum(x * x for x in r)) for r in rel)
@@ -208,8 +210,8 @@ class Sim:
             held = [b for b in comp[0] for ahead in (False, True) if s.block(b, k, ahead)[1] is None]
             if held: # a body that rests on an infinite mass answers like it
                 for b in comp[0]: s.v[b][k] = s.v[held[0]][k]
-            else: s.unify(comp[0], pairs, k)
-            out = [t for t in touch if t[2] == k and t[:2] not in pairs and (t[0] in comp[0]) + (t[1] in comp[0])]
+            else: s.unify(comp[0], [q for q in links if set(q) & set(comp[0])], k)
+            out = [t for t in touch if t[2] == k and t[:2] not in links and (t[0] in comp[0]) + (t[1] in comp[0])]
             if any(s.c(*t) > 0 for t in out): s.v = old; return    # an outsider is reached on the way: go on
             s.contacts |= {(a, b, k) for a, b in pairs}; past.clear(); return
     def impact(s, i, j, k, touch, top, n):

@@ -28,6 +28,8 @@ pub struct Bodies {
     force_counts: [u32; 2],
     /// For each axis, the number of bodies alive with a load of [`Load::OwnForces`].
     load_counts: [u32; 2],
+    /// The number of moving infinite masses alive.
+    moving_walls: u32,
     /// Random rounding, by which the accuracy of a run is estimated; usually none.
     rounding: RandomRounding,
     resolution: Resolution,
@@ -42,6 +44,7 @@ impl Bodies {
             details: Vec::new(),
             force_counts: [0; 2],
             load_counts: [0; 2],
+            moving_walls: 0,
             rounding: RandomRounding::default(),
             resolution: Resolution::default(),
         }
@@ -126,6 +129,7 @@ impl Bodies {
         for axis in Axis::BOTH {
             self.force_counts[axis] += u32::from(has_force[axis]);
         }
+        self.moving_walls += u32::from(infinite && !trajectory.is_at_rest());
         let (mass, material) = (body.mass, body.material);
         let params = BodyParams { id: body.id, mass, material, free_acceleration, has_force, alive: true };
         self.details.push(BodyDetails { low_parts, params });
@@ -134,6 +138,8 @@ impl Bodies {
 
     /// Deletes a body alive; its slot stays.
     pub fn delete(&mut self, slot: Slot) {
+        let state = &self.states[slot as usize];
+        self.moving_walls -= u32::from(state.infinite && !state.is_static());
         let params = &mut self.details[slot as usize].params;
         params.alive = false;
         for axis in Axis::BOTH {
@@ -166,6 +172,12 @@ impl Bodies {
     /// Returns true if neither gravity nor a constant force acts on any body.
     pub fn are_free(&self) -> bool {
         self.gravity == [0.0; 2] && self.force_counts == [0; 2]
+    }
+
+    /// Returns true if a body of finite mass that others support certainly keeps its contacts and hits no infinite mass: it is
+    /// at rest, and so are all infinite masses.
+    pub fn is_at_rest(&self, slot: Slot) -> bool {
+        self.moving_walls == 0 && self.states[slot as usize].trajectory.is_at_rest()
     }
 
     /// Sets whether the component of a body carries forces of its own along an axis.
@@ -201,6 +213,7 @@ impl Bodies {
     }
 
     /// Sets the trajectory of a body along one axis from an instant on, which becomes its reference.
+    #[inline(always)]
     pub fn set_trajectory(&mut self, slot: Slot, axis: Axis, state: StateDd, since: Instant) {
         let StateDd { position, velocity, acceleration } = state;
         let body = &mut self.states[slot as usize];
@@ -218,13 +231,11 @@ impl Bodies {
     pub fn may_touch(&self, pair: [Slot; 2], at: Instant) -> bool {
         let [a, b] = pair.map(|slot| &self[slot]);
         let [from, to] = [a, b].map(|body| body.trajectory.at(at)[0]);
+        let magnitudes = [a, b].map(|body| body.trajectory.magnitude_at(at));
         Axis::BOTH.into_iter().all(|axis| {
             let offset = to[axis] - from[axis];
-            let [ahead, behind] = [offset - a.size[axis], -offset - b.size[axis]];
-            let gap = larger(ahead, behind);
-            let speeds = a.trajectory.velocity[axis].abs() + b.trajectory.velocity[axis].abs();
-            let times = a.since.seconds_until(at) + b.since.seconds_until(at);
-            let scale = from[axis].abs() + to[axis].abs() + a.size[axis] + b.size[axis] + speeds * times;
+            let gap = larger(offset - a.size[axis], -offset - b.size[axis]);
+            let scale = magnitudes[0][axis] + magnitudes[1][axis] + (a.size[axis] + b.size[axis]);
             gap <= scale * (64.0 * f64::EPSILON)
         })
     }
@@ -259,8 +270,10 @@ impl Bodies {
     /// Restores the state of a body along an axis from a snapshot.
     pub fn restore(&mut self, slot: Slot, axis: Axis, trajectory: AxisTrajectory, low_parts: AxisLowParts, load: Load) {
         let body = &mut self.states[slot as usize];
+        self.moving_walls -= u32::from(body.infinite && !body.is_static());
         body.trajectory.set(axis, trajectory);
         body.since = body.trajectory.latest();
+        self.moving_walls += u32::from(body.infinite && !body.is_static());
         self.set_load(slot, axis, load);
         self.details[slot as usize].low_parts[axis] = low_parts;
     }

@@ -191,9 +191,9 @@ impl EventDriven {
         let (offset, velocity) = (to[axis] - from[axis], to_velocity[axis] - from_velocity[axis]);
         let [ahead, behind] = [offset - first.size[axis], -offset - second.size[axis]];
         let speeds = from_velocity[axis].abs() + to_velocity[axis].abs();
-        let elapsed = first.since.seconds_until(self.now) + second.since.seconds_until(self.now);
-        let scale = from[axis].abs() + to[axis].abs() + first.size[axis] + second.size[axis];
-        let rounding = (scale + speeds * (elapsed + horizon)) * CLEAR;
+        let magnitudes = [first, second].map(|body| body.trajectory.magnitude_at(self.now)[axis]);
+        let scale = magnitudes[0] + magnitudes[1] + (first.size[axis] + second.size[axis]);
+        let rounding = (scale + speeds * horizon) * CLEAR;
         // The seconds until a distance is used up at a speed.
         let lasting = |distance: f64, speed: f64| match speed > 0.0 {
             true => (distance - rounding) / speed * RELIABLE,

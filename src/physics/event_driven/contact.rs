@@ -55,14 +55,6 @@ impl ContactGraph {
         if self.count == 0 { &[] } else { &self.nodes[slot as usize].contacts }
     }
 
-    /// True if a body is in contact with any other.
-    pub fn has_contacts(&self, slot: Slot) -> bool {
-        match self.nodes[slot as usize].has_infinite_mass {
-            false => !self.of(slot).is_empty(),
-            true => self.nodes.iter().any(|node| node.contacts.iter().any(|contact| contact.other == slot)),
-        }
-    }
-
     /// For each axis, true if two bodies are in contact along it; the mass of `slot` must be finite.
     #[inline]
     pub fn axes_between(&self, slot: Slot, other: Slot) -> [bool; 2] {

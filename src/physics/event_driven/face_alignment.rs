@@ -5,7 +5,7 @@
 
 use super::EventDriven;
 use super::axis_trajectory::StateDd;
-use super::body_state::Slot;
+use super::body_state::{BodyState, Slot};
 use super::double_double::DoubleDouble;
 use crate::physics::{Axis, Side, larger};
 use std::collections::BTreeMap;
@@ -58,12 +58,12 @@ impl EventDriven {
         let mut found = Vec::new();
         let [from, to] = [[low[0] - reach[0], low[1] - reach[1]], [high[0] + reach[0], high[1] + reach[1]]];
         self.cell_lists.visit_region(from, to, |other| {
+            let BodyState { trajectory, size, .. } = &self.bodies[other];
+            let [position, magnitude] = [trajectory.at(self.now)[0], trajectory.magnitude_at(self.now)];
             let is_near = other < slot
                 && Axis::BOTH.into_iter().all(|axis| {
-                    let position = self.bodies[other].trajectory.at(self.now)[0][axis as usize];
-                    let size = self.bodies[other].size[axis as usize];
-                    let margin = reach[axis as usize] + (position.abs() + size) * (4.0 * f64::EPSILON);
-                    position - margin <= to[axis as usize] && position + size + margin >= from[axis as usize]
+                    let margin = reach[axis] + (magnitude[axis] + size[axis]) * (4.0 * f64::EPSILON);
+                    position[axis] - margin <= to[axis] && position[axis] + size[axis] + margin >= from[axis]
                 });
             if is_near {
                 found.push(other);

@@ -1,7 +1,7 @@
 //! Detects cycles in the impacts of an instant, from which the limit of an infinite sequence follows.
 
 use super::double_double::DoubleDouble;
-use crate::physics::larger;
+use crate::physics::{larger, smaller};
 
 /// The longest period that is looked for.
 const MAX_PERIOD: usize = 200;
@@ -24,21 +24,58 @@ const SLOWEST: f64 = 1.0 / (1_u64 << 32) as f64;
 const SAME_LENGTH: f64 = 1.0 / (1_u128 << 86) as f64;
 
 /// The continuation that a repeated period of impacts proves.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Cycle {
-    /// All further periods are copies, scaled by a factor below 1: the relative velocities tend to 0.
-    Decays,
+    /// The relative velocities tend to 0.
+    Decays(Decay),
     /// All further periods are the same: the impacts never end.
     Persists,
+}
+
+/// A decaying cycle: each further period is a copy of the one before, scaled by a factor.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Decay {
+    /// Less than 1.
+    factor: DoubleDouble,
+    /// The touches hit in a period, in the order of the impacts.
+    pub sequence: Vec<u32>,
+    /// The least approach speed of the impacts of the last period, m/s.
+    pub least_speed: f64,
+}
+
+impl Decay {
+    /// The factor of the greatest number of periods whose factor is above `least`.
+    pub fn factor_above(&self, least: f64) -> DoubleDouble {
+        let stays_above = |factor: DoubleDouble| factor.high > least;
+        // The factors of 1, 2, 4, … periods.
+        let mut powers = Vec::new();
+        let mut power = self.factor;
+        while stays_above(power) {
+            powers.push(power);
+            power = power * power;
+        }
+        powers.into_iter().rev().fold(1.0.into(), |factor, power| match stays_above(factor * power) {
+            true => factor * power,
+            false => factor,
+        })
+    }
 }
 
 /// The impacts of an instant along one axis within one component.
 #[derive(Clone, Debug, Default)]
 pub struct ImpactHistory {
-    /// The touches hit, the latest last; only the recent ones.
-    touches: Vec<u32>,
+    /// The recent impacts, the latest last.
+    hits: Vec<Hit>,
     count: u64,
     probe: Option<Probe>,
+}
+
+/// An impact.
+#[derive(Clone, Copy, Debug)]
+struct Hit {
+    touch: u32,
+    /// The approach speed before, m/s.
+    speed: f64,
 }
 
 /// The observation of a suspected cycle.
@@ -62,24 +99,25 @@ impl ImpactHistory {
 
     /// Forgets the sequence, after the limit of a cycle was taken.
     pub fn restart(&mut self) {
-        self.touches.clear();
+        self.hits.clear();
         self.probe = None;
     }
 
-    /// Records an impact; returns the touches of a cycle if it completes the proof of one. `approach` gives the
-    /// present approach speed of a touch and `rounding` that of its speed, `greatest` is the greatest approach speed of
-    /// the burst, m/s.
+    /// Records an impact and its approach speed; returns the touches of a cycle if it completes the proof of one. `approach`
+    /// gives the present approach speed of a touch and `rounding` that of its speed, `greatest` is the greatest approach speed
+    /// of the burst, m/s.
     pub fn push(
         &mut self,
         touch: u32,
+        speed: f64,
         greatest: f64,
         approach: impl Fn(u32) -> DoubleDouble,
         rounding: impl Fn(u32) -> f64,
     ) -> Option<(Cycle, Vec<u32>)> {
-        if self.touches.len() >= 8 * MAX_PERIOD {
-            self.touches.drain(..4 * MAX_PERIOD);
+        if self.hits.len() >= 8 * MAX_PERIOD {
+            self.hits.drain(..4 * MAX_PERIOD);
         }
-        self.touches.push(touch);
+        self.hits.push(Hit { touch, speed });
         self.count += 1;
         self.continue_probe(&approach);
         if self.probe.is_none() && self.count.is_multiple_of(SEARCH_INTERVAL) {
@@ -88,13 +126,14 @@ impl ImpactHistory {
         let probe = self.probe.take_if(|probe| probe.records.len() == 3)?;
         let rounding = probe.touches.iter().map(|touch| rounding(*touch)).fold(0.0, larger);
         let slowest = larger(greatest * SLOWEST, rounding * LEAST_PRECISION);
-        Some((probe.verdict(slowest, rounding)?, probe.touches))
+        let cycle = probe.verdict(slowest, rounding, &self.hits[self.hits.len() - probe.period..])?;
+        Some((cycle, probe.touches))
     }
 
     fn continue_probe(&mut self, approach: &impl Fn(u32) -> DoubleDouble) {
         let Some(probe) = &mut self.probe else { return };
-        let last = self.touches.len() - 1;
-        if last < probe.period || self.touches[last] != self.touches[last - probe.period] {
+        let last = self.hits.len() - 1;
+        if last < probe.period || self.hits[last].touch != self.hits[last - probe.period].touch {
             self.probe = None;
             return;
         }
@@ -107,13 +146,13 @@ impl ImpactHistory {
 
     /// Starts a probe if the last three periods hit the same touches.
     fn start_probe(&mut self, approach: &impl Fn(u32) -> DoubleDouble) {
-        let length = self.touches.len();
+        let length = self.hits.len();
         let longest = if length / 3 < MAX_PERIOD { length / 3 } else { MAX_PERIOD };
         let repeats = |period: usize| {
-            (1..=2 * period).all(|back| self.touches[length - back] == self.touches[length - back - period])
+            (1..=2 * period).all(|back| self.hits[length - back].touch == self.hits[length - back - period].touch)
         };
         let Some(period) = (2..=longest).find(|period| repeats(*period)) else { return };
-        let mut touches = self.touches[length - period..].to_vec();
+        let mut touches: Vec<u32> = self.hits[length - period..].iter().map(|hit| hit.touch).collect();
         touches.sort_unstable();
         touches.dedup();
         let records = vec![touches.iter().map(|touch| approach(*touch)).collect()];
@@ -122,9 +161,9 @@ impl ImpactHistory {
 }
 
 impl Probe {
-    /// The continuation that the records at the ends of three periods prove, if any; speeds below `slowest` decide nothing,
-    /// and differences of directions below `rounding` are 0.
-    fn verdict(&self, slowest: f64, rounding: f64) -> Option<Cycle> {
+    /// The continuation that the records at the ends of three periods prove, if any, given the impacts of the last period.
+    /// Speeds below `slowest` decide nothing, and differences of directions below `rounding` are 0.
+    fn verdict(&self, slowest: f64, rounding: f64, period: &[Hit]) -> Option<Cycle> {
         let [first, second, third] = self.records.as_slice() else { return None };
         let mut greatest = 0;
         for index in 0..first.len() {
@@ -148,7 +187,14 @@ impl Probe {
             ratio.high > 0.0 && a.iter().zip(b).all(|(a, b)| (*a * ratio - *b).high.abs() <= bound)
         };
         let shrinks = scale[0] > scale[1] && scale[1] > scale[2];
-        (shrinks && is_parallel(first, second) && is_parallel(second, third)).then_some(Cycle::Decays)
+        let decays = shrinks && is_parallel(first, second) && is_parallel(second, third);
+        decays.then(|| {
+            Cycle::Decays(Decay {
+                factor: third[greatest] / second[greatest],
+                sequence: period.iter().map(|hit| hit.touch).collect(),
+                least_speed: period.iter().map(|hit| hit.speed).fold(f64::INFINITY, smaller),
+            })
+        })
     }
 }
 
@@ -156,8 +202,8 @@ impl Probe {
 mod tests {
     use super::*;
 
-    /// Pushes impacts that alternate between two touches, whose approach speeds shrink by a factor per period and are
-    /// known to a rounding.
+    /// Pushes impacts that alternate between two touches, whose approach speeds, the second half the first, shrink by a factor
+    /// per period and are known to a rounding.
     fn verdict(factor: f64, rounding: f64) -> Option<Cycle> {
         let mut history = ImpactHistory::default();
         let mut speed = 1.0;
@@ -167,7 +213,9 @@ mod tests {
             }
             let error = if impact % 3 == 0 { 0.25 * rounding } else { 0.0 };
             let approach = |touch: u32| DoubleDouble::from(if touch == 0 { speed } else { error - 0.5 * speed });
-            if let Some((cycle, touches)) = history.push(impact % 2, 1.0, approach, |_| rounding) {
+            if let Some((cycle, touches)) =
+                history.push(impact % 2, speed / f64::from(impact % 2 + 1), 1.0, approach, |_| rounding)
+            {
                 assert_eq!(touches, [0, 1]);
                 return Some(cycle);
             }
@@ -177,14 +225,27 @@ mod tests {
 
     #[test]
     fn a_cycle_is_proven_after_three_equal_periods() {
-        assert_eq!(verdict(0.75, 0.0), Some(Cycle::Decays));
+        let Some(Cycle::Decays(decay)) = verdict(0.75, 0.0) else { panic!("no cycle") };
+        assert_eq!((decay.factor, decay.sequence), (0.75.into(), vec![0, 1]));
         assert_eq!(verdict(1.0, 0.0), Some(Cycle::Persists));
         assert_eq!(verdict(1.5, 0.0), None);
     }
 
     #[test]
     fn directions_are_compared_to_the_rounding_of_velocities() {
-        assert_eq!(verdict(0.75, 1e-16), Some(Cycle::Decays));
+        assert!(matches!(verdict(0.75, 1e-16), Some(Cycle::Decays(_))));
         assert_eq!(verdict(0.75, 1e-3), None);
+    }
+
+    #[test]
+    fn periods_are_counted_up_to_the_last_above_the_least_factor() {
+        for factor in [0.3, 0.75, 0.999, 1.0 - 1.0 / (1_u64 << 40) as f64] {
+            let decay = Decay { factor: factor.into(), sequence: Vec::new(), least_speed: 1.0 };
+            for least in [1e-24, 1e-3, 0.5, 0.999_999_999, 1.0, 3.0] {
+                let found = decay.factor_above(least).high;
+                assert!(found == 1.0 || found > least, "factor {factor}, at least {least:e}");
+                assert!(found * factor <= least * (1.0 + 1e-12), "factor {factor}, at least {least:e}");
+            }
+        }
     }
 }

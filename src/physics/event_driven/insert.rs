@@ -61,17 +61,19 @@ impl EventDriven {
         for slot in spawned.iter().filter(|slot| self.bodies[**slot].infinite) {
             let state = &self.bodies[*slot];
             let low = state.trajectory.at(self.now)[0];
+            let magnitude = state.trajectory.magnitude_at(self.now);
             let [from, to] = [-1.0, 1.0].map(|sign| {
                 Axis::BOTH.map(|axis| {
-                    let margin = (low[axis].abs() + state.size[axis]) * (16.0 * f64::EPSILON);
+                    let margin = (magnitude[axis] + state.size[axis]) * (16.0 * f64::EPSILON);
                     low[axis] + sign * margin + if sign > 0.0 { state.size[axis] } else { 0.0 }
                 })
             });
             self.cell_lists.visit_region(from, to, |other| {
                 let other_state = &self.bodies[other];
                 let position = other_state.trajectory.at(self.now)[0];
+                let magnitude = other_state.trajectory.magnitude_at(self.now);
                 let is_near = Axis::BOTH.into_iter().all(|axis| {
-                    let margin = (position[axis].abs() + other_state.size[axis]) * (16.0 * f64::EPSILON);
+                    let margin = (magnitude[axis] + other_state.size[axis]) * (16.0 * f64::EPSILON);
                     position[axis] - margin <= to[axis]
                         && position[axis] + other_state.size[axis] + margin >= from[axis]
                 });

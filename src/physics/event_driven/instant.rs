@@ -1,4 +1,5 @@
 use super::double_double::DoubleDouble;
+use std::cmp::Ordering;
 
 /// An instant of simulated time: the seconds since step 0 in double-double precision.
 ///
@@ -23,6 +24,11 @@ impl Instant {
     #[inline]
     pub fn is_before(self, other: Instant) -> bool {
         (self.high < other.high) | ((self.high == other.high) & (self.low < other.low))
+    }
+
+    /// Compares two instants in a total order.
+    pub fn total_cmp(self, other: Instant) -> Ordering {
+        self.high.total_cmp(&other.high).then(self.low.total_cmp(&other.low))
     }
 
     /// Returns the later of two instants.

@@ -7,6 +7,7 @@ use super::body_state::Slot;
 use super::double_double::DoubleDouble;
 use super::exact::VELOCITY_ROUNDING;
 use super::impact::Impact;
+use super::impact_record::ImpactRecord;
 use super::least_change::MASS_UNIT;
 use super::neighbour_buffer::NeighbourBuffer;
 use super::reference::{Reference, ScaledState};
@@ -57,6 +58,15 @@ impl EventDriven {
     ) -> bool {
         let Some(impact_pair) = self.impact_pair(world, pair, axis, side) else { return false };
         let [low, high] = impact_pair.bodies;
+        // A supported body can lose its support or hit an infinite mass in this very instant; infinite masses hold no such
+        // events in the queue.
+        let is_firm = |place: usize| {
+            let slot = impact_pair.bodies[place];
+            !impact_pair.is_immovable[place] || self.bodies[slot].infinite || self.bodies.is_at_rest(slot)
+        };
+        if !is_firm(0) || !is_firm(1) {
+            return false;
+        }
         let references = [self.bodies.reference(low, axis), self.bodies.reference(high, axis)];
         let states = Reference::scaled_states_at(&references, self.now, self.bodies.rounding());
         let Some(impact) = self.impact_of(&impact_pair, &states) else { return false };
@@ -134,11 +144,10 @@ impl EventDriven {
         impact: &Impact,
         observer: &mut O,
     ) -> [StateDd; 2] {
-        let &ImpactPair { bodies, axis, side, is_immovable, restitution, .. } = impact_pair;
+        let &ImpactPair { bodies, axis, is_immovable, .. } = impact_pair;
         let pair = impact_pair.slots();
         let [low, high] = states;
         let after = self.bodies.rounding().velocities(impact, impact.velocities_with(|| self.latest_shares.of(impact)));
-        let before = self.rects_and_velocities(pair);
         let own_speeds = [(low, is_immovable[0]), (high, is_immovable[1])]
             .map(|(body, is_immovable)| if is_immovable { 0.0 } else { body.speed });
         let speeds = [own_speeds[0], own_speeds[1], after[0].high.abs(), after[1].high.abs()];
@@ -165,24 +174,45 @@ impl EventDriven {
             changed[1] = StateDd { position: positions[1], velocity: velocities[1], ..high };
             self.bodies.set_trajectory(bodies[1], axis, changed[1], self.now);
         }
-        let sign = if side == Side::High { -1.0 } else { 1.0 };
-        observer.collision(&Collision {
-            step: self.step,
-            time: self.step_start.seconds_until(self.now).clamp(0.0, self.clock.period),
-            instant: self.now.high,
-            axis,
-            bodies: pair.map(|slot| self.bodies.params(slot).id),
-            rects: before.map(|(rect, _)| rect),
-            normal: Vector::along(axis, sign),
-            penetration: Vector::ZERO,
-            shares: [0.0; 2],
-            impulse: impact.impulse() / MASS_UNIT,
-            restitution,
-            normal_velocity: [-(impact.velocity[0] - impact.velocity[1]).high, (after[1] - after[0]).high],
-            before: before.map(|(_, velocity)| velocity),
-            after: self.rects_and_velocities(pair).map(|(_, velocity)| velocity),
-        });
+        let impulse = impact.impulse() / MASS_UNIT;
+        observer.collision_of(impulse, || self.record(impact_pair, states, impact, after, impulse));
         changed
+    }
+
+    /// The collision for the observer, given the states at the impact, the velocities after it (m/s) and the impulse (N·s).
+    fn record(
+        &self,
+        impact_pair: &ImpactPair,
+        states: &[ScaledState; 2],
+        impact: &Impact,
+        after: [DoubleDouble; 2],
+        impulse: f64,
+    ) -> Collision {
+        let &ImpactPair { bodies, axis, side, restitution, .. } = impact_pair;
+        let across = bodies.map(|slot| self.state_dd(slot, axis.other()));
+        let vector = |along: f64, across: f64| match axis {
+            Axis::X => Vector::new(along, across),
+            Axis::Y => Vector::new(across, along),
+        };
+        let rect = |place: usize| {
+            let [width, height] = self.bodies[bodies[place]].size;
+            Rect::new(vector(states[place].state.position.high, across[place].position.high), width, height)
+        };
+        let velocities = |along: [DoubleDouble; 2]| {
+            let velocity = |place: usize| vector(along[place].high, across[place].velocity.high);
+            impact_pair.in_creation_order([velocity(0), velocity(1)])
+        };
+        self.collision(ImpactRecord {
+            slots: impact_pair.slots(),
+            axis,
+            side,
+            at: self.now,
+            rects: impact_pair.in_creation_order([rect(0), rect(1)]),
+            velocities: [velocities(impact.velocity), velocities(after)],
+            along: [impact.velocity, after],
+            impulse,
+            restitution,
+        })
     }
 
     /// True if a body certainly touches no other now, or only `partner`.
@@ -190,18 +220,5 @@ impl EventDriven {
         self.find_touching(slot, self.now, buffer);
         let mut others = buffer.slots().iter();
         others.all(|other| Some(*other) == partner || !self.bodies.may_touch([slot, *other], self.now))
-    }
-
-    /// Rectangles and velocities (m/s) of two bodies at the present instant; inlined, so that nothing is computed for an
-    /// observer that ignores it.
-    #[inline(always)]
-    fn rects_and_velocities(&self, pair: [Slot; 2]) -> [(Rect, Vector); 2] {
-        let of = |slot: Slot| {
-            let [[x, y], [vx, vy]] = self.bodies[slot].trajectory.at(self.now);
-            let [width, height] = self.bodies[slot].size;
-            (Rect::new(Vector::new(x, y), width, height), Vector::new(vx, vy))
-        };
-        // `map` would not be inlined.
-        [of(pair[0]), of(pair[1])]
     }
 }

@@ -78,6 +78,7 @@ mod body_state;
 mod burst;
 mod cell_lists;
 mod closed_group;
+mod collapse;
 mod contact;
 mod diagnose;
 mod dirty_states;
@@ -88,6 +89,7 @@ mod face_alignment;
 mod home_grid;
 mod impact;
 mod impact_history;
+mod impact_record;
 mod insert;
 mod instant;
 mod isolated;
@@ -278,7 +280,7 @@ impl EventDriven {
         self.begin_at(step);
         self.disturb_window(step);
         self.bodies.delete(slot);
-        if let Some(index) = self.pending_spawns.iter().position(|pending| *pending == slot) {
+        if let Ok(index) = self.pending_spawns.binary_search(&slot) {
             self.pending_spawns.remove(index);
             return;
         }
@@ -425,8 +427,7 @@ impl EventDriven {
                 self.predict_changed();
                 return Ok(());
             }
-            // The clock never passes `last`: an event that coincides with it does not delay the inputs then.
-            self.advance_clock(if last.is_before(event.at) { last } else { event.at });
+            self.advance_clock(event.at);
             self.count_event(world, pair)?;
             self.changed.push(slot);
             let others = match end_of_vicinity(event.at).is_before(self.event_queue.next_time()) {
@@ -435,6 +436,7 @@ impl EventDriven {
             };
             if others.is_empty()
                 && event.at == self.now
+                && !last.is_before(event.at)
                 && let Some(PairEvent::FaceImpact(axis, side)) = event.pair_event
                 && self.collide_isolated(world, pair, axis, side, observer)
             {
@@ -448,6 +450,10 @@ impl EventDriven {
                 self.events -= 1;
                 self.process_instant(world, &concerned, observer)?;
                 self.events = self.events.max(counted);
+            }
+            // An event that coincides with `last` does not delay the inputs then.
+            if last.is_before(self.now) {
+                self.now = last;
             }
             #[cfg(debug_assertions)]
             if self.asserts_invariants {

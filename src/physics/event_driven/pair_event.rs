@@ -28,6 +28,8 @@ pub struct Sample<'a> {
     pub position: [f64; 2],
     /// Velocity, m/s.
     pub velocity: [f64; 2],
+    /// The [magnitude](super::trajectory::Trajectory::magnitude_at) of the numbers in the position, m.
+    pub magnitude: [f64; 2],
 }
 
 impl<'a> Sample<'a> {
@@ -35,7 +37,7 @@ impl<'a> Sample<'a> {
     #[inline]
     pub fn new(body: &'a BodyState, at: Instant) -> Sample<'a> {
         let [position, velocity] = body.trajectory.at(at);
-        Sample { body, at, position, velocity }
+        Sample { body, at, position, velocity, magnitude: body.trajectory.magnitude_at(at) }
     }
 
     /// Returns the sample at another instant; a copy if it is the same.
@@ -102,6 +104,7 @@ impl Relative {
     fn new(first: &Sample, second: &BodyState) -> Relative {
         let a = first.position;
         let [b, velocity] = second.trajectory.at(first.at);
+        let magnitude = second.trajectory.magnitude_at(first.at);
         let sizes = [first.body.size, second.size];
         let [first_trajectory, second_trajectory] = [first.body, second].map(|body| &body.trajectory);
         let accelerations = [first_trajectory.acceleration, second_trajectory.acceleration];
@@ -116,7 +119,7 @@ impl Relative {
             velocity: Axis::BOTH.map(|axis| velocity[axis] - first.velocity[axis]),
             acceleration: Axis::BOTH.map(|axis| accelerations[1][axis] - accelerations[0][axis]),
             tolerance: Axis::BOTH
-                .map(|axis| tolerance(a[axis].abs() + b[axis].abs() + (sizes[0][axis] + sizes[1][axis]))),
+                .map(|axis| tolerance(first.magnitude[axis] + magnitude[axis] + (sizes[0][axis] + sizes[1][axis]))),
             speed_sum,
             speed_tolerance: greatest_sum.map(tolerance),
             acceleration_sum: Axis::BOTH.map(|axis| accelerations[0][axis].abs() + accelerations[1][axis].abs()),

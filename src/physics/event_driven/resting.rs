@@ -10,9 +10,9 @@
 //! component need not be visited.
 
 use super::EventDriven;
-use super::body_state::{Load, Slot};
+use super::body_state::{Load, NONE, Slot};
 use super::double_double::DoubleDouble;
-use super::patch::{Entry, Local, Patch, Touch, TouchKind};
+use super::patch::{Entry, Local, LocalBody, Patch, Touch, TouchKind};
 use crate::physics::{Axis, Side, larger};
 use std::cmp::Ordering;
 
@@ -78,10 +78,11 @@ impl EventDriven {
         for body in &examined {
             match self.load_of(patch, *body, axis) {
                 Load::GravityOnly => self.accelerate_by_gravity(patch, *body, axis, falling_side),
-                Load::OwnForces if solved.contains(body) => {}
+                Load::OwnForces if patch.axis(*body, axis).is_solved => {}
                 Load::OwnForces => self.solve_component(patch, *body, axis, &mut solved),
             }
         }
+        solved.into_iter().for_each(|body| patch.axis_mut(body, axis).is_solved = false);
         for body in &examined {
             self.end_separating_contacts(patch, *body, axis);
         }
@@ -197,7 +198,7 @@ impl EventDriven {
         set_acceleration(patch, body, axis, acceleration);
     }
 
-    /// Solves the accelerations of a whole component, and begins and ends its contacts.
+    /// Solves the accelerations of a whole component, begins and ends its contacts, and adds its bodies to `solved`.
     fn solve_component(&mut self, patch: &mut Patch, start: Local, axis: Axis, solved: &mut Vec<Local>) {
         let (members, constraints) = self.constrained_component(patch, start, axis);
         let accelerations = self.least_change(patch, &members, &constraints, axis);
@@ -207,20 +208,23 @@ impl EventDriven {
             self.bodies.set_load(patch.bodies[*body as usize].slot, axis, load);
             set_acceleration(patch, *body, axis, acceleration);
         }
-        self.keep_tight_contacts(patch, &constraints, axis);
+        self.keep_tight_contacts(patch, members.len(), &constraints, axis);
+        for body in &members {
+            patch.bodies[*body as usize].member = NONE;
+            patch.axis_mut(*body, axis).is_solved = true;
+        }
         solved.extend(members);
     }
 
-    /// The bodies of finite mass connected to one by constraints along an axis, and these constraints.
+    /// The bodies of finite mass connected to one by constraints along an axis, marked with their indices, and these
+    /// constraints.
     fn constrained_component(&mut self, patch: &mut Patch, start: Local, axis: Axis) -> (Vec<Local>, Vec<u32>) {
         let (mut members, mut constraints) = (vec![start], Vec::new());
-        let mut is_member = vec![false; patch.bodies.len()];
-        is_member[start as usize] = true;
+        patch.bodies[start as usize].member = 0;
         let mut next = 0;
         while let Some(body) = members.get(next).copied() {
             next += 1;
             self.explore(patch, body);
-            is_member.resize(patch.bodies.len(), false);
             for index in 0..patch.bodies[body as usize].touches.len() {
                 let index = patch.bodies[body as usize].touches[index];
                 let touch = &patch.touches[index as usize];
@@ -228,17 +232,20 @@ impl EventDriven {
                     continue;
                 }
                 let other = touch.other(body);
-                let is_known = is_member[other as usize];
+                let is_known = patch.bodies[other as usize].member != NONE;
                 if patch.bodies[other as usize].infinite || touch.bodies[0] == body || !is_known {
                     constraints.push(index);
                 }
                 if !is_known && !patch.bodies[other as usize].infinite {
-                    is_member[other as usize] = true;
+                    patch.bodies[other as usize].member = 0;
                     members.push(other);
                 }
             }
         }
         members.sort_unstable_by_key(|body| patch.bodies[*body as usize].slot);
+        for (index, body) in members.iter().enumerate() {
+            patch.bodies[*body as usize].member = index as u32;
+        }
         constraints.sort_unstable_by_key(|touch| {
             patch.touches[*touch as usize].bodies.map(|body| patch.bodies[body as usize].slot)
         });
@@ -250,17 +257,19 @@ impl EventDriven {
     fn least_change(&mut self, patch: &Patch, members: &[Local], constraints: &[u32], axis: Axis) -> Vec<DoubleDouble> {
         let mut group = std::mem::take(&mut self.contact_group);
         group.clear();
-        let mut index = vec![0; patch.bodies.len()];
         for body in members {
-            let params = &self.bodies.params(patch.bodies[*body as usize].slot);
-            index[*body as usize] = group.add(params.free_acceleration[axis], params.mass);
+            let LocalBody { slot, member, .. } = patch.bodies[*body as usize];
+            let params = &self.bodies.params(slot);
+            let index = group.add(params.free_acceleration[axis], params.mass);
+            debug_assert_eq!(index, member as usize);
         }
+        let index = |body: Local| patch.bodies[body as usize].member as usize;
         for touch in constraints {
             let [low, high] = patch.touches[*touch as usize].ordered(axis);
             match [low, high].map(|body| patch.bodies[body as usize].infinite) {
-                [true, _] => group.support(index[high as usize], Side::Low),
-                [_, true] => group.support(index[low as usize], Side::High),
-                _ => group.connect([index[low as usize], index[high as usize]]),
+                [true, _] => group.support(index(high), Side::Low),
+                [_, true] => group.support(index(low), Side::High),
+                _ => group.connect([index(low), index(high)]),
             }
         }
         let accelerations = group.solve();
@@ -268,12 +277,13 @@ impl EventDriven {
         accelerations
     }
 
-    /// Of the constraints of a solved component, makes those contacts that are tight and were contacts before or
-    /// are carried; ends all other contacts.
-    fn keep_tight_contacts(&mut self, patch: &mut Patch, constraints: &[u32], axis: Axis) {
+    /// Of the constraints of a solved component of `count` bodies, makes those contacts that are tight and were contacts before
+    /// or are carried; ends all other contacts.
+    fn keep_tight_contacts(&mut self, patch: &mut Patch, count: usize, constraints: &[u32], axis: Axis) {
         let is_tight =
             |patch: &Patch, touch: u32| patch.approach_acceleration(&patch.touches[touch as usize], axis).high == 0.0;
-        let mut carried = vec![false; patch.bodies.len()];
+        let member = |patch: &Patch, body: Local| patch.bodies[body as usize].member as usize;
+        let mut carried = vec![false; count];
         let mut links: Vec<[Local; 2]> = Vec::new();
         let mut stack = Vec::new();
         for touch in constraints.iter().filter(|touch| is_tight(patch, **touch)) {
@@ -283,8 +293,8 @@ impl EventDriven {
                 links.extend([bodies, [bodies[1], bodies[0]]]);
             }
             for body in bodies.into_iter().filter(|body| !patch.bodies[*body as usize].infinite) {
-                if !carried[body as usize] && self.differs_from_free_fall(patch, body, axis) {
-                    carried[body as usize] = true;
+                if !carried[member(patch, body)] && self.differs_from_free_fall(patch, body, axis) {
+                    carried[member(patch, body)] = true;
                     stack.push(body);
                 }
             }
@@ -293,17 +303,16 @@ impl EventDriven {
         while let Some(body) = stack.pop() {
             let from = links.partition_point(|link| link[0] < body);
             for link in links[from..].iter().take_while(|link| link[0] == body) {
-                if !std::mem::replace(&mut carried[link[1] as usize], true) {
+                if !std::mem::replace(&mut carried[member(patch, link[1])], true) {
                     stack.push(link[1]);
                 }
             }
         }
         for index in constraints {
             let touch = patch.touches[*index as usize];
-            let finite =
-                if patch.bodies[touch.bodies[0] as usize].infinite { touch.bodies[1] } else { touch.bodies[0] };
             let was_contact = self.is_contact(patch, &touch, axis);
-            let is_contact = is_tight(patch, *index) && (was_contact || carried[finite as usize]);
+            let is_contact =
+                is_tight(patch, *index) && (was_contact || carried[member(patch, patch.finite_of(touch.bodies))]);
             if is_contact && !was_contact {
                 self.add_contact(patch, &touch, axis);
             } else if was_contact && !is_contact {

@@ -109,8 +109,7 @@ impl EventDriven {
                 }
             }
         }
-        let order = |body: &Concerned| (body.slot, body.at.high.to_bits(), body.at.low.to_bits());
-        concerned.sort_unstable_by_key(order);
+        concerned.sort_unstable_by(|a, b| a.slot.cmp(&b.slot).then_with(|| a.at.total_cmp(b.at)));
         concerned.dedup_by_key(|body| body.slot);
         concerned
     }

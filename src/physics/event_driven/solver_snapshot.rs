@@ -112,8 +112,12 @@ impl EventDriven {
         if !self.pending_spawns.is_sorted_by(|a, b| a < b) {
             return Err("its pending spawns are not in creation order, each once".to_owned());
         }
-        if let Some(slot) = self.pending_spawns.iter().find(|slot| self.contacts.has_contacts(**slot)) {
-            return Err(format!("the pending spawn with index {slot} has contacts"));
+        let is_pending = |slot: &Slot| self.pending_spawns.binary_search(slot).is_ok();
+        for slot in 0..self.bodies.len() as Slot {
+            let mut pair = self.contacts.of(slot).iter().flat_map(|contact| [slot, contact.other]);
+            if let Some(pending) = pair.find(is_pending) {
+                return Err(format!("the pending spawn with index {pending} has contacts"));
+            }
         }
         reader.end()?;
         self.now = now;
@@ -142,6 +146,10 @@ impl EventDriven {
             };
             if pair[0] == pair[1] || pair.iter().all(|slot| self.bodies[*slot].infinite) {
                 return Err("a contact is between a body and itself or between infinite masses".to_owned());
+            }
+            let finite_first = if self.bodies[pair[0]].infinite { [pair[1], pair[0]] } else { pair };
+            if self.contacts.axes_between(finite_first[0], finite_first[1])[axis] {
+                return Err("a contact is listed twice".to_owned());
             }
             self.contacts.add(pair, axis);
         }

@@ -1,11 +1,10 @@
 //! Swept AABBs: axis-aligned rectangles around all positions of a body for some time.
 
 use super::body_state::BodyState;
-use super::pair_event::Sample;
+use super::pair_event::{Sample, tolerance};
 use crate::physics::{Axis, larger, smaller};
 
-/// Enlargement relative to the magnitude of the coordinates: more than any rounding, including that to
-/// single precision.
+/// Enlargement relative to the magnitude of the coordinates: more than the rounding to single precision.
 const MARGIN: f64 = 1.0 / (1_u64 << 22) as f64;
 
 /// Maximum time, s: longer than any run, with a finite square.
@@ -47,8 +46,9 @@ impl SweptAabb {
             high = Axis::BOTH.map(|axis| if end[axis] <= high[axis] { high[axis] } else { end[axis] });
             magnitudes = Axis::BOTH.map(|axis| magnitudes[axis] + deflection[axis].abs());
         }
-        let lower = Axis::BOTH.map(|axis| (low[axis] - magnitudes[axis] * MARGIN) as f32);
-        let upper = Axis::BOTH.map(|axis| (-(high[axis] + body.size[axis]) - magnitudes[axis] * MARGIN) as f32);
+        let margins = Axis::BOTH.map(|axis| magnitudes[axis] * MARGIN + tolerance(sample.magnitude[axis]));
+        let lower = Axis::BOTH.map(|axis| (low[axis] - margins[axis]) as f32);
+        let upper = Axis::BOTH.map(|axis| (-(high[axis] + body.size[axis]) - margins[axis]) as f32);
         SweptAabb { borders: [lower[0], lower[1], upper[0], upper[1]] }
     }
 
