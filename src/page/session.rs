@@ -1,11 +1,12 @@
 use crate::columns::{ColorKey, push_body, push_collision};
+use crate::film::added_lines;
 use crate::scene_text::{SceneText, retimed, with_events, with_steps};
 use crate::{EnergyStrip, EventLine, FigureKind, History, Save, collision_figure};
 use rebond::internals::picture::{EnergySample, body_color};
 use rebond::internals::recording::color_and_image;
 use rebond::internals::replay::RunSnapshot;
 use rebond::internals::scene::{Action, Blueprint, Input, InputLocation, SpawnRequest};
-use rebond::recordings::{BodyInfo, Change};
+use rebond::recordings::{BodyInfo, Change, RecordedEvent};
 use rebond::{
     Body, BodyId, Collision, Diagnostic, Language, Run, Scene, SceneError, StepError, Theme, Vector, parse_scene,
 };
@@ -74,6 +75,8 @@ pub struct Session {
     target: u64,
     failure: Option<String>,
     refused: Vec<String>,
+    /// The events after the present step that the last event removed.
+    removed: usize,
     undo: Vec<Before>,
     top_speed: f64,
 }
@@ -112,6 +115,7 @@ impl Session {
             target: 0,
             failure: None,
             refused: Vec::new(),
+            removed: 0,
             undo: Vec::new(),
             top_speed: 0.0,
         };
@@ -154,6 +158,11 @@ impl Session {
     /// Messages about lines that were refused and dropped since the last call.
     pub fn take_refused(&mut self) -> Vec<String> {
         std::mem::take(&mut self.refused)
+    }
+
+    /// The number of later events that an event has removed since the last call.
+    pub fn take_removed(&mut self) -> usize {
+        std::mem::take(&mut self.removed)
     }
 
     /// The bytes of its snapshots.
@@ -290,7 +299,6 @@ impl Session {
             Some(number) => self.free_name("box", number.parse().unwrap_or(1)),
             None => name.to_owned(),
         };
-        let [red, green, blue] = body_color(&info);
         let spawn = &info.spawn;
         let blueprint = Blueprint {
             name: Some(new_name.clone()),
@@ -299,7 +307,7 @@ impl Session {
             velocity: Vector::new(velocity[0], velocity[1]),
             force: spawn.force,
             material: spawn.material.clone(),
-            color: Some(format!("#{red:02x}{green:02x}{blue:02x}")),
+            color: Some(hex(body_color(&info))),
             image: color_and_image(info.color.as_deref()).1.map(str::to_owned),
         };
         let step = self.step_of(when);
@@ -307,23 +315,88 @@ impl Session {
         let spawn = EventLine { step, action: Action::Spawn(request) };
         // The parser checks the numbers.
         EventLine::parse(&spawn.json(), None)?;
-        let of_this_step = |line: &EventLine| line.step == step;
-        let own = self.lines.iter().position(|line| {
-            of_this_step(line) && line.blueprint().is_some_and(|body| body.name.as_deref() == Some(name))
-        });
-        match own {
+        let lines = self.lines_with_throw(name, spawn);
+        let count = self.bodies().len();
+        let is_dropped = |session: &Session| {
+            session.bodies().len() == count && session.bodies().iter().any(|body| body.name == new_name)
+        };
+        self.replace(lines, when, is_dropped)?;
+        Ok(new_name)
+    }
+
+    /// The lines until the step of `spawn`, which spawns the body `name` again in that step.
+    fn lines_with_throw(&self, name: &str, spawn: EventLine) -> Vec<EventLine> {
+        let step = spawn.step;
+        let mut lines = self.lines_without_clicks_at(step).unwrap_or_else(|| self.lines_until(step));
+        let first = lines.partition_point(|line| line.step < step);
+        let is_own = |line: &EventLine| line.blueprint().is_some_and(|body| body.name.as_deref() == Some(name));
+        match lines[first..].iter().position(is_own) {
             // A body of an event in this very step: that event is changed, because deletes come before spawns.
-            Some(index) => {
-                let mut lines = self.lines.clone();
-                lines[index] = spawn;
-                self.replace(lines, when)?;
-            }
+            Some(index) => lines[first + index] = spawn,
             None => {
                 let delete = EventLine { step, action: Action::Delete { name: name.to_owned() } };
-                self.add(vec![delete, spawn], when)?;
+                if !lines[first..].contains(&delete) {
+                    lines.push(delete);
+                }
+                lines.push(spawn);
             }
         }
-        Ok(new_name)
+        lines
+    }
+
+    fn lines_until(&self, step: u64) -> Vec<EventLine> {
+        self.lines.iter().filter(|line| line.step <= step).cloned().collect()
+    }
+
+    /// The lines until `step`. Clicks of that step are replaced by what they did: clicks come after spawns, so they would
+    /// hit a body that is spawned at their place later.
+    fn lines_without_clicks_at(&self, step: u64) -> Option<Vec<EventLine>> {
+        let mut lines = self.lines_until(step);
+        let first = lines.partition_point(|line| line.step < step);
+        if lines[first..].iter().any(|line| matches!(line.action, Action::Click { .. })) {
+            lines.splice(first.., self.done_at(step)?);
+        }
+        Some(lines)
+    }
+
+    /// What the lines of `step` do, as deletes and spawns in the order of creation. A body that they spawn and delete is
+    /// left out.
+    fn done_at(&self, step: u64) -> Option<Vec<EventLine>> {
+        let run = self.run_before(step)?;
+        let events = |live: Vec<Input>| run.clone().apply_inputs(live, |_| Ok(())).ok();
+        let of_scene: Vec<BodyId> = events(Vec::new())?.iter().filter_map(spawned).map(|info| info.id).collect();
+        let mut events = events(self.inputs_at(step))?;
+        let deleted = |id: BodyId| events.iter().any(|event| event.change == Change::Delete { id });
+        let made: Vec<BodyInfo> =
+            events.iter().filter_map(spawned).filter(|info| !of_scene.contains(&info.id)).collect();
+        let gone: Vec<BodyId> = made.iter().map(|info| info.id).filter(|id| deleted(*id)).collect();
+        events.retain(|event| match &event.change {
+            Change::Spawn { id, .. } | Change::Delete { id } => !gone.contains(id),
+        });
+        let mut lines = added_lines(&self.scene, &run, &events);
+        // Without bodies that are left out, the later ones have other ids: their colours stay.
+        for body in lines.iter_mut().filter_map(EventLine::blueprint_mut).filter(|_| !gone.is_empty()) {
+            let info = made.iter().find(|info| Some(&info.spawn.name) == body.name.as_ref());
+            body.color = body.color.take().or(info.map(|info| hex(body_color(info))));
+        }
+        Some(lines)
+    }
+
+    /// The run at `step`, before the events of that step.
+    fn run_before(&self, step: u64) -> Option<Run> {
+        let earlier = step.checked_sub(1).and_then(|last| self.history.nearest(last));
+        let restored = earlier.and_then(|snapshot| Run::restore(&self.scene, snapshot).ok());
+        // A snapshot has the events of its step.
+        let mut has_events = restored.is_some();
+        let mut run = restored.unwrap_or_else(|| Run::new(&self.scene));
+        while run.engine().current_step() < step {
+            if !has_events {
+                run.apply_inputs(self.inputs_at(run.engine().current_step()), |_| Ok(())).ok()?;
+            }
+            run.step(&mut Vec::new()).ok()?;
+            has_events = false;
+        }
+        Some(run)
     }
 
     /// Returns to the session before the last event, setting or scene. The present time stays to be reached, or the step
@@ -495,37 +568,51 @@ impl Session {
     }
 
     fn add(&mut self, added: Vec<EventLine>, when: When) -> Result<(), String> {
-        if self.lines.len() + added.len() > MAX_LINES {
-            return Err(format!("the page keeps at most {MAX_LINES} events"));
-        }
         let spawns = added.iter().filter(|line| line.blueprint().is_some()).count();
         if self.bodies().len() + spawns > MAX_BODIES {
             return Err(format!("the page shows at most {MAX_BODIES} bodies"));
         }
         let step = self.step_of(when);
-        let mut lines: Vec<EventLine> = self.lines.iter().filter(|line| line.step <= step).cloned().collect();
+        let has_spawn = added.iter().any(|line| matches!(line.action, Action::Spawn(_)));
+        let without_clicks = if has_spawn { self.lines_without_clicks_at(step) } else { None };
+        let mut lines = without_clicks.unwrap_or_else(|| self.lines_until(step));
         lines.extend(added);
-        self.replace(lines, when)
+        self.replace(lines, when, |_| true)
     }
 
     /// Sets the lines, which differ from the present ones from the step of `when` on, and forgets what comes after it.
-    fn replace(&mut self, lines: Vec<EventLine>, when: When) -> Result<(), String> {
+    /// The session is as before if they do not make the present step what it is meant to be.
+    fn replace(
+        &mut self,
+        lines: Vec<EventLine>,
+        when: When,
+        is_as_meant: impl Fn(&Session) -> bool,
+    ) -> Result<(), String> {
+        if lines.len() > MAX_LINES {
+            return Err(format!("the page keeps at most {MAX_LINES} events"));
+        }
         let step = self.step_now();
+        let last = self.step_of(when);
         self.remember(None);
         let before = std::mem::replace(&mut self.lines, lines);
+        self.removed = before.iter().filter(|line| line.step > last).count();
         self.end = step;
-        self.history.forget_from(self.step_of(when));
-        self.strip.forget_from(self.step_of(when));
+        self.history.forget_from(last);
+        self.strip.forget_from(last);
         if when == When::Next {
             return Ok(());
         }
         let reported = self.refused.len();
         self.remake(step);
-        if self.refused.len() == reported {
+        if self.refused.len() == reported && is_as_meant(self) {
             return Ok(());
         }
-        let message = self.refused.split_off(reported).join("\n");
+        let mut message = self.refused.split_off(reported).join("\n");
+        if message.is_empty() {
+            message = format!("a click of the scene at step {step} changes the body");
+        }
         self.lines = before;
+        self.removed = 0;
         self.undo.pop();
         self.remake(step);
         Err(message)
@@ -574,16 +661,21 @@ impl Session {
         }
     }
 
-    /// Applies the events of the present step.
-    fn apply_lines(&mut self) {
-        let step = self.step_now();
+    /// The lines of a step as inputs.
+    fn inputs_at(&self, step: u64) -> Vec<Input> {
         let first = self.lines.partition_point(|line| line.step < step);
         let last = self.lines.partition_point(|line| line.step <= step);
         let input = |(index, line): (usize, &EventLine)| {
             let location = InputLocation::EventLine((first + index) as u64);
             Input { step, action: line.action.clone(), location }
         };
-        let live = self.lines[first..last].iter().enumerate().map(input).collect();
+        self.lines[first..last].iter().enumerate().map(input).collect()
+    }
+
+    /// Applies the events of the present step.
+    fn apply_lines(&mut self) {
+        let step = self.step_now();
+        let live = self.inputs_at(step);
         let mut refused: Vec<(usize, String)> = Vec::new();
         let applied = self.run.apply_inputs(live, |error| {
             let message = error.diagnostics().map_or_else(|| error.to_string(), ToString::to_string);
@@ -599,11 +691,7 @@ impl Session {
         }
         match applied {
             Ok(events) => {
-                for event in events {
-                    if let Change::Spawn { id, spawn, color } = event.change {
-                        self.infos.insert(id, BodyInfo { id, spawn, color });
-                    }
-                }
+                self.infos.extend(events.iter().filter_map(spawned).map(|info| (info.id, info)));
             }
             Err(error) => self.failure = Some(error.to_string()),
         }
@@ -629,6 +717,19 @@ fn changed(scene: &Scene, path: &str, value: &str) -> Result<Scene, String> {
         _ => text.set(path, value)?,
     }
     parse_scene(&scene.source.path, &text.text()).map_err(|error| all_messages(&error))
+}
+
+/// The body that an event spawns.
+fn spawned(event: &RecordedEvent) -> Option<BodyInfo> {
+    match &event.change {
+        Change::Spawn { id, spawn, color } => Some(BodyInfo { id: *id, spawn: spawn.clone(), color: color.clone() }),
+        Change::Delete { .. } => None,
+    }
+}
+
+/// A colour as scenes write it.
+fn hex([red, green, blue]: [u8; 3]) -> String {
+    format!("#{red:02x}{green:02x}{blue:02x}")
 }
 
 /// All messages of an error in the text of a scene, each with its line and what would be accepted.

@@ -168,6 +168,96 @@ fn a_box_of_the_present_step_can_be_moved_again_and_again() {
     assert!(saved(&session) == recorded("room.toml", ROOM, &session.lines()));
 }
 
+/// Checks that the names are these, in the order of creation, and that the recording is that of the command.
+fn check_names(session: &Session, expected: &[&str]) {
+    assert_eq!(names(session), expected, "{}", session.lines());
+    assert!(saved(session) == recorded("room.toml", ROOM, &session.lines()));
+}
+
+#[test]
+fn a_box_that_is_dropped_on_another_one_of_this_step_deletes_none() {
+    for [x, y] in [[2.5, 6.5], [3.2, 6.5], [12.0, 7.0]] {
+        for mass in ["1.0", "\"inf\""] {
+            let mut session = room();
+            session.event(&click(3.0, 7.0).replace("\"mass\": 1.0", &format!("\"mass\": {mass}")), When::Now).unwrap();
+            session.event(&click(6.0, 5.0), When::Now).unwrap();
+            session.event(&click(8.0, 5.0), When::Now).unwrap();
+            let before = session.lines();
+            session.throw("box 2", [x, y], [0.0, 0.0], When::Now).unwrap();
+            check_names(&session, &["c", "#2", "box 1", "box 2", "box 3"]);
+            assert_eq!(session.bodies()[session.bodies().len() - 2].rect.origin, rebond::Vector::new(x, y));
+            session.undo();
+            assert_eq!(session.lines(), before);
+        }
+    }
+}
+
+#[test]
+fn a_box_that_is_dropped_where_one_was_deleted_in_this_step_does_not_bring_it_back() {
+    let mut session = room();
+    for (x, y) in [(4.0, 7.0), (4.0, 7.0), (6.0, 5.0), (8.0, 5.0)] {
+        session.event(&click(x, y), When::Now).unwrap();
+    }
+    let [before, after] = [0, 1].map(|moves| {
+        if moves == 1 {
+            session.throw("box 3", [3.5, 6.5], [0.0, 0.0], When::Now).unwrap();
+        }
+        check_names(&session, &["c", "#2", "box 3", "box 4"]);
+        let mut columns = Vec::new();
+        session.fill_columns(0.0, ColorKey::Body, &mut columns);
+        columns.chunks(BODY_COLUMNS).map(|body| body[8]).collect::<Vec<f64>>()
+    });
+    assert_eq!(before, after, "colours");
+}
+
+#[test]
+fn a_box_that_is_dropped_on_one_clicked_later_deletes_none() {
+    for when in [When::Now, When::Next] {
+        let mut session = room();
+        steps(&mut session, 20);
+        session.event(&click(12.0, 6.0), when).unwrap();
+        session.throw("c", [11.5, 5.5], [0.0, 0.0], when).unwrap();
+        steps(&mut session, u64::from(when == When::Next));
+        check_names(&session, &["#2", "box 1", "c"]);
+        // The same with a body that a click of this step deletes.
+        steps(&mut session, 30);
+        let body = session.bodies().iter().find(|body| body.name == "#2").unwrap().rect;
+        session.event(&click(body.origin.x + 1.0, body.origin.y + 0.5), when).unwrap();
+        session.throw("box 1", [body.origin.x, body.origin.y], [0.0, 0.0], when).unwrap();
+        steps(&mut session, u64::from(when == When::Next));
+        check_names(&session, &["c", "box 1"]);
+        assert!(session.take_refused().is_empty());
+    }
+}
+
+#[test]
+fn a_box_is_not_dropped_under_a_click_of_the_scene_in_this_step() {
+    let text = format!("{ROOM}[[click]]\nstep = 0\nat = [6.0, 5.0]\nspawn = {{ size = [1.0, 1.0], mass = 1.0 }}\n");
+    let mut session = Session::new("room.toml", &text).unwrap();
+    session.event(&click(12.0, 6.0), When::Now).unwrap();
+    let before = (names(&session), session.lines());
+    assert!(session.throw("box 1", [5.5, 4.5], [0.0, 0.0], When::Now).unwrap_err().contains("a click of the scene"));
+    assert_eq!((names(&session), session.lines()), before);
+    session.throw("box 1", [5.5, 4.5], [0.0, 0.0], When::Next).unwrap();
+    steps(&mut session, 1);
+    assert_eq!(names(&session), ["c", "#2", "#3", "box 1"]);
+}
+
+#[test]
+fn an_event_tells_how_many_later_ones_it_removes() {
+    let mut session = room();
+    for at in [10, 20, 20, 30] {
+        go_to(&mut session, at);
+        session.event(&click(6.0, 5.0), When::Next).unwrap();
+        assert_eq!(session.take_removed(), 0);
+    }
+    go_to(&mut session, 20);
+    session.throw("box 1", [1.0, 1.0], [0.0, 0.0], When::Now).unwrap();
+    assert_eq!((session.take_removed(), session.take_removed()), (3, 0));
+    session.undo();
+    assert_eq!(session.lines().lines().count(), 4);
+}
+
 #[test]
 fn undo_returns_to_the_bits_before_the_event() {
     let mut session = room();
@@ -586,7 +676,15 @@ proptest! {
                     let step = session.end().saturating_sub(count);
                     go_to(&mut session, step);
                 }
-                _ => {}
+                // On another body, which stays where it is.
+                _ => if let [name, .., other] = &names(&session)[..] {
+                    let at = session.bodies().iter().find(|body| body.name == *other).unwrap().rect.origin;
+                    let (count, is_bundled) = (session.bodies().len(), session.step_now() == 0);
+                    if session.throw(name, [at.x, at.y], [0.0, 0.0], When::Now).is_err() {
+                        prop_assert!(is_bundled, "a body of the scene at its first step");
+                    }
+                    prop_assert_eq!(session.bodies().len(), count);
+                }
             }
             steps(&mut session, count);
         }
