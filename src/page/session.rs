@@ -424,11 +424,10 @@ impl Session {
     pub fn with_setting(&self, path: &str, value: &str) -> Result<Session, String> {
         let scene = changed(&self.scene, path, value)?;
         let [from, to] = [self.scene.run.rate, scene.run.rate];
-        let retime = |line: &EventLine| EventLine { step: retimed(line.step, from, to), ..line.clone() };
-        let mut session = Session::with_lines(Rc::new(scene), self.lines.iter().map(retime).collect())?;
+        let mut session = Session::with_lines(Rc::new(scene), retimed_lines(&self.lines, from, to))?;
         session.undo.clone_from(&self.undo);
         session.undo.push(Before { scene: self.scene.clone(), lines: self.lines.clone(), left_at: None });
-        session.target = retimed(self.step_now(), from, to);
+        session.target = retimed(self.target.max(self.step_now()), from, to);
         session.end = retimed(self.end, from, to);
         Ok(session)
     }
@@ -453,7 +452,7 @@ impl Session {
             session.undo.push(Before { scene: shared.1.clone(), ..before.clone() });
         }
         session.undo.reverse();
-        session.target = self.step_now();
+        session.target = self.target.max(self.step_now());
         session.end = self.end;
         Ok(session)
     }
@@ -717,6 +716,22 @@ fn changed(scene: &Scene, path: &str, value: &str) -> Result<Scene, String> {
         _ => text.set(path, value)?,
     }
     parse_scene(&scene.source.path, &text.text()).map_err(|error| all_messages(&error))
+}
+
+/// The lines at the same times in seconds. Lines of different steps stay in different steps, because the order within a
+/// step is another one.
+fn retimed_lines(lines: &[EventLine], from: f64, to: f64) -> Vec<EventLine> {
+    let mut last: Option<[u64; 2]> = None;
+    let retime = |line: &EventLine| {
+        let step = match last {
+            Some([old, new]) if old == line.step => new,
+            Some([_, new]) => retimed(line.step, from, to).max(new + 1),
+            None => retimed(line.step, from, to),
+        };
+        last = Some([line.step, step]);
+        EventLine { step, ..line.clone() }
+    };
+    lines.iter().map(retime).collect()
 }
 
 /// The body that an event spawns.

@@ -355,6 +355,57 @@ fn a_setting_runs_the_same_events_again_at_their_times() {
 }
 
 #[test]
+fn settings_that_follow_each_other_at_once_keep_the_time() {
+    let mut session = room();
+    go_to(&mut session, 100);
+    let mut session = session.with_setting("world.gravity", "[0.0, 5.0]").unwrap();
+    session.advance(7);
+    let mut session = session.with_setting("run.rate", "120").unwrap();
+    session.advance(7);
+    let mut beside = session.beside().unwrap();
+    let mut session = session.with_setting("world.gravity", "[0.0, 6.0]").unwrap();
+    for session in [&mut session, &mut beside] {
+        while !session.advance(50) {}
+        assert_eq!(session.step_now(), 200);
+    }
+}
+
+#[test]
+fn a_lower_rate_keeps_the_events_and_their_order() {
+    let mut session = room();
+    session.event(&click(3.0, 7.0), When::Now).unwrap();
+    steps(&mut session, 7);
+    for x in [5.0, 6.0, 7.0] {
+        session.throw("box 1", [x, 2.0], [0.0, 0.0], When::Now).unwrap();
+        session.step();
+    }
+    let post = click(12.0, 3.0).replace("\"mass\": 1.0", "\"mass\": \"inf\", \"name\": \"post\"");
+    session.event(&post, When::Now).unwrap();
+    session.step();
+    session.event("{\"delete\": {\"name\": \"post\"}}", When::Now).unwrap();
+    for rate in ["30", "15", "1"] {
+        let mut slower = session.with_setting("run.rate", rate).unwrap();
+        while !slower.advance(50) {}
+        go_to(&mut slower, 40);
+        assert!(slower.take_refused().is_empty(), "{rate} Hz");
+        assert_eq!(slower.lines().lines().count(), session.lines().lines().count());
+        assert_eq!(names(&slower), ["c", "#2", "box 1"]);
+    }
+}
+
+#[test]
+fn bundled_scenes_run_at_other_rates() {
+    for (name, text) in BUNDLED {
+        let session = Session::new(&format!("{name}.toml"), text).unwrap();
+        for rate in ["15", "30", "240"] {
+            let mut other = session.with_setting("run.rate", rate).unwrap_or_else(|error| panic!("{name}: {error}"));
+            go_to(&mut other, 20);
+            assert_eq!(other.failure(), None, "{name} at {rate} Hz");
+        }
+    }
+}
+
+#[test]
 fn both_solvers_follow_the_same_clicks() {
     let mut exact = room();
     let mut handout = exact.with_setting("run.solver", "\"handout\"").unwrap();
