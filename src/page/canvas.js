@@ -134,7 +134,7 @@ class Stage {
   /** Remembers the collisions of a step for a few frames. */
   flash(collisions, frames) {
     for (let i = 0; i < collisions.length; i += Engine.COLLISION) {
-      if (collisions[i + 5]) this.flashes.push({ frames, c: collisions.slice(i, i + Engine.COLLISION) });
+      this.flashes.push({ frames, c: collisions.slice(i, i + Engine.COLLISION) });
     }
     if (this.flashes.length > 400) this.flashes.splice(0, this.flashes.length - 400);
   }

@@ -79,7 +79,7 @@ class Refusal extends Error {}
 
 class Engine {
   static BODY = 10;
-  static COLLISION = 19;
+  static COLLISION = 21;
 
   /** The parts of the module: `core` is enough for clicks in the empty room, `rest` is the other functions. */
   static core = null;

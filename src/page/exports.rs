@@ -303,17 +303,10 @@ pub extern "C" fn collisions(which: usize) -> usize {
     columns(fill, COLLISION_COLUMNS)
 }
 
-/// The last collisions, as JSON: step, instant, names, normal, e, vn before and after, impulse.
+/// The last collisions, as JSON.
 #[unsafe(no_mangle)]
 pub extern "C" fn recent_collisions(which: usize) -> i32 {
-    answer(with(which, |session| {
-        let rows = session.recent.iter().map(|(collision, [a, b])| {
-            let [before, after] = collision.normal_velocity;
-            let (normal, e) = (collision.normal, collision.restitution);
-            json!([collision.step, collision.instant, a, b, normal.x, normal.y, e, before, after, collision.impulse])
-        });
-        Ok(serde_json::Value::from_iter(rows).to_string())
-    }))
+    answer(with(which, |session| Ok(session.recent_collisions())))
 }
 
 /// Fills the columns with the samples of energy and momentum, and returns their number.

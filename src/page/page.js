@@ -85,7 +85,11 @@ function pageMain(source) {
 
   // Sessions
 
-  const sides = () => (state.both ? [0, 1] : [0]);
+  const worlds = () => (state.both ? [0, 1] : [0]);
+  /** The worlds that are shown. */
+  const sides = () => (state.film ? [0] : worlds());
+  /** The world of the panels. */
+  const side = () => (sides().length > 1 ? Number($('side').value) : 0);
 
   function note(which) {
     state.journal[which] = { name: state.status[which].name, scene: engine.scene(which), lines: engine.lines(which) };
@@ -418,7 +422,7 @@ function pageMain(source) {
     return state.film !== null;
   }
 
-  /** Runs to the next collision with an impulse, stops, and shows its figures. */
+  /** Runs to the next collision in the world of the panels, stops, and shows its figures. */
   async function nextCollision() {
     if (state.seeking || isFixed()) return;
     stop();
@@ -428,8 +432,7 @@ function pageMain(source) {
     let found = false;
     const finished = await inSlices(() => {
       if (!stepAll()) return true;
-      const c = engine.collisions(0);
-      for (let i = 5; i < c.length; i += Engine.COLLISION) found ||= c[i] !== 0;
+      found = engine.x.collisions(side()) > 0;
       return found || engine.x.step_now(0) >= last;
     });
     if (!finished) return;
@@ -727,20 +730,23 @@ function pageMain(source) {
     if (shown) { $('panel').scrollTop = 0; $('panel').scrollIntoView({ block: 'nearest' }); }
   }
 
+  function showSide() { $('side-label').hidden = sides().length < 2 || !['data', 'collision', 'files'].includes(state.panel); }
+
   function showPanel() {
+    showSide();
     if (state.panel === 'data') showData();
     if (state.panel === 'collision' && !state.film) showCollision();
     if (state.panel === 'files') showCommand();
   }
 
   function showData() {
-    const stage = stages[0];
+    const stage = stages[side()];
     for (const id of ['strip', 'legend', 'energy', 'bodies-help', 'recent']) $(id).hidden = state.film !== null;
     if (!state.film) {
-      drawStrip($('strip'), engine.numbers(engine.x.energy(0), 5), state.rate, engine.x.step_now(0), view.theme, (top, momentum, last) => [
+      drawStrip($('strip'), engine.numbers(engine.x.energy(side()), 5), state.rate, engine.x.step_now(side()), view.theme, (top, momentum, last) => [
         T().peaks(short(top), short(momentum)), `${short(last)} s`,
       ]);
-      engine.x.energy_now(0);
+      engine.x.energy_now(side());
       const [k, p, px, py] = engine.numbers(4, 1);
       $('energy').textContent = T().energy(...[k, p, k + p, px, py].map(short));
     }
@@ -765,11 +771,11 @@ function pageMain(source) {
     });
     if (hidden) { const row = table.insertRow(); row.insertCell().textContent = T().more(hidden); row.cells[0].colSpan = 6; }
     if (state.film) return;
-    const recent = JSON.parse(engine.ask(engine.x.recent_collisions(0)));
-    const collisions = recent.slice(-LIMITS.rows).reverse().map(([, t, a, b, nx, ny, e, before, after, j]) => {
+    const recent = JSON.parse(engine.ask(engine.x.recent_collisions(side())));
+    const collisions = recent.slice(-LIMITS.rows).reverse().map(([t, c, b, nx, ny, e, before, after, j]) => {
       const row = document.createElement('tr');
       const normal = nx > 0 ? '→' : nx < 0 ? '←' : ny > 0 ? '↓' : '↑';
-      for (const text of [short(t), a, b, normal, short(e), short(before), short(after), short(j)]) row.insertCell().textContent = text;
+      for (const text of [short(t), c, b, normal, short(e), short(before), short(after), short(j)]) row.insertCell().textContent = text;
       return row;
     });
     $('collisions').replaceChildren(...collisions);
@@ -789,9 +795,10 @@ function pageMain(source) {
     const button = event.target.closest('button');
     if (!button || state.film) return;
     const name = button.textContent;
-    const index = stages[0].names.findIndex(([other]) => other === name);
+    const stage = stages[side()];
+    const index = stage.names.findIndex(([other]) => other === name);
     if (index < 0) return;
-    const b = stages[0].bodies.slice(index * Engine.BODY, (index + 1) * Engine.BODY);
+    const b = stage.bodies.slice(index * Engine.BODY, (index + 1) * Engine.BODY);
     const arrow = ARROWS[event.key];
     if (arrow) {
       const length = event.shiftKey ? 1 : 0.1;
@@ -816,20 +823,13 @@ function pageMain(source) {
   }
 
   function showCollision() {
-    const c = engine.collisions(0).slice();
-    const name = (id) => stages[0].names[[...stages[0].names.keys()].find((n) => stages[0].bodies[n * Engine.BODY] === id)]?.[0] ?? `#${id}`;
-    // The figures call the body of finite mass c, else the one created first, whatever the order of the collision.
-    const isInfinite = (id) => { const b = stages[0].bodies; for (let i = 0; i < b.length; i += Engine.BODY) if (b[i] === id) return b[i + 7] === Infinity; return false; };
-    for (let i = 0; i < c.length; i += Engine.COLLISION) {
-      const [x, y] = [isInfinite(c[i]), isInfinite(c[i + 1])];
-      if (x === y ? c[i] < c[i + 1] : y) continue;
-      [c[i], c[i + 1]] = [c[i + 1], c[i]];
-      for (const at of [2, 3, 9, 10]) c[i + at] = -c[i + at] || 0;
-    }
-    const indices = [];
-    for (let i = 0; i < c.length / Engine.COLLISION; i += 1) if (c[i * Engine.COLLISION + 5]) indices.push(i);
+    const c = engine.collisions(side()).slice();
+    const { bodies, names } = stages[side()];
+    const name = (id) => names[[...names.keys()].find((n) => bodies[n * Engine.BODY] === id)]?.[0] ?? `#${id}`;
+    const indices = [...Array(c.length / Engine.COLLISION).keys()];
     $('pick').hidden = indices.length < 2;
-    const key = `${engine.x.step_now(0)} ${indices} ${view.theme} ${state.language}`;
+    const step = `${side()}:${engine.x.step_now(side())}`;
+    const key = `${step} ${indices} ${view.theme} ${state.language}`;
     if (!indices.length) {
       $('collision-text').textContent = T().noCollision;
       $('collision-numbers').replaceChildren();
@@ -838,7 +838,7 @@ function pageMain(source) {
       return;
     }
     if (state.figureKey === key) return;
-    if (state.figureKey?.split(' ')[0] !== String(engine.x.step_now(0)) || $('collision-index').options.length !== indices.length) {
+    if (state.figureKey?.split(' ')[0] !== step || $('collision-index').options.length !== indices.length) {
       $('collision-index').replaceChildren(...indices.map((i) => new Option(`${name(c[i * Engine.COLLISION])} – ${name(c[i * Engine.COLLISION + 1])}`, i)));
     }
     state.figureKey = key;
@@ -847,6 +847,9 @@ function pageMain(source) {
     const [a, b] = [name(n[0]), name(n[1])];
     $('collision-text').textContent = T().collided(a, b, short(n[8]));
     const rows = { a, b, t: `${short(n[8])} s`, n: couple(n[2], n[3]), e: short(n[4]), before: `${short(n[6])} m/s`, after: `${short(n[7])} m/s`, j: `${short(n[5])} N·s`, p: `${couple(n[9], n[10])} m` };
+    const [nc, nb] = n.subarray(19);
+    // The event-driven solver displaces no body.
+    if (nc || nb) Object.assign(rows, { nc: short(nc), nb: short(nb), dc: `${couple(nc * n[9], nc * n[10])} m`, db: `${couple(-nb * n[9], -nb * n[10])} m` });
     $('collision-numbers').replaceChildren(...Object.entries(rows).flatMap(([key, text]) => {
       const [dt, dd] = [document.createElement('dt'), document.createElement('dd')];
       dt.textContent = T().numbers[key];
@@ -856,7 +859,7 @@ function pageMain(source) {
     for (const kind of [0, 1]) {
       const image = $(`figure-${kind + 1}`);
       attempt(() => {
-        const svg = engine.file(engine.x.figure(0, index, kind, view.theme === 'dark' ? 1 : 0, state.language === 'fr' ? 1 : 0));
+        const svg = engine.file(engine.x.figure(side(), index, kind, view.theme === 'dark' ? 1 : 0, state.language === 'fr' ? 1 : 0));
         if (image.src.startsWith('blob:')) URL.revokeObjectURL(image.src);
         image.src = URL.createObjectURL(new Blob([svg], { type: 'image/svg+xml' }));
         image.alt = `${T()[`figure${kind + 1}`]}: ${T().collided(a, b, short(n[8]))}`;
@@ -867,7 +870,6 @@ function pageMain(source) {
 
   // Files out
 
-  const side = () => (state.both && !state.film ? Number($('side').value) : 0);
   const base = () => (state.film ? state.film.name : state.status[side()].name).replace(/\.(toml|mcap)$/, '') + (side() ? '-2' : '');
 
   function download(name, bytes, type = 'application/octet-stream') {
@@ -913,7 +915,8 @@ function pageMain(source) {
 
   function showCommand() {
     const { flags } = lookOptions([1280, 720]);
-    $('command').textContent = T().command(`rebond render ${base()}.mcap -o ${base()}.png --at ${present()} ${flags}`);
+    const quoted = (name) => (/^\w[\w.+-]*$/.test(name) ? name : `'${name.replaceAll("'", "'\\''")}'`);
+    $('command').textContent = T().command(`rebond render ${quoted(`${base()}.mcap`)} -o ${quoted(`${base()}.png`)} --at ${present()} ${flags}`);
   }
 
   /** Does a job in a worker, so that the page stays usable; without workers, here. */
@@ -1176,13 +1179,14 @@ function pageMain(source) {
     // Closing the message of a file that is being made ends that, too.
     on('toast-close', 'click', () => { quiet(); state.busy = 0; });
     on('panel-close', 'click', closePanel);
+    on('side', 'change', showPanel);
     on('clear', 'click', async () => { stop(); for (const which of sides()) engine.setLines(which, ''); remember(); await seek(0); sides().forEach(note); say(T().cleared); });
     on('set-g', 'change', () => setting('world.gravity', pair([state.status[0].gravity?.[0] ?? 0, Number($('set-g').value)])));
     on('set-e', 'change', () => setting('restitution.default', decimal(Number($('set-e').value))));
     on('set-rate', 'change', () => setting('run.rate', decimal(state.rates[$('set-rate').value])));
     on('solvers', 'change', (event) => setSolver(event.target.value));
     on('colour', 'change', () => { view.color = Number($('colour').value); refresh(); });
-    on('collision-index', 'change', () => { state.figureKey = `${engine.x.step_now(0)} -`; showCollision(); });
+    on('collision-index', 'change', () => { state.figureKey = `${side()}:${engine.x.step_now(side())} -`; showCollision(); });
     on('open', 'change', async () => { const [file] = $('open').files; await openFile(file); $('open').value = ''; });
     on('run-text', 'click', () => {
       try {

@@ -1,5 +1,6 @@
 use crate::columns::{ColorKey, push_body, push_collision};
 use crate::film::added_lines;
+use crate::history::{MAX_RECENT, Row, keep_last};
 use crate::scene_text::{SceneText, retimed, with_events, with_steps};
 use crate::{EnergyStrip, EventLine, FigureKind, History, Save, collision_figure};
 use rebond::internals::picture::{EnergySample, body_color};
@@ -10,7 +11,8 @@ use rebond::recordings::{BodyInfo, Change, RecordedEvent};
 use rebond::{
     Body, BodyId, Collision, Diagnostic, Language, Run, Scene, SceneError, StepError, Theme, Vector, parse_scene,
 };
-use std::collections::{BTreeMap, VecDeque};
+use serde_json::json;
+use std::collections::BTreeMap;
 use std::rc::Rc;
 
 /// The largest number of bodies alive.
@@ -24,9 +26,6 @@ const MAX_LINES: usize = 100_000;
 
 /// Bytes of snapshots of a session.
 const HISTORY_BYTES: usize = 48 << 20;
-
-/// The collisions that the table shows.
-const MAX_RECENT: usize = 200;
 
 /// Sessions that undo can return to.
 const MAX_UNDO: usize = 200;
@@ -65,10 +64,10 @@ pub struct Session {
     pub strip: EnergyStrip,
     /// All bodies that were ever spawned, for their names, materials and colours.
     infos: BTreeMap<BodyId, BodyInfo>,
-    /// The collisions of the last step.
+    /// The collisions of the last step that changed a velocity or a place.
     pub collisions: Vec<Collision>,
-    /// The last collisions with an impulse, and the names of their bodies.
-    pub recent: VecDeque<(Collision, [String; 2])>,
+    /// The last ones of all steps until now.
+    recent: Vec<Row>,
     /// The last step that was reached.
     end: u64,
     /// The step to go to.
@@ -110,7 +109,7 @@ impl Session {
             strip: EnergyStrip::new(),
             infos: BTreeMap::new(),
             collisions: Vec::new(),
-            recent: VecDeque::new(),
+            recent: Vec::new(),
             end: 0,
             target: 0,
             failure: None,
@@ -231,12 +230,10 @@ impl Session {
             self.failure = Some(error.to_string());
             return;
         }
-        for collision in self.collisions.iter().filter(|collision| collision.impulse != 0.0) {
-            let name = |id: &BodyId| self.infos.get(id).map_or(String::new(), |info| info.spawn.name.clone());
-            self.recent.push_back((collision.clone(), collision.bodies.each_ref().map(name)));
-        }
-        let surplus = self.recent.len().saturating_sub(MAX_RECENT);
-        self.recent.drain(..surplus);
+        self.collisions.retain(changes_something);
+        let rows: Vec<Row> = self.collisions.iter().map(|collision| Row::of(&self.as_in_figures(collision))).collect();
+        self.recent.extend(rows);
+        keep_last(&mut self.recent, MAX_RECENT);
         self.apply_lines();
         self.end = self.end.max(self.step_now());
     }
@@ -526,7 +523,34 @@ impl Session {
 
     /// Appends the columns of the collisions of the last step.
     pub fn fill_collisions(&self, columns: &mut Vec<f64>) {
-        self.collisions.iter().for_each(|collision| push_collision(columns, collision));
+        self.collisions.iter().for_each(|collision| push_collision(columns, &self.as_in_figures(collision)));
+    }
+
+    /// The last collisions as JSON: instant, names of c and b, normal on c, e, vn before and after, impulse.
+    pub fn recent_collisions(&self) -> String {
+        let name = |id: &BodyId| self.infos.get(id).map_or("", |info| info.spawn.name.as_str());
+        let rows = self.recent.iter().map(|row| {
+            let [c, b] = row.bodies.each_ref().map(name);
+            json!([row.instant, c, b, row.normal.x, row.normal.y, row.e, row.vn[0], row.vn[1], row.impulse])
+        });
+        serde_json::Value::from_iter(rows).to_string()
+    }
+
+    /// The collision with the bodies in the order of the figures: c has a finite mass, else it is the one created first.
+    fn as_in_figures(&self, collision: &Collision) -> Collision {
+        let is_infinite = |id: &BodyId| self.infos.get(id).is_some_and(|info| info.spawn.mass.is_infinite());
+        let keys = collision.bodies.each_ref().map(|id| (is_infinite(id), *id));
+        let mut collision = collision.clone();
+        if keys[0] > keys[1] {
+            collision.bodies.reverse();
+            collision.rects.reverse();
+            collision.shares.reverse();
+            collision.before.reverse();
+            collision.after.reverse();
+            collision.normal = collision.normal.mult(-1.0);
+            collision.penetration = collision.penetration.mult(-1.0);
+        }
+        collision
     }
 
     /// Draws a figure of a collision of the last step as SVG.
@@ -652,8 +676,8 @@ impl Session {
         let restored = self.history.nearest(step).and_then(|snapshot| Run::restore(&self.scene, snapshot).ok());
         let is_at_start = restored.is_none();
         self.run = restored.unwrap_or_else(|| Run::new(&self.scene));
-        let (now, next_id) = (self.step_now(), self.run.engine().next_id());
-        self.recent.retain(|(collision, _)| collision.step < now);
+        self.recent = if is_at_start { Vec::new() } else { self.history.recent(step) };
+        let next_id = self.run.engine().next_id();
         self.infos.split_off(&next_id);
         if is_at_start {
             self.apply_lines();
@@ -695,7 +719,7 @@ impl Session {
             Err(error) => self.failure = Some(error.to_string()),
         }
         if self.failure.is_none() && self.history.wants(step) {
-            self.history.keep(self.run.snapshot());
+            self.history.keep(self.run.snapshot(), &self.recent);
         }
         if self.strip.wants(step) {
             self.strip.keep(step, &self.energy());
@@ -716,6 +740,13 @@ fn changed(scene: &Scene, path: &str, value: &str) -> Result<Scene, String> {
         _ => text.set(path, value)?,
     }
     parse_scene(&scene.source.path, &text.text()).map_err(|error| all_messages(&error))
+}
+
+/// True if a collision changed a velocity, or a place by more than rounding.
+fn changes_something(collision: &Collision) -> bool {
+    let corners = collision.rects.iter().flat_map(|rect| [rect.origin, rect.far_corner()]);
+    let reach = corners.fold(0.0, |reach, corner| if corner.norm() > reach { corner.norm() } else { reach });
+    collision.impulse != 0.0 || collision.penetration.norm() > 1e-12 * reach
 }
 
 /// The lines at the same times in seconds. Lines of different steps stay in different steps, because the order within a

@@ -184,8 +184,8 @@ const PAIRS = {
     'Quand les boîtes se touchent, l’origine est sur le bord de s = b ⊖ c ; quand elles se recouvrent, elle est dedans, et n est le plus court chemin dehors.',
   ],
   numbers: [
-    { a: 'body c', b: 'body b', t: 'instant', n: 'normal n on c', e: 'restitution e', before: 'vₙ before', after: 'vₙ after', j: 'impulse j', p: 'penetration' },
-    { a: 'corps c', b: 'corps b', t: 'instant', n: 'normale n sur c', e: 'restitution e', before: 'vₙ avant', after: 'vₙ après', j: 'impulsion j', p: 'pénétration' },
+    { a: 'body c', b: 'body b', t: 'instant', n: 'normal n on c', e: 'restitution e', before: 'vₙ before', after: 'vₙ after', j: 'impulse j', p: 'penetration', nc: 'share N_c', nb: 'share N_b', dc: 'displacement of c', db: 'displacement of b' },
+    { a: 'corps c', b: 'corps b', t: 'instant', n: 'normale n sur c', e: 'restitution e', before: 'vₙ avant', after: 'vₙ après', j: 'impulsion j', p: 'pénétration', nc: 'part N_c', nb: 'part N_b', dc: 'déplacement de c', db: 'déplacement de b' },
   ],
 };
 

@@ -92,6 +92,10 @@ async function setWorld(id, value) {
   await run((id, value) => { const input = document.getElementById(id); input.value = value; input.dispatchEvent(new Event('change')); }, id, value);
   await settle();
 }
+const openPanel = (name) => run((name) => { if (rebond.state.panel !== name) document.querySelector(`[data-panel="${name}"]`).click(); }, name);
+const value = (id) => run((id) => document.getElementById(id).value, id);
+const text = (id) => run((id) => document.getElementById(id).textContent, id);
+const isPlaying = () => run(() => rebond.state.playing);
 async function openFile(path) {
   const input = await page.$('#open');
   await input.uploadFile(resolve(path));
@@ -272,7 +276,7 @@ const tests = {
     await settle();
     await wait(() => ['figure-1', 'figure-2'].every((id) => document.getElementById(id).naturalWidth > 0));
     assert.match(await run(() => document.getElementById('collision-text').textContent), /collide at/);
-    assert.equal(await run(() => document.querySelectorAll('#collision-numbers dd').length), 9);
+    assert.equal(await run(() => document.querySelectorAll('#collision-numbers dd').length), 13);
   },
 
   async 'a recording plays, scrubs and gets its verdict'() {
@@ -929,6 +933,42 @@ const tests = {
     await press('language');
     assert.equal(await run(() => document.getElementById('film-step').textContent), 'Show step 2');
     await run(() => localStorage.clear());
+  },
+
+  async 'boxes that are only displaced have their shares and displacements'() {
+    await open('#scene=overlapping-boxes');
+    await press('next');
+    await settle();
+    assert.equal(await step(), 3);
+    const numbers = await run(() => Object.fromEntries([...document.querySelectorAll('#collision-numbers dt')].map((dt) => [dt.textContent, dt.nextElementSibling.textContent])));
+    assert.deepEqual([numbers['body c'], numbers['impulse j'], numbers['share N_c'], numbers['share N_b']], ['10 kg', '0 N·s', '0', '1']);
+    assert.deepEqual([numbers['displacement of c'], numbers['displacement of b'], numbers.penetration], ['(0, 0) m', '(1, 0) m', '(−1, 0) m']);
+    await wait(() => ['figure-1', 'figure-2'].every((id) => document.getElementById(id).naturalWidth > 0));
+  },
+
+  async 'the panels show the chosen world'() {
+    await open('#scene=bounce-handout&both');
+    const isShown = () => run(() => !document.getElementById('side-label').hidden);
+    for (const [panel, expected] of [['box', false], ['data', true], ['files', true], ['data', true]]) {
+      await openPanel(panel);
+      assert.equal(await isShown(), expected, panel);
+    }
+    await seek(300);
+    const left = await text('energy');
+    await page.select('#side', '1');
+    assert.notEqual(await text('energy'), left);
+    const [[name, , y]] = await bodies(1);
+    const shown = await run((name) => [...document.querySelectorAll('#bodies tr')].find((row) => row.cells[0].textContent === name).cells[3].textContent, name);
+    assert.equal(shown, String(Number(y.toPrecision(4))));
+    await openPanel('files');
+    assert.match(await text('command'), /bounce-handout-2\.mcap -o bounce-handout-2\.png/);
+    await page.select('#side', '0');
+    assert.match(await text('command'), /bounce-handout\.mcap -o bounce-handout\.png/);
+    writeFileSync(join(folder, 'it\'s mine.toml'), '[run]\nsteps = 60\n');
+    await openFile(join(folder, 'it\'s mine.toml'));
+    await wait(() => rebond.state.status[0].name.startsWith('it'));
+    await openPanel('files');
+    assert.ok((await text('command')).includes("render 'it'\\''s mine.mcap' -o 'it'\\''s mine.png'"), await text('command'));
   },
 
   async 'verdicts and collisions are said to screen readers, and systems are asked for dark and for less motion'() {
