@@ -993,6 +993,31 @@ const tests = {
     assert.deepEqual(await run(() => rebond.stages[0].flashes.map(({ frames }) => frames)), [1], 'a collision is shown for one frame');
   },
 
+  async 'the page is printed without its controls, and names that are pressed are marked in forced colours'() {
+    if (!isChromium) return;
+    await open('#scene=masses');
+    await openPanel('data');
+    await page.emulateMediaType('print');
+    assert.deepEqual(await run(() => ['header', '#transport', '#panel-close'].map((selector) => getComputedStyle(document.querySelector(selector)).display)), Array(3).fill('none'));
+    assert.deepEqual(await run(() => [getComputedStyle(document.getElementById('canvas-0')).objectFit, getComputedStyle(document.querySelector('.scroll')).overflow]), ['contain', 'visible']);
+    await page.emulateMediaType();
+    const session = await page.createCDPSession();
+    await session.send('Emulation.setEmulatedMedia', { features: [{ name: 'forced-colors', value: 'active' }] });
+    assert.equal(await run(() => getComputedStyle(document.querySelector('[data-panel="data"]')).outlineStyle), 'solid');
+    assert.equal(await run(() => getComputedStyle(document.querySelector('#legend span'), '::before').forcedColorAdjust), 'none');
+  },
+
+  async 'what has the focus is above the controls of a phone'() {
+    await open('', { width: 360, height: 640 });
+    await openPanel('box');
+    await run(() => document.getElementById('panel-close').focus());
+    for (let i = 0; i < 8; i += 1) {
+      await page.keyboard.press('Tab');
+      const [id, bottom, top] = await run(() => [document.activeElement.id, document.activeElement.getBoundingClientRect().bottom, document.getElementById('transport').getBoundingClientRect().top]);
+      assert.ok(bottom <= top + 1, `${id} ends at ${bottom}, the controls begin at ${top}`);
+    }
+  },
+
   async 'the policy allows the script by its hash, WebAssembly, and nothing else'() {
     await open();
     const policy = await run(() => document.querySelector('meta[http-equiv="Content-Security-Policy"]').content);
