@@ -11,7 +11,8 @@ function pageMain(source) {
   function short(number) {
     if (number === Infinity) return '∞';
     if (!Number.isFinite(number)) return '–';
-    const [digits, power] = String(Number(number.toPrecision(4))).split('e');
+    const rounded = Number(number.toPrecision(4));
+    const [digits, power] = (Math.abs(rounded) < 1e6 ? String(rounded) : rounded.toExponential()).split('e');
     const raised = power?.replace('+', '').replace(/./g, (sign) => (sign === '-' ? '⁻' : '⁰¹²³⁴⁵⁶⁷⁸⁹'[sign]));
     return local(`${digits.replace('-', '−')}${raised ? `·10${raised}` : ''}`);
   }
@@ -179,15 +180,14 @@ function pageMain(source) {
       nameScene(status.title || status.name);
       document.title = `${status.title || status.name} – rebond`;
       const [gx, gy] = status.gravity ?? [0, 0];
-      $('set-g').value = gy;
+      Object.assign($('set-g'), { min: Math.min(-10, gy), max: Math.max(30, gy), value: gy });
       $('set-e').value = status.restitution;
       state.rates = [...new Set([...RATES, status.rate])].sort((a, b) => a - b);
       $('set-rate').max = state.rates.length - 1;
       $('set-rate').value = state.rates.indexOf(status.rate);
       const value = state.both ? 'both' : status.solver;
       all('[name="solver"]').forEach((radio) => { radio.checked = radio.value === value; });
-      const materials = new Set(['steel', 'wood', ...status.materials]);
-      $('materials').replaceChildren(...[...materials].map((name) => new Option(name)));
+      $('materials').replaceChildren(...status.materials.map((name) => new Option(name)));
       all('output').forEach(showOutput);
       // The sliders have fewer values than the world.
       setOutput($('set-g'), gx ? couple(gx, gy) : short(gy));
@@ -310,7 +310,7 @@ function pageMain(source) {
       if (engine.x.step(which, 1) && which === 0) going = false;
       const stage = stages[which];
       if (view.show.has('normal') || view.show.has('penetration') || view.show.has('impulse')) {
-        stage.flash(engine.collisions(which), prefers('(prefers-reduced-motion: reduce)') ? 1 : 12);
+        stage.flash(engine.collisions(which), 12);
       }
       if (view.show.has('trail')) {
         stage.bodies = engine.bodies(which, 0, view.color);
@@ -575,6 +575,8 @@ function pageMain(source) {
     let grip = null;
     const release = () => { grip = null; state.grip = null; state.held = false; view.marks = []; };
     canvas.addEventListener('pointerdown', (event) => {
+      // A second finger lets go what the first one holds.
+      if (event.pointerType === 'touch' && !event.isPrimary) { state.grip?.(); return; }
       if (event.button !== 0 || state.seeking || grip || isFixed()) return;
       const at = stage.point(event);
       const index = bodyAt(which, at, event.pointerType === 'touch' ? 12 : 0);
@@ -696,6 +698,8 @@ function pageMain(source) {
     }
     const of = (controls) => event.target.closest(controls);
     if (key !== 'Escape' && of('textarea, input:not([type="range"]):not([type="checkbox"]):not([type="radio"])')) return;
+    // A list goes to the entry that begins with a letter.
+    if (key.length === 1 && of('select')) return;
     const keys = {
       ' ': of('button, select, input:not([type="range"])') ? null : () => (state.playing ? stop() : start()),
       ',': stepBack, '.': stepForward, n: nextCollision, z: undo,
@@ -1207,6 +1211,7 @@ function pageMain(source) {
     on('film-scene', 'click', () => load(`${base()}.toml`, state.film.scene, engine.ask(engine.x.film_lines())));
     on('film-step', 'click', () => showFilm(Math.min(state.film.verdict.diverged, state.film.steps)));
     on('box-m', 'input', () => blueprint());
+    on('box-fixed', 'change', () => blueprint());
     on('bodies', 'click', (event) => { const button = event.target.closest('button'); if (button) { state.selected = state.selected === button.textContent ? null : button.textContent; refresh(); } });
     $('bodies').addEventListener('keydown', listKey);
     all('[data-panel]').forEach((button) => button.addEventListener('click', ({ detail }) => attempt(() => {

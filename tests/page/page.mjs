@@ -640,6 +640,10 @@ const tests = {
     await open();
     await page.select('#scenes', 'figure-1');
     await page.focus('#scenes');
+    // A letter goes to an entry of the list.
+    await page.keyboard.press('z');
+    assert.deepEqual(await run(() => [rebond.state.scene, rebond.state.panel]), ['figure-1', null]);
+    await run(() => document.activeElement.blur());
     await page.keyboard.press('n');
     await settle();
     assert.deepEqual(await run(() => [rebond.state.scene, rebond.state.panel]), ['figure-1', 'collision']);
@@ -971,6 +975,23 @@ const tests = {
     assert.ok((await text('command')).includes("render 'it'\\''s mine.mcap' -o 'it'\\''s mine.png'"), await text('command'));
   },
 
+  async 'two fingers make no box'() {
+    await open();
+    await run(() => {
+      const canvas = document.getElementById('canvas-0');
+      canvas.setPointerCapture = () => {};
+      const finger = (type, pointerId, clientX) => canvas.dispatchEvent(new PointerEvent(type, { pointerType: 'touch', isPrimary: pointerId === 1, pointerId, clientX, clientY: 300, bubbles: true }));
+      finger('pointerdown', 1, 300);
+      finger('pointermove', 1, 320);
+      finger('pointerdown', 2, 500);
+      for (const x of [330, 360, 400]) finger('pointermove', 1, x);
+      finger('pointerup', 2, 500);
+      finger('pointerup', 1, 400);
+    });
+    await settle();
+    assert.deepEqual([await lines(), await run(() => rebond.view.marks.length)], ['', 0]);
+  },
+
   async 'verdicts and collisions are said to screen readers, and systems are asked for dark and for less motion'() {
     await open('#scene=figure-1');
     await press('next');
@@ -1016,6 +1037,35 @@ const tests = {
       const [id, bottom, top] = await run(() => [document.activeElement.id, document.activeElement.getBoundingClientRect().bottom, document.getElementById('transport').getBoundingClientRect().top]);
       assert.ok(bottom <= top + 1, `${id} ends at ${bottom}, the controls begin at ${top}`);
     }
+    // Values stand beside their sliders in a narrow panel, too.
+    for (const width of [360, 800]) {
+      await page.setViewport({ width, height: 600 });
+      await openPanel('world');
+      const [slider, output] = await run(() => [document.getElementById('set-g'), document.getElementById('set-g').nextElementSibling].map((element) => element.getBoundingClientRect()).map(({ top, bottom }) => (top + bottom) / 2));
+      assert.ok(Math.abs(slider - output) < 10, `${slider} ${output} px`);
+    }
+  },
+
+  async 'verdicts and collisions are said to screen readers, and systems are asked for dark and for less motion'() {
+    await open('#scene=figure-1');
+    await press('next');
+    await settle();
+    assert.match(await run(() => document.getElementById('said').textContent), /collide at/);
+    await openFile(join(repository, 'recordings/figure-1.mcap'));
+    await wait(() => rebond.state.film?.verdict);
+    assert.equal(await run(() => document.getElementById('said').textContent), await run(() => document.getElementById('verdict').textContent));
+    assert.equal(await run(() => document.getElementById('said').getAttribute('aria-live')), 'polite');
+    // Firefox cannot be asked by its driver.
+    if (!isChromium) return;
+    await page.emulateMediaFeatures([{ name: 'prefers-color-scheme', value: 'dark' }, { name: 'prefers-reduced-motion', value: 'reduce' }]);
+    await page.reload();
+    await wait(() => document.documentElement.dataset.ready === 'yes');
+    assert.equal(await run(() => rebond.view.theme), 'dark');
+    assert.equal(await run(() => getComputedStyle(document.getElementById('play')).transitionDuration), '0s');
+    await run(() => { rebond.view.show.add('normal'); });
+    await press('next');
+    await settle();
+    assert.deepEqual(await run(() => rebond.stages[0].flashes.map(({ frames }) => frames)), [12], 'a collision is visible');
   },
 
   async 'the policy allows the script by its hash, WebAssembly, and nothing else'() {
@@ -1121,7 +1171,7 @@ const tests = {
       const canvas = document.getElementById('canvas-0');
       canvas.setPointerCapture = () => {};
       for (const type of ['pointerdown', 'pointerup']) {
-        canvas.dispatchEvent(new PointerEvent(type, { pointerType: 'touch', pointerId: 5, clientX: x, clientY: y, bubbles: true }));
+        canvas.dispatchEvent(new PointerEvent(type, { pointerType: 'touch', isPrimary: true, pointerId: 5, clientX: x, clientY: y, bubbles: true }));
       }
     }, ...at));
     await tap();
