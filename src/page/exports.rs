@@ -10,7 +10,7 @@ use crate::{
 use rebond::internals::table::Table;
 use rebond::{Language, Theme, Verdict};
 use serde_json::json;
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 
 thread_local! {
     static SESSIONS: RefCell<[Option<Session>; 2]> = const { RefCell::new([None, None]) };
@@ -19,6 +19,7 @@ thread_local! {
     static VERDICT: RefCell<Option<LiveVerdict>> = const { RefCell::new(None) };
     static INPUT: RefCell<Vec<u8>> = const { RefCell::new(Vec::new()) };
     static OUTPUT: RefCell<Vec<u8>> = const { RefCell::new(Vec::new()) };
+    static BOX_NAME: Cell<&'static str> = const { Cell::new("box") };
     static COLUMNS: RefCell<Vec<f64>> = const { RefCell::new(Vec::new()) };
 }
 
@@ -214,16 +215,30 @@ pub extern "C" fn advance(which: usize, steps: u32) -> i32 {
     i32::from(with(which, |session| Ok(session.advance(steps.into()))) != Ok(false))
 }
 
+/// Names the boxes of clicks in English, or in French (1).
+#[unsafe(no_mangle)]
+pub extern "C" fn name_boxes(french: u32) {
+    BOX_NAME.set(if french == 1 { "boîte" } else { "box" });
+}
+
 /// Adds the event in the input, now or in the next step.
 #[unsafe(no_mangle)]
 pub extern "C" fn event(which: usize, now: u32) -> i32 {
-    answer(text().and_then(|line| with(which, |session| session.event(&line, when(now)))).map(|()| ""))
+    let add = |session: &mut Session, line: &str| {
+        session.box_name = BOX_NAME.get();
+        session.event(line, when(now))
+    };
+    answer(text().and_then(|line| with(which, |session| add(session, &line))).map(|()| ""))
 }
 
 /// Throws the body whose name is the input. Its name after that is the output.
 #[unsafe(no_mangle)]
 pub extern "C" fn throw_body(which: usize, x: f64, y: f64, vx: f64, vy: f64, now: u32) -> i32 {
-    answer(text().and_then(|name| with(which, |session| session.throw(&name, [x, y], [vx, vy], when(now)))))
+    let throw = |session: &mut Session, name: &str| {
+        session.box_name = BOX_NAME.get();
+        session.throw(name, [x, y], [vx, vy], when(now))
+    };
+    answer(text().and_then(|name| with(which, |session| throw(session, &name))))
 }
 
 /// Undoes the last event, setting or scene; returns 1 if there is none.

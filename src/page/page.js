@@ -16,9 +16,11 @@ function pageMain(source) {
     const raised = power?.replace('+', '').replace(/./g, (sign) => (sign === '-' ? '⁻' : '⁰¹²³⁴⁵⁶⁷⁸⁹'[sign]));
     return local(`${digits.replace('-', '−')}${raised ? `·10${raised}` : ''}`);
   }
-  const couple = (x, y) => `(${short(x)}${state.language === 'fr' ? ' ;' : ','} ${short(y)})`;
+  const couple = (x, y) => `(${short(x)}${state.language === 'fr' ? '\u00a0;' : ','} ${short(y)})`;
   /** The text of a number with the decimal separator of the language. */
   const local = (text) => (state.language === 'fr' ? text.replace('.', ',') : text);
+  /** The name of a body as it is shown: walls are named by the engine. */
+  const shown = (name) => (state.language === 'fr' && Object.hasOwn(WALLS_FR, name) ? WALLS_FR[name] : name);
   const prefers = (query) => globalThis.matchMedia?.(query).matches ?? false;
 
   /** What an earlier visit kept; some browsers have no storage for files. */
@@ -176,9 +178,9 @@ function pageMain(source) {
   function refresh() {
     if (!state.film) {
       const status = refreshStatus();
-      $('title').textContent = status.title || status.name;
-      nameScene(status.title || status.name);
-      document.title = `${status.title || status.name} – rebond`;
+      const title = bundledTitle(state.scene, status.title) || status.name;
+      nameScene(title);
+      document.title = `${title} – rebond`;
       const [gx, gy] = status.gravity ?? [0, 0];
       Object.assign($('set-g'), { min: Math.min(-10, gy), max: Math.max(30, gy), value: gy });
       $('set-e').value = status.restitution;
@@ -460,6 +462,7 @@ function pageMain(source) {
     const before = names();
     const undone = [];
     let problem = null;
+    engine.x.name_boxes(state.language === 'fr' ? 1 : 0);
     for (const which of sides()) {
       try {
         try {
@@ -779,7 +782,7 @@ function pageMain(source) {
     const collisions = recent.slice(-LIMITS.rows).reverse().map(([t, c, b, nx, ny, e, before, after, j]) => {
       const row = document.createElement('tr');
       const normal = nx > 0 ? '→' : nx < 0 ? '←' : ny > 0 ? '↓' : '↑';
-      for (const text of [short(t), c, b, normal, short(e), short(before), short(after), short(j)]) row.insertCell().textContent = text;
+      for (const text of [short(t), shown(c), shown(b), normal, short(e), short(before), short(after), short(j)]) row.insertCell().textContent = text;
       return row;
     });
     $('collisions').replaceChildren(...collisions);
@@ -829,7 +832,7 @@ function pageMain(source) {
   function showCollision() {
     const c = engine.collisions(side()).slice();
     const { bodies, names } = stages[side()];
-    const name = (id) => names[[...names.keys()].find((n) => bodies[n * Engine.BODY] === id)]?.[0] ?? `#${id}`;
+    const name = (id) => shown(names[[...names.keys()].find((n) => bodies[n * Engine.BODY] === id)]?.[0] ?? `#${id}`);
     const indices = [...Array(c.length / Engine.COLLISION).keys()];
     $('pick').hidden = indices.length < 2;
     const step = `${side()}:${engine.x.step_now(side())}`;
@@ -1049,9 +1052,8 @@ function pageMain(source) {
     if (state.panel === 'collision') openPanel(null);
     if (state.both) { regroup([0]); state.both = false; $('canvas-1').parentElement.hidden = true; $('side-label').hidden = true; engine.x.unload(1); state.journal[1] = null; }
     stages[0].trails.clear();
-    $('title').textContent = about.title || name;
-    document.title = `${about.title || name} – rebond`;
     nameScene(about.title || name);
+    document.title = `${about.title || name} – rebond`;
     $('film').hidden = false;
     $('film-title').textContent = name;
     $('film-step').hidden = true;
@@ -1139,6 +1141,7 @@ function pageMain(source) {
     }
     if (state.film?.verdict) showDivergence();
     $('help').replaceChildren(...T().helpLines.map((line) => { const li = document.createElement('li'); li.textContent = line; return li; }));
+    for (const [name, text] of state.bundled) $('scenes').querySelector(`[value="${name}"]`).textContent = bundledTitle(name, titleOf(text, name));
     if (!state.hinted) $('hint').textContent = T().hint;
     showPlay();
   }
@@ -1158,13 +1161,18 @@ function pageMain(source) {
 
   /** Shows the title of a scene that is not bundled among the scenes. */
   function nameScene(title) {
+    $('title').textContent = title;
     if (state.scene !== null && !state.film) return;
     const options = $('scenes').options;
     const own = [...options].find((option) => option.value === 'own') ?? new Option('', 'own');
-    own.textContent = title;
+    const isTaken = [...options].some((option) => option !== own && option.textContent === title);
+    own.textContent = isTaken && !state.film ? T().ownScene : title;
     if (!own.parentNode) $('scenes').add(own, 0);
     $('scenes').value = 'own';
   }
+
+  /** The title of a scene of the page in the language of the page, or the given one of another scene. */
+  const bundledTitle = (name, title) => (name === '' ? T().emptyRoom : (state.language === 'fr' && TITLES_FR[name]) || title);
 
   function titleOf(text, name) { return /^title = "((?:[^"\\]|\\.)*)"/m.exec(text)?.[1] ?? name; }
 
@@ -1274,7 +1282,7 @@ function pageMain(source) {
     if (!state.bundled.length) {
       engine.x.bundled();
       state.bundled = JSON.parse(engine.text());
-      for (const [name, text] of state.bundled) $('scenes').add(new Option(titleOf(text, name), name));
+      for (const [name, text] of state.bundled) $('scenes').add(new Option(bundledTitle(name, titleOf(text, name)), name));
     }
     return state.bundled;
   }

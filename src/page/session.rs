@@ -78,6 +78,8 @@ pub struct Session {
     removed: usize,
     undo: Vec<Before>,
     top_speed: f64,
+    /// The word for a box without a name, before its number.
+    pub box_name: &'static str,
 }
 
 impl Session {
@@ -117,6 +119,7 @@ impl Session {
             removed: 0,
             undo: Vec::new(),
             top_speed: 0.0,
+            box_name: "box",
         };
         session.rewind(0);
         session.failure.clone().map_or(Ok(session), Err)
@@ -276,7 +279,7 @@ impl Session {
     pub fn event(&mut self, text: &str, when: When) -> Result<(), String> {
         let step = self.step_of(when);
         let mut line = EventLine::parse(text, Some(step))?;
-        let name = self.free_name("box", 1);
+        let name = self.free_name(1);
         if let Some(body) = line.blueprint_mut() {
             body.name.get_or_insert(name);
         }
@@ -293,7 +296,7 @@ impl Session {
             self.bodies().iter().find(|body| body.name == name).ok_or_else(|| format!("{name:?} is not alive"))?;
         let info = self.infos.get(&body.id).ok_or("the body is unknown")?.clone();
         let new_name = match name.strip_prefix('#') {
-            Some(number) => self.free_name("box", number.parse().unwrap_or(1)),
+            Some(number) => self.free_name(number.parse().unwrap_or(1)),
             None => name.to_owned(),
         };
         let spawn = &info.spawn;
@@ -565,14 +568,14 @@ impl Session {
     }
 
     /// A name that no body alive and no event has, numbered from `number` on.
-    fn free_name(&self, prefix: &str, number: u64) -> String {
+    fn free_name(&self, number: u64) -> String {
         let is_taken = |name: &str| {
             let is_named = |body: &Blueprint| body.name.as_deref() == Some(name);
             self.bodies().iter().any(|body| body.name == name)
                 || self.lines.iter().any(|line| line.blueprint().is_some_and(is_named))
                 || self.infos.values().any(|info| info.spawn.name == name)
         };
-        (number..).map(|number| format!("{prefix} {number}")).find(|name| !is_taken(name)).unwrap_or_default()
+        (number..).map(|number| format!("{} {number}", self.box_name)).find(|name| !is_taken(name)).unwrap_or_default()
     }
 
     fn materials(&self) -> Vec<&str> {

@@ -535,6 +535,14 @@ fn a_collision_without_impulse_has_its_shares_and_displacements() {
 }
 
 #[test]
+fn boxes_of_clicks_have_a_name_in_the_language_of_the_page() {
+    let mut session = room();
+    session.box_name = "boîte";
+    session.event(&click(6.0, 5.0), When::Now).unwrap();
+    assert_eq!(names(&session), ["c", "#2", "boîte 1"]);
+}
+
+#[test]
 fn going_back_forgets_how_far_the_session_was() {
     let mut session = room();
     steps(&mut session, 150);

@@ -927,7 +927,7 @@ const tests = {
     await press('language');
     await seek(100);
     await run(() => document.querySelector('[data-panel="data"]').click());
-    assert.match(await run(() => document.getElementById('energy').textContent), /24,07 J.*\(6 ; −4,745\)/);
+    assert.match(await run(() => document.getElementById('energy').textContent), /24,07 J.*\(6\u00a0; −4,745\)/);
     assert.equal(await run(() => document.getElementById('clock').value), '1,67 s');
     await open();
     assert.equal(await run(() => document.documentElement.lang), 'fr');
@@ -937,6 +937,68 @@ const tests = {
     await press('language');
     assert.equal(await run(() => document.getElementById('film-step').textContent), 'Show step 2');
     await run(() => localStorage.clear());
+  },
+
+  async 'French names: scenes, walls, boxes'() {
+    await open('#scene=masses');
+    await press('language');
+    assert.deepEqual([await text('title'), await run(() => document.getElementById('scenes').selectedOptions[0].text)], Array(2).fill('Légère sur lourde, égales, lourde sur légère'));
+    assert.deepEqual(await run(() => rebond.state.bundled.map(([name]) => name).filter((name) => !TITLES_FR[name])), []);
+    await choose('');
+    assert.equal(await text('title'), 'Pièce vide');
+    await click(4, 8);
+    assert.deepEqual(await finite(), ['boîte 1']);
+    await press('next');
+    await settle();
+    assert.match(await text('collision-text'), /^boîte 1 et mur du bas se heurtent à 0,3\d+ s$/);
+    await openPanel('data');
+    assert.equal(await run(() => document.querySelector('#collisions tr').cells[2].textContent), 'mur du bas');
+    await press('language');
+    assert.deepEqual([await text('title'), await finite(), await run(() => document.querySelector('#collisions tr').cells[2].textContent)], ['Empty room', ['boîte 1'], 'wall-bottom']);
+    await run(() => localStorage.clear());
+  },
+
+  async 'a box that is dropped on another one in the paused room deletes none'() {
+    await open();
+    await click(3, 3);
+    await click(6, 3);
+    await drag([6, 3], [3, 3]);
+    assert.deepEqual(await finite(), ['box 1', 'box 2']);
+    assert.ok((await bodies()).every(([, x, y]) => Math.abs(x - 2.5) < 0.1 && Math.abs(y - 2.5) < 0.1));
+    await page.keyboard.down('Control');
+    await page.keyboard.press('z');
+    await page.keyboard.up('Control');
+    await settle();
+    assert.ok(Math.abs((await bodies())[1][1] - 5.5) < 0.1, 'Ctrl+Z undoes');
+  },
+
+  async 'settings that follow each other at once keep the time, and the run goes on'() {
+    await open('#scene=pile');
+    await seek(600);
+    await openPanel('world');
+    await page.focus('#set-g');
+    for (let i = 0; i < 6; i += 1) await page.keyboard.press('ArrowRight');
+    await settle();
+    assert.deepEqual([await step(), await isPlaying()], [600, false]);
+    await press('play');
+    await run(() => {
+      const slider = document.getElementById('set-g');
+      for (let i = 0; i < 6; i += 1) { slider.stepDown(); slider.dispatchEvent(new Event('change')); }
+    });
+    await settle();
+    assert.ok(await step() >= 600 && await isPlaying());
+    await page.keyboard.press('b');
+    await settle();
+    assert.ok(await isPlaying(), 'B goes on, too');
+    await press('play');
+    assert.equal(await isPlaying(), false);
+  },
+
+  async 'a scene that is chosen while the world runs stands still'() {
+    await open();
+    await press('play');
+    await choose('masses');
+    assert.deepEqual([await isPlaying(), await run(() => document.getElementById('play').getAttribute('aria-label'))], [false, 'Play (Space)']);
   },
 
   async 'boxes that are only displaced have their shares and displacements'() {
@@ -992,26 +1054,25 @@ const tests = {
     assert.deepEqual([await lines(), await run(() => rebond.view.marks.length)], ['', 0]);
   },
 
-  async 'verdicts and collisions are said to screen readers, and systems are asked for dark and for less motion'() {
-    await open('#scene=figure-1');
-    await press('next');
-    await settle();
-    assert.match(await run(() => document.getElementById('said').textContent), /collide at/);
-    await openFile(join(repository, 'recordings/figure-1.mcap'));
-    await wait(() => rebond.state.film?.verdict);
-    assert.equal(await run(() => document.getElementById('said').textContent), await run(() => document.getElementById('verdict').textContent));
-    assert.equal(await run(() => document.getElementById('said').getAttribute('aria-live')), 'polite');
-    // Firefox cannot be asked by its driver.
-    if (!isChromium) return;
-    await page.emulateMediaFeatures([{ name: 'prefers-color-scheme', value: 'dark' }, { name: 'prefers-reduced-motion', value: 'reduce' }]);
-    await page.reload();
-    await wait(() => document.documentElement.dataset.ready === 'yes');
-    assert.equal(await run(() => rebond.view.theme), 'dark');
-    assert.equal(await run(() => getComputedStyle(document.getElementById('play')).transitionDuration), '0s');
-    await run(() => { rebond.view.show.add('normal'); });
-    await press('next');
-    await settle();
-    assert.deepEqual(await run(() => rebond.stages[0].flashes.map(({ frames }) => frames)), [1], 'a collision is shown for one frame');
+  async 'French names: scenes, walls, boxes'() {
+    await open('#scene=masses');
+    await press('language');
+    assert.deepEqual([await text('title'), await run(() => document.getElementById('scenes').selectedOptions[0].text)], Array(2).fill('Légère sur lourde, égales, lourde sur légère'));
+    assert.deepEqual(await run(() => rebond.state.bundled.map(([name]) => name).filter((name) => !TITLES_FR[name])), []);
+    await choose('');
+    assert.deepEqual(await materials(), ['steel', 'wood']);
+    await setWorld('set-g', '25');
+    assert.equal(await run(() => location.hash), '');
+    await choose('pile');
+    assert.equal(await run(() => location.hash), '#scene=pile');
+    writeFileSync(join(folder, 'heavy.toml'), 'title = "Empty room"\n[run]\nsteps = 60\n[world]\ngravity = [0.0, 2000000.0]\n');
+    await openFile(join(folder, 'heavy.toml'));
+    await wait(() => rebond.state.status[0].name === 'heavy.toml');
+    assert.deepEqual(await run(() => ['value', 'max'].map((key) => Number(document.getElementById('set-g')[key]))), [2e6, 2e6]);
+    assert.deepEqual(await run(() => [document.getElementById('set-g').nextElementSibling.value, location.hash]), ['2·10⁶', '']);
+    assert.equal(await run(() => document.getElementById('scenes').selectedOptions[0].text), 'Your scene');
+    await run(() => { const input = document.getElementById('box-m'); input.value = 'x'; input.dispatchEvent(new Event('input')); document.getElementById('box-fixed').click(); });
+    assert.equal(await run(() => document.getElementById('box-m').getAttribute('aria-invalid')), 'false');
   },
 
   async 'the page is printed without its controls, and names that are pressed are marked in forced colours'() {
@@ -1207,6 +1268,7 @@ const tests = {
     await press('next');
     await settle();
     await accessible('the collision, in French, in the other theme');
+    await run(() => localStorage.clear());
   },
 
   async 'a width of 320 px is enough, and targets are 44 px'() {
