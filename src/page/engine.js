@@ -130,7 +130,7 @@ class Engine {
 
   numbers(count, width) { return new Float64Array(this.x.memory.buffer, this.x.column_numbers(), count * width); }
 
-  load(which, name, scene) { this.give(`${name}\n${scene}`); this.ask(this.x.load(which)); }
+  load(which, name, scene, lines = '') { this.give(`${name}\n${lines}\0${scene}`); this.ask(this.x.load(which)); }
   setLines(which, lines) { this.give(lines); this.ask(this.x.set_lines(which)); }
   status(which) { return JSON.parse(this.ask(this.x.status(which))); }
   event(which, line, now) { this.give(line); this.ask(this.x.event(which, now ? 1 : 0)); }

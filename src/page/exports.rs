@@ -117,12 +117,17 @@ pub extern "C" fn bundled() {
 }
 
 /// Starts a session in the place of the present one, to which undo returns. The input is the name of the scene, a line
-/// feed, and its text.
+/// feed, and its text; before the text may be lines of events and a zero byte.
 #[unsafe(no_mangle)]
 pub extern "C" fn load(which: usize) -> i32 {
     let session = text().and_then(|text| {
         let (name, text) = text.split_once('\n').unwrap_or(("scene.toml", &text));
-        Session::new(name, text)
+        let (lines, text) = text.split_once('\0').unwrap_or(("", text));
+        let mut session = Session::new(name, text)?;
+        if !lines.is_empty() {
+            session.set_lines(lines)?;
+        }
+        Ok(session)
     });
     let replaced = session.and_then(|session| {
         let before = SESSIONS.with_borrow_mut(|sessions| sessions.get_mut(which).and_then(Option::take));
@@ -159,7 +164,7 @@ pub extern "C" fn set_lines(which: usize) -> i32 {
 #[unsafe(no_mangle)]
 pub extern "C" fn status(which: usize) -> i32 {
     answer(with(which, |session| {
-        let refused = session.take_refused();
+        let (refused, removed) = (session.take_refused(), session.take_removed());
         let scene = session.scene();
         let gravity = scene.gravity.map(|gravity| [gravity.x, gravity.y]);
         Ok(json!({
@@ -167,7 +172,7 @@ pub extern "C" fn status(which: usize) -> i32 {
             "size": scene.size, "title": scene.title, "name": scene.source.file_name(),
             "solver": scene.run.solver.name(), "gravity": gravity,
             "restitution": scene.restitution.default_restitution(), "materials": scene.restitution.names(),
-            "failure": session.failure(), "refused": refused, "bodies": session.bodies().len(),
+            "failure": session.failure(), "refused": refused, "removed": removed, "bodies": session.bodies().len(),
             "images": session.scene().image_names().len(),
             "recorded_steps": session.recorded_steps(), "history": session.history_bytes(),
         })

@@ -33,8 +33,8 @@ function pageMain(source) {
   };
   const state = {
     language: (kept('language') ?? navigator.language ?? '').startsWith('fr') ? 'fr' : 'en',
-    playing: false, held: false, both: false, behind: 0, last: 0, rate: 60, rates: RATES, status: [null, null], journal: [null, null],
-    acts: [], film: null, grip: null, saved: '', panel: null, turn: 0, seeking: false, busy: 0, scene: '', bundled: [], cursor: null, selected: null, hinted: false,
+    playing: false, resume: false, held: false, both: false, behind: 0, last: 0, rate: 60, rates: RATES, status: [null, null], journal: [null, null],
+    acts: [], film: null, grip: null, saved: new Set(['']), panel: null, turn: 0, seeking: false, busy: 0, scene: '', bundled: [], cursor: null, selected: null, hinted: false,
   };
   const T = () => TEXTS[state.language];
   const stages = [new Stage($('canvas-0')), new Stage($('canvas-1'))];
@@ -79,8 +79,7 @@ function pageMain(source) {
     for (const which of [0, 1]) {
       const kept = state.journal[which];
       if (!kept) continue;
-      engine.load(which, kept.name, kept.scene);
-      engine.setLines(which, kept.lines);
+      engine.load(which, kept.name, kept.scene, kept.lines);
     }
     refresh();
     toast(T().restarted + message);
@@ -94,7 +93,9 @@ function pageMain(source) {
   /** The world of the panels. */
   const side = () => (sides().length > 1 ? Number($('side').value) : 0);
 
+  /** Remembers the session, which was changed. */
   function note(which) {
+    $('link-label').hidden = true;
     state.journal[which] = { name: state.status[which].name, scene: engine.scene(which), lines: engine.lines(which) };
   }
 
@@ -103,28 +104,38 @@ function pageMain(source) {
    * page, null for any other.
    */
   function load(name, text, lines = '', bundled = null) {
-    engine.load(0, name, text);
+    engine.load(0, name, text, lines);
+    closeFilm();
+    const isPutAside = written() && written() !== text;
     remember();
     state.scene = bundled;
-    closeFilm();
-    try {
-      if (lines) { engine.setLines(0, lines); remember(); }
-    } finally {
-      showSession();
-      state.saved = engine.lines(0);
-    }
+    $('editor').value = '';
+    showSession();
+    showAddress(bundled ? `#scene=${bundled}` : '');
+    if (isPutAside) toast(T().textAside, 'good');
   }
 
-  /** Remembers that the sessions were changed, and the scene before that. */
-  function remember(which = sides()) { state.acts.push({ which, scene: state.scene }); }
+  /** Remembers that the sessions were changed, and what was before that. */
+  function remember(which = sides(), both = state.both) {
+    state.acts.push({ which, both, scene: state.scene, written: written() });
+  }
+
+  /** These texts of the session need not be saved. */
+  function saved(texts = [engine.scene(0), engine.lines(0)]) { texts.forEach((text) => state.saved.add(text)); }
+
+  /** What was written in the editor and is not yet the scene. */
+  function written() {
+    const { value, defaultValue } = $('editor');
+    return value === defaultValue ? '' : value;
+  }
 
   /** Shows the session that the engine has started. */
   function showSession() {
-    Object.assign(state, { playing: false, behind: 0, busy: 0, selected: null, cursor: null });
+    stop();
+    Object.assign(state, { behind: 0, busy: 0, selected: null, cursor: null });
     view.reach = {};
     if (state.both) splitSolvers();
     stages.forEach((stage) => stage.clear());
-    $('editor').value = '';
     showText();
     $('editor-errors').textContent = '';
     refresh();
@@ -135,9 +146,9 @@ function pageMain(source) {
   /** Shows the text of the scene, unless another one is being written. */
   function showText() {
     const editor = $('editor');
-    const written = editor.value !== editor.defaultValue && editor.value;
+    const kept = written();
     editor.defaultValue = state.film ? state.film.scene : engine.scene(0);
-    editor.value = written || editor.defaultValue;
+    editor.value = kept || editor.defaultValue;
   }
 
   /** Starts the session beside, with the other solver. */
@@ -150,7 +161,7 @@ function pageMain(source) {
 
   /** What was changed in the first session is undone in these ones. */
   function regroup(which) {
-    state.acts = state.acts.filter((acted) => acted.which.includes(0)).map(({ scene }) => ({ which, scene }));
+    state.acts = state.acts.filter((acted) => acted.which[0] !== 1).map((acted) => ({ ...acted, which: acted.which.length ? which : [] }));
   }
 
   function refreshStatus() {
@@ -176,6 +187,7 @@ function pageMain(source) {
 
   /** Shows the present state everywhere. */
   function refresh() {
+    $('canvas-1').parentElement.hidden = sides().length < 2;
     if (!state.film) {
       const status = refreshStatus();
       const title = bundledTitle(state.scene, status.title) || status.name;
@@ -283,8 +295,8 @@ function pageMain(source) {
 
   function start() {
     if (state.seeking) return;
-    quiet();
     state.playing = true;
+    state.resume = false;
     state.behind = 0;
     hideHint();
     showPlay();
@@ -293,8 +305,16 @@ function pageMain(source) {
 
   function stop() {
     if (state.playing) sayTime();
-    state.playing = false;
+    Object.assign(state, { playing: false, resume: false });
     showPlay();
+  }
+
+  function playOrStop() {
+    if (state.playing || state.resume) stop();
+    else {
+      quiet();
+      start();
+    }
   }
 
   function sayTime() { say($('scrub').getAttribute('aria-valuetext')); }
@@ -353,8 +373,8 @@ function pageMain(source) {
       state.frame = { step: stepped - began, paint: performance.now() - stepped };
       if (!going) { stop(); refresh(); return; }
       tick += 1;
-      if (tick % 6 === 0) { showTime(); if (engine.status(0).refused.length) refreshStatus(); }
-      if (tick % 15 === 0) { refreshStatus(); showPanel(); }
+      if (tick % 6 === 0) { showTime(); refreshStatus(); }
+      if (tick % 15 === 0) showPanel();
     });
   }
   let tick = 0;
@@ -399,10 +419,28 @@ function pageMain(source) {
     await advance();
   }
 
-  /** Reaches the steps that the sessions go to. */
+  /** Reaches the steps that the sessions go to. Returns false if another call has replaced this one. */
   async function advance() {
-    const isReached = () => sides().map((which) => engine.x.advance(which, 4)).every((reached) => reached);
-    if (await inSlices(isReached)) refresh();
+    const isReached = () => worlds().map((which) => engine.x.advance(which, 4)).every((reached) => reached);
+    const done = await inSlices(isReached);
+    if (done) refresh();
+    return done;
+  }
+
+  /** Changes the sessions, reaches the present time again, and goes on if the world ran before the first such change. */
+  async function again(change) {
+    const resume = state.playing || state.resume;
+    stop();
+    state.resume = resume;
+    try {
+      change();
+    } finally {
+      if (await advance()) {
+        sides().forEach(note);
+        showText();
+        if (state.resume) start();
+      }
+    }
   }
 
   async function stepForward() {
@@ -481,12 +519,18 @@ function pageMain(source) {
       }
     }
     if (undone.length) remember(undone);
-    for (const which of sides()) { state.status[which] = engine.status(which); note(which); }
+    let removed = 0;
+    for (const which of sides()) {
+      state.status[which] = engine.status(which);
+      removed ||= state.status[which].removed;
+      note(which);
+    }
     hideHint();
     refresh();
     const after = names();
     const said = [...after].filter((name) => !before.has(name)).map(T().made).concat([...before].filter((name) => !after.has(name)).map(T().gone));
     if (said.length) say(said.join(', '));
+    if (removed) toast(T().removed(removed), 'good');
     if (problem) toast(T().refused + problem.message);
   }
 
@@ -524,50 +568,46 @@ function pageMain(source) {
   async function undo() {
     if (isFixed()) return;
     const acted = state.acts.pop();
-    if (!acted || acted.which.map((which) => engine.x.undo(which)).every(Boolean)) { toast(T().nothingToUndo, 'good'); return; }
-    const playing = state.playing;
-    stop();
+    if (!acted || (acted.which.length && acted.which.map((which) => engine.x.undo(which)).every(Boolean))) { toast(T().nothingToUndo, 'good'); return; }
     quiet();
     if (acted.scene !== state.scene) {
       state.scene = acted.scene;
       $('scenes').value = state.scene ?? 'own';
     }
     stages.forEach((stage) => stage.clear());
-    await advance();
-    showText();
-    sides().forEach(note);
+    await again(() => { if (acted.both !== state.both) setBoth(acted.both); });
+    if (!written()) $('editor').value = acted.written || $('editor').value;
     say(T().undone);
-    if (playing) start();
   }
 
   async function setting(key, value) {
     if (isFixed()) return;
-    const playing = state.playing;
-    stop();
-    for (const which of sides()) engine.set(which, key, value);
-    remember();
-    await advance();
-    sides().forEach(note);
-    showText();
-    if (playing) start();
+    await again(() => {
+      for (const which of sides()) engine.set(which, key, value);
+      remember();
+    });
   }
 
-  async function setSolver(value) {
-    if (isFixed()) return;
-    stop();
-    state.both = value === 'both';
-    if (value === 'both') splitSolvers();
+  /** Starts the session beside the first one, or ends it. */
+  function setBoth(both) {
+    state.both = both;
+    if (both) splitSolvers();
     else {
       engine.x.unload(1);
       state.journal[1] = null;
       regroup([0]);
-      if (engine.status(0).solver !== value) { engine.set(0, 'run.solver', `"${value}"`); remember(); }
     }
-    $('canvas-1').parentElement.hidden = !state.both;
-    $('side-label').hidden = !state.both;
-    await advance();
-    sides().forEach(note);
-    showText();
+  }
+
+  async function setSolver(value) {
+    if (isFixed()) return;
+    await again(() => {
+      const before = state.both;
+      if (before !== (value === 'both')) setBoth(!before);
+      const isOther = !state.both && engine.status(0).solver !== value;
+      if (isOther) engine.set(0, 'run.solver', `"${value}"`);
+      if (isOther || before !== state.both) remember(isOther ? [0] : [], before);
+    });
   }
 
   // Pointer
@@ -691,8 +731,9 @@ function pageMain(source) {
   }
 
   function pageKey(event) {
-    if (event.ctrlKey || event.metaKey || event.altKey || $('enlarged').open) return;
     const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
+    const isUndo = key === 'z' && (event.ctrlKey || event.metaKey) && !event.shiftKey;
+    if (((event.ctrlKey || event.metaKey) && !isUndo) || event.altKey || $('enlarged').open) return;
     if (state.grip) {
       // While a box is held, a key only lets it go.
       if (key === 'Escape') state.grip();
@@ -702,9 +743,9 @@ function pageMain(source) {
     const of = (controls) => event.target.closest(controls);
     if (key !== 'Escape' && of('textarea, input:not([type="range"]):not([type="checkbox"]):not([type="radio"])')) return;
     // A list goes to the entry that begins with a letter.
-    if (key.length === 1 && of('select')) return;
+    if (key.length === 1 && !isUndo && of('select')) return;
     const keys = {
-      ' ': of('button, select, input:not([type="range"])') ? null : () => (state.playing ? stop() : start()),
+      ' ': of('button, input:not([type="range"])') ? null : playOrStop,
       ',': stepBack, '.': stepForward, n: nextCollision, z: undo,
       Home: of('button, select, input') ? null : () => seek(0),
       b: () => setSolver(state.both ? state.status[0].solver : 'both'), Escape: () => (state.panel ? closePanel() : quiet()),
@@ -953,6 +994,7 @@ function pageMain(source) {
     if (state.busy) return;
     const busy = (state.busy = performance.now());
     const film = state.film;
+    const [scene, lines] = [engine.scene(0), engine.lines(0)];
     stop();
     toast(T().working, 'good');
     try {
@@ -960,7 +1002,7 @@ function pageMain(source) {
       else if (kind === 'toml') download(`${name}.toml`, film ? film.scene : engine.ask(engine.x.recorded_scene(which)));
       else if (kind === 'clicks') download(`${name}-clicks.toml`, engine.ask(film ? engine.x.film_scene_with_events() : engine.x.scene_with_events(which)));
       else if (kind === 'jsonl') download(`${name}.jsonl`, film ? engine.ask(engine.x.film_lines()) : engine.lines(which));
-      else if (kind === 'link') await makeLink(which);
+      else if (kind === 'link') await makeLink(sides().length > 1 ? 0 : which);
       else {
         const file = await recording(which);
         const table = { states: 0, collisions: 1 }[kind];
@@ -973,7 +1015,10 @@ function pageMain(source) {
         const type = { png: 'image/png', svg: 'image/svg+xml', gif: 'image/gif' }[kind] ?? 'text/csv';
         download(table === undefined ? `${name}.${kind}` : `${name}-${kind}.csv`, bytes, type);
       }
-      if (!film && ['mcap', 'clicks', 'jsonl', 'link'].includes(kind)) state.saved = engine.lines(0);
+      // What is clicked meanwhile is in no file.
+      if (!film && ['mcap', 'clicks', 'link'].includes(kind)) saved([scene, lines]);
+      if (!film && kind === 'toml') saved([scene]);
+      if (!film && kind === 'jsonl') saved([lines]);
     } finally {
       if (state.busy === busy) state.busy = 0;
     }
@@ -981,6 +1026,7 @@ function pageMain(source) {
 
   async function makeLink(which) {
     const session = { n: state.film?.name ?? state.status[which].name, s: state.film?.scene ?? engine.scene(which), l: state.film ? engine.ask(engine.x.film_lines()) : engine.lines(which), t: present() };
+    if (sides().length > 1) session.b = 1;
     const packed = toBase64(await compressed(encoder.encode(JSON.stringify(session)), 'deflate-raw'));
     const fragment = `s=${packed.replaceAll('+', '-').replaceAll('/', '_').replaceAll('=', '')}`;
     if (fragment.length > LIMITS.link) { toast(T().linkLong(fragment.length)); document.querySelector('[data-file="clicks"]').focus(); return; }
@@ -991,9 +1037,15 @@ function pageMain(source) {
     try { await navigator.clipboard.writeText(link); toast(T().linkCopied, 'good'); } catch { quiet(); }
   }
 
+  /** Makes the fragment of the address name the scene that is shown. */
+  function showAddress(hash) {
+    try { history.replaceState(null, '', location.href.split('#')[0] + hash); } catch { /* a page in a frame may not */ }
+  }
+
   /** Opens what the fragment of the address names: `#s=SESSION`, or `#scene=NAME` with `&both` and `&t=STEP`. */
   async function openFragment() {
-    const fragment = location.hash.slice(1);
+    const { hash } = location;
+    const fragment = hash.slice(1);
     if (!fragment) return false;
     try {
       if (fragment.length > LIMITS.fragment) throw new Error(`${fragment.length} bytes`);
@@ -1001,6 +1053,9 @@ function pageMain(source) {
         const packed = fromBase64(fragment.slice(2).replaceAll('-', '+').replaceAll('_', '/').replace(/[^A-Za-z0-9+/]/g, '?').padEnd(Math.ceil((fragment.length - 2) / 4) * 4, '='));
         const session = JSON.parse(decoder.decode(await decompressed(packed, 'deflate-raw', LIMITS.scene)));
         load(String(session.n || 'scene.toml').replace(/[\r\n/\\]/g, ' ').slice(0, 200), String(session.s), String(session.l ?? ''));
+        if (session.b) await setSolver('both');
+        saved();
+        showAddress(hash);
         await seek(Math.min(Math.max(Number(session.t) || 0, 0), 1e6));
         return true;
       }
@@ -1009,6 +1064,7 @@ function pageMain(source) {
       const found = bundled().find(([other]) => other === name);
       if (!found) throw new Error(name ? `there is no scene ${JSON.stringify(name)}` : 'it names no scene');
       choose(name);
+      showAddress(hash);
       if (wanted.has('both')) await setSolver('both');
       if (wanted.has('t')) await seek(Math.min(Number(wanted.get('t')) || 0, 1e6));
       return true;
@@ -1033,24 +1089,25 @@ function pageMain(source) {
     if (magic || ending === 'mcap') await openFilm(name, bytes);
     else if (ending === 'jsonl') {
       const events = text();
+      for (const which of worlds()) engine.setLines(which, events);
       closeFilm();
       stop();
-      for (const which of sides()) engine.setLines(which, events);
       remember();
       refresh();
       sides().forEach(note);
-      state.saved = engine.lines(0);
-    } else if (ending === 'toml') load(name, text());
-    else toast(T().unknownFile);
+      saved([engine.lines(0)]);
+    } else if (ending === 'toml') {
+      load(name, text());
+      saved();
+    } else toast(T().unknownFile);
   }
 
   async function openFilm(name, bytes) {
     stop();
     const about = engine.film(bytes);
-    state.film = { ...about, name, bytes, step: 0 };
+    state.film = { ...about, name, bytes, step: 0, written: state.film ? state.film.written : written() };
     view.reach = {};
     if (state.panel === 'collision') openPanel(null);
-    if (state.both) { regroup([0]); state.both = false; $('canvas-1').parentElement.hidden = true; $('side-label').hidden = true; engine.x.unload(1); state.journal[1] = null; }
     stages[0].trails.clear();
     nameScene(about.title || name);
     document.title = `${about.title || name} – rebond`;
@@ -1117,6 +1174,7 @@ function pageMain(source) {
 
   function closeFilm() {
     if (!state.film) return;
+    const kept = state.film.written;
     state.film = null;
     engine.x.film_close();
     $('film').hidden = true;
@@ -1125,6 +1183,7 @@ function pageMain(source) {
     $('scenes').value = state.scene ?? 'own';
     $('editor').value = '';
     showText();
+    $('editor').value = kept || $('editor').value;
     refresh();
   }
 
@@ -1156,6 +1215,7 @@ function pageMain(source) {
   function choose(name) {
     const text = name ? bundled().find(([other]) => other === name)?.[1] : undefined;
     load(name ? `${name}.toml` : 'room.toml', text ?? EMPTY_ROOM, '', text ? name : '');
+    saved();
     $('scenes').value = text ? name : '';
   }
 
@@ -1178,7 +1238,7 @@ function pageMain(source) {
 
   function wire() {
     const on = (id, event, action) => $(id).addEventListener(event, (ev) => { attempt(() => action(ev)); });
-    on('play', 'click', () => (state.playing ? stop() : start()));
+    on('play', 'click', playOrStop);
     on('forward', 'click', stepForward);
     on('back', 'click', stepBack);
     on('restart', 'click', () => seek(0));
@@ -1202,7 +1262,8 @@ function pageMain(source) {
     on('open', 'change', async () => { const [file] = $('open').files; await openFile(file); $('open').value = ''; });
     on('run-text', 'click', () => {
       try {
-        load(state.film ? `${base()}.toml` : state.status[0].name, $('editor').value);
+        const lines = state.film ? engine.ask(engine.x.film_lines()) : engine.lines(0);
+        load(state.film ? `${base()}.toml` : state.status[0].name, $('editor').value, lines);
       } catch (error) {
         if (!(error instanceof Refusal)) throw error;
         $('editor-errors').textContent = error.message;
@@ -1216,7 +1277,7 @@ function pageMain(source) {
     }));
     on('enlarged-close', 'click', () => $('enlarged').close());
     on('film-close', 'click', closeFilm);
-    on('film-scene', 'click', () => load(`${base()}.toml`, state.film.scene, engine.ask(engine.x.film_lines())));
+    on('film-scene', 'click', () => { load(`${base()}.toml`, state.film.scene, engine.ask(engine.x.film_lines())); saved(); });
     on('film-step', 'click', () => showFilm(Math.min(state.film.verdict.diverged, state.film.steps)));
     on('box-m', 'input', () => blueprint());
     on('box-fixed', 'change', () => blueprint());
@@ -1233,7 +1294,7 @@ function pageMain(source) {
     addEventListener('keydown', () => { isPointer = false; }, true);
     addEventListener('click', ({ detail, target }) => { if (detail && target.closest?.('header button, #transport button, #film button, #panel-close')) document.activeElement.blur(); });
     all('header select, #transport select').forEach((select) => select.addEventListener('change', () => { if (isPointer) select.blur(); }));
-    addEventListener('beforeunload', (event) => { if (engine && ![state.saved, ''].includes(engine.lines(0))) event.preventDefault(); });
+    addEventListener('beforeunload', (event) => { if (engine && ![engine.scene(0), engine.lines(0)].every((text) => state.saved.has(text)) || written()) event.preventDefault(); });
     all('[data-file]').forEach((button) => button.addEventListener('click', () => attempt(() => save(button.dataset.file))));
     all('input[type="range"]').forEach((input) => input.addEventListener('input', () => { const output = input.nextElementSibling; if (output) showOutput(output); }));
     addEventListener('keydown', pageKey);
@@ -1293,6 +1354,7 @@ function pageMain(source) {
     engine = await Engine.create();
     view.marks = [];
     showSession();
+    saved();
     started.resolve();
     const times = { engine: performance.now() };
     globalThis.rebond = { get engine() { return engine; }, state, view, stages, times, seek, click, openFile, recording };

@@ -124,9 +124,14 @@ const PAIRS = {
   undone: ['undone', 'annulé'],
   nothingToUndo: ['there is nothing to undo', 'il n’y a rien à annuler'],
   cleared: ['removed', 'effacé'],
-  refused: ['refused: ', 'refusé : '],
-  images: ['The page cannot read files beside a scene: it draws boxes in place of their images, and its recordings contain none.', 'La page ne peut pas lire les fichiers à côté d’une scène : elle dessine des boîtes à la place des images, et ses enregistrements n’en contiennent pas.'],
-  stopped: ['The run stopped: ', 'Le calcul s’est arrêté : '],
+  removed: [
+    (n) => (n > 1 ? `${n} later events are removed; Z returns them` : '1 later event is removed; Z returns it'),
+    (n) => (n > 1 ? `${n} événements ultérieurs sont retirés\u00a0; Z les rétablit` : '1 événement ultérieur est retiré\u00a0; Z le rétablit'),
+  ],
+  textAside: ['The changed text of the scene is put aside; Z returns it.', 'Le texte modifié de la scène est mis de côté\u00a0; Z le rétablit.'],
+  refused: ['refused: ', 'refusé\u00a0: '],
+  images: ['The page cannot read files beside a scene: it draws boxes in place of their images, and its recordings contain none.', 'La page ne peut pas lire les fichiers à côté d’une scène\u00a0: elle dessine des boîtes à la place des images, et ses enregistrements n’en contiennent pas.'],
+  stopped: ['The run stopped: ', 'Le calcul s’est arrêté\u00a0: '],
   restarted: [
     'The engine failed and was restarted from the scene and its events: ',
     'Le moteur a échoué\u00a0; il a été relancé depuis la scène et ses événements\u00a0: ',

@@ -67,6 +67,13 @@ async function click(x, y) {
   await page.mouse.click(...await place(x, y));
   await settle();
 }
+async function drag(from, to) {
+  await page.mouse.move(...await place(...from));
+  await page.mouse.down();
+  await page.mouse.move(...await place(...to), { steps: 4 });
+  await page.mouse.up();
+  await settle();
+}
 async function seek(to) {
   await run((to) => rebond.seek(to), to);
   await settle();
@@ -376,9 +383,8 @@ const tests = {
       await wait((entry) => rebond.state.status[0].name === entry, entry);
       await settle();
     };
-    const panel = (name) => run((name) => { if (rebond.state.panel !== name) document.querySelector(`[data-panel="${name}"]`).click(); }, name);
     const show = async (...overlays) => {
-      await panel('view');
+      await openPanel('view');
       await run((overlays) => document.querySelectorAll('#overlays input').forEach((input) => { if (input.checked !== overlays.includes(input.value)) input.click(); }), overlays);
       assert.deepEqual(await run(() => [...rebond.view.show].sort()), overlays.sort());
     };
@@ -436,7 +442,7 @@ const tests = {
     await isStored('png', '4.png');
     // 6: the same clicks in other worlds.
     for (const [entry, id, value] of [['6-stick', 'set-e', '0'], ['6-bounce', 'set-e', '1'], ['6-moon', 'set-g', '1.6']]) {
-      await panel('world');
+      await openPanel('world');
       await setWorld(id, value);
       await isStored('clicks', `${entry}.toml`);
       await openStored(`${entry}.toml`);
@@ -477,7 +483,7 @@ const tests = {
     await picture('9-event-driven', 78);
     // 10: numbers, and slow motion between two steps.
     await choose('first-scene');
-    await panel('data');
+    await openPanel('data');
     await seek(100);
     const energy = await run(() => document.getElementById('energy').textContent);
     assert.ok(guide.includes(energy), `the guide has the numbers: ${energy}`);
@@ -632,8 +638,22 @@ const tests = {
     assert.equal(await run(() => document.getElementById('editor').value), '# mine');
     const isAsked = () => run(() => !dispatchEvent(new Event('beforeunload', { cancelable: true })));
     assert.equal(await isAsked(), true);
+    await run(() => { document.getElementById('editor').value = rebond.engine.scene(0); });
+    assert.equal(await isAsked(), true);
     await save('clicks');
     assert.equal(await isAsked(), false);
+    await setWorld('set-g', '3');
+    assert.equal(await isAsked(), true, 'a setting');
+    await save('toml');
+    assert.equal(await isAsked(), false);
+    // What is clicked while a file is made is not in it.
+    await run(async () => {
+      window.saved = null;
+      document.querySelector('[data-file="mcap"]').click();
+      await rebond.click([12, 2]);
+    });
+    await wait(() => window.saved && !rebond.state.busy);
+    assert.equal(await isAsked(), true, 'a click during saving');
   },
 
   async 'keys act on the world after a click on a control, and in a list'() {
@@ -647,7 +667,6 @@ const tests = {
     await page.keyboard.press('n');
     await settle();
     assert.deepEqual(await run(() => [rebond.state.scene, rebond.state.panel]), ['figure-1', 'collision']);
-    const isPlaying = () => run(() => rebond.state.playing);
     for (const control of ['#scrub', '#forward', '[data-panel="data"]', '#theme']) {
       await page.click(control);
       await settle();
@@ -762,9 +781,10 @@ const tests = {
     // In both worlds, and for the solver.
     await page.keyboard.press('b');
     await settle();
+    await setWorld('set-g', '2');
     await page.keyboard.press('z');
     await settle();
-    assert.deepEqual(await run(() => [0, 1].map((which) => rebond.engine.status(which).gravity[1])), [50, 50]);
+    assert.deepEqual(await run(() => [0, 1].map((which) => rebond.engine.status(which).gravity[1])), [1.6, 1.6]);
     assert.notEqual(...await run(() => [0, 1].map((which) => rebond.engine.status(which).solver)));
   },
 
@@ -1037,6 +1057,81 @@ const tests = {
     assert.ok((await text('command')).includes("render 'it'\\''s mine.mcap' -o 'it'\\''s mine.png'"), await text('command'));
   },
 
+  async 'side by side stays with undo, recordings and links'() {
+    await open('#scene=bounce-handout&both');
+    const both = () => run(() => [rebond.state.both, !document.getElementById('canvas-1').parentElement.hidden]);
+    await page.keyboard.press('b');
+    await settle();
+    assert.deepEqual(await both(), [false, false]);
+    await page.keyboard.press('z');
+    await settle();
+    assert.deepEqual(await both(), [true, true]);
+    await seek(20);
+    await openFile(join(repository, 'recordings/click-session.mcap'));
+    await wait(() => rebond.state.film?.verdict);
+    assert.deepEqual(await both(), [true, false]);
+    await press('film-close');
+    assert.deepEqual(await both(), [true, true]);
+    assert.deepEqual([await step(), await run(() => rebond.engine.x.step_now(1))], [20, 20]);
+    await openPanel('files');
+    await run(() => document.querySelector('[data-file="link"]').click());
+    await wait(() => document.getElementById('link').value !== '');
+    const link = await value('link');
+    // The link of another session is not shown.
+    await click(3, 2);
+    assert.equal(await run(() => document.getElementById('link-label').hidden), true);
+    await open(link.slice(link.indexOf('#')));
+    assert.deepEqual(await both(), [true, true]);
+    assert.deepEqual([await step(), await run(() => rebond.engine.x.step_now(1))], [20, 20]);
+    // To the other solver and back.
+    const radio = (value) => run((value) => document.querySelector(`[name="solver"][value="${value}"]`).click(), value);
+    const solver = () => run(() => rebond.engine.status(0).solver);
+    const first = await solver();
+    await radio(first === 'handout' ? 'event-driven' : 'handout');
+    await settle();
+    assert.deepEqual(await both(), [false, false]);
+    assert.notEqual(await solver(), first);
+    await page.keyboard.press('z');
+    await settle();
+    assert.deepEqual([await solver(), ...await both()], [first, true, true]);
+  },
+
+  async 'what is written or comes later is not lost without a word'() {
+    await open('#scene=first-scene');
+    await run(() => { document.getElementById('editor').value += '# mine'; });
+    await choose('masses');
+    assert.match(await toast(), /put aside/);
+    assert.doesNotMatch(await value('editor'), /# mine/);
+    await page.keyboard.press('z');
+    await settle();
+    assert.match(await value('editor'), /# mine$/);
+    // The text runs with the same clicks, and one undo returns.
+    for (const at of [10, 20, 30]) { await seek(at); await click(3 + at / 10, 2); }
+    const before = await lines();
+    await press('run-text');
+    assert.equal(await lines(), before);
+    assert.match(await run(() => rebond.engine.scene(0)), /# mine$/);
+    assert.equal(await run(() => !dispatchEvent(new Event('beforeunload', { cancelable: true }))), true, 'the text is in no file');
+    await page.keyboard.press('z');
+    await settle();
+    assert.doesNotMatch(await run(() => rebond.engine.scene(0)), /# mine/);
+    assert.equal(await lines(), before);
+    await seek(15);
+    await click(12, 2);
+    assert.equal(await toast(), '2 later events are removed; Z returns them');
+    await page.keyboard.press('z');
+    await settle();
+    assert.equal(await lines(), before);
+    // A file of which nothing is accepted changes nothing, not even the recording that is shown.
+    await openFile(join(repository, 'recordings/click-session.mcap'));
+    await wait(() => rebond.state.film?.verdict);
+    writeFileSync(join(folder, 'bad.jsonl'), 'nonsense\n');
+    await openFile(join(folder, 'bad.jsonl'));
+    await wait(() => !document.getElementById('toast').hidden);
+    assert.match(await toast(), /line 1/);
+    assert.equal(await run(() => rebond.state.film?.name), 'click-session.mcap');
+  },
+
   async 'two fingers make no box'() {
     await open();
     await run(() => {
@@ -1054,11 +1149,10 @@ const tests = {
     assert.deepEqual([await lines(), await run(() => rebond.view.marks.length)], ['', 0]);
   },
 
-  async 'French names: scenes, walls, boxes'() {
+  async 'offers of the panels follow the scene'() {
     await open('#scene=masses');
-    await press('language');
-    assert.deepEqual([await text('title'), await run(() => document.getElementById('scenes').selectedOptions[0].text)], Array(2).fill('Légère sur lourde, égales, lourde sur légère'));
-    assert.deepEqual(await run(() => rebond.state.bundled.map(([name]) => name).filter((name) => !TITLES_FR[name])), []);
+    const materials = () => run(() => [...document.getElementById('materials').options].map((option) => option.value));
+    assert.deepEqual(await materials(), []);
     await choose('');
     assert.deepEqual(await materials(), ['steel', 'wood']);
     await setWorld('set-g', '25');
