@@ -134,7 +134,7 @@ class Stage {
   /** Remembers the collisions of a step for a few frames. */
   flash(collisions, frames) {
     for (let i = 0; i < collisions.length; i += Engine.COLLISION) {
-      if (collisions[i + 5]) this.flashes.push({ frames, c: collisions.slice(i, i + Engine.COLLISION) });
+      this.flashes.push({ frames, c: collisions.slice(i, i + Engine.COLLISION) });
     }
     if (this.flashes.length > 400) this.flashes.splice(0, this.flashes.length - 400);
   }
@@ -455,7 +455,8 @@ function drawStrip(canvas, samples, rate, step, theme, labels) {
   for (let i = 0; i < samples.length; i += 5) top = Math.max(top, samples[i + 1] + samples[i + 2] - least);
   const last = Math.max(samples[samples.length - 5], 1);
   const X = (s) => (s / last) * canvas.width;
-  const Y = (value, of) => canvas.height * (1 - (0.95 * value) / (of || 1));
+  // Above the curves is a line of text.
+  const Y = (value, of) => canvas.height - (canvas.height - 18 * ratio) * (value / (of || 1));
   const area = (value, color) => {
     pen.fillStyle = color;
     pen.beginPath();

@@ -8,8 +8,8 @@ use rebond::{BodyId, Collision, Rect, Vector};
 pub const BODY_COLUMNS: usize = 10;
 
 /// Numbers of a collision: the ids of c and b, the normal, e, the impulse, vn before and after, the instant, the
-/// penetration, and both rectangles.
-pub const COLLISION_COLUMNS: usize = 19;
+/// penetration, both rectangles, and the shares Nc and Nb.
+pub const COLLISION_COLUMNS: usize = 21;
 
 /// The property that determines the colours of bodies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,11 +56,21 @@ pub fn push_body(
 /// Appends the columns of a collision.
 pub fn push_collision(columns: &mut Vec<f64>, collision: &Collision) {
     let Collision {
-        bodies: [c, b], normal, restitution, impulse, normal_velocity, instant, penetration, rects, ..
+        bodies: [c, b],
+        normal,
+        restitution,
+        impulse,
+        normal_velocity,
+        instant,
+        penetration,
+        rects,
+        shares,
+        ..
     } = collision;
     columns.extend([f64::from(*c), f64::from(*b), normal.x, normal.y, *restitution, *impulse]);
     columns.extend(normal_velocity.iter().chain([instant, &penetration.x, &penetration.y]));
     for rect in rects {
         columns.extend([rect.origin.x, rect.origin.y, rect.width(), rect.height()]);
     }
+    columns.extend(shares);
 }

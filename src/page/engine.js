@@ -79,7 +79,7 @@ class Refusal extends Error {}
 
 class Engine {
   static BODY = 10;
-  static COLLISION = 19;
+  static COLLISION = 21;
 
   /** The parts of the module: `core` is enough for clicks in the empty room, `rest` is the other functions. */
   static core = null;
@@ -130,7 +130,7 @@ class Engine {
 
   numbers(count, width) { return new Float64Array(this.x.memory.buffer, this.x.column_numbers(), count * width); }
 
-  load(which, name, scene) { this.give(`${name}\n${scene}`); this.ask(this.x.load(which)); }
+  load(which, name, scene, lines = '') { this.give(`${name}\n${lines}\0${scene}`); this.ask(this.x.load(which)); }
   setLines(which, lines) { this.give(lines); this.ask(this.x.set_lines(which)); }
   status(which) { return JSON.parse(this.ask(this.x.status(which))); }
   event(which, line, now) { this.give(line); this.ask(this.x.event(which, now ? 1 : 0)); }

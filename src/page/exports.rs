@@ -10,7 +10,7 @@ use crate::{
 use rebond::internals::table::Table;
 use rebond::{Language, Theme, Verdict};
 use serde_json::json;
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 
 thread_local! {
     static SESSIONS: RefCell<[Option<Session>; 2]> = const { RefCell::new([None, None]) };
@@ -19,6 +19,7 @@ thread_local! {
     static VERDICT: RefCell<Option<LiveVerdict>> = const { RefCell::new(None) };
     static INPUT: RefCell<Vec<u8>> = const { RefCell::new(Vec::new()) };
     static OUTPUT: RefCell<Vec<u8>> = const { RefCell::new(Vec::new()) };
+    static BOX_NAME: Cell<&'static str> = const { Cell::new("box") };
     static COLUMNS: RefCell<Vec<f64>> = const { RefCell::new(Vec::new()) };
 }
 
@@ -116,12 +117,17 @@ pub extern "C" fn bundled() {
 }
 
 /// Starts a session in the place of the present one, to which undo returns. The input is the name of the scene, a line
-/// feed, and its text.
+/// feed, and its text; before the text may be lines of events and a zero byte.
 #[unsafe(no_mangle)]
 pub extern "C" fn load(which: usize) -> i32 {
     let session = text().and_then(|text| {
         let (name, text) = text.split_once('\n').unwrap_or(("scene.toml", &text));
-        Session::new(name, text)
+        let (lines, text) = text.split_once('\0').unwrap_or(("", text));
+        let mut session = Session::new(name, text)?;
+        if !lines.is_empty() {
+            session.set_lines(lines)?;
+        }
+        Ok(session)
     });
     let replaced = session.and_then(|session| {
         let before = SESSIONS.with_borrow_mut(|sessions| sessions.get_mut(which).and_then(Option::take));
@@ -158,7 +164,7 @@ pub extern "C" fn set_lines(which: usize) -> i32 {
 #[unsafe(no_mangle)]
 pub extern "C" fn status(which: usize) -> i32 {
     answer(with(which, |session| {
-        let refused = session.take_refused();
+        let (refused, removed) = (session.take_refused(), session.take_removed());
         let scene = session.scene();
         let gravity = scene.gravity.map(|gravity| [gravity.x, gravity.y]);
         Ok(json!({
@@ -166,7 +172,7 @@ pub extern "C" fn status(which: usize) -> i32 {
             "size": scene.size, "title": scene.title, "name": scene.source.file_name(),
             "solver": scene.run.solver.name(), "gravity": gravity,
             "restitution": scene.restitution.default_restitution(), "materials": scene.restitution.names(),
-            "failure": session.failure(), "refused": refused, "bodies": session.bodies().len(),
+            "failure": session.failure(), "refused": refused, "removed": removed, "bodies": session.bodies().len(),
             "images": session.scene().image_names().len(),
             "recorded_steps": session.recorded_steps(), "history": session.history_bytes(),
         })
@@ -214,16 +220,30 @@ pub extern "C" fn advance(which: usize, steps: u32) -> i32 {
     i32::from(with(which, |session| Ok(session.advance(steps.into()))) != Ok(false))
 }
 
+/// Names the boxes of clicks in English, or in French (1).
+#[unsafe(no_mangle)]
+pub extern "C" fn name_boxes(french: u32) {
+    BOX_NAME.set(if french == 1 { "boîte" } else { "box" });
+}
+
 /// Adds the event in the input, now or in the next step.
 #[unsafe(no_mangle)]
 pub extern "C" fn event(which: usize, now: u32) -> i32 {
-    answer(text().and_then(|line| with(which, |session| session.event(&line, when(now)))).map(|()| ""))
+    let add = |session: &mut Session, line: &str| {
+        session.box_name = BOX_NAME.get();
+        session.event(line, when(now))
+    };
+    answer(text().and_then(|line| with(which, |session| add(session, &line))).map(|()| ""))
 }
 
 /// Throws the body whose name is the input. Its name after that is the output.
 #[unsafe(no_mangle)]
 pub extern "C" fn throw_body(which: usize, x: f64, y: f64, vx: f64, vy: f64, now: u32) -> i32 {
-    answer(text().and_then(|name| with(which, |session| session.throw(&name, [x, y], [vx, vy], when(now)))))
+    let throw = |session: &mut Session, name: &str| {
+        session.box_name = BOX_NAME.get();
+        session.throw(name, [x, y], [vx, vy], when(now))
+    };
+    answer(text().and_then(|name| with(which, |session| throw(session, &name))))
 }
 
 /// Undoes the last event, setting or scene; returns 1 if there is none.
@@ -303,17 +323,10 @@ pub extern "C" fn collisions(which: usize) -> usize {
     columns(fill, COLLISION_COLUMNS)
 }
 
-/// The last collisions, as JSON: step, instant, names, normal, e, vn before and after, impulse.
+/// The last collisions, as JSON.
 #[unsafe(no_mangle)]
 pub extern "C" fn recent_collisions(which: usize) -> i32 {
-    answer(with(which, |session| {
-        let rows = session.recent.iter().map(|(collision, [a, b])| {
-            let [before, after] = collision.normal_velocity;
-            let (normal, e) = (collision.normal, collision.restitution);
-            json!([collision.step, collision.instant, a, b, normal.x, normal.y, e, before, after, collision.impulse])
-        });
-        Ok(serde_json::Value::from_iter(rows).to_string())
-    }))
+    answer(with(which, |session| Ok(session.recent_collisions())))
 }
 
 /// Fills the columns with the samples of energy and momentum, and returns their number.

@@ -156,7 +156,7 @@ impl Film {
 }
 
 /// The lines that cause what of `events`, the recorded ones of the present step of `run`, its scene does not cause.
-fn added_lines(scene: &Scene, run: &Run, events: &[RecordedEvent]) -> Vec<EventLine> {
+pub fn added_lines(scene: &Scene, run: &Run, events: &[RecordedEvent]) -> Vec<EventLine> {
     if events.is_empty() {
         return Vec::new();
     }

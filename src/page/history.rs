@@ -1,12 +1,61 @@
 use rebond::internals::picture::EnergySample;
 use rebond::internals::replay::RunSnapshot;
+use rebond::{BodyId, Collision, Vector};
 use std::collections::BTreeMap;
+
+/// The collisions that the table shows.
+pub const MAX_RECENT: usize = 200;
+
+/// A collision in the table.
+#[derive(Clone, Debug)]
+pub struct Row {
+    /// The step in which it happened.
+    pub step: u64,
+    /// The seconds since step 0.
+    pub instant: f64,
+    /// The bodies c and b.
+    pub bodies: [BodyId; 2],
+    /// The normal on c.
+    pub normal: Vector,
+    /// The coefficient of restitution.
+    pub e: f64,
+    /// The normal velocity before and after, m/s.
+    pub vn: [f64; 2],
+    /// The impulse, N·s.
+    pub impulse: f64,
+}
+
+impl Row {
+    /// The row of a collision.
+    pub fn of(collision: &Collision) -> Row {
+        let Collision { step, instant, bodies, normal, restitution: e, normal_velocity: vn, impulse, .. } = *collision;
+        Row { step, instant, bodies, normal, e, vn, impulse }
+    }
+}
+
+/// Drops all but the last `count` rows.
+pub fn keep_last(rows: &mut Vec<Row>, count: usize) {
+    rows.drain(..rows.len().saturating_sub(count));
+}
+
+/// A snapshot and the last collisions since the one before it.
+#[derive(Debug)]
+struct Kept {
+    snapshot: RunSnapshot,
+    rows: Vec<Row>,
+}
+
+impl Kept {
+    fn bytes(&self) -> usize {
+        self.snapshot.bytes() + self.rows.len() * size_of::<Row>()
+    }
+}
 
 /// Snapshots of a run under a budget of bytes. When they exceed it, every other one is dropped, so that the distance
 /// between them, and with it the time to go back, grows with the length of the session.
 #[derive(Debug)]
 pub struct History {
-    snapshots: BTreeMap<u64, RunSnapshot>,
+    snapshots: BTreeMap<u64, Kept>,
     bytes: usize,
     budget: usize,
     /// Steps from one snapshot to the next.
@@ -24,20 +73,44 @@ impl History {
         step.is_multiple_of(self.stride) && !self.snapshots.contains_key(&step)
     }
 
-    /// Keeps a snapshot.
-    pub fn keep(&mut self, snapshot: RunSnapshot) {
-        self.bytes += snapshot.bytes();
-        self.snapshots.insert(snapshot.step(), snapshot);
+    /// Keeps a snapshot, and of the last collisions before it those since the one before.
+    pub fn keep(&mut self, snapshot: RunSnapshot, recent: &[Row]) {
+        let step = snapshot.step();
+        let before = self.snapshots.range(..step).next_back().map_or(0, |(before, _)| *before);
+        let rows = recent[recent.partition_point(|row| row.step < before)..].to_vec();
+        let kept = Kept { snapshot, rows };
+        self.bytes += kept.bytes();
+        self.snapshots.insert(step, kept);
         while self.bytes > self.budget && self.snapshots.len() > 1 {
             self.stride *= 2;
-            self.snapshots.retain(|step, _| step.is_multiple_of(self.stride));
+            self.thin_out();
             self.count();
+        }
+    }
+
+    /// Drops the snapshots that are not at a multiple of the stride; their collisions stay.
+    fn thin_out(&mut self) {
+        let mut rows = Vec::new();
+        for (step, mut kept) in std::mem::take(&mut self.snapshots) {
+            rows.append(&mut kept.rows);
+            keep_last(&mut rows, MAX_RECENT);
+            if step.is_multiple_of(self.stride) {
+                self.snapshots.insert(step, Kept { rows: std::mem::take(&mut rows), ..kept });
+            }
         }
     }
 
     /// The last snapshot at or before `step`.
     pub fn nearest(&self, step: u64) -> Option<&RunSnapshot> {
-        self.snapshots.range(..=step).next_back().map(|(_, snapshot)| snapshot)
+        self.snapshots.range(..=step).next_back().map(|(_, kept)| &kept.snapshot)
+    }
+
+    /// The last collisions before that snapshot.
+    pub fn recent(&self, step: u64) -> Vec<Row> {
+        let latest_first = self.snapshots.range(..=step).rev().flat_map(|(_, kept)| kept.rows.iter().rev());
+        let mut rows: Vec<Row> = latest_first.take(MAX_RECENT).cloned().collect();
+        rows.reverse();
+        rows
     }
 
     /// Forgets the snapshots at and after `step`.
@@ -52,7 +125,7 @@ impl History {
     }
 
     fn count(&mut self) {
-        self.bytes = self.snapshots.values().map(RunSnapshot::bytes).sum();
+        self.bytes = self.snapshots.values().map(Kept::bytes).sum();
     }
 }
 

@@ -10,9 +10,9 @@ const hash = (text) => `'sha256-${createHash('sha256').update(text).digest('base
 // The first part is inflated by a module of its own; zstd is a tenth smaller, and a worker has time for it.
 const zstd = ['LICENSE', 'umd/index.js'].map((name) => read(new URL(`node_modules/fzstd/${name}`, import.meta.url)));
 const room = `const EMPTY_ROOM = ${JSON.stringify(`${read(`${folder}/room.toml`)}\n`)};`;
-// Without comments and needless spaces. Names stay as they are, since the scripts share them.
+// Without comments and needless spaces, with short names inside of functions: the scripts share the others.
 const scripts = ['engine.js', 'texts.js', 'canvas.js', 'page.js'].map((name) =>
-  minify_sync(read(`${folder}/${name}`), { compress: false, mangle: false, ecma: 2020 }).code);
+  minify_sync(read(`${folder}/${name}`), { compress: false, mangle: true, ecma: 2020 }).code);
 const inflate = `const INFLATE = '${readFileSync(`${modules}/inflate.wasm`).toString('base64')}';`;
 /** The same code with escapes instead of other characters than ASCII: browsers read a page of one byte per character faster. */
 const escaped = (text, escape) => text.replace(/[^\0-\x7f]/g, (character) => escape(character.charCodeAt(0)));

@@ -11,13 +11,16 @@ function pageMain(source) {
   function short(number) {
     if (number === Infinity) return '∞';
     if (!Number.isFinite(number)) return '–';
-    const [digits, power] = String(Number(number.toPrecision(4))).split('e');
+    const rounded = Number(number.toPrecision(4));
+    const [digits, power] = (Math.abs(rounded) < 1e6 ? String(rounded) : rounded.toExponential()).split('e');
     const raised = power?.replace('+', '').replace(/./g, (sign) => (sign === '-' ? '⁻' : '⁰¹²³⁴⁵⁶⁷⁸⁹'[sign]));
     return local(`${digits.replace('-', '−')}${raised ? `·10${raised}` : ''}`);
   }
-  const couple = (x, y) => `(${short(x)}${state.language === 'fr' ? ' ;' : ','} ${short(y)})`;
+  const couple = (x, y) => `(${short(x)}${state.language === 'fr' ? '\u00a0;' : ','} ${short(y)})`;
   /** The text of a number with the decimal separator of the language. */
   const local = (text) => (state.language === 'fr' ? text.replace('.', ',') : text);
+  /** The name of a body as it is shown: walls are named by the engine. */
+  const shown = (name) => (state.language === 'fr' && Object.hasOwn(WALLS_FR, name) ? WALLS_FR[name] : name);
   const prefers = (query) => globalThis.matchMedia?.(query).matches ?? false;
 
   /** What an earlier visit kept; some browsers have no storage for files. */
@@ -30,8 +33,8 @@ function pageMain(source) {
   };
   const state = {
     language: (kept('language') ?? navigator.language ?? '').startsWith('fr') ? 'fr' : 'en',
-    playing: false, held: false, both: false, behind: 0, last: 0, rate: 60, rates: RATES, status: [null, null], journal: [null, null],
-    acts: [], film: null, grip: null, saved: '', panel: null, turn: 0, seeking: false, busy: 0, scene: '', bundled: [], cursor: null, selected: null, hinted: false,
+    playing: false, resume: false, held: false, both: false, behind: 0, last: 0, rate: 60, rates: RATES, status: [null, null], journal: [null, null],
+    acts: [], film: null, grip: null, saved: new Set(['']), panel: null, turn: 0, seeking: false, busy: 0, scene: '', bundled: [], cursor: null, selected: null, hinted: false,
   };
   const T = () => TEXTS[state.language];
   const stages = [new Stage($('canvas-0')), new Stage($('canvas-1'))];
@@ -76,8 +79,7 @@ function pageMain(source) {
     for (const which of [0, 1]) {
       const kept = state.journal[which];
       if (!kept) continue;
-      engine.load(which, kept.name, kept.scene);
-      engine.setLines(which, kept.lines);
+      engine.load(which, kept.name, kept.scene, kept.lines);
     }
     refresh();
     toast(T().restarted + message);
@@ -85,9 +87,15 @@ function pageMain(source) {
 
   // Sessions
 
-  const sides = () => (state.both ? [0, 1] : [0]);
+  const worlds = () => (state.both ? [0, 1] : [0]);
+  /** The worlds that are shown. */
+  const sides = () => (state.film ? [0] : worlds());
+  /** The world of the panels. */
+  const side = () => (sides().length > 1 ? Number($('side').value) : 0);
 
+  /** Remembers the session, which was changed. */
   function note(which) {
+    $('link-label').hidden = true;
     state.journal[which] = { name: state.status[which].name, scene: engine.scene(which), lines: engine.lines(which) };
   }
 
@@ -96,28 +104,38 @@ function pageMain(source) {
    * page, null for any other.
    */
   function load(name, text, lines = '', bundled = null) {
-    engine.load(0, name, text);
+    engine.load(0, name, text, lines);
+    closeFilm();
+    const isPutAside = written() && written() !== text;
     remember();
     state.scene = bundled;
-    closeFilm();
-    try {
-      if (lines) { engine.setLines(0, lines); remember(); }
-    } finally {
-      showSession();
-      state.saved = engine.lines(0);
-    }
+    $('editor').value = '';
+    showSession();
+    showAddress(bundled ? `#scene=${bundled}` : '');
+    if (isPutAside) toast(T().textAside, 'good');
   }
 
-  /** Remembers that the sessions were changed, and the scene before that. */
-  function remember(which = sides()) { state.acts.push({ which, scene: state.scene }); }
+  /** Remembers that the sessions were changed, and what was before that. */
+  function remember(which = sides(), both = state.both) {
+    state.acts.push({ which, both, scene: state.scene, written: written() });
+  }
+
+  /** These texts of the session need not be saved. */
+  function saved(texts = [engine.scene(0), engine.lines(0)]) { texts.forEach((text) => state.saved.add(text)); }
+
+  /** What was written in the editor and is not yet the scene. */
+  function written() {
+    const { value, defaultValue } = $('editor');
+    return value === defaultValue ? '' : value;
+  }
 
   /** Shows the session that the engine has started. */
   function showSession() {
-    Object.assign(state, { playing: false, behind: 0, busy: 0, selected: null, cursor: null });
+    stop();
+    Object.assign(state, { behind: 0, busy: 0, selected: null, cursor: null });
     view.reach = {};
     if (state.both) splitSolvers();
     stages.forEach((stage) => stage.clear());
-    $('editor').value = '';
     showText();
     $('editor-errors').textContent = '';
     refresh();
@@ -128,9 +146,9 @@ function pageMain(source) {
   /** Shows the text of the scene, unless another one is being written. */
   function showText() {
     const editor = $('editor');
-    const written = editor.value !== editor.defaultValue && editor.value;
+    const kept = written();
     editor.defaultValue = state.film ? state.film.scene : engine.scene(0);
-    editor.value = written || editor.defaultValue;
+    editor.value = kept || editor.defaultValue;
   }
 
   /** Starts the session beside, with the other solver. */
@@ -143,7 +161,7 @@ function pageMain(source) {
 
   /** What was changed in the first session is undone in these ones. */
   function regroup(which) {
-    state.acts = state.acts.filter((acted) => acted.which.includes(0)).map(({ scene }) => ({ which, scene }));
+    state.acts = state.acts.filter((acted) => acted.which[0] !== 1).map((acted) => ({ ...acted, which: acted.which.length ? which : [] }));
   }
 
   function refreshStatus() {
@@ -169,21 +187,21 @@ function pageMain(source) {
 
   /** Shows the present state everywhere. */
   function refresh() {
+    $('canvas-1').parentElement.hidden = sides().length < 2;
     if (!state.film) {
       const status = refreshStatus();
-      $('title').textContent = status.title || status.name;
-      nameScene(status.title || status.name);
-      document.title = `${status.title || status.name} – rebond`;
+      const title = bundledTitle(state.scene, status.title) || status.name;
+      nameScene(title);
+      document.title = `${title} – rebond`;
       const [gx, gy] = status.gravity ?? [0, 0];
-      $('set-g').value = gy;
+      Object.assign($('set-g'), { min: Math.min(-10, gy), max: Math.max(30, gy), value: gy });
       $('set-e').value = status.restitution;
       state.rates = [...new Set([...RATES, status.rate])].sort((a, b) => a - b);
       $('set-rate').max = state.rates.length - 1;
       $('set-rate').value = state.rates.indexOf(status.rate);
       const value = state.both ? 'both' : status.solver;
       all('[name="solver"]').forEach((radio) => { radio.checked = radio.value === value; });
-      const materials = new Set(['steel', 'wood', ...status.materials]);
-      $('materials').replaceChildren(...[...materials].map((name) => new Option(name)));
+      $('materials').replaceChildren(...status.materials.map((name) => new Option(name)));
       all('output').forEach(showOutput);
       // The sliders have fewer values than the world.
       setOutput($('set-g'), gx ? couple(gx, gy) : short(gy));
@@ -277,8 +295,8 @@ function pageMain(source) {
 
   function start() {
     if (state.seeking) return;
-    quiet();
     state.playing = true;
+    state.resume = false;
     state.behind = 0;
     hideHint();
     showPlay();
@@ -287,8 +305,16 @@ function pageMain(source) {
 
   function stop() {
     if (state.playing) sayTime();
-    state.playing = false;
+    Object.assign(state, { playing: false, resume: false });
     showPlay();
+  }
+
+  function playOrStop() {
+    if (state.playing || state.resume) stop();
+    else {
+      quiet();
+      start();
+    }
   }
 
   function sayTime() { say($('scrub').getAttribute('aria-valuetext')); }
@@ -306,7 +332,7 @@ function pageMain(source) {
       if (engine.x.step(which, 1) && which === 0) going = false;
       const stage = stages[which];
       if (view.show.has('normal') || view.show.has('penetration') || view.show.has('impulse')) {
-        stage.flash(engine.collisions(which), prefers('(prefers-reduced-motion: reduce)') ? 1 : 12);
+        stage.flash(engine.collisions(which), 12);
       }
       if (view.show.has('trail')) {
         stage.bodies = engine.bodies(which, 0, view.color);
@@ -347,8 +373,8 @@ function pageMain(source) {
       state.frame = { step: stepped - began, paint: performance.now() - stepped };
       if (!going) { stop(); refresh(); return; }
       tick += 1;
-      if (tick % 6 === 0) { showTime(); if (engine.status(0).refused.length) refreshStatus(); }
-      if (tick % 15 === 0) { refreshStatus(); showPanel(); }
+      if (tick % 6 === 0) { showTime(); refreshStatus(); }
+      if (tick % 15 === 0) showPanel();
     });
   }
   let tick = 0;
@@ -393,10 +419,28 @@ function pageMain(source) {
     await advance();
   }
 
-  /** Reaches the steps that the sessions go to. */
+  /** Reaches the steps that the sessions go to. Returns false if another call has replaced this one. */
   async function advance() {
-    const isReached = () => sides().map((which) => engine.x.advance(which, 4)).every((reached) => reached);
-    if (await inSlices(isReached)) refresh();
+    const isReached = () => worlds().map((which) => engine.x.advance(which, 4)).every((reached) => reached);
+    const done = await inSlices(isReached);
+    if (done) refresh();
+    return done;
+  }
+
+  /** Changes the sessions, reaches the present time again, and goes on if the world ran before the first such change. */
+  async function again(change) {
+    const resume = state.playing || state.resume;
+    stop();
+    state.resume = resume;
+    try {
+      change();
+    } finally {
+      if (await advance()) {
+        sides().forEach(note);
+        showText();
+        if (state.resume) start();
+      }
+    }
   }
 
   async function stepForward() {
@@ -418,7 +462,7 @@ function pageMain(source) {
     return state.film !== null;
   }
 
-  /** Runs to the next collision with an impulse, stops, and shows its figures. */
+  /** Runs to the next collision in the world of the panels, stops, and shows its figures. */
   async function nextCollision() {
     if (state.seeking || isFixed()) return;
     stop();
@@ -428,8 +472,7 @@ function pageMain(source) {
     let found = false;
     const finished = await inSlices(() => {
       if (!stepAll()) return true;
-      const c = engine.collisions(0);
-      for (let i = 5; i < c.length; i += Engine.COLLISION) found ||= c[i] !== 0;
+      found = engine.x.collisions(side()) > 0;
       return found || engine.x.step_now(0) >= last;
     });
     if (!finished) return;
@@ -457,6 +500,7 @@ function pageMain(source) {
     const before = names();
     const undone = [];
     let problem = null;
+    engine.x.name_boxes(state.language === 'fr' ? 1 : 0);
     for (const which of sides()) {
       try {
         try {
@@ -475,12 +519,18 @@ function pageMain(source) {
       }
     }
     if (undone.length) remember(undone);
-    for (const which of sides()) { state.status[which] = engine.status(which); note(which); }
+    let removed = 0;
+    for (const which of sides()) {
+      state.status[which] = engine.status(which);
+      removed ||= state.status[which].removed;
+      note(which);
+    }
     hideHint();
     refresh();
     const after = names();
     const said = [...after].filter((name) => !before.has(name)).map(T().made).concat([...before].filter((name) => !after.has(name)).map(T().gone));
     if (said.length) say(said.join(', '));
+    if (removed) toast(T().removed(removed), 'good');
     if (problem) toast(T().refused + problem.message);
   }
 
@@ -518,50 +568,46 @@ function pageMain(source) {
   async function undo() {
     if (isFixed()) return;
     const acted = state.acts.pop();
-    if (!acted || acted.which.map((which) => engine.x.undo(which)).every(Boolean)) { toast(T().nothingToUndo, 'good'); return; }
-    const playing = state.playing;
-    stop();
+    if (!acted || (acted.which.length && acted.which.map((which) => engine.x.undo(which)).every(Boolean))) { toast(T().nothingToUndo, 'good'); return; }
     quiet();
     if (acted.scene !== state.scene) {
       state.scene = acted.scene;
       $('scenes').value = state.scene ?? 'own';
     }
     stages.forEach((stage) => stage.clear());
-    await advance();
-    showText();
-    sides().forEach(note);
+    await again(() => { if (acted.both !== state.both) setBoth(acted.both); });
+    if (!written()) $('editor').value = acted.written || $('editor').value;
     say(T().undone);
-    if (playing) start();
   }
 
   async function setting(key, value) {
     if (isFixed()) return;
-    const playing = state.playing;
-    stop();
-    for (const which of sides()) engine.set(which, key, value);
-    remember();
-    await advance();
-    sides().forEach(note);
-    showText();
-    if (playing) start();
+    await again(() => {
+      for (const which of sides()) engine.set(which, key, value);
+      remember();
+    });
   }
 
-  async function setSolver(value) {
-    if (isFixed()) return;
-    stop();
-    state.both = value === 'both';
-    if (value === 'both') splitSolvers();
+  /** Starts the session beside the first one, or ends it. */
+  function setBoth(both) {
+    state.both = both;
+    if (both) splitSolvers();
     else {
       engine.x.unload(1);
       state.journal[1] = null;
       regroup([0]);
-      if (engine.status(0).solver !== value) { engine.set(0, 'run.solver', `"${value}"`); remember(); }
     }
-    $('canvas-1').parentElement.hidden = !state.both;
-    $('side-label').hidden = !state.both;
-    await advance();
-    sides().forEach(note);
-    showText();
+  }
+
+  async function setSolver(value) {
+    if (isFixed()) return;
+    await again(() => {
+      const before = state.both;
+      if (before !== (value === 'both')) setBoth(!before);
+      const isOther = !state.both && engine.status(0).solver !== value;
+      if (isOther) engine.set(0, 'run.solver', `"${value}"`);
+      if (isOther || before !== state.both) remember(isOther ? [0] : [], before);
+    });
   }
 
   // Pointer
@@ -572,6 +618,8 @@ function pageMain(source) {
     let grip = null;
     const release = () => { grip = null; state.grip = null; state.held = false; view.marks = []; };
     canvas.addEventListener('pointerdown', (event) => {
+      // A second finger lets go what the first one holds.
+      if (event.pointerType === 'touch' && !event.isPrimary) { state.grip?.(); return; }
       if (event.button !== 0 || state.seeking || grip || isFixed()) return;
       const at = stage.point(event);
       const index = bodyAt(which, at, event.pointerType === 'touch' ? 12 : 0);
@@ -683,8 +731,9 @@ function pageMain(source) {
   }
 
   function pageKey(event) {
-    if (event.ctrlKey || event.metaKey || event.altKey || $('enlarged').open) return;
     const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
+    const isUndo = key === 'z' && (event.ctrlKey || event.metaKey) && !event.shiftKey;
+    if (((event.ctrlKey || event.metaKey) && !isUndo) || event.altKey || $('enlarged').open) return;
     if (state.grip) {
       // While a box is held, a key only lets it go.
       if (key === 'Escape') state.grip();
@@ -693,8 +742,10 @@ function pageMain(source) {
     }
     const of = (controls) => event.target.closest(controls);
     if (key !== 'Escape' && of('textarea, input:not([type="range"]):not([type="checkbox"]):not([type="radio"])')) return;
+    // A list goes to the entry that begins with a letter.
+    if (key.length === 1 && !isUndo && of('select')) return;
     const keys = {
-      ' ': of('button, select, input:not([type="range"])') ? null : () => (state.playing ? stop() : start()),
+      ' ': of('button, input:not([type="range"])') ? null : playOrStop,
       ',': stepBack, '.': stepForward, n: nextCollision, z: undo,
       Home: of('button, select, input') ? null : () => seek(0),
       b: () => setSolver(state.both ? state.status[0].solver : 'both'), Escape: () => (state.panel ? closePanel() : quiet()),
@@ -727,20 +778,23 @@ function pageMain(source) {
     if (shown) { $('panel').scrollTop = 0; $('panel').scrollIntoView({ block: 'nearest' }); }
   }
 
+  function showSide() { $('side-label').hidden = sides().length < 2 || !['data', 'collision', 'files'].includes(state.panel); }
+
   function showPanel() {
+    showSide();
     if (state.panel === 'data') showData();
     if (state.panel === 'collision' && !state.film) showCollision();
     if (state.panel === 'files') showCommand();
   }
 
   function showData() {
-    const stage = stages[0];
+    const stage = stages[side()];
     for (const id of ['strip', 'legend', 'energy', 'bodies-help', 'recent']) $(id).hidden = state.film !== null;
     if (!state.film) {
-      drawStrip($('strip'), engine.numbers(engine.x.energy(0), 5), state.rate, engine.x.step_now(0), view.theme, (top, momentum, last) => [
+      drawStrip($('strip'), engine.numbers(engine.x.energy(side()), 5), state.rate, engine.x.step_now(side()), view.theme, (top, momentum, last) => [
         T().peaks(short(top), short(momentum)), `${short(last)} s`,
       ]);
-      engine.x.energy_now(0);
+      engine.x.energy_now(side());
       const [k, p, px, py] = engine.numbers(4, 1);
       $('energy').textContent = T().energy(...[k, p, k + p, px, py].map(short));
     }
@@ -765,11 +819,11 @@ function pageMain(source) {
     });
     if (hidden) { const row = table.insertRow(); row.insertCell().textContent = T().more(hidden); row.cells[0].colSpan = 6; }
     if (state.film) return;
-    const recent = JSON.parse(engine.ask(engine.x.recent_collisions(0)));
-    const collisions = recent.slice(-LIMITS.rows).reverse().map(([, t, a, b, nx, ny, e, before, after, j]) => {
+    const recent = JSON.parse(engine.ask(engine.x.recent_collisions(side())));
+    const collisions = recent.slice(-LIMITS.rows).reverse().map(([t, c, b, nx, ny, e, before, after, j]) => {
       const row = document.createElement('tr');
       const normal = nx > 0 ? '→' : nx < 0 ? '←' : ny > 0 ? '↓' : '↑';
-      for (const text of [short(t), a, b, normal, short(e), short(before), short(after), short(j)]) row.insertCell().textContent = text;
+      for (const text of [short(t), shown(c), shown(b), normal, short(e), short(before), short(after), short(j)]) row.insertCell().textContent = text;
       return row;
     });
     $('collisions').replaceChildren(...collisions);
@@ -789,9 +843,10 @@ function pageMain(source) {
     const button = event.target.closest('button');
     if (!button || state.film) return;
     const name = button.textContent;
-    const index = stages[0].names.findIndex(([other]) => other === name);
+    const stage = stages[side()];
+    const index = stage.names.findIndex(([other]) => other === name);
     if (index < 0) return;
-    const b = stages[0].bodies.slice(index * Engine.BODY, (index + 1) * Engine.BODY);
+    const b = stage.bodies.slice(index * Engine.BODY, (index + 1) * Engine.BODY);
     const arrow = ARROWS[event.key];
     if (arrow) {
       const length = event.shiftKey ? 1 : 0.1;
@@ -816,20 +871,13 @@ function pageMain(source) {
   }
 
   function showCollision() {
-    const c = engine.collisions(0).slice();
-    const name = (id) => stages[0].names[[...stages[0].names.keys()].find((n) => stages[0].bodies[n * Engine.BODY] === id)]?.[0] ?? `#${id}`;
-    // The figures call the body of finite mass c, else the one created first, whatever the order of the collision.
-    const isInfinite = (id) => { const b = stages[0].bodies; for (let i = 0; i < b.length; i += Engine.BODY) if (b[i] === id) return b[i + 7] === Infinity; return false; };
-    for (let i = 0; i < c.length; i += Engine.COLLISION) {
-      const [x, y] = [isInfinite(c[i]), isInfinite(c[i + 1])];
-      if (x === y ? c[i] < c[i + 1] : y) continue;
-      [c[i], c[i + 1]] = [c[i + 1], c[i]];
-      for (const at of [2, 3, 9, 10]) c[i + at] = -c[i + at] || 0;
-    }
-    const indices = [];
-    for (let i = 0; i < c.length / Engine.COLLISION; i += 1) if (c[i * Engine.COLLISION + 5]) indices.push(i);
+    const c = engine.collisions(side()).slice();
+    const { bodies, names } = stages[side()];
+    const name = (id) => shown(names[[...names.keys()].find((n) => bodies[n * Engine.BODY] === id)]?.[0] ?? `#${id}`);
+    const indices = [...Array(c.length / Engine.COLLISION).keys()];
     $('pick').hidden = indices.length < 2;
-    const key = `${engine.x.step_now(0)} ${indices} ${view.theme} ${state.language}`;
+    const step = `${side()}:${engine.x.step_now(side())}`;
+    const key = `${step} ${indices} ${view.theme} ${state.language}`;
     if (!indices.length) {
       $('collision-text').textContent = T().noCollision;
       $('collision-numbers').replaceChildren();
@@ -838,7 +886,7 @@ function pageMain(source) {
       return;
     }
     if (state.figureKey === key) return;
-    if (state.figureKey?.split(' ')[0] !== String(engine.x.step_now(0)) || $('collision-index').options.length !== indices.length) {
+    if (state.figureKey?.split(' ')[0] !== step || $('collision-index').options.length !== indices.length) {
       $('collision-index').replaceChildren(...indices.map((i) => new Option(`${name(c[i * Engine.COLLISION])} – ${name(c[i * Engine.COLLISION + 1])}`, i)));
     }
     state.figureKey = key;
@@ -847,6 +895,9 @@ function pageMain(source) {
     const [a, b] = [name(n[0]), name(n[1])];
     $('collision-text').textContent = T().collided(a, b, short(n[8]));
     const rows = { a, b, t: `${short(n[8])} s`, n: couple(n[2], n[3]), e: short(n[4]), before: `${short(n[6])} m/s`, after: `${short(n[7])} m/s`, j: `${short(n[5])} N·s`, p: `${couple(n[9], n[10])} m` };
+    const [nc, nb] = n.subarray(19);
+    // The event-driven solver displaces no body.
+    if (nc || nb) Object.assign(rows, { nc: short(nc), nb: short(nb), dc: `${couple(nc * n[9], nc * n[10])} m`, db: `${couple(-nb * n[9], -nb * n[10])} m` });
     $('collision-numbers').replaceChildren(...Object.entries(rows).flatMap(([key, text]) => {
       const [dt, dd] = [document.createElement('dt'), document.createElement('dd')];
       dt.textContent = T().numbers[key];
@@ -856,7 +907,7 @@ function pageMain(source) {
     for (const kind of [0, 1]) {
       const image = $(`figure-${kind + 1}`);
       attempt(() => {
-        const svg = engine.file(engine.x.figure(0, index, kind, view.theme === 'dark' ? 1 : 0, state.language === 'fr' ? 1 : 0));
+        const svg = engine.file(engine.x.figure(side(), index, kind, view.theme === 'dark' ? 1 : 0, state.language === 'fr' ? 1 : 0));
         if (image.src.startsWith('blob:')) URL.revokeObjectURL(image.src);
         image.src = URL.createObjectURL(new Blob([svg], { type: 'image/svg+xml' }));
         image.alt = `${T()[`figure${kind + 1}`]}: ${T().collided(a, b, short(n[8]))}`;
@@ -867,7 +918,6 @@ function pageMain(source) {
 
   // Files out
 
-  const side = () => (state.both && !state.film ? Number($('side').value) : 0);
   const base = () => (state.film ? state.film.name : state.status[side()].name).replace(/\.(toml|mcap)$/, '') + (side() ? '-2' : '');
 
   function download(name, bytes, type = 'application/octet-stream') {
@@ -913,7 +963,8 @@ function pageMain(source) {
 
   function showCommand() {
     const { flags } = lookOptions([1280, 720]);
-    $('command').textContent = T().command(`rebond render ${base()}.mcap -o ${base()}.png --at ${present()} ${flags}`);
+    const quoted = (name) => (/^\w[\w.+-]*$/.test(name) ? name : `'${name.replaceAll("'", "'\\''")}'`);
+    $('command').textContent = T().command(`rebond render ${quoted(`${base()}.mcap`)} -o ${quoted(`${base()}.png`)} --at ${present()} ${flags}`);
   }
 
   /** Does a job in a worker, so that the page stays usable; without workers, here. */
@@ -943,6 +994,7 @@ function pageMain(source) {
     if (state.busy) return;
     const busy = (state.busy = performance.now());
     const film = state.film;
+    const [scene, lines] = [engine.scene(0), engine.lines(0)];
     stop();
     toast(T().working, 'good');
     try {
@@ -950,7 +1002,7 @@ function pageMain(source) {
       else if (kind === 'toml') download(`${name}.toml`, film ? film.scene : engine.ask(engine.x.recorded_scene(which)));
       else if (kind === 'clicks') download(`${name}-clicks.toml`, engine.ask(film ? engine.x.film_scene_with_events() : engine.x.scene_with_events(which)));
       else if (kind === 'jsonl') download(`${name}.jsonl`, film ? engine.ask(engine.x.film_lines()) : engine.lines(which));
-      else if (kind === 'link') await makeLink(which);
+      else if (kind === 'link') await makeLink(sides().length > 1 ? 0 : which);
       else {
         const file = await recording(which);
         const table = { states: 0, collisions: 1 }[kind];
@@ -963,7 +1015,10 @@ function pageMain(source) {
         const type = { png: 'image/png', svg: 'image/svg+xml', gif: 'image/gif' }[kind] ?? 'text/csv';
         download(table === undefined ? `${name}.${kind}` : `${name}-${kind}.csv`, bytes, type);
       }
-      if (!film && ['mcap', 'clicks', 'jsonl', 'link'].includes(kind)) state.saved = engine.lines(0);
+      // What is clicked meanwhile is in no file.
+      if (!film && ['mcap', 'clicks', 'link'].includes(kind)) saved([scene, lines]);
+      if (!film && kind === 'toml') saved([scene]);
+      if (!film && kind === 'jsonl') saved([lines]);
     } finally {
       if (state.busy === busy) state.busy = 0;
     }
@@ -971,6 +1026,7 @@ function pageMain(source) {
 
   async function makeLink(which) {
     const session = { n: state.film?.name ?? state.status[which].name, s: state.film?.scene ?? engine.scene(which), l: state.film ? engine.ask(engine.x.film_lines()) : engine.lines(which), t: present() };
+    if (sides().length > 1) session.b = 1;
     const packed = toBase64(await compressed(encoder.encode(JSON.stringify(session)), 'deflate-raw'));
     const fragment = `s=${packed.replaceAll('+', '-').replaceAll('/', '_').replaceAll('=', '')}`;
     if (fragment.length > LIMITS.link) { toast(T().linkLong(fragment.length)); document.querySelector('[data-file="clicks"]').focus(); return; }
@@ -981,9 +1037,15 @@ function pageMain(source) {
     try { await navigator.clipboard.writeText(link); toast(T().linkCopied, 'good'); } catch { quiet(); }
   }
 
+  /** Makes the fragment of the address name the scene that is shown. */
+  function showAddress(hash) {
+    try { history.replaceState(null, '', location.href.split('#')[0] + hash); } catch { /* a page in a frame may not */ }
+  }
+
   /** Opens what the fragment of the address names: `#s=SESSION`, or `#scene=NAME` with `&both` and `&t=STEP`. */
   async function openFragment() {
-    const fragment = location.hash.slice(1);
+    const { hash } = location;
+    const fragment = hash.slice(1);
     if (!fragment) return false;
     try {
       if (fragment.length > LIMITS.fragment) throw new Error(`${fragment.length} bytes`);
@@ -991,6 +1053,9 @@ function pageMain(source) {
         const packed = fromBase64(fragment.slice(2).replaceAll('-', '+').replaceAll('_', '/').replace(/[^A-Za-z0-9+/]/g, '?').padEnd(Math.ceil((fragment.length - 2) / 4) * 4, '='));
         const session = JSON.parse(decoder.decode(await decompressed(packed, 'deflate-raw', LIMITS.scene)));
         load(String(session.n || 'scene.toml').replace(/[\r\n/\\]/g, ' ').slice(0, 200), String(session.s), String(session.l ?? ''));
+        if (session.b) await setSolver('both');
+        saved();
+        showAddress(hash);
         await seek(Math.min(Math.max(Number(session.t) || 0, 0), 1e6));
         return true;
       }
@@ -999,6 +1064,7 @@ function pageMain(source) {
       const found = bundled().find(([other]) => other === name);
       if (!found) throw new Error(name ? `there is no scene ${JSON.stringify(name)}` : 'it names no scene');
       choose(name);
+      showAddress(hash);
       if (wanted.has('both')) await setSolver('both');
       if (wanted.has('t')) await seek(Math.min(Number(wanted.get('t')) || 0, 1e6));
       return true;
@@ -1023,28 +1089,28 @@ function pageMain(source) {
     if (magic || ending === 'mcap') await openFilm(name, bytes);
     else if (ending === 'jsonl') {
       const events = text();
+      for (const which of worlds()) engine.setLines(which, events);
       closeFilm();
       stop();
-      for (const which of sides()) engine.setLines(which, events);
       remember();
       refresh();
       sides().forEach(note);
-      state.saved = engine.lines(0);
-    } else if (ending === 'toml') load(name, text());
-    else toast(T().unknownFile);
+      saved([engine.lines(0)]);
+    } else if (ending === 'toml') {
+      load(name, text());
+      saved();
+    } else toast(T().unknownFile);
   }
 
   async function openFilm(name, bytes) {
     stop();
     const about = engine.film(bytes);
-    state.film = { ...about, name, bytes, step: 0 };
+    state.film = { ...about, name, bytes, step: 0, written: state.film ? state.film.written : written() };
     view.reach = {};
     if (state.panel === 'collision') openPanel(null);
-    if (state.both) { regroup([0]); state.both = false; $('canvas-1').parentElement.hidden = true; $('side-label').hidden = true; engine.x.unload(1); state.journal[1] = null; }
     stages[0].trails.clear();
-    $('title').textContent = about.title || name;
-    document.title = `${about.title || name} – rebond`;
     nameScene(about.title || name);
+    document.title = `${about.title || name} – rebond`;
     $('film').hidden = false;
     $('film-title').textContent = name;
     $('film-step').hidden = true;
@@ -1108,6 +1174,7 @@ function pageMain(source) {
 
   function closeFilm() {
     if (!state.film) return;
+    const kept = state.film.written;
     state.film = null;
     engine.x.film_close();
     $('film').hidden = true;
@@ -1116,6 +1183,7 @@ function pageMain(source) {
     $('scenes').value = state.scene ?? 'own';
     $('editor').value = '';
     showText();
+    $('editor').value = kept || $('editor').value;
     refresh();
   }
 
@@ -1132,6 +1200,7 @@ function pageMain(source) {
     }
     if (state.film?.verdict) showDivergence();
     $('help').replaceChildren(...T().helpLines.map((line) => { const li = document.createElement('li'); li.textContent = line; return li; }));
+    for (const [name, text] of state.bundled) $('scenes').querySelector(`[value="${name}"]`).textContent = bundledTitle(name, titleOf(text, name));
     if (!state.hinted) $('hint').textContent = T().hint;
     showPlay();
   }
@@ -1146,24 +1215,30 @@ function pageMain(source) {
   function choose(name) {
     const text = name ? bundled().find(([other]) => other === name)?.[1] : undefined;
     load(name ? `${name}.toml` : 'room.toml', text ?? EMPTY_ROOM, '', text ? name : '');
+    saved();
     $('scenes').value = text ? name : '';
   }
 
   /** Shows the title of a scene that is not bundled among the scenes. */
   function nameScene(title) {
+    $('title').textContent = title;
     if (state.scene !== null && !state.film) return;
     const options = $('scenes').options;
     const own = [...options].find((option) => option.value === 'own') ?? new Option('', 'own');
-    own.textContent = title;
+    const isTaken = [...options].some((option) => option !== own && option.textContent === title);
+    own.textContent = isTaken && !state.film ? T().ownScene : title;
     if (!own.parentNode) $('scenes').add(own, 0);
     $('scenes').value = 'own';
   }
+
+  /** The title of a scene of the page in the language of the page, or the given one of another scene. */
+  const bundledTitle = (name, title) => (name === '' ? T().emptyRoom : (state.language === 'fr' && TITLES_FR[name]) || title);
 
   function titleOf(text, name) { return /^title = "((?:[^"\\]|\\.)*)"/m.exec(text)?.[1] ?? name; }
 
   function wire() {
     const on = (id, event, action) => $(id).addEventListener(event, (ev) => { attempt(() => action(ev)); });
-    on('play', 'click', () => (state.playing ? stop() : start()));
+    on('play', 'click', playOrStop);
     on('forward', 'click', stepForward);
     on('back', 'click', stepBack);
     on('restart', 'click', () => seek(0));
@@ -1176,17 +1251,19 @@ function pageMain(source) {
     // Closing the message of a file that is being made ends that, too.
     on('toast-close', 'click', () => { quiet(); state.busy = 0; });
     on('panel-close', 'click', closePanel);
+    on('side', 'change', showPanel);
     on('clear', 'click', async () => { stop(); for (const which of sides()) engine.setLines(which, ''); remember(); await seek(0); sides().forEach(note); say(T().cleared); });
     on('set-g', 'change', () => setting('world.gravity', pair([state.status[0].gravity?.[0] ?? 0, Number($('set-g').value)])));
     on('set-e', 'change', () => setting('restitution.default', decimal(Number($('set-e').value))));
     on('set-rate', 'change', () => setting('run.rate', decimal(state.rates[$('set-rate').value])));
     on('solvers', 'change', (event) => setSolver(event.target.value));
     on('colour', 'change', () => { view.color = Number($('colour').value); refresh(); });
-    on('collision-index', 'change', () => { state.figureKey = `${engine.x.step_now(0)} -`; showCollision(); });
+    on('collision-index', 'change', () => { state.figureKey = `${side()}:${engine.x.step_now(side())} -`; showCollision(); });
     on('open', 'change', async () => { const [file] = $('open').files; await openFile(file); $('open').value = ''; });
     on('run-text', 'click', () => {
       try {
-        load(state.film ? `${base()}.toml` : state.status[0].name, $('editor').value);
+        const lines = state.film ? engine.ask(engine.x.film_lines()) : engine.lines(0);
+        load(state.film ? `${base()}.toml` : state.status[0].name, $('editor').value, lines);
       } catch (error) {
         if (!(error instanceof Refusal)) throw error;
         $('editor-errors').textContent = error.message;
@@ -1200,9 +1277,10 @@ function pageMain(source) {
     }));
     on('enlarged-close', 'click', () => $('enlarged').close());
     on('film-close', 'click', closeFilm);
-    on('film-scene', 'click', () => load(`${base()}.toml`, state.film.scene, engine.ask(engine.x.film_lines())));
+    on('film-scene', 'click', () => { load(`${base()}.toml`, state.film.scene, engine.ask(engine.x.film_lines())); saved(); });
     on('film-step', 'click', () => showFilm(Math.min(state.film.verdict.diverged, state.film.steps)));
     on('box-m', 'input', () => blueprint());
+    on('box-fixed', 'change', () => blueprint());
     on('bodies', 'click', (event) => { const button = event.target.closest('button'); if (button) { state.selected = state.selected === button.textContent ? null : button.textContent; refresh(); } });
     $('bodies').addEventListener('keydown', listKey);
     all('[data-panel]').forEach((button) => button.addEventListener('click', ({ detail }) => attempt(() => {
@@ -1216,7 +1294,7 @@ function pageMain(source) {
     addEventListener('keydown', () => { isPointer = false; }, true);
     addEventListener('click', ({ detail, target }) => { if (detail && target.closest?.('header button, #transport button, #film button, #panel-close')) document.activeElement.blur(); });
     all('header select, #transport select').forEach((select) => select.addEventListener('change', () => { if (isPointer) select.blur(); }));
-    addEventListener('beforeunload', (event) => { if (engine && ![state.saved, ''].includes(engine.lines(0))) event.preventDefault(); });
+    addEventListener('beforeunload', (event) => { if (engine && ![engine.scene(0), engine.lines(0)].every((text) => state.saved.has(text)) || written()) event.preventDefault(); });
     all('[data-file]').forEach((button) => button.addEventListener('click', () => attempt(() => save(button.dataset.file))));
     all('input[type="range"]').forEach((input) => input.addEventListener('input', () => { const output = input.nextElementSibling; if (output) showOutput(output); }));
     addEventListener('keydown', pageKey);
@@ -1265,7 +1343,7 @@ function pageMain(source) {
     if (!state.bundled.length) {
       engine.x.bundled();
       state.bundled = JSON.parse(engine.text());
-      for (const [name, text] of state.bundled) $('scenes').add(new Option(titleOf(text, name), name));
+      for (const [name, text] of state.bundled) $('scenes').add(new Option(bundledTitle(name, titleOf(text, name)), name));
     }
     return state.bundled;
   }
@@ -1276,6 +1354,7 @@ function pageMain(source) {
     engine = await Engine.create();
     view.marks = [];
     showSession();
+    saved();
     started.resolve();
     const times = { engine: performance.now() };
     globalThis.rebond = { get engine() { return engine; }, state, view, stages, times, seek, click, openFile, recording };

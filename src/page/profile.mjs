@@ -26,6 +26,7 @@ function show(which) {
 }
 
 // Boxes are made, collide with each other and with the walls, are thrown and deleted; time stands, runs and goes back.
+x.name_boxes(0);
 for (const now of [1, 0]) {
   for (const at of [2, 5, 8]) {
     give(`{"click": {"at": [${at}, 6.5], "spawn": {"size": [1.0, 1.0], "mass": 1.0, "velocity": [${9 - 2 * at}, 0.0], "material": "wood"}}}`);

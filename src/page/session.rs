@@ -1,15 +1,18 @@
 use crate::columns::{ColorKey, push_body, push_collision};
+use crate::film::added_lines;
+use crate::history::{MAX_RECENT, Row, keep_last};
 use crate::scene_text::{SceneText, retimed, with_events, with_steps};
 use crate::{EnergyStrip, EventLine, FigureKind, History, Save, collision_figure};
 use rebond::internals::picture::{EnergySample, body_color};
 use rebond::internals::recording::color_and_image;
 use rebond::internals::replay::RunSnapshot;
 use rebond::internals::scene::{Action, Blueprint, Input, InputLocation, SpawnRequest};
-use rebond::recordings::{BodyInfo, Change};
+use rebond::recordings::{BodyInfo, Change, RecordedEvent};
 use rebond::{
     Body, BodyId, Collision, Diagnostic, Language, Run, Scene, SceneError, StepError, Theme, Vector, parse_scene,
 };
-use std::collections::{BTreeMap, VecDeque};
+use serde_json::json;
+use std::collections::BTreeMap;
 use std::rc::Rc;
 
 /// The largest number of bodies alive.
@@ -23,9 +26,6 @@ const MAX_LINES: usize = 100_000;
 
 /// Bytes of snapshots of a session.
 const HISTORY_BYTES: usize = 48 << 20;
-
-/// The collisions that the table shows.
-const MAX_RECENT: usize = 200;
 
 /// Sessions that undo can return to.
 const MAX_UNDO: usize = 200;
@@ -64,18 +64,22 @@ pub struct Session {
     pub strip: EnergyStrip,
     /// All bodies that were ever spawned, for their names, materials and colours.
     infos: BTreeMap<BodyId, BodyInfo>,
-    /// The collisions of the last step.
+    /// The collisions of the last step that changed a velocity or a place.
     pub collisions: Vec<Collision>,
-    /// The last collisions with an impulse, and the names of their bodies.
-    pub recent: VecDeque<(Collision, [String; 2])>,
+    /// The last ones of all steps until now.
+    recent: Vec<Row>,
     /// The last step that was reached.
     end: u64,
     /// The step to go to.
     target: u64,
     failure: Option<String>,
     refused: Vec<String>,
+    /// The events after the present step that the last event removed.
+    removed: usize,
     undo: Vec<Before>,
     top_speed: f64,
+    /// The word for a box without a name, before its number.
+    pub box_name: &'static str,
 }
 
 impl Session {
@@ -107,13 +111,15 @@ impl Session {
             strip: EnergyStrip::new(),
             infos: BTreeMap::new(),
             collisions: Vec::new(),
-            recent: VecDeque::new(),
+            recent: Vec::new(),
             end: 0,
             target: 0,
             failure: None,
             refused: Vec::new(),
+            removed: 0,
             undo: Vec::new(),
             top_speed: 0.0,
+            box_name: "box",
         };
         session.rewind(0);
         session.failure.clone().map_or(Ok(session), Err)
@@ -154,6 +160,11 @@ impl Session {
     /// Messages about lines that were refused and dropped since the last call.
     pub fn take_refused(&mut self) -> Vec<String> {
         std::mem::take(&mut self.refused)
+    }
+
+    /// The number of later events that an event has removed since the last call.
+    pub fn take_removed(&mut self) -> usize {
+        std::mem::take(&mut self.removed)
     }
 
     /// The bytes of its snapshots.
@@ -222,12 +233,10 @@ impl Session {
             self.failure = Some(error.to_string());
             return;
         }
-        for collision in self.collisions.iter().filter(|collision| collision.impulse != 0.0) {
-            let name = |id: &BodyId| self.infos.get(id).map_or(String::new(), |info| info.spawn.name.clone());
-            self.recent.push_back((collision.clone(), collision.bodies.each_ref().map(name)));
-        }
-        let surplus = self.recent.len().saturating_sub(MAX_RECENT);
-        self.recent.drain(..surplus);
+        self.collisions.retain(changes_something);
+        let rows: Vec<Row> = self.collisions.iter().map(|collision| Row::of(&self.as_in_figures(collision))).collect();
+        self.recent.extend(rows);
+        keep_last(&mut self.recent, MAX_RECENT);
         self.apply_lines();
         self.end = self.end.max(self.step_now());
     }
@@ -270,7 +279,7 @@ impl Session {
     pub fn event(&mut self, text: &str, when: When) -> Result<(), String> {
         let step = self.step_of(when);
         let mut line = EventLine::parse(text, Some(step))?;
-        let name = self.free_name("box", 1);
+        let name = self.free_name(1);
         if let Some(body) = line.blueprint_mut() {
             body.name.get_or_insert(name);
         }
@@ -287,10 +296,9 @@ impl Session {
             self.bodies().iter().find(|body| body.name == name).ok_or_else(|| format!("{name:?} is not alive"))?;
         let info = self.infos.get(&body.id).ok_or("the body is unknown")?.clone();
         let new_name = match name.strip_prefix('#') {
-            Some(number) => self.free_name("box", number.parse().unwrap_or(1)),
+            Some(number) => self.free_name(number.parse().unwrap_or(1)),
             None => name.to_owned(),
         };
-        let [red, green, blue] = body_color(&info);
         let spawn = &info.spawn;
         let blueprint = Blueprint {
             name: Some(new_name.clone()),
@@ -299,7 +307,7 @@ impl Session {
             velocity: Vector::new(velocity[0], velocity[1]),
             force: spawn.force,
             material: spawn.material.clone(),
-            color: Some(format!("#{red:02x}{green:02x}{blue:02x}")),
+            color: Some(hex(body_color(&info))),
             image: color_and_image(info.color.as_deref()).1.map(str::to_owned),
         };
         let step = self.step_of(when);
@@ -307,23 +315,88 @@ impl Session {
         let spawn = EventLine { step, action: Action::Spawn(request) };
         // The parser checks the numbers.
         EventLine::parse(&spawn.json(), None)?;
-        let of_this_step = |line: &EventLine| line.step == step;
-        let own = self.lines.iter().position(|line| {
-            of_this_step(line) && line.blueprint().is_some_and(|body| body.name.as_deref() == Some(name))
-        });
-        match own {
+        let lines = self.lines_with_throw(name, spawn);
+        let count = self.bodies().len();
+        let is_dropped = |session: &Session| {
+            session.bodies().len() == count && session.bodies().iter().any(|body| body.name == new_name)
+        };
+        self.replace(lines, when, is_dropped)?;
+        Ok(new_name)
+    }
+
+    /// The lines until the step of `spawn`, which spawns the body `name` again in that step.
+    fn lines_with_throw(&self, name: &str, spawn: EventLine) -> Vec<EventLine> {
+        let step = spawn.step;
+        let mut lines = self.lines_without_clicks_at(step).unwrap_or_else(|| self.lines_until(step));
+        let first = lines.partition_point(|line| line.step < step);
+        let is_own = |line: &EventLine| line.blueprint().is_some_and(|body| body.name.as_deref() == Some(name));
+        match lines[first..].iter().position(is_own) {
             // A body of an event in this very step: that event is changed, because deletes come before spawns.
-            Some(index) => {
-                let mut lines = self.lines.clone();
-                lines[index] = spawn;
-                self.replace(lines, when)?;
-            }
+            Some(index) => lines[first + index] = spawn,
             None => {
                 let delete = EventLine { step, action: Action::Delete { name: name.to_owned() } };
-                self.add(vec![delete, spawn], when)?;
+                if !lines[first..].contains(&delete) {
+                    lines.push(delete);
+                }
+                lines.push(spawn);
             }
         }
-        Ok(new_name)
+        lines
+    }
+
+    fn lines_until(&self, step: u64) -> Vec<EventLine> {
+        self.lines.iter().filter(|line| line.step <= step).cloned().collect()
+    }
+
+    /// The lines until `step`. Clicks of that step are replaced by what they did: clicks come after spawns, so they would
+    /// hit a body that is spawned at their place later.
+    fn lines_without_clicks_at(&self, step: u64) -> Option<Vec<EventLine>> {
+        let mut lines = self.lines_until(step);
+        let first = lines.partition_point(|line| line.step < step);
+        if lines[first..].iter().any(|line| matches!(line.action, Action::Click { .. })) {
+            lines.splice(first.., self.done_at(step)?);
+        }
+        Some(lines)
+    }
+
+    /// What the lines of `step` do, as deletes and spawns in the order of creation. A body that they spawn and delete is
+    /// left out.
+    fn done_at(&self, step: u64) -> Option<Vec<EventLine>> {
+        let run = self.run_before(step)?;
+        let events = |live: Vec<Input>| run.clone().apply_inputs(live, |_| Ok(())).ok();
+        let of_scene: Vec<BodyId> = events(Vec::new())?.iter().filter_map(spawned).map(|info| info.id).collect();
+        let mut events = events(self.inputs_at(step))?;
+        let deleted = |id: BodyId| events.iter().any(|event| event.change == Change::Delete { id });
+        let made: Vec<BodyInfo> =
+            events.iter().filter_map(spawned).filter(|info| !of_scene.contains(&info.id)).collect();
+        let gone: Vec<BodyId> = made.iter().map(|info| info.id).filter(|id| deleted(*id)).collect();
+        events.retain(|event| match &event.change {
+            Change::Spawn { id, .. } | Change::Delete { id } => !gone.contains(id),
+        });
+        let mut lines = added_lines(&self.scene, &run, &events);
+        // Without bodies that are left out, the later ones have other ids: their colours stay.
+        for body in lines.iter_mut().filter_map(EventLine::blueprint_mut).filter(|_| !gone.is_empty()) {
+            let info = made.iter().find(|info| Some(&info.spawn.name) == body.name.as_ref());
+            body.color = body.color.take().or(info.map(|info| hex(body_color(info))));
+        }
+        Some(lines)
+    }
+
+    /// The run at `step`, before the events of that step.
+    fn run_before(&self, step: u64) -> Option<Run> {
+        let earlier = step.checked_sub(1).and_then(|last| self.history.nearest(last));
+        let restored = earlier.and_then(|snapshot| Run::restore(&self.scene, snapshot).ok());
+        // A snapshot has the events of its step.
+        let mut has_events = restored.is_some();
+        let mut run = restored.unwrap_or_else(|| Run::new(&self.scene));
+        while run.engine().current_step() < step {
+            if !has_events {
+                run.apply_inputs(self.inputs_at(run.engine().current_step()), |_| Ok(())).ok()?;
+            }
+            run.step(&mut Vec::new()).ok()?;
+            has_events = false;
+        }
+        Some(run)
     }
 
     /// Returns to the session before the last event, setting or scene. The present time stays to be reached, or the step
@@ -351,11 +424,10 @@ impl Session {
     pub fn with_setting(&self, path: &str, value: &str) -> Result<Session, String> {
         let scene = changed(&self.scene, path, value)?;
         let [from, to] = [self.scene.run.rate, scene.run.rate];
-        let retime = |line: &EventLine| EventLine { step: retimed(line.step, from, to), ..line.clone() };
-        let mut session = Session::with_lines(Rc::new(scene), self.lines.iter().map(retime).collect())?;
+        let mut session = Session::with_lines(Rc::new(scene), retimed_lines(&self.lines, from, to))?;
         session.undo.clone_from(&self.undo);
         session.undo.push(Before { scene: self.scene.clone(), lines: self.lines.clone(), left_at: None });
-        session.target = retimed(self.step_now(), from, to);
+        session.target = retimed(self.target.max(self.step_now()), from, to);
         session.end = retimed(self.end, from, to);
         Ok(session)
     }
@@ -380,7 +452,7 @@ impl Session {
             session.undo.push(Before { scene: shared.1.clone(), ..before.clone() });
         }
         session.undo.reverse();
-        session.target = self.step_now();
+        session.target = self.target.max(self.step_now());
         session.end = self.end;
         Ok(session)
     }
@@ -454,7 +526,34 @@ impl Session {
 
     /// Appends the columns of the collisions of the last step.
     pub fn fill_collisions(&self, columns: &mut Vec<f64>) {
-        self.collisions.iter().for_each(|collision| push_collision(columns, collision));
+        self.collisions.iter().for_each(|collision| push_collision(columns, &self.as_in_figures(collision)));
+    }
+
+    /// The last collisions as JSON: instant, names of c and b, normal on c, e, vn before and after, impulse.
+    pub fn recent_collisions(&self) -> String {
+        let name = |id: &BodyId| self.infos.get(id).map_or("", |info| info.spawn.name.as_str());
+        let rows = self.recent.iter().map(|row| {
+            let [c, b] = row.bodies.each_ref().map(name);
+            json!([row.instant, c, b, row.normal.x, row.normal.y, row.e, row.vn[0], row.vn[1], row.impulse])
+        });
+        serde_json::Value::from_iter(rows).to_string()
+    }
+
+    /// The collision with the bodies in the order of the figures: c has a finite mass, else it is the one created first.
+    fn as_in_figures(&self, collision: &Collision) -> Collision {
+        let is_infinite = |id: &BodyId| self.infos.get(id).is_some_and(|info| info.spawn.mass.is_infinite());
+        let keys = collision.bodies.each_ref().map(|id| (is_infinite(id), *id));
+        let mut collision = collision.clone();
+        if keys[0] > keys[1] {
+            collision.bodies.reverse();
+            collision.rects.reverse();
+            collision.shares.reverse();
+            collision.before.reverse();
+            collision.after.reverse();
+            collision.normal = collision.normal.mult(-1.0);
+            collision.penetration = collision.penetration.mult(-1.0);
+        }
+        collision
     }
 
     /// Draws a figure of a collision of the last step as SVG.
@@ -469,14 +568,14 @@ impl Session {
     }
 
     /// A name that no body alive and no event has, numbered from `number` on.
-    fn free_name(&self, prefix: &str, number: u64) -> String {
+    fn free_name(&self, number: u64) -> String {
         let is_taken = |name: &str| {
             let is_named = |body: &Blueprint| body.name.as_deref() == Some(name);
             self.bodies().iter().any(|body| body.name == name)
                 || self.lines.iter().any(|line| line.blueprint().is_some_and(is_named))
                 || self.infos.values().any(|info| info.spawn.name == name)
         };
-        (number..).map(|number| format!("{prefix} {number}")).find(|name| !is_taken(name)).unwrap_or_default()
+        (number..).map(|number| format!("{} {number}", self.box_name)).find(|name| !is_taken(name)).unwrap_or_default()
     }
 
     fn materials(&self) -> Vec<&str> {
@@ -495,37 +594,51 @@ impl Session {
     }
 
     fn add(&mut self, added: Vec<EventLine>, when: When) -> Result<(), String> {
-        if self.lines.len() + added.len() > MAX_LINES {
-            return Err(format!("the page keeps at most {MAX_LINES} events"));
-        }
         let spawns = added.iter().filter(|line| line.blueprint().is_some()).count();
         if self.bodies().len() + spawns > MAX_BODIES {
             return Err(format!("the page shows at most {MAX_BODIES} bodies"));
         }
         let step = self.step_of(when);
-        let mut lines: Vec<EventLine> = self.lines.iter().filter(|line| line.step <= step).cloned().collect();
+        let has_spawn = added.iter().any(|line| matches!(line.action, Action::Spawn(_)));
+        let without_clicks = if has_spawn { self.lines_without_clicks_at(step) } else { None };
+        let mut lines = without_clicks.unwrap_or_else(|| self.lines_until(step));
         lines.extend(added);
-        self.replace(lines, when)
+        self.replace(lines, when, |_| true)
     }
 
     /// Sets the lines, which differ from the present ones from the step of `when` on, and forgets what comes after it.
-    fn replace(&mut self, lines: Vec<EventLine>, when: When) -> Result<(), String> {
+    /// The session is as before if they do not make the present step what it is meant to be.
+    fn replace(
+        &mut self,
+        lines: Vec<EventLine>,
+        when: When,
+        is_as_meant: impl Fn(&Session) -> bool,
+    ) -> Result<(), String> {
+        if lines.len() > MAX_LINES {
+            return Err(format!("the page keeps at most {MAX_LINES} events"));
+        }
         let step = self.step_now();
+        let last = self.step_of(when);
         self.remember(None);
         let before = std::mem::replace(&mut self.lines, lines);
+        self.removed = before.iter().filter(|line| line.step > last).count();
         self.end = step;
-        self.history.forget_from(self.step_of(when));
-        self.strip.forget_from(self.step_of(when));
+        self.history.forget_from(last);
+        self.strip.forget_from(last);
         if when == When::Next {
             return Ok(());
         }
         let reported = self.refused.len();
         self.remake(step);
-        if self.refused.len() == reported {
+        if self.refused.len() == reported && is_as_meant(self) {
             return Ok(());
         }
-        let message = self.refused.split_off(reported).join("\n");
+        let mut message = self.refused.split_off(reported).join("\n");
+        if message.is_empty() {
+            message = format!("a click of the scene at step {step} changes the body");
+        }
         self.lines = before;
+        self.removed = 0;
         self.undo.pop();
         self.remake(step);
         Err(message)
@@ -566,24 +679,29 @@ impl Session {
         let restored = self.history.nearest(step).and_then(|snapshot| Run::restore(&self.scene, snapshot).ok());
         let is_at_start = restored.is_none();
         self.run = restored.unwrap_or_else(|| Run::new(&self.scene));
-        let (now, next_id) = (self.step_now(), self.run.engine().next_id());
-        self.recent.retain(|(collision, _)| collision.step < now);
+        self.recent = if is_at_start { Vec::new() } else { self.history.recent(step) };
+        let next_id = self.run.engine().next_id();
         self.infos.split_off(&next_id);
         if is_at_start {
             self.apply_lines();
         }
     }
 
-    /// Applies the events of the present step.
-    fn apply_lines(&mut self) {
-        let step = self.step_now();
+    /// The lines of a step as inputs.
+    fn inputs_at(&self, step: u64) -> Vec<Input> {
         let first = self.lines.partition_point(|line| line.step < step);
         let last = self.lines.partition_point(|line| line.step <= step);
         let input = |(index, line): (usize, &EventLine)| {
             let location = InputLocation::EventLine((first + index) as u64);
             Input { step, action: line.action.clone(), location }
         };
-        let live = self.lines[first..last].iter().enumerate().map(input).collect();
+        self.lines[first..last].iter().enumerate().map(input).collect()
+    }
+
+    /// Applies the events of the present step.
+    fn apply_lines(&mut self) {
+        let step = self.step_now();
+        let live = self.inputs_at(step);
         let mut refused: Vec<(usize, String)> = Vec::new();
         let applied = self.run.apply_inputs(live, |error| {
             let message = error.diagnostics().map_or_else(|| error.to_string(), ToString::to_string);
@@ -599,16 +717,12 @@ impl Session {
         }
         match applied {
             Ok(events) => {
-                for event in events {
-                    if let Change::Spawn { id, spawn, color } = event.change {
-                        self.infos.insert(id, BodyInfo { id, spawn, color });
-                    }
-                }
+                self.infos.extend(events.iter().filter_map(spawned).map(|info| (info.id, info)));
             }
             Err(error) => self.failure = Some(error.to_string()),
         }
         if self.failure.is_none() && self.history.wants(step) {
-            self.history.keep(self.run.snapshot());
+            self.history.keep(self.run.snapshot(), &self.recent);
         }
         if self.strip.wants(step) {
             self.strip.keep(step, &self.energy());
@@ -629,6 +743,42 @@ fn changed(scene: &Scene, path: &str, value: &str) -> Result<Scene, String> {
         _ => text.set(path, value)?,
     }
     parse_scene(&scene.source.path, &text.text()).map_err(|error| all_messages(&error))
+}
+
+/// True if a collision changed a velocity, or a place by more than rounding.
+fn changes_something(collision: &Collision) -> bool {
+    let corners = collision.rects.iter().flat_map(|rect| [rect.origin, rect.far_corner()]);
+    let reach = corners.fold(0.0, |reach, corner| if corner.norm() > reach { corner.norm() } else { reach });
+    collision.impulse != 0.0 || collision.penetration.norm() > 1e-12 * reach
+}
+
+/// The lines at the same times in seconds. Lines of different steps stay in different steps, because the order within a
+/// step is another one.
+fn retimed_lines(lines: &[EventLine], from: f64, to: f64) -> Vec<EventLine> {
+    let mut last: Option<[u64; 2]> = None;
+    let retime = |line: &EventLine| {
+        let step = match last {
+            Some([old, new]) if old == line.step => new,
+            Some([_, new]) => retimed(line.step, from, to).max(new + 1),
+            None => retimed(line.step, from, to),
+        };
+        last = Some([line.step, step]);
+        EventLine { step, ..line.clone() }
+    };
+    lines.iter().map(retime).collect()
+}
+
+/// The body that an event spawns.
+fn spawned(event: &RecordedEvent) -> Option<BodyInfo> {
+    match &event.change {
+        Change::Spawn { id, spawn, color } => Some(BodyInfo { id: *id, spawn: spawn.clone(), color: color.clone() }),
+        Change::Delete { .. } => None,
+    }
+}
+
+/// A colour as scenes write it.
+fn hex([red, green, blue]: [u8; 3]) -> String {
+    format!("#{red:02x}{green:02x}{blue:02x}")
 }
 
 /// All messages of an error in the text of a scene, each with its line and what would be accepted.

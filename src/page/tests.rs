@@ -1,3 +1,4 @@
+use crate::history::{MAX_RECENT, Row};
 use crate::*;
 use proptest::prelude::*;
 use rebond::{Language, LiveEvents, OnBadEvent, RecordOptions, Theme, parse_scene};
@@ -168,6 +169,96 @@ fn a_box_of_the_present_step_can_be_moved_again_and_again() {
     assert!(saved(&session) == recorded("room.toml", ROOM, &session.lines()));
 }
 
+/// Checks that the names are these, in the order of creation, and that the recording is that of the command.
+fn check_names(session: &Session, expected: &[&str]) {
+    assert_eq!(names(session), expected, "{}", session.lines());
+    assert!(saved(session) == recorded("room.toml", ROOM, &session.lines()));
+}
+
+#[test]
+fn a_box_that_is_dropped_on_another_one_of_this_step_deletes_none() {
+    for [x, y] in [[2.5, 6.5], [3.2, 6.5], [12.0, 7.0]] {
+        for mass in ["1.0", "\"inf\""] {
+            let mut session = room();
+            session.event(&click(3.0, 7.0).replace("\"mass\": 1.0", &format!("\"mass\": {mass}")), When::Now).unwrap();
+            session.event(&click(6.0, 5.0), When::Now).unwrap();
+            session.event(&click(8.0, 5.0), When::Now).unwrap();
+            let before = session.lines();
+            session.throw("box 2", [x, y], [0.0, 0.0], When::Now).unwrap();
+            check_names(&session, &["c", "#2", "box 1", "box 2", "box 3"]);
+            assert_eq!(session.bodies()[session.bodies().len() - 2].rect.origin, rebond::Vector::new(x, y));
+            session.undo();
+            assert_eq!(session.lines(), before);
+        }
+    }
+}
+
+#[test]
+fn a_box_that_is_dropped_where_one_was_deleted_in_this_step_does_not_bring_it_back() {
+    let mut session = room();
+    for (x, y) in [(4.0, 7.0), (4.0, 7.0), (6.0, 5.0), (8.0, 5.0)] {
+        session.event(&click(x, y), When::Now).unwrap();
+    }
+    let [before, after] = [0, 1].map(|moves| {
+        if moves == 1 {
+            session.throw("box 3", [3.5, 6.5], [0.0, 0.0], When::Now).unwrap();
+        }
+        check_names(&session, &["c", "#2", "box 3", "box 4"]);
+        let mut columns = Vec::new();
+        session.fill_columns(0.0, ColorKey::Body, &mut columns);
+        columns.chunks(BODY_COLUMNS).map(|body| body[8]).collect::<Vec<f64>>()
+    });
+    assert_eq!(before, after, "colours");
+}
+
+#[test]
+fn a_box_that_is_dropped_on_one_clicked_later_deletes_none() {
+    for when in [When::Now, When::Next] {
+        let mut session = room();
+        steps(&mut session, 20);
+        session.event(&click(12.0, 6.0), when).unwrap();
+        session.throw("c", [11.5, 5.5], [0.0, 0.0], when).unwrap();
+        steps(&mut session, u64::from(when == When::Next));
+        check_names(&session, &["#2", "box 1", "c"]);
+        // The same with a body that a click of this step deletes.
+        steps(&mut session, 30);
+        let body = session.bodies().iter().find(|body| body.name == "#2").unwrap().rect;
+        session.event(&click(body.origin.x + 1.0, body.origin.y + 0.5), when).unwrap();
+        session.throw("box 1", [body.origin.x, body.origin.y], [0.0, 0.0], when).unwrap();
+        steps(&mut session, u64::from(when == When::Next));
+        check_names(&session, &["c", "box 1"]);
+        assert!(session.take_refused().is_empty());
+    }
+}
+
+#[test]
+fn a_box_is_not_dropped_under_a_click_of_the_scene_in_this_step() {
+    let text = format!("{ROOM}[[click]]\nstep = 0\nat = [6.0, 5.0]\nspawn = {{ size = [1.0, 1.0], mass = 1.0 }}\n");
+    let mut session = Session::new("room.toml", &text).unwrap();
+    session.event(&click(12.0, 6.0), When::Now).unwrap();
+    let before = (names(&session), session.lines());
+    assert!(session.throw("box 1", [5.5, 4.5], [0.0, 0.0], When::Now).unwrap_err().contains("a click of the scene"));
+    assert_eq!((names(&session), session.lines()), before);
+    session.throw("box 1", [5.5, 4.5], [0.0, 0.0], When::Next).unwrap();
+    steps(&mut session, 1);
+    assert_eq!(names(&session), ["c", "#2", "#3", "box 1"]);
+}
+
+#[test]
+fn an_event_tells_how_many_later_ones_it_removes() {
+    let mut session = room();
+    for at in [10, 20, 20, 30] {
+        go_to(&mut session, at);
+        session.event(&click(6.0, 5.0), When::Next).unwrap();
+        assert_eq!(session.take_removed(), 0);
+    }
+    go_to(&mut session, 20);
+    session.throw("box 1", [1.0, 1.0], [0.0, 0.0], When::Now).unwrap();
+    assert_eq!((session.take_removed(), session.take_removed()), (3, 0));
+    session.undo();
+    assert_eq!(session.lines().lines().count(), 4);
+}
+
 #[test]
 fn undo_returns_to_the_bits_before_the_event() {
     let mut session = room();
@@ -265,6 +356,57 @@ fn a_setting_runs_the_same_events_again_at_their_times() {
 }
 
 #[test]
+fn settings_that_follow_each_other_at_once_keep_the_time() {
+    let mut session = room();
+    go_to(&mut session, 100);
+    let mut session = session.with_setting("world.gravity", "[0.0, 5.0]").unwrap();
+    session.advance(7);
+    let mut session = session.with_setting("run.rate", "120").unwrap();
+    session.advance(7);
+    let mut beside = session.beside().unwrap();
+    let mut session = session.with_setting("world.gravity", "[0.0, 6.0]").unwrap();
+    for session in [&mut session, &mut beside] {
+        while !session.advance(50) {}
+        assert_eq!(session.step_now(), 200);
+    }
+}
+
+#[test]
+fn a_lower_rate_keeps_the_events_and_their_order() {
+    let mut session = room();
+    session.event(&click(3.0, 7.0), When::Now).unwrap();
+    steps(&mut session, 7);
+    for x in [5.0, 6.0, 7.0] {
+        session.throw("box 1", [x, 2.0], [0.0, 0.0], When::Now).unwrap();
+        session.step();
+    }
+    let post = click(12.0, 3.0).replace("\"mass\": 1.0", "\"mass\": \"inf\", \"name\": \"post\"");
+    session.event(&post, When::Now).unwrap();
+    session.step();
+    session.event("{\"delete\": {\"name\": \"post\"}}", When::Now).unwrap();
+    for rate in ["30", "15", "1"] {
+        let mut slower = session.with_setting("run.rate", rate).unwrap();
+        while !slower.advance(50) {}
+        go_to(&mut slower, 40);
+        assert!(slower.take_refused().is_empty(), "{rate} Hz");
+        assert_eq!(slower.lines().lines().count(), session.lines().lines().count());
+        assert_eq!(names(&slower), ["c", "#2", "box 1"]);
+    }
+}
+
+#[test]
+fn bundled_scenes_run_at_other_rates() {
+    for (name, text) in BUNDLED {
+        let session = Session::new(&format!("{name}.toml"), text).unwrap();
+        for rate in ["15", "30", "240"] {
+            let mut other = session.with_setting("run.rate", rate).unwrap_or_else(|error| panic!("{name}: {error}"));
+            go_to(&mut other, 20);
+            assert_eq!(other.failure(), None, "{name} at {rate} Hz");
+        }
+    }
+}
+
+#[test]
 fn both_solvers_follow_the_same_clicks() {
     let mut exact = room();
     let mut handout = exact.with_setting("run.solver", "\"handout\"").unwrap();
@@ -328,6 +470,76 @@ fn what_is_undone_is_undone_in_the_session_beside_too() {
         assert_eq!(exact.undo(), beside.undo());
     }
     assert!(!exact.undo());
+}
+
+#[test]
+fn the_table_of_collisions_does_not_depend_on_the_way_to_a_step() {
+    let text = BUNDLED.iter().find(|(name, _)| *name == "falling-heap").unwrap().1;
+    let mut session = Session::new("falling-heap.toml", text).unwrap();
+    let mut tables = Vec::new();
+    for step in (0..=160).step_by(20) {
+        go_to(&mut session, step);
+        tables.push((step, session.recent_collisions()));
+    }
+    assert!(tables[2].1.len() > 100 && tables[8].1.matches('[').count() == 201, "{:?}", tables[8]);
+    for (step, table) in tables.iter().rev().chain(&tables) {
+        go_to(&mut session, *step);
+        assert_eq!(session.recent_collisions(), *table, "step {step}");
+    }
+}
+
+#[test]
+fn a_history_that_is_thinned_out_keeps_the_last_collisions() {
+    let gas = "[world]\nsize = [4, 4]\nwalls = true\n[run]\nsteps = 9\n[[scatter]]\ncount = 20\nregion = [0, 0, 4, 4]\n\
+               size = [[0.1, 0.1], [0.3, 0.3]]\nmass = [1, 2]\nvelocity = [[-2, -2], [2, 2]]\n";
+    let mut session = Session::new("gas.toml", gas).unwrap();
+    let mut history = History::new(200_000);
+    let mut last = Vec::new();
+    while session.step_now() < 2000 {
+        session.step();
+        last.extend(session.collisions.iter().map(Row::of));
+        if history.wants(session.step_now()) {
+            history.keep(session.snapshot(), &last[last.len().saturating_sub(MAX_RECENT)..]);
+            let step = history.nearest(session.step_now()).unwrap().step();
+            let until: Vec<f64> = last.iter().filter(|row| row.step < step).map(|row| row.instant).collect();
+            let kept: Vec<f64> = history.recent(session.step_now()).iter().map(|row| row.instant).collect();
+            assert_eq!(kept, until[until.len().saturating_sub(MAX_RECENT)..]);
+        }
+    }
+    assert!(last.len() > 3 * MAX_RECENT && history.bytes() <= 200_000);
+}
+
+#[test]
+fn a_collision_without_impulse_has_its_shares_and_displacements() {
+    let text = BUNDLED.iter().find(|(name, _)| *name == "overlapping-boxes").unwrap().1;
+    let mut session = Session::new("overlapping-boxes.toml", text).unwrap();
+    while session.collisions.is_empty() {
+        session.step();
+    }
+    let mut columns = Vec::new();
+    session.fill_collisions(&mut columns);
+    assert_eq!((session.step_now(), columns.len()), (3, COLLISION_COLUMNS));
+    assert_eq!((columns[5], columns[10]), (0.0, 0.0));
+    assert!((columns[9].abs() - 1.0).abs() < 1e-12, "{columns:?}");
+    assert_eq!(columns[19..], [0.0, 1.0]);
+    assert!(session.recent_collisions().contains("\"10 kg\",\"1 kg\""), "{}", session.recent_collisions());
+    for kind in [FigureKind::Stages, FigureKind::Minkowski] {
+        assert!(session.figure(0, kind, Theme::Dark, Language::French).is_ok());
+    }
+    // What is left by rounding is no collision.
+    let at = session.step_now();
+    while session.step_now() < at + 2 {
+        session.step();
+        assert!(session.collisions.is_empty(), "{:?}", session.collisions);
+    }
+}
+
+#[test]
+fn boxes_of_clicks_have_a_name_in_the_language_of_the_page() {
+    let mut session = room();
+    session.box_name = "boîte";
+    session.event(&click(6.0, 5.0), When::Now).unwrap();
+    assert_eq!(names(&session), ["c", "#2", "boîte 1"]);
 }
 
 #[test]
@@ -413,7 +625,7 @@ fn an_hour_stays_within_the_budget_of_bytes() {
         session.step();
         if history.wants(session.step_now()) {
             kept += 1;
-            history.keep(session.snapshot());
+            history.keep(session.snapshot(), &[]);
             assert!(history.bytes() <= 200_000);
         }
     }
@@ -525,7 +737,7 @@ fn the_collisions_of_a_step_have_both_figures() {
             assert_ne!(english, french);
         }
         assert!(session.figure(99, FigureKind::Stages, Theme::Light, Language::English).is_err());
-        assert!(session.recent.back().unwrap().1.contains(&"wall-bottom".to_owned()));
+        assert!(session.recent_collisions().contains("\"wall-bottom\""));
     }
 }
 
@@ -586,7 +798,15 @@ proptest! {
                     let step = session.end().saturating_sub(count);
                     go_to(&mut session, step);
                 }
-                _ => {}
+                // On another body, which stays where it is.
+                _ => if let [name, .., other] = &names(&session)[..] {
+                    let at = session.bodies().iter().find(|body| body.name == *other).unwrap().rect.origin;
+                    let (count, is_bundled) = (session.bodies().len(), session.step_now() == 0);
+                    if session.throw(name, [at.x, at.y], [0.0, 0.0], When::Now).is_err() {
+                        prop_assert!(is_bundled, "a body of the scene at its first step");
+                    }
+                    prop_assert_eq!(session.bodies().len(), count);
+                }
             }
             steps(&mut session, count);
         }

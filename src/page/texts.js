@@ -14,7 +14,7 @@ const PAIRS = {
   ownScene: ['Your scene', 'Votre scène'],
   canvas: [
     'The world. Click to make a box, click a box to delete it, drag a box to throw it. With the keyboard: arrows move the cursor, Enter clicks, Delete deletes, Space plays.',
-    'Le monde. Cliquer crée une boîte, cliquer sur une boîte la supprime, la faire glisser la lance. Au clavier : les flèches déplacent le curseur, Entrée clique, Suppr supprime, Espace lance.',
+    'Le monde. Cliquer crée une boîte, cliquer sur une boîte la supprime, la faire glisser la lance. Au clavier\u00a0: les flèches déplacent le curseur, Entrée clique, Suppr supprime, Espace lance.',
   ],
   hint: [
     'Click to make a box, click a box to delete it, drag it to throw it',
@@ -27,7 +27,7 @@ const PAIRS = {
   width: ['Width (m)', 'Largeur (m)'],
   height: ['Height (m)', 'Hauteur (m)'],
   mass: ['Mass (kg)', 'Masse (kg)'],
-  fixed: ['Infinite mass: nothing can push it', 'Masse infinie : rien ne la pousse'],
+  fixed: ['Infinite mass: nothing can push it', 'Masse infinie\u00a0: rien ne la pousse'],
   material: ['Material', 'Matériau'],
   clear: ['Remove all that was clicked', 'Effacer tous les clics'],
   worldHelp: [
@@ -38,8 +38,8 @@ const PAIRS = {
   restitution: ['Restitution\u00a0e', 'Restitution\u00a0e'],
   rate: ['Steps per second', 'Pas par seconde'],
   solver: ['Solver', 'Solveur'],
-  eventDriven: ['event-driven: exact between collisions', 'événementiel : exact entre les chocs'],
-  handout: ['handout: the algorithm of the course', 'TP : l’algorithme du cours'],
+  eventDriven: ['event-driven: exact between collisions', 'événementiel\u00a0: exact entre les chocs'],
+  handout: ['handout: the algorithm of the course', 'TP\u00a0: l’algorithme du cours'],
   both: ['both side by side, on the same clicks', 'les deux côte à côte, avec les mêmes clics'],
   overlays: ['Show', 'Afficher'],
   velocity: ['velocity', 'vitesse'],
@@ -59,13 +59,13 @@ const PAIRS = {
   bodies: ['Bodies', 'Corps'],
   bodiesHelp: [
     'x, y: the upper-left corner; y points down. On a name: arrows move the body, Delete deletes it.',
-    'x, y : le coin supérieur gauche ; y va vers le bas. Sur un nom : les flèches déplacent le corps, Suppr le supprime.',
+    'x, y\u00a0: le coin supérieur gauche\u00a0; y va vers le bas. Sur un nom\u00a0: les flèches déplacent le corps, Suppr le supprime.',
   ],
   collisions: ['Collisions', 'Collisions'],
   collision: ['Collision', 'Collision'],
   which: ['Collision of this step', 'Collision de ce pas'],
   figure1: ['Figure 1', 'Figure 1'],
-  figure2: ['Figure 2: the Minkowski difference', 'Figure 2 : la différence de Minkowski'],
+  figure2: ['Figure 2: the Minkowski difference', 'Figure 2\u00a0: la différence de Minkowski'],
   open: ['Open a file…', 'Ouvrir un fichier…'],
   openHelp: [
     'A scene (.toml), events (.jsonl) or a recording (.mcap). Dropping it on the page works, too.',
@@ -100,7 +100,7 @@ const PAIRS = {
   drop: ['Drop a scene, events or a recording', 'Déposez une scène, des événements ou un enregistrement'],
   strip: [
     'Energy against time: kinetic above potential; the line is the norm of the momentum',
-    'Énergie en fonction du temps : cinétique au-dessus de potentielle ; la ligne est la norme de la quantité de mouvement',
+    'Énergie en fonction du temps\u00a0: cinétique au-dessus de potentielle\u00a0; la ligne est la norme de la quantité de mouvement',
   ],
   kinetic: ['kinetic', 'cinétique'],
   potential: ['potential, from its least value on', 'potentielle, depuis son minimum'],
@@ -108,28 +108,33 @@ const PAIRS = {
   peaks: [(top, p) => `at most ${top} J, ${p} kg·m/s`, (top, p) => `au plus ${top} J, ${p} kg·m/s`],
   energy: [
     (k, p, t, px, py) => `kinetic ${k} J + potential ${p} J = ${t} J · momentum (${px}, ${py}) kg·m/s`,
-    (k, p, t, px, py) => `cinétique ${k} J + potentielle ${p} J = ${t} J · quantité de mouvement (${px} ; ${py}) kg·m/s`,
+    (k, p, t, px, py) => `cinétique ${k} J + potentielle ${p} J = ${t} J · quantité de mouvement (${px}\u00a0; ${py}) kg·m/s`,
   ],
   collided: [(a, b, t) => `${a} and ${b} collide at ${t} s`, (a, b, t) => `${a} et ${b} se heurtent à ${t} s`],
   noCollision: ['no collision within a minute', 'aucune collision en une minute'],
   running: ['runs', 'tourne'],
-  made: [(name) => `${name} is made`, (name) => `${name} est créé`],
-  gone: [(name) => `${name} is deleted`, (name) => `${name} est supprimé`],
+  made: [(name) => `${name} is made`, (name) => `${name} apparaît`],
+  gone: [(name) => `${name} is deleted`, (name) => `${name} disparaît`],
   outside: ['This is outside of the room.', 'C’est hors de la pièce.'],
-  badMass: ['Mass: a number from 0.001 kg on, such as 2.5.', 'Masse : un nombre à partir de 0,001 kg, par exemple 2,5.'],
+  badMass: ['Mass: a number from 0.001 kg on, such as 2.5.', 'Masse\u00a0: un nombre à partir de 0,001 kg, par exemple 2,5.'],
   fixedFilm: [
     'A recording cannot be changed: run its scene, or go back to the session.',
-    'Un enregistrement ne change pas : lancez sa scène ou revenez à la session.',
+    'Un enregistrement ne change pas\u00a0: lancez sa scène ou revenez à la session.',
   ],
   undone: ['undone', 'annulé'],
   nothingToUndo: ['there is nothing to undo', 'il n’y a rien à annuler'],
   cleared: ['removed', 'effacé'],
-  refused: ['refused: ', 'refusé : '],
-  images: ['The page cannot read files beside a scene: it draws boxes in place of their images, and its recordings contain none.', 'La page ne peut pas lire les fichiers à côté d’une scène : elle dessine des boîtes à la place des images, et ses enregistrements n’en contiennent pas.'],
-  stopped: ['The run stopped: ', 'Le calcul s’est arrêté : '],
+  removed: [
+    (n) => (n > 1 ? `${n} later events are removed; Z returns them` : '1 later event is removed; Z returns it'),
+    (n) => (n > 1 ? `${n} événements ultérieurs sont retirés\u00a0; Z les rétablit` : '1 événement ultérieur est retiré\u00a0; Z le rétablit'),
+  ],
+  textAside: ['The changed text of the scene is put aside; Z returns it.', 'Le texte modifié de la scène est mis de côté\u00a0; Z le rétablit.'],
+  refused: ['refused: ', 'refusé\u00a0: '],
+  images: ['The page cannot read files beside a scene: it draws boxes in place of their images, and its recordings contain none.', 'La page ne peut pas lire les fichiers à côté d’une scène\u00a0: elle dessine des boîtes à la place des images, et ses enregistrements n’en contiennent pas.'],
+  stopped: ['The run stopped: ', 'Le calcul s’est arrêté\u00a0: '],
   restarted: [
     'The engine failed and was restarted from the scene and its events: ',
-    'Le moteur a échoué ; il a été relancé depuis la scène et ses événements : ',
+    'Le moteur a échoué\u00a0; il a été relancé depuis la scène et ses événements\u00a0: ',
   ],
   working: ['Working…', 'Calcul en cours…'],
   progress: [(part) => `Working… ${part} %. Closing this ends it.`, (part) => `Calcul en cours… ${part} %. Fermer ce message l’arrête.`],
@@ -140,7 +145,7 @@ const PAIRS = {
     (bytes) => `Le lien ferait ${bytes} octets. Enregistrez plutôt la scène avec les clics.`,
   ],
   linkCopied: ['the link is copied', 'le lien est copié'],
-  linkBad: ['The link cannot be read: ', 'Le lien est illisible : '],
+  linkBad: ['The link cannot be read: ', 'Le lien est illisible\u00a0: '],
   notText: [(name) => `${name} is not UTF-8 text`, (name) => `${name} n’est pas un texte en UTF-8`],
   tooLarge: [(limit) => `the file is larger than ${limit} MB`, (limit) => `le fichier dépasse ${limit} Mo`],
   unknownFile: ['This is none of .toml, .jsonl, .mcap.', 'Ce n’est ni .toml, ni .jsonl, ni .mcap.'],
@@ -149,12 +154,12 @@ const PAIRS = {
   divergedAt: [(n) => `Show step ${n}`, (n) => `Montrer le pas ${n}`],
   command: [
     (text) => `The same file on the command line: ${text}`,
-    (text) => `Le même fichier en ligne de commande : ${text}`,
+    (text) => `Le même fichier en ligne de commande\u00a0: ${text}`,
   ],
-  moved: [(name, x, y) => `${name} at ${x}, ${y} m`, (name, x, y) => `${name} en ${x} ; ${y} m`],
+  moved: [(name, x, y) => `${name} at ${x}, ${y} m`, (name, x, y) => `${name} en ${x}\u00a0; ${y} m`],
   cursor: [
     (x, y, name) => `${x}, ${y} m${name ? `: ${name}` : ''}`,
-    (x, y, name) => `${x} ; ${y} m${name ? ` : ${name}` : ''}`,
+    (x, y, name) => `${x}\u00a0; ${y} m${name ? `\u00a0: ${name}` : ''}`,
   ],
   more: [(n) => `and ${n} more`, (n) => `et ${n} de plus`],
   helpLines: [
@@ -167,12 +172,12 @@ const PAIRS = {
       'A recording that is saved here replays bit for bit with “rebond replay”.',
     ],
     [
-      'Cliquer : une boîte. Cliquer sur une boîte : elle disparaît, et aucune autre n’apparaît.',
-      'Glisser une boîte : la lancer pendant que le monde tourne, la déplacer quand il est arrêté.',
-      'Glisser depuis un endroit vide : une nouvelle boîte avec cette vitesse. Échap lâche.',
-      'Espace : lancer et arrêter. , et . : un pas. N : à la prochaine collision. Z : annuler. Début : au départ. B : les deux solveurs.',
-      'Clavier dans le monde : les flèches déplacent le curseur (avec Maj de 1 m), Entrée clique, Suppr supprime.',
-      'Un enregistrement fait ici se rejoue au bit près avec « rebond replay ».',
+      'Cliquer\u00a0: une boîte. Cliquer sur une boîte\u00a0: elle disparaît, et aucune autre n’apparaît.',
+      'Glisser une boîte\u00a0: la lancer pendant que le monde tourne, la déplacer quand il est arrêté.',
+      'Glisser depuis un endroit vide\u00a0: une nouvelle boîte avec cette vitesse. Échap lâche.',
+      'Espace\u00a0: lancer et arrêter. , et .\u00a0: un pas. N\u00a0: à la prochaine collision. Z\u00a0: annuler. Début\u00a0: au départ. B\u00a0: les deux solveurs.',
+      'Clavier dans le monde\u00a0: les flèches déplacent le curseur (avec Maj de 1 m), Entrée clique, Suppr supprime.',
+      'Un enregistrement fait ici se rejoue au bit près avec «\u00a0rebond replay\u00a0».',
     ],
   ],
   figure1Texts: [
@@ -181,13 +186,30 @@ const PAIRS = {
   ],
   figure2Texts: [
     'Where the boxes touch, the origin is on the boundary of s = b ⊖ c; where they overlap, it is inside, and n is the shortest way out.',
-    'Quand les boîtes se touchent, l’origine est sur le bord de s = b ⊖ c ; quand elles se recouvrent, elle est dedans, et n est le plus court chemin dehors.',
+    'Quand les boîtes se touchent, l’origine est sur le bord de s = b ⊖ c\u00a0; quand elles se recouvrent, elle est dedans, et n est le plus court chemin dehors.',
   ],
   numbers: [
-    { a: 'body c', b: 'body b', t: 'instant', n: 'normal n on c', e: 'restitution e', before: 'vₙ before', after: 'vₙ after', j: 'impulse j', p: 'penetration' },
-    { a: 'corps c', b: 'corps b', t: 'instant', n: 'normale n sur c', e: 'restitution e', before: 'vₙ avant', after: 'vₙ après', j: 'impulsion j', p: 'pénétration' },
+    { a: 'body c', b: 'body b', t: 'instant', n: 'normal n on c', e: 'restitution e', before: 'vₙ before', after: 'vₙ after', j: 'impulse j', p: 'penetration', nc: 'share N_c', nb: 'share N_b', dc: 'displacement of c', db: 'displacement of b' },
+    { a: 'corps c', b: 'corps b', t: 'instant', n: 'normale n sur c', e: 'restitution e', before: 'vₙ avant', after: 'vₙ après', j: 'impulsion j', p: 'pénétration', nc: 'part N_c', nb: 'part N_b', dc: 'déplacement de c', db: 'déplacement de b' },
   ],
 };
 
 const texts = (at) => Object.fromEntries(Object.entries(PAIRS).map(([key, pair]) => [key, pair[at]]));
 const TEXTS = { en: texts(0), fr: texts(1) };
+
+/** French words for the names that the engine gives to walls, and for the titles of the scenes of the page. */
+const WALLS_FR = { 'wall-top': 'mur du haut', 'wall-bottom': 'mur du bas', 'wall-left': 'mur de gauche', 'wall-right': 'mur de droite' };
+const TITLES_FR = {
+  'first-scene': 'Une première scène', 'click-session': 'Une séance de clics', 'figure-1': 'Figure 1\u00a0: deux boîtes se heurtent',
+  masses: 'Légère sur lourde, égales, lourde sur légère', materials: 'La restitution dépend de la paire de matériaux',
+  'head-on': 'De front\u00a0: échange des quantités de mouvement', cradle: 'Le pendule de Newton', 'cradle-apart': 'Le pendule de Newton, boîtes séparées',
+  chain: 'Un choc parcourt une chaîne', 'bounce-exact': 'Un rebond qui dure', 'bounce-handout': 'Un rebond qui s’éteint',
+  'bullet-exact': 'Une balle rebondit sur un mur', 'bullet-handout': 'Une balle traverse un mur',
+  'constant-force': 'Une force constante contre la gravité', 'touching-boxes': 'Une impulsion traverse des boîtes qui se touchent',
+  'overlapping-boxes': 'Des boîtes qui se recouvrent sont séparées', pile: 'Un tas s’immobilise', 'sinking-stack': 'Une pile s’enfonce en elle-même',
+  'stack-foot-removed': 'Des piles perdent leurs appuis', 'spawn-and-delete': 'Créer et supprimer pendant le calcul',
+  'tile-seams': 'Glisser sur les joints d’un carrelage', projectiles: 'Lancers à 15°, 30°, 45°, 60° et 75°',
+  'zeno-bounce': 'Une infinité de rebonds en un temps fini', piston: 'Un piston chauffe un gaz', mixing: 'Deux gaz se mélangent',
+  'brownian-motion': 'Mouvement brownien', compression: 'La compression chauffe un gaz', 'elastic-gas': 'Un gaz élastique exact',
+  'falling-heap': 'Un tas qui tombe',
+};
