@@ -436,6 +436,23 @@ fn an_old_recording_stays_until_states_are_written() {
     assert_eq!(workplace.names(), ["endless.toml", "run.mcap", "scene.toml"]);
 }
 
+/// The first chunk has the initial state. No input of a scene is refused after it.
+#[test]
+fn a_recording_is_at_its_place_from_its_first_chunk_on() {
+    let workplace = workplace();
+    // The first step is slow, because each pair of boxes is compared several times.
+    let slow = "[run]\nsteps = 1000\nsolver = \"handout\"\n[[scatter]]\ncount = 20000\nseed = 1\n\
+        region = [0.0, 0.0, 16.0, 9.0]\nsize = [[0.01, 0.01], [0.01, 0.01]]\nmass = [1.0, 1.0]\n\
+        velocity = [[0.0, 0.0], [0.0, 0.0]]\noverlap = true\n";
+    workplace.write("slow.toml", slow);
+    let mut process = workplace.start("record slow.toml -o slow.mcap", Stdio::null(), Stdio::null());
+    wait_until("the first chunk", || workplace.path("slow.mcap").exists());
+    process.kill().unwrap();
+    process.wait().unwrap();
+    let info = workplace.rebond("info slow.mcap");
+    assert!(info.code == 4 && info.output.contains("truncated after step "), "{info:?}");
+}
+
 #[test]
 fn a_second_writer_of_a_recording_is_refused() {
     let workplace = workplace();
