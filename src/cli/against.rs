@@ -227,7 +227,7 @@ impl Comparison {
                 let more = if more > 0 { format!(" and {}", counted(more, "more step")) } else { String::new() };
                 format!("incomplete: the table has no rows for {steps}{more}; {same} same")
             }
-            (None, None, Some(missing)) => format!("incomplete: the recording: {missing}; {same} same"),
+            (None, None, Some(missing)) => format!("incomplete recording: {missing}; {same} same"),
             (None, None, None) => {
                 let within = self.tolerance.map(|tolerance| format!(" within {tolerance:?}")).unwrap_or_default();
                 let bodies = counted(self.bodies.len() as u64, "body");

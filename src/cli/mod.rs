@@ -102,7 +102,7 @@ pub fn run(arguments: Arguments) -> Exit {
 }
 
 /// The exit code of a command. (2, wrong usage, is returned by the argument parser.)
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Exit {
     /// Success; everything that was compared is the same.
     Done = 0,
@@ -115,6 +115,12 @@ pub enum Exit {
 }
 
 impl Exit {
+    /// The exit code for two files: an error goes before damage, and damage before a difference, as in `check`.
+    fn worse(self, other: Exit) -> Exit {
+        let order = [Exit::Error, Exit::Damaged, Exit::Diverged];
+        order.into_iter().find(|exit| [self, other].contains(exit)).unwrap_or(Exit::Done)
+    }
+
     /// The exit code of a process of this program; another code is none of its own.
     fn of_code(code: i32) -> Option<Exit> {
         [Exit::Done, Exit::Error, Exit::Diverged, Exit::Damaged].into_iter().find(|exit| *exit as i32 == code)
