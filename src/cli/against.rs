@@ -8,7 +8,7 @@ use super::{Exit, output};
 use crate::junit::{TestCase, TestOutcome, TestSuite};
 use crate::physics::{Body, BodyId, Collision, Engine, Observer};
 use crate::recording::{self, Missing, body_state};
-use crate::replay::{Replayer, Verdict, ulps};
+use crate::replay::{Replayer, Verdict, distance, ulps};
 use crate::text::counted;
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
@@ -292,8 +292,8 @@ impl Difference {
         match self {
             Difference::Number { body, field, row, recorded, .. } => {
                 let (recorded, given) = (recorded[*field], row.values[*field]);
-                let (field, distance) = (FIELDS[*field], counted(ulps(recorded, given), "ulp"));
-                format!("body {body:?} {field} recorded {recorded:?} given {given:?} ({distance})")
+                let (field, distance) = (FIELDS[*field], distance(recorded, given));
+                format!("body {body:?} {field} recorded {recorded:?} given {given:?}{distance}")
             }
             Difference::MissingBody { body } => format!("the table has no row for body {body:?}"),
             Difference::UnknownBody { body, line } => {
