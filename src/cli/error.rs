@@ -416,10 +416,10 @@ pub fn report(error: CommandError) -> Exit {
         let _ = writeln!(io::stderr(), "{:?}", miette::Report::new(report));
     }
     match error {
-        CommandError::UnsupportedOutput { .. } | CommandError::ShardOfSeveral | CommandError::ReversedRange(_) => {
+        CommandError::UnsupportedOutput { .. } | CommandError::ShardOfSeveral | CommandError::TwoFromStandardInput => {
             Exit::Usage
         }
-        CommandError::TwoFromStandardInput | CommandError::Picture(picture::Error::Incompatible { .. }) => Exit::Usage,
+        CommandError::Picture(picture::Error::Misused { .. }) => Exit::Usage,
         CommandError::NotReproducible | CommandError::Picture(picture::Error::Diverged { .. }) => Exit::Diverged,
         CommandError::NoReference { verdict, .. } if verdict.health().is_some() => Exit::Damaged,
         CommandError::NoReference { .. } => Exit::Diverged,

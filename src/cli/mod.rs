@@ -108,7 +108,7 @@ pub enum Exit {
     Done = 0,
     /// Invalid input, an unreadable or missing file, or a result that cannot be written.
     Error = 1,
-    /// Options that cannot be combined, or that the command does not have for its inputs.
+    /// Options that the command cannot carry out, whatever its inputs contain.
     Usage = 2,
     /// A replay diverged, or something differs from its reference or is missing.
     Diverged = 3,

@@ -32,7 +32,7 @@ fn an_error_is_one_sentence_on_standard_error() {
     for line in lines {
         let before = workplace.names();
         let outcome = workplace.rebond(line);
-        let is_usage = ["table.xlsx", "out.bmp", "-o out.png", "--from 80"].iter().any(|part| line.contains(part));
+        let is_usage = ["table.xlsx", "out.bmp", "-o out.png"].iter().any(|part| line.contains(part));
         let is_usage = is_usage && !line.contains("--at 91");
         assert_eq!(outcome.code, if is_usage { 2 } else { 1 }, "{line}: {outcome:?}");
         assert_eq!(outcome.output, "", "{line}: errors go to standard error");
