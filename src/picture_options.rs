@@ -237,7 +237,7 @@ impl OptionText for [u32; 2] {
     }
 
     fn from_text(text: &str) -> Option<[u32; 2]> {
-        parse_size(text).ok()
+        sides(text).filter(|sides| !sides.contains(&0))
     }
 }
 
@@ -410,11 +410,17 @@ impl TryFrom<String> for StepOrTime {
     }
 }
 
+/// The two numbers of a size.
+#[cfg(feature = "draw")]
+fn sides(text: &str) -> Option<[u32; 2]> {
+    let (width, height) = text.split_once('x')?;
+    Some([width.parse().ok()?, height.parse().ok()?])
+}
+
 /// Parses a size in pixels: `1280x720`.
 #[cfg(feature = "draw")]
 pub(crate) fn parse_size(text: &str) -> Result<[u32; 2], String> {
-    let sides = text.split_once('x').and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]));
-    sides
+    sides(text)
         .filter(|sides: &[u32; 2]| sides.iter().all(|side| (1..=MAX_SIDE).contains(side)))
         .ok_or_else(|| format!("expected WIDTHxHEIGHT, each from 1 to {MAX_SIDE} pixels, for example 1280x720"))
 }

@@ -416,9 +416,7 @@ pub fn report(error: CommandError) -> Exit {
         let _ = writeln!(io::stderr(), "{:?}", miette::Report::new(report));
     }
     match error {
-        CommandError::UnsupportedOutput { .. } | CommandError::ShardOfSeveral | CommandError::TwoFromStandardInput => {
-            Exit::Usage
-        }
+        CommandError::UnsupportedOutput { .. } | CommandError::ShardOfSeveral => Exit::Usage,
         CommandError::Picture(picture::Error::Misused { .. }) => Exit::Usage,
         CommandError::NotReproducible | CommandError::Picture(picture::Error::Diverged { .. }) => Exit::Diverged,
         CommandError::NoReference { verdict, .. } if verdict.health().is_some() => Exit::Damaged,
