@@ -125,7 +125,7 @@ fn a_freeze_frame_of_the_handout_solver_is_at_a_state() {
 fn slow_motion_and_freeze_frames_require_an_animation() {
     let workplace = workplace("event-driven");
     let outcome = workplace.rebond("render run.mcap -o frames/ --slow 0.5");
-    assert_eq!(outcome.code, 2);
+    assert_eq!(outcome.code, 1);
     assert!(outcome.errors.contains("slow motion and freeze frames require an animation"), "{outcome:?}");
     assert_eq!(workplace.rebond("render run.mcap -o held.gif --hold 0.5 at night").code, 2);
     assert_eq!(workplace.rebond("render run.mcap -o held.gif --slow 0").code, 2);
