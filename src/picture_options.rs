@@ -237,7 +237,7 @@ impl OptionText for [u32; 2] {
     }
 
     fn from_text(text: &str) -> Option<[u32; 2]> {
-        parse_size(text).ok()
+        sides(text).filter(|sides| !sides.contains(&0))
     }
 }
 
@@ -295,6 +295,9 @@ pub(crate) fn check_extent(caption: &str, titles: &[String], recordings: usize) 
 
 /// The largest frame rate, frames per second of playback.
 pub const MAX_FPS: f64 = 1000.0;
+
+/// The longest time of a run, s.
+const MAX_TIME: f64 = crate::recording::limits::SECONDS;
 
 /// A state of a run: its step, or a time since step 0. Its text form is `90`, respectively `1.5s`, `20ms` or `3us`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -386,7 +389,8 @@ impl FromStr for StepOrTime {
             units.iter().find_map(|(name, unit)| text.strip_suffix(name).and_then(|number| seconds(number, *unit)));
         match (text.parse(), time) {
             (Ok(step), _) => Ok(StepOrTime::Step(step)),
-            (Err(_), Some(time)) if time.is_finite() && time >= 0.0 => Ok(StepOrTime::Time(time)),
+            (Err(_), Some(time)) if (0.0..=MAX_TIME).contains(&time) => Ok(StepOrTime::Time(time)),
+            (Err(_), Some(time)) if time > MAX_TIME => Err(format!("a run has at most {MAX_TIME} s")),
             (Err(_), _) => Err("expected a step such as 90, or a time such as 1.5s or 20ms".into()),
         }
     }
@@ -406,13 +410,19 @@ impl TryFrom<String> for StepOrTime {
     }
 }
 
+/// The two numbers of a size.
+#[cfg(feature = "draw")]
+fn sides(text: &str) -> Option<[u32; 2]> {
+    let (width, height) = text.split_once('x')?;
+    Some([width.parse().ok()?, height.parse().ok()?])
+}
+
 /// Parses a size in pixels: `1280x720`.
 #[cfg(feature = "draw")]
 pub(crate) fn parse_size(text: &str) -> Result<[u32; 2], String> {
-    let sides = text.split_once('x').and_then(|(width, height)| Some([width.parse().ok()?, height.parse().ok()?]));
-    sides
-        .filter(|sides: &[u32; 2]| !sides.contains(&0))
-        .ok_or_else(|| "expected WIDTHxHEIGHT, for example 1280x720".into())
+    sides(text)
+        .filter(|sides: &[u32; 2]| sides.iter().all(|side| (1..=MAX_SIDE).contains(side)))
+        .ok_or_else(|| format!("expected WIDTHxHEIGHT, each from 1 to {MAX_SIDE} pixels, for example 1280x720"))
 }
 
 /// The part of the plane that a picture shows. Its text form is `world`, `bodies`, `X,Y,WIDTH,HEIGHT` or

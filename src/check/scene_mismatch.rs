@@ -264,7 +264,7 @@ fn difference(old: &RecordedState, new: &RecordedState, table: Option<&BodyTable
         for (index, &id) in old.id.iter().enumerate() {
             let pairs = old.body_state(index).into_iter().zip(new.body_state(index)).zip(["x", "y", "vx", "vy"]);
             for ((recorded, replayed), field) in pairs {
-                if ulps(recorded, replayed) > 0 {
+                if ulps(recorded, replayed) != Some(0) {
                     let info =
                         table.and_then(|table| table.join_state(old).map(|(info, _)| info).find(|info| info.id == id));
                     let body = info.map_or(format!("{id}"), |info| info.spawn.name.clone());

@@ -8,7 +8,7 @@ use super::{Exit, output};
 use crate::junit::{TestCase, TestOutcome, TestSuite};
 use crate::physics::{Body, BodyId, Collision, Engine, Observer};
 use crate::recording::{self, Missing, body_state};
-use crate::replay::{Replayer, Verdict, ulps};
+use crate::replay::{Replayer, Verdict, distance, ulps};
 use crate::text::counted;
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
@@ -227,7 +227,7 @@ impl Comparison {
                 let more = if more > 0 { format!(" and {}", counted(more, "more step")) } else { String::new() };
                 format!("incomplete: the table has no rows for {steps}{more}; {same} same")
             }
-            (None, None, Some(missing)) => format!("incomplete: the recording: {missing}; {same} same"),
+            (None, None, Some(missing)) => format!("incomplete recording: {missing}; {same} same"),
             (None, None, None) => {
                 let within = self.tolerance.map(|tolerance| format!(" within {tolerance:?}")).unwrap_or_default();
                 let bodies = counted(self.bodies.len() as u64, "body");
@@ -292,8 +292,8 @@ impl Difference {
         match self {
             Difference::Number { body, field, row, recorded, .. } => {
                 let (recorded, given) = (recorded[*field], row.values[*field]);
-                let (field, distance) = (FIELDS[*field], counted(ulps(recorded, given), "ulp"));
-                format!("body {body:?} {field} recorded {recorded:?} given {given:?} ({distance})")
+                let (field, distance) = (FIELDS[*field], distance(recorded, given));
+                format!("body {body:?} {field} recorded {recorded:?} given {given:?}{distance}")
             }
             Difference::MissingBody { body } => format!("the table has no row for body {body:?}"),
             Difference::UnknownBody { body, line } => {

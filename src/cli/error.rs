@@ -171,7 +171,7 @@ pub enum CommandError {
     },
     /// Standard output cannot be written.
     #[error("cannot write to standard output: {0}")]
-    #[diagnostic(help("free some space on its disk, or write to a file with -o instead"))]
+    #[diagnostic(help("free some space on its disk, or redirect it to another one"))]
     StandardOutput(#[source] io::Error),
     /// The reader of standard output or of a named pipe has closed it. It needs no more, so nothing is printed.
     #[error("the reader of {} has closed it", .0.display())]
@@ -259,7 +259,7 @@ pub enum CommandError {
     #[error("cannot write to ffmpeg: {0}")]
     Pipe(#[source] io::Error),
     /// The command does not support an output of this name.
-    #[error("cannot write {}: {expected}", path.display())]
+    #[error("cannot write {}: {expected}{}", path.display(), lower_case(path))]
     UnsupportedOutput {
         /// The output.
         path: PathBuf,
@@ -393,6 +393,15 @@ impl From<picture::Error> for CommandError {
     }
 }
 
+/// The reason why a known extension in capital letters is not recognised.
+fn lower_case(path: &Path) -> &'static str {
+    let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
+    match extension.chars().any(char::is_uppercase) {
+        true => "; write the extension in lower case",
+        false => "",
+    }
+}
+
 /// Prints an error on standard error and returns the exit code. A failure to print is ignored.
 ///
 /// Messages contain their causes, so these are not listed again. Lines are not wrapped, so that scripts can search
@@ -407,6 +416,8 @@ pub fn report(error: CommandError) -> Exit {
         let _ = writeln!(io::stderr(), "{:?}", miette::Report::new(report));
     }
     match error {
+        CommandError::UnsupportedOutput { .. } | CommandError::ShardOfSeveral => Exit::Usage,
+        CommandError::Picture(picture::Error::Misused { .. }) => Exit::Usage,
         CommandError::NotReproducible | CommandError::Picture(picture::Error::Diverged { .. }) => Exit::Diverged,
         CommandError::NoReference { verdict, .. } if verdict.health().is_some() => Exit::Damaged,
         CommandError::NoReference { .. } => Exit::Diverged,

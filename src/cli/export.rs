@@ -300,6 +300,12 @@ fn bodies(
             Item::SceneUpdate { .. } | Item::Trailer(_) => {}
         }
     }
+    let health = recording.health();
+    // A body may have been deleted in the states that are missing at the end.
+    if let Some(end) = health.missing().and_then(|missing| missing.end).filter(|end| end.has_states()) {
+        let unknown = EventStep::Within { from: lost_since.unwrap_or(next_step), to: end.last };
+        bodies.values_mut().for_each(|body| body.deleted = body.deleted.or(Some(unknown)));
+    }
     let is_alive = |body: &&Lifetime| {
         let ([first, _], last) = (body.spawned.range(), body.deleted.map(EventStep::range));
         let is_alive_later = last.is_none_or(|[_, last]| last > *steps.start());
@@ -311,7 +317,7 @@ fn bodies(
     for body in &alive[options.shard.range(alive.len())] {
         rows.body(body, default_restitution).map_err(CommandError::unwritable(&options.output))?;
     }
-    Ok((recording.health(), ReadExtent::End))
+    Ok((health, ReadExtent::End))
 }
 
 /// The format that the name of the output asks for.

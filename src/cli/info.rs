@@ -29,11 +29,11 @@ pub fn run(options: &InfoOptions) -> Result<Exit, CommandError> {
             Ok(described) => described,
             Err(error) if files.len() == 1 => return Err(error),
             Err(error) => {
-                exit = exit.max(super::error::report(error));
+                exit = exit.worse(super::error::report(error));
                 continue;
             }
         };
-        exit = exit.max(described.exit);
+        exit = exit.worse(described.exit);
         let name = path.display().to_string();
         let is_named = files.len() > 1;
         let text = if options.json { described.json(name) } else { described.lines(is_named.then_some(name)) };
@@ -195,8 +195,12 @@ impl Info {
     /// Reads and verifies the whole recording.
     fn read<R: Read + Seek>(path: &Path, recording: &mut Recording<R>, bytes: u64) -> Result<Info, CommandError> {
         let mut info = Info::from_header(&recording.header, bytes);
-        for item in recording.by_ref() {
-            info.count(&item.map_err(CommandError::in_recording(path))?);
+        while let Some(item) = recording.next().transpose().map_err(CommandError::in_recording(path))? {
+            // A state whose bodies are unknown is one of the missing ones.
+            let is_unusable = matches!(item, Item::State(_) | Item::SuspectState(_)) && recording.table().is_none();
+            if !is_unusable {
+                info.count(&item);
+            }
         }
         info.chunks = recording.chunk_count();
         // Ids are consecutive, and keyframes know the next one, so lost events can be counted, too.

@@ -101,13 +101,15 @@ pub fn run(arguments: Arguments) -> Exit {
     result.unwrap_or_else(error::report)
 }
 
-/// The exit code of a command. (2, wrong usage, is returned by the argument parser.)
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+/// The exit code of a command. The argument parser returns 2, too.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Exit {
     /// Success; everything that was compared is the same.
     Done = 0,
     /// Invalid input, an unreadable or missing file, or a result that cannot be written.
     Error = 1,
+    /// Options that the command cannot carry out, whatever its inputs contain.
+    Usage = 2,
     /// A replay diverged, or something differs from its reference or is missing.
     Diverged = 3,
     /// A recording is incomplete or corrupt: its readable part was used, or it lacks the chosen steps.
@@ -115,6 +117,12 @@ pub enum Exit {
 }
 
 impl Exit {
+    /// The exit code for two files: an error goes before damage, and damage before a difference, as in `check`.
+    fn worse(self, other: Exit) -> Exit {
+        let order = [Exit::Usage, Exit::Error, Exit::Damaged, Exit::Diverged];
+        order.into_iter().find(|exit| [self, other].contains(exit)).unwrap_or(Exit::Done)
+    }
+
     /// The exit code of a process of this program; another code is none of its own.
     fn of_code(code: i32) -> Option<Exit> {
         [Exit::Done, Exit::Error, Exit::Diverged, Exit::Damaged].into_iter().find(|exit| *exit as i32 == code)

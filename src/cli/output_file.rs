@@ -1,8 +1,8 @@
 //! The files that commands write.
 //!
 //! A file appears complete or not at all: it is written to a temporary folder beside its place, synced and renamed. A
-//! recording is renamed when the first states after the initial one are written, and grows from there. Until then an existing file stays as
-//! it is, and a command that fails leaves nothing behind. Devices, named pipes and sockets are written to and never
+//! recording is renamed when its first chunk is written, with live events when the first states after the initial one are,
+//! and grows from there. Until then an existing file stays as it is, and a command that fails leaves nothing behind. Devices, named pipes and sockets are written to and never
 //! replaced. An input is never overwritten.
 
 use super::arguments::is_standard_output;
@@ -156,7 +156,11 @@ impl OutputFile {
     }
 
     /// Opens the file for a recording, which can be read while it grows.
-    pub fn record(self, durability: Durability) -> Result<(Box<dyn Write + Send>, Begun), CommandError> {
+    pub fn record(
+        self,
+        durability: Durability,
+        placement: Placement,
+    ) -> Result<(Box<dyn Write + Send>, Begun), CommandError> {
         let unwritable = CommandError::unwritable(&self.name);
         let begun = Begun::default();
         let file: Box<dyn Write + Send> = match self.destination {
@@ -170,8 +174,7 @@ impl OutputFile {
                 let file = exclusive(OpenOptions::new().write(true).create_new(true)).open(&staged);
                 let file = staging.add_open(file.and_then(lock).map_err(&unwritable)?);
                 let begun = begun.clone();
-                let pending =
-                    PendingRecording { is_flushed: false, staged, place, overwrite, begun, _staging: staging };
+                let pending = PendingRecording { placement, staged, place, overwrite, begun, _staging: staging };
                 Box::new(RecordingFile { file, durability, pending: Some(pending) })
             }
         };
@@ -211,10 +214,17 @@ pub enum Durability {
     Disk,
 }
 
+/// The flush that puts a recording at its place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Placement {
+    /// The first one, which has a chunk.
+    FirstFlush,
+    /// The second one, for live events: the first one has the initial state alone, after which the first of them may still
+    /// be refused.
+    SecondFlush,
+}
+
 /// A file to record into, which is locked until it is closed.
-///
-/// The second flush puts it at its place. The first one has the initial state alone, after which the first live events
-/// may still be refused.
 struct RecordingFile {
     file: TemporaryFile,
     durability: Durability,
@@ -223,8 +233,8 @@ struct RecordingFile {
 
 /// A recording that is not at its place yet.
 struct PendingRecording {
-    /// True after the first flush.
-    is_flushed: bool,
+    /// The flush that puts it there, counted from the next one.
+    placement: Placement,
     staged: PathBuf,
     place: PathBuf,
     overwrite: Overwrite,
@@ -239,8 +249,8 @@ impl Write for RecordingFile {
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        if let Some(PendingRecording { is_flushed, staged, place, overwrite, begun, .. }) = &mut self.pending {
-            if !std::mem::replace(is_flushed, true) {
+        if let Some(PendingRecording { placement, staged, place, overwrite, begun, .. }) = &mut self.pending {
+            if std::mem::replace(placement, Placement::FirstFlush) == Placement::SecondFlush {
                 return Ok(());
             }
             self.file.with(|file| file.sync_all())?;

@@ -133,7 +133,7 @@ impl FigureCommandOptions {
     /// If an option is given that the kind of figure does not have.
     pub fn figure(&self) -> Result<FigureOptions, picture::Error> {
         if let Some(option) = KIND_OPTIONS.iter().find(|option| option.is_misplaced(self)) {
-            return Err(picture::Error::Incompatible { reason: option.refusal(self.kind) });
+            return Err(picture::Error::Misused { reason: option.refusal(self.kind) });
         }
         let collision = |figure| FigureOptions::Collision {
             figure,

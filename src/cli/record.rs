@@ -1,6 +1,6 @@
 use super::arguments::{RecordOptions, RecoverOptions, is_standard_output};
 use super::error::CommandError;
-use super::output_file::{Durability, OutputFile, Overwrite, RefuseInputs};
+use super::output_file::{Durability, OutputFile, Overwrite, Placement, RefuseInputs};
 use super::{Exit, output};
 use crate::physics::SolverKind;
 use crate::picture;
@@ -41,7 +41,8 @@ pub fn run(options: &RecordOptions) -> Result<Exit, CommandError> {
     let events = options.events.as_deref().map(open_events).transpose()?;
     let mut live = events.map(|lines| LiveEvents::new(lines, on_bad_event, plan.steps));
     let durability = if options.sync { Durability::Disk } else { Durability::Program };
-    let (output, begun) = output.record(durability)?;
+    let placement = if live.is_some() { Placement::SecondFlush } else { Placement::FirstFlush };
+    let (output, begun) = output.record(durability, placement)?;
     let recorded = match record(&scene, plan, live.as_mut(), output, &options.output) {
         Err(CommandError::Unwritable { path, source }) if begun.is_in_place() => {
             return Err(CommandError::CutRecording { last: last_readable_step(&path), path, source });

@@ -59,6 +59,9 @@ pub enum TableError {
     /// The file is empty or has no header.
     #[error("the table is empty; its first line names the columns: step,name,x,y,vx,vy")]
     Empty,
+    /// The first line has numbers.
+    #[error("the first line of the table is a row; begin it with the names of the columns: step,name,x,y,vx,vy")]
+    NoHeader,
     /// A necessary column is missing.
     #[error("the table has no column {column}; its columns are {found}")]
     NoColumn {
@@ -181,6 +184,9 @@ impl Columns {
         let missing = |column| TableError::NoColumn { column, found: names.join(", ") };
         let (step, time) = (position("step"), position("time"));
         if step.or(time).is_none() {
+            if names.iter().any(|name| name.parse::<f64>().is_ok()) {
+                return Err(TableError::NoHeader);
+            }
             return Err(missing("step"));
         }
         let fields = FIELDS.map(position);
@@ -212,6 +218,13 @@ impl Columns {
         };
         let step =
             step.ok_or_else(|| invalid(column, &record[index], "the number of a step, 0 or more, or its time in s"))?;
+        let is_at = |time: f64| (time * rate - step as f64).abs() < 0.1;
+        if let (Some(_), Some(time)) = (self.step, self.time)
+            && !number(&record[time]).is_some_and(is_at)
+        {
+            let expected = "the time of the step in s, or no column time";
+            return Err(invalid("time", &record[time], expected));
+        }
         let mut row = StateRow { line, values: [f64::NAN; 4], decimals: [None; 4] };
         for (field, column) in self.fields.iter().enumerate().filter_map(|(field, column)| Some((field, (*column)?))) {
             let text = record[column].trim();
@@ -259,6 +272,8 @@ mod tests {
             ("step,name,x\n-1,c,1\n", "line 2: step is \"-1\""),
             ("step,name,x\n1.5,c,1\n", "line 2: step is \"1.5\""),
             ("time,name,x\n0.01,c,1\n", "line 2: time is \"0.01\""),
+            ("step,time,name,x\n60,1.0,c,1\n120,1.0,c,1\n", "line 3: time is \"1.0\"; expected the time of the step"),
+            ("0,a,1.0,2.0,0.0,0.0\n", "the first line of the table is a row"),
             ("step,name,x\n0,c,1\n0,c,2\n", "lines 2 and 3 are both about the body \"c\" at step 0"),
             ("step,name,x\n0,c\n0,b,1\n", "line 2 has 2 fields, but the first line has 3; write one field for each"),
             ("step,name,x\n0,c,1,2\n", "line 2 has 4 fields, but the first line has 3; write one field for each"),

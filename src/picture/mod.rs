@@ -125,6 +125,12 @@ pub enum Error {
         /// The condition of the recording.
         health: Box<Health>,
     },
+    /// Options that fit no recording: of another kind of figure, or for another number of recordings.
+    #[error("{reason}")]
+    Misused {
+        /// The reason, and what to do.
+        reason: String,
+    },
     /// Options that cannot be combined.
     #[error("{reason}")]
     Incompatible {

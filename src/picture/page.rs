@@ -175,6 +175,9 @@ impl Composer<'_> {
                     sums.collide(impacts).iter().flatten().for_each(|sample| run.push(sample));
                 }
             })?;
+            if run.has_overflow() {
+                return Err(overflow());
+            }
             run.timeline = Timeline { changes: trace.changes, gaps: trace.gaps };
             Ok((run, trace.status))
         })?;
@@ -197,6 +200,9 @@ impl Composer<'_> {
                 }
                 Traced::Impacts(impacts) => run.push_impacts(impacts),
             })?;
+            if run.has_overflow() {
+                return Err(overflow());
+            }
             run.timeline = Timeline { changes: trace.changes, gaps: trace.gaps };
             Ok((run, trace.status))
         })?;
@@ -218,6 +224,9 @@ impl Composer<'_> {
             if !run.has_motion() {
                 let reason = "all chosen bodies are at rest, so there is no distribution of speeds";
                 return Err(source.nothing_to_show(reason));
+            }
+            if run.has_overflow() {
+                return Err(overflow());
             }
             all.style.gaps.extend(trace.gaps);
             Ok((run, trace.status))
@@ -475,11 +484,26 @@ fn column(grid: &StepGrid, style: &Style) -> f64 {
     (grid.steps.end() - grid.steps.start()) as f64 / grid.rate / (2.0 * f64::from(style.look.size[0]))
 }
 
-/// The time of all runs, s.
+/// The time of all runs, s. A single state is in the middle of ten steps, as far as there are steps before it.
 fn time_range(steps: &[StepRange], sources: &[Source]) -> Range {
-    let times = grids(steps, sources)
-        .flat_map(|grid| [*grid.steps.start(), *grid.steps.end()].map(|step| step as f64 / grid.rate));
-    Range::of(times).unwrap_or(Range { from: 0.0, to: 1.0 })
+    const HALF: u64 = 5;
+    let time = |step: u64, grid: &StepGrid| step as f64 / grid.rate;
+    let range = |grid: StepGrid| {
+        let (first, last) = (*grid.steps.start(), *grid.steps.end());
+        let (first, last) = match last - first {
+            0 => (first.saturating_sub(HALF), last.saturating_add(HALF)),
+            _ => (first, last),
+        };
+        [time(first, &grid), time(last, &grid)]
+    };
+    Range::of(grids(steps, sources).flat_map(range)).unwrap_or(Range { from: 0.0, to: 1.0 })
+}
+
+/// The error of a diagram with values beyond the range of numbers, which would be empty.
+fn overflow() -> Error {
+    let reason = "a value of the diagram exceeds the range of numbers (1.8e308): choose other steps or bodies, or run the \
+                  scene with smaller masses and speeds";
+    Error::NothingToShow { reason: reason.into() }
 }
 
 /// The grid of each recording.

@@ -1,6 +1,6 @@
 use super::{
-    Animation, CameraTarget, CollisionFigure, CollisionSelector, Error, Format, Look, Metadata, Page, ReferenceFrame,
-    ResolvedPicture, Source, StatesFigure, StepRange, Subject, Timing, Window,
+    Animation, CameraTarget, CollisionFigure, CollisionSelector, Error, Format, Language, Look, Metadata, Page,
+    ReferenceFrame, ResolvedPicture, Source, StatesFigure, StepRange, Subject, Timing, Window,
 };
 use super::{MAX_FRAMES_PER_STEP, MAX_HOLD, MIN_HOLD, SPEEDS};
 use crate::physics::Axis;
@@ -194,11 +194,20 @@ fn description(picture: &ResolvedPicture) -> String {
     } else {
         ". "
     };
-    in_one_line(&format!(
-        "{caption}{separator}{} {}",
-        picture.look.language.of("Steps", "Pas"),
-        steps(&picture.subject)
-    ))
+    let steps = match picture.look.language {
+        Language::English => format!("Steps {}", steps(&picture.subject)),
+        Language::French => format!("Pas {}", in_french(&steps(&picture.subject))),
+    };
+    in_one_line(&format!("{caption}{separator}{steps}"))
+}
+
+/// The text of steps with French words. Every step of a range needs none.
+fn in_french(steps: &str) -> String {
+    let range = |range: &str| {
+        let range = range.strip_suffix(" every 1").unwrap_or(range);
+        range.replace(" to ", " à ").replace(" every ", " tous les ")
+    };
+    steps.split(", ").map(range).collect::<Vec<String>>().join(", ")
 }
 
 /// A text without control characters and line breaks, which the text form of metadata cannot contain.

@@ -177,7 +177,7 @@ impl PictureOptions {
             counted(titles.len(), "title"),
             counted(sources.len(), "recording"),
         );
-        Err(Error::Incompatible { reason })
+        Err(Error::Misused { reason })
     }
 
     fn camera_target(&self, sources: &[Source]) -> Result<CameraTarget, Error> {

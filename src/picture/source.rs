@@ -169,12 +169,14 @@ impl Source {
 
     /// The parts of `steps` that the recording lacks, which was found to have this health.
     pub(super) fn missing_in(&self, steps: &RangeInclusive<u64>, health: &Health) -> Vec<TraceGap> {
-        let mut gaps = self.gaps_in(steps);
         let found = health.missing().into_iter().flat_map(|missing| &missing.gaps);
-        let unreadable = found.filter(|gap| !self.header.gaps.contains(gap));
-        gaps.extend(unreadable.filter_map(|gap| self.gap_in(gap, steps, GapReason::Unreadable)));
-        gaps.sort_by_key(|gap| *gap.steps.start());
-        gaps
+        let reason = |gap: &Gap| {
+            let mut declared = self.header.gaps.iter();
+            let is_declared =
+                declared.any(|lost| lost.first_missing() < gap.before && lost.before > gap.first_missing());
+            if is_declared { GapReason::Lost } else { GapReason::Unreadable }
+        };
+        found.filter_map(|gap| self.gap_in(gap, steps, reason(gap))).collect()
     }
 
     fn gap_in(&self, gap: &Gap, steps: &RangeInclusive<u64>, reason: GapReason) -> Option<TraceGap> {

@@ -143,7 +143,7 @@ impl<W: Write> BatchWriter<W> {
         Ok(())
     }
 
-    /// Writes a state, and flushes at the end of each simulated second and after events.
+    /// Writes a state, and flushes at the end of each simulated second, after events, and when a chunk has its full size.
     ///
     /// # Errors
     /// Returns an error if writing fails.
@@ -155,9 +155,14 @@ impl<W: Write> BatchWriter<W> {
         self.write_message(Topic::States, state.step)?;
         if self.unflushed_events || (state.step + 1).is_multiple_of(self.header.steps_per_second()) {
             self.unflushed_events = false;
-            self.mcap.flush()?;
+            return self.mcap.flush();
         }
-        Ok(())
+        // The first flush of a run with live events is always that of the initial state: a file waits for the second one.
+        let is_initial = state.step == 0 && self.header.has_live_events;
+        match is_initial || self.mcap.has_ended_chunk() {
+            true => self.mcap.flush_output(),
+            false => Ok(()),
+        }
     }
 
     /// Writes an encoded scene update at `time`, in simulated nanoseconds. A message that is too large

@@ -407,8 +407,8 @@ impl Decoder {
     /// which have no location, are all of rebond.
     fn add_channel(&mut self, location: Option<Location>, body: &[u8]) -> Result<(), String> {
         let mut fields = FieldReader::new(body);
-        let mut read = || Ok((fields.u16()?, fields.u16()?, fields.text()?, fields.text()?));
-        let (id, schema, name, encoding) = read().map_err(|Malformed| "a channel record is damaged")?;
+        let mut read = || Ok((fields.u16()?, fields.u16()?, fields.text()?, fields.text()?, fields.map()?));
+        let (id, schema, name, encoding, _metadata) = read().map_err(|Malformed| "a channel record is damaged")?;
         let topic = Topic::from_name(name);
         self.channels.insert(id, topic);
         let Some(topic) = topic else {

@@ -171,7 +171,8 @@ impl SectionReader {
             Err(HeaderError::Damaged(reason)) => {
                 let offset = padded.unwrap_or(record.offset);
                 self.defects.push(Defect { offset, reason });
-                records.resume_after(offset).map_err(Error::Read)
+                self.is_cut |= !records.resume_after(offset).map_err(Error::Read)?;
+                Ok(())
             }
         }
     }
@@ -227,7 +228,7 @@ impl SectionReader {
         let (offset, resync) = match &fault.error {
             McapError::Io(_) => (fault.offset, Resync::Corrupt),
             McapError::BadMagic if self.defects.is_empty() => (0, Resync::ContinueAt(MAGIC.len() as u64)),
-            _ => (fault.offset, resync::resync(records.source(), &fault).map_err(Error::Read)?),
+            _ => (fault.offset, resync::resync(records, &fault).map_err(Error::Read)?),
         };
         let defect = match fault.error {
             McapError::Io(error) => return Err(Error::Read(error)),

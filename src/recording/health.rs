@@ -173,14 +173,14 @@ impl fmt::Display for Damage {
     }
 }
 
-/// A gap in a recovered recording, where data was lost.
+/// A gap in a recording, where data was lost.
 ///
-/// After a gap the living bodies are unknown until the next keyframe.
+/// It ends at a keyframe, because the living bodies are unknown until then.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Gap {
     /// The step of the last state before the gap; `None` if the start was lost.
     pub after: Option<u64>,
-    /// The step of the first item after the gap. All states between the two steps are lost; if there
+    /// The step of the keyframe after the gap. All states between the two steps are lost; if there
     /// are none in between, only events or keyframes are lost.
     pub before: u64,
 }
@@ -189,6 +189,19 @@ impl Gap {
     /// Returns the number of missing states.
     pub fn missing_states(self) -> u64 {
         self.before.saturating_sub(self.first_missing())
+    }
+
+    /// Sorts gaps, and merges those that overlap or follow each other without a state in between.
+    pub fn merged(mut gaps: Vec<Gap>) -> Vec<Gap> {
+        gaps.sort_by_key(|gap| (gap.first_missing(), gap.before));
+        gaps.dedup_by(|next, gap| {
+            let is_joined = next.first_missing() <= gap.before;
+            if is_joined {
+                gap.before = gap.before.max(next.before);
+            }
+            is_joined
+        });
+        gaps
     }
 
     /// Returns the missing part in words.

@@ -93,7 +93,9 @@ impl Index {
 
     /// Reads the end record.
     fn read_trailer<R: Read + Seek>(&mut self, records: &mut RecordReader<R>) -> io::Result<()> {
-        let Some(offset) = self.trailer_offset else { return Ok(()) };
+        let end = records.source().seek(SeekFrom::End(0))?;
+        // A damaged offset can be one that no file has, to which the operating system refuses to move.
+        let Some(offset) = self.trailer_offset.filter(|offset| *offset < end) else { return Ok(()) };
         records.seek(offset)?;
         let is_metadata = matches!(records.next_record(), Ok(Some(record)) if record.opcode == op::METADATA);
         self.trailer = is_metadata.then(|| metadata::trailer_of(&records.body)).flatten();
@@ -276,7 +278,8 @@ fn from_summary<R: Read + Seek>(records: &mut RecordReader<R>, start: u64) -> io
         return Ok(Err(Unusable::Absent));
     }
     index.read_trailer(records)?;
-    Ok(match index.is_contradictory(start, indexed_messages) {
+    let has_lost_trailer = index.trailer_offset.is_some() && index.trailer.is_none();
+    Ok(match has_lost_trailer || index.is_contradictory(start, indexed_messages) {
         true => Err(Unusable::Doubtful),
         false => Ok(index),
     })
@@ -334,7 +337,7 @@ fn scan<R: Read + Seek>(records: &mut RecordReader<R>) -> io::Result<Index> {
             Ok(Some(record)) if record.opcode == op::DATA_END => return Ok(index),
             Ok(Some(record)) => index.add_scanned(record.opcode, record.offset, &records.body),
             Ok(None) => return Ok(index),
-            Err(fault) => match resync::resync(records.source(), &fault)? {
+            Err(fault) => match resync::resync(records, &fault)? {
                 Resync::ContinueAt(next) => {
                     index.is_doubtful = true;
                     records.seek(next)?;

@@ -1,10 +1,11 @@
-use std::io::{self, BufWriter, Write};
+use std::io::{self, Write};
 
 use mcap::{Attachment, McapError, records::MessageHeader, write::NoSeek};
 
 use super::{
     Error, SceneImage, SceneText, limits,
     metadata::{self, LIBRARY, Map},
+    shared_output::SharedOutput,
     topic::Topic,
     writer::failed_earlier,
 };
@@ -15,7 +16,8 @@ use super::{
 /// not the MCAP library.
 pub struct McapWriter<W: Write> {
     /// `None` after [`McapWriter::finish`].
-    mcap: Option<mcap::Writer<NoSeek<BufWriter<W>>>>,
+    mcap: Option<mcap::Writer<NoSeek<SharedOutput<W>>>>,
+    output: SharedOutput<W>,
     channels: [Option<Channel>; Topic::ALL.len()],
 }
 
@@ -53,6 +55,7 @@ impl<W: Write> McapWriter<W> {
         scene: Option<&SceneText>,
         images: &[SceneImage],
     ) -> Result<McapWriter<W>, Error> {
+        let output = SharedOutput::new(output);
         let mut mcap = mcap::WriteOptions::new()
             .library(LIBRARY)
             .profile(profile.name())
@@ -60,7 +63,7 @@ impl<W: Write> McapWriter<W> {
             .compression_threads(0)
             .chunk_size(Some(limits::CHUNK_BYTES as u64))
             .disable_seeking(true)
-            .create(NoSeek::new(BufWriter::new(output)))
+            .create(NoSeek::new(output.clone()))
             .map_err(write_error)?;
         put_metadata(&mut mcap, metadata::HEADER, header)?;
         if let Some(scene) = scene {
@@ -71,10 +74,11 @@ impl<W: Write> McapWriter<W> {
                 mcap.attach(&attachment(name, IMAGE_MEDIA_TYPE, png)).map_err(write_error)?;
             }
         }
-        let mut writer = McapWriter { mcap: Some(mcap), channels: [None; Topic::ALL.len()] };
+        let mut writer = McapWriter { mcap: Some(mcap), output, channels: [None; Topic::ALL.len()] };
         for topic in Topic::ALL.into_iter().filter(|topic| topic.is_mandatory()) {
             writer.channels[topic as usize] = Some(writer.add_channel(topic)?);
         }
+        writer.output.begin_chunks();
         Ok(writer)
     }
 
@@ -89,7 +93,7 @@ impl<W: Write> McapWriter<W> {
         self.mcap()?.write_to_known_channel(&header, bytes).map_err(write_error)
     }
 
-    fn mcap(&mut self) -> Result<&mut mcap::Writer<NoSeek<BufWriter<W>>>, Error> {
+    fn mcap(&mut self) -> Result<&mut mcap::Writer<NoSeek<SharedOutput<W>>>, Error> {
         self.mcap.as_mut().ok_or_else(failed_earlier)
     }
 
@@ -108,15 +112,25 @@ impl<W: Write> McapWriter<W> {
         self.mcap()?.flush().map_err(write_error)
     }
 
+    /// Flushes the output except for the open chunk.
+    pub fn flush_output(&mut self) -> Result<(), Error> {
+        self.output.flush().map_err(Error::Write)
+    }
+
+    /// Returns true if a chunk was ended at its full size and is not flushed.
+    pub fn has_ended_chunk(&self) -> bool {
+        self.output.has_ended_chunk()
+    }
+
     /// Writes everything after the messages, including the summary, and returns the output.
     pub fn finish(mut self, trailer: Map) -> Result<W, Error> {
         let mcap = self.mcap()?;
         put_metadata(mcap, metadata::TRAILER, trailer)?;
         mcap.finish().map_err(write_error)?;
-        let mcap = self.mcap.take().ok_or_else(failed_earlier)?;
-        let mut buffer = mcap.into_inner().into_inner();
-        buffer.flush().map_err(Error::Write)?;
-        buffer.into_inner().map_err(|error| Error::Write(error.into_error()))
+        // All other clones of the output end with the writers that own them.
+        let output = self.mcap.take().ok_or_else(failed_earlier)?.into_inner().into_inner();
+        drop(self);
+        output.into_file()
     }
 }
 

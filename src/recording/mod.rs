@@ -40,6 +40,7 @@ mod recover;
 mod resync;
 mod scene_update;
 mod sequence_validator;
+mod shared_output;
 mod state;
 mod tally;
 mod topic;

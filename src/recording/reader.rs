@@ -15,7 +15,7 @@ use super::{
     index::{self, Index, Summary},
     merge::{Merge, Parts},
     metadata,
-    record_reader::{ReadFault, RecordHeader, RecordReader, has_unknown_fields},
+    record_reader::{PREFIX_BYTES, ReadFault, RecordHeader, RecordReader, has_unknown_fields},
     resync::{self, Resync},
     tally::Tally,
     topic::Topic,
@@ -382,13 +382,15 @@ impl<R: Read + Seek> Recording<R> {
         }
         let validator = &self.decoder.validator;
         let index = self.index.as_ref();
+        let mut found = validator.found_gaps().to_vec();
         let (trailer, after) = match (self.phase, index) {
             (Phase::Reading, Some(index)) => {
+                found.extend(validator.open_gap());
                 (index.trailer.as_ref(), index.trailer.as_ref().map(|trailer| trailer.steps))
             }
-            _ => (self.decoder.trailer.as_ref(), validator.last_step()),
+            _ => (self.decoder.trailer.as_ref(), validator.last_usable_step()),
         };
-        let missing = self.missing(trailer, after, validator.found_gaps());
+        let missing = self.missing(trailer, after, found);
         match self.opening_damage.as_ref().or(self.decoder.damage.as_ref()) {
             Some(damage) => Health::Corrupt { damage: damage.clone(), missing },
             None if missing.is_empty() => Health::Whole,
@@ -397,7 +399,7 @@ impl<R: Read + Seek> Recording<R> {
     }
 
     /// Returns the parts that are missing in a recording with this end record, last state and gaps.
-    fn missing(&self, trailer: Option<&Trailer>, after: Option<u64>, found: &[Gap]) -> Missing {
+    fn missing(&self, trailer: Option<&Trailer>, after: Option<u64>, found: Vec<Gap>) -> Missing {
         let last = match trailer {
             None => self.header.steps,
             Some(Trailer { error: Some(_), steps, .. }) => *steps,
@@ -405,13 +407,13 @@ impl<R: Read + Seek> Recording<R> {
         };
         let is_cut = trailer.is_none() || self.phase == Phase::Truncated;
         let is_ended = !is_cut && after.is_some_and(|after| after >= last);
-        let mut gaps = found.to_vec();
-        gaps.extend(&self.header.gaps);
-        gaps.sort_by_key(|gap| (gap.first_missing(), gap.before));
-        gaps.dedup();
+        let end = (!is_ended).then_some(MissingEnd { after, last, is_cut });
+        // The end begins within a declared gap if no keyframe follows that.
+        let end_begins = end.and_then(|end| end.after).map_or(u64::MAX, |after| after.saturating_add(1));
+        let declared = self.header.gaps.iter().copied().filter(|gap| gap.first_missing() < end_begins);
         Missing {
-            gaps,
-            end: (!is_ended).then_some(MissingEnd { after, last, is_cut }),
+            gaps: Gap::merged(found.into_iter().chain(declared).collect()),
+            end,
             scene: self.header.scene.is_none(),
             keyframes: self.decoder.validator.lacks_keyframes(),
             images: self
@@ -482,7 +484,8 @@ impl<R: Read + Seek> Recording<R> {
                 None => self.read_record(record)?,
                 Some(_) => {
                     let body = &self.records.body;
-                    let added = self.tally.as_mut().map(|tally| tally.add_summary_record(record.opcode, body));
+                    let RecordHeader { offset, opcode } = record;
+                    let added = self.tally.as_mut().map(|tally| tally.add_summary_record(opcode, offset, body));
                     if added.is_some_and(|added| added.is_err()) {
                         self.report_summary("a record of the summary is malformed".into());
                     }
@@ -602,6 +605,8 @@ impl<R: Read + Seek> Recording<R> {
                 self.finish();
                 self.decoder.padded = None;
                 self.data_end = Some(offset);
+                let end = offset + (PREFIX_BYTES + self.records.body.len()) as u64;
+                self.tally.iter_mut().for_each(|tally| tally.end_data(end));
             }
             other => {
                 let location = Location { chunk: None, offset: private.unwrap_or(offset) };
@@ -628,7 +633,11 @@ impl<R: Read + Seek> Recording<R> {
         self.interrupt_parts();
         self.chunks.close();
         self.tally = None;
-        self.records.resume_after(offset).map_err(Error::Read)
+        if !self.records.resume_after(offset).map_err(Error::Read)? {
+            self.phase = Phase::Finished;
+            self.finish();
+        }
+        Ok(())
     }
 
     fn interrupt_parts(&mut self) {
@@ -648,7 +657,7 @@ impl<R: Read + Seek> Recording<R> {
         }
         let resync = match self.data_end {
             Some(_) => resync::truncated_or_corrupt(self.records.source(), &fault),
-            None => resync::resync(self.records.source(), &fault),
+            None => resync::resync(&mut self.records, &fault),
         };
         let Defect { offset, reason } = self.locate(fault);
         let location = Location { chunk: None, offset };

@@ -15,6 +15,10 @@ pub struct RecordReader<R> {
     source: FixedEnd<R>,
     reader: LinearReader,
     next_offset: u64,
+    /// The start and the result of the last search for a record.
+    searched: Option<(u64, Option<u64>)>,
+    /// The offset at which reading last continued although no record was found.
+    unfounded: Option<u64>,
     /// The fields of the current record.
     pub body: Vec<u8>,
 }
@@ -46,7 +50,14 @@ impl<R: Read + Seek> RecordReader<R> {
     /// Creates a reader at the start of the file, which reads up to the present end of the file.
     pub fn new(source: R) -> io::Result<RecordReader<R>> {
         let source = FixedEnd::new(source)?;
-        Ok(RecordReader { source, reader: reader_at_start(), next_offset: MAGIC.len() as u64, body: Vec::new() })
+        Ok(RecordReader {
+            source,
+            reader: reader_at_start(),
+            next_offset: MAGIC.len() as u64,
+            searched: None,
+            unfounded: None,
+            body: Vec::new(),
+        })
     }
 
     /// Returns to the start of the file.
@@ -67,10 +78,31 @@ impl<R: Read + Seek> RecordReader<R> {
     }
 
     /// Continues at the next record found after the damaged one at `offset`, whose length cannot be
-    /// trusted. If no record is found, continues where that length points.
-    pub fn resume_after(&mut self, offset: u64) -> io::Result<()> {
-        let next = resync::find_record(&mut self.source, offset + 1)?.unwrap_or(self.next_offset);
-        self.seek(next)
+    /// trusted. If no record is found, continues where that length points, but only once: returns false if the record there
+    /// is damaged, too, because then nothing follows.
+    pub fn resume_after(&mut self, offset: u64) -> io::Result<bool> {
+        let found = self.find_record(offset + 1)?;
+        let has_ended = found.is_none() && self.unfounded == Some(offset);
+        let next = found.unwrap_or(self.next_offset);
+        self.unfounded = found.is_none().then_some(next);
+        self.seek(next)?;
+        Ok(!has_ended)
+    }
+
+    /// Returns the offset of the next chunk, scene attachment or metadata of rebond at or after `from`.
+    ///
+    /// Keeps the result, which is also that of a search from any place between: otherwise a long damaged part, in which
+    /// many places are tried, would be searched to its end from each of them.
+    pub fn find_record(&mut self, from: u64) -> io::Result<Option<u64>> {
+        if let Some((start, found)) = self.searched
+            && start <= from
+            && found.is_none_or(|found| from <= found)
+        {
+            return Ok(found);
+        }
+        let found = resync::find_record(&mut self.source, from)?;
+        self.searched = Some((from, found));
+        Ok(found)
     }
 
     /// The underlying source.

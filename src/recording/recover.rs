@@ -77,13 +77,14 @@ enum Saved {
 /// Calls `visit` with all recoverable items, in order.
 ///
 /// Events and keyframes not followed by a state are dropped, so there is at most one gap between two
-/// states.
+/// states. After a loss everything up to the next keyframe is dropped except for the events of its step: without the
+/// bodies alive, states cannot be used.
 fn salvage<R: Read + Seek>(
     recording: &mut Recording<R>,
     mut visit: impl FnMut(Saved) -> Result<(), Error>,
 ) -> Result<(), Error> {
     recording.restart()?;
-    let (mut is_lost, mut after, mut pending) = (false, None, Vec::new());
+    let (mut is_lost, mut after, mut pending) = (false, None, Vec::<Saved>::new());
     while let Some(item) = recording.next() {
         let (step, saved) = match item? {
             Item::Event(event) => (event.step, Saved::Event(event)),
@@ -104,15 +105,21 @@ fn salvage<R: Read + Seek>(
                 continue;
             }
         };
-        if std::mem::take(&mut is_lost) {
-            pending.push(Saved::Gap(Gap { after, before: step }));
+        let (is_keyframe, is_state) = (matches!(saved, Saved::Keyframe(_)), matches!(saved, Saved::State(_)));
+        if is_lost && is_keyframe {
+            is_lost = false;
+            pending.insert(0, Saved::Gap(Gap { after, before: step }));
         }
-        let is_state = matches!(saved, Saved::State(_));
         pending.push(saved);
-        if is_state {
+        if is_lost && is_state {
+            pending.clear();
+        } else if is_state {
             after = Some(step);
             pending.drain(..).try_for_each(&mut visit)?;
         }
+    }
+    if is_lost {
+        pending.clear();
     }
     pending.into_iter().try_for_each(visit)
 }
@@ -196,34 +203,34 @@ impl Recovery {
                 !end.is_some_and(MissingEnd::has_states) && !scene && !keyframes && images.is_empty()
             })
     }
+
+    fn write_gap(&self, gap: &Gap, f: &mut Formatter<'_>) -> fmt::Result {
+        let (first, states) = (gap.first_missing(), gap.missing_states());
+        let time = seconds(states as f64 / self.rate);
+        match states {
+            0 => write!(f, "\nlost no state, but possibly events at step {}", gap.before),
+            1 => write!(f, "\nlost step {first}: 1 state, {time}"),
+            _ => write!(f, "\nlost steps {first} to {}: {states} states, {time}", gap.before - 1),
+        }
+    }
 }
 
 impl Display for Recovery {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         write!(f, "recovered {} up to step {}", counted(self.states, "state"), self.trailer.steps)?;
-        for gap in &self.gaps {
-            let first = gap.first_missing();
-            match gap.missing_states() {
-                0 => write!(f, "\nlost no state, but possibly events at step {}", gap.before)?,
-                1 => write!(f, "\nlost step {first}: 1 state, {}", seconds(1.0 / self.rate))?,
-                states => {
-                    let time = seconds(states as f64 / self.rate);
-                    write!(f, "\nlost steps {first} to {}: {states} states, {time}", gap.before - 1)?;
-                }
-            }
-        }
+        self.gaps.iter().try_for_each(|gap| self.write_gap(gap, f))?;
         if self.lost_scene_updates {
             write!(f, "\nlost the topic /scene: viewers of MCAP files show no boxes")?;
         }
         match &self.health {
-            Health::Whole => write!(f, "\nnothing was lost")?,
+            Health::Whole => write!(f, "\nnothing was lost; the states were read, not replayed")?,
             Health::Incomplete(missing) | Health::Corrupt { missing, .. } => {
                 match missing.end {
                     Some(end) if !end.has_states() => write!(f, "\nlost no state at the end of the file")?,
                     Some(end) if end.is_cut => {
                         write!(f, "\nlost all later steps: the end of the recording is missing")?;
                     }
-                    Some(end) => write!(f, "\nlost all steps up to {}", end.last)?,
+                    Some(end) => self.write_gap(&Gap { after: end.after, before: end.last + 1 }, f)?,
                     None => {}
                 }
                 if missing.scene {

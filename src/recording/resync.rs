@@ -6,7 +6,7 @@ use mcap::{MAGIC, McapError, records::op};
 
 use super::{
     limits, metadata,
-    record_reader::{FieldReader, Malformed, PREFIX_BYTES, ReadFault},
+    record_reader::{FieldReader, Malformed, PREFIX_BYTES, ReadFault, RecordReader},
 };
 
 /// The way to continue after a place without a valid record.
@@ -24,10 +24,10 @@ pub enum Resync {
 ///
 /// # Errors
 /// Returns an error if the file cannot be read.
-pub fn resync<R: Read + Seek>(source: &mut R, fault: &ReadFault) -> io::Result<Resync> {
-    match find_record(source, fault.offset + 1)? {
+pub fn resync<R: Read + Seek>(records: &mut RecordReader<R>, fault: &ReadFault) -> io::Result<Resync> {
+    match records.find_record(fault.offset + 1)? {
         Some(next) => Ok(Resync::ContinueAt(next)),
-        None => truncated_or_corrupt(source, fault),
+        None => truncated_or_corrupt(records.source(), fault),
     }
 }
 

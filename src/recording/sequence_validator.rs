@@ -33,8 +33,11 @@ pub struct SequenceValidator {
     declared_gaps: Vec<Gap>,
     /// The declared gaps that are still ahead.
     gaps: VecDeque<Gap>,
-    /// The gaps found so far, declared or not.
+    /// The gaps found so far, declared or not, up to the keyframes after them.
     found_gaps: Vec<Gap>,
+    /// After a loss, until a keyframe makes the living bodies known again: the step of the last state before it, if any. The
+    /// states up to the keyframe cannot be used.
+    open_gap: Option<Option<u64>>,
     /// True if full states have scene updates; `None` before the first full state.
     has_scene_updates: Option<bool>,
     /// The number of steps between keyframes, if the format has all of them.
@@ -90,6 +93,7 @@ impl SequenceValidator {
             declared_gaps: header.gaps.clone(),
             gaps: header.gaps.iter().copied().collect(),
             found_gaps: Vec::new(),
+            open_gap: None,
             has_scene_updates: None,
             keyframe_interval: (header.versions.format >= FIRST_FORMAT_WITH_ALL_KEYFRAMES)
                 .then(|| header.steps_per_second()),
@@ -101,6 +105,20 @@ impl SequenceValidator {
     /// The step of the last state.
     pub fn last_step(&self) -> Option<u64> {
         self.last_step
+    }
+
+    /// The step of the last state that can be used: after a loss there is none before the next keyframe.
+    pub fn last_usable_step(&self) -> Option<u64> {
+        self.open_gap.unwrap_or(self.last_step)
+    }
+
+    /// The gap that reaches beyond the last item, up to the step that should have the next keyframe.
+    pub fn open_gap(&self) -> Option<Gap> {
+        let after = self.open_gap?;
+        let (ExpectedStep::Exactly(next) | ExpectedStep::AtLeast(next)) = self.expected;
+        let keyframe = self.keyframe_interval.and_then(|interval| next.checked_next_multiple_of(interval));
+        let before = keyframe.unwrap_or(next).min(self.planned.saturating_add(1));
+        Some(Gap { after, before }).filter(|gap| gap.missing_states() > 0)
     }
 
     /// The living bodies, if known.
@@ -126,6 +144,7 @@ impl SequenceValidator {
         self.expected = ExpectedStep::AtLeast(0);
         self.gaps = self.declared_gaps.iter().copied().collect();
         self.found_gaps.clear();
+        self.open_gap = None;
         self.has_scene_updates = None;
     }
 
@@ -136,7 +155,10 @@ impl SequenceValidator {
         };
         self.position = match self.position {
             Position::Unknown => Position::Unknown,
-            Position::Complete | Position::Lost | Position::Resumed => Position::Lost,
+            Position::Complete | Position::Lost | Position::Resumed => {
+                self.open_gap.get_or_insert(self.last_step);
+                Position::Lost
+            }
         };
         self.table = None;
         self.state_bounds = None;
@@ -159,9 +181,9 @@ impl SequenceValidator {
         self.expected = ExpectedStep::AtLeast(step);
         self.table = None;
         match self.position {
-            Position::Unknown | Position::Lost => None, // Noted with the next item, if anything was read before.
+            Position::Unknown | Position::Lost => None, // Noted with the next keyframe, if anything was read before.
             Position::Complete | Position::Resumed => {
-                self.note_gap(gap);
+                self.open_gap.get_or_insert(gap.after);
                 Some(gap)
             }
         }
@@ -246,6 +268,9 @@ impl SequenceValidator {
         }
         self.table = Some(table);
         self.next_id = next_id;
+        if let Some(after) = self.open_gap.take() {
+            self.note_gap(Gap { after, before: step });
+        }
         Ok(())
     }
 
@@ -330,7 +355,8 @@ impl SequenceValidator {
 
     /// Returns true if nothing was lost, but no state has the keyframe that it should have.
     pub fn lacks_keyframes(&self) -> bool {
-        self.is_complete() && self.has_keyframes == Some(false)
+        // A keyframe that alone is missing at the start is not the topic.
+        self.is_complete() && self.has_keyframes == Some(false) && self.missing_keyframe.is_none()
     }
 
     /// Checks the end record against the items before it.
@@ -451,7 +477,7 @@ impl SequenceValidator {
         match (is_possible, self.expected) {
             (true, _) => {
                 self.expected = ExpectedStep::Exactly(step);
-                self.resume(step);
+                self.resume();
                 Ok(())
             }
             (false, ExpectedStep::Exactly(expected)) => {
@@ -463,16 +489,12 @@ impl SequenceValidator {
         }
     }
 
-    /// Notes the gap before the first item after a loss.
-    fn resume(&mut self, step: u64) {
-        match self.position {
-            Position::Complete | Position::Resumed => {}
-            Position::Unknown => self.position = Position::Resumed,
-            Position::Lost => {
-                self.position = Position::Resumed;
-                self.note_gap(Gap { after: self.last_step, before: step });
-            }
-        }
+    /// Notes that an item was read.
+    fn resume(&mut self) {
+        self.position = match self.position {
+            Position::Complete => Position::Complete,
+            Position::Unknown | Position::Lost | Position::Resumed => Position::Resumed,
+        };
     }
 
     fn check_shape(&self, state: &RecordedState) -> Result<(), String> {

@@ -18,6 +18,22 @@ pub struct Tally {
     statistics: Option<Statistics>,
     /// The number of records of the summary section.
     summary_records: u64,
+    layout: SummaryLayout,
+}
+
+/// The places of the records after the data section, and what the summary says of them.
+#[derive(Default)]
+struct SummaryLayout {
+    /// The first byte after the data section.
+    start: u64,
+    /// The first byte of each kind of record, and the first byte after the last one.
+    groups: BTreeMap<u8, (u64, u64)>,
+    /// The kind, first byte and length of the groups that the summary offset records list.
+    listed: Vec<(u8, u64, u64)>,
+    /// The offset of the first summary offset record.
+    offsets_start: Option<u64>,
+    /// The offset of the footer, and its offsets of the summary section and of the summary offset records.
+    footer: Option<(u64, u64, u64)>,
 }
 
 /// The records of one section.
@@ -98,6 +114,11 @@ impl Tally {
         self.data.chunks.add(&chunk.bytes());
     }
 
+    /// Notes the first byte after the data section.
+    pub fn end_data(&mut self, end: u64) {
+        self.layout.start = end;
+    }
+
     /// Adds an attachment or a metadata record of the data section, which starts at `offset`.
     pub fn add_indexed(&mut self, opcode: u8, offset: u64, body: &[u8]) {
         self.add_entry(opcode, &entry(opcode, offset, body));
@@ -111,11 +132,12 @@ impl Tally {
         }
     }
 
-    /// Adds a record of the summary section.
+    /// Adds a record of the summary section, which starts at `offset`.
     ///
     /// # Errors
     /// Returns an error if the record is malformed.
-    pub fn add_summary_record(&mut self, opcode: u8, body: &[u8]) -> Result<(), Malformed> {
+    pub fn add_summary_record(&mut self, opcode: u8, offset: u64, body: &[u8]) -> Result<(), Malformed> {
+        self.layout.add(opcode, offset, body)?;
         match opcode {
             op::SCHEMA => self.summary.schemas.extend([definition(opcode, body)?]),
             op::CHANNEL => self.summary.channels.extend([definition(opcode, body)?]),
@@ -144,9 +166,9 @@ impl Tally {
     /// Returns a description of the first difference between the summary and the data section, if any. A summary may
     /// leave out the statistics and each kind of index.
     pub fn difference(&self) -> Option<String> {
-        let Tally { data, summary, statistics, summary_records } = self;
+        let Tally { data, summary, statistics, summary_records, layout } = self;
         if *summary_records == 0 {
-            return None;
+            return layout.difference();
         }
         let lists = |what: &str, listed: u64, found: u64| {
             Some(format!("the summary lists {listed} {what}, but the file has {found}")).filter(|_| listed != found)
@@ -173,6 +195,47 @@ impl Tally {
             .or_else(|| entries("attachments", summary.attachments, data.attachments))
             .or_else(|| entries("metadata records", summary.metadata, data.metadata))
             .or_else(|| statistics.as_ref().and_then(|statistics| statistics.difference(data)))
+            .or_else(|| layout.difference())
+    }
+}
+
+impl SummaryLayout {
+    /// Adds a record that starts at `offset`.
+    fn add(&mut self, opcode: u8, offset: u64, body: &[u8]) -> Result<(), Malformed> {
+        let end = offset + (PREFIX_BYTES + body.len()) as u64;
+        let mut fields = FieldReader::new(body);
+        match opcode {
+            op::SUMMARY_OFFSET => {
+                if self.listed.len() > usize::from(u8::MAX) {
+                    return Err(Malformed); // There are not so many kinds of records.
+                }
+                let kind = *fields.bytes(1)?.first().ok_or(Malformed)?;
+                self.listed.push((kind, fields.u64()?, fields.u64()?));
+                self.offsets_start.get_or_insert(offset);
+            }
+            op::FOOTER => self.footer = Some((offset, fields.u64()?, fields.u64()?)),
+            _ => self.groups.entry(opcode).or_insert((offset, end)).1 = end,
+        }
+        Ok(())
+    }
+
+    /// Returns a description of the first offset that does not match, if any.
+    fn difference(&self) -> Option<String> {
+        let is_wrong = |(kind, start, length): &&(u8, u64, u64)| match self.groups.get(kind) {
+            Some((first, end)) => (first, end - first) != (start, *length),
+            None => *length > 0,
+        };
+        if self.listed.iter().any(|listed| is_wrong(&listed)) {
+            return Some("a summary offset does not match the summary".into());
+        }
+        let (footer, summary, offsets) = self.footer?;
+        // Without records there, an offset is 0 or that of the place where they would be.
+        let has_records = !self.groups.is_empty() || self.offsets_start.is_some();
+        if summary != self.start && (has_records || ![0, footer].contains(&summary)) {
+            return Some("the footer does not refer to the summary".into());
+        }
+        let is_right = self.offsets_start.map_or([0, footer].contains(&offsets), |start| start == offsets);
+        (!is_right).then(|| "the footer does not refer to the summary offsets".into())
     }
 }
 
@@ -266,8 +329,7 @@ impl Entries {
     }
 }
 
-/// Returns the id of a schema or channel, and the hash of its fields except for the metadata of a channel, whose order is
-/// free.
+/// Returns the id of a schema or channel, and the hash of its fields. The order of the metadata of a channel is free.
 fn definition(opcode: u8, body: &[u8]) -> Result<(u16, u64), Malformed> {
     let mut fields = FieldReader::new(body);
     let id = fields.u16()?;
@@ -279,7 +341,9 @@ fn definition(opcode: u8, body: &[u8]) -> Result<(u16, u64), Malformed> {
         }
         _ => {
             let schema = fields.bytes(2)?;
-            [schema, &text_field(fields.text()?), &text_field(fields.text()?)].concat()
+            let names = [text_field(fields.text()?), text_field(fields.text()?)].concat();
+            let metadata = fields.map()?.into_iter().flat_map(|(key, value)| [text_field(&key), text_field(&value)]);
+            [schema, &names, &metadata.flatten().collect::<Vec<u8>>()].concat()
         }
     };
     Ok((id, xxh3_64(&bytes)))

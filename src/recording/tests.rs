@@ -265,6 +265,28 @@ fn the_summary_events_and_one_state_are_found_without_reading_the_rest() {
     assert_eq!((summary.states, summary.keyframes), (40_001, keyframes));
 }
 
+/// Each nine zeros are a record of length 0. A disk that lost power leaves such tails.
+#[test]
+fn zeros_are_searched_once_and_reported_in_a_few_places() {
+    let recording = record(&bounce(50));
+    let half = &recording[..recording.len() / 2];
+    let zeros = vec![0; 1 << 20];
+    for start in [&[][..], b"\x89MCAP0\r\n", half] {
+        let bytes = [start, &zeros].concat();
+        let count = Cell::new(0);
+        let read = Recording::read(CountingSource(Cursor::new(&bytes), &count));
+        let Ok(mut recording) = read else {
+            assert!(start.len() < half.len() && count.get() < 10 * bytes.len(), "{} bytes were read", count.get());
+            continue;
+        };
+        let damaged = recording.by_ref().filter(|item| matches!(item, Ok(Item::Damaged(_)))).count();
+        assert!(damaged <= 3 && count.get() < 10 * bytes.len(), "{damaged} places, {} bytes were read", count.get());
+        assert_eq!(recording.health().word(), "corrupt");
+        let kept = recover(&mut recording, Vec::new()).unwrap().0.states;
+        assert_eq!(kept, states(&items(half).0).len() as u64);
+    }
+}
+
 #[test]
 fn a_recording_with_a_missing_or_damaged_index_has_no_summary_but_all_events() {
     let bytes = record(&bounce(50));
@@ -310,7 +332,10 @@ fn a_complete_recording_recovers_to_itself() {
     let bytes = record(&bounce(50));
     let (recovery, recovered) = recovered(&bytes);
     assert!(recovered == bytes);
-    assert_eq!(recovery.to_string(), "recovered 51 states up to step 50\nnothing was lost");
+    assert_eq!(
+        recovery.to_string(),
+        "recovered 51 states up to step 50\nnothing was lost; the states were read, not replayed"
+    );
 }
 
 #[test]
@@ -337,6 +362,18 @@ fn a_cut_recording_recovers_to_a_complete_one_that_replays_the_same() {
     }
 }
 
+/// The steps of the states whose bodies are known.
+fn usable_states(bytes: &[u8]) -> Vec<u64> {
+    let mut recording = read(bytes).unwrap();
+    let mut steps = Vec::new();
+    while let Some(item) = recording.next() {
+        if let (Item::State(state), Some(_)) = (item.unwrap(), recording.table()) {
+            steps.push(state.step);
+        }
+    }
+    steps
+}
+
 #[test]
 fn a_damaged_recording_recovers_with_a_gap_and_replays_the_same() {
     let bytes = record(&bounce(100));
@@ -346,7 +383,7 @@ fn a_damaged_recording_recovers_with_a_gap_and_replays_the_same() {
         let (recovery, fixed) = recovered(&damaged);
         let (found, health) = items(&fixed);
         assert!(health.missing().is_some_and(|missing| missing.recovered), "byte {offset}: {health}");
-        assert_eq!(states(&found), states(&items(&damaged).0), "byte {offset}");
+        assert_eq!(states(&found), usable_states(&damaged), "byte {offset}");
         let verdict = verdict(&fixed);
         assert!(verdict.starts_with("incomplete: recovered"), "byte {offset}: {verdict}");
         for Gap { after, before } in &recovery.gaps {

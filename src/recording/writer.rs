@@ -19,8 +19,8 @@ use super::{
 ///
 /// For each step, call [`Writer::write_event`] for the events applied to it, then
 /// [`Writer::write_state`]. A writer dropped without [`Writer::finish`] leaves a file that is
-/// readable up to the last flush. Flushes happen after the events of a step and about once per
-/// simulated second.
+/// readable up to the last flush. Flushes happen after the events of a step, about once per
+/// simulated second, and at 4 MiB.
 ///
 /// With several processors, encoding and compression run on a thread of their own, in the same
 /// order. An error of that thread is returned by a later call.

@@ -87,16 +87,18 @@ impl<R: BufRead> LiveEvents<R> {
         }
         self.line += 1;
         let line = self.line;
+        let ends: [&[u8]; 2] = [b"\n", b"\r"];
+        let text = ends.into_iter().fold(text.as_slice(), |text, end| text.strip_suffix(end).unwrap_or(text));
         if text.len() > MAX_LINE_BYTES {
             return Err(RunError::TooLong { line, limit: MAX_LINE_BYTES });
         }
-        let text = str::from_utf8(&text).map_err(|_| RunError::NotText { line })?;
+        let text = str::from_utf8(text).map_err(|_| RunError::NotText { line })?;
         // Some programs begin a file with a byte order mark.
         let text = if line == 1 { text.trim_start_matches('\u{feff}') } else { text };
         if text.trim().is_empty() {
             return Ok(None);
         }
-        let event = live::parse_line(self.line, text.trim_end_matches(['\n', '\r']))?;
+        let event = live::parse_line(self.line, text)?;
         let step = event.step.unwrap_or(self.latest + 1);
         self.check_step(step, current)?;
         self.latest = step;
@@ -115,10 +117,10 @@ impl<R: BufRead> LiveEvents<R> {
     }
 }
 
-/// The largest length of a line, bytes; an event takes a few hundred.
+/// The largest length of a line without its end, bytes; an event takes a few hundred.
 const MAX_LINE_BYTES: usize = 8 * 1024;
 
-/// Reads a line to its end, appends at most one byte more than the limit to `text`, and returns the number of
+/// Reads a line to its end, appends at most the limit and a line end of two bytes to `text`, and returns the number of
 /// bytes read.
 fn read_bounded_line(lines: &mut impl BufRead, text: &mut Vec<u8>) -> std::io::Result<usize> {
     let mut read = 0;
@@ -130,7 +132,7 @@ fn read_bounded_line(lines: &mut impl BufRead, text: &mut Vec<u8>) -> std::io::R
         };
         let end = buffer.iter().position(|byte| *byte == b'\n').map(|index| index + 1);
         let chunk = &buffer[..end.unwrap_or(buffer.len())];
-        text.extend(chunk.iter().take(MAX_LINE_BYTES + 1 - text.len()));
+        text.extend(chunk.iter().take(MAX_LINE_BYTES + 2 - text.len()));
         let count = chunk.len();
         lines.consume(count);
         read += count;

@@ -14,7 +14,7 @@ pub use live_events::{LiveEvents, NO_LIVE_EVENTS, OnBadEvent};
 pub use record::{RecordOptions, Recorded, RecordingRun, header, record};
 pub use replayer::{ALL_STEPS, Replayer};
 pub use scene_run::{IdleClicks, Run, RunError, RunSnapshot, engine_config};
-pub use verdict::{Difference, Divergence, Verdict, ulps};
+pub use verdict::{Difference, Divergence, Verdict, distance, ulps};
 
 #[cfg(test)]
 mod tests;

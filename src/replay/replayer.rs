@@ -80,8 +80,8 @@ impl Replayer<BufReader<File>> {
 impl<R: Read + Seek> Replayer<R> {
     /// Creates a replay of `recording` that compares the states of `steps`, both ends included.
     ///
-    /// The replay starts at the last keyframe at or before the first of `steps`, and continues at the next
-    /// keyframe after damage.
+    /// The replay starts at the last keyframe before the first of `steps`, so that a keyframe of that step is compared,
+    /// too, and continues at the next keyframe after damage.
     ///
     /// # Errors
     /// Returns an error if the file cannot be read, or if the recording was made with other engine semantics.
@@ -90,11 +90,11 @@ impl<R: Read + Seek> Replayer<R> {
         if found != SEMANTICS_VERSION {
             return Err(Error::OtherSemantics { found });
         }
-        let is_from_start = *steps.start() == 0;
-        if !is_from_start {
-            recording.seek(*steps.start())?;
-        } else if steps != ALL_STEPS {
-            recording.read_index()?;
+        let before = steps.start().checked_sub(1);
+        match before {
+            Some(before) => recording.seek(before)?,
+            None if steps != ALL_STEPS => recording.read_index()?,
+            None => {}
         }
         Ok(Replayer {
             engine: Engine::new(recording.header.config.clone()),
@@ -106,7 +106,7 @@ impl<R: Read + Seek> Replayer<R> {
             compared: 0,
             is_past_end: false,
             expected_keyframe: None,
-            collisions: is_from_start.then(CollisionCount::default),
+            collisions: before.is_none().then(CollisionCount::default),
             probe: None,
             last_event: None,
             reproduced_error: None,

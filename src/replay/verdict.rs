@@ -139,8 +139,8 @@ impl Display for Difference {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         match self {
             Difference::Value { body, field, recorded, replayed } => {
-                let distance = counted(ulps(*recorded, *replayed), "ulp");
-                write!(f, "body {body:?} {field} recorded {recorded:?} replayed {replayed:?} ({distance})")
+                let distance = distance(*recorded, *replayed);
+                write!(f, "body {body:?} {field} recorded {recorded:?} replayed {replayed:?}{distance}")
             }
             Difference::Digest { recorded, replayed } => {
                 write!(f, "the digest of all bodies recorded {recorded:016x} replayed {replayed:016x}")
@@ -150,9 +150,14 @@ impl Display for Difference {
     }
 }
 
-/// Returns the distance from `a` to `b` in units in the last place; −0 and 0 are neighbours.
-pub fn ulps(a: f64, b: f64) -> u64 {
-    ordered(a).abs_diff(ordered(b))
+/// Returns the distance from `a` to `b` in units in the last place; −0 and 0 are neighbours. NaN has no distance.
+pub fn ulps(a: f64, b: f64) -> Option<u64> {
+    (!a.is_nan() && !b.is_nan()).then(|| ordered(a).abs_diff(ordered(b)))
+}
+
+/// Returns the distance from `a` to `b` in words and brackets, if they have one.
+pub fn distance(a: f64, b: f64) -> String {
+    ulps(a, b).map_or(String::new(), |ulps| format!(" ({})", counted(ulps, "ulp")))
 }
 
 /// Maps floats to integers, preserving order and mapping neighbours to neighbours.
@@ -169,12 +174,13 @@ mod tests {
 
     #[test]
     fn the_distance_in_ulps_counts_representable_values() {
-        assert_eq!(ulps(1.25, 1.25), 0);
-        assert_eq!(ulps(1.25, 1.2500000000000002), 1);
-        assert_eq!(ulps(1.0, 2.0), 1 << 52);
-        assert_eq!(ulps(-0.0, 0.0), 1);
-        assert_eq!(ulps(-f64::from_bits(1), f64::from_bits(1)), 3);
-        assert_eq!(ulps(f64::MAX, f64::INFINITY), 1);
+        assert_eq!(ulps(1.25, 1.25), Some(0));
+        assert_eq!(ulps(1.25, 1.2500000000000002), Some(1));
+        assert_eq!(ulps(1.0, 2.0), Some(1 << 52));
+        assert_eq!(ulps(-0.0, 0.0), Some(1));
+        assert_eq!(ulps(-f64::from_bits(1), f64::from_bits(1)), Some(3));
+        assert_eq!((ulps(f64::NAN, 1.0), distance(f64::NAN, 1.0)), (None, String::new()));
+        assert_eq!(ulps(f64::MAX, f64::INFINITY), Some(1));
     }
 
     #[test]

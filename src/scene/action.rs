@@ -157,6 +157,7 @@ const MASS: Key = Key { name: "mass", accepts: "a positive number of kg, or inf 
 const VELOCITY: Key = Key { name: "velocity", accepts: "two finite numbers, m/s" };
 pub const FORCE: Key = Key { name: "force", accepts: "two finite numbers, N" };
 const ACCELERATING: &str = "a force, N, that gives the body a finite acceleration, force/mass";
+const DIVIDING: &str = "a mass of 5.6e-309 kg or more, the least whose reciprocal is a number, or inf";
 pub const MATERIAL: Key = Key { name: "material", accepts: "1 to 256 bytes without control characters and without /" };
 pub const COLOR: Key = Key { name: "color", accepts: "a colour \"#rrggbb\" in hexadecimal digits" };
 pub const IMAGE: Key = Key {
@@ -266,7 +267,7 @@ pub fn image(node: &Node) -> Result<&str, &Node> {
 fn read_blueprint(table: &Table) -> (Result<Blueprint, ErrorReported>, NameField, bool) {
     let name = table.optional(NAME, own_name).map(|name| name.map(String::from));
     let size = table.required(SIZE, Node::size);
-    let mass = table.required(MASS, Node::mass);
+    let mass = read_mass(table);
     let velocity = table.optional(VELOCITY, Node::vector);
     let force = read_force(table, mass.unwrap_or(f64::INFINITY));
     let material = table.optional(MATERIAL, material);
@@ -286,6 +287,16 @@ fn read_blueprint(table: &Table) -> (Result<Blueprint, ErrorReported>, NameField
         })
     };
     (blueprint(), name_field, mass == Ok(f64::INFINITY))
+}
+
+/// Reads the mass of a body, kg.
+fn read_mass(table: &Table) -> Result<f64, ErrorReported> {
+    let field = table.require(MASS)?;
+    let is_too_small = |mass: f64| mass > 0.0 && !(1.0 / mass).is_finite();
+    match field.node.number().is_ok_and(is_too_small) {
+        true => Err(field.accepting(DIVIDING).refuse(field.node)),
+        false => field.read(Node::mass),
+    }
 }
 
 /// Reads the constant force on a body of a mass in kg, by default none.

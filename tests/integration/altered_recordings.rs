@@ -371,6 +371,7 @@ fn a_missing_keyframe_and_missing_settings_are_named() {
         let found = verdict(&forge::put_together(&altered, Layout::Zstd));
         let named = format!("the keyframe of step {} is missing", removed * 20);
         assert!(found.starts_with("corrupt ") && found.contains(&named), "{named}: {found}");
+        assert!(!found.contains("topic"), "{named}: {found}");
     }
     let without_settings: Vec<Item> = parts.into_iter().filter(|item| !is_metadata(item, "rebond")).collect();
     let altered = forge::put_together(&without_settings, Layout::Zstd);
@@ -418,6 +419,28 @@ fn a_recording_with_some_damaged_scene_updates_is_recovered_without_them() {
 fn is_keyframe((opcode, body): &forge::Record) -> bool {
     const BODIES: [u8; 2] = 3_u16.to_le_bytes();
     *opcode == op::MESSAGE && body[..2] == BODIES
+}
+
+/// The state at step 40 is compared from the keyframe of step 20 on, so the keyframe of step 40 is compared, too.
+#[test]
+fn a_replay_that_starts_at_a_keyframe_compares_it() {
+    let (workplace, file) = recorded();
+    let mut parts = forge::take_apart(&file);
+    let mut keyframes = 0;
+    each_record(&mut parts, |record| {
+        keyframes += usize::from(is_keyframe(record));
+        if is_keyframe(record) && keyframes == 3 {
+            let last_number = record.1.len() - 8;
+            record.1[last_number] ^= 1;
+        }
+    });
+    std::fs::write(workplace.path("altered.mcap"), forge::put_together(&parts, Layout::Zstd)).unwrap();
+    for (range, code) in [("", 3), ("--from 40", 3), ("--from 40 --to 40", 3), ("--from 21 --to 39", 0)] {
+        let replayed = workplace.rebond(&format!("replay altered.mcap {range}"));
+        assert_eq!(replayed.code, code, "{range}: {replayed:?}");
+        let is_named = replayed.output.starts_with("diverged at step 40: the keyframe has other solver_numbers");
+        assert!(code == 0 || is_named, "{range}: {replayed:?}");
+    }
 }
 
 fn is_metadata(item: &Item, name: &str) -> bool {
@@ -473,7 +496,7 @@ fn a_step_beyond_the_plan_does_not_hide_the_later_states() {
         });
         std::fs::write(workplace.path("far.mcap"), forge::put_together(&parts, Layout::Zstd)).unwrap();
         let recovered = workplace.rebond("recover far.mcap -o fixed.mcap --force");
-        let expected = "recovered 60 states up to step 60\nlost step 30: 1 state, 0.05 s\nfirst damage: ";
+        let expected = "recovered 51 states up to step 60\nlost steps 30 to 39: 10 states, 0.5 s\nfirst damage: ";
         assert!(recovered.code == 4 && recovered.output.starts_with(expected), "{step}: {recovered:?}");
         assert!(has_time || recovered.output.contains(&format!("a state of step {step} ")), "{step}: {recovered:?}");
         assert_eq!(workplace.rebond("replay fixed.mcap").code, 4, "{step}");
@@ -578,4 +601,77 @@ fn a_range_without_states_is_an_error() {
     workplace.write("empty.mcap", "");
     assert_ne!(workplace.rebond("recover empty.mcap -o fixed.mcap").code, 0);
     assert!(!workplace.path("fixed.mcap").exists());
+}
+
+/// The offset of the end record in the index may be one that no file has.
+#[test]
+fn a_flipped_bit_in_the_index_of_the_metadata_costs_no_state() {
+    let (workplace, file) = recorded();
+    let place = places_in_summary(&file).into_iter().rfind(|place| file[*place] == op::METADATA_INDEX).unwrap();
+    for bit in [0, 12, 31, 63] {
+        for has_checksum in [true, false] {
+            let mut altered = file.clone();
+            altered[place + 9 + bit / 8] ^= 1 << (bit % 8);
+            if !has_checksum {
+                let footer = altered.len() - 8;
+                altered[footer - 4..footer].fill(0);
+            }
+            std::fs::write(workplace.path("altered.mcap"), &altered).unwrap();
+            let case = format!("bit {bit}, {has_checksum}");
+            let info = workplace.rebond("info altered.mcap");
+            assert!(info.code == 4 && info.output.contains("health: corrupt: "), "{case}: {info:?}");
+            let recovered = workplace.rebond("recover altered.mcap -o fixed.mcap --force");
+            let is_complete = recovered.output.starts_with("recovered 61 states up to step 60");
+            assert!(recovered.code == 4 && is_complete, "{case}: {recovered:?}");
+            let seek = workplace.rebond("replay altered.mcap --from 45 --to 55");
+            assert!(seek.code == 4 && seek.output.ends_with("; 10 steps same\n"), "{case}: {seek:?}");
+        }
+    }
+}
+
+#[test]
+fn an_altered_offset_of_the_summary_is_reported() {
+    let (workplace, file) = recorded();
+    let places = places_in_summary(&file);
+    let footer = *places.last().unwrap();
+    let offsets = places.iter().filter(|place| file[**place] == op::SUMMARY_OFFSET);
+    // The kind, start and length of a group, and the start of these records in the footer.
+    let fields = offsets.flat_map(|place| [0, 1, 2, 9, 10].map(|field| place + 9 + field));
+    let fields: Vec<usize> = fields.chain([footer + 17, footer + 18]).collect();
+    assert!(fields.len() > 20, "{fields:?}");
+    for (number, field) in fields.into_iter().enumerate() {
+        let mut altered = file.clone();
+        altered[field] ^= 1;
+        altered[footer + 25..footer + 29].fill(0); // No checksum of the summary.
+        let found = verdict(&altered);
+        assert!(found.starts_with("corrupt ") && found.contains("summary"), "field {number}: {found}");
+        std::fs::write(workplace.path("altered.mcap"), &altered).unwrap();
+        assert_eq!(workplace.rebond("info altered.mcap").code, 4, "field {number}");
+    }
+}
+
+#[test]
+fn a_channel_whose_metadata_do_not_fit_is_reported() {
+    let (_workplace, file) = recorded();
+    let mut parts = forge::take_apart(&file);
+    each_record(&mut parts, |(opcode, body)| {
+        if *opcode == op::CHANNEL && body[8..].starts_with(b"/states") {
+            let length = |place: usize| u32::from_le_bytes(body[place..place + 4].try_into().unwrap()) as usize;
+            let encoding = 8 + length(4);
+            let metadata = encoding + 4 + length(encoding);
+            body[metadata + 1] ^= 4;
+        }
+    });
+    let found = verdict(&forge::put_together(&parts, Layout::Zstd));
+    assert!(found.starts_with("corrupt ") && found.contains("a channel record is damaged"), "{found}");
+}
+
+/// Returns the offsets of the records of the summary.
+fn places_in_summary(file: &[u8]) -> Vec<usize> {
+    let number = |place: usize| u64::from_le_bytes(file[place..place + 8].try_into().unwrap()) as usize;
+    let mut places = vec![number(file.len() - 28)];
+    while let Some(place) = places.last().filter(|place| file[**place] != op::FOOTER) {
+        places.push(place + 9 + number(place + 1));
+    }
+    places
 }

@@ -98,6 +98,26 @@ fn a_recording_killed_at_any_time_keeps_all_flushed_data() {
     assert!(last_steps.last().is_some_and(|step| *step >= 59), "nothing was flushed: {last_steps:?}");
 }
 
+/// A chunk of 4 MiB is flushed, too, however little simulated time it has.
+#[test]
+fn a_recording_killed_in_its_first_simulated_second_keeps_its_chunks() {
+    let workplace = Workplace::with_scene(&ENDLESS.replace("rate = 60", "rate = 1e9"));
+    let mut writer = start(&workplace, "run.mcap", Stdio::null());
+    let bytes = || std::fs::metadata(workplace.path("run.mcap")).map_or(0, |metadata| metadata.len());
+    for _ in 0..12_000 {
+        if bytes() >= 1 << 20 {
+            break;
+        }
+        thread::sleep(Duration::from_millis(10));
+    }
+    writer.kill().unwrap();
+    writer.wait().unwrap();
+    let recovered = workplace.rebond("recover run.mcap -o fixed.mcap");
+    let states = recovered.output.strip_prefix("recovered ").unwrap_or_default();
+    let states: u64 = states.split_once(' ').and_then(|(count, _)| count.parse().ok()).unwrap_or(0);
+    assert!(recovered.code == 4 && states > 1000, "{recovered:?}");
+}
+
 #[cfg(target_os = "linux")]
 #[test]
 fn a_full_disk_is_an_error() {

@@ -3,6 +3,7 @@
 use crate::altered_recordings::{SCENE, recorded, renamed, without_topic};
 use crate::forge::{self, Item, Layout, each_record, op};
 use crate::rebond::{Outcome, Workplace};
+use std::collections::BTreeSet;
 
 /// Returns a folder of damaged recordings: with a flipped bit in the chunk of the steps 20 to 39, and recovered from that
 /// (gap.mcap), also without saying so (other-gap.mcap); without that chunk (hole.mcap); cut, and cut in the index; with
@@ -138,6 +139,53 @@ fn every_command_names_the_gap_of_a_recovered_recording_and_draws_its_bodies() {
     }
     let range = workplace.rebond("render gap.mcap --from 25 --to 30 -o range.gif");
     assert_ne!(range.code, 0, "{range:?}");
+}
+
+/// After a loss the bodies alive are unknown until the next keyframe (steps 20, 40 and 60). The chunks begin at the steps 0,
+/// 1, 6, 20, 40, 51 and 60.
+#[test]
+fn a_gap_reaches_to_the_next_keyframe() {
+    let workplace = Workplace::with_scene(SCENE);
+    workplace.done("record scene.toml -o run.mcap");
+    let file = workplace.read("run.mcap");
+    let chunks: Vec<usize> = (0..file.len() - 8).filter(|at| file[*at..*at + 8] == *b"\x04\0\0\0zstd").collect();
+    assert_eq!(chunks.iter().filter(|at| file[**at - 37] == op::CHUNK).count(), 7, "{chunks:?}");
+    for (chunk, first, last) in [(1, 1, 19), (2, 6, 19), (3, 20, 39), (4, 40, 59), (5, 51, 59), (6, 60, 60)] {
+        let mut broken = file.clone();
+        broken[chunks[chunk] + 30] ^= 1;
+        std::fs::write(workplace.path("broken.mcap"), &broken).unwrap();
+        let recovered = workplace.rebond("recover broken.mcap -o fixed.mcap --force");
+        let kept = 60 - (last - first);
+        let states = format!("recovered {kept} states up to step {}\n", if last == 60 { 59 } else { 60 });
+        assert!(recovered.code == 4 && recovered.output.starts_with(&states), "{chunk}: {recovered:?}");
+        let lost = match (first, last) {
+            (60, _) => "\nlost step 60: 1 state, 0.05 s\n".to_owned(),
+            _ => format!("\nlost steps {first} to {last}: {} states, ", last - first + 1),
+        };
+        assert!(recovered.output.contains(&lost), "{chunk}: {recovered:?}");
+        let words = match last - first {
+            0 => "step 60 is missing".to_owned(),
+            _ => format!("steps {first} to {last} are missing"),
+        };
+        let json = format!("\"steps\":[{{\"from\":{first},\"to\":{last}}}]");
+        for name in ["broken", "fixed"] {
+            for command in ["info FILE", "replay FILE", "export FILE -o out.csv --force", "info FILE --json"] {
+                let done = workplace.rebond(&command.replace("FILE", &format!("{name}.mcap")));
+                let text = format!("{}{}", done.output, done.errors);
+                assert!(done.code == 4 && text.contains(&words), "{chunk}, {command}, {name}: {done:?}");
+                let is_listed = text.replace(' ', "").contains(&json);
+                assert!(is_listed || !command.contains("--json"), "{chunk}, {name}: {text}");
+            }
+            let table = String::from_utf8(workplace.read("out.csv")).unwrap();
+            let against = workplace.rebond(&format!("replay {name}.mcap --against out.csv"));
+            let is_corrupt = name == "broken";
+            assert_eq!(against.output.starts_with("incomplete recording: recovered; step"), !is_corrupt, "{against:?}");
+            let steps: BTreeSet<u64> =
+                table.lines().skip(1).map(|line| line.split(',').next().unwrap().parse().unwrap()).collect();
+            let expected: BTreeSet<u64> = (0..=60).filter(|step| !(first..=last).contains(step)).collect();
+            assert_eq!(steps, expected, "{chunk}, {name}");
+        }
+    }
 }
 
 /// The kinds that show one collision show no part of a run.
@@ -345,5 +393,33 @@ fn the_steps_of_lost_events_are_unknown() {
         assert_eq!(bodies("--to 19"), ["a 0 unknown"], "{file}");
         assert_eq!(bodies("--from 40"), ["c unknown "], "{file}");
         assert_eq!(bodies("--from 25 --to 30"), ["a 0 unknown", "c unknown "], "{file}");
+    }
+}
+
+#[test]
+fn the_deletes_after_a_cut_are_unknown() {
+    let workplace = Workplace::with_scene(SCENE);
+    workplace.done("record scene.toml -o run.mcap");
+    let file = workplace.read("run.mcap");
+    std::fs::write(workplace.path("cut.mcap"), &file[..file.len() / 2]).unwrap();
+    assert_eq!(workplace.rebond("recover cut.mcap -o fixed.mcap").code, 4);
+    for name in ["cut.mcap", "fixed.mcap"] {
+        let table = workplace.rebond(&format!("export {name} --table bodies"));
+        assert_eq!(table.code, 4, "{table:?}");
+        let deleted: Vec<&str> = table.output.lines().skip(1).map(|line| line.split(',').nth(8).unwrap()).collect();
+        assert_eq!(deleted, ["unknown"; 6], "{name}");
+    }
+}
+
+/// 1 before 4 before 3, as of `check`.
+#[test]
+fn an_unreadable_file_goes_before_a_damaged_one_in_info() {
+    let workplace = Workplace::with_scene(SCENE);
+    workplace.done("record scene.toml -o run.mcap");
+    let file = workplace.read("run.mcap");
+    std::fs::write(workplace.path("cut.mcap"), &file[..file.len() / 2]).unwrap();
+    for (files, code) in [("missing cut.mcap", 1), ("cut.mcap missing", 1), ("run.mcap cut.mcap", 4), ("run.mcap", 0)] {
+        let info = workplace.rebond(&format!("info {files}"));
+        assert_eq!(info.code, code, "{files}: {info:?}");
     }
 }

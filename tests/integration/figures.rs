@@ -261,3 +261,41 @@ fn an_svg_file_has_no_character_that_xml_forbids_and_can_be_drawn_again() {
         assert!(file == "titled.svg" || text.contains("T\\ufffe"), "the title is lost");
     }
 }
+
+/// A box at rest relative to its own time, with a mass and a velocity.
+fn moving_box(mass: &str, velocity: &str) -> String {
+    format!(
+        "[run]\nsteps = 120\n[[spawn]]\nname = \"a\"\nat = [1.0, 1.0]\nsize = [1.0, 1.0]\nmass = {mass}\nvelocity = [{velocity}, 0.0]\n"
+    )
+}
+
+#[test]
+fn values_beyond_the_range_of_numbers_are_refused() {
+    let workplace = Workplace::with_scene(&moving_box("1e300", "1e10"));
+    for kind in ["energy", "speeds", "lines --quantity E", "lines --quantity p"] {
+        let drawn = workplace.rebond(&format!("figure {kind} scene.toml -o figure.svg"));
+        let is_named = drawn.errors.contains("exceeds the range of numbers");
+        assert!(drawn.code == 1 && is_named && !workplace.path("figure.svg").exists(), "{kind}: {drawn:?}");
+    }
+}
+
+/// A diagram of one state has a mark, and ticks with different labels.
+#[test]
+fn a_single_state_is_visible_in_diagrams_over_time() {
+    let workplace = Workplace::with_scene(&moving_box("2.0", "0.1"));
+    for kind in ["energy", "lines --quantity vx", "spacetime"] {
+        for steps in ["--from 100 --to 100", "--from 100 --to 101"] {
+            workplace.done(&format!("figure {kind} scene.toml {steps} --text text --force -o figure.svg"));
+            let picture = String::from_utf8(workplace.read("figure.svg")).unwrap();
+            let texts = picture.split("</tspan></text>").filter_map(|part| part.rsplit('>').next());
+            let labels: Vec<&str> = texts.filter(|text| text.parse::<f64>().is_ok()).collect();
+            assert!(labels.iter().all(|label| label.len() < 10), "{kind} {steps}: {labels:?}");
+            assert!(labels.len() >= 4, "{kind} {steps}: {labels:?}");
+        }
+        let marks = |steps: &str| {
+            workplace.done(&format!("figure {kind} scene.toml {steps} --force -o figure.svg"));
+            String::from_utf8(workplace.read("figure.svg")).unwrap().matches("<path").count()
+        };
+        assert!(marks("--from 100 --to 100") > 0, "{kind}");
+    }
+}

@@ -13,6 +13,7 @@ const MAGIC: &[u8] = b"\x89MCAP0\r\n";
 
 /// Opcodes of MCAP records.
 pub mod op {
+    pub const FOOTER: u8 = 0x02;
     pub const SCHEMA: u8 = 0x03;
     pub const CHANNEL: u8 = 0x04;
     pub const MESSAGE: u8 = 0x05;
@@ -20,6 +21,8 @@ pub mod op {
     pub const MESSAGE_INDEX: u8 = 0x07;
     pub const ATTACHMENT: u8 = 0x09;
     pub const METADATA: u8 = 0x0c;
+    pub const METADATA_INDEX: u8 = 0x0d;
+    pub const SUMMARY_OFFSET: u8 = 0x0e;
     pub const DATA_END: u8 = 0x0f;
 }
 

@@ -101,7 +101,7 @@ fn a_picture_has_up_to_16384_pixels_along_each_side() {
     assert_refused(&scene("[figure]\nsize = [16385, 64]"), "", "from 1 to 16384");
     let workplace = Workplace::with_scene(&scene(""));
     let outcome = workplace.rebond("render scene.toml --at 0 --size 16385x64 -o still.png");
-    assert!(outcome.code == 1 && outcome.errors.contains("16384"), "{outcome:?}");
+    assert!(outcome.code == 2 && outcome.errors.contains("16384"), "{outcome:?}");
 }
 
 #[test]

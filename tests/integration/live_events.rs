@@ -162,3 +162,17 @@ fn all_common_line_ends_and_a_byte_order_mark_are_accepted() {
         assert_eq!(lifetimes(&workplace, "run.mcap").len(), expected, "{input:?}");
     }
 }
+
+/// The end of the line does not count.
+#[test]
+fn a_line_may_have_8192_bytes() {
+    let workplace = Workplace::with_scene(SCENE);
+    let event = r#"{"click": {"step": 3, "at": [4.0, 5.0]}}"#;
+    for end in ["", "\n", "\r\n"] {
+        for (length, code) in [(8192, 0), (8193, 1)] {
+            workplace.write("events.jsonl", &format!("{event}{}{end}", " ".repeat(length - event.len())));
+            let recorded = workplace.rebond("record scene.toml --events events.jsonl -o run.mcap --force");
+            assert_eq!(recorded.code, code, "{length} bytes and {end:?}: {recorded:?}");
+        }
+    }
+}

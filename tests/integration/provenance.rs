@@ -263,3 +263,15 @@ fn provenance_is_bounded_like_options() {
     assert!(narrow.code == 1 && narrow.errors.contains("too small"), "{narrow:?}");
     assert!(!workplace.path("new.png").exists());
 }
+
+#[test]
+fn the_description_of_a_french_picture_is_french() {
+    let workplace = Workplace::with_scene("[run]\nsteps = 20\n[world]\nwalls = true\n");
+    for (steps, expected) in [("--every 1", "Pas 0 à 20"), ("--every 2", "Pas 0 à 20 tous les 2")] {
+        let command = format!("figure strobe scene.toml {steps} --language fr --force -o figure.svg");
+        workplace.done(&command);
+        let picture = String::from_utf8(workplace.read("figure.svg")).unwrap();
+        let found = picture.split("</desc>").next().unwrap().rsplit('>').next().unwrap();
+        assert_eq!(found, expected, "{steps}");
+    }
+}

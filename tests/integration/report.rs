@@ -168,7 +168,7 @@ fn a_diagram_shows_error_against_cost() {
     workplace.done("report --read rows.json --plot plot.svg --theme dark");
     assert!(String::from_utf8(workplace.read("plot.svg")).unwrap().starts_with("<svg"));
     let refused = workplace.rebond("report --read rows.json --plot plot.gif");
-    assert!(refused.code == 1 && refused.errors.contains("expected F.png, F.svg or F.pdf"), "{refused:?}");
+    assert!(refused.code == 2 && refused.errors.contains("expected F.png, F.svg or F.pdf"), "{refused:?}");
     let refused = workplace.rebond("report --read rows.json --plot plot.png");
     assert!(refused.code == 1 && refused.errors.contains("already exists"), "{refused:?}");
 }

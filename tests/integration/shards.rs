@@ -56,7 +56,7 @@ fn shards_of_a_table_join_into_the_whole() {
 fn a_single_file_cannot_be_sharded() {
     let workplace = Workplace::new();
     let outcome = workplace.rebond(&format!("render {} -o run.gif --shard 1/2", scene("figure-1")));
-    assert_eq!(outcome.code, 1);
+    assert_eq!(outcome.code, 2);
     assert!(outcome.errors.contains("a single file has no parts"), "{outcome:?}");
     assert_eq!(workplace.rebond("export run.mcap --shard 3/2").code, 2);
 }

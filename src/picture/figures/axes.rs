@@ -1,5 +1,6 @@
 //! The axes of diagrams.
 
+use super::diagram::dot;
 use super::panels::outline;
 use crate::physics::{Rect, Vector, larger, smaller};
 use crate::picture::layers::dashes::DashPattern;
@@ -50,15 +51,23 @@ pub struct Range {
 impl Range {
     /// The range of the finite values, or `None` without any. A range too narrow to divide by is widened.
     pub fn of(values: impl Iterator<Item = f64>) -> Option<Range> {
+        let range = Range::spanned(values)?;
+        let size = larger(range.from.abs(), range.to.abs());
+        // Ticks are distinct numbers of at most twelve decimals.
+        Some(if range.to - range.from < size * 1e-11 || size == 0.0 { range.around(size) } else { range })
+    }
+
+    /// The range of the finite values, or `None` without any.
+    fn spanned(values: impl Iterator<Item = f64>) -> Option<Range> {
         let mut finite = values.filter(|value| value.is_finite());
         let first = finite.next()?;
-        let range = finite.fold(Range { from: first, to: first }, Range::including);
-        let size = larger(range.from.abs(), range.to.abs());
-        let min_length = if size > 0.0 { size * 1e-12 } else { 1.0 };
-        if range.to - range.from >= min_length {
-            return Some(range);
-        }
-        Some(Range { from: range.from - min_length / 2.0, to: range.to + min_length / 2.0 })
+        Some(finite.fold(Range { from: first, to: first }, Range::including))
+    }
+
+    /// A tenth of the size of the values at both ends, or 1 of the unit in all if that is 0.
+    fn around(self, size: f64) -> Range {
+        let margin = if size > 0.0 { size / 10.0 } else { 0.5 };
+        Range { from: self.from - margin, to: self.to + margin }
     }
 
     /// The range extended at both ends by a fraction of its length.
@@ -109,8 +118,10 @@ impl Scale {
     /// The logarithmic scale of the whole decades that contain the positive values, at least two decades long.
     pub fn log(values: impl Iterator<Item = f64> + Clone) -> Scale {
         let has_zero = values.clone().any(|value| value == 0.0);
-        let range = Range::of(values.map(log10)).unwrap_or(Range { from: -1.0, to: 1.0 });
-        let mut decades = Range { from: range.from.floor(), to: range.to.ceil() };
+        // A power of ten alone is within two decades.
+        let margin = |range: &Range| if range.from == range.to { 1e-12 } else { 0.0 };
+        let range = Range::spanned(values.map(log10)).unwrap_or(Range { from: -1.0, to: 1.0 });
+        let mut decades = Range { from: (range.from - margin(&range)).floor(), to: (range.to + margin(&range)).ceil() };
         while decades.to - decades.from < 2.0 {
             decades = Range { from: decades.from, to: decades.to + 1.0 };
         }
@@ -235,9 +246,17 @@ impl Axes {
     ) -> Shape {
         let mut vertices: Vec<Vector> = points.map(|[x, y]| self.point(x, y)).filter(|at| at.is_finite()).collect();
         vertices.dedup();
-        Shape::Clip { window: self.plot_area, shapes: dashes.draw(vertices, width, ink) }
+        // A line of one point would not be visible.
+        let shapes = match vertices.as_slice() {
+            [at] => vec![dot(*at, DOT_RADIUS * width, ink)],
+            _ => dashes.draw(vertices, width, ink),
+        };
+        Shape::Clip { window: self.plot_area, shapes }
     }
 }
+
+/// The radius of the dot in place of a curve of one point, in line widths.
+const DOT_RADIUS: f64 = 2.0;
 
 /// Minimum distance of the ticks of a vertical axis, in font sizes.
 const TICK_HEIGHT: f64 = 2.0;

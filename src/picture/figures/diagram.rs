@@ -144,7 +144,7 @@ fn draw(diagram: &Diagram, cell: &Rect, color_of: impl Fn(&Curve) -> Color, pane
 }
 
 /// A dot, drawn as an octagon.
-fn dot(at: Vector, radius: f64, ink: Ink) -> Shape {
+pub fn dot(at: Vector, radius: f64, ink: Ink) -> Shape {
     const HALF: f64 = 0.414_213_562_373_095;
     let corner = |x: f64, y: f64| at.add(Vector::new(x * radius, y * radius));
     let corners = [

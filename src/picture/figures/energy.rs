@@ -62,8 +62,6 @@ pub struct EnergyRun {
 struct Account {
     first: EnergySample,
     last: EnergySample,
-    /// The least potential energy since `first`, J.
-    least_potential: f64,
 }
 
 impl EnergyRun {
@@ -92,11 +90,14 @@ impl EnergyRun {
         self.least_potential = smaller(sample.potential, self.least_potential);
         self.start = self.start.or(Some(sample.time));
         self.since_change = Some(match self.since_change {
-            Some(Account { first, least_potential, .. }) => {
-                Account { first, last: *sample, least_potential: smaller(sample.potential, least_potential) }
-            }
-            None => Account { first: *sample, last: *sample, least_potential: sample.potential },
+            Some(Account { first, .. }) => Account { first, last: *sample },
+            None => Account { first: *sample, last: *sample },
         });
+    }
+
+    /// Returns true if an energy or a momentum exceeds the range of numbers.
+    pub fn has_overflow(&self) -> bool {
+        self.energies.iter().chain(&self.momenta).any(TimeCurve::has_overflow)
     }
 
     /// Interrupts all curves: the next sample is not joined to the last one.
@@ -136,10 +137,14 @@ impl EnergyRun {
         vec![series("p_x", color::BODY_COLORS[6], x), series("p_y", color::BODY_COLORS[2], y)]
     }
 
-    /// The change of the total energy since the last spawn or delete as a label, relative if the energy was not 0.
+    /// The change of the total energy since the last spawn or delete as a label, relative to the energy that the curve
+    /// has there if that is not 0. Nothing is known to change in a single sample.
     fn drift(&self, language: Language) -> String {
-        let Some(Account { first, last, least_potential }) = self.since_change else { return String::new() };
-        let zero = if self.has_potential { least_potential } else { 0.0 };
+        let Some(Account { first, last }) = self.since_change.filter(|account| account.first.time < account.last.time)
+        else {
+            return String::new();
+        };
+        let zero = if self.has_potential { self.least_potential } else { 0.0 };
         let (change, size) = (last.total() - first.total(), (first.total() - zero).abs());
         let drift = match size {
             0.0 => format!("ΔE = {}", Unit::JOULE.format(change, 3)),
@@ -228,7 +233,8 @@ const NOTE: [f64; 3] = [0.9, 0.8, 0.7];
 /// The range of all values and zero, with a margin.
 fn range(series: &[Vec<Series>]) -> Range {
     let all = series.iter().flatten().flat_map(Series::values);
-    Range::of(all).unwrap_or(Range { from: 0.0, to: 1.0 }).including(0.0).widened(0.08)
+    let all = all.chain([0.0]);
+    Range::of(all).unwrap_or(Range { from: 0.0, to: 1.0 }).widened(0.08)
 }
 
 fn draw_diagram(
@@ -270,4 +276,23 @@ fn legend(
     let entry = |series: &Series| Entry { name: series.name.to_owned(), ..Entry::new(series.color, "") };
     let timelines = runs.iter().map(|run| &run.timeline);
     Legend { entries: series.map(entry).chain(timeline_legend(timelines, language, metrics)).collect() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The energy at t = 1 s, from which the drift is measured, is 8 J on the axis, which begins at the least potential
+    /// energy of the run, at t = 0.
+    #[test]
+    fn the_drift_is_relative_to_the_energy_on_the_axis() {
+        let mut run = EnergyRun::new(String::new(), 0.1, true);
+        let sample = |time, kinetic, potential| EnergySample { time, kinetic, potential, momentum: Vector::ZERO };
+        run.push(&sample(0.0, 1.0, -6.0));
+        run.restart_account();
+        run.push(&sample(1.0, 1.0, 1.0));
+        assert_eq!(run.drift(Language::English), "", "a single sample has no change");
+        run.push(&sample(2.0, 0.0, 1.0));
+        assert_eq!(run.drift(Language::English), "ΔE/E = −0.125 \" since \" t = 1 \"s\"");
+    }
 }

@@ -181,6 +181,11 @@ impl LineRun {
         }
     }
 
+    /// Returns true if a value exceeds the range of numbers.
+    pub fn has_overflow(&self) -> bool {
+        self.lines.values().any(|line| line.curve.has_overflow())
+    }
+
     /// Interrupts all lines: the next values are not joined to the last ones.
     pub fn lift(&mut self) {
         self.lines.values_mut().for_each(|line| line.curve.lift());
@@ -322,16 +327,14 @@ pub fn run_color(at: usize, count: usize, style: &Style) -> Color {
 /// world.
 fn value_range(lines: &[DrawnLine], quantity: Quantity) -> Range {
     let values = lines.iter().flat_map(|line| line.parts.iter().flatten().map(|point| point[1] - line.zero));
-    let range = Range::of(values).unwrap_or(Range { from: 0.0, to: 1.0 });
+    let zero = match quantity {
+        Quantity::X | Quantity::Y | Quantity::Vx | Quantity::Vy => None,
+        Quantity::Speed | Quantity::Height | Quantity::Energy | Quantity::Momentum => Some(0.0),
+    };
+    let range = Range::of(values.chain(zero)).unwrap_or(Range { from: 0.0, to: 1.0 }).widened(0.06);
     match quantity {
-        Quantity::Y => {
-            let range = range.widened(0.06);
-            Range { from: range.to, to: range.from }
-        }
-        Quantity::X | Quantity::Vx | Quantity::Vy => range.widened(0.06),
-        Quantity::Speed | Quantity::Height | Quantity::Energy | Quantity::Momentum => {
-            range.including(0.0).widened(0.06)
-        }
+        Quantity::Y => Range { from: range.to, to: range.from },
+        _ => range,
     }
 }
 

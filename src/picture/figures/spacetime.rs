@@ -217,7 +217,12 @@ impl Band {
             let points = end.into_iter().map(|[time, at]| axes.point(time, at));
             let mut points: Vec<Vector> = points.filter(|at| at.is_finite()).collect();
             points.dedup();
-            points
+            // A single state is a mark instead of a line without length.
+            let half = Vector::new((axes.plot_area.width() / 200.0).ceil(), 0.0);
+            match points.as_slice() {
+                [at] => vec![at.sub(half), at.add(half)],
+                _ => points,
+            }
         };
         let parts = self.parts.iter();
         let ends = parts.flat_map(|(color, curve)| curve.bands(self.size).into_iter().map(|ends| (*color, ends)));

@@ -52,6 +52,11 @@ impl SpeedRun {
         self.kinetic > 0.0
     }
 
+    /// Returns true if the sum of the energies exceeds the range of numbers.
+    pub fn has_overflow(&self) -> bool {
+        !self.kinetic.is_finite()
+    }
+
     /// The mean kinetic energy of a body, J. In two dimensions, in thermal equilibrium, it is k·T.
     fn temperature(&self) -> f64 {
         self.kinetic / self.count as f64

@@ -16,6 +16,7 @@ pub struct TimeCurve {
     /// The points of the current column, with their numbers.
     column: Option<Column>,
     count: u64,
+    has_overflow: bool,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,13 +32,14 @@ const STRAIGHT: f64 = 1e-12;
 impl TimeCurve {
     /// Creates an empty curve with columns of `column_width` seconds.
     pub fn new(column_width: f64) -> TimeCurve {
-        TimeCurve { column_width, parts: vec![Vec::new()], column: None, count: 0 }
+        TimeCurve { column_width, parts: vec![Vec::new()], column: None, count: 0, has_overflow: false }
     }
 
     /// Adds a point. Times must not decrease; two points at the same time are a vertical step. A value that is not
     /// finite is left out.
     pub fn push(&mut self, time: f64, value: f64) {
         if !(time.is_finite() && value.is_finite()) {
+            self.has_overflow = true;
             return;
         }
         self.count += 1;
@@ -100,6 +102,11 @@ impl TimeCurve {
             ends
         };
         self.parts().into_iter().map(band).collect()
+    }
+
+    /// Returns true if a value was left out.
+    pub fn has_overflow(&self) -> bool {
+        self.has_overflow
     }
 
     /// The kept values.
