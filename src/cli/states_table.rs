@@ -177,16 +177,17 @@ impl Columns {
         if names.iter().all(String::is_empty) {
             return Err(TableError::Empty);
         }
-        if let Some((_, twice)) = names.iter().enumerate().find(|(index, name)| names[..*index].contains(name)) {
-            return Err(TableError::TwoColumns(twice.clone()));
-        }
         let position = |column: &str| names.iter().position(|name| name == column);
         let missing = |column| TableError::NoColumn { column, found: names.join(", ") };
         let (step, time) = (position("step"), position("time"));
-        if step.or(time).is_none() {
-            if names.iter().any(|name| name.parse::<f64>().is_ok()) {
-                return Err(TableError::NoHeader);
-            }
+        let has_time = step.or(time).is_some();
+        if !has_time && names.iter().any(|name| name.parse::<f64>().is_ok()) {
+            return Err(TableError::NoHeader);
+        }
+        if let Some((_, twice)) = names.iter().enumerate().find(|(index, name)| names[..*index].contains(name)) {
+            return Err(TableError::TwoColumns(twice.clone()));
+        }
+        if !has_time {
             return Err(missing("step"));
         }
         let fields = FIELDS.map(position);

@@ -407,10 +407,13 @@ impl Decoder {
     /// which have no location, are all of rebond.
     fn add_channel(&mut self, location: Option<Location>, body: &[u8]) -> Result<(), String> {
         let mut fields = FieldReader::new(body);
-        let mut read = || Ok((fields.u16()?, fields.u16()?, fields.text()?, fields.text()?, fields.map()?));
-        let (id, schema, name, encoding, _metadata) = read().map_err(|Malformed| "a channel record is damaged")?;
+        let damaged = |Malformed| "a channel record is damaged";
+        let mut read = || Ok((fields.u16()?, fields.u16()?, fields.text()?, fields.text()?));
+        let (id, schema, name, encoding) = read().map_err(damaged)?;
         let topic = Topic::from_name(name);
+        // Its messages can be read even if its metadata cannot.
         self.channels.insert(id, topic);
+        fields.map().map_err(damaged)?;
         let Some(topic) = topic else {
             let topics = self.schemas.get(&schema).into_iter().flatten();
             for (topic, location) in topics.filter_map(|topic| Some((topic, location?))) {
