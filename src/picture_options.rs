@@ -418,7 +418,7 @@ fn sides(text: &str) -> Option<[u32; 2]> {
 }
 
 /// Parses a size in pixels: `1280x720`.
-#[cfg(feature = "draw")]
+#[cfg(feature = "cli")]
 pub(crate) fn parse_size(text: &str) -> Result<[u32; 2], String> {
     sides(text)
         .filter(|sides: &[u32; 2]| sides.iter().all(|side| (1..=MAX_SIDE).contains(side)))

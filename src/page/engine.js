@@ -59,13 +59,14 @@ function packedRest() {
   return { text: rest.textContent, length: Number(rest.dataset.length) };
 }
 
-/** The bytes of the rest of the module. The inverse of `base91` in inline.mjs. */
+/** The bytes of the rest of the module. The inverse of `base94` in inline.mjs. */
 function unpacked({ text, length }) {
   const bytes = new Uint8Array(length);
-  const digit = (code) => (code === 126 ? 25 : code - 35);
+  const digit = (code) => (code === 126 ? 28 : code - 32);
   for (let at = 0, from = 0, bits = 0, count = 0; at < length; from += 2) {
-    bits |= (digit(text.charCodeAt(from)) * 91 + digit(text.charCodeAt(from + 1))) << count;
-    for (count += 13; count >= 8 && at < length; at += 1) {
+    const number = digit(text.charCodeAt(from)) * 94 + digit(text.charCodeAt(from + 1));
+    bits |= number << count;
+    for (count += (number & 8191) < 644 ? 14 : 13; count >= 8 && at < length; at += 1) {
       bytes[at] = bits;
       bits >>= 8;
       count -= 8;

@@ -1,5 +1,5 @@
 //! Decompresses the part of the engine with which the page starts: DEFLATE (RFC 1951), of which `inline.mjs` has written
-//! each 13 bits as two of 91 characters. A WebAssembly module is made of this file alone. A decompressor in JavaScript
+//! each 13 bits, some 14, as two of 94 characters. A WebAssembly module is made of this file alone. A decompressor in JavaScript
 //! takes ten times as long, because it has not been compiled when the page opens, and `DecompressionStream` waits for its
 //! turn among the tasks that lay out the page. Browsers run the module without optimisations, so loops are short.
 #![no_std]
@@ -126,11 +126,12 @@ impl Input<'_> {
 
 /// Writes the bytes of the characters in `text` to its beginning.
 fn unpack(text: &mut [u8]) {
-    let digit = |character: u8| if character == b'~' { 25 } else { u32::from(character) - 35 };
+    let digit = |character: u8| if character == b'~' { 28 } else { u32::from(character) - 32 };
     let (mut bits, mut count, mut to) = (0, 0, 0);
     for from in (0..text.len() & !1).step_by(2) {
-        bits |= (digit(text[from]) * 91 + digit(text[from + 1])) << count;
-        count += 13;
+        let number = digit(text[from]) * 94 + digit(text[from + 1]);
+        bits |= number << count;
+        count += if number & 8191 < 644 { 14 } else { 13 };
         while count >= 8 {
             text[to] = bits as u8;
             to += 1;

@@ -12,7 +12,7 @@ const zstd = ['LICENSE', 'umd/index.js'].map((name) => read(new URL(`node_module
 const room = `const EMPTY_ROOM = ${JSON.stringify(`${read(`${folder}/room.toml`)}\n`)};`;
 // Without comments and needless spaces, with short names inside of functions: the scripts share the others.
 const scripts = ['engine.js', 'texts.js', 'canvas.js', 'page.js'].map((name) =>
-  minify_sync(read(`${folder}/${name}`), { compress: false, mangle: true, ecma: 2020 }).code);
+  minify_sync(read(`${folder}/${name}`), { compress: true, mangle: true, ecma: 2020 }).code);
 const inflate = `const INFLATE = '${readFileSync(`${modules}/inflate.wasm`).toString('base64')}';`;
 /** The same code with escapes instead of other characters than ASCII: browsers read a page of one byte per character faster. */
 const escaped = (text, escape) => text.replace(/[^\0-\x7f]/g, (character) => escape(character.charCodeAt(0)));
@@ -20,29 +20,29 @@ const script = escaped(["'use strict';", `/* fzstd: ${zstd[0]} */`, zstd[1], roo
 const style = read(`${folder}/page.css`).replace(/\/\*[^]*?\*\//g, '').replace(/\s*([{};,])\s*/g, '$1').replace(/: /g, ':');
 
 /**
- * Each 13 bits, from the lowest one on, as two of 91 ASCII characters: '#' to '}', with '~' for '<'. A thirteenth shorter
- * than base64.
+ * Each 13 bits, from the lowest one on, as two of 94 ASCII characters: ' ' to '}', with '~' for '<'. A seventh shorter than
+ * base64. Two characters have more than 13 bits: a number below 94² − 2¹³ stands for 14 bits with the next one on top.
  */
-function base91(bytes) {
-  const characters = Buffer.alloc(2 * Math.ceil((8 * bytes.length) / 13));
-  const character = (digit) => (digit === 25 ? 126 : 35 + digit);
-  let [bits, count, to] = [0, 0, 0];
-  const put = (number) => {
-    characters[to] = character(Math.floor(number / 91));
-    characters[to + 1] = character(number % 91);
-    to += 2;
+function base94(bytes) {
+  const character = (digit) => (digit === 28 ? 126 : 32 + digit);
+  const characters = [];
+  let [bits, count] = [0, 0];
+  const put = (least) => {
+    while (count >= least) {
+      const width = (bits & 8191) < 94 * 94 - 8192 ? 14 : 13;
+      const number = bits & ((1 << width) - 1);
+      characters.push(character(Math.floor(number / 94)), character(number % 94));
+      bits >>= width;
+      count -= width;
+    }
   };
   for (const byte of bytes) {
     bits |= byte << count;
     count += 8;
-    if (count >= 13) {
-      put(bits & 8191);
-      bits >>= 13;
-      count -= 13;
-    }
+    put(14);
   }
-  if (count > 0) put(bits);
-  return characters.toString('latin1');
+  put(1);
+  return Buffer.from(characters).toString('latin1');
 }
 
 const [core, rest] = ['core.wasm.deflate', 'rest.zst'].map((part) => readFileSync(`${modules}/${part}`));
@@ -53,10 +53,10 @@ const parts = {
   ].join('; '),
   STYLE: style,
   CORESIZE: statSync(`${modules}/core.wasm`).size,
-  CORE: base91(core),
+  CORE: base94(core),
   SCRIPT: script,
   RESTLENGTH: rest.length,
-  REST: base91(rest),
+  REST: base94(rest),
 };
 const texts = new Function(`${read(`${folder}/texts.js`)}\nreturn TEXTS.en;`)();
 /** An attribute value or text of HTML. */

@@ -1,7 +1,7 @@
 use super::impacts::Impacts;
 use super::moving_world::{MovingWorld, StepCollisions, after_impulses};
 use super::{Appearance, Error, Language, Progress, ReadExtent, ReadStatus, Source, StepGrid, recorded_world};
-use crate::physics::{BodyId, Collision, CollisionCount, Engine, Observer, World};
+use crate::physics::{BodyId, Collision, Engine, Observer, World};
 use crate::recording::{Change, Error as RecordingError, Health, Item, Playback};
 use crate::replay::Replayer;
 use std::collections::{BTreeMap, BTreeSet};
@@ -380,7 +380,7 @@ impl Tracer<'_> {
         let mut end = None;
         if is_changed {
             let mut engine = engine.clone();
-            let stepped = engine.step(&mut CollisionCount::default());
+            let stepped = engine.step(&mut Vec::new());
             stepped.map_err(|source| Error::Step { path: self.source.path.clone(), source })?;
             end = Some(engine);
         }
@@ -412,7 +412,7 @@ impl Tracer<'_> {
                 step.world(collision, &world);
             }
             if after < duration {
-                let world = within.world_after(after, &mut CollisionCount::default()).map_err(failed)?;
+                let world = within.world_after(after, &mut Vec::new()).map_err(failed)?;
                 step.world(collision, &world);
             }
         }

@@ -86,6 +86,13 @@ pub enum Entry {
     MovingOrFromRest,
 }
 
+/// The place of a touch in the order of impacts: faces before corners, then the lowest pair in creation order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct ImpactOrder {
+    is_corner: bool,
+    slots: [Slot; 2],
+}
+
 /// Two boxes that touch; the first is the earlier one in creation order.
 #[derive(Clone, Copy, Debug)]
 pub struct Touch {
@@ -157,9 +164,8 @@ pub struct Patch {
     index: Vec<u32>,
     /// Moving infinite masses at other instants than those in `index`.
     moving_walls: Vec<Local>,
-    /// The touches whose bodies approach each other, and some that did earlier in the instant, each once: first the faces,
-    /// then, marked true, the corners; each in creation order of the bodies.
-    queue: BinaryHeap<Reverse<((bool, [Slot; 2]), u32)>>,
+    /// The touches whose bodies approach each other, and some that did earlier in the instant, each once.
+    queue: BinaryHeap<Reverse<(ImpactOrder, u32)>>,
     /// True if two of the bodies touch at a corner.
     has_corners: bool,
     /// For each axis, the bodies whose contacts must be examined.
@@ -389,11 +395,12 @@ impl Patch {
         touch.is_queued |= must_queue;
     }
 
-    /// The place of a touch in the order of impacts: faces before corners, then the lowest pair in creation order.
+    /// The place of a touch in the order of impacts.
     #[inline]
-    pub fn order_of(&self, index: u32) -> (bool, [Slot; 2]) {
+    pub fn order_of(&self, index: u32) -> ImpactOrder {
         let touch = &self.touches[index as usize];
-        (touch.kind == TouchKind::Corner, touch.bodies.map(|body| self.bodies[body as usize].slot))
+        let slots = touch.bodies.map(|body| self.bodies[body as usize].slot);
+        ImpactOrder { is_corner: touch.kind == TouchKind::Corner, slots }
     }
 
     /// True if two of the bodies touch at a corner.
