@@ -123,7 +123,7 @@ function pageMain(source) {
   /** These texts of the session need not be saved. */
   function saved(texts = [engine.scene(0), engine.lines(0)]) { texts.forEach((text) => state.saved.add(text)); }
 
-  /** What was written in the editor and is not yet the scene. */
+  /** The text in the editor that is not yet the scene. */
   function written() {
     const { value, defaultValue } = $('editor');
     return value === defaultValue ? '' : value;
@@ -1015,7 +1015,7 @@ function pageMain(source) {
         const type = { png: 'image/png', svg: 'image/svg+xml', gif: 'image/gif' }[kind] ?? 'text/csv';
         download(table === undefined ? `${name}.${kind}` : `${name}-${kind}.csv`, bytes, type);
       }
-      // What is clicked meanwhile is in no file.
+      // Clicks made meanwhile are in no file.
       if (!film && ['mcap', 'clicks', 'link'].includes(kind)) saved([scene, lines]);
       if (!film && kind === 'toml') saved([scene]);
       if (!film && kind === 'jsonl') saved([lines]);

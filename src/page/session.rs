@@ -359,7 +359,7 @@ impl Session {
         Some(lines)
     }
 
-    /// What the lines of `step` do, as deletes and spawns in the order of creation. A body that they spawn and delete is
+    /// The effect of the lines of `step`, as deletes and spawns in the order of creation. A body that they spawn and delete is
     /// left out.
     fn done_at(&self, step: u64) -> Option<Vec<EventLine>> {
         let run = self.run_before(step)?;

@@ -526,7 +526,7 @@ fn a_collision_without_impulse_has_its_shares_and_displacements() {
     for kind in [FigureKind::Stages, FigureKind::Minkowski] {
         assert!(session.figure(0, kind, Theme::Dark, Language::French).is_ok());
     }
-    // What is left by rounding is no collision.
+    // A displacement by rounding alone is not a collision.
     let at = session.step_now();
     while session.step_now() < at + 2 {
         session.step();

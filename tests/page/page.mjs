@@ -646,7 +646,7 @@ const tests = {
     assert.equal(await isAsked(), true, 'a setting');
     await save('toml');
     assert.equal(await isAsked(), false);
-    // What is clicked while a file is made is not in it.
+    // Clicks made while a file is written are not in it.
     await run(async () => {
       window.saved = null;
       document.querySelector('[data-file="mcap"]').click();

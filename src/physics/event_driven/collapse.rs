@@ -4,7 +4,9 @@
 //!   2⁻¹⁰⁴, so slower motion is rounding. Without the second condition, a burst that is slow in a fast frame of reference
 //!   would end without a limit when its approaches become 0 by rounding;
 //! - by a cycle (`impact_history`): three periods hit the same pairs and scale their relative velocities by the
-//!   same factor below 1. Impacts are linear, so all further periods are copies.
+//!   same factor below 1. Impacts are linear, so all further periods are copies. Where the limit cannot be taken yet, because
+//!   a body outside is approached in it, a number of periods is left out: the velocities relative to the limit are multiplied
+//!   by that power of the factor.
 
 use super::EventDriven;
 use super::burst::Cluster;
@@ -22,8 +24,8 @@ const DECAYED: f64 = 1.0 / (1_u128 << 80) as f64;
 /// Approaches below this multiple of the rounding of velocities are rounding, too.
 const UNDECIDED: f64 = 256.0;
 
-/// A bound of the rounding of the speeds in a period.
-const ROUNDING_OF_LEADS: f64 = 1.0 / (1_u64 << 26) as f64;
+/// A bound of the relative rounding of the speeds that are computed for a period.
+const PERIOD_ROUNDING: f64 = 1.0 / (1_u64 << 26) as f64;
 
 /// Bodies that take on one velocity, and the touches that become contacts.
 #[derive(Clone, Debug, Default)]
@@ -47,11 +49,14 @@ struct Outsider {
 }
 
 impl Outsider {
-    /// The factor of the period in which it can be hit for the first time; 1 if in the next one. `leads` are the least speeds
-    /// by which the members move away from their sides in a period.
-    fn factor_when_hit(&self, leads: &[[f64; 2]]) -> f64 {
-        let lead = leads[self.member][self.side];
-        if lead > self.speed { smaller(self.speed / lead * (1.0 + ROUNDING_OF_LEADS), 1.0) } else { 1.0 }
+    /// The factor by which the velocities relative to the limit have shrunk when it can be hit for the first time; 1 if that
+    /// is in the next period.
+    ///
+    /// A member moves away from it as long as its own speed away from that side, relative to the limit, exceeds the approach
+    /// in the limit. `least_speeds` are the least of these speeds in the next period, by member and side.
+    fn factor_when_hit(&self, least_speeds: &[[f64; 2]]) -> f64 {
+        let away = least_speeds[self.member][self.side];
+        if away > self.speed { smaller(self.speed / away * (1.0 + PERIOD_ROUNDING), 1.0) } else { 1.0 }
     }
 }
 
@@ -116,6 +121,7 @@ impl EventDriven {
         }
     }
 
+    /// Replaces the velocity (m/s) of each member along an axis by a function of it.
     fn change_velocities(
         &mut self,
         patch: &mut Patch,
@@ -207,8 +213,10 @@ impl EventDriven {
             let hit = match early.is_empty() {
                 true => 0.0,
                 false => {
-                    let Some(leads) = self.least_leads(patch, &collapse, decay, axis, velocity, world) else { return };
-                    early.iter().map(|outsider| outsider.factor_when_hit(&leads)).fold(0.0, larger)
+                    let Some(speeds) = self.least_speeds_away(patch, &collapse, decay, axis, velocity, world) else {
+                        return;
+                    };
+                    early.iter().map(|outsider| outsider.factor_when_hit(&speeds)).fold(0.0, larger)
                 }
             };
             let least = larger(decayed, hit);
@@ -224,7 +232,7 @@ impl EventDriven {
 
     /// For each member of the collapse of a cycle and each side, the least speed in the next period by which it moves away from
     /// that side, relative to the common velocity, m/s. `None` if bodies are joined and parted again.
-    fn least_leads(
+    fn least_speeds_away(
         &self,
         patch: &mut Patch,
         collapse: &Collapse,
@@ -236,8 +244,9 @@ impl EventDriven {
         let place_of = |body: Local| collapse.members.iter().position(|member| *member == body);
         let mut velocities: Vec<DoubleDouble> =
             collapse.members.iter().map(|body| patch.axis(*body, axis).state.velocity).collect();
-        let leads = |velocity: DoubleDouble| [(velocity - common).high, (common - velocity).high];
-        let mut least: Vec<[f64; 2]> = velocities.iter().map(|velocity| leads(*velocity)).collect();
+        // Away from the low side means towards higher coordinates.
+        let speeds_away = |velocity: DoubleDouble| [(velocity - common).high, (common - velocity).high];
+        let mut least: Vec<[f64; 2]> = velocities.iter().map(|velocity| speeds_away(*velocity)).collect();
         let mut clusters = [Cluster::default(), Cluster::default()];
         for index in &decay.sequence {
             let touch = patch.touches[*index as usize];
@@ -259,7 +268,7 @@ impl EventDriven {
             for (cluster, velocity) in clusters.iter().zip(after) {
                 for place in cluster.members.iter().filter_map(|body| place_of(*body)) {
                     velocities[place] = velocity;
-                    let now = leads(velocity);
+                    let now = speeds_away(velocity);
                     least[place] = [smaller(now[0], least[place][0]), smaller(now[1], least[place][1])];
                 }
             }
