@@ -1,5 +1,6 @@
 //! Events of one body in one instant, of which the queue holds only the first.
 
+use super::random::Random;
 use crate::world_builder::{BodySpec, Conditions, INFINITE, bits, config, run, spawn, spec, walls, world};
 use rebond::internals::physics::Engine;
 
@@ -64,5 +65,31 @@ fn a_box_that_turns_at_a_face_goes_on_at_every_rate() {
         let fast = [60.0, 120.0, 240.0].map(state_at_one_second);
         assert_eq!(fast, [fast[0]; 3], "start {start}");
         state_at_one_second(61.0);
+    }
+}
+
+/// Boxes far apart are hit by a moving wall of infinite mass at times that differ by less than the resolution of positions:
+/// each has the states that it has without the others.
+#[test]
+fn boxes_that_a_moving_wall_hits_in_one_instant_do_not_depend_on_each_other() {
+    for seed in 0..300 {
+        let mut random = Random::new(seed);
+        let restitution = random.pick(&[1.0, 0.5, 0.0]);
+        let conditions = Conditions { rate: 1e6, restitution, ..Conditions::default() };
+        let [wall_speed, speed] = [1, 0].map(|least| random.whole(least, 8) as f64);
+        let wall = spec([-1.0, -1.0], [60.0, 1.0], INFINITE).with_velocity(0.0, wall_speed);
+        let gap = random.between(1e-5, 1e-4);
+        let boxes = [2.0, 20.0, 40.0].map(|x| {
+            let top = (0..random.below(4)).fold(gap, |top, _| top.next_up());
+            spec([x, top], [1.0; 2], random.pick(&[1.0, 3.0])).with_velocity(0.0, -speed)
+        });
+        let states_with = |boxes: &[BodySpec]| {
+            let bodies: Vec<BodySpec> = [&wall].into_iter().chain(boxes).cloned().collect();
+            let mut engine = world(conditions, &bodies);
+            run(&mut engine, 150);
+            engine.world().bodies.iter().skip(1).map(bits).collect::<Vec<_>>()
+        };
+        let alone: Vec<_> = boxes.iter().flat_map(|body| states_with(std::slice::from_ref(body))).collect();
+        assert_eq!(states_with(&boxes), alone, "seed {seed}");
     }
 }
