@@ -51,12 +51,12 @@ impl Spawn {
     }
 
     /// Returns true if all numbers and the acceleration by the force are valid: only the mass may be infinite, and none may
-    /// be NaN, whose bits differ between processors.
+    /// be NaN, whose bits differ between processors. The mass must be large enough to divide by it.
     pub fn is_valid(&self) -> bool {
         let acceleration = Vector::new(self.force.x / self.mass, self.force.y / self.mass);
         let finite = [self.rect.origin, self.velocity, self.force, acceleration].into_iter().all(Vector::is_finite);
         let sides = [self.rect.width(), self.rect.height()].into_iter().all(|side| side.is_finite() && side > 0.0);
-        finite && sides && self.mass > 0.0
+        finite && sides && self.mass > 0.0 && (1.0 / self.mass).is_finite()
     }
 }
 
@@ -80,6 +80,11 @@ mod tests {
         for invalid in [f64::NAN, f64::NEG_INFINITY] {
             assert!(!is_valid(invalid, 0.0, 1.0) && !is_valid(1.0, invalid, 1.0) && !is_valid(1.0, 0.0, invalid));
         }
-        assert!(!is_valid(0.0, 0.0, 1.0) && !is_valid(1.0, 0.0, 0.0) && !is_valid(1.0, 0.0, f64::INFINITY));
+        assert!(
+            !is_valid(0.0, 0.0, 1.0)
+                && !is_valid(1e-310, 0.0, 1.0)
+                && !is_valid(1.0, 0.0, 0.0)
+                && !is_valid(1.0, 0.0, f64::INFINITY)
+        );
     }
 }

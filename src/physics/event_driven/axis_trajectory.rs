@@ -92,8 +92,8 @@ pub struct AxisLowParts {
     pub velocity: f64,
     /// Low part of the acceleration, m/s².
     pub acceleration: f64,
-    /// Low part of the size, m: the change that makes faces coincide which decimal coordinates leave an ulp apart. It can
-    /// exceed half a unit in the last place of the size.
+    /// Low part of the size, m. It contains the change by which faces that decimal coordinates leave an ulp apart are made
+    /// to coincide, so it can exceed half a unit in the last place of the size.
     pub size: f64,
 }
 
@@ -158,9 +158,8 @@ impl StateDd {
         let later = if are_uniform { both.after_uniform(t) } else { both.after_accelerated(t) };
         let (positions, velocities) = (later.position.lanes(), later.velocity.lanes());
         // The sum with a gain of 0 would not keep the sign of a low part of 0.
-        let velocity = |state: &StateDd, later: DoubleDouble| match state.acceleration.high == 0.0 {
-            true => state.velocity,
-            false => later,
+        let velocity = |state: &StateDd, later: DoubleDouble| {
+            if state.acceleration.high == 0.0 { state.velocity } else { later }
         };
         [
             StateDd { position: positions[0], velocity: velocity(&first, velocities[0]), ..first },

@@ -104,10 +104,14 @@ impl Bodies {
         let slot = self.states.len() as Slot;
         let force = body.constant_force;
         let infinite = body.is_infinite();
-        let free_acceleration = Axis::BOTH.map(|axis| match infinite {
-            true => DoubleDouble::ZERO,
-            false if force[axis] == 0.0 => self.gravity[axis].into(),
-            false => quotient(force[axis], body.mass) + self.gravity[axis].into(),
+        let free_acceleration = Axis::BOTH.map(|axis| {
+            if infinite {
+                DoubleDouble::ZERO
+            } else if force[axis] == 0.0 {
+                self.gravity[axis].into()
+            } else {
+                quotient(force[axis], body.mass) + self.gravity[axis].into()
+            }
         });
         let trajectory = Trajectory::new(Axis::BOTH.map(|axis| {
             // Not −0, which some formulas for the state at an instant keep, and others do not.

@@ -15,7 +15,7 @@ use super::reference::Reference;
 use super::{EventDriven, VICINITY};
 use crate::physics::{Axis, Observer, Side, StepError, World, smaller};
 
-/// The events of a step between two searches for a group, so that a search in vain costs little.
+/// The events of a step between two searches for a group, so that unsuccessful searches cost little.
 pub const SEARCH_INTERVAL: u64 = 4;
 
 /// Bodies are certainly apart, or certainly overlap along an axis, by more than this fraction of the magnitudes of the

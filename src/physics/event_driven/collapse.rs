@@ -210,14 +210,13 @@ impl EventDriven {
             // While the cycle lasts, one of its touches always approaches, so that those after them in the order must wait.
             let is_early = |outsider: &Outsider| Some(patch.order_of(outsider.touch)) < last;
             let early: Vec<Outsider> = outsiders.into_iter().filter(is_early).collect();
-            let hit = match early.is_empty() {
-                true => 0.0,
-                false => {
-                    let Some(speeds) = self.least_speeds_away(patch, &collapse, decay, axis, velocity, world) else {
-                        return;
-                    };
-                    early.iter().map(|outsider| outsider.factor_when_hit(&speeds)).fold(0.0, larger)
-                }
+            let hit = if early.is_empty() {
+                0.0
+            } else {
+                let Some(speeds) = self.least_speeds_away(patch, &collapse, decay, axis, velocity, world) else {
+                    return;
+                };
+                early.iter().map(|outsider| outsider.factor_when_hit(&speeds)).fold(0.0, larger)
             };
             let least = larger(decayed, hit);
             let factor = decay.factor_above(least);

@@ -55,9 +55,12 @@ impl ContactGraph {
         if self.count == 0 { &[] } else { &self.nodes[slot as usize].contacts }
     }
 
-    /// For each axis, true if two bodies are in contact along it; the mass of `slot` must be finite.
+    /// For each axis, true if two bodies are in contact along it.
     #[inline]
-    pub fn axes_between(&self, slot: Slot, other: Slot) -> [bool; 2] {
+    pub fn axes_between(&self, [first, second]: [Slot; 2]) -> [bool; 2] {
+        // An infinite mass has no list of its contacts.
+        let has_list = !self.nodes[first as usize].has_infinite_mass;
+        let [slot, other] = if has_list { [first, second] } else { [second, first] };
         let mut axes = [false; 2];
         for contact in self.of(slot).iter().filter(|contact| contact.other == other) {
             axes[contact.axis] = true;
@@ -113,11 +116,11 @@ impl ContactGraph {
     /// Removes all contacts of a body; returns the bodies of finite mass that were in contact with it or whose
     /// support changed, possibly more than once.
     pub fn remove_all(&mut self, slot: Slot) -> Vec<Slot> {
-        let others: Vec<Slot> = match self.nodes[slot as usize].has_infinite_mass {
-            false => self.of(slot).iter().map(|contact| contact.other).collect(),
-            true => (0..self.nodes.len() as Slot)
-                .filter(|other| *other != slot && self.axes_between(*other, slot) != [false; 2])
-                .collect(),
+        let others: Vec<Slot> = if self.nodes[slot as usize].has_infinite_mass {
+            let is_in_contact = |other: &Slot| *other != slot && self.axes_between([*other, slot]) != [false; 2];
+            (0..self.nodes.len() as Slot).filter(is_in_contact).collect()
+        } else {
+            self.of(slot).iter().map(|contact| contact.other).collect()
         };
         let mut concerned = others.clone();
         for axis in Axis::BOTH {
@@ -192,7 +195,7 @@ mod tests {
         let contact = |other, side| Contact { other, axis: Axis::Y, side };
         assert_eq!(graph.of(1), [contact(0, Side::High), contact(2, Side::Low)]);
         assert_eq!(graph.of(2), [contact(1, Side::High)]);
-        assert_eq!(graph.axes_between(2, 1), [false, true]);
+        assert_eq!(graph.axes_between([2, 1]), [false, true]);
     }
 
     #[test]
@@ -229,7 +232,7 @@ mod tests {
         concerned.sort_unstable();
         concerned.dedup();
         assert_eq!((concerned, supported(&graph)), (vec![1, 2], Vec::new()));
-        assert_eq!(graph.axes_between(2, 1), [false, true], "the boxes remain in contact");
+        assert_eq!(graph.axes_between([2, 1]), [false, true], "the boxes remain in contact");
     }
 
     #[test]

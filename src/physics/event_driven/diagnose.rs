@@ -103,14 +103,13 @@ impl EventDriven {
                 if pair.iter().all(|slot| self.bodies[*slot].infinite) {
                     continue;
                 }
-                let finite = if self.bodies[*first].infinite { [*second, *first] } else { pair };
-                let contacts = self.contacts.axes_between(finite[0], finite[1]);
+                let contacts = self.contacts.axes_between(pair);
                 for axis in Axis::BOTH.into_iter().filter(|axis| contacts[*axis]) {
                     let [gap, speed, acceleration] = self.motion_now(pair, axis);
                     assert!(gap == 0.0, "contact of {pair:?} along {axis:?} at {:?} with gap {gap:e}", self.now);
                     assert!(
                         speed == 0.0,
-                        "contact of {pair:?} along {axis:?} at {:?} with approach {speed:e}",
+                        "contact of {pair:?} along {axis:?} at {:?} with approach speed {speed:e}",
                         self.now
                     );
                     assert!(

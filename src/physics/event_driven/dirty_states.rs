@@ -1,4 +1,4 @@
-//! Sampling: writes the changed states to the world at the end of each step.
+//! The bodies whose states must be written to the world at the end of a step.
 
 use super::bodies::Bodies;
 use super::body_state::{BodyState, NONE, Slot};

@@ -30,9 +30,8 @@ const STEP_BINS: u64 = 32;
 
 /// The next event of a body: an event of a pair or a cell crossing.
 ///
-/// An event of a pair is stored with one of the two bodies, the one whose prediction is more recent.
-/// It is invalidated if the partner's generation has changed since; when it is due, the body predicts
-/// again.
+/// An event of a pair is stored with each body that has predicted it: with one of the two, or with both. It is invalidated
+/// if the partner's generation has changed since; when it is due, the body predicts again.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScheduledEvent {
     /// The time of the event; the earliest possible one unless it is exact.

@@ -293,10 +293,7 @@ impl EventDriven {
 
     /// True if the gap or the overlap of an event is 0 already at an instant: then it happens at that instant.
     pub(super) fn coincides(&self, event: &ScheduledEvent, at: Instant) -> bool {
-        let Some(kind) = event.pair_event else { return false };
-        let (PairEvent::FaceImpact(axis, side)
-        | PairEvent::CornerImpact(axis, side)
-        | PairEvent::ContactEnd(axis, side)) = kind;
+        let Some((axis, side)) = event.pair_event.map(PairEvent::axis_and_side) else { return false };
         let along = self.bodies.exact_axis(event.pair, axis, at);
         along.gap(side).high.abs() <= along.gap_rounding
     }
@@ -310,15 +307,12 @@ impl EventDriven {
         let from = self.bodies.common_reference(pair);
         let now = self.now.max(from);
         let axes = Axis::BOTH.map(|axis| self.bodies.exact_axis(pair, axis, from));
-        let finite = if self.bodies[pair[0]].infinite { [pair[1], pair[0]] } else { pair };
-        let contacts = self.contacts.axes_between(finite[0], finite[1]);
+        let contacts = self.contacts.axes_between(pair);
         let mut first: Option<(Instant, PairEvent)> = None;
         let mut is_overdue = false;
         let mut keep = |time: DoubleDouble, event: PairEvent| {
             let at = self.bodies.rounding().instant(from, time, || {
-                let (PairEvent::FaceImpact(axis, side)
-                | PairEvent::CornerImpact(axis, side)
-                | PairEvent::ContactEnd(axis, side)) = event;
+                let (axis, side) = event.axis_and_side();
                 axes[axis].has_exact_root(side, time)
             });
             if !now.is_before(at) {

@@ -43,7 +43,7 @@ pub struct HomeGrid {
     cells: [u32; 2],
     /// The number of columns with the margin.
     columns: usize,
-    /// By bucket, the index in `slots` of its first body; at last the number of bodies.
+    /// By bucket, the index in `slots` of its first body; the last entry is the number of bodies.
     starts: Vec<u32>,
     /// The bodies in the order of their buckets.
     slots: Vec<Slot>,

@@ -54,9 +54,9 @@ impl Decay {
             powers.push(power);
             power = power * power;
         }
-        powers.into_iter().rev().fold(1.0.into(), |factor, power| match stays_above(factor * power) {
-            true => factor * power,
-            false => factor,
+        powers.into_iter().rev().fold(1.0.into(), |factor, power| {
+            let longer = factor * power;
+            if stays_above(longer) { longer } else { factor }
         })
     }
 }

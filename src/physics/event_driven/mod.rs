@@ -41,9 +41,9 @@
 //!
 //! These rules apply where mechanics leaves a choice:
 //!
-//! 1. **What is 0.** A gap is 0 if it is below the resolution of positions, an approach speed or an approach acceleration
-//!    if it is below the rounding of the numbers from which it was computed (`exact`). Two boxes *touch on a face* if their gap is 0 along one axis and
-//!    they overlap on the other, *at a corner* if both gaps are 0.
+//! 1. **Zero.** A gap is 0 if it is below the resolution of positions, an approach speed or an approach acceleration if
+//!    it is below the rounding of the numbers from which it was computed (`exact`). Two boxes *touch on a face* if their
+//!    gap is 0 along one axis and they overlap on the other, *at a corner* if both gaps are 0.
 //! 2. **Corners** block only what enters them (along both axes the boxes approach, or accelerate towards each other
 //!    from rest), and only along the axis of the gentler approach; along both if the approaches are equal. Those that
 //!    are not entered any more because of others are released.
@@ -168,8 +168,9 @@ pub struct EventDriven {
     asserts_invariants: bool,
     /// The present step.
     step: u64,
-    /// The instants of the states before and after it.
+    /// The instant of the state before the present step.
     step_start: Instant,
+    /// The instant of the state after it.
     step_end: Instant,
     /// The number of events in the present step.
     events: u64,

@@ -17,6 +17,17 @@ pub enum PairEvent {
     ContactEnd(Axis, Side),
 }
 
+impl PairEvent {
+    /// The axis of the event, and the side of the first body on which the second lies.
+    pub fn axis_and_side(self) -> (Axis, Side) {
+        match self {
+            PairEvent::FaceImpact(axis, side)
+            | PairEvent::CornerImpact(axis, side)
+            | PairEvent::ContactEnd(axis, side) => (axis, side),
+        }
+    }
+}
+
 /// The state of a body at an instant.
 #[derive(Clone, Copy)]
 pub struct Sample<'a> {

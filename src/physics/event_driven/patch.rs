@@ -1,4 +1,4 @@
-//! The neighbourhood of an instant: the bodies concerned, their exact states and who touches whom.
+//! The neighbourhood of an instant: the bodies concerned, their exact states and the touches between them.
 
 use super::EventDriven;
 use super::axis_trajectory::StateDd;

@@ -158,7 +158,7 @@ impl<'a> Predictor<'a> {
     #[inline]
     fn is_in_contact(&self, other: Slot) -> bool {
         if self.sample.is_infinite() {
-            self.solver.contacts.axes_between(other, self.slot) != [false; 2]
+            self.solver.contacts.axes_between([other, self.slot]) != [false; 2]
         } else {
             self.own_contacts.iter().any(|contact| contact.other == other)
         }

@@ -103,9 +103,9 @@ fn round_velocities(
     if after[0] == after[1] {
         return [moved(seed, after[0], speed); 2];
     }
-    [0, 1].map(|side| match impact.mass[side].high == f64::INFINITY {
-        true => after[side],
-        false => moved(seed ^ side as u64, after[side], speed),
+    [0, 1].map(|side| {
+        let is_fixed = impact.mass[side].high == f64::INFINITY;
+        if is_fixed { after[side] } else { moved(seed ^ side as u64, after[side], speed) }
     })
 }
 

@@ -98,9 +98,7 @@ impl EventDriven {
 
     /// True if two touching bodies are in contact along an axis.
     pub(super) fn is_contact(&self, patch: &Patch, touch: &Touch, axis: Axis) -> bool {
-        let [first, second] = touch.bodies.map(|body| &patch.bodies[body as usize]);
-        let [finite, other] = if first.infinite { [second.slot, first.slot] } else { [first.slot, second.slot] };
-        self.contacts.axes_between(finite, other)[axis]
+        self.contacts.axes_between(touch.bodies.map(|body| patch.bodies[body as usize].slot))[axis]
     }
 
     /// Ends the contacts of a body that no longer touch or have another velocity.
@@ -143,10 +141,7 @@ impl EventDriven {
     /// The load of a component, as far as it is known.
     #[inline]
     fn load_of(&self, patch: &Patch, body: Local, axis: Axis) -> Load {
-        match self.bodies.carry_forces(axis) {
-            true => self.load_with_forces(patch, body, axis),
-            false => Load::GravityOnly,
-        }
+        if self.bodies.carry_forces(axis) { self.load_with_forces(patch, body, axis) } else { Load::GravityOnly }
     }
 
     /// The load of a component, as far as it is known, if forces act along the axis.

@@ -147,8 +147,7 @@ impl EventDriven {
             if pair[0] == pair[1] || pair.iter().all(|slot| self.bodies[*slot].infinite) {
                 return Err("a contact is between a body and itself or between infinite masses".to_owned());
             }
-            let finite_first = if self.bodies[pair[0]].infinite { [pair[1], pair[0]] } else { pair };
-            if self.contacts.axes_between(finite_first[0], finite_first[1])[axis] {
+            if self.contacts.axes_between(pair)[axis] {
                 return Err("a contact is listed twice".to_owned());
             }
             self.contacts.add(pair, axis);
