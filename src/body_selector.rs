@@ -123,9 +123,10 @@ impl FromStr for BodySelector {
             character == ',' && !is_quoted
         });
         let items: Vec<Item> = parts.map(str::parse).collect::<Result<_, String>>()?;
-        match items.len() <= MAX_ITEMS {
-            true => Ok(BodySelector(items)),
-            false => Err(format!("{} names and ranges are too many; at most {MAX_ITEMS} are allowed", items.len())),
+        if items.len() <= MAX_ITEMS {
+            Ok(BodySelector(items))
+        } else {
+            Err(format!("{} names and ranges are too many; at most {MAX_ITEMS} are allowed", items.len()))
         }
     }
 }

@@ -80,9 +80,10 @@ impl<'a> Acceptance<'a> {
         let path = &result.path;
         let is_enclosed = self.files.encloses(path) || self.followers.contains(path);
         if path.symlink_metadata().is_err() {
-            return match is_enclosed {
-                true => Ok(()),
-                false => Err("it is outside of the checked paths; make it with the command in the manifest".into()),
+            return if is_enclosed {
+                Ok(())
+            } else {
+                Err("it is outside of the checked paths; make it with the command in the manifest".into())
             };
         }
         let identities = match replacement {

@@ -90,14 +90,15 @@ impl Files {
 
     /// Adds a file to check. Devices and named pipes are not read, because that may never end.
     fn add(&mut self, path: &Path, metadata: &Metadata) {
-        match metadata.is_file() {
-            true => drop(self.found.insert(canonical(path), path.into())),
-            false => self.problems.push(Problem {
+        if metadata.is_file() {
+            drop(self.found.insert(canonical(path), path.into()))
+        } else {
+            self.problems.push(Problem {
                 path: path.into(),
                 line: None,
                 reason: "it is no regular file".into(),
                 is_missing: false,
-            }),
+            })
         }
     }
 

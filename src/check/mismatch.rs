@@ -95,9 +95,12 @@ pub fn mismatch(format: Format, expected: &[u8], actual: &[u8]) -> Result<Option
         Some(_) | None => Some((format!("the reference is not a valid {} file", format.name()), Vec::new())),
     };
     let changes = provenance_changes(expected, actual);
-    let found = found.or_else(|| match changes.is_empty() {
-        true => differing_provenance(expected, actual).map(|description| (description, Vec::new())),
-        false => Some(("the drawing is the same".into(), Vec::new())),
+    let found = found.or_else(|| {
+        if changes.is_empty() {
+            differing_provenance(expected, actual).map(|description| (description, Vec::new()))
+        } else {
+            Some(("the drawing is the same".into(), Vec::new()))
+        }
     });
     Ok(found.map(|(description, shown)| Mismatch {
         changes,

@@ -261,10 +261,7 @@ impl OpenedSource {
                 opened.push(OpenedSource::record(path, overrides, picture)?);
             }
         }
-        match has_scene || runs.iter().all(Vec::is_empty) {
-            true => Ok(opened),
-            false => Err(Failure::SetOfRecordings),
-        }
+        if has_scene || runs.iter().all(Vec::is_empty) { Ok(opened) } else { Err(Failure::SetOfRecordings) }
     }
 
     fn record(path: &Path, overrides: &[Override], picture: &Path) -> Result<OpenedSource, Failure> {

@@ -93,10 +93,7 @@ impl SceneMismatch {
     ) -> Result<SceneMismatch, Error> {
         let line = SceneLine::between(&recorded.header, &current.header);
         let changes = setting_changes(&recorded.header, &current.header);
-        let first = match changes.is_empty() {
-            true => RunDifference::between(&mut recorded, &mut current)?,
-            false => None,
-        };
+        let first = if changes.is_empty() { RunDifference::between(&mut recorded, &mut current)? } else { None };
         Ok(SceneMismatch { changes, first, line })
     }
 

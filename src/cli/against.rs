@@ -43,9 +43,10 @@ fn compare(options: &ReplayOptions, states: &Path) -> Result<Comparison, Command
     let path = &options.recording;
     let recording = recording::open(path).map_err(CommandError::in_recording(path))?;
     let (rate, every, last) = (recording.header.config.rate, recording.header.every, recording.header.steps);
-    let table = match is_standard_output(states) {
-        true => StatesTable::read(io::stdin(), rate),
-        false => StatesTable::read(File::open(states).map_err(CommandError::unreadable(states))?, rate),
+    let table = if is_standard_output(states) {
+        StatesTable::read(io::stdin(), rate)
+    } else {
+        StatesTable::read(File::open(states).map_err(CommandError::unreadable(states))?, rate)
     };
     let table = table.map_err(|source| CommandError::StatesTable { path: states.into(), source })?;
     let steps = options.steps(rate)?;

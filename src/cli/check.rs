@@ -227,10 +227,7 @@ impl Session<'_> {
         if self.options.github && severity != Severity::Same {
             self.step_summary.add(result, &decision);
         }
-        match self.journal.is_first(key) {
-            true => self.print(result, &files, &decision, severity),
-            false => Ok(()),
-        }
+        if self.journal.is_first(key) { self.print(result, &files, &decision, severity) } else { Ok(()) }
     }
 
     /// Prints a result. Pictures of other programs are printed at the end, by folder.
@@ -244,10 +241,7 @@ impl Session<'_> {
         if self.options.github && severity != Severity::Same {
             let annotation = github::annotation(result);
             // Workflow commands are read from both streams.
-            match self.options.json {
-                true => output::warn(&annotation),
-                false => output::print(&annotation)?,
-            }
+            if self.options.json { output::warn(&annotation) } else { output::print(&annotation)? }
         }
         if self.options.json {
             return output::print(&format!("{}\n", json(result, files, decision)));

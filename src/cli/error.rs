@@ -396,10 +396,7 @@ impl From<picture::Error> for CommandError {
 /// The reason why a known extension in capital letters is not recognised.
 fn lower_case(path: &Path) -> &'static str {
     let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
-    match extension.chars().any(char::is_uppercase) {
-        true => "; write the extension in lower case",
-        false => "",
-    }
+    if extension.chars().any(char::is_uppercase) { "; write the extension in lower case" } else { "" }
 }
 
 /// Prints an error on standard error and returns the exit code. A failure to print is ignored.
@@ -481,10 +478,7 @@ impl ErrorReport {
             let message = if index == 0 { error.to_string() } else { diagnostic.to_string() };
             let report = ErrorReport::of_diagnostic(&message, diagnostic, text.as_ref());
             length += report.length();
-            match length <= MAX_REPORTS || index == 0 {
-                true => reports.push(report),
-                false => omitted += 1,
-            }
+            if length <= MAX_REPORTS || index == 0 { reports.push(report) } else { omitted += 1 }
         }
         if omitted > 0 {
             reports.push(ErrorReport::new(&format_args!("and {}", counted(omitted, "more error")), None));

@@ -352,9 +352,10 @@ struct Energy(f64);
 
 impl Serialize for Energy {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        match self.0.is_finite() {
-            true => self.0.serialize(serializer),
-            false => serializer.serialize_str(&shortest_decimal(self.0)),
+        if self.0.is_finite() {
+            self.0.serialize(serializer)
+        } else {
+            serializer.serialize_str(&shortest_decimal(self.0))
         }
     }
 }

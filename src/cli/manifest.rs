@@ -58,14 +58,15 @@ pub fn read(path: &Path) -> Result<Manifest, Problem> {
             Ok(Line::Empty) => {}
             Ok(Line::Skip(scenes)) => {
                 for scene in scenes.iter().map(|scene| in_folder(scene)) {
-                    match scene.is_file() {
-                        true => manifest.skipped.push(scene),
-                        false => manifest.problems.push(Problem {
+                    if scene.is_file() {
+                        manifest.skipped.push(scene)
+                    } else {
+                        manifest.problems.push(Problem {
                             path: path.into(),
                             line: Some(line.clone()),
                             reason: format!("line {number}: the scene {} does not exist", scene.display()),
                             is_missing: false,
-                        }),
+                        })
                     }
                 }
             }

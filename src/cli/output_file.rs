@@ -373,9 +373,10 @@ fn refuse_input(output: Handle, path: &Path, inputs: &[impl AsRef<Path>]) -> Res
         Ok(metadata) if !metadata.is_file() => None,
         Ok(_) | Err(_) => Handle::from_path(input).ok(),
     };
-    match inputs.iter().any(|input| handle(input.as_ref()).is_some_and(|input| input == output)) {
-        true => Err(CommandError::IsInput(path.into())),
-        false => Ok(()),
+    if inputs.iter().any(|input| handle(input.as_ref()).is_some_and(|input| input == output)) {
+        Err(CommandError::IsInput(path.into()))
+    } else {
+        Ok(())
     }
 }
 

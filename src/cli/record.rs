@@ -115,9 +115,10 @@ impl ExistingRun {
             },
             Err(error) => error.to_string(),
         };
-        match options.force {
-            true => Ok(ExistingRun::None),
-            false => Err(CommandError::OtherRun { path: path.clone(), difference }),
+        if options.force {
+            Ok(ExistingRun::None)
+        } else {
+            Err(CommandError::OtherRun { path: path.clone(), difference })
         }
     }
 }
@@ -269,9 +270,10 @@ pub fn recover(options: &RecoverOptions) -> Result<Exit, CommandError> {
         Err(error) => Err(CommandError::in_recording(path)(error)),
     })?;
     let exit = if recovery.health == Health::Whole { Exit::Done } else { Exit::Damaged };
-    match output::is_quiet() && exit == Exit::Damaged {
-        true => output::warn(&format!("{recovery}\n")),
-        false => output::print_result(&options.output.output, &recovery.to_string())?,
+    if output::is_quiet() && exit == Exit::Damaged {
+        output::warn(&format!("{recovery}\n"))
+    } else {
+        output::print_result(&options.output.output, &recovery.to_string())?
     }
     Ok(exit)
 }

@@ -108,9 +108,10 @@ fn scenes(options: &ReportOptions) -> Result<Vec<LoadedScene<'_>>, CommandError>
 /// Returns an error for a scene that can be read only once: each measurement reads it again in a process of its own.
 fn refuse_pipe(path: &Path) -> Result<(), CommandError> {
     let is_special = || path.metadata().is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir());
-    match is_standard_output(path) || is_special() {
-        true => Err(CommandError::SceneReadOnce { path: path.into() }),
-        false => Ok(()),
+    if is_standard_output(path) || is_special() {
+        Err(CommandError::SceneReadOnce { path: path.into() })
+    } else {
+        Ok(())
     }
 }
 

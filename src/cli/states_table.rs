@@ -99,9 +99,10 @@ pub enum TableError {
 
 /// The cause of a row with another number of fields than columns, and what to do.
 const fn cause(is_last: bool) -> &'static str {
-    match is_last {
-        true => "; the file ends there, so it may have been cut: write it again",
-        false => "; write one field for each column, and quotation marks around a name that contains the separator",
+    if is_last {
+        "; the file ends there, so it may have been cut: write it again"
+    } else {
+        "; write one field for each column, and quotation marks around a name that contains the separator"
     }
 }
 

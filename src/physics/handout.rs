@@ -36,9 +36,10 @@ pub fn step<O: Observer>(world: &mut World, step: u64, dt: f64, observer: &mut O
 }
 
 fn check_finite(body: &Body, step: u64) -> Result<(), StepError> {
-    match body.velocity.is_finite() && body.rect.origin.is_finite() {
-        true => Ok(()),
-        false => Err(StepError::NotFinite { step, body: body.name.clone() }),
+    if body.velocity.is_finite() && body.rect.origin.is_finite() {
+        Ok(())
+    } else {
+        Err(StepError::NotFinite { step, body: body.name.clone() })
     }
 }
 

@@ -112,10 +112,8 @@ pub fn clock<'a>(sources: &'a [Source]) -> Result<&'a Source, Error> {
     let is_discrete = |source: &Source| !source.header.config.solver.is_continuous();
     let has_discrete = sources.iter().any(is_discrete);
     let candidates = sources.iter().filter(|source| !has_discrete || is_discrete(source));
-    let faster = |fastest: &'a Source, source: &'a Source| match source.header.config.rate > fastest.header.config.rate
-    {
-        true => source,
-        false => fastest,
+    let faster = |fastest: &'a Source, source: &'a Source| {
+        if source.header.config.rate > fastest.header.config.rate { source } else { fastest }
     };
     candidates.reduce(faster).ok_or_else(|| Error::NothingToShow { reason: "no recording is given".into() })
 }

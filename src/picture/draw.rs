@@ -321,10 +321,8 @@ fn max_momentum(source: &Source) -> Result<f64, Error> {
 /// The colour of a body in pictures with default options: red, green, blue.
 pub fn body_color(info: &BodyInfo) -> [u8; 3] {
     let appearance = Appearance::new(info.id, &info.spawn, info.color.as_deref(), None);
-    let color = match appearance.is_wall {
-        true => Palette::of(Look::default().theme).wall,
-        false => color::color_by_body(&appearance),
-    };
+    let color =
+        if appearance.is_wall { Palette::of(Look::default().theme).wall } else { color::color_by_body(&appearance) };
     [color.r, color.g, color.b]
 }
 

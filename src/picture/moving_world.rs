@@ -74,9 +74,8 @@ impl MovingWorld {
             restitution: start.restitution.clone(),
         };
         let gravity = start.gravity.unwrap_or(Vector::ZERO);
-        let acceleration = |body: &Body| match body.mass.is_finite() {
-            true => gravity.add(body.constant_force.mult(1.0 / body.mass)),
-            false => Vector::ZERO,
+        let acceleration = |body: &Body| {
+            if body.mass.is_finite() { gravity.add(body.constant_force.mult(1.0 / body.mass)) } else { Vector::ZERO }
         };
         MovingWorld {
             since: vec![0.0; world.bodies.len()],

@@ -300,10 +300,7 @@ fn chosen_bodies(selector: &BodySelector, source: &Source) -> Result<BTreeMap<Bo
 /// The bodies on which a figure shows the pressure: the chosen ones, or all of infinite mass.
 fn pressed_bodies(selector: &BodySelector, source: &Source) -> Result<BTreeMap<BodyId, Arc<Appearance>>, Error> {
     let mut bodies = source.appearances()?;
-    bodies.retain(|_, body| match selector.is_all() {
-        true => body.mass == f64::INFINITY,
-        false => selector.contains(&body.name),
-    });
+    bodies.retain(|_, body| if selector.is_all() { body.mass == f64::INFINITY } else { selector.contains(&body.name) });
     let (count, most) = (bodies.len(), figures::MAX_PRESSURE_BODIES);
     if count > most {
         let reason =

@@ -161,9 +161,10 @@ impl SideBySide {
         let [info, caption] = footer.heights(style);
         let [width, height] = size.map(f64::from);
         let margin = page_metrics.font_size.round();
-        let [left, below] = match style.shows(Overlay::Axes) {
-            true => [(3.2 * metrics.font_size).round(), (1.6 * metrics.font_size).round()],
-            false => [0.0, 0.0],
+        let [left, below] = if style.shows(Overlay::Axes) {
+            [(3.2 * metrics.font_size).round(), (1.6 * metrics.font_size).round()]
+        } else {
+            [0.0, 0.0]
         };
         let above = (TITLE * page_metrics.font_size).round();
         let content = Rect::new(

@@ -118,13 +118,14 @@ pub fn trace(
         visit: &mut visit,
     };
     let steps = source.steps_to_read(*grid.steps.start(), *grid.steps.end());
-    let replayer = match has_worlds || has_collisions {
-        true => match Replayer::new(source.recording()?, steps) {
+    let replayer = if has_worlds || has_collisions {
+        match Replayer::new(source.recording()?, steps) {
             Ok(replayer) => Some(replayer),
             Err(RecordingError::OtherSemantics { .. }) => None,
             Err(error) => return Err(source.read_error(error)),
-        },
-        false => None,
+        }
+    } else {
+        None
     };
     let (health, extent) = match replayer {
         Some(replayer) if has_worlds => tracer.replay(replayer, progress)?,
@@ -354,9 +355,10 @@ impl Tracer<'_> {
     /// The instants within a step of `duration` seconds at which curves are drawn because a force bends them.
     fn between(&self, duration: f64) -> std::iter::Peekable<impl Iterator<Item = f64> + use<>> {
         // Under a force the curves between two instants are not straight.
-        let parts = match self.source.statistics.top_force > 0.0 {
-            true => (duration / (SMOOTH_COLUMNS * self.column)).ceil().clamp(1.0, 1e4) as u32,
-            false => 1,
+        let parts = if self.source.statistics.top_force > 0.0 {
+            (duration / (SMOOTH_COLUMNS * self.column)).ceil().clamp(1.0, 1e4) as u32
+        } else {
+            1
         };
         (1..parts).map(move |part| f64::from(part) * duration / f64::from(parts)).peekable()
     }
@@ -366,10 +368,8 @@ impl Tracer<'_> {
         let (step, duration) = (engine.current_step(), 1.0 / self.grid.rate);
         let is_changed = self.changes.contains(&(step + 1));
         let is_continuous = self.source.header.config.solver.is_continuous();
-        let moving = match is_continuous && !is_changed {
-            true => MovingWorld::through(&engine, collisions, next, duration),
-            false => None,
-        };
+        let moving =
+            if is_continuous && !is_changed { MovingWorld::through(&engine, collisions, next, duration) } else { None };
         if let Some(moving) = moving {
             self.within_moving_step(moving, collisions);
             return Ok(());

@@ -52,9 +52,10 @@ fn viewport(style: &Style) -> Option<Rect> {
     let metrics = DrawingMetrics::new(style.look.theme, style.look.size);
     let footer = Footer::new(style, &metrics);
     let [info, caption] = footer.heights(style);
-    let [left, axis] = match style.shows(Overlay::Axes) {
-        true => [(3.2 * metrics.font_size).round(), (1.6 * metrics.font_size).round()],
-        false => [0.0, 0.0],
+    let [left, axis] = if style.shows(Overlay::Axes) {
+        [(3.2 * metrics.font_size).round(), (1.6 * metrics.font_size).round()]
+    } else {
+        [0.0, 0.0]
     };
     let viewport = Rect::new(Vector::new(left, 0.0), width - left, height - info - caption - axis);
     let has_text = left > 0.0 || info + caption > 0.0;
@@ -267,9 +268,10 @@ fn round_to_quarter(at: f64) -> f64 {
 
 /// Returns an error for a page without pixels or with a side longer than any picture's.
 pub fn validate_size(size: [u32; 2]) -> Result<(), RenderError> {
-    match size.iter().any(|&side| side == 0 || side > MAX_SIDE) {
-        true => Err(RenderError::PictureSize { width: size[0], height: size[1], max_side: MAX_SIDE }),
-        false => Ok(()),
+    if size.iter().any(|&side| side == 0 || side > MAX_SIDE) {
+        Err(RenderError::PictureSize { width: size[0], height: size[1], max_side: MAX_SIDE })
+    } else {
+        Ok(())
     }
 }
 

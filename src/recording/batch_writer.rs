@@ -159,10 +159,7 @@ impl<W: Write> BatchWriter<W> {
         }
         // The first flush of a run with live events is always that of the initial state: a file waits for the second one.
         let is_initial = state.step == 0 && self.header.has_live_events;
-        match is_initial || self.mcap.has_ended_chunk() {
-            true => self.mcap.flush_output(),
-            false => Ok(()),
-        }
+        if is_initial || self.mcap.has_ended_chunk() { self.mcap.flush_output() } else { Ok(()) }
     }
 
     /// Writes an encoded scene update at `time`, in simulated nanoseconds. A message that is too large
@@ -171,9 +168,10 @@ impl<W: Write> BatchWriter<W> {
     /// # Errors
     /// Returns an error if writing fails.
     pub fn write_scene_update(&mut self, time: u64, message: &[u8]) -> Result<(), Error> {
-        match message.len() <= limits::MESSAGE_BYTES {
-            true => self.mcap.write_message(Topic::Scene, time, message),
-            false => Ok(()),
+        if message.len() <= limits::MESSAGE_BYTES {
+            self.mcap.write_message(Topic::Scene, time, message)
+        } else {
+            Ok(())
         }
     }
 

@@ -139,9 +139,10 @@ impl ChunkReader {
         if !is_readable || self.records.len() as u64 != size || !is_same(header.checksum) {
             return Err("the chunk does not match its checksum".into());
         }
-        match ends_with_a_record(&self.records) {
-            true => Ok(()),
-            false => Err("the last record of the chunk is incomplete".into()),
+        if ends_with_a_record(&self.records) {
+            Ok(())
+        } else {
+            Err("the last record of the chunk is incomplete".into())
         }
     }
 
@@ -214,10 +215,7 @@ impl ChunkReader {
         let mut found = chunk.index.get(&channel).cloned().unwrap_or_default();
         found.sort_unstable();
         entries.sort_unstable();
-        match found == entries {
-            true => Ok(()),
-            false => Err("the message index does not match its chunk".into()),
-        }
+        if found == entries { Ok(()) } else { Err("the message index does not match its chunk".into()) }
     }
 }
 

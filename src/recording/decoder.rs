@@ -426,9 +426,10 @@ impl Decoder {
             let encoding: String = encoding.chars().take(32).collect();
             return Err(format!("the topic {name} has the unexpected encoding {encoding:?}"));
         }
-        match self.schemas.get(&schema).is_some_and(|topics| topics.contains(&topic)) {
-            true => Ok(()),
-            false => Err(format!("the schema of the topic {name} is not that of the format")),
+        if self.schemas.get(&schema).is_some_and(|topics| topics.contains(&topic)) {
+            Ok(())
+        } else {
+            Err(format!("the schema of the topic {name} is not that of the format"))
         }
     }
 }
@@ -437,9 +438,10 @@ impl Decoder {
 const FIRST_FORMAT_WITH_COMPARED_SCHEMAS: u32 = 3;
 
 fn check_length(message: &[u8], limit: usize) -> Result<(), String> {
-    match message.len() <= limit {
-        true => Ok(()),
-        false => Err(format!("a message has {} bytes, but at most {limit} are allowed", message.len())),
+    if message.len() <= limit {
+        Ok(())
+    } else {
+        Err(format!("a message has {} bytes, but at most {limit} are allowed", message.len()))
     }
 }
 

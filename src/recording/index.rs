@@ -279,9 +279,10 @@ fn from_summary<R: Read + Seek>(records: &mut RecordReader<R>, start: u64) -> io
     }
     index.read_trailer(records)?;
     let has_lost_trailer = index.trailer_offset.is_some() && index.trailer.is_none();
-    Ok(match has_lost_trailer || index.is_contradictory(start, indexed_messages) {
-        true => Err(Unusable::Doubtful),
-        false => Ok(index),
+    Ok(if has_lost_trailer || index.is_contradictory(start, indexed_messages) {
+        Err(Unusable::Doubtful)
+    } else {
+        Ok(index)
     })
 }
 
@@ -305,9 +306,10 @@ impl Index {
 }
 
 fn place(chunk: &ChunkSummary) -> Place {
-    let channels = match chunk.message_indexes.is_empty() {
-        true => ChannelSet::ALL,
-        false => ChannelSet::of(chunk.message_indexes.keys().copied()),
+    let channels = if chunk.message_indexes.is_empty() {
+        ChannelSet::ALL
+    } else {
+        ChannelSet::of(chunk.message_indexes.keys().copied())
     };
     Place { offset: chunk.offset, first_time: chunk.first_time, last_time: chunk.last_time, channels }
 }

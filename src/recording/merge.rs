@@ -154,10 +154,7 @@ impl Merge {
             PartSource::Messages(_) => 0,
         });
         let is_too_much = self.open.len() > 1 && chunk_bytes.sum::<usize>() > limits::OPEN_CHUNK_BYTES;
-        match is_too_much || self.open.len() > limits::OPEN_PARTS {
-            true => Err(Error::Unsorted),
-            false => Ok(()),
-        }
+        if is_too_much || self.open.len() > limits::OPEN_PARTS { Err(Error::Unsorted) } else { Ok(()) }
     }
 }
 

@@ -222,9 +222,10 @@ impl BodiesMessage {
         self.solver_numbers.extend(next.solver_numbers);
         let bodies = self.spawned.len();
         let solver = self.solver_integers.len().max(self.solver_numbers.len());
-        match bodies <= limits::BODIES && solver <= limits::SOLVER_NUMBERS * (bodies + 1) {
-            true => Ok(()),
-            false => Err(format!("the keyframe of step {} is too large", self.step)),
+        if bodies <= limits::BODIES && solver <= limits::SOLVER_NUMBERS * (bodies + 1) {
+            Ok(())
+        } else {
+            Err(format!("the keyframe of step {} is too large", self.step))
         }
     }
 
@@ -301,17 +302,19 @@ const FIRST_FORMAT_WITH_COLUMNS: u32 = 2;
 ///
 /// Returns `numbers` unchanged if they cannot be divided evenly among the bodies.
 fn to_columns(numbers: &[f64], format: u32, bodies: usize) -> Vec<f64> {
-    match format < FIRST_FORMAT_WITH_COLUMNS || bodies == 0 || !numbers.len().is_multiple_of(bodies) {
-        true => numbers.into(),
-        false => transposed(numbers, numbers.len() / bodies),
+    if format < FIRST_FORMAT_WITH_COLUMNS || bodies == 0 || !numbers.len().is_multiple_of(bodies) {
+        numbers.into()
+    } else {
+        transposed(numbers, numbers.len() / bodies)
     }
 }
 
 /// Inverts [`to_columns`].
 fn from_columns(numbers: Vec<f64>, format: u32, bodies: usize) -> Vec<f64> {
-    match format < FIRST_FORMAT_WITH_COLUMNS || bodies == 0 || !numbers.len().is_multiple_of(bodies) {
-        true => numbers,
-        false => transposed(&numbers, bodies),
+    if format < FIRST_FORMAT_WITH_COLUMNS || bodies == 0 || !numbers.len().is_multiple_of(bodies) {
+        numbers
+    } else {
+        transposed(&numbers, bodies)
     }
 }
 
@@ -394,9 +397,10 @@ mod tests {
 
         #[test]
         fn decoding_inverts_encoding_of_events(step: u64, id: BodyId, body in info(0), is_delete: bool) {
-            let change = match is_delete {
-                true => Change::Delete { id },
-                false => Change::Spawn { id, spawn: body.spawn, color: body.color },
+            let change = if is_delete {
+                Change::Delete { id }
+            } else {
+                Change::Spawn { id, spawn: body.spawn, color: body.color }
             };
             let event = RecordedEvent { step, change };
             let mut bytes = Vec::new();

@@ -226,9 +226,10 @@ fn parse_state_bounds(map: &Map) -> Result<Option<StateBounds>, String> {
 
 fn parse_header_fields(map: &Map, format: u32) -> Result<Header, String> {
     let solver: String = parse_value(map, "solver")?;
-    let gravity = match map.contains_key("gravity_x") {
-        true => Some(Vector::new(parse_finite(map, "gravity_x")?, parse_finite(map, "gravity_y")?)),
-        false => None,
+    let gravity = if map.contains_key("gravity_x") {
+        Some(Vector::new(parse_finite(map, "gravity_x")?, parse_finite(map, "gravity_y")?))
+    } else {
+        None
     };
     let rate = parse_finite(map, "rate")?;
     let every = parse_step(map, "every")?;
@@ -295,10 +296,7 @@ fn parse_gaps(map: &Map) -> Result<Vec<Gap>, String> {
     let is_ordered =
         gaps.iter().all(|gap| gap.before <= limits::STEPS && gap.after.is_none_or(|after| after < gap.before))
             && gaps.windows(2).all(|pair| pair[0].before <= end(&pair[1]));
-    match is_ordered {
-        true => Ok(gaps),
-        false => Err("the gaps in the metadata are not in ascending order".into()),
-    }
+    if is_ordered { Ok(gaps) } else { Err("the gaps in the metadata are not in ascending order".into()) }
 }
 
 fn parse_restitution(map: &Map) -> Result<Restitution, String> {
@@ -318,9 +316,10 @@ fn parse_restitution(map: &Map) -> Result<Restitution, String> {
     }
     let default = parse_finite(map, "restitution")?;
     let all = pairs.iter().map(|pair| pair.restitution).chain([default]);
-    match all.into_iter().all(|e| (0.0..=1.0).contains(&e)) {
-        true => Ok(Restitution::new(default, &pairs)),
-        false => Err("a restitution coefficient is not between 0 and 1".into()),
+    if all.into_iter().all(|e| (0.0..=1.0).contains(&e)) {
+        Ok(Restitution::new(default, &pairs))
+    } else {
+        Err("a restitution coefficient is not between 0 and 1".into())
     }
 }
 
@@ -342,9 +341,10 @@ fn parse_value<T: FromStr>(map: &Map, key: &str) -> Result<T, String> {
 /// Parses a step or a number of steps.
 fn parse_step(map: &Map, key: &str) -> Result<u64, String> {
     let step = parse_value(map, key)?;
-    match step <= limits::STEPS {
-        true => Ok(step),
-        false => Err(format!("the metadata has {key:?} = {step}, but steps go up to {}", limits::STEPS)),
+    if step <= limits::STEPS {
+        Ok(step)
+    } else {
+        Err(format!("the metadata has {key:?} = {step}, but steps go up to {}", limits::STEPS))
     }
 }
 
@@ -407,9 +407,10 @@ fn with_checksum(mut map: Map) -> Map {
 }
 
 fn verify_checksum(map: &Map) -> Result<(), String> {
-    match map.get(CHECKSUM) == Some(&checksum(map)) {
-        true => Ok(()),
-        false => Err("the metadata does not match its checksum".into()),
+    if map.get(CHECKSUM) == Some(&checksum(map)) {
+        Ok(())
+    } else {
+        Err("the metadata does not match its checksum".into())
     }
 }
 

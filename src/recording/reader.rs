@@ -579,9 +579,10 @@ impl<R: Read + Seek> Recording<R> {
             }
             op::METADATA => {
                 self.tally.iter_mut().for_each(|tally| tally.add_indexed(opcode, offset, body));
-                match metadata::is_trailer(body) && self.trailers.len() < 2 {
-                    true => self.trailers.push((location, body.clone())),
-                    false => self.decoder.decode_metadata(location, body, self.settings_offset),
+                if metadata::is_trailer(body) && self.trailers.len() < 2 {
+                    self.trailers.push((location, body.clone()))
+                } else {
+                    self.decoder.decode_metadata(location, body, self.settings_offset)
                 }
             }
             op::ATTACHMENT => {

@@ -310,11 +310,12 @@ impl SequenceValidator {
                 });
             }
         }
-        match self.digest.value() == state.digest {
-            true => None,
-            false => first
+        if self.digest.value() == state.digest {
+            None
+        } else {
+            first
                 .filter(|_| self.is_full(step))
-                .or_else(|| Some(format!("the keyframe of step {step} does not match the digest of the state"))),
+                .or_else(|| Some(format!("the keyframe of step {step} does not match the digest of the state")))
         }
     }
 
@@ -404,9 +405,10 @@ impl SequenceValidator {
         }
         self.check_bounds(trailer)?;
         let is_identity_known = self.has_scene || trailer.recovered;
-        match !is_identity_known || self.identity.identity() == trailer.identity {
-            true => Ok(()),
-            false => Err(IDENTITY_MISMATCH.into()),
+        if !is_identity_known || self.identity.identity() == trailer.identity {
+            Ok(())
+        } else {
+            Err(IDENTITY_MISMATCH.into())
         }
     }
 
@@ -418,12 +420,13 @@ impl SequenceValidator {
         };
         match (&trailer.state_bounds, &found) {
             (Some(declared), Some(found)) if numbers(declared) != numbers(found) => {
-                match declared.top_speed.to_bits() == found.top_speed.to_bits() {
-                    true => Err("the end record declares other bounds (reach) than the states have".into()),
-                    false => Err(format!(
+                if declared.top_speed.to_bits() == found.top_speed.to_bits() {
+                    Err("the end record declares other bounds (reach) than the states have".into())
+                } else {
+                    Err(format!(
                         "the end record declares a top speed of {:?} m/s, but the states have {:?} m/s",
                         declared.top_speed, found.top_speed
-                    )),
+                    ))
                 }
             }
             (None, Some(_)) => Err("the end record has no top speed".into()),
@@ -511,14 +514,12 @@ impl SequenceValidator {
             listed += usize::from(recorded.is_some());
             recorded.is_none()
         });
-        let matches = match self.is_full(*step) {
-            true => omitted.all(|(info, _)| info.spawn.mass.is_infinite()) && listed == id.len(),
-            false => id.is_empty(),
+        let matches = if self.is_full(*step) {
+            omitted.all(|(info, _)| info.spawn.mass.is_infinite()) && listed == id.len()
+        } else {
+            id.is_empty()
         };
-        match matches {
-            true => Ok(()),
-            false => Err(format!("the ids in state {step} do not match the events")),
-        }
+        if matches { Ok(()) } else { Err(format!("the ids in state {step} do not match the events")) }
     }
 }
 

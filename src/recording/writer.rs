@@ -135,10 +135,7 @@ impl<W: Write + Send + 'static> Writer<W> {
         self.batch.push_state(engine);
         let ends_second = (step + 1).is_multiple_of(self.steps_per_second);
         let is_flush_due = std::mem::take(&mut self.unflushed_events) || ends_second;
-        match is_flush_due || self.batch.is_large() {
-            true => self.submit_batch(),
-            false => Ok(()),
-        }
+        if is_flush_due || self.batch.is_large() { self.submit_batch() } else { Ok(()) }
     }
 
     /// Writes the end record and the summary.
@@ -192,15 +189,9 @@ fn processors() -> NonZero<usize> {
 }
 
 fn check_step(quantity: &'static str, found: u64) -> Result<(), Error> {
-    match found <= limits::STEPS {
-        true => Ok(()),
-        false => Err(Error::TooLarge { quantity, found, limit: limits::STEPS }),
-    }
+    if found <= limits::STEPS { Ok(()) } else { Err(Error::TooLarge { quantity, found, limit: limits::STEPS }) }
 }
 
 fn check(quantity: &'static str, found: usize, limit: usize) -> Result<(), Error> {
-    match found <= limit {
-        true => Ok(()),
-        false => Err(Error::TooLarge { quantity, found: found as u64, limit: limit as u64 }),
-    }
+    if found <= limit { Ok(()) } else { Err(Error::TooLarge { quantity, found: found as u64, limit: limit as u64 }) }
 }

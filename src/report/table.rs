@@ -87,10 +87,7 @@ impl Row {
             return Ok(Row { remark: Some(remark), ..row });
         }
         let errors = Errors::measure(case, &scene, spec, expectation)?;
-        let growth = match case.estimates_accuracy && spec.factor == 1 {
-            true => Growth::estimate(&scene)?,
-            false => None,
-        };
+        let growth = if case.estimates_accuracy && spec.factor == 1 { Growth::estimate(&scene)? } else { None };
         Ok(Row {
             accuracy: growth.as_ref().map(|growth| growth.accuracy.to_string()),
             error_growth: growth.map_or(Vec::new(), |growth| growth.steps),
@@ -197,11 +194,10 @@ pub fn table(rows: &[Row]) -> String {
 /// Describes how rounding errors grow.
 fn growth_line(growth: &[(f64, u64)]) -> String {
     let steps: Vec<String> = growth.iter().map(|(level, step)| format!("{level:e} from step {step}")).collect();
-    match steps.is_empty() {
-        true => "    rounding moves no position by more than 1e-28 of the largest box\n".into(),
-        false => {
-            format!("    rounding moves a position by more than this part of the largest box: {}\n", steps.join(", "))
-        }
+    if steps.is_empty() {
+        "    rounding moves no position by more than 1e-28 of the largest box\n".into()
+    } else {
+        format!("    rounding moves a position by more than this part of the largest box: {}\n", steps.join(", "))
     }
 }
 

@@ -293,9 +293,10 @@ fn read_blueprint(table: &Table) -> (Result<Blueprint, ErrorReported>, NameField
 fn read_mass(table: &Table) -> Result<f64, ErrorReported> {
     let field = table.require(MASS)?;
     let is_too_small = |mass: f64| mass > 0.0 && !(1.0 / mass).is_finite();
-    match field.node.number().is_ok_and(is_too_small) {
-        true => Err(field.accepting(DIVIDING).refuse(field.node)),
-        false => field.read(Node::mass),
+    if field.node.number().is_ok_and(is_too_small) {
+        Err(field.accepting(DIVIDING).refuse(field.node))
+    } else {
+        field.read(Node::mass)
     }
 }
 

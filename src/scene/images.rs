@@ -57,9 +57,10 @@ impl Scene {
             let read = read_image(&folder.join(&name)).and_then(|(png, [width, height])| {
                 bytes += png.len();
                 pixels += width * height;
-                match bytes > limits::IMAGES_BYTES || pixels > limits::IMAGES_PIXELS {
-                    true => Err(TOO_MANY.to_owned()),
-                    false => Ok(SceneImage::new(&name, png)),
+                if bytes > limits::IMAGES_BYTES || pixels > limits::IMAGES_PIXELS {
+                    Err(TOO_MANY.to_owned())
+                } else {
+                    Ok(SceneImage::new(&name, png))
                 }
             });
             match read {

@@ -159,12 +159,11 @@ fn name(path: &Path) -> Cow<'_, str> {
 }
 
 fn read_text(path: &Path) -> Result<String, SceneError> {
-    match path == Path::new(STANDARD_INPUT) {
-        true => read_text_of(path, io::stdin()),
-        false => {
-            let file = File::open(path).map_err(|error| SceneError::Unreadable { path: path.into(), error })?;
-            read_text_of(path, file)
-        }
+    if path == Path::new(STANDARD_INPUT) {
+        read_text_of(path, io::stdin())
+    } else {
+        let file = File::open(path).map_err(|error| SceneError::Unreadable { path: path.into(), error })?;
+        read_text_of(path, file)
     }
 }
 

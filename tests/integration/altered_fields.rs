@@ -106,9 +106,10 @@ impl Field {
 
     /// Changes the lowest bit of a number, or the last letter of a text.
     fn alter(&self, body: &mut [u8]) {
-        match self.is_text {
-            true => body[self.range.end - 1] = if body[self.range.end - 1] == b'1' { b'2' } else { b'1' },
-            false => body[self.range.start] ^= 1,
+        if self.is_text {
+            body[self.range.end - 1] = if body[self.range.end - 1] == b'1' { b'2' } else { b'1' }
+        } else {
+            body[self.range.start] ^= 1
         }
     }
 }
@@ -249,9 +250,12 @@ impl Table {
         let words: Vec<&str> = verdict.split(' ').collect();
         let is_offset = |index: usize| index > 1 && words[index - 2..index] == ["at", "byte"];
         // The offset depends on the length of everything before it.
-        let shown = (0..words.len()).map(|index| match is_offset(index) {
-            true => words[index].replace(|letter: char| letter.is_ascii_digit(), ""),
-            false => words[index].to_owned(),
+        let shown = (0..words.len()).map(|index| {
+            if is_offset(index) {
+                words[index].replace(|letter: char| letter.is_ascii_digit(), "")
+            } else {
+                words[index].to_owned()
+            }
         });
         let verdict = shown.collect::<Vec<String>>().join(" ").replace("at byte ", "at byte …");
         let row = format!("{record} {field}: {verdict}\n");

@@ -139,9 +139,10 @@ fn no_source_contains_a_forbidden_word() {
     for Rule { word, allowed, reason } in RULES {
         for (name, text) in &sources {
             let found: Vec<_> = lines_with(text, word).collect();
-            match allowed.contains(&name.as_str()) {
-                true => assert!(!found.is_empty(), "{name} does not contain {word} any more; remove it from the rule"),
-                false => assert!(found.is_empty(), "{name}: {found:?}: {reason}"),
+            if allowed.contains(&name.as_str()) {
+                assert!(!found.is_empty(), "{name} does not contain {word} any more; remove it from the rule")
+            } else {
+                assert!(found.is_empty(), "{name}: {found:?}: {reason}")
             }
         }
     }

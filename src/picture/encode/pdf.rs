@@ -331,14 +331,13 @@ fn draw_shape(
         Shape::Clip { window, shapes } => draw_clip(content, window, shapes, font, images, last),
         Shape::Text { line, at, ink } => {
             set_ink(content, *ink, last);
-            match line.text.is_empty() {
-                true => {
-                    // Decoration: readers and searches find no text here.
-                    content.begin_marked_content_with_properties(Name(b"Span")).properties().actual_text(TextStr(""));
-                    show_line(content, line, *at, font);
-                    content.end_marked_content();
-                }
-                false => show_line(content, line, *at, font),
+            if line.text.is_empty() {
+                // Decoration: readers and searches find no text here.
+                content.begin_marked_content_with_properties(Name(b"Span")).properties().actual_text(TextStr(""));
+                show_line(content, line, *at, font);
+                content.end_marked_content();
+            } else {
+                show_line(content, line, *at, font)
             }
         }
         Shape::Image { bitmap, rect, opacity } => {

@@ -123,9 +123,10 @@ impl Row {
     /// The key of the arrows.
     fn key(&self, top: f64, metrics: &DrawingMetrics) -> Legend {
         let (scale, width) = (self.arrow_scale(top), ARROW_WIDTH * metrics.line_width);
-        let entries = match scale > 0.0 {
-            true => key_entries(scale, top, Unit::METRE_PER_SECOND, width, metrics.palette.ink).into(),
-            false => Vec::new(),
+        let entries = if scale > 0.0 {
+            key_entries(scale, top, Unit::METRE_PER_SECOND, width, metrics.palette.ink).into()
+        } else {
+            Vec::new()
         };
         Legend { entries }
     }
@@ -322,10 +323,8 @@ fn impulse_formula(pair: &Pair, symbol: &str, language: Language) -> Formula {
         let together = language.of("with the bodies that they push", "avec les corps qu’elles poussent");
         return Formula { terms: vec![term(format!("j = {impulse} \"({together})\""), None)] };
     }
-    let inverse_mass = |mass: f64| match mass.is_finite() {
-        true => format!("1/({})", Unit::KILOGRAM.format(mass, 4)),
-        false => "0".to_owned(),
-    };
+    let inverse_mass =
+        |mass: f64| if mass.is_finite() { format!("1/({})", Unit::KILOGRAM.format(mass, 4)) } else { "0".to_owned() };
     let symbols = [format!("-(1 + e) {symbol} · n̂"), "1/M_c + 1/M_b".to_owned()];
     let numerator = format!("-(1 + {}) · ({})", format_significant(e, 4), Unit::METRE_PER_SECOND.format(approach, 4));
     let denominator = pair.masses.map(inverse_mass).join(" + ");

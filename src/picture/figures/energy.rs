@@ -150,11 +150,10 @@ impl EnergyRun {
             0.0 => format!("ΔE = {}", Unit::JOULE.format(change, 3)),
             size => format!("ΔE/E = {}", format_significant(change / size, 3)),
         };
-        match self.start == Some(first.time) {
-            true => drift,
-            false => {
-                format!("{drift} \" {} \" t = {}", language.of("since", "depuis"), Unit::SECOND.format(first.time, 4))
-            }
+        if self.start == Some(first.time) {
+            drift
+        } else {
+            format!("{drift} \" {} \" t = {}", language.of("since", "depuis"), Unit::SECOND.format(first.time, 4))
         }
     }
 }

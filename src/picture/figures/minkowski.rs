@@ -255,9 +255,10 @@ impl MinkowskiDifference {
         shapes: &mut Vec<Shape>,
     ) {
         let length = Unit::METRE.format(self.vectors[index].norm(), 3);
-        let (text, color, size) = match index == self.shortest {
-            true => (format!("|n⃗| = {length}"), metrics.palette.penetration, 1.0),
-            false => (length, blue(metrics), 0.9),
+        let (text, color, size) = if index == self.shortest {
+            (format!("|n⃗| = {length}"), metrics.palette.penetration, 1.0)
+        } else {
+            (length, blue(metrics), 0.9)
         };
         let [from, to] = visible[index];
         let along = to.sub(from);

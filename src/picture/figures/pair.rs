@@ -295,9 +295,10 @@ fn crop(rect: &Rect, other: &Rect) -> Rect {
     let size = larger(other.width(), other.height());
     let [[left, right], [top, bottom]] = Axis::BOTH.map(|axis| {
         let ([from, to], [low, high]) = (rect.along(axis), other.along(axis));
-        match to - from <= 4.0 * size {
-            true => [from, to],
-            false => [larger(from, low - 0.6 * size), smaller(to, high + 0.6 * size)],
+        if to - from <= 4.0 * size {
+            [from, to]
+        } else {
+            [larger(from, low - 0.6 * size), smaller(to, high + 0.6 * size)]
         }
     });
     Rect::new(Vector::new(left, top), right - left, bottom - top)

@@ -83,9 +83,10 @@ pub fn pressure(runs: &[PressureRun], time: Range, style: &Style) -> Result<Disp
 
 /// The areas of the diagrams of a cell: side by side in a wide cell, else one above the other.
 fn split(cell: &Rect, has_volume: bool, metrics: &DrawingMetrics) -> Vec<Rect> {
-    match has_volume {
-        true => Panels::of_cell(cell, metrics).grid(2, if cell.width() > 1.4 * cell.height() { 2 } else { 1 }),
-        false => vec![*cell],
+    if has_volume {
+        Panels::of_cell(cell, metrics).grid(2, if cell.width() > 1.4 * cell.height() { 2 } else { 1 })
+    } else {
+        vec![*cell]
     }
 }
 

@@ -38,9 +38,10 @@ impl SpeedRun {
     /// Adds the speed, m/s, of a body of a finite mass, kg.
     pub fn push(&mut self, speed: f64, mass: f64) {
         let place = (speed / self.top * FINE_BINS as f64) as usize;
-        match speed > self.top {
-            true => self.beyond += 1,
-            false => self.fine[place.min(FINE_BINS - 1)] += 1,
+        if speed > self.top {
+            self.beyond += 1
+        } else {
+            self.fine[place.min(FINE_BINS - 1)] += 1
         }
         self.masses.entry(mass.to_bits()).or_insert((mass, 0)).1 += 1;
         self.kinetic += 0.5 * mass * speed * speed;

@@ -278,10 +278,7 @@ fn longest(style: &Style, metrics: &DrawingMetrics) -> f64 {
 
 /// The width of the shafts, px.
 fn width(style: &Style, metrics: &DrawingMetrics) -> f64 {
-    match f64::from(style.body_count) > MANY_BODIES {
-        true => (metrics.line_width / 2.0).ceil(),
-        false => metrics.line_width,
-    }
+    if f64::from(style.body_count) > MANY_BODIES { (metrics.line_width / 2.0).ceil() } else { metrics.line_width }
 }
 
 #[cfg(test)]

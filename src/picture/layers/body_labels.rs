@@ -180,9 +180,10 @@ fn candidates_inside(line: &Line, rect: &Rect, context: &LayoutContext) -> Vec<R
         at(right, free_height / 2.0),
     ];
     let middle = at(free_width / 2.0, free_height / 2.0);
-    match has_centered_arrows(context) {
-        true => [corners, sides].concat(),
-        false => [&[middle], &corners[..], &sides[..]].concat(),
+    if has_centered_arrows(context) {
+        [corners, sides].concat()
+    } else {
+        [&[middle], &corners[..], &sides[..]].concat()
     }
 }
 

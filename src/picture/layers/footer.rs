@@ -41,9 +41,10 @@ impl Footer {
         let widths = [(Overlay::Clock, clock_width(style, metrics)), (Overlay::Scale, SCALE_SPACE * metrics.font_size)];
         let shown: Vec<(Overlay, f64)> = widths.into_iter().filter(|(overlay, _)| style.shows(*overlay)).collect();
         let info_width: f64 = shown.iter().map(|(_, width)| width + metrics.font_size).sum();
-        let info: Vec<Vec<Overlay>> = match info_width - metrics.font_size <= free_width {
-            true => vec![shown.iter().map(|(overlay, _)| *overlay).collect()],
-            false => shown.iter().map(|(overlay, _)| vec![*overlay]).collect(),
+        let info: Vec<Vec<Overlay>> = if info_width - metrics.font_size <= free_width {
+            vec![shown.iter().map(|(overlay, _)| *overlay).collect()]
+        } else {
+            shown.iter().map(|(overlay, _)| vec![*overlay]).collect()
         };
         let is_below = info.len() > 1 || !legend.fits(free_width - info_width, metrics);
         let legend_height = if is_below { legend.height(free_width, metrics) } else { 0.0 };

@@ -30,23 +30,21 @@ pub fn separate(arrows: &mut [LabeledArrow], lanes: &Lanes) {
         return;
     }
     let own_lanes;
-    let lanes = match lanes.0.is_empty() {
-        true => {
-            let mut conflicts = LaneConflicts::default();
-            conflicts.add(arrows);
-            own_lanes = conflicts.lanes();
-            &own_lanes
-        }
-        false => lanes,
+    let lanes = if lanes.0.is_empty() {
+        let mut conflicts = LaneConflicts::default();
+        conflicts.add(arrows);
+        own_lanes = conflicts.lanes();
+        &own_lanes
+    } else {
+        lanes
     };
     // Of a pair, both arrows come the same part of the way to their lanes.
     let unmoved: Vec<(Option<ArrowKey>, Arrow)> = arrows.iter().map(|arrow| (arrow.key, arrow.arrow)).collect();
     let nearness = |at: usize| {
         let others = unmoved.iter().enumerate().filter(|(other, (key, _))| *other != at && key.is_some());
-        let nearness = others.map(|(other, (_, arrow))| match other < at {
-            true => arrow.nearness(&unmoved[at].1),
-            false => unmoved[at].1.nearness(arrow),
-        });
+        let own = &unmoved[at].1;
+        let nearness =
+            others.map(|(other, (_, arrow))| if other < at { arrow.nearness(own) } else { own.nearness(arrow) });
         nearness.fold(0.0, larger)
     };
     for at in 0..arrows.len() {

@@ -82,9 +82,12 @@ fn accelerations(scene: &Scene) -> Option<Vec<[f64; 2]>> {
             continue;
         }
         for corner in 0..corners.len() {
-            let is_left = (0..2).any(|k| match blocks[corner][k] {
-                true => approaches(corner)[k].abs() > rounding,
-                false => approaches(corner)[k] <= rounding,
+            let is_left = (0..2).any(|k| {
+                if blocks[corner][k] {
+                    approaches(corner)[k].abs() > rounding
+                } else {
+                    approaches(corner)[k] <= rounding
+                }
             });
             if blocks[corner] != [false; 2] && !was_released[corner] && is_left {
                 (blocks[corner], was_released[corner], has_changed) = ([false; 2], true, true);

@@ -151,10 +151,7 @@ fn burst(boxes: usize, restitution: f64) -> (Vec<f64>, u64) {
 fn row(time: f64, start: &[State], restitution: f64) -> Vec<State> {
     let since = time - 1.0;
     let after = burst(start.len(), restitution).0;
-    let state = |(&[x, y, vx, _], velocity): (&State, f64)| match since > 0.0 {
-        true => [x - 1.0 + velocity * since, y, velocity, 0.0],
-        false => [x - time, y, vx, 0.0],
-    };
+    let state = |(&[x, y, vx, _], velocity): (&State, f64)| if since > 0.0 { [x - 1.0 + velocity * since, y, velocity, 0.0] } else { [x - time, y, vx, 0.0] };
     start.iter().zip(after).map(state).collect()
 }
 
