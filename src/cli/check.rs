@@ -55,26 +55,17 @@ fn check(options: &CheckOptions, journal: &Journal) -> Result<Exit, CommandError
     }
     let all: Vec<Case> = found.iter().collect();
     let cases = &all[options.shard.range(all.len())];
-    let mut index = RecordingIndex::default();
-    let names_recordings =
-        |case: &Case| matches!(case, Case::Picture(picture) if matches!(picture.recipe, Recipe::Embedded(_)));
-    if options.update || options.review || cases.iter().any(names_recordings) {
-        for recording in files.recordings() {
-            // A recording that ends the process is one line of the result below.
-            let _ = journal.watch(&supervisor::key(recording, None), || index.add([recording.as_path()]));
-        }
-    }
+    let mut index = index_of(&files, cases, options, journal);
     let junit = options.junit.as_deref().map(|path| open_junit(path, &files, &all, options)).transpose()?;
     let mut review = options.review.then(|| Review::new(journal));
     if let Some(review) = &mut review {
         review.ask_about_pending(&files)?;
     }
     let folder = report_folder(options);
-    let unwritable = unwritable_page(&folder);
     let mut session = Session {
         options,
         journal,
-        page: Page::new(&folder).map_err(&unwritable)?,
+        page: Page::new(&folder).map_err(unwritable_page(&folder))?,
         acceptance: Acceptance::new(&files, &found),
         commands: Commands { paths: &options.paths },
         summary: CheckSummary { skipped: found.skipped as u64, ..CheckSummary::default() },
@@ -96,34 +87,21 @@ fn check(options: &CheckOptions, journal: &Journal) -> Result<Exit, CommandError
     session.check(pictures, &index)?;
     session.check(&followers, &index)?;
     session.print_foreign()?;
-    let Session { page, mut summary, step_summary, suite, worst, .. } = session;
-    summary.pending = files.pending().count() as u64;
-    if options.github {
-        step_summary
-            .write(&summary.to_string())
-            .map_err(|error| CommandError::unwritable(Path::new("the file that GITHUB_STEP_SUMMARY names"))(error))?;
+    session.finish(&files, junit)
+}
+
+/// The index of the recordings, if a case may need it: one of a picture that names no files, or one that may be replaced.
+fn index_of(files: &Files, cases: &[Case], options: &CheckOptions, journal: &Journal) -> RecordingIndex {
+    let mut index = RecordingIndex::default();
+    let names_recordings =
+        |case: &Case| matches!(case, Case::Picture(picture) if matches!(picture.recipe, Recipe::Embedded(_)));
+    if options.update || options.review || cases.iter().any(names_recordings) {
+        for recording in files.recordings() {
+            // A recording that ends the process is one line of the result below.
+            let _ = journal.watch(&supervisor::key(recording, None), || index.add([recording.as_path()]));
+        }
     }
-    if let Some(file) = junit {
-        file.write(|file| {
-            write!(file, "{suite}").map_err(CommandError::unwritable(options.junit.as_deref().unwrap_or(Path::new(""))))
-        })?;
-    }
-    let index = page.finish(&summary.to_string()).map_err(&unwritable)?;
-    let summary = match index {
-        Some(index) => format!("{summary}; see {}{}\n", index.display(), summary.advice()),
-        None => format!("{summary}\n"),
-    };
-    if options.json {
-        output::info(format_args!("{}", summary.trim_end()));
-    } else {
-        output::print(&summary)?;
-    }
-    Ok(match worst {
-        Severity::Same => Exit::Done,
-        Severity::Different => Exit::Diverged,
-        Severity::Damaged => Exit::Damaged,
-        Severity::Failed => Exit::Error,
-    })
+    index
 }
 
 /// Opens the JUnit report, or returns an error before any work is done if it cannot be written or is a file that is
@@ -274,6 +252,39 @@ impl Session<'_> {
                 let count = counted(pictures.len() as u64, "picture");
                 output::print(&format!("{}: unchecked: {count} without rebond provenance\n", folder.display()))
             }
+        })
+    }
+
+    /// Writes the reports and the summary, and returns the exit code of the worst result.
+    fn finish(self, files: &Files, junit: Option<OutputFile>) -> Result<Exit, CommandError> {
+        let Session { options, page, mut summary, step_summary, suite, worst, .. } = self;
+        summary.pending = files.pending().count() as u64;
+        if options.github {
+            step_summary.write(&summary.to_string()).map_err(|error| {
+                CommandError::unwritable(Path::new("the file that GITHUB_STEP_SUMMARY names"))(error)
+            })?;
+        }
+        if let Some(file) = junit {
+            file.write(|file| {
+                write!(file, "{suite}")
+                    .map_err(CommandError::unwritable(options.junit.as_deref().unwrap_or(Path::new(""))))
+            })?;
+        }
+        let index = page.finish(&summary.to_string()).map_err(unwritable_page(&report_folder(options)))?;
+        let summary = match index {
+            Some(index) => format!("{summary}; see {}{}\n", index.display(), summary.advice()),
+            None => format!("{summary}\n"),
+        };
+        if options.json {
+            output::info(format_args!("{}", summary.trim_end()));
+        } else {
+            output::print(&summary)?;
+        }
+        Ok(match worst {
+            Severity::Same => Exit::Done,
+            Severity::Different => Exit::Diverged,
+            Severity::Damaged => Exit::Damaged,
+            Severity::Failed => Exit::Error,
         })
     }
 

@@ -260,6 +260,55 @@ fn collisions(
     }
 }
 
+/// The bodies of a recording, and when they were spawned and deleted.
+#[derive(Default)]
+struct Lifetimes {
+    bodies: BTreeMap<BodyId, Lifetime>,
+    /// The step after the last state.
+    next_step: u64,
+    /// The first step after the last state before a gap, until a keyframe names the bodies alive after it.
+    lost_since: Option<u64>,
+}
+
+impl Lifetimes {
+    /// Follows the next item of the recording.
+    fn add(&mut self, item: Item) {
+        match item {
+            Item::Event(event) => match event.change {
+                Change::Spawn { id, spawn, color } => {
+                    let info = Arc::new(BodyInfo { id, spawn, color });
+                    self.bodies.insert(id, Lifetime { info, spawned: EventStep::At(event.step), deleted: None });
+                }
+                Change::Delete { id } => {
+                    if let Some(lifetime) = self.bodies.get_mut(&id) {
+                        lifetime.deleted = Some(EventStep::At(event.step));
+                    }
+                }
+            },
+            Item::Keyframe(keyframe) => {
+                let Some(from) = self.lost_since.take() else { return };
+                let within = EventStep::Within { from, to: keyframe.step };
+                let alive: BTreeSet<BodyId> = keyframe.bodies.iter().map(|body| body.info.id).collect();
+                let lost = self.bodies.iter_mut().filter(|(id, body)| body.deleted.is_none() && !alive.contains(id));
+                lost.for_each(|(_, body)| body.deleted = Some(within));
+                for body in keyframe.bodies {
+                    let unknown = Lifetime { info: body.info.clone(), spawned: within, deleted: None };
+                    self.bodies.entry(body.info.id).or_insert(unknown);
+                }
+            }
+            Item::State(state) | Item::SuspectState(state) => self.next_step = state.step + 1,
+            Item::Damaged(_) | Item::Gap(_) => self.lost_since = self.lost_since.or(Some(self.next_step)),
+            Item::SceneUpdate { .. } | Item::Trailer(_) => {}
+        }
+    }
+
+    /// Leaves open if bodies were deleted in the states that are missing at the end, up to the step `last`.
+    fn end_unknown(&mut self, last: u64) {
+        let unknown = EventStep::Within { from: self.lost_since.unwrap_or(self.next_step), to: last };
+        self.bodies.values_mut().for_each(|body| body.deleted = body.deleted.or(Some(unknown)));
+    }
+}
+
 /// Writes every body that lives or is spawned in `steps`.
 fn bodies(
     path: &Path,
@@ -268,43 +317,14 @@ fn bodies(
     options: &ExportOptions,
     rows: &mut Rows,
 ) -> Result<(Health, ReadExtent), CommandError> {
-    let mut bodies: BTreeMap<BodyId, Lifetime> = BTreeMap::new();
-    // The first step after the last state before a gap, until a keyframe names the bodies alive after it.
-    let (mut next_step, mut lost_since) = (0, None);
+    let mut lifetimes = Lifetimes::default();
     while let Some(item) = recording.next().transpose().map_err(CommandError::in_recording(path))? {
-        match item {
-            Item::Event(event) => match event.change {
-                Change::Spawn { id, spawn, color } => {
-                    let info = Arc::new(BodyInfo { id, spawn, color });
-                    bodies.insert(id, Lifetime { info, spawned: EventStep::At(event.step), deleted: None });
-                }
-                Change::Delete { id } => {
-                    if let Some(lifetime) = bodies.get_mut(&id) {
-                        lifetime.deleted = Some(EventStep::At(event.step));
-                    }
-                }
-            },
-            Item::Keyframe(keyframe) => {
-                let Some(from) = lost_since.take() else { continue };
-                let within = EventStep::Within { from, to: keyframe.step };
-                let alive: BTreeSet<BodyId> = keyframe.bodies.iter().map(|body| body.info.id).collect();
-                let lost = bodies.iter_mut().filter(|(id, body)| body.deleted.is_none() && !alive.contains(id));
-                lost.for_each(|(_, body)| body.deleted = Some(within));
-                for body in keyframe.bodies {
-                    let unknown = Lifetime { info: body.info.clone(), spawned: within, deleted: None };
-                    bodies.entry(body.info.id).or_insert(unknown);
-                }
-            }
-            Item::State(state) | Item::SuspectState(state) => next_step = state.step + 1,
-            Item::Damaged(_) | Item::Gap(_) => lost_since = lost_since.or(Some(next_step)),
-            Item::SceneUpdate { .. } | Item::Trailer(_) => {}
-        }
+        lifetimes.add(item);
     }
     let health = recording.health();
     // A body may have been deleted in the states that are missing at the end.
     if let Some(end) = health.missing().and_then(|missing| missing.end).filter(|end| end.has_states()) {
-        let unknown = EventStep::Within { from: lost_since.unwrap_or(next_step), to: end.last };
-        bodies.values_mut().for_each(|body| body.deleted = body.deleted.or(Some(unknown)));
+        lifetimes.end_unknown(end.last);
     }
     let is_alive = |body: &&Lifetime| {
         let ([first, _], last) = (body.spawned.range(), body.deleted.map(EventStep::range));
@@ -312,7 +332,7 @@ fn bodies(
         // A body that is spawned and deleted at the same step is in no state.
         first <= *steps.end() && (is_alive_later || first >= *steps.start())
     };
-    let alive: Vec<&Lifetime> = bodies.values().filter(is_alive).collect();
+    let alive: Vec<&Lifetime> = lifetimes.bodies.values().filter(is_alive).collect();
     let default_restitution = recording.header.config.restitution.default_restitution();
     for body in &alive[options.shard.range(alive.len())] {
         rows.body(body, default_restitution).map_err(CommandError::unwritable(&options.output))?;

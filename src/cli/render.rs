@@ -8,8 +8,8 @@ use super::source::{OpenedSource, SourceArgument, Verification};
 use super::video::{self, VideoContainer};
 use crate::physics::larger;
 use crate::picture::{
-    self, Animation, AnimationFormat, Format, MAX_FRAMES, Page, Progress, SOFTWARE, SPEEDS, StillFormat, Subject,
-    SubjectOptions,
+    self, Animation, AnimationFormat, Drawn, Format, MAX_FRAMES, Page, Progress, SOFTWARE, SPEEDS, Sequence,
+    StillFormat, Subject, SubjectOptions,
 };
 use crate::text::counted;
 use std::path::{Path, PathBuf};
@@ -55,23 +55,12 @@ pub fn run(options: &RenderOptions) -> Result<Exit, CommandError> {
             let (clip, provenance) = picture::Clip::video(&picture_options, &sources, &mut on_progress)?;
             video::write(clip, &provenance, container, threads, &mut on_progress, file)?
         }
-        Output::Sequence(mut folder) => {
-            let mut sequence = picture_options.resolve_sequence(&sources)?;
-            let Some(steps) = options.shard.steps(*sequence.steps.start(), *sequence.steps.end()) else {
-                folder.finish()?;
-                return Ok(Exit::Done);
-            };
-            sequence.steps = steps;
-            let frames = (sequence.steps.end() - sequence.steps.start()) / sequence.every;
-            ClipLength { frames, simulated: 0.0, slow: 1.0, frozen: 0.0 }.refuse_long(options)?;
-            let write = |step, file: Vec<u8>| folder.write(format!("{step:06}.png"), &file);
-            let drawn = picture::draw_sequence(&sequence, &sources, threads, &mut on_progress, write)?;
-            let others = folder.other_frames("png");
-            folder.finish()?;
-            if overwrite == Overwrite::Allowed && options.shard == Shard::WHOLE {
-                warn_of_other_frames(path, &others);
+        Output::Sequence(folder) => {
+            let sequence = picture_options.resolve_sequence(&sources)?;
+            match draw_shard(sequence, folder, &sources, options, &mut on_progress)? {
+                Some(drawn) => drawn,
+                None => return Ok(Exit::Done),
             }
-            drawn
         }
     };
     let exit = opened.iter().fold(output::warn_of_damage(&drawn.statuses), |exit, source| source.file.exit(exit));
@@ -84,6 +73,31 @@ pub fn run(options: &RenderOptions) -> Result<Exit, CommandError> {
     };
     output::print_result(path, &format!("{}: {shown}", path.display()))?;
     Ok(exit)
+}
+
+/// Draws the pictures of a sequence that belong to the shard; returns `None` if there are none.
+fn draw_shard(
+    mut sequence: Sequence,
+    mut folder: OutputFolder,
+    sources: &[picture::Source],
+    options: &RenderOptions,
+    progress: Progress,
+) -> Result<Option<Drawn>, CommandError> {
+    let Some(steps) = options.shard.steps(*sequence.steps.start(), *sequence.steps.end()) else {
+        folder.finish()?;
+        return Ok(None);
+    };
+    sequence.steps = steps;
+    let frames = (sequence.steps.end() - sequence.steps.start()) / sequence.every;
+    ClipLength { frames, simulated: 0.0, slow: 1.0, frozen: 0.0 }.refuse_long(options)?;
+    let write = |step, file: Vec<u8>| folder.write(format!("{step:06}.png"), &file);
+    let drawn = picture::draw_sequence(&sequence, sources, options.jobs.threads(), progress, write)?;
+    let others = folder.other_frames("png");
+    folder.finish()?;
+    if options.output.force && options.shard == Shard::WHOLE {
+        warn_of_other_frames(&options.output.output, &others);
+    }
+    Ok(Some(drawn))
 }
 
 /// Names the frames in a folder that were there before and are not replaced, because they may be of another run. They

@@ -587,19 +587,8 @@ impl<R: Read + Seek> Recording<R> {
             }
             op::ATTACHMENT => {
                 self.tally.iter_mut().for_each(|tally| tally.add_indexed(opcode, offset, body));
-                match parse_attachment(body) {
-                    Ok(Attached::Scene(_)) if self.scene_offset != Some(offset) => {
-                        self.decoder.report_damage(location, "a second attachment with a scene".into());
-                    }
-                    Ok(Attached::Image(name, _))
-                        if !self.image_offsets.contains(&offset)
-                            && self.header.images.iter().any(|image| image.name == name) =>
-                    {
-                        let reason = format!("another attachment with the image {name:?}");
-                        self.decoder.report_damage(location, reason);
-                    }
-                    Ok(_) => {}
-                    Err(reason) => self.decoder.report_damage(location, reason),
+                if let Err(reason) = self.check_attachment(offset) {
+                    self.decoder.report_damage(location, reason);
                 }
             }
             op::DATA_END => {
@@ -616,6 +605,20 @@ impl<R: Read + Seek> Recording<R> {
             }
         }
         Ok(())
+    }
+
+    /// Returns an error for a damaged attachment, and for a second one with the scene or with the same image.
+    fn check_attachment(&self, offset: u64) -> Result<(), String> {
+        match parse_attachment(&self.records.body)? {
+            Attached::Scene(_) if self.scene_offset != Some(offset) => Err("a second attachment with a scene".into()),
+            Attached::Image(name, _)
+                if !self.image_offsets.contains(&offset)
+                    && self.header.images.iter().any(|image| image.name == name) =>
+            {
+                Err(format!("another attachment with the image {name:?}"))
+            }
+            Attached::Scene(_) | Attached::Image(..) | Attached::Other => Ok(()),
+        }
     }
 
     fn open_chunk(&mut self, offset: u64) -> Result<(), Error> {

@@ -4,7 +4,7 @@ use crate::physics::{Rect, Vector, larger};
 use crate::picture::layers::footer::{Entry, Legend, gap_entries, quoted};
 use crate::picture::number::{Unit, exp, format_significant};
 use crate::picture::text::Line;
-use crate::picture::{DisplayList, DrawingMetrics, Ink, RenderError, Shape, Style, color};
+use crate::picture::{Color, DisplayList, DrawingMetrics, Ink, RenderError, Shape, Style, color};
 use std::collections::BTreeMap;
 
 /// The number of fine bins in which speeds are counted, and which are joined to those of the diagram.
@@ -157,22 +157,25 @@ pub fn speeds(runs: &[SpeedRun], style: &Style) -> Result<DisplayList, RenderErr
             let metrics = panels.metrics;
             let axes = Axes::within(cell, x, y, 0.0, &metrics);
             axes.draw(&AxisTitles { x: &x_title, y: &y_title }, &metrics, &mut panels.shapes);
-            let bins = histograms[at].len() as f64;
-            for (number, density) in histograms[at].iter().enumerate() {
-                let [from, to] = [number, number + 1].map(|edge| axes.point(end * edge as f64 / bins, *density));
-                let bottom = axes.plot_area.far_corner().y;
-                // Bars are separated by a thin gap.
-                let near = Vector::new(from.x.round(), from.y.round());
-                let (wide, high) = (larger(to.x.round() - near.x - 1.0, 1.0), bottom - near.y);
-                if high >= 0.5 {
-                    panels.shapes.push(Shape::Rect { rect: Rect::new(near, wide, high), ink: bar.into() });
-                }
-            }
+            panels.shapes.extend(bars(&histograms[at], end, bar, &axes));
             panels.shapes.push(axes.curve(curves[at].iter().copied(), 1.5 * metrics.line_width, Ink::from(line)));
             axes.draw_note(Line::math(&notes[at], metrics.text(0.8)), &metrics, &mut panels.shapes);
         });
     }
     Ok(panels.finish())
+}
+
+/// The bars of a histogram whose last bin ends at `end` m/s.
+fn bars(histogram: &[f64], end: f64, color: Color, axes: &Axes) -> impl Iterator<Item = Shape> {
+    let bottom = axes.plot_area.far_corner().y;
+    histogram.iter().enumerate().filter_map(move |(number, density)| {
+        let edge = |number: usize| axes.point(end * number as f64 / histogram.len() as f64, *density);
+        let [from, to] = [edge(number), edge(number + 1)];
+        // Bars are separated by a thin gap.
+        let near = Vector::new(from.x.round(), from.y.round());
+        let (wide, high) = (larger(to.x.round() - near.x - 1.0, 1.0), bottom - near.y);
+        (high >= 0.5).then(|| Shape::Rect { rect: Rect::new(near, wide, high), ink: color.into() })
+    })
 }
 
 /// The mean energy of a run, the number of its samples, and the part of them that is beyond the end of the axis, `end` m/s.

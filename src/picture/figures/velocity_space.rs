@@ -149,7 +149,7 @@ pub fn velocity_space(runs: &[VelocityRun], style: &Style) -> Result<DisplayList
     };
     let metrics = DrawingMetrics::new(style.look.theme, style.look.size);
     let has_pair = runs.iter().any(|run| matches!(run.velocities, Velocities::Pair(_)));
-    let [chord, circle] = [color::BODY_COLORS[4], metrics.palette.muted].map(|color| metrics.palette.line(color));
+    let [chord, circle] = chord_and_circle(&metrics);
     let run_titles: Vec<&str> = runs.iter().map(|run| run.title.as_str()).collect();
     let layout = Layout {
         legend: &|_| {
@@ -171,47 +171,52 @@ pub fn velocity_space(runs: &[VelocityRun], style: &Style) -> Result<DisplayList
     for (((run, note), titles), cell) in runs.iter().zip(&notes).zip(&titles).zip(&cells) {
         panels.clip(cell, |panels| {
             let metrics = panels.metrics;
-            let (reach, scale) = (reach(run), scale(run, reach(run)));
-            let area = square(cell, &metrics);
-            let axes = isometric(&area, scale, &metrics);
+            let axes = isometric(&square(cell, &metrics), scale(run, reach(run)), &metrics);
             axes.draw(&AxisTitles { x: &titles[0], y: &titles[1] }, &metrics, &mut panels.shapes);
-            let at = |velocity: Vector| axes.point(velocity.x, velocity.y);
-            let window = axes.plot_area;
-            let mut shapes = Vec::new();
-            let line = |from: Vector, to: Vector, width: f64, color: Color| Shape::Polyline {
-                points: vec![at(from), at(to)],
-                width: width * metrics.line_width,
-                ink: Ink::from(color),
-            };
-            let muted = metrics.palette.muted;
-            for [from, to] in [
-                [Vector::new(-2.0 * reach, 0.0), Vector::new(2.0 * reach, 0.0)],
-                [Vector::new(0.0, -2.0 * reach), Vector::new(0.0, 2.0 * reach)],
-            ] {
-                shapes.push(line(from, to, 0.5, muted));
-            }
-            match &run.velocities {
-                Velocities::Pair(path) => {
-                    let radius = path.start.norm();
-                    let points = unit_circle().into_iter().map(|on_circle| at(on_circle.mult(radius))).collect();
-                    let ink = Ink::from(circle);
-                    shapes.push(Shape::Polyline { points, width: metrics.line_width, ink });
-                    let width = if path.lines.len() > 200 { 0.5 } else { 1.0 };
-                    shapes.extend(path.segments().map(|[from, to]| line(from, to, width, chord)));
-                    shapes.push(mark(at(path.start), 3.0 * metrics.line_width, metrics.palette.penetration));
-                }
-                Velocities::Cloud { bodies, .. } => {
-                    let size = cloud_mark(bodies.len(), &axes.plot_area, &metrics);
-                    for (velocity, color) in bodies {
-                        draw_box(&mark_area(at(*velocity), size), metrics.palette.line(*color), &metrics, &mut shapes);
-                    }
-                }
-            }
-            panels.shapes.push(Shape::Clip { window, shapes });
+            let shapes = run.shapes(&axes, reach(run), &metrics);
+            panels.shapes.push(Shape::Clip { window: axes.plot_area, shapes });
             axes.draw_note(Line::math(note, metrics.text(0.8)), &metrics, &mut panels.shapes);
         });
     }
     Ok(panels.finish())
+}
+
+/// The colours of the lines of collisions and of the circle of constant energy.
+fn chord_and_circle(metrics: &DrawingMetrics) -> [Color; 2] {
+    [color::BODY_COLORS[4], metrics.palette.muted].map(|color| metrics.palette.line(color))
+}
+
+impl VelocityRun {
+    /// The lines through the origin and the velocities, on axes up to `reach`.
+    fn shapes(&self, axes: &Axes, reach: f64, metrics: &DrawingMetrics) -> Vec<Shape> {
+        let at = |velocity: Vector| axes.point(velocity.x, velocity.y);
+        let line = |[from, to]: [Vector; 2], width: f64, color: Color| Shape::Polyline {
+            points: vec![at(from), at(to)],
+            width: width * metrics.line_width,
+            ink: Ink::from(color),
+        };
+        let through_origin = |axis: Axis| [-2.0, 2.0].map(|part| Vector::along(axis, part * reach));
+        let mut shapes: Vec<Shape> =
+            Axis::BOTH.map(|axis| line(through_origin(axis), 0.5, metrics.palette.muted)).into();
+        match &self.velocities {
+            Velocities::Pair(path) => {
+                let [chord, circle] = chord_and_circle(metrics);
+                let radius = path.start.norm();
+                let points = unit_circle().into_iter().map(|on_circle| at(on_circle.mult(radius))).collect();
+                shapes.push(Shape::Polyline { points, width: metrics.line_width, ink: Ink::from(circle) });
+                let width = if path.lines.len() > 200 { 0.5 } else { 1.0 };
+                shapes.extend(path.segments().map(|segment| line(segment, width, chord)));
+                shapes.push(mark(at(path.start), 3.0 * metrics.line_width, metrics.palette.penetration));
+            }
+            Velocities::Cloud { bodies, .. } => {
+                let size = cloud_mark(bodies.len(), &axes.plot_area, metrics);
+                for (velocity, color) in bodies {
+                    draw_box(&mark_area(at(*velocity), size), metrics.palette.line(*color), metrics, &mut shapes);
+                }
+            }
+        }
+        shapes
+    }
 }
 
 /// The scale of both axes for velocities up to `reach`.
