@@ -204,7 +204,7 @@ named! {
 }
 
 named! {
-    /// The language of the words in pictures.
+    /// The language of the words and numbers in pictures.
     Language {
         /// English.
         English = "en",
@@ -221,6 +221,15 @@ impl Language {
         match self {
             Language::English => english,
             Language::French => french,
+        }
+    }
+
+    /// A number, or a number with its unit, with the decimal mark of this language in place of the point.
+    #[cfg(feature = "draw")]
+    pub(crate) fn decimal(self, number: String) -> String {
+        match self {
+            Language::English => number,
+            Language::French => number.replace('.', ","),
         }
     }
 }

@@ -57,7 +57,8 @@ impl Clip {
         let schedule = animation.schedule_with_freeze_frames(sources, progress)?;
         let grid = &schedule.grid;
         let interval = 1.0 / (grid.rate * animation.timing.frames_per_step as f64);
-        let time_format = TimeFormat::new(interval, sources.iter().map(Source::duration).fold(0.0, larger));
+        let time_format =
+            TimeFormat::new(interval, sources.iter().map(Source::duration).fold(0.0, larger), look.language);
         let style = Style { time_format, ..Style::new(look, sources, progress)? };
         let instants = Instants::new(sources, &schedule, look)?;
         let gaps =

@@ -270,7 +270,7 @@ impl Style {
             top_force: top(|source| source.statistics.top_force),
             top_impulse,
             body_count: sources.iter().map(|source| source.statistics.names.len() as u32).max().unwrap_or(0),
-            time_format: TimeFormat::new(1.0 / rate, top(Source::duration)),
+            time_format: TimeFormat::new(1.0 / rate, top(Source::duration), look.language),
             materials,
             gaps: Vec::new(),
             lanes: Lanes::default(),

@@ -1,5 +1,7 @@
 //! Numbers and units as text, and the round numbers at which axes and grids have their ticks.
 
+use crate::picture::Language;
+
 /// Formats `value` with `digits` significant digits, without trailing zeros, as markup for
 /// [`crate::picture::text::Line::math`]: `9.81`, `0.0032`, `1.2·10^{-7}`.
 pub fn format_significant(value: f64, digits: usize) -> String {
@@ -198,17 +200,18 @@ impl std::fmt::Display for ScaledUnit {
 pub struct TimeFormat {
     unit: ScaledUnit,
     decimals: usize,
+    language: Language,
 }
 
 impl TimeFormat {
     /// The format of times up to `duration` with differences of `interval`, both s.
-    pub fn new(interval: f64, duration: f64) -> TimeFormat {
+    pub fn new(interval: f64, duration: f64, language: Language) -> TimeFormat {
         let unit = Unit::SECOND.for_size(duration);
         let (mut decimals, mut place) = (0, 1.0);
         while unit.scaled(interval) < place * (1.0 - 1e-9) && decimals < 9 {
             (decimals, place) = (decimals + 1, place / 10.0);
         }
-        TimeFormat { unit, decimals }
+        TimeFormat { unit, decimals, language }
     }
 
     /// The format with `more` additional decimals.
@@ -218,7 +221,7 @@ impl TimeFormat {
 
     /// The time without its unit.
     pub fn number(self, time: f64) -> String {
-        with_minus(&format!("{:.*}", self.decimals, self.unit.scaled(time)))
+        self.language.decimal(with_minus(&format!("{:.*}", self.decimals, self.unit.scaled(time))))
     }
 
     /// The unit.
@@ -228,9 +231,9 @@ impl TimeFormat {
 }
 
 impl Default for TimeFormat {
-    /// The format for the default rate, 60 Hz.
+    /// The format for the default rate, 60 Hz, in English.
     fn default() -> TimeFormat {
-        TimeFormat::new(1.0 / 60.0, 1.0)
+        TimeFormat::new(1.0 / 60.0, 1.0, Language::English)
     }
 }
 
@@ -297,7 +300,7 @@ mod tests {
     #[test]
     fn times_have_the_decimals_of_a_step() {
         let text = |rate: f64, duration: f64, time: f64| {
-            let format = TimeFormat::new(1.0 / rate, duration);
+            let format = TimeFormat::new(1.0 / rate, duration, Language::English);
             format!("{} {}", format.number(time), format.unit())
         };
         assert_eq!(text(60.0, 10.0, 1.25), "1.25 s");

@@ -46,7 +46,7 @@ impl Stage {
     pub(super) fn views_mut(&mut self) -> Vec<(&mut View, DrawingMetrics)> {
         match self {
             Stage::One(view) => {
-                let metrics = DrawingMetrics::new(view.style.look.theme, view.camera.size);
+                let metrics = DrawingMetrics::new(view.style.look.theme, view.style.look.language, view.camera.size);
                 vec![(view, metrics)]
             }
             Stage::Several(SideBySide { panels, metrics, .. }) => {
@@ -62,7 +62,8 @@ impl Stage {
                 Some(Shot::Frame(frame)) => compose(frame, view),
                 Some(Shot::Missing { step }) => {
                     let mut list = compose(&empty_frame(instant), view);
-                    let metrics = DrawingMetrics::new(view.style.look.theme, view.camera.size);
+                    let metrics =
+                        DrawingMetrics::new(view.style.look.theme, view.style.look.language, view.camera.size);
                     list.shapes.insert(0, missing(*step, view, &metrics));
                     list
                 }
@@ -140,7 +141,11 @@ impl SideBySide {
         let style = page_style(size, panels)?;
         // A page is flat or tall because of its panels: it has the font of a page of 16 : 9, unless it is very flat.
         let [shorter, longer] = [size[0].min(size[1]), size[0].max(size[1])];
-        let whole = DrawingMetrics::new(style.look.theme, [longer, shorter.max((longer * 9 / 16).min(2 * shorter))]);
+        let whole = DrawingMetrics::new(
+            style.look.theme,
+            style.look.language,
+            [longer, shorter.max((longer * 9 / 16).min(2 * shorter))],
+        );
         let smaller_font = |font: &f64| (*font > MIN_TEXT).then(|| larger((0.9 * font).floor(), MIN_TEXT));
         let mut fonts = std::iter::successors(Some(whole.font_size), smaller_font);
         fonts.find_map(|font| SideBySide::in_font(whole.with_font_size(font), &style, panels, titles))

@@ -3,7 +3,7 @@ use crate::picture::layers::footer::Footer;
 use crate::picture::layers::lanes::Lanes;
 use crate::picture::number::TimeFormat;
 use crate::picture::raster::color::Palette;
-use crate::picture::{CameraTarget, ColorBy, Frame, Look, Overlay, RenderError, Theme, TraceGap};
+use crate::picture::{CameraTarget, ColorBy, Frame, Language, Look, Overlay, RenderError, Theme, TraceGap};
 use crate::picture_options::MAX_SIDE;
 
 /// Camera and style: everything that determines a picture except the frame.
@@ -49,7 +49,7 @@ impl View {
 /// The part of the picture for the world, px: without footer and axes. `None` if these leave too little of it.
 fn viewport(style: &Style) -> Option<Rect> {
     let [width, height] = style.look.size.map(f64::from);
-    let metrics = DrawingMetrics::new(style.look.theme, style.look.size);
+    let metrics = DrawingMetrics::new(style.look.theme, style.look.language, style.look.size);
     let footer = Footer::new(style, &metrics);
     let [info, caption] = footer.heights(style);
     let [left, axis] = if style.shows(Overlay::Axes) {
@@ -138,6 +138,8 @@ impl Default for Style {
 pub struct DrawingMetrics {
     /// The theme.
     pub theme: Theme,
+    /// The language of words and numbers.
+    pub language: Language,
     /// The colours of the theme.
     pub palette: Palette,
     /// Font size (height of the em), px.
@@ -151,7 +153,7 @@ pub struct DrawingMetrics {
 impl DrawingMetrics {
     /// The metrics of a picture of `size` pixels, in proportion to its shorter side; small pictures keep a legible
     /// font.
-    pub fn new(theme: Theme, size: [u32; 2]) -> DrawingMetrics {
+    pub fn new(theme: Theme, language: Language, size: [u32; 2]) -> DrawingMetrics {
         let [width, height] = size.map(f64::from);
         let shorter = smaller(width, height);
         let unit = shorter / 720.0;
@@ -160,6 +162,7 @@ impl DrawingMetrics {
         let font_size = if unit < 0.6 { small } else { (21.0 * unit).round() };
         DrawingMetrics {
             theme,
+            language,
             palette: Palette::of(theme),
             font_size,
             line_width: larger((2.0 * unit).round(), 1.0),

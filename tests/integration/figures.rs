@@ -299,3 +299,37 @@ fn a_single_state_is_visible_in_diagrams_over_time() {
         assert!(marks("--from 100 --to 100") > 0, "{kind}");
     }
 }
+
+/// All texts of a picture in SVG with text, one after the other.
+fn texts_of(workplace: &Workplace, command: &str) -> String {
+    workplace.done(&format!("{command} --text text --force -o picture.svg"));
+    let picture = String::from_utf8(workplace.read("picture.svg")).unwrap();
+    let lines = picture.split("<text").skip(1).map(|line| line.split("</text>").next().unwrap());
+    lines.flat_map(|line| line.split('<').filter_map(|part| part.split_once('>'))).map(|(_, text)| text).collect()
+}
+
+#[test]
+fn numbers_in_french_pictures_have_decimal_commas() {
+    let workplace = Workplace::with_scene(
+        "[run]\nsteps = 90\n[world]\nwalls = true\ngravity = [0.0, 9.81]\n[restitution]\ndefault = 0.85\n\
+         [[spawn]]\nname = \"c\"\nat = [1.25, 1.5]\nsize = [1.0, 1.0]\nmass = 1.5\nvelocity = [2.5, 0.0]\n\
+         [[spawn]]\nname = \"b\"\nat = [5.25, 3.5]\nsize = [1.5, 1.0]\nmass = 2.25\nvelocity = [-2.5, 0.5]\n\
+         [[spawn]]\nname = \"d\"\nat = [10.0, 1.5]\nsize = [1.25, 1.25]\nmass = 1.0\nvelocity = [3.5, 0.5]\n",
+    );
+    let show = "--show velocity,impulse,mass,grid,axes,scale,clock";
+    let mut commands = vec![format!("render scene.toml --at 1.25s {show} --color-by speed")];
+    let kinds = ["energy", "spacetime", "lines", "pressure", "speeds", "velocity-space", "strobe --every 20"];
+    commands.extend(kinds.map(|kind| format!("figure {kind} scene.toml")));
+    commands.push(format!("figure filmstrip scene.toml --every 30 {show}"));
+    for solver in ["handout", "event-driven"] {
+        let of_pair = format!("scene.toml --pair c,b --set run.solver={solver}");
+        commands.push(format!("figure collision {of_pair} --frame com"));
+        commands.push(format!("figure minkowski {of_pair}"));
+    }
+    for command in commands {
+        let english = texts_of(&workplace, &command);
+        let french = texts_of(&workplace, &format!("{command} --language fr"));
+        assert!(english.contains('.'), "{command}: {english}");
+        assert!(!french.contains('.') && french.contains(','), "{command}: {french}");
+    }
+}

@@ -268,7 +268,7 @@ struct Tick {
 
 impl Tick {
     fn line(&self, metrics: &DrawingMetrics) -> Line {
-        Line::math(&self.label, metrics.text(0.8))
+        Line::math(&metrics.language.decimal(self.label.clone()), metrics.text(0.8))
     }
 }
 

@@ -157,7 +157,7 @@ impl CloseUp {
             _ => language.of("they overlap", "chevauchement"),
         };
         let larger = language.of("times larger", "fois plus grand");
-        let zoom = format_significant(self.zoom, 1);
+        let zoom = language.decimal(format_significant(self.zoom, 1));
         match self.zoom {
             1.0 => [0, 1].map(|_| format!("\"(b) {state}\"")),
             _ => [format!("\"(b) {state}\", {zoom} \"{larger}\""), format!("\"(b) {state}, \"×{zoom}")],

@@ -124,7 +124,7 @@ impl Row {
     fn key(&self, top: f64, metrics: &DrawingMetrics) -> Legend {
         let (scale, width) = (self.arrow_scale(top), ARROW_WIDTH * metrics.line_width);
         let entries = if scale > 0.0 {
-            key_entries(scale, top, Unit::METRE_PER_SECOND, width, metrics.palette.ink).into()
+            key_entries(scale, top, Unit::METRE_PER_SECOND, width, metrics.palette.ink, metrics.language).into()
         } else {
             Vec::new()
         };
@@ -265,13 +265,16 @@ impl Numbers {
         if frame == ReferenceFrame::CenterOfMass {
             let of_center = language.of("\"centre of mass:\"", "\"centre de masse :\"");
             let unit = Unit::METRE_PER_SECOND.for_size(velocity.norm());
-            let [x, y] = [velocity.x, velocity.y].map(|part| format_significant(unit.scaled(part), 3));
-            values.push(format!("{of_center} u⃗ = v⃗ - ({x}, {y}) \"{unit}\""));
+            let [x, y] =
+                [velocity.x, velocity.y].map(|part| language.decimal(format_significant(unit.scaled(part), 3)));
+            let separator = language.of(",", " ;");
+            values.push(format!("{of_center} u⃗ = v⃗ - ({x}{separator} {y}) \"{unit}\""));
         }
         if collision.penetration != Vector::ZERO {
-            values.push(format!("|n⃗| = {}", Unit::METRE.format(collision.penetration.norm(), 3)));
+            values.push(format!("|n⃗| = {}", language.decimal(Unit::METRE.format(collision.penetration.norm(), 3))));
             let shares = ["N_c", "N_b"].into_iter().zip(collision.shares);
-            values.extend(shares.map(|(symbol, share)| format!("{symbol} = {}", format_significant(share, 3))));
+            let share = |(symbol, share)| format!("{symbol} = {}", language.decimal(format_significant(share, 3)));
+            values.extend(shares.map(share));
         }
         let mut formula = Formula::default();
         if collision.impulse == 0.0 {
@@ -282,7 +285,7 @@ impl Numbers {
                 format!("\"{}\"", language.of("no impulse", "sans impulsion"))
             });
         } else {
-            values.push(format!("e = {}", format_significant(collision.restitution, 3)));
+            values.push(format!("e = {}", language.decimal(format_significant(collision.restitution, 3))));
             formula = impulse_formula(pair, symbol(frame), language);
             if pair.pushes_others() {
                 let others = language.of("to the bodies that they push", "aux corps qu’elles poussent");
@@ -317,16 +320,22 @@ impl NumberLines {
 /// with others that they push, which the formula does not contain, the impulse alone.
 fn impulse_formula(pair: &Pair, symbol: &str, language: Language) -> Formula {
     let Collision { restitution: e, normal_velocity: [approach, _], impulse, .. } = pair.collision;
-    let impulse = Unit::NEWTON_SECOND.format(impulse, 3);
+    let impulse = language.decimal(Unit::NEWTON_SECOND.format(impulse, 3));
     let term = |text: String, fraction: Option<[String; 2]>| Term { text, fraction };
     if pair.pushes_others() {
         let together = language.of("with the bodies that they push", "avec les corps qu’elles poussent");
         return Formula { terms: vec![term(format!("j = {impulse} \"({together})\""), None)] };
     }
-    let inverse_mass =
-        |mass: f64| if mass.is_finite() { format!("1/({})", Unit::KILOGRAM.format(mass, 4)) } else { "0".to_owned() };
+    let inverse_mass = |mass: f64| {
+        if mass.is_finite() {
+            format!("1/({})", language.decimal(Unit::KILOGRAM.format(mass, 4)))
+        } else {
+            "0".to_owned()
+        }
+    };
     let symbols = [format!("-(1 + e) {symbol} · n̂"), "1/M_c + 1/M_b".to_owned()];
-    let numerator = format!("-(1 + {}) · ({})", format_significant(e, 4), Unit::METRE_PER_SECOND.format(approach, 4));
+    let [e, approach] = [format_significant(e, 4), Unit::METRE_PER_SECOND.format(approach, 4)];
+    let numerator = language.decimal(format!("-(1 + {e}) · ({approach})"));
     let denominator = pair.masses.map(inverse_mass).join(" + ");
     Formula {
         terms: vec![

@@ -5,7 +5,7 @@ use crate::picture::layers::footer::{Entry, Legend};
 use crate::picture::layers::labels::LabelPlacer;
 use crate::picture::text::Line;
 use crate::picture::{Color, DisplayList, DrawingMetrics, Ink, RenderError, Shape, color};
-use crate::picture::{Look, PictureOptions, Theme};
+use crate::picture::{Language, Look, PictureOptions, Theme};
 
 /// A diagram with logarithmic scales.
 #[derive(Clone, Debug, PartialEq)]
@@ -103,7 +103,7 @@ fn metrics(theme: Theme, [width, height]: [u32; 2], columns: usize, rows: usize)
     DrawingMetrics {
         font_size: at_least_one_pixel(19.0 * smaller(unit, 1.4)),
         line_width: at_least_one_pixel(2.0 * unit),
-        ..DrawingMetrics::new(theme, [width, height])
+        ..DrawingMetrics::new(theme, Language::English, [width, height])
     }
 }
 

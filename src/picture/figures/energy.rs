@@ -147,13 +147,14 @@ impl EnergyRun {
         let zero = if self.has_potential { self.least_potential } else { 0.0 };
         let (change, size) = (last.total() - first.total(), (first.total() - zero).abs());
         let drift = match size {
-            0.0 => format!("ΔE = {}", Unit::JOULE.format(change, 3)),
-            size => format!("ΔE/E = {}", format_significant(change / size, 3)),
+            0.0 => format!("ΔE = {}", language.decimal(Unit::JOULE.format(change, 3))),
+            size => format!("ΔE/E = {}", language.decimal(format_significant(change / size, 3))),
         };
         if self.start == Some(first.time) {
             drift
         } else {
-            format!("{drift} \" {} \" t = {}", language.of("since", "depuis"), Unit::SECOND.format(first.time, 4))
+            let time = language.decimal(Unit::SECOND.format(first.time, 4));
+            format!("{drift} \" {} \" t = {time}", language.of("since", "depuis"))
         }
     }
 }
@@ -182,7 +183,7 @@ impl Series {
 /// If the page is too small.
 pub fn energy(runs: &[EnergyRun], time: Range, style: &Style) -> Result<DisplayList, RenderError> {
     let language = style.look.language;
-    let metrics = DrawingMetrics::new(style.look.theme, style.look.size);
+    let metrics = DrawingMetrics::new(style.look.theme, style.look.language, style.look.size);
     let energies: Vec<Vec<Series>> = runs.iter().map(|run| run.energy_series(language, &metrics)).collect();
     let momenta: Vec<Vec<Series>> = runs.iter().map(EnergyRun::momentum_series).collect();
     let time = Scale::linear(time, Unit::SECOND);

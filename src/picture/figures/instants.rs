@@ -5,7 +5,7 @@ use super::{FigureRun, legend};
 use crate::physics::{Rect, Vector, larger, smaller};
 use crate::picture::layers::bodies::{draw_box, image_of};
 use crate::picture::layers::{self, LayoutContext};
-use crate::picture::number::{TimeFormat, Unit};
+use crate::picture::number::Unit;
 use crate::picture::text::Line;
 use crate::picture::view::MIN_TEXT;
 use crate::picture::{Color, DisplayList, DrawingMetrics, Frame, Ink, RenderError, Shape, Sprite, Style, color};
@@ -15,7 +15,7 @@ use crate::picture::{Color, DisplayList, DrawingMetrics, Frame, Ink, RenderError
 /// # Errors
 /// If the page is too small.
 pub fn strobe(runs: &[FigureRun], style: &Style) -> Result<DisplayList, RenderError> {
-    let times: Vec<String> = runs.iter().map(|run| time_label(&run.frames, style.time_format)).collect();
+    let times: Vec<String> = runs.iter().map(|run| time_label(&run.frames, style)).collect();
     let titles: Vec<&str> = runs.iter().map(|run| run.title.as_str()).collect();
     let fits = |cell: &Rect, metrics: &DrawingMetrics| is_world_legible(cell, &times, metrics);
     let layout = Layout {
@@ -58,7 +58,7 @@ fn draw_strobe(run: &FigureRun, cell: &Rect, panels: &mut Panels, style: &Style)
     }
     panels.shapes.push(ghosts(earlier, last, &context));
     panels.shapes.push(layers::foreground(last, &context));
-    let times = time_label(&run.frames, style.time_format);
+    let times = time_label(&run.frames, style);
     let times = fitted_math(&times, panels.metrics.font_size, MIN_TEXT, cell.width());
     let viewport = view.camera.viewport;
     let at = Vector::new(cell.center().x, viewport.far_corner().y + 1.2 * panels.metrics.font_size);
@@ -66,7 +66,8 @@ fn draw_strobe(run: &FigureRun, cell: &Rect, panels: &mut Panels, style: &Style)
 }
 
 /// The label with the times of first and last frame and the time between frames.
-fn time_label(frames: &[Frame], format: TimeFormat) -> String {
+fn time_label(frames: &[Frame], style: &Style) -> String {
+    let format = style.time_format;
     match frames {
         [] => String::new(),
         [only] => format!("t = {} \"{}\"", format.number(only.time), format.unit()),
@@ -75,7 +76,8 @@ fn time_label(frames: &[Frame], format: TimeFormat) -> String {
             let intervals = frames.windows(2).map(|pair| pair[1].time - pair[0].time);
             let interval = intervals.fold(last.time - first.time, smaller);
             let [from, to] = [first, last].map(|frame| format.number(frame.time));
-            format!("t = {from} … {to} \"{}\",  Δt = {}", format.unit(), Unit::SECOND.format(interval, 2))
+            let interval = style.look.language.decimal(Unit::SECOND.format(interval, 2));
+            format!("t = {from} … {to} \"{}\",  Δt = {interval}", format.unit())
         }
     }
 }
@@ -134,11 +136,8 @@ fn draw_ghost(rect: &Rect, fill: Color, context: &LayoutContext, shapes: &mut Ve
 pub fn filmstrip(runs: &[FigureRun], style: &Style) -> Result<DisplayList, RenderError> {
     let extent = widest(runs, style);
     let count = runs.iter().map(|run| run.frames.len()).max().unwrap_or(1);
-    let times: Vec<String> = runs
-        .iter()
-        .flat_map(|run| &run.frames)
-        .map(|frame| time_label(std::slice::from_ref(frame), style.time_format))
-        .collect();
+    let times: Vec<String> =
+        runs.iter().flat_map(|run| &run.frames).map(|frame| time_label(std::slice::from_ref(frame), style)).collect();
     let cells_of = |run: &FigureRun, cell: &Rect, metrics: &DrawingMetrics| {
         let panels = Panels::of_cell(cell, metrics);
         let columns = panels.columns(run.frames.len(), target_extent(run, style), 1.3 * metrics.font_size);
@@ -182,7 +181,7 @@ fn draw_instant(run: &FigureRun, frame: &Frame, cell: &Rect, panels: &mut Panels
     panels.shapes.push(layers::backdrop(frame, &context));
     panels.shapes.push(layers::foreground(frame, &context));
     panels.shapes.extend(outline(&world, metrics.line_width, metrics.palette.wall_edge.into()));
-    let time = time_label(std::slice::from_ref(frame), style.time_format);
+    let time = time_label(std::slice::from_ref(frame), style);
     panels.centered(
         fitted_math(&time, metrics.font_size, MIN_TEXT, cell.width()),
         Vector::new(cell.center().x, world.far_corner().y + 1.3 * metrics.font_size),

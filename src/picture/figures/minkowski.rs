@@ -60,13 +60,14 @@ const LENGTH_SPACING: f64 = 1.4;
 
 /// The lengths of the four vectors as markup, the shortest one first.
 fn lengths(subject: &CollisionSubject, style: &Style) -> Vec<String> {
-    let metrics = DrawingMetrics::new(style.look.theme, style.look.size);
+    let metrics = DrawingMetrics::new(style.look.theme, style.look.language, style.look.size);
     let difference = MinkowskiDifference::new(&Pair::new(subject, 0.0, style), &metrics);
-    let length = |index: usize| Unit::METRE.format(difference.vectors[index].norm(), 3);
+    let language = style.look.language;
+    let length = |index: usize| language.decimal(Unit::METRE.format(difference.vectors[index].norm(), 3));
     let mut others: Vec<usize> = (0..4).filter(|&index| index != difference.shortest).collect();
     others.sort_by(|a, b| difference.vectors[*a].norm().total_cmp(&difference.vectors[*b].norm()));
     let others: Vec<String> = others.into_iter().map(length).collect();
-    let name = style.look.language.of("\"to the other sides:\"", "\"vers les autres côtés :\"");
+    let name = language.of("\"to the other sides:\"", "\"vers les autres côtés :\"");
     let mut lengths = vec![format!("|n⃗| = {}", length(difference.shortest)), format!("{name} {}", others[0])];
     lengths.extend_from_slice(&others[1..]);
     lengths
@@ -107,7 +108,7 @@ fn row(subject: &CollisionSubject, cell: &Rect, panels: &mut Panels, style: &Sty
     caption(&panel_rects[1], titles_b(language), panels);
     if let Some(panel) = panel_rects.get(2) {
         difference.draw(panel, scale * zoom, Vector::ZERO, &shortest, panels);
-        let zoom = format_significant(zoom, 1);
+        let zoom = language.decimal(format_significant(zoom, 1));
         let larger = language.of("times larger", "fois plus grand");
         caption(panel, [&format!("\"(c)\" {zoom} \"{larger}\""), &format!("\"(c)\" ×{zoom}")], panels);
     }
@@ -254,7 +255,7 @@ impl MinkowskiDifference {
         metrics: &DrawingMetrics,
         shapes: &mut Vec<Shape>,
     ) {
-        let length = Unit::METRE.format(self.vectors[index].norm(), 3);
+        let length = metrics.language.decimal(Unit::METRE.format(self.vectors[index].norm(), 3));
         let (text, color, size) = if index == self.shortest {
             (format!("|n⃗| = {length}"), metrics.palette.penetration, 1.0)
         } else {

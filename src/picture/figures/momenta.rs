@@ -91,7 +91,7 @@ impl Momenta {
         if scale.is_finite() && scale > 0.0 && longest > 0.0 {
             let top = smaller(longest, 0.35 * panel.width() / scale);
             let width = ARROW_WIDTH * metrics.line_width;
-            let [key, _] = key_entries(scale, top, Unit::MOMENTUM, width, metrics.palette.ink);
+            let [key, _] = key_entries(scale, top, Unit::MOMENTUM, width, metrics.palette.ink, language);
             Legend { entries: vec![key] }.draw(&strip, Alignment::Center, &metrics, &mut panels.shapes);
         }
     }
@@ -205,7 +205,7 @@ mod tests {
         };
         let subject = CollisionSubject { title: String::new(), collision, bodies: [body(0), body(1)] };
         let style = Style::default();
-        let metrics = DrawingMetrics::new(style.look.theme, style.look.size);
+        let metrics = DrawingMetrics::new(style.look.theme, style.look.language, style.look.size);
         Momenta::new(&Pair::new(&subject, 0.0, &style), &metrics)
     }
 

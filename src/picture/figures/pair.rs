@@ -273,7 +273,7 @@ fn assign_roles<'a>(collision: &Collision, bodies: [&'a Appearance; 2]) -> (Coll
 
 /// The colour of the body, as in frames.
 fn body_color(body: &Appearance, velocity: Vector, style: &Style) -> Color {
-    let metrics = DrawingMetrics::new(style.look.theme, style.look.size);
+    let metrics = DrawingMetrics::new(style.look.theme, style.look.language, style.look.size);
     if body.is_wall {
         return metrics.palette.wall;
     }

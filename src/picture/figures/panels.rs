@@ -36,7 +36,7 @@ impl<'a> Layout<'a> {
         let size = style.look.size;
         Layout {
             size,
-            metrics: DrawingMetrics::new(style.look.theme, size),
+            metrics: DrawingMetrics::new(style.look.theme, style.look.language, size),
             caption: &style.look.caption,
             legend: &|_| Legend { entries: Vec::new() },
             titles,
@@ -59,7 +59,7 @@ impl<'a> Layout<'a> {
         self.attempt(*size, *metrics).ok_or_else(|| {
             RenderError::too_small(*size, |larger| {
                 // The font grows with the page, but no further than the page needs.
-                let scaled = DrawingMetrics::new(metrics.theme, larger);
+                let scaled = DrawingMetrics::new(metrics.theme, metrics.language, larger);
                 self.attempt(larger, scaled).is_some()
             })
         })

@@ -43,7 +43,7 @@ pub fn pressure(runs: &[PressureRun], time: Range, style: &Style) -> Result<Disp
     let volumes = Range::of(values(|all| &all.over_volume, 0)).map(|volumes| volumes.widened(0.05));
     let volume = volumes.map(|volumes| Scale::linear(volumes, Unit::SQUARE_METRE));
     let t = Scale::linear(time, Unit::SECOND);
-    let notes: Vec<String> = runs.iter().map(note).collect();
+    let notes: Vec<String> = runs.iter().map(|run| note(run, language)).collect();
     let fits = |cell: &Rect, metrics: &DrawingMetrics| {
         let areas = split(cell, volume.is_some(), metrics);
         let plot = |panel: &Rect| Axes::within(panel, t, p, 0.0, metrics).plot_area;
@@ -210,7 +210,7 @@ fn parts<const N: usize>(points: impl Iterator<Item = Option<[[f64; 2]; N]>>) ->
 
 /// The mean pressure times the volume beside the mean kinetic energy, which are equal for an ideal gas in two dimensions,
 /// if the volume is constant and walls along both axes were hit.
-fn note(run: &PressureRun) -> String {
+fn note(run: &PressureRun, language: Language) -> String {
     let mean = |axis| run.mean_pressure(axis).zip(run.ideal_pressure(axis));
     let (Some([x, y]), Some(volumes)) = (mean(Axis::X).zip(mean(Axis::Y)).map(|(x, y)| [x, y]), run.volumes) else {
         return String::new();
@@ -219,7 +219,8 @@ fn note(run: &PressureRun) -> String {
         return String::new();
     }
     let [measured, ideal] = [(x.0 + y.0) / 2.0, (x.1 + y.1) / 2.0].map(|pressure| pressure * volumes.to);
-    format!("p V = {},  E = {}", Unit::JOULE.format(measured, 3), Unit::JOULE.format(ideal, 3))
+    let [measured, ideal] = [measured, ideal].map(|energy| language.decimal(Unit::JOULE.format(energy, 3)));
+    format!("p V = {measured},  E = {ideal}")
 }
 
 /// The common legend of all diagrams.

@@ -4,7 +4,7 @@ use crate::physics::{Rect, Vector, larger};
 use crate::picture::layers::footer::{Entry, Legend, gap_entries, quoted};
 use crate::picture::number::{Unit, exp, format_significant};
 use crate::picture::text::Line;
-use crate::picture::{Color, DisplayList, DrawingMetrics, Ink, RenderError, Shape, Style, color};
+use crate::picture::{Color, DisplayList, DrawingMetrics, Ink, Language, RenderError, Shape, Style, color};
 use std::collections::BTreeMap;
 
 /// The number of fine bins in which speeds are counted, and which are joined to those of the diagram.
@@ -106,7 +106,7 @@ fn bin_count(samples: u64) -> usize {
 /// If the page is too small.
 pub fn speeds(runs: &[SpeedRun], style: &Style) -> Result<DisplayList, RenderError> {
     let language = style.look.language;
-    let metrics = DrawingMetrics::new(style.look.theme, style.look.size);
+    let metrics = DrawingMetrics::new(style.look.theme, style.look.language, style.look.size);
     let shown = runs.iter().map(SpeedRun::fine_bins_shown).max().unwrap_or(0).max(1);
     let samples = runs.iter().map(|run| run.count).max().unwrap_or(0);
     let width = shown.div_ceil(bin_count(samples)).max(1);
@@ -126,7 +126,7 @@ pub fn speeds(runs: &[SpeedRun], style: &Style) -> Result<DisplayList, RenderErr
         Unit::SECOND_PER_METRE,
     );
     let (x_title, y_title) = (x.title("v"), y.title("f"));
-    let notes: Vec<String> = runs.iter().map(|run| note(run, end)).collect();
+    let notes: Vec<String> = runs.iter().map(|run| note(run, end, language)).collect();
     let fits = |cell: &Rect, metrics: &DrawingMetrics| {
         let area = Axes::within(cell, x, y, 0.0, metrics).plot_area;
         let title = Line::math(&y_title, metrics.text(0.9)).width + metrics.font_size;
@@ -179,15 +179,15 @@ fn bars(histogram: &[f64], end: f64, color: Color, axes: &Axes) -> impl Iterator
 }
 
 /// The mean energy of a run, the number of its samples, and the part of them that is beyond the end of the axis, `end` m/s.
-fn note(run: &SpeedRun, end: f64) -> String {
-    let temperature = Unit::JOULE.format(run.temperature(), 3);
+fn note(run: &SpeedRun, end: f64, language: Language) -> String {
+    let temperature = language.decimal(Unit::JOULE.format(run.temperature(), 3));
     let shown = (end / run.top * FINE_BINS as f64).round() as usize;
     let beyond = run.beyond + run.fine.iter().skip(shown).sum::<u64>();
     let faster = match beyond {
         0 => String::new(),
         beyond => {
-            let part = format_significant(100.0 * beyond as f64 / run.count as f64, 1);
-            format!(",  {part} \"%\" > {}", Unit::METRE_PER_SECOND.format(end, 3))
+            let part = language.decimal(format_significant(100.0 * beyond as f64 / run.count as f64, 1));
+            format!(",  {part} \"%\" > {}", language.decimal(Unit::METRE_PER_SECOND.format(end, 3)))
         }
     };
     format!("k T = {temperature},  N = {}{faster}", run.count)
@@ -226,7 +226,7 @@ mod tests {
         (0..90).for_each(|_| run.push(1.0, 1.0));
         (0..10).for_each(|_| run.push(1000.0, 1.0));
         assert_eq!((run.fine_bins_shown(), run.beyond), (FINE_BINS, 10));
-        assert!(note(&run, 2.0).contains("10 \"%\" > 2"), "{}", note(&run, 2.0));
+        assert!(note(&run, 2.0, Language::English).contains("10 \"%\" > 2"), "{}", note(&run, 2.0, Language::English));
         assert!((run.histogram(FINE_BINS, 1)[0] - 0.45).abs() < 1e-12, "nine tenths of the samples are shown");
     }
 }

@@ -147,7 +147,7 @@ pub fn velocity_space(runs: &[VelocityRun], style: &Style) -> Result<DisplayList
         };
         square(cell, metrics).width() >= 14.0 * metrics.font_size && titles.iter().zip(&notes).all(is_legible)
     };
-    let metrics = DrawingMetrics::new(style.look.theme, style.look.size);
+    let metrics = DrawingMetrics::new(style.look.theme, style.look.language, style.look.size);
     let has_pair = runs.iter().any(|run| matches!(run.velocities, Velocities::Pair(_)));
     let [chord, circle] = chord_and_circle(&metrics);
     let run_titles: Vec<&str> = runs.iter().map(|run| run.title.as_str()).collect();

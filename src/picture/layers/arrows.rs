@@ -3,7 +3,7 @@ use super::footer::{Entry, KeyArrow};
 use super::lanes::ArrowKey;
 use crate::physics::{Rect, Vector, larger};
 use crate::picture::number::{Unit, format_significant, nice_below};
-use crate::picture::{Color, DrawingMetrics, Frame, Ink, Overlay, Shape, Sprite, Style};
+use crate::picture::{Color, DrawingMetrics, Frame, Ink, Language, Overlay, Shape, Sprite, Style};
 
 /// An arrow between two points of the page, drawn with a halo that separates it from the background.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -240,13 +240,13 @@ impl Quantity {
             return Vec::new();
         }
         let (width, color) = (width(style, metrics), (self.color)(metrics));
-        key_entries(scale, top, self.unit, width, color).into()
+        key_entries(scale, top, self.unit, width, color, metrics.language).into()
     }
 }
 
 /// The entries of a legend for arrows of `scale` px per unit and values up to `top`: an arrow of a round length, and the
 /// open head of shorter ones.
-pub fn key_entries(scale: f64, top: f64, unit: Unit, width: f64, color: Color) -> [Entry; 2] {
+pub fn key_entries(scale: f64, top: f64, unit: Unit, width: f64, color: Color, language: Language) -> [Entry; 2] {
     let (value, shortest) = (nice_below(top), HEAD_LENGTH * width / scale);
     let key = |length: f64, kind: ArrowLength, name: String| Entry {
         arrow: Some(KeyArrow { length, width, kind }),
@@ -255,9 +255,10 @@ pub fn key_entries(scale: f64, top: f64, unit: Unit, width: f64, color: Color) -
     };
     let head = HEAD_LENGTH * width;
     let limit = unit.for_size(shortest);
+    let shortest = format_significant(limit.scaled(shortest), 2);
     [
-        key(larger(value * scale, head), ArrowLength::ToScale, unit.format(value, 1)),
-        key(head, ArrowLength::Short, format!("< {} \"{limit}\"", format_significant(limit.scaled(shortest), 2))),
+        key(larger(value * scale, head), ArrowLength::ToScale, language.decimal(unit.format(value, 1))),
+        key(head, ArrowLength::Short, language.decimal(format!("< {shortest} \"{limit}\""))),
     ]
 }
 

@@ -64,7 +64,7 @@ fn label_text(sprite: &Sprite, name: &str, context: &LayoutContext) -> String {
     let style = &context.view.style;
     let mass = || match sprite.appearance.mass {
         f64::INFINITY => "∞ \"kg\"".to_owned(),
-        mass => format!("{} \"kg\"", format_significant(mass, 3)),
+        mass => style.look.language.decimal(format!("{} \"kg\"", format_significant(mass, 3))),
     };
     match (style.shows(Overlay::Name), style.shows(Overlay::Mass)) {
         (true, true) => format!("{}\", \"{}", quoted(name), mass()),

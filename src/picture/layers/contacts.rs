@@ -66,8 +66,8 @@ fn impulses(collision: &Collision, is_labeled: bool, context: &LayoutContext) ->
     let along = collision.normal.mult(collision.impulse * scale);
     let arrow =
         |vector: Vector| Arrow::of_vector(from, vector, width, metrics.palette.impulse, style.top_impulse * scale);
-    let label =
-        if is_labeled { format!("j = {}", Unit::NEWTON_SECOND.format(collision.impulse, 3)) } else { String::new() };
+    let impulse = || metrics.language.decimal(Unit::NEWTON_SECOND.format(collision.impulse, 3));
+    let label = if is_labeled { format!("j = {}", impulse()) } else { String::new() };
     let first = arrow(along).map(|arrow| LabeledArrow { arrow, key: None, label });
     first.into_iter().chain(arrow(along.mult(-1.0)).map(LabeledArrow::from)).collect()
 }

@@ -194,7 +194,8 @@ fn scale_bar(left: f64, strip: &Rect, context: &LayoutContext, shapes: &mut Vec<
     };
     let end = |x: f64| bar(x, (strip.center().y - height / 2.0).round(), line, height);
     shapes.extend([bar(left, y, width, line), end(left), end(left + width - line)]);
-    let label = Line::math(&Unit::METRE.format(length, 1), context.metrics.text(0.85));
+    let label = context.metrics.language.decimal(Unit::METRE.format(length, 1));
+    let label = Line::math(&label, context.metrics.text(0.85));
     let (at, width) = (left + width + (0.4 * text).round(), label.width);
     shapes.push(Shape::Text { at: Vector::new(at, baseline(&label, strip)), line: label, ink });
     (at + width).round()
@@ -401,6 +402,7 @@ fn speed_scale(style: &Style) -> Entry {
         Some(end) => format!("≥ {}", Unit::METRE_PER_SECOND.format(end, 3)),
         None => Unit::METRE_PER_SECOND.format(style.top_speed, 3),
     };
+    let name = style.look.language.decimal(name);
     Entry { colors: SPEED_COLORS.to_vec(), prefix: "0".to_owned(), name, ..Entry::new(SPEED_COLORS[0], "") }
 }
 

@@ -158,5 +158,5 @@ fn coordinate(at: f64, with_unit: WithUnit, context: &LayoutContext) -> Line {
     let unit = Unit::METRE.for_size(larger(ends[0], ends[1]));
     let number = tick_label(unit.scaled(at), unit.scaled(grid_spacing(context)));
     let suffix = if with_unit == WithUnit::Shown { format!(" {unit}") } else { String::new() };
-    Line::plain(&format!("{number}{suffix}"), context.metrics.text(0.7))
+    Line::plain(&context.metrics.language.decimal(format!("{number}{suffix}")), context.metrics.text(0.7))
 }

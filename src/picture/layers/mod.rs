@@ -80,7 +80,11 @@ pub struct LayoutContext<'a> {
 impl LayoutContext<'_> {
     /// Creates a context with the metrics of the view's theme and size.
     pub fn new(view: &View, camera: Camera) -> LayoutContext<'_> {
-        LayoutContext { view, camera, metrics: DrawingMetrics::new(view.style.look.theme, view.camera.size) }
+        LayoutContext {
+            view,
+            camera,
+            metrics: DrawingMetrics::new(view.style.look.theme, view.style.look.language, view.camera.size),
+        }
     }
 
     /// The page rectangle of a body, px, if it intersects the viewport. A body that is tiny on the page is enlarged
