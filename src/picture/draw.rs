@@ -7,6 +7,7 @@ use super::number::TimeFormat;
 use super::page::{compose_page, run_names, titles};
 use super::resimulation::Resimulation;
 use super::text::Font;
+use super::visibility::Visibility;
 use super::{
     Animation, AnimationFormat, AnimationSchedule, Clip, ColorBy, DisplayList, Error, Instant, Look, MAX_FRAMES,
     Moment, Overlay, Page, PictureOptions, Progress, Provenance, ReadStatus, RenderError, ResolvedPicture, SOFTWARE,
@@ -51,27 +52,32 @@ pub fn draw(
     let (picture, metadata) = (&provenance.picture, provenance.metadata());
     match &picture.subject {
         Subject::Page { page, format } => {
-            let (list, statuses) = compose_page(page, picture, sources, progress)?;
+            let mut visibility = Visibility::default();
+            let (list, statuses) = compose_page(page, picture, sources, &mut visibility, progress)?;
             let effort = match page {
                 Page::State { every: Some(_), .. } => PngEffort::Fast,
                 _ => PngEffort::Small,
             };
             format.write(&list, &metadata, picture.look.text, effort, output)?;
-            Ok(Drawn { statuses, schedule: None, missing: 0, warnings: warnings(picture, sources) })
+            let mut warnings = warnings(picture, sources);
+            warnings.extend(visibility.warnings(&picture.look.camera_target));
+            Ok(Drawn { statuses, schedule: None, missing: 0, warnings })
         }
         Subject::Animation { animation, format } => {
             animation.check_extent(sources)?;
             let clip = Clip::new(animation, &picture.look, &picture.titles, sources, progress)?;
-            let Clip { stage, schedule, mut instants, warnings } = clip.with_common_lanes(sources)?;
-            let mut done = 0;
-            let observed = instants.by_ref().inspect(|_| {
+            let Clip { stage, schedule, mut instants, mut warnings } = clip.with_common_lanes(sources)?;
+            let (mut done, mut visibility) = (0, Visibility::default());
+            let observed = instants.by_ref().inspect(|instant| {
                 done += 1;
+                instant.iter().for_each(|instant| stage.add_to(&mut visibility, instant));
                 progress(done, schedule.count());
             });
             match format {
                 AnimationFormat::Gif => write_gif(observed, &stage, &schedule, &metadata, threads, output)?,
                 AnimationFormat::Apng => write_apng(observed, &stage, &schedule, &metadata, threads, output)?,
             }
+            warnings.extend(visibility.warnings(&picture.look.camera_target));
             Ok(Drawn { statuses: instants.read_statuses(), schedule: Some(schedule), missing: 0, warnings })
         }
     }
@@ -179,7 +185,7 @@ pub fn draw_sequence<E: From<Error>>(
 ) -> Result<Drawn, E> {
     let Sequence { steps, every, look, titles } = sequence;
     let animation = Animation { steps: steps.clone(), every: *every, timing: Timing::REAL_TIME };
-    let Clip { stage, schedule, mut instants, warnings } = Clip::new(&animation, look, titles, sources, progress)?;
+    let Clip { stage, schedule, mut instants, mut warnings } = Clip::new(&animation, look, titles, sources, progress)?;
     let stage = match (stage, sources) {
         // Each picture is that of its step alone, which lacks nothing.
         (Stage::One(view), [source]) => {
@@ -194,9 +200,12 @@ pub fn draw_sequence<E: From<Error>>(
         Provenance::new(&picture, sources).metadata()
     };
     let is_shown = |instant: &Result<Instant, Error>| !instant.as_ref().is_ok_and(Instant::is_missing);
-    let mut done = 0;
+    let (mut done, mut visibility) = (0, Visibility::default());
+    let mut observe = |instant: &Result<Instant, Error>| {
+        instant.iter().for_each(|instant| stage.add_to(&mut visibility, instant));
+    };
     let result = write_png_sequence(
-        instants.by_ref().filter(is_shown).map(|instant| instant.map_err(Failure::Drawing)),
+        instants.by_ref().filter(is_shown).inspect(&mut observe).map(|instant| instant.map_err(Failure::Drawing)),
         &stage,
         metadata,
         threads,
@@ -209,6 +218,7 @@ pub fn draw_sequence<E: From<Error>>(
     match result {
         Ok(()) => {
             let (statuses, missing) = (instants.read_statuses(), schedule.count() - done);
+            warnings.extend(visibility.warnings(&look.camera_target));
             Ok(Drawn { statuses, schedule: Some(schedule), missing, warnings })
         }
         Err(Failure::Drawing(error)) => Err(error.into()),
@@ -384,6 +394,7 @@ pub(super) fn state(
     every: u64,
     picture: &ResolvedPicture,
     sources: &[Source],
+    visibility: &mut Visibility,
     progress: Progress,
 ) -> Result<(DisplayList, Vec<ReadStatus>), Error> {
     let look = &picture.look;
@@ -398,7 +409,9 @@ pub(super) fn state(
         let top_impulse = run.finish_run()?;
         let frame = frame.ok_or_else(|| source.missing_states(&(step..=step), run.read_status().health))?;
         let style = Style::with_top_impulse(look, sources, top_impulse)?;
-        return Ok((compose(&frame, &View::new(source.world(), style)?), vec![run.read_status()]));
+        let view = View::new(source.world(), style)?;
+        visibility.add(0, &frame, &view);
+        return Ok((compose(&frame, &view), vec![run.read_status()]));
     }
     let animation = Animation { steps: step..=step, every, timing: Timing::REAL_TIME };
     let Clip { stage, mut instants, .. } = Clip::new(&animation, look, &picture.titles, sources, progress)?;
@@ -407,6 +420,7 @@ pub(super) fn state(
     // Damage directly after this state is found only by reading on, and so is that the state is missing.
     instants.next().transpose()?;
     let instant = instant.ok_or_else(missing)?;
+    stage.add_to(visibility, &instant);
     Ok((stage.compose(&instant), instants.read_statuses()))
 }
 

@@ -40,6 +40,7 @@ mod source;
 pub mod text;
 mod trace;
 mod view;
+mod visibility;
 
 use crate::recording::{self, Health, error_text};
 use crate::replay::Verdict;

@@ -7,6 +7,7 @@ use super::figures::{
     SystemSums, Timeline, Velocities, VelocityPath, VelocityRun,
 };
 use super::trace::{Between, Traced, trace};
+use super::visibility::Visibility;
 use super::{
     AnimationSchedule, Appearance, CollisionFigure, CollisionSelector, DisplayList, EnergySample, Error, Frame, Frames,
     Page, Progress, Quantity, ReadExtent, ReadStatus, ResolvedPicture, Source, Sprite, StatesFigure, StepGrid,
@@ -30,10 +31,11 @@ pub fn compose_page(
     page: &Page,
     picture: &ResolvedPicture,
     sources: &[Source],
+    visibility: &mut Visibility,
     progress: Progress,
 ) -> Result<Composed, Error> {
     if let Page::State { step, every } = page {
-        return state(*step, every.unwrap_or(1), picture, sources, progress);
+        return state(*step, every.unwrap_or(1), picture, sources, visibility, progress);
     }
     if cfg!(not(feature = "figures")) {
         return Err(Error::Incompatible {
@@ -43,7 +45,9 @@ pub fn compose_page(
     let style = Style::new(&picture.look, sources, progress)?;
     let mut composer = Composer { picture, sources, style, progress };
     match page {
-        Page::State { step, every } => state(*step, every.unwrap_or(1), picture, sources, composer.progress),
+        Page::State { step, every } => {
+            state(*step, every.unwrap_or(1), picture, sources, visibility, composer.progress)
+        }
         Page::Collision { figure, collisions } => composer.collision(*figure, collisions),
         Page::States { figure: StatesFigure::Spacetime(axis), steps } => composer.spacetime(*axis, steps),
         Page::States { figure, steps } => composer.instants(*figure, steps),

@@ -8,6 +8,7 @@ use super::layers::{self, LayoutContext, grid};
 use super::text::{Line, wrapped};
 use super::trace::{GapReason, TraceGap};
 use super::view::{self, MIN_TEXT};
+use super::visibility::Visibility;
 use super::{
     Camera, CameraTarget, DisplayList, DrawingMetrics, Frame, Ink, Overlay, RenderError, Shape, Style, View, compose,
 };
@@ -51,6 +52,19 @@ impl Stage {
             }
             Stage::Several(SideBySide { panels, metrics, .. }) => {
                 panels.iter_mut().map(|view| (view, *metrics)).collect()
+            }
+        }
+    }
+
+    /// Adds the frames of an instant to what the picture shows.
+    pub(super) fn add_to(&self, visibility: &mut Visibility, instant: &Instant) {
+        let views = match self {
+            Stage::One(view) => std::slice::from_ref(view),
+            Stage::Several(page) => &page.panels,
+        };
+        for (panel, (view, shot)) in views.iter().zip(&instant.shots).enumerate() {
+            if let Shot::Frame(frame) = shot {
+                visibility.add(panel, frame, view);
             }
         }
     }

@@ -1,5 +1,7 @@
 use crate::physics::{Rect, Vector, larger, smaller};
+use crate::picture::layers::LayoutContext;
 use crate::picture::layers::footer::Footer;
+use crate::picture::layers::grid::axis_margin;
 use crate::picture::layers::lanes::Lanes;
 use crate::picture::number::TimeFormat;
 use crate::picture::raster::color::Palette;
@@ -24,7 +26,7 @@ impl View {
     /// Returns an error if a side of the picture is 0 or more than 16384 pixels, if the picture is too small for the text
     /// around the world, or if width and height of the visible part are not finite and positive.
     pub fn new(world: Vector, style: Style) -> Result<View, RenderError> {
-        let Look { size, camera_target: target, .. } = &style.look;
+        let Look { size, camera_target: target, .. } = &style.look.clone();
         validate_size(*size)?;
         let fits = |size: [u32; 2]| viewport(&Style { look: Look { size, ..style.look.clone() }, ..style.clone() });
         let Some(viewport) = fits(*size) else {
@@ -32,7 +34,17 @@ impl View {
         };
         let camera = Camera::new(world, target, *size, viewport)?;
         let follow = target.followed_body().map(str::to_owned);
-        Ok(View { camera, follow, style })
+        let mut view = View { camera, follow, style };
+        if view.style.shows(Overlay::Axes) {
+            // Long numbers beside the vertical axis take space from the world, but not most of it.
+            let wider = axis_margin(&LayoutContext::new(&view, camera)) - viewport.origin.x;
+            if wider > 0.0 && wider < viewport.width() / 2.0 {
+                let origin = Vector::new(viewport.origin.x + wider, viewport.origin.y);
+                let narrower = Rect::new(origin, viewport.width() - wider, viewport.height());
+                view.camera = Camera::new(world, target, *size, narrower)?;
+            }
+        }
+        Ok(view)
     }
 
     /// The camera for `frame`. If the view follows a body that is alive, the camera is centred on it, moved by whole

@@ -333,3 +333,17 @@ fn numbers_in_french_pictures_have_decimal_commas() {
         assert!(!french.contains('.') && french.contains(','), "{command}: {french}");
     }
 }
+
+#[test]
+fn moving_bodies_of_infinite_mass_have_bands() {
+    let body = |name: &str, x: f64, mass: &str, velocity: f64| {
+        format!(
+            "[[spawn]]\nname = \"{name}\"\nat = [{x:?}, 1.0]\nsize = [1.0, 1.0]\nmass = {mass}\nvelocity = [{velocity:?}, 0.0]\n"
+        )
+    };
+    let bodies = [body("pusher", 2.0, "inf", 2.0), body("box", 5.0, "1.0", 0.0), body("block", 12.0, "inf", 0.0)];
+    let workplace = Workplace::with_scene(&format!("[run]\nsteps = 60\n{}", bodies.concat()));
+    let texts = texts_of(&workplace, "figure spacetime scene.toml");
+    assert!(texts.contains("pusher") && texts.contains("box"), "{texts}");
+    assert!(!texts.contains("block"), "a body at rest outside of the range of the others: {texts}");
+}

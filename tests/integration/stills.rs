@@ -1,6 +1,7 @@
 //! Single frames with every overlay and colouring, in both themes.
 
 use crate::frames::{collision, moving, resized, view};
+use crate::rebond::Workplace;
 use crate::reference_image::assert_reference_image;
 use rebond::internals::physics::{Rect, Vector};
 use rebond::internals::picture::{
@@ -145,4 +146,46 @@ fn a_camera_rejects_invalid_sizes() {
         error(Vector::new(16.0, f64::INFINITY), [1280, 720]),
         "an area of 16 m × inf m cannot be shown: width and height must be finite and positive"
     );
+}
+
+/// Two boxes fly apart over an empty plane, and one of them is deleted.
+const FLIGHT: &str = "[run]\nsteps = 120\n[world]\nsize = [4.0, 4.0]\n\
+    [[spawn]]\nname = \"a\"\nat = [1.0, 1.0]\nsize = [1.0, 1.0]\nmass = 1.0\nvelocity = [-3.0, 0.0]\n\
+    [[spawn]]\nname = \"b\"\nat = [3.0, 1.0]\nsize = [1.0, 1.0]\nmass = 1.0\n\
+    [[delete]]\nname = \"b\"\nstep = 60\n";
+
+#[test]
+fn bodies_that_are_never_in_a_picture_are_announced() {
+    let workplace = Workplace::with_scene(FLIGHT);
+    for (options, expected) in [
+        ("--at 0 -o a.png", None),
+        ("--at 50 -o a.png", Some("1 of 2 bodies is outside the world of the picture; --window bodies shows all")),
+        ("--at 50 --window bodies -o a.png", None),
+        ("--at 100 -o a.png", Some("no body is in the picture; choose another part of the world with --window")),
+        ("--at 0 --window 100,100,1,1 -o a.png", Some("no body is in the picture")),
+        ("--from 45 --to 55 -o a.gif", Some("1 of 2 bodies is outside the world")),
+        ("-o a.gif", None),
+        ("--follow b --window 4x3 --from 40 -o a.gif", Some("does not exist in 31 of 41 pictures")),
+        ("--follow b --window 4x3 --at 20 -o a.png", None),
+    ] {
+        let drawn = workplace.done(&format!("render scene.toml --force --size 200x260 {options}"));
+        match expected {
+            Some(sentence) => assert!(drawn.errors.contains(sentence), "{options}: {drawn:?}"),
+            None => assert!(!drawn.errors.contains("picture"), "{options}: {drawn:?}"),
+        }
+    }
+}
+
+/// The labels of the vertical axis are all there, with the unit at the topmost, also where they are long.
+#[test]
+fn the_vertical_axis_has_all_its_labels() {
+    let workplace = Workplace::with_scene(FLIGHT);
+    for window in ["0,0,4,4", "1000000,500000,4,3", "3.00001,3.00001,1e-6,1e-6", "-1e9,-1e9,2e9,2e9"] {
+        let options = format!("--at 0 --show axes --text text --force --window={window} -o a.svg");
+        workplace.done(&format!("render scene.toml {options}"));
+        let picture = String::from_utf8(workplace.read("a.svg")).unwrap();
+        let texts = picture.split("</tspan></text>").filter_map(|part| part.rsplit('>').next());
+        let with_unit = texts.filter(|text| text.ends_with('m')).count();
+        assert_eq!(with_unit, 2, "{window}: one unit on each axis");
+    }
 }

@@ -335,14 +335,14 @@ fn draw_axes(
         shapes.extend(dashed(from, to, 3.0 * metrics.line_width, metrics.line_width / 2.0, muted.into()));
         placer.avoid_line(from, to, 1.0);
     }
+    let line = Line::math("0", metrics.font_size);
+    let (towards, gap) = (Vector::new(-1.0, 1.0), 0.5 * metrics.font_size);
+    let origin = placer.place(line, origin_on_page, towards, gap, metrics.palette.ink);
+    origin.into_iter().for_each(|origin| origin.draw_over(fills, Halo::Around, metrics, shapes));
     for ([_, end], name) in ends.iter().zip(["x", "y"]) {
         let inward = origin_on_page.sub(*end).mult(metrics.font_size / origin_on_page.sub(*end).norm());
         let line = Line::math(name, metrics.font_size);
         let name = placer.place(line, end.add(inward), Vector::new(-1.0, -1.0), 0.6 * metrics.font_size, muted);
         name.into_iter().for_each(|name| name.draw_over(fills, Halo::Around, metrics, shapes));
     }
-    let line = Line::math("0", metrics.font_size);
-    let (towards, gap) = (Vector::new(-1.0, 1.0), 0.5 * metrics.font_size);
-    let origin = placer.place(line, origin_on_page, towards, gap, metrics.palette.ink);
-    origin.into_iter().for_each(|origin| origin.draw_over(fills, Halo::Around, metrics, shapes));
 }

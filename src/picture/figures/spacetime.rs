@@ -3,7 +3,7 @@ use super::panels::{Layout, Panels, TITLE};
 use super::timeline::{Timeline, draw_timeline, timeline_legend};
 use super::{TimeCurve, legend_of_bodies};
 use crate::physics::{Axis, BodyId, Rect, Vector, larger, smaller};
-use crate::picture::layers::bodies::border_color;
+use crate::picture::layers::bodies::{border_color, draw_box};
 use crate::picture::number::Unit;
 use crate::picture::text::{Line, truncated};
 use crate::picture::{
@@ -175,9 +175,11 @@ impl Band {
         self.last = [time, from];
     }
 
-    /// Returns true for a static body (of infinite mass).
+    /// Returns true for a body of infinite mass that does not move along the axis.
     fn is_static(&self) -> bool {
-        self.appearance.mass == f64::INFINITY
+        let mut positions = self.positions();
+        let first = positions.next();
+        self.appearance.mass == f64::INFINITY && positions.all(|position| Some(position) == first)
     }
 
     /// The positions of the lower end, m.
@@ -294,7 +296,7 @@ fn draw_labels(labels: Vec<BandLabel>, axes: &Axes, panels: &mut Panels) {
     for (BandLabel { color, line, .. }, y) in labels.into_iter().zip(heights) {
         let side = (0.6 * metrics.font_size).round();
         let swatch = Rect::new(Vector::new(x.round(), (y - side / 2.0).round()), side, side);
-        panels.shapes.push(Shape::Rect { rect: swatch, ink: color.into() });
+        draw_box(&swatch, color, &metrics, &mut panels.shapes);
         let at = Vector::new((x + side + 0.4 * metrics.font_size).round(), (y + line.height() / 2.0).round());
         panels.shapes.push(Shape::Text { line, at, ink: metrics.palette.ink.into() });
     }

@@ -193,6 +193,8 @@ pub struct Quantity {
     /// The largest value of the run.
     top: fn(&Style) -> f64,
     color: fn(&DrawingMetrics) -> Color,
+    /// The width of the shafts, px.
+    width: fn(&Style, &DrawingMetrics) -> f64,
 }
 
 /// Velocity, m/s.
@@ -201,6 +203,7 @@ pub const VELOCITY: Quantity = Quantity {
     unit: Unit::METRE_PER_SECOND,
     top: |style| style.top_speed,
     color: |metrics| metrics.palette.ink,
+    width,
 };
 
 /// Momentum, kg·m/s.
@@ -209,6 +212,7 @@ pub const MOMENTUM: Quantity = Quantity {
     unit: Unit::MOMENTUM,
     top: |style| style.top_momentum,
     color: |metrics| metrics.palette.momentum,
+    width,
 };
 
 /// Force, N.
@@ -217,6 +221,7 @@ pub const FORCE: Quantity = Quantity {
     unit: Unit::NEWTON,
     top: |style| style.top_force,
     color: |metrics| metrics.palette.force,
+    width,
 };
 
 /// Impulse, N·s.
@@ -225,6 +230,7 @@ pub const IMPULSE: Quantity = Quantity {
     unit: Unit::NEWTON_SECOND,
     top: |style| style.top_impulse,
     color: |metrics| metrics.palette.impulse,
+    width: |_, metrics| 1.5 * metrics.line_width,
 };
 
 impl Quantity {
@@ -233,13 +239,18 @@ impl Quantity {
         longest(style, metrics) / (self.top)(style)
     }
 
+    /// The width of the shafts, px, on which the smallest arrow that has its length depends.
+    pub fn width(&self, style: &Style, metrics: &DrawingMetrics) -> f64 {
+        (self.width)(style, metrics)
+    }
+
     /// The entries of the legend that explain the lengths of the arrows.
     fn keys(&self, style: &Style, metrics: &DrawingMetrics) -> Vec<Entry> {
         let (top, scale) = ((self.top)(style), self.scale(style, metrics));
         if !(style.shows(self.overlay) && top > 0.0 && top.is_finite() && scale.is_finite()) {
             return Vec::new();
         }
-        let (width, color) = (width(style, metrics), (self.color)(metrics));
+        let (width, color) = (self.width(style, metrics), (self.color)(metrics));
         key_entries(scale, top, self.unit, width, color, metrics.language).into()
     }
 }
@@ -277,7 +288,7 @@ fn longest(style: &Style, metrics: &DrawingMetrics) -> f64 {
     larger(shrink * metrics.arrow_length, 3.0 * HEAD_LENGTH * width(style, metrics))
 }
 
-/// The width of the shafts, px.
+/// The width of the shafts of arrows at bodies, px.
 fn width(style: &Style, metrics: &DrawingMetrics) -> f64 {
     if f64::from(style.body_count) > MANY_BODIES { (metrics.line_width / 2.0).ceil() } else { metrics.line_width }
 }
@@ -285,6 +296,7 @@ fn width(style: &Style, metrics: &DrawingMetrics) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::picture::Look;
 
     const INK: Color = Color::hex(0);
 
@@ -311,5 +323,27 @@ mod tests {
             assert!(arrow.length == ArrowLength::Short && (arrow.to.x - 10.0).abs() < 1e-9, "{arrow:?}");
         }
         assert_eq!(of(10.0).map(|arrow| (arrow.length, arrow.to.x)), Some((ArrowLength::ToScale, 10.0)));
+    }
+
+    /// Just below the limit in the legend, an arrow is short, and just above it has its length.
+    #[test]
+    fn the_legend_states_the_smallest_value_of_an_arrow_to_scale() {
+        for body_count in [2, 1000] {
+            for quantity in [VELOCITY, MOMENTUM, FORCE, IMPULSE] {
+                let look = Look { show: [quantity.overlay].into(), size: [1280, 720], ..Look::default() };
+                let style = Style { look, body_count, ..Style::default() };
+                let metrics = DrawingMetrics::new(style.look.theme, style.look.language, style.look.size);
+                let (scale, width) = (quantity.scale(&style, &metrics), quantity.width(&style, &metrics));
+                let keys = quantity.keys(&style, &metrics);
+                let limit: f64 = keys[1].name.split(' ').nth(1).unwrap().parse().unwrap();
+                let length = |value: f64| {
+                    let along = Vector::new(value * scale, 0.0);
+                    Arrow::of_vector(Vector::ZERO, along, width, INK, 10.0 * scale).unwrap().length
+                };
+                // The limit has two digits.
+                assert_eq!(length(0.9 * limit), ArrowLength::Short, "{body_count} {}", keys[1].name);
+                assert_eq!(length(1.1 * limit), ArrowLength::ToScale, "{body_count} {}", keys[1].name);
+            }
+        }
     }
 }

@@ -68,7 +68,7 @@ pub fn border_color(fill: Color, metrics: &DrawingMetrics) -> Color {
 }
 
 /// Draws a box with a border inside its edge, at least one pixel wide and high. A box too small for a border is drawn
-/// without one.
+/// without one, in a colour that contrasts with the page.
 ///
 /// The fill is drawn over a rectangle in the border colour: two rectangles are cheaper than four edges.
 pub fn draw_box(rect: &Rect, fill: Color, metrics: &DrawingMetrics, shapes: &mut Vec<Shape>) {
@@ -76,7 +76,7 @@ pub fn draw_box(rect: &Rect, fill: Color, metrics: &DrawingMetrics, shapes: &mut
     let rect = Rect::new(rect.origin, larger(rect.width(), 1.0), larger(rect.height(), 1.0));
     let inner = rect.inset(border);
     if inner.width() < 1.0 || inner.height() < 1.0 {
-        shapes.push(Shape::Rect { rect, ink: Ink::from(fill) });
+        shapes.push(Shape::Rect { rect, ink: Ink::from(metrics.palette.line(fill)) });
         return;
     }
     shapes.push(Shape::Rect { rect, ink: Ink::from(border_color(fill, metrics)) });
@@ -235,12 +235,13 @@ pub fn draw_trails(frame: &Frame, context: &LayoutContext, shapes: &mut Vec<Shap
 
 fn draw_trail(sprite: &Sprite, context: &LayoutContext, shapes: &mut Vec<Shape>) {
     let points: Vec<Vector> = sprite.trail.iter().map(|&position| context.camera.point(position)).collect();
-    let color = color::body_color(sprite, &context.view.style).mix(context.metrics.palette.background, 15);
+    let palette = &context.metrics.palette;
+    let color = palette.line(color::body_color(sprite, &context.view.style)).mix(palette.background, 15);
     let segments = points.len().saturating_sub(1);
     for part in 0..TRAIL_PARTS {
         let (from, to) = (segments * part / TRAIL_PARTS, segments * (part + 1) / TRAIL_PARTS);
         let fade = (80 * (TRAIL_PARTS - 1 - part) / TRAIL_PARTS) as u8;
-        let ink = Ink::from(color.mix(context.metrics.palette.background, fade));
+        let ink = Ink::from(color.mix(palette.background, fade));
         let part_points = without_repeats(&points[from..if from < to { to + 1 } else { from }]);
         if part_points.len() > 1 && is_near(&part_points, context) {
             shapes.push(Shape::Polyline { points: part_points, width: 1.5 * context.metrics.line_width, ink });

@@ -62,7 +62,7 @@ fn impulses(collision: &Collision, is_labeled: bool, context: &LayoutContext) ->
     let offset = Vector::new(-collision.normal.y, collision.normal.x).mult(offset);
     let from = context.camera.point(contact_center(&collision.rects)).add(offset);
     let (style, metrics) = (&context.view.style, &context.metrics);
-    let (scale, width) = (IMPULSE.scale(style, metrics), 1.5 * metrics.line_width);
+    let (scale, width) = (IMPULSE.scale(style, metrics), IMPULSE.width(style, metrics));
     let along = collision.normal.mult(collision.impulse * scale);
     let arrow =
         |vector: Vector| Arrow::of_vector(from, vector, width, metrics.palette.impulse, style.top_impulse * scale);

@@ -113,7 +113,12 @@ pub fn draw_axes(context: &LayoutContext, shapes: &mut Vec<Shape>) {
     for at in multiples(&area, Axis::Y, spacing) {
         let y = context.camera.point(Vector::new(0.0, at)).y.round();
         shapes.push(bar(viewport.origin.x - tick_length, y, tick_length, line));
-        label_left(at, y, context, shapes);
+    }
+    for (line, y) in labels_left(context) {
+        let x = (viewport.origin.x - 0.5 * context.metrics.font_size - line.width).round();
+        if x >= 0.0 {
+            shapes.push(Shape::Text { line, at: Vector::new(x, y), ink });
+        }
     }
 }
 
@@ -130,18 +135,29 @@ fn label_below(at: f64, x: f64, context: &LayoutContext, shapes: &mut Vec<Shape>
     }
 }
 
-/// The label of a tick left of the viewport. The topmost one includes the unit.
-fn label_left(at: f64, y: f64, context: &LayoutContext, shapes: &mut Vec<Shape>) {
-    let viewport = context.camera.viewport;
-    let is_topmost = y - grid_spacing(context) * context.camera.scale < viewport.origin.y;
-    let line = coordinate(at, if is_topmost { WithUnit::Shown } else { WithUnit::Hidden }, context);
-    let baseline = Vector::new(
-        (viewport.origin.x - 0.5 * context.metrics.font_size - line.width).round(),
-        (y + line.height() / 2.0).round(),
-    );
-    if baseline.y - line.height() >= 0.0 && baseline.y <= viewport.far_corner().y && baseline.x >= 0.0 {
-        shapes.push(Shape::Text { line, at: baseline, ink: Ink::from(context.metrics.palette.muted) });
-    }
+/// The width that the labels of the ticks left of the viewport need, px.
+pub fn axis_margin(context: &LayoutContext) -> f64 {
+    let widest = labels_left(context).into_iter().map(|(line, _)| line.width).fold(0.0, larger);
+    (widest + 0.7 * context.metrics.font_size).ceil()
+}
+
+/// The labels of the ticks left of the viewport that are on the page, with their baselines, px. The topmost one includes
+/// the unit.
+fn labels_left(context: &LayoutContext) -> Vec<(Line, f64)> {
+    let area = context.camera.visible_area();
+    let bottom = context.camera.viewport.far_corner().y;
+    let labels = |with_unit: WithUnit| {
+        multiples(&area, Axis::Y, grid_spacing(context)).map(move |at| {
+            let line = coordinate(at, with_unit, context);
+            let y = context.camera.point(Vector::new(0.0, at)).y.round();
+            let baseline = (y + line.height() / 2.0).round();
+            (line, baseline)
+        })
+    };
+    let is_on_page = |(line, baseline): &(Line, f64)| *baseline >= line.height() && *baseline <= bottom;
+    let topmost = labels(WithUnit::Shown).find(is_on_page);
+    let others = labels(WithUnit::Hidden).filter(is_on_page).skip(1);
+    topmost.into_iter().chain(others).collect()
 }
 
 /// The unit after a coordinate.
@@ -153,7 +169,7 @@ enum WithUnit {
 
 /// A coordinate in a unit that suits the visible area, m.
 fn coordinate(at: f64, with_unit: WithUnit, context: &LayoutContext) -> Line {
-    let area = grid_area(&context.camera);
+    let area = context.camera.visible_area();
     let ends = [area.origin, area.far_corner()].map(|corner| larger(corner.x.abs(), corner.y.abs()));
     let unit = Unit::METRE.for_size(larger(ends[0], ends[1]));
     let number = tick_label(unit.scaled(at), unit.scaled(grid_spacing(context)));
