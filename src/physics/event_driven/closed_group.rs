@@ -1,19 +1,25 @@
 //! Closed groups: a few bodies in a row that touch no others for a while, as in Galperin's billiard. Their impacts are
 //! carried out one after another without the event queue.
 //!
-//! A group influences no result: the numbers come from the same functions as elsewhere, and where it is not certain by a
-//! margin which event is next, the group is left and its bodies predict again.
+//! A group influences no result: the numbers are the same as elsewhere, and where it is not certain by a margin which event
+//! is next, or that two bodies recede, the group is left and its bodies predict again.
+//!
+//! Nearly all operations between two impacts wait for the one before: time of the impact, position, gap, quotient, time of
+//! the next impact. So numbers that are not needed are not computed: the position of the body that is placed at the other,
+//! differences known from the prediction, and bounds that a sum of doubles shows to be met. That makes Galperin's billiard
+//! 1.4 times as fast as with the general functions (`cargo bench --bench event_driven`, rows `Galperin N`).
 
+use super::axis_trajectory::StateDd;
 use super::body_state::Slot;
 use super::double_double::DoubleDouble;
-use super::exact::ExactAxis;
+use super::exact::VELOCITY_ROUNDING;
 use super::instant::Instant;
 use super::isolated::ImpactPair;
+use super::least_change::MASS_UNIT;
 use super::predict::ordered_pair;
-use super::random_rounding::RandomRounding;
 use super::reference::Reference;
 use super::{EventDriven, VICINITY};
-use crate::physics::{Axis, Observer, Side, StepError, World, smaller};
+use crate::physics::{Axis, Observer, Side, World, larger, smaller};
 
 /// The events of a step between two searches for a group, so that unsuccessful searches cost little.
 pub const SEARCH_INTERVAL: u64 = 4;
@@ -28,6 +34,7 @@ const RELIABLE: f64 = 1.0 - 1.0 / (1_u64 << 30) as f64;
 /// Bodies in a row along an axis, no two neighbours of infinite mass. They overlap along the other axis, all have constant
 /// velocities, and those of finite mass have no contacts.
 struct ClosedGroup {
+    axis: Axis,
     /// In the order of their coordinates.
     members: Vec<Member>,
     /// The gap between each member and the next.
@@ -39,14 +46,18 @@ struct ClosedGroup {
 struct Member {
     slot: Slot,
     reference: Reference,
-    /// The instant from which the trajectory along both axes holds.
-    since: Instant,
     /// True if it has collided since it predicted.
     has_collided: bool,
 }
 
 struct Gap {
     impact_pair: ImpactPair,
+    /// The shares of the bodies in the change of relative velocity; not numbers if one of them is immovable.
+    shares: [DoubleDouble; 2],
+    /// The velocity of the body on the low side relative to the other, m/s.
+    approach: DoubleDouble,
+    /// The velocities after the impact, m/s.
+    after: [DoubleDouble; 2],
     /// The instant at which it closes.
     closes: Instant,
 }
@@ -61,9 +72,6 @@ enum Overlap {
 impl EventDriven {
     /// After the impact of two isolated bodies along an axis, carries out the next impacts up to the instant `last` of the
     /// closed group to which they belong, if they do.
-    ///
-    /// # Errors
-    /// [`StepError::TooManyEvents`] if the step exceeds the limit of events.
     #[inline]
     pub(super) fn continue_in_closed_group<O: Observer>(
         &mut self,
@@ -71,51 +79,64 @@ impl EventDriven {
         axis: Axis,
         last: Instant,
         observer: &mut O,
-    ) -> Result<(), StepError> {
+    ) {
         let are_few = !self.window_lists.is_active() && self.cell_lists.uses_all_pairs();
         if !are_few || !self.events.is_multiple_of(self.search_interval) {
-            return Ok(());
+            return;
         }
-        let Some(mut group) = self.find_closed_group(world, axis, last) else { return Ok(()) };
+        let Some(mut group) = self.find_closed_group(world, axis, last) else { return };
         if group.next_gap(last.high).is_none() {
-            return Ok(());
+            return;
         }
         self.enter(&mut group);
-        while let Some(index) = group.next_gap(last.high) {
-            if !group.is_isolated(index) || !self.collide_in_group(world, &mut group, index, observer)? {
+        // The event that exceeds the limit is carried out, or reported, outside of the group.
+        while self.events < self.max_events {
+            let Some(index) = group.next_gap(last.high) else { break };
+            if !self.collide_in_group(&mut group, index, observer) {
                 break;
             }
         }
         self.leave(&group);
-        Ok(())
     }
 
-    /// Carries out the impact at a gap; returns false if the group must be left.
-    #[inline]
-    fn collide_in_group<O: Observer>(
-        &mut self,
-        world: &World,
-        group: &mut ClosedGroup,
-        index: usize,
-        observer: &mut O,
-    ) -> Result<bool, StepError> {
-        let Gap { impact_pair, closes: at } = &group.gaps[index];
-        let [low, high] = [&group.members[index].reference, &group.members[index + 1].reference];
-        let states = [low.drifted_state_at(*at), high.drifted_state_at(*at)];
-        let Some(impact) = self.impact_of(impact_pair, &states) else { return Ok(false) };
-        self.advance_clock(*at);
-        self.count_event(world, impact_pair.slots())?;
-        let changed = self.carry_out(impact_pair, &states, &impact, observer);
+    /// Carries out the impact at a gap. Returns false if the group must be left, before the impact where it is not clear
+    /// that the two bodies recede after it and touch no third.
+    #[inline(always)]
+    fn collide_in_group<O: Observer>(&mut self, group: &mut ClosedGroup, index: usize, observer: &mut O) -> bool {
+        let Gap { impact_pair, approach, after, closes: at, .. } = group.gaps[index];
+        let references = [&group.members[index].reference, &group.members[index + 1].reference];
+        let impact = impact_pair.impact(references.map(|reference| reference.state.velocity));
+        let speed = impact_pair.greatest_speed(impact.velocity.map(|velocity| velocity.high.abs()), &after);
+        // The low parts are below the rounding of the high ones.
+        let are_receding = after[1].high - after[0].high > speed * CLEAR;
+        let sizes = references.map(|reference| reference.size);
+        let are_extended = self.coarsest_resolution(references, at) < 0.25 * (sizes[0].high + sizes[1].high);
+        if !(are_receding && are_extended && group.is_isolated(index)) {
+            return false;
+        }
+        (self.events, self.now) = (self.events + 1, at);
+        let impulse = impact.impulse_with(approach) / MASS_UNIT;
+        observer.collision_of(impulse, || {
+            let positions = references.map(|reference| reference.drifted_position_at(at));
+            self.record(&impact_pair, positions, &impact, after, impulse)
+        });
+        let anchor = references[impact_pair.anchor].drifted_position_at(at);
+        let positions = impact_pair.positions_in_contact(anchor, &sizes);
+        for place in [0, 1] {
+            if !impact_pair.is_immovable[place] {
+                let member = &mut group.members[index + place];
+                let velocity = after[place].or_zero(speed * VELOCITY_ROUNDING);
+                let state = StateDd { position: positions[place], velocity, acceleration: DoubleDouble::ZERO };
+                (member.reference.state, member.reference.since) = (state, at);
+                member.has_collided = true;
+            }
+        }
         #[cfg(test)]
         {
             self.impacts_in_groups += 1;
         }
-        for (place, state) in changed.into_iter().enumerate().filter(|(place, _)| !impact_pair.is_immovable[*place]) {
-            let member = &mut group.members[index + place];
-            (member.reference.state, member.reference.since) = (state, *at);
-            (member.since, member.has_collided) = (*at, true);
-        }
-        Ok(self.receding.is_some() && self.update_gaps(group, index))
+        self.receding = Some(impact_pair.slots());
+        self.update_gaps(group, index)
     }
 
     /// The closed group of the two bodies that have just collided along an axis, if they belong to one and recede.
@@ -140,22 +161,29 @@ impl EventDriven {
         for pair in slots.windows(2) {
             let side = if pair[0] < pair[1] { Side::High } else { Side::Low };
             let impact_pair = self.impact_pair(world, ordered_pair(pair[0], pair[1]), axis, side)?;
-            gaps.push(Gap { impact_pair, closes: Instant::NEVER });
+            let shares = impact_pair.impact([DoubleDouble::ZERO; 2]).shares();
+            let [approach, after @ ..] = [DoubleDouble::ZERO; 3];
+            gaps.push(Gap { impact_pair, shares, approach, after, closes: Instant::NEVER });
         }
         let members = slots.into_iter().map(|slot| {
             let reference = self.bodies.reference(slot, axis);
             let has_collided = receding.contains(&slot) && !self.bodies[slot].infinite;
-            Member { slot, reference, since: self.bodies[slot].since, has_collided }
+            Member { slot, reference, has_collided }
         });
-        let mut group = ClosedGroup { members: members.collect(), gaps, until: self.now.after(seconds).high };
+        let mut group = ClosedGroup { axis, members: members.collect(), gaps, until: self.now.after(seconds).high };
         // Not even −0, so that all bits of the trajectories stay.
         let is_zero = |number: DoubleDouble| number.high.to_bits() == 0 && number.low.to_bits() == 0;
-        if !group.members.iter().all(|member| is_zero(member.reference.state.acceleration)) {
+        // If an instant consists of several groups of bodies, some references are later than the clock by rounding.
+        let has_begun = |member: &Member| !self.now.is_before(self.bodies[member.slot].since);
+        if !group.members.iter().all(|member| is_zero(member.reference.state.acceleration) && has_begun(member)) {
             return None;
         }
         let hit = group.gaps.iter().position(|gap| gap.impact_pair.slots() == receding)?;
         for index in (0..group.gaps.len()).filter(|index| *index != hit) {
-            group.gaps[index].closes = group.closing_of(index, self)?;
+            let from = self.bodies.common_reference(group.gaps[index].impact_pair.slots());
+            if !self.predict_gap(&mut group, index, from) {
+                return None;
+            }
         }
         Some(group)
     }
@@ -225,6 +253,8 @@ impl EventDriven {
     /// the instant.
     fn leave(&mut self, group: &ClosedGroup) {
         for member in group.members.iter().filter(|member| member.has_collided) {
+            let Reference { state, since, .. } = member.reference;
+            self.bodies.set_trajectory(member.slot, group.axis, state, since);
             self.invalidate(member.slot);
         }
         for member in group.members.iter().filter(|member| !member.has_collided) {
@@ -236,59 +266,73 @@ impl EventDriven {
 
     /// Updates the gap that has just closed and those on the other sides of the two bodies, unless these keep their
     /// trajectories; returns false if it is not certain when one closes.
-    #[inline]
+    #[inline(always)]
     fn update_gaps(&self, group: &mut ClosedGroup, index: usize) -> bool {
         let [keeps_low, keeps_high] = group.gaps[index].impact_pair.is_immovable;
         group.gaps[index].closes = Instant::NEVER;
         for (neighbour, is_kept) in [(index.wrapping_sub(1), keeps_low), (index + 1, keeps_high)] {
-            if neighbour < group.gaps.len() && !is_kept {
-                let Some(closes) = group.closing_of(neighbour, self) else { return false };
-                group.gaps[neighbour].closes = closes;
+            if neighbour < group.gaps.len() && !is_kept && !self.predict_gap(group, neighbour, self.now) {
+                return false;
             }
         }
         true
     }
+
+    /// Predicts the impact at a gap, given an instant from which the trajectories of both bodies hold. Returns false if the gap
+    /// may be closed or closes at once.
+    ///
+    /// The numbers are those of `ExactAxis::contact`, which can negate a difference where this swaps its operands: at most the
+    /// sign of a low part of 0 differs, on which no sum or quotient depends.
+    #[inline(always)]
+    fn predict_gap(&self, group: &mut ClosedGroup, index: usize, from: Instant) -> bool {
+        let [low, high] = [&group.members[index].reference, &group.members[index + 1].reference];
+        let size = high.drifted_position_at(from) - low.drifted_position_at(from) - low.size;
+        let is_apart = size.high > self.coarsest_resolution([low, high], from);
+        let velocities = [low.state.velocity, high.state.velocity];
+        let speeds = velocities[0].high.abs() + velocities[1].high.abs();
+        let gap = &mut group.gaps[index];
+        gap.approach = velocities[0] - velocities[1];
+        // Before the quotient, so that the processor computes them while it waits for the size of the gap. That makes
+        // Galperin's billiard 1.1 times as fast.
+        gap.after = gap.impact_pair.impact(velocities).velocities_with(gap.approach, || gap.shares);
+        gap.closes = match gap.approach.high > speeds * VELOCITY_ROUNDING {
+            true => from.after_exactly(size / gap.approach),
+            false => Instant::NEVER,
+        };
+        is_apart && self.now.is_before(gap.closes)
+    }
+
+    /// An upper bound of the resolution of the gap between two members at an instant, m.
+    #[inline(always)]
+    fn coarsest_resolution(&self, [low, high]: [&Reference; 2], at: Instant) -> f64 {
+        let sizes = [low.size.high, high.size.high];
+        let starts = low.state.position.high.abs() + high.state.position.high.abs();
+        let speeds = low.state.velocity.high.abs() + high.state.velocity.high.abs();
+        // The seconds since the references are less than those since step 0.
+        let magnitude = starts + (sizes[0] + sizes[1]) + speeds * at.high;
+        self.bodies.resolution().of_gap(sizes, 2.0 * magnitude)
+    }
 }
 
 impl ClosedGroup {
-    /// The instant at which a gap closes, [`Instant::NEVER`] if it does not; `None` if it is closed or closes at once.
-    #[inline]
-    fn closing_of(&self, index: usize, solver: &EventDriven) -> Option<Instant> {
-        let [low, high] = [&self.members[index], &self.members[index + 1]];
-        let from = low.since.max(high.since);
-        let side = self.gaps[index].impact_pair.side;
-        let [first, second] = match side {
-            Side::High => [&low.reference, &high.reference],
-            Side::Low => [&high.reference, &low.reference],
-        };
-        let states = [first.drifted_state_at(from), second.drifted_state_at(from)];
-        let relative = ExactAxis::of(states, [first.size, second.size], solver.bodies.resolution());
-        if !relative.is_apart(side) {
-            return None;
-        }
-        let closes = relative.contact(side, from, RandomRounding::default()).unwrap_or(Instant::NEVER);
-        solver.now.is_before(closes).then_some(closes)
-    }
-
     /// The gap that closes first, if it does so before `last` (s) and certainly before all other events.
     #[inline]
     fn next_gap(&self, last: f64) -> Option<usize> {
-        let (mut first, mut at, mut second) = (0, f64::INFINITY, self.until);
-        for (index, gap) in self.gaps.iter().enumerate() {
+        let (mut at, mut second) = (f64::INFINITY, self.until);
+        for gap in &self.gaps {
             let closes = gap.closes.high;
-            let is_first = closes < at;
-            let other = if is_first { at } else { closes };
-            second = smaller(other, second);
-            (first, at) = if is_first { (index, closes) } else { (first, at) };
+            second = smaller(larger(closes, at), second);
+            at = smaller(closes, at);
         }
-        (at < last && at * VICINITY < second).then_some(first)
+        let is_certain = at < last && at * VICINITY < second;
+        if is_certain { self.gaps.iter().position(|gap| gap.closes.high == at) } else { None }
     }
 
     /// True if the two bodies at a gap certainly touch no other member that they could push when it closes, and no two members
     /// that are not neighbours touch then.
     #[inline]
     fn is_isolated(&self, index: usize) -> bool {
-        let Gap { impact_pair, closes: at } = &self.gaps[index];
+        let Gap { impact_pair, closes: at, .. } = &self.gaps[index];
         let members = &self.members[..];
         let is_clear_below =
             index == 0 || impact_pair.is_immovable[0] || are_apart([&members[index - 1], &members[index]], *at);
@@ -300,12 +344,13 @@ impl ClosedGroup {
 }
 
 /// True if two members, that on the low side first, are certainly apart along the axis at an instant.
-#[inline]
+#[inline(always)]
 fn are_apart(pair: [&Member; 2], at: Instant) -> bool {
     let [low, high] = pair.map(|member| &member.reference);
-    let times = [low, high].map(|reference| reference.since.seconds_until(at));
-    let position = |reference: &Reference, t: f64| reference.state.position.high + reference.state.velocity.high * t;
-    let positions = [position(low, times[0]), position(high, times[1])];
+    let position = |reference: &Reference| {
+        reference.state.position.high + reference.state.velocity.high * (at.high - reference.since.high)
+    };
+    let positions = [position(low), position(high)];
     let gap = positions[1] - positions[0] - low.size.high;
     let speeds = low.state.velocity.high.abs() + high.state.velocity.high.abs();
     let scale = positions[0].abs() + positions[1].abs() + low.size.high + high.size.high;

@@ -9,7 +9,7 @@ use super::event_queue::ScheduledEvent;
 use super::instant::Instant;
 use super::pair_event::PairEvent;
 use super::random_rounding::{RandomRounding, is_exact_path};
-use super::reference::{Reference, ScaledState};
+use super::reference::Reference;
 use crate::physics::{Axis, Side, larger};
 
 /// The rounding of a coordinate in double-double arithmetic, as a fraction of the numbers it was computed from.
@@ -86,13 +86,9 @@ impl ExactAxis {
     /// The second of two bodies relative to the first at an instant.
     #[inline(always)]
     fn between(bodies: &Bodies, references: &[Reference; 2], at: Instant) -> ExactAxis {
-        let states = Reference::scaled_states_at(references, at, bodies.rounding());
-        ExactAxis::of(states, [references[0].size, references[1].size], bodies.resolution())
-    }
-
-    /// The second of two bodies relative to the first, given their states and sizes.
-    #[inline(always)]
-    pub fn of([first, second]: [ScaledState; 2], sizes: [DoubleDouble; 2], resolution: Resolution) -> ExactAxis {
+        let [first, second] = Reference::scaled_states_at(references, at, bodies.rounding());
+        let sizes = [references[0].size, references[1].size];
+        let resolution = bodies.resolution();
         ExactAxis {
             offset: second.state.position - first.state.position,
             sizes,
@@ -107,15 +103,9 @@ impl ExactAxis {
 
     /// The instant at which the gap on a side closes, given that of this state; `None` if it does not.
     #[inline(always)]
-    pub fn contact(&self, side: Side, from: Instant, rounding: RandomRounding) -> Option<Instant> {
+    fn contact(&self, side: Side, from: Instant, rounding: RandomRounding) -> Option<Instant> {
         let time = self.time_to_contact(side)?;
         Some(rounding.instant(from, time, || self.has_exact_root(side, time)))
-    }
-
-    /// True if the gap on a side is more than rounding.
-    #[inline]
-    pub fn is_apart(&self, side: Side) -> bool {
-        self.gap(side).high > self.gap_rounding
     }
 
     /// The gap on a side of the first body.

@@ -21,29 +21,39 @@ impl Impact {
     /// (Newton's impact law). Two equal masses with e = 1 exchange their velocities without
     /// rounding, and with e = 0 both velocities are the same number.
     pub fn velocities_after(&self) -> [DoubleDouble; 2] {
-        self.velocities_with(|| self.shares())
+        self.velocities_with(self.approach(), || self.shares())
     }
 
-    /// The velocities after the impact, m/s, with known [shares](Self::shares).
+    /// The velocity of the first relative to the second before the impact, m/s.
     #[inline(always)]
-    pub fn velocities_with(&self, shares: impl FnOnce() -> [DoubleDouble; 2]) -> [DoubleDouble; 2] {
+    pub fn approach(&self) -> DoubleDouble {
+        self.velocity[0] - self.velocity[1]
+    }
+
+    /// The velocities after the impact, m/s, with known [approach](Self::approach) and [shares](Self::shares).
+    #[inline(always)]
+    pub fn velocities_with(
+        &self,
+        approach: DoubleDouble,
+        shares: impl FnOnce() -> [DoubleDouble; 2],
+    ) -> [DoubleDouble; 2] {
         let [first, second] = self.velocity;
         let e = DoubleDouble::from(self.restitution);
         if self.mass[0].high == f64::INFINITY {
-            return [first, first + e * (first - second)];
+            return [first, first + e * approach];
         }
         if self.mass[1].high == f64::INFINITY {
-            return [second - e * (first - second), second];
+            return [second - e * approach, second];
         }
         if self.restitution == 1.0 && self.mass[0] == self.mass[1] {
             return [second, first];
         }
         let [share_first, share_second] = shares();
         if self.restitution == 0.0 {
-            let common = first - share_first * (first - second);
+            let common = first - share_first * approach;
             return [common; 2];
         }
-        let change = DoubleDouble::two_sum(1.0, self.restitution) * (first - second);
+        let change = DoubleDouble::two_sum(1.0, self.restitution) * approach;
         let [change_first, change_second] =
             (DoubleDouble::pair([share_first, share_second]) * DoubleDouble::pair([change; 2])).lanes();
         let changes = DoubleDouble::pair([-change_first, change_second]);
@@ -53,7 +63,13 @@ impl Impact {
 
     /// The impulse from the first on the second, in units of mass × m/s.
     pub fn impulse(&self) -> f64 {
-        let change = (1.0 + self.restitution) * (self.velocity[0] - self.velocity[1]).high;
+        self.impulse_with(self.approach())
+    }
+
+    /// The same impulse, with known [approach](Self::approach).
+    #[inline(always)]
+    pub fn impulse_with(&self, approach: DoubleDouble) -> f64 {
+        let change = (1.0 + self.restitution) * approach.high;
         if self.mass[0].high == f64::INFINITY {
             change * self.mass[1].high
         } else if self.mass[1].high == f64::INFINITY {

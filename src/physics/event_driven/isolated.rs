@@ -26,7 +26,7 @@ pub struct ImpactPair {
     /// True for a body that the impact cannot move.
     pub is_immovable: [bool; 2],
     /// The side of the body that keeps its position.
-    anchor: Side,
+    pub anchor: Side,
     restitution: f64,
     /// Masses times [`MASS_UNIT`]; infinite for a body that does not give way.
     mass: [DoubleDouble; 2],
@@ -42,6 +42,29 @@ impl ImpactPair {
     #[inline]
     fn in_creation_order<T>(&self, [low, high]: [T; 2]) -> [T; 2] {
         if self.side == Side::High { [low, high] } else { [high, low] }
+    }
+
+    /// The impact at velocities before it, m/s.
+    #[inline(always)]
+    pub fn impact(&self, velocity: [DoubleDouble; 2]) -> Impact {
+        Impact { velocity, mass: self.mass, restitution: self.restitution }
+    }
+
+    /// The greatest of the speeds of the bodies that the impact can move, before and after it.
+    #[inline(always)]
+    pub fn greatest_speed(&self, before: [f64; 2], after: &[DoubleDouble; 2]) -> f64 {
+        let own_speed = |place: usize| if self.is_immovable[place] { 0.0 } else { before[place] };
+        let speeds = [own_speed(0), own_speed(1), after[0].high.abs(), after[1].high.abs()];
+        speeds.iter().fold(0.0, |greatest, speed| larger(*speed, greatest))
+    }
+
+    /// The positions in contact, given that of the anchor and the sizes.
+    #[inline(always)]
+    pub fn positions_in_contact(&self, anchor: DoubleDouble, sizes: &[DoubleDouble; 2]) -> [DoubleDouble; 2] {
+        match self.anchor {
+            Side::Low => [anchor, anchor + sizes[0]],
+            Side::High => [anchor - sizes[0], anchor],
+        }
     }
 }
 
@@ -116,8 +139,8 @@ impl EventDriven {
     /// The impact of a pair, given the states now; `None` if the bodies do not approach, or the bounce is hidden by the
     /// resolution of positions.
     #[inline(always)]
-    pub(super) fn impact_of(&self, impact_pair: &ImpactPair, states: &[ScaledState; 2]) -> Option<Impact> {
-        let &ImpactPair { bodies, axis, restitution, mass, .. } = impact_pair;
+    fn impact_of(&self, impact_pair: &ImpactPair, states: &[ScaledState; 2]) -> Option<Impact> {
+        let &ImpactPair { bodies, axis, restitution, .. } = impact_pair;
         let [low, high] = states;
         let approach = (low.state.velocity - high.state.velocity).high;
         if approach <= (low.speed + high.speed) * VELOCITY_ROUNDING {
@@ -131,59 +154,54 @@ impl EventDriven {
                 return None;
             }
         }
-        Some(Impact { velocity: [low.state.velocity, high.state.velocity], mass, restitution })
+        Some(impact_pair.impact([low.state.velocity, high.state.velocity]))
     }
 
-    /// Carries out the impact of a pair, given the states now. Returns the states after it along the axis; the
-    /// predictions that involve the bodies remain to be invalidated.
+    /// Carries out the impact of a pair, given the states now; the predictions that involve the bodies remain to be
+    /// invalidated.
     #[inline(always)]
-    pub(super) fn carry_out<O: Observer>(
+    fn carry_out<O: Observer>(
         &mut self,
         impact_pair: &ImpactPair,
         states: &[ScaledState; 2],
         impact: &Impact,
         observer: &mut O,
-    ) -> [StateDd; 2] {
+    ) {
         let &ImpactPair { bodies, axis, is_immovable, .. } = impact_pair;
         let pair = impact_pair.slots();
         let [low, high] = states;
-        let after = self.bodies.rounding().velocities(impact, impact.velocities_with(|| self.latest_shares.of(impact)));
-        let own_speeds = [(low, is_immovable[0]), (high, is_immovable[1])]
-            .map(|(body, is_immovable)| if is_immovable { 0.0 } else { body.speed });
-        let speeds = [own_speeds[0], own_speeds[1], after[0].high.abs(), after[1].high.abs()];
-        let speed = speeds.iter().fold(0.0, |greatest, speed| larger(*speed, greatest));
+        let after = impact.velocities_with(impact.approach(), || self.latest_shares.of(impact));
+        let after = self.bodies.rounding().velocities(impact, after);
         let sizes = [self.bodies.size(bodies[0], axis), self.bodies.size(bodies[1], axis)];
         let acceleration = low.state.acceleration_relative_to(&high.state).high;
         let resolution = self.bodies.resolution().of_gap([sizes[0].high, sizes[1].high], low.length + high.length);
+        let speed = impact_pair.greatest_speed([low.speed, high.speed], &after);
         // Boxes below the resolution of their coordinates have no certain sides.
         let is_extended = resolution < 0.25 * (sizes[0].high + sizes[1].high);
         let is_receding = (after[1] - after[0]).high > speed * VELOCITY_ROUNDING && acceleration <= 0.0 && is_extended;
         self.receding = is_receding.then_some(pair);
         let [low, high] = [low.state, high.state];
-        let positions = match impact_pair.anchor {
-            Side::Low => [low.position, low.position + sizes[0]],
-            Side::High => [high.position - sizes[0], high.position],
-        };
+        let anchor = [low.position, high.position][impact_pair.anchor];
+        let positions = impact_pair.positions_in_contact(anchor, &sizes);
         let velocities = after.map(|velocity| velocity.or_zero(speed * VELOCITY_ROUNDING));
-        let mut changed = [low, high];
         if !is_immovable[0] {
-            changed[0] = StateDd { position: positions[0], velocity: velocities[0], ..low };
-            self.bodies.set_trajectory(bodies[0], axis, changed[0], self.now);
+            let changed = StateDd { position: positions[0], velocity: velocities[0], ..low };
+            self.bodies.set_trajectory(bodies[0], axis, changed, self.now);
         }
         if !is_immovable[1] {
-            changed[1] = StateDd { position: positions[1], velocity: velocities[1], ..high };
-            self.bodies.set_trajectory(bodies[1], axis, changed[1], self.now);
+            let changed = StateDd { position: positions[1], velocity: velocities[1], ..high };
+            self.bodies.set_trajectory(bodies[1], axis, changed, self.now);
         }
         let impulse = impact.impulse() / MASS_UNIT;
-        observer.collision_of(impulse, || self.record(impact_pair, states, impact, after, impulse));
-        changed
+        let before = states.map(|state| state.state.position);
+        observer.collision_of(impulse, || self.record(impact_pair, before, impact, after, impulse));
     }
 
-    /// The collision for the observer, given the states at the impact, the velocities after it (m/s) and the impulse (N·s).
-    fn record(
+    /// The collision for the observer, given the positions at the impact, the velocities after it (m/s) and the impulse (N·s).
+    pub(super) fn record(
         &self,
         impact_pair: &ImpactPair,
-        states: &[ScaledState; 2],
+        positions: [DoubleDouble; 2],
         impact: &Impact,
         after: [DoubleDouble; 2],
         impulse: f64,
@@ -196,7 +214,7 @@ impl EventDriven {
         };
         let rect = |place: usize| {
             let [width, height] = self.bodies[bodies[place]].size;
-            Rect::new(vector(states[place].state.position.high, across[place].position.high), width, height)
+            Rect::new(vector(positions[place].high, across[place].position.high), width, height)
         };
         let velocities = |along: [DoubleDouble; 2]| {
             let velocity = |place: usize| vector(along[place].high, across[place].velocity.high);

@@ -441,7 +441,7 @@ impl EventDriven {
                 && let Some(PairEvent::FaceImpact(axis, side)) = event.pair_event
                 && self.collide_isolated(world, pair, axis, side, observer)
             {
-                self.continue_in_closed_group(world, axis, last, observer)?;
+                self.continue_in_closed_group(world, axis, last, observer);
                 self.predict_changed();
                 self.receding = None;
             } else {

@@ -54,13 +54,15 @@ impl Reference {
         [references[0].scaled(at, first), references[1].scaled(at, second)]
     }
 
-    /// The state at an instant with its magnitudes of a body without acceleration, without random rounding: the same numbers
-    /// as those of [`scaled_states_at`](Self::scaled_states_at).
+    /// The position at an instant of a body without acceleration, without random rounding: the same number as that of
+    /// [`state_at`](Self::state_at).
     #[inline(always)]
-    pub fn drifted_state_at(&self, at: Instant) -> ScaledState {
-        let state = StateDd { acceleration: DoubleDouble::ZERO, ..self.state };
-        let reference = Reference { state, ..*self };
-        reference.scaled(at, reference.state_at(at, RandomRounding::default()))
+    pub fn drifted_position_at(&self, at: Instant) -> DoubleDouble {
+        let StateDd { position, velocity, .. } = self.state;
+        if velocity.high == 0.0 || self.since == at {
+            return position;
+        }
+        position + velocity * self.since.exact_seconds_until(at)
     }
 
     /// The states of two bodies at an instant.
