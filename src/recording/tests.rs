@@ -9,8 +9,9 @@ use std::{
 };
 
 use super::{
-    Change, Damage, Error, Gap, Health, Item, MissingEnd, Playback, RecordedEvent, Recording, Recovery, recover,
-    testing::{body, bounce, drop_and_delete, record, record_with_processors},
+    Change, Damage, Error, Gap, Health, Item, MissingEnd, Playback, RecordedEvent, RecordedState, Recording, Recovery,
+    recover,
+    testing::{body, bounce, drop_and_delete, record, record_altered, record_in_small_chunks, record_with_processors},
 };
 use crate::{
     physics::{CollisionCount, Engine, Rect, SolverKind, Spawn, Vector},
@@ -263,6 +264,22 @@ fn the_summary_events_and_one_state_are_found_without_reading_the_rest() {
     assert_eq!(Some(&Item::Trailer(summary.trailer)), all.last());
     let keyframes = all.iter().filter(|item| matches!(item, Item::Keyframe(_))).count() as u64;
     assert_eq!((summary.states, summary.keyframes), (40_001, keyframes));
+}
+
+/// A file that was cut has no index that tells in which of its chunks keyframes are.
+#[test]
+fn many_chunks_without_keyframes_are_searched_once() {
+    const STEPS: u64 = 1000;
+    let bytes = record_in_small_chunks(&bounce(STEPS));
+    let offset = bytes.windows(8).rposition(|window| window == b"\x04\0\0\0zstd").unwrap();
+    for file in [&bytes, &bytes[..offset]] {
+        let count = Cell::new(0);
+        let mut playback = Playback::new(Recording::read(CountingSource(Cursor::new(file), &count)).unwrap());
+        playback.seek(STEPS - 2).unwrap();
+        assert_eq!(playback.next().unwrap().unwrap().step, STEPS - 2);
+        let limit = 4 * file.len() + STEPS as usize * (4 << 10);
+        assert!(count.get() < limit, "{} of {} bytes were read", count.get(), file.len());
+    }
 }
 
 /// Each nine zeros are a record of length 0. A disk that lost power leaves such tails.
