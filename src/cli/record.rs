@@ -229,7 +229,11 @@ fn open_events(path: &Path) -> Result<Box<dyn BufRead>, CommandError> {
     if path == Path::new("-") {
         return Ok(Box::new(BufReader::new(io::stdin())));
     }
-    Ok(Box::new(BufReader::new(File::open(path).map_err(CommandError::unreadable(path))?)))
+    let file = File::open(path).and_then(|file| match file.metadata() {
+        Ok(metadata) if metadata.is_dir() => Err(io::ErrorKind::IsADirectory.into()),
+        Ok(_) | Err(_) => Ok(file),
+    });
+    Ok(Box::new(BufReader::new(file.map_err(CommandError::unreadable(path))?)))
 }
 
 fn print_summary(options: &RecordOptions, recorded: &Recorded, skipped: u64) -> Result<(), CommandError> {
