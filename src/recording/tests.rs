@@ -379,6 +379,33 @@ fn a_cut_recording_recovers_to_a_complete_one_that_replays_the_same() {
     }
 }
 
+/// Values or digest of a state are altered, with correct checksums. The keyframes are at the steps 20 and 40.
+#[test]
+fn an_altered_state_is_computed_again_or_lost_up_to_the_next_keyframe() {
+    let run = bounce(50);
+    let position: fn(&mut RecordedState) = |state| state.x[0] += 1e-3;
+    let digest: fn(&mut RecordedState) = |state| state.digest ^= 1;
+    let both: fn(&mut RecordedState) = |state| (state.x[0], state.digest) = (9.0, 9);
+    for (alter, lost) in [(position, 0), (digest, 0), (both, 9)] {
+        let altered = record_altered(&run, |state| {
+            if state.step == 31 {
+                alter(state)
+            }
+        });
+        let (recovery, fixed) = recovered(&altered);
+        assert_eq!((recovery.states, recovery.restored), (51 - lost, u64::from(lost == 0)), "{recovery}");
+        assert_eq!(recovery.gaps.len(), usize::from(lost > 0), "{recovery}");
+        let verdict = verdict(&fixed);
+        assert!(verdict.starts_with("incomplete: recovered"), "{verdict}");
+        assert!(lost > 0 || states_of(&fixed) == states_of(&record(&run)), "{recovery}");
+    }
+}
+
+fn states_of(bytes: &[u8]) -> Vec<RecordedState> {
+    let items = items(bytes).0.into_iter();
+    items.filter_map(|item| if let Item::State(state) = item { Some(state) } else { None }).collect()
+}
+
 /// The steps of the states whose bodies are known.
 fn usable_states(bytes: &[u8]) -> Vec<u64> {
     let mut recording = read(bytes).unwrap();
