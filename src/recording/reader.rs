@@ -11,7 +11,7 @@ use super::{
     Trailer,
     chunk_reader::{ChunkReader, ChunkRecord},
     decoder::{Decoder, Location},
-    header_section::{self, Attached, Defect, HeaderSection, parse_attachment},
+    header_section::{self, Attached, Defect, HeaderSection, SECOND_SCENE, parse_attachment},
     index::{self, Index, Summary},
     merge::{Merge, Parts},
     metadata,
@@ -624,17 +624,22 @@ impl<R: Read + Seek> Recording<R> {
         Ok(())
     }
 
-    /// Returns an error for a damaged attachment, and for a second one with the scene or with the same image.
+    /// Returns an error for a damaged attachment, and for a second one with the scene or with the same image. Other programs
+    /// may attach other TOML.
     fn check_attachment(&self, offset: u64) -> Result<(), String> {
         match parse_attachment(&self.records.body)? {
-            Attached::Scene(_) if self.scene_offset != Some(offset) => Err("a second attachment with a scene".into()),
+            Attached::Scene(_) if self.scene_offset == Some(offset) => Ok(()),
+            Attached::Scene(found) => match &self.header.scene {
+                Some(scene) if metadata::describes_scene(&self.header) && found.as_ref() != Ok(scene) => Ok(()),
+                Some(_) | None => found.and(Err(SECOND_SCENE.into())),
+            },
             Attached::Image(name, _)
                 if !self.image_offsets.contains(&offset)
                     && self.header.images.iter().any(|image| image.name == name) =>
             {
                 Err(format!("another attachment with the image {name:?}"))
             }
-            Attached::Scene(_) | Attached::Image(..) | Attached::Other => Ok(()),
+            Attached::Image(..) | Attached::Other => Ok(()),
         }
     }
 
