@@ -1,4 +1,4 @@
-use super::output_file::Busy;
+use super::output_file::is_busy;
 use super::{Exit, arguments::is_standard_output};
 use crate::{
     picture::{self, RenderError},
@@ -356,7 +356,7 @@ impl CommandError {
         move |source| match source.kind() {
             io::ErrorKind::BrokenPipe => CommandError::ReaderClosed(path.into()),
             io::ErrorKind::AlreadyExists if source.get_ref().is_none() => CommandError::Exists(path.into()),
-            _ if source.get_ref().is_some_and(|source| source.is::<Busy>()) => CommandError::Busy(path.into()),
+            _ if is_busy(&source) => CommandError::Busy(path.into()),
             _ if is_standard_output(path) => CommandError::StandardOutput(source),
             _ => CommandError::Unwritable { path: path.into(), source },
         }

@@ -1,6 +1,7 @@
 use super::arguments::{RecordOptions, RecoverOptions, is_standard_output};
 use super::error::CommandError;
-use super::output_file::{Durability, OutputFile, Overwrite, Placement, RefuseInputs};
+use super::output_file::{self, Durability, OutputFile, Overwrite, Placement, RefuseInputs};
+use super::replay::replay_with_progress;
 use super::{Exit, output};
 use crate::physics::SolverKind;
 use crate::picture;
@@ -16,8 +17,21 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// Runs a scene and records it.
+/// Runs a scene and records it. If another process records to the same file meanwhile, `--skip-existing` waits for its end
+/// and then takes the file as one that has existed before.
 pub fn run(options: &RecordOptions) -> Result<Exit, CommandError> {
+    let is_repeatable = options.skip_existing && !is_standard_output(&options.scene);
+    loop {
+        match record_once(options) {
+            Err(CommandError::Exists(path) | CommandError::Busy(path)) if is_repeatable && path.is_file() => {
+                output_file::wait_for_writer(&path);
+            }
+            result => return result,
+        }
+    }
+}
+
+fn record_once(options: &RecordOptions) -> Result<Exit, CommandError> {
     let inputs: Vec<&Path> = iter::once(&options.scene).chain(&options.events).map(PathBuf::as_path).collect();
     if is_standard_output(&options.scene) && options.events.as_deref().is_some_and(is_standard_output) {
         return Err(CommandError::TwoFromStandardInput);
