@@ -5,5 +5,5 @@ use rebond::internals::cli::{self, Arguments};
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    cli::run(Arguments::parse()).into()
+    Arguments::try_parse().map_or_else(|error| cli::print_usage(&error), cli::run).into()
 }

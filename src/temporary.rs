@@ -202,15 +202,15 @@ fn remove_in_use(folder: &Path) {
     }
 }
 
-/// Removes temporary files on SIGINT, SIGTERM and SIGHUP, and then ends the process by the same signal, so that shells
+/// Removes temporary files on SIGINT, SIGTERM, SIGHUP and SIGQUIT, and then ends the process by the same signal, so that shells
 /// and parent processes see the interruption. Signals that the parent process ignores stay ignored, as under `nohup`.
 #[cfg(all(feature = "cli", unix))]
 pub fn remove_all_on_interruption() {
-    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM};
     use signal_hook::{iterator::Signals, low_level};
 
     let ignored = ignored_signals();
-    let handled = [SIGINT, SIGTERM, SIGHUP].into_iter().filter(|signal| ignored >> (signal - 1) & 1 == 0);
+    let handled = [SIGINT, SIGTERM, SIGHUP, SIGQUIT].into_iter().filter(|signal| ignored >> (signal - 1) & 1 == 0);
     let Ok(mut signals) = Signals::new(handled) else { return };
     std::thread::spawn(move || {
         if let Some(signal) = signals.forever().next() {

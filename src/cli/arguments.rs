@@ -281,7 +281,9 @@ pub struct CheckOptions {
 /// Options of `recover`.
 #[derive(Args, Debug)]
 #[command(after_help = "\
-Lost steps are reported, never invented. The new recording replays the same.
+Lost steps are reported, never invented. A state that contradicts its digest is
+computed again, and kept if the result has its digest or its values. A new file
+of a damaged recording is replayed; recover says if it does not replay the same.
 
 Example:
   rebond recover broken.mcap -o fixed.mcap")]

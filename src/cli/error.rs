@@ -1,4 +1,4 @@
-use super::output_file::Busy;
+use super::output_file::is_busy;
 use super::{Exit, arguments::is_standard_output};
 use crate::{
     picture::{self, RenderError},
@@ -340,9 +340,8 @@ impl CommandError {
     /// Converts an error of reading or writing the recording at `path`, so that the message names the path once.
     fn recording(path: &Path, source: recording::Error) -> CommandError {
         match source {
-            recording::Error::Open { .. } | recording::Error::NotARegularFile { .. } => {
-                CommandError::RecordingFile(source)
-            }
+            recording::Error::Open { path, source } => CommandError::Unreadable { path, source },
+            recording::Error::NotARegularFile { .. } => CommandError::RecordingFile(source),
             recording::Error::NotARecording { .. } if path.extension().is_some_and(|extension| extension == "toml") => {
                 CommandError::SceneAsRecording { path: path.into() }
             }
@@ -356,7 +355,7 @@ impl CommandError {
         move |source| match source.kind() {
             io::ErrorKind::BrokenPipe => CommandError::ReaderClosed(path.into()),
             io::ErrorKind::AlreadyExists if source.get_ref().is_none() => CommandError::Exists(path.into()),
-            _ if source.get_ref().is_some_and(|source| source.is::<Busy>()) => CommandError::Busy(path.into()),
+            _ if is_busy(&source) => CommandError::Busy(path.into()),
             _ if is_standard_output(path) => CommandError::StandardOutput(source),
             _ => CommandError::Unwritable { path: path.into(), source },
         }
@@ -575,10 +574,10 @@ const MAX_CONTEXT: usize = 300;
 impl ReportedText {
     fn new(excerpt: &Excerpt) -> ReportedText {
         let mut text = String::with_capacity(excerpt.text.len());
-        for character in excerpt.text.chars() {
+        for (index, character) in excerpt.text.char_indices() {
+            let ends_line = || excerpt.text[index..].starts_with("\r\n");
             match character.len_utf8() {
-                // A line may end in \r\n.
-                _ if !is_unprintable(character) || character == '\r' => text.push(character),
+                _ if !is_unprintable(character) || character == '\r' && ends_line() => text.push(character),
                 length @ 1..=2 => text.extend(std::iter::repeat_n('?', length)),
                 _ => text.push(char::REPLACEMENT_CHARACTER),
             }

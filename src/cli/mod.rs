@@ -33,18 +33,15 @@ use arguments::{
     ReplayOptions, ReportOptions,
 };
 use clap::{Parser, Subcommand};
+use error::CommandError;
 use picture_arguments::{FigureCommandOptions, RenderOptions};
+use std::io::{self, Write};
+use std::path::Path;
 use std::process::ExitCode;
 
 /// Deterministic 2-D physics of boxes: record, replay bit for bit, draw
 #[derive(Debug, Parser)]
-#[command(
-    version,
-    arg_required_else_help = true,
-    disable_help_subcommand = true,
-    max_term_width = 100,
-    next_line_help = false
-)]
+#[command(version, arg_required_else_help = true, max_term_width = 100, next_line_help = false)]
 pub struct Arguments {
     /// The command.
     #[command(subcommand)]
@@ -99,6 +96,16 @@ pub fn run(arguments: Arguments) -> Exit {
         Command::Man(options) => shell::man(options),
     };
     result.unwrap_or_else(error::report)
+}
+
+/// Prints help, the version or an error of the arguments, and returns the exit code.
+pub fn print_usage(message: &clap::Error) -> Exit {
+    let printed = message.print().and_then(|()| io::stdout().flush());
+    match printed.map_err(CommandError::unwritable(Path::new("-"))) {
+        Ok(()) | Err(_) if message.use_stderr() => Exit::Usage,
+        Ok(()) => Exit::Done,
+        Err(error) => error::report(error),
+    }
 }
 
 /// The exit code of a command. The argument parser returns 2, too.

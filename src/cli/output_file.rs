@@ -16,6 +16,8 @@ use std::io::{self, BufWriter, ErrorKind, IsTerminal, Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread;
+use std::time::Duration;
 use tempfile::TempPath;
 
 /// An output that is never one of the inputs of its command.
@@ -487,10 +489,24 @@ impl OldFile {
     }
 }
 
+/// Waits until no process is recording to the file at `path`.
+pub fn wait_for_writer(path: &Path) {
+    const INTERVAL: Duration = Duration::from_millis(20);
+    let place = behind_links(path).last().unwrap_or_else(|| path.to_owned());
+    while OldFile::hold(&place).is_err_and(|error| is_busy(&error)) {
+        thread::sleep(INTERVAL);
+    }
+}
+
+/// Returns true for the error of a file to which another process is recording.
+pub fn is_busy(error: &io::Error) -> bool {
+    error.get_ref().is_some_and(|source| source.is::<Busy>())
+}
+
 /// The error of a file to which another process is recording.
 #[derive(Debug, thiserror::Error)]
 #[error("another process is writing it")]
-pub struct Busy;
+struct Busy;
 
 /// The error of Windows for a file that another process has opened for itself.
 const SHARING_VIOLATION: i32 = 32;

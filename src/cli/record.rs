@@ -1,11 +1,12 @@
 use super::arguments::{RecordOptions, RecoverOptions, is_standard_output};
 use super::error::CommandError;
-use super::output_file::{Durability, OutputFile, Overwrite, Placement, RefuseInputs};
+use super::output_file::{self, Durability, OutputFile, Overwrite, Placement, RefuseInputs};
+use super::replay::replay_with_progress;
 use super::{Exit, output};
-use crate::physics::SolverKind;
+use crate::physics::{CollisionCount, SolverKind};
 use crate::picture;
 use crate::recording::{self, ColorFn, Header, Health, Item, RecordedError, Trailer, Versions};
-use crate::replay::{self, IdleClicks, LiveEvents, OnBadEvent, Recorded, RunError};
+use crate::replay::{self, ALL_STEPS, IdleClicks, LiveEvents, OnBadEvent, Recorded, RunError, Verdict};
 use crate::scene::{self, Action, Scene};
 use crate::text::counted;
 use std::{
@@ -16,8 +17,21 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// Runs a scene and records it.
+/// Runs a scene and records it. If another process records to the same file meanwhile, `--skip-existing` waits for its end
+/// and then takes the file as one that has existed before.
 pub fn run(options: &RecordOptions) -> Result<Exit, CommandError> {
+    let is_repeatable = options.skip_existing && !is_standard_output(&options.scene);
+    loop {
+        match record_once(options) {
+            Err(CommandError::Exists(path) | CommandError::Busy(path)) if is_repeatable && path.is_file() => {
+                output_file::wait_for_writer(&path);
+            }
+            result => return result,
+        }
+    }
+}
+
+fn record_once(options: &RecordOptions) -> Result<Exit, CommandError> {
     let inputs: Vec<&Path> = iter::once(&options.scene).chain(&options.events).map(PathBuf::as_path).collect();
     if is_standard_output(&options.scene) && options.events.as_deref().is_some_and(is_standard_output) {
         return Err(CommandError::TwoFromStandardInput);
@@ -229,7 +243,11 @@ fn open_events(path: &Path) -> Result<Box<dyn BufRead>, CommandError> {
     if path == Path::new("-") {
         return Ok(Box::new(BufReader::new(io::stdin())));
     }
-    Ok(Box::new(BufReader::new(File::open(path).map_err(CommandError::unreadable(path))?)))
+    let file = File::open(path).and_then(|file| match file.metadata() {
+        Ok(metadata) if metadata.is_dir() => Err(io::ErrorKind::IsADirectory.into()),
+        Ok(_) | Err(_) => Ok(file),
+    });
+    Ok(Box::new(BufReader::new(file.map_err(CommandError::unreadable(path))?)))
 }
 
 fn print_summary(options: &RecordOptions, recorded: &Recorded, skipped: u64) -> Result<(), CommandError> {
@@ -257,8 +275,8 @@ fn print_summary(options: &RecordOptions, recorded: &Recorded, skipped: u64) -> 
     output::print_result(&options.output, &line)
 }
 
-/// Writes the readable part of a damaged recording to a new one, and prints what was lost and the first damage. The exit
-/// code is that of the damaged recording.
+/// Writes the readable part of a damaged recording to a new one, replays that, and prints what was lost and the first damage.
+/// The exit code is that of the damaged recording.
 pub fn recover(options: &RecoverOptions) -> Result<Exit, CommandError> {
     let path = &options.recording;
     let overwrite = Overwrite::from_force(options.output.force);
@@ -270,10 +288,27 @@ pub fn recover(options: &RecoverOptions) -> Result<Exit, CommandError> {
         Err(error) => Err(CommandError::in_recording(path)(error)),
     })?;
     let exit = if recovery.health == Health::Whole { Exit::Done } else { Exit::Damaged };
+    let problem = if exit == Exit::Damaged { replay_problem(&options.output.output) } else { None };
+    let result: Vec<String> = iter::once(recovery.to_string()).chain(problem).collect();
     if output::is_quiet() && exit == Exit::Damaged {
-        output::warn(&format!("{recovery}\n"))
+        output::warn(&format!("{}\n", result.join("\n")))
     } else {
-        output::print_result(&options.output.output, &recovery.to_string())?
+        output::print_result(&options.output.output, &result.join("\n"))?
     }
     Ok(exit)
+}
+
+/// Replays a recovered recording, if it is a file, and says that it does not replay the same or cannot be replayed: values
+/// may have been altered that nothing else in the file contradicts.
+fn replay_problem(path: &Path) -> Option<String> {
+    if !path.is_file() || output_file::goes_to_standard_output(path) {
+        return None;
+    }
+    match replay_with_progress(path, |_| Ok(ALL_STEPS), &mut CollisionCount::default()) {
+        Ok(verdict @ (Verdict::Diverged(_) | Verdict::Corrupt { .. })) => {
+            Some(format!("the new recording does not replay the same: {verdict}"))
+        }
+        Ok(Verdict::Same { .. } | Verdict::Incomplete { .. }) => None,
+        Err(error) => Some(format!("the new recording cannot be replayed: {error}")),
+    }
 }

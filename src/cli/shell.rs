@@ -19,7 +19,7 @@ pub fn completions(options: &CompletionsOptions) -> Result<Exit, CommandError> {
 
 /// Writes one manual page for the program and one for each command.
 pub fn man(options: &ManOptions) -> Result<Exit, CommandError> {
-    let mut program = Arguments::command();
+    let mut program = Arguments::command().disable_help_subcommand(true);
     program.build();
     let mut folder = OutputFolder::create(&options.folder, Overwrite::from_force(options.force), &[])?;
     for command in std::iter::once(&program).chain(program.get_subcommands()) {

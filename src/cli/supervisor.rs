@@ -88,9 +88,9 @@ fn command(journal: &Path) -> io::Result<Command> {
 /// Ends this process by the signal that interrupted the child.
 #[cfg(unix)]
 fn end_like(status: ExitStatus) {
-    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM};
     use std::os::unix::process::ExitStatusExt;
-    if let Some(signal) = status.signal().filter(|signal| [SIGINT, SIGTERM, SIGHUP].contains(signal)) {
+    if let Some(signal) = status.signal().filter(|signal| [SIGINT, SIGTERM, SIGHUP, SIGQUIT].contains(signal)) {
         temporary::remove_all();
         let _ = signal_hook::low_level::emulate_default_handler(signal);
     }

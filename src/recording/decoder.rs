@@ -178,6 +178,11 @@ impl Decoder {
         true
     }
 
+    /// Returns true if the step at `time`, in simulated nanoseconds, has begun and may continue.
+    pub fn is_reading_step_at(&self, time: u64) -> bool {
+        self.step.time == Some(time)
+    }
+
     /// Decodes a metadata record of the data section.
     pub fn decode_metadata(&mut self, location: Location, body: &[u8], settings_offset: u64) {
         let Ok((name, map)) = metadata::parse(body) else {

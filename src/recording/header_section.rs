@@ -50,7 +50,12 @@ struct SectionReader {
     library: Option<String>,
     settings: Option<Settings>,
     trailers: Vec<(u64, Vec<u8>)>,
+    /// The attachment that is the scene as far as is known: the first one with TOML, or one that the settings describe.
     scene: Option<(u64, SceneText)>,
+    /// The offsets of all attachments with TOML.
+    toml_offsets: Vec<u64>,
+    /// The first attachment with TOML that cannot be the scene. It is a defect if no other one is the scene.
+    unusable_scene: Option<Defect>,
     /// Offset, name and content of each attached image.
     images: Vec<(u64, String, Vec<u8>)>,
     indexed: Vec<(u8, Vec<u8>)>,
@@ -89,9 +94,14 @@ pub fn read<R: Read + Seek>(records: &mut RecordReader<R>) -> Result<HeaderSecti
         Some(settings) => settings,
         None => section.find_settings(records)?,
     };
-    if !(section.scene.is_some() && section.has_images(&settings.header) || section.is_cut) {
-        section.find_attachments(&settings.header, records)?;
+    if section.toml_offsets.len() > 1 && !section.is_cut {
+        section.choose_scene(&settings, records)?;
     }
+    if !(section.has_scene(&settings) && section.has_images(&settings.header) || section.is_cut) {
+        section.find_attachments(&settings, records)?;
+    }
+    let unusable_scene = section.unusable_scene.take().filter(|_| section.scene.is_none());
+    section.defects.extend(unusable_scene);
     let (scene_offset, scene) = section.scene.take().unzip();
     let (images, image_offsets) = section.take_images(&settings.header);
     let header = Header { scene, images, ..settings.header.clone() };
@@ -114,8 +124,39 @@ pub fn read<R: Read + Seek>(records: &mut RecordReader<R>) -> Result<HeaderSecti
 
 impl SectionReader {
     fn is_done(&self) -> bool {
-        let has_all = |settings: &Settings| self.scene.is_some() && self.has_images(&settings.header);
+        let has_all = |settings: &Settings| {
+            self.has_scene(settings) && self.toml_offsets.len() < 2 && self.has_images(&settings.header)
+        };
         self.settings.as_ref().is_some_and(has_all) || self.pending.is_some() || self.is_cut
+    }
+
+    /// Returns true if the scene was found that the settings describe.
+    fn has_scene(&self, settings: &Settings) -> bool {
+        self.scene.as_ref().is_some_and(|(_, scene)| metadata::may_describe(&settings.map, scene))
+    }
+
+    /// Chooses the scene among several attachments with TOML: the first one that the settings describe, or else the first
+    /// one. A second one that can be the scene, too, is a defect, those of other programs are not.
+    fn choose_scene<R: Read + Seek>(
+        &mut self,
+        settings: &Settings,
+        records: &mut RecordReader<R>,
+    ) -> Result<(), Error> {
+        let (offsets, mut described) = (std::mem::take(&mut self.toml_offsets), Vec::new());
+        for offset in &offsets {
+            let read = resync::read_attachment(records.source(), *offset).map_err(Error::Read)?;
+            if let Some(Ok(Attached::Scene(Ok(scene)))) = read.map(|(_, body, _)| parse_attachment(&body))
+                && metadata::may_describe(&settings.map, &scene)
+            {
+                described.push(*offset);
+                if !self.has_scene(settings) {
+                    self.scene = Some((*offset, scene));
+                }
+            }
+        }
+        let second = if described.is_empty() { offsets.get(1) } else { described.get(1) };
+        self.defects.extend(second.map(|offset| Defect { offset: *offset, reason: SECOND_SCENE.into() }));
+        self.seek_back(records, MAGIC.len() as u64)
     }
 
     /// Returns true if every image that the settings declare was found.
@@ -199,10 +240,13 @@ impl SectionReader {
 
     fn add_attachment(&mut self, offset: u64, body: &[u8]) -> Result<(), HeaderError> {
         match parse_attachment(body)? {
-            Attached::Scene(_) if self.scene.is_some() => {
-                return Err("a second attachment with a scene".to_owned().into());
+            Attached::Scene(scene) => {
+                self.toml_offsets.push(offset);
+                match scene {
+                    Ok(scene) => self.scene = self.scene.take().or(Some((offset, scene))),
+                    Err(reason) => self.unusable_scene = self.unusable_scene.take().or(Some(Defect { offset, reason })),
+                }
             }
-            Attached::Scene(scene) => self.scene = Some((offset, scene)),
             Attached::Image(name, png) => self.add_image(offset, name, png),
             Attached::Other => {}
         }
@@ -252,19 +296,22 @@ impl SectionReader {
     /// to the current position. A damaged one is reported when it is reached.
     fn find_attachments<R: Read + Seek>(
         &mut self,
-        header: &Header,
+        settings: &Settings,
         records: &mut RecordReader<R>,
     ) -> Result<(), Error> {
         let mut offset = self.pending.map_or(MAGIC.len() as u64, |record| record.offset);
         while let Some((opcode, body, next)) = resync::read_attachment(records.source(), offset).map_err(Error::Read)? {
             match (opcode, parse_attachment(&body)) {
-                (op::ATTACHMENT, Ok(Attached::Scene(scene))) if self.scene.is_none() => {
+                (op::ATTACHMENT, Ok(Attached::Scene(Ok(scene))))
+                    if self.scene.is_none()
+                        || !self.has_scene(settings) && metadata::may_describe(&settings.map, &scene) =>
+                {
                     self.scene = Some((offset, scene))
                 }
                 (op::ATTACHMENT, Ok(Attached::Image(name, png))) => self.add_image(offset, name, png),
                 _ => {}
             }
-            if self.scene.is_some() && self.has_images(header) {
+            if self.has_scene(settings) && self.has_images(&settings.header) {
                 break;
             }
             offset = next;
@@ -356,10 +403,13 @@ fn parse_library(body: &[u8]) -> Result<&str, Malformed> {
     fields.text()
 }
 
+/// The damage of a second attachment that can be the scene.
+pub const SECOND_SCENE: &str = "a second attachment with a scene";
+
 /// The content of an attachment.
 pub enum Attached {
-    /// The scene.
-    Scene(SceneText),
+    /// TOML: the scene, or a description of the reason why the attachment can only be one of another program.
+    Scene(Result<SceneText, String>),
     /// An image: its name and file.
     Image(String, Vec<u8>),
     /// An attachment of another program.
@@ -369,8 +419,7 @@ pub enum Attached {
 /// Returns the scene or the image in an attachment.
 ///
 /// # Errors
-/// Returns a description of the problem if the attachment does not match its checksum or has other properties than those
-/// of rebond.
+/// Returns a description of the problem if the attachment does not match its checksum.
 pub fn parse_attachment(body: &[u8]) -> Result<Attached, String> {
     let mut fields = FieldReader::new(body);
     let mut read = || {
@@ -393,11 +442,13 @@ pub fn parse_attachment(body: &[u8]) -> Result<Attached, String> {
     if media_type != SCENE_MEDIA_TYPE {
         return Ok(Attached::Other);
     }
-    if times != [0; 2] {
-        return Err(format!("the scene attachment has the times {} ns and {} ns instead of 0", times[0], times[1]));
-    }
-    let text = str::from_utf8(text).map_err(|_| "the scene attachment is not UTF-8".to_string())?;
-    Ok(Attached::Scene(SceneText { file_name: file_name.into(), text: text.into() }))
+    Ok(Attached::Scene(match str::from_utf8(text) {
+        _ if times != [0; 2] => {
+            Err(format!("the scene attachment has the times {} ns and {} ns instead of 0", times[0], times[1]))
+        }
+        Ok(text) => Ok(SceneText { file_name: file_name.into(), text: text.into() }),
+        Err(_) => Err("the scene attachment is not UTF-8".into()),
+    }))
 }
 
 /// Returns true if the file starts with the MCAP magic bytes, or with a part of them if it is shorter.

@@ -114,6 +114,13 @@ impl Index {
             || self.channels_of(topic).any(|channel| self.places[place].channels.contains(channel))
     }
 
+    /// Returns true if the first message of a topic at some time may be at a place. Those of a single time, with which
+    /// another place has ended, belong to that place.
+    pub fn may_begin(&self, place: usize, topic: Topic) -> bool {
+        let continues = |previous: usize| self.places[previous].last_time == self.places[place].last_time;
+        self.may_contain(place, topic) && !place.checked_sub(1).is_some_and(continues)
+    }
+
     fn channels_of(&self, topic: Topic) -> impl Iterator<Item = u16> {
         let channels = self.definitions.iter().filter(|(opcode, _)| *opcode == op::CHANNEL);
         channels.filter_map(|(_, body)| topic_of(body)).filter_map(move |(id, found)| (found == topic).then_some(id))

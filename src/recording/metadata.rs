@@ -56,12 +56,9 @@ pub fn header_map(header: &Header) -> Map {
     insert(&mut map, "every", header.every);
     insert(&mut map, "library", LIBRARY);
     if let Some(SceneText { file_name, text }) = &header.scene
-        && header.versions.format >= FIRST_FORMAT_WITH_SCENE
+        && describes_scene(header)
     {
-        let digest = format!("{:016x}", xxh3_64(text.as_bytes()));
-        for (key, value) in SCENE_KEYS.into_iter().zip([file_name.clone(), text.len().to_string(), digest]) {
-            map.insert(key.into(), value);
-        }
+        map.extend(scene_entries(file_name, text));
     }
     if header.estimates_accuracy {
         insert(&mut map, "accuracy", "estimated");
@@ -74,6 +71,22 @@ const FIRST_FORMAT_WITH_SCENE: u32 = 3;
 
 /// File name, length in bytes and XXH3-64 of the scene.
 const SCENE_KEYS: [&str; 3] = ["scene_name", "scene_bytes", "scene_digest"];
+
+fn scene_entries(file_name: &str, text: &str) -> impl Iterator<Item = (String, String)> {
+    let digest = format!("{:016x}", xxh3_64(text.as_bytes()));
+    SCENE_KEYS.map(String::from).into_iter().zip([file_name.into(), text.len().to_string(), digest])
+}
+
+/// Returns true if the metadata of a recording describes its scene.
+pub fn describes_scene(header: &Header) -> bool {
+    header.versions.format >= FIRST_FORMAT_WITH_SCENE
+}
+
+/// Returns true if an attachment with TOML can be the scene of a recording: its metadata describes it, or none as before
+/// format 3.
+pub fn may_describe(map: &Map, SceneText { file_name, text }: &SceneText) -> bool {
+    scene_entries(file_name, text).all(|(key, value)| map.get(&key).is_none_or(|described| *described == value))
+}
 
 /// Returns the part of the header record that determines the run.
 pub fn settings_map(header: &Header) -> Map {

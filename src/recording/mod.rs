@@ -37,6 +37,7 @@ mod plot_table;
 mod reader;
 mod record_reader;
 mod recover;
+mod restorer;
 mod resync;
 mod scene_update;
 mod sequence_validator;

@@ -11,7 +11,7 @@ use super::{
     Trailer,
     chunk_reader::{ChunkReader, ChunkRecord},
     decoder::{Decoder, Location},
-    header_section::{self, Attached, Defect, HeaderSection, parse_attachment},
+    header_section::{self, Attached, Defect, HeaderSection, SECOND_SCENE, parse_attachment},
     index::{self, Index, Summary},
     merge::{Merge, Parts},
     metadata,
@@ -183,7 +183,7 @@ impl<R: Read + Seek> Recording<R> {
         let mut is_found = false;
         // From the start, the end record is compared with everything before it.
         let candidates = (1..index.places.len()).rev().filter(|place| index.places[*place].first_time <= time);
-        for place in candidates.filter(|place| index.may_contain(*place, Topic::Bodies)) {
+        for place in candidates.filter(|place| index.may_begin(*place, Topic::Bodies)) {
             is_found = self.seek_keyframe(&index, place, step)?;
             if is_found {
                 break;
@@ -193,13 +193,16 @@ impl<R: Read + Seek> Recording<R> {
         if is_found { Ok(()) } else { self.restart() }
     }
 
-    /// Searches from a place on for a keyframe at or before `step`, and returns true if there is one, which is
-    /// then the next item.
+    /// Searches the steps that begin at a place for a keyframe at or before `step`, and returns true if there is one, which
+    /// is then the next item. Later places must have been searched before, so that each is read only once.
     fn seek_keyframe(&mut self, index: &Index, place: usize, step: u64) -> Result<bool, Error> {
         // A keyframe may begin in the chunk before, where the search then finds it whole.
         let continued = place.checked_sub(1).map(|previous| index.places[previous].last_time);
+        let last_time = index.places[place].last_time;
+        let later = index.places[place + 1..].iter().find(|later| later.first_time > last_time);
+        let end = later.map_or(u64::MAX, |later| later.offset);
         self.open_place(index, place)?;
-        while let Some(item) = self.next().transpose()? {
+        while let Some(item) = self.next_before(end, last_time)? {
             match item {
                 Item::Keyframe(keyframe) if keyframe.step <= step => {
                     if continued == Some(self.header.log_time(keyframe.step)) {
@@ -215,6 +218,20 @@ impl<R: Read + Seek> Recording<R> {
             }
         }
         Ok(false)
+    }
+
+    /// Returns the next item, or `None` where all records before the offset `end` are read and the step at `last_time`
+    /// (simulated nanoseconds), which may continue after it, is complete.
+    fn next_before(&mut self, end: u64, last_time: u64) -> Result<Option<Item>, Error> {
+        while self.decoder.ready.is_empty() && self.phase == Phase::Reading {
+            if self.last_offset >= end && !self.decoder.is_reading_step_at(last_time) {
+                return Ok(None);
+            }
+            if !self.decoder.resume() {
+                self.next_stored()?;
+            }
+        }
+        Ok(self.decoder.ready.pop_front())
     }
 
     /// Returns the summary, or `None` if the recording is unfinished or has no usable summary section. Afterwards,
@@ -607,17 +624,22 @@ impl<R: Read + Seek> Recording<R> {
         Ok(())
     }
 
-    /// Returns an error for a damaged attachment, and for a second one with the scene or with the same image.
+    /// Returns an error for a damaged attachment, and for a second one with the scene or with the same image. Other programs
+    /// may attach other TOML.
     fn check_attachment(&self, offset: u64) -> Result<(), String> {
         match parse_attachment(&self.records.body)? {
-            Attached::Scene(_) if self.scene_offset != Some(offset) => Err("a second attachment with a scene".into()),
+            Attached::Scene(_) if self.scene_offset == Some(offset) => Ok(()),
+            Attached::Scene(found) => match &self.header.scene {
+                Some(scene) if metadata::describes_scene(&self.header) && found.as_ref() != Ok(scene) => Ok(()),
+                Some(_) | None => found.and(Err(SECOND_SCENE.into())),
+            },
             Attached::Image(name, _)
                 if !self.image_offsets.contains(&offset)
                     && self.header.images.iter().any(|image| image.name == name) =>
             {
                 Err(format!("another attachment with the image {name:?}"))
             }
-            Attached::Scene(_) | Attached::Image(..) | Attached::Other => Ok(()),
+            Attached::Image(..) | Attached::Other => Ok(()),
         }
     }
 

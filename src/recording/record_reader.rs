@@ -15,6 +15,8 @@ pub struct RecordReader<R> {
     source: FixedEnd<R>,
     reader: LinearReader,
     next_offset: u64,
+    /// The number of bytes to read next.
+    read_bytes: usize,
     /// The start and the result of the last search for a record.
     searched: Option<(u64, Option<u64>)>,
     /// The offset at which reading last continued although no record was found.
@@ -44,7 +46,12 @@ pub struct ReadFault {
 /// Bytes before the fields of a record: opcode and length.
 pub const PREFIX_BYTES: usize = 9;
 
+/// The number of bytes to read at once.
 const READ_BYTES: usize = 64 << 10;
+
+/// The number of bytes to read first at another place, of which often only one record is needed. It is then doubled up to
+/// [`READ_BYTES`].
+const FIRST_READ_BYTES: usize = 2 << 10;
 
 impl<R: Read + Seek> RecordReader<R> {
     /// Creates a reader at the start of the file, which reads up to the present end of the file.
@@ -54,6 +61,7 @@ impl<R: Read + Seek> RecordReader<R> {
             source,
             reader: reader_at_start(),
             next_offset: MAGIC.len() as u64,
+            read_bytes: READ_BYTES,
             searched: None,
             unfounded: None,
             body: Vec::new(),
@@ -74,6 +82,7 @@ impl<R: Read + Seek> RecordReader<R> {
         self.source.seek(SeekFrom::Start(offset))?;
         self.reader = LinearReader::new_with_options(strict_options().with_skip_start_magic(true));
         self.next_offset = offset;
+        self.read_bytes = FIRST_READ_BYTES;
         Ok(())
     }
 
@@ -125,9 +134,10 @@ impl<R: Read + Seek> RecordReader<R> {
                 Some(Err(error)) => return Err(fault(error)),
                 Some(Ok(LinearReadEvent::ReadRequest(_))) => {
                     // Never reads the requested amount, because a damaged length can be huge.
-                    let count =
-                        self.source.read(self.reader.insert(READ_BYTES)).map_err(|error| fault(error.into()))?;
+                    let buffer = self.reader.insert(self.read_bytes);
+                    let count = self.source.read(buffer).map_err(|error| fault(error.into()))?;
                     self.reader.notify_read(count);
+                    self.read_bytes = READ_BYTES.min(2 * self.read_bytes);
                 }
                 Some(Ok(LinearReadEvent::Record { opcode, data })) => {
                     self.body.clear();

@@ -7,7 +7,7 @@ use crate::text::counted;
 
 use super::{
     Error, Gap, Header, Health, Item, Keyframe, Missing, MissingEnd, RecordedEvent, RecordedState, Recording, RunEnd,
-    Trailer, batch_writer::BatchWriter, mcap_writer::Profile,
+    Trailer, batch_writer::BatchWriter, mcap_writer::Profile, restorer::Restorer,
 };
 
 /// The result of [`recover`]. `Display` prints a few lines for people.
@@ -18,6 +18,8 @@ pub struct Recovery {
     pub trailer: Trailer,
     /// The number of recovered states.
     pub states: u64,
+    /// The number of these that were altered and have been computed again.
+    pub restored: u64,
     /// The gaps.
     pub gaps: Vec<Gap>,
     /// True if the boxes for viewers were left out, because those of some states are missing or damaged.
@@ -30,8 +32,10 @@ pub struct Recovery {
 
 /// Writes the readable part of a damaged or unfinished recording to a new recording.
 ///
-/// The new recording declares its gaps, and the rest replays the same. A recording without damage that
-/// this version of rebond wrote is reproduced byte for byte. `recording` is read twice, from its start.
+/// The new recording declares its gaps. The rest replays the same, unless values were altered that nothing in the file
+/// contradicts. A state that contradicts its digest is computed again from the keyframe before it, and is taken over if the
+/// result has its digest or its values. A recording without damage that this version of rebond wrote is reproduced byte
+/// for byte. `recording` is read twice, from its start.
 ///
 /// # Errors
 /// Returns an error if reading or writing fails, or if no state can be recovered; nothing is written then.
@@ -56,8 +60,9 @@ pub fn recover<R: Read + Seek, W: Write>(recording: &mut Recording<R>, output: W
     })?;
     let is_recovered = scan.health != Health::Whole || scan.was_recovered();
     let (trailer, output) = writer.finish(scan.run_end(), is_recovered)?;
-    let SalvageScan { states, gaps, health, .. } = scan;
-    Ok((Recovery { trailer, states, gaps, lost_scene_updates, health, rate: header.config.rate }, output))
+    let SalvageScan { states, restored, gaps, health, .. } = scan;
+    let rate = header.config.rate;
+    Ok((Recovery { trailer, states, restored, gaps, lost_scene_updates, health, rate }, output))
 }
 
 /// A recoverable item.
@@ -74,7 +79,7 @@ enum Saved {
     Trailer(Trailer),
 }
 
-/// Calls `visit` with all recoverable items, in order.
+/// Calls `visit` with all recoverable items, in order. Returns the number of altered states that were computed again.
 ///
 /// Events and keyframes not followed by a state are dropped, so there is at most one gap between two
 /// states. After a loss everything up to the next keyframe is dropped except for the events of its step: without the
@@ -82,11 +87,12 @@ enum Saved {
 fn salvage<R: Read + Seek>(
     recording: &mut Recording<R>,
     mut visit: impl FnMut(Saved) -> Result<(), Error>,
-) -> Result<(), Error> {
+) -> Result<u64, Error> {
     recording.restart()?;
+    let mut restorer = Restorer::new(&recording.header);
     let (mut is_lost, mut after, mut pending) = (false, None, Vec::<Saved>::new());
-    while let Some(item) = recording.next() {
-        let (step, saved) = match item? {
+    while let Some(item) = recording.next().transpose()? {
+        let (step, saved) = match restorer.follow(item) {
             Item::Event(event) => (event.step, Saved::Event(event)),
             Item::Keyframe(keyframe) => (keyframe.step, Saved::Keyframe(keyframe)),
             Item::State(state) => (state.step, Saved::State(state)),
@@ -96,6 +102,7 @@ fn salvage<R: Read + Seek>(
             }
             Item::Damaged(_) if recording.table().is_some() => continue,
             Item::Damaged(_) | Item::SuspectState(_) | Item::Gap(_) => {
+                restorer.lose();
                 pending.clear();
                 is_lost = true;
                 continue;
@@ -121,12 +128,14 @@ fn salvage<R: Read + Seek>(
     if is_lost {
         pending.clear();
     }
-    pending.into_iter().try_for_each(visit)
+    pending.into_iter().try_for_each(visit)?;
+    Ok(restorer.restored)
 }
 
 /// The result of the first pass over the recording.
 struct SalvageScan {
     states: u64,
+    restored: u64,
     /// The number of states that list bodies.
     full_states: u64,
     scene_updates: u64,
@@ -142,6 +151,7 @@ impl SalvageScan {
     fn new<R: Read + Seek>(recording: &mut Recording<R>) -> Result<SalvageScan, Error> {
         let mut scan = SalvageScan {
             states: 0,
+            restored: 0,
             full_states: 0,
             scene_updates: 0,
             every: recording.header.every,
@@ -150,7 +160,7 @@ impl SalvageScan {
             trailer: None,
             health: Health::Whole,
         };
-        salvage(recording, |saved| {
+        scan.restored = salvage(recording, |saved| {
             scan.add(saved);
             Ok(())
         })?;
@@ -219,6 +229,10 @@ impl Display for Recovery {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         write!(f, "recovered {} up to step {}", counted(self.states, "state"), self.trailer.steps)?;
         self.gaps.iter().try_for_each(|gap| self.write_gap(gap, f))?;
+        if self.restored > 0 {
+            let states = counted(self.restored, "altered state");
+            write!(f, "\ncomputed {states} again; the result has the recorded digest or the recorded values")?;
+        }
         if self.lost_scene_updates {
             write!(f, "\nlost the topic /scene: viewers of MCAP files show no boxes")?;
         }

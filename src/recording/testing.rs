@@ -107,32 +107,60 @@ pub fn record_with_processors(processors: NonZero<usize>, run: &Run) -> Vec<u8> 
 
 /// Records a run with altered states and correct checksums.
 pub fn record_altered(run: &Run, mut alter: impl FnMut(&mut RecordedState)) -> Vec<u8> {
-    let mut mcap =
-        McapWriter::new(Vec::new(), Profile::Ros2, metadata::header_map(&run.header), run.header.scene.as_ref(), &[])
-            .unwrap();
-    let mut bytes = Vec::new();
-    let original = record(run);
-    for item in Recording::read(Cursor::new(original)).unwrap() {
-        let (topic, step) = match item.unwrap() {
-            Item::Event(event) => {
-                cdr::encode(&EventMessage::new(&event), &mut bytes);
-                (Topic::Events, event.step)
+    rewrite(run, |mcap, item| match item {
+        Item::State(mut state) => {
+            alter(&mut state);
+            write_item(mcap, run, Item::State(state));
+        }
+        item => write_item(mcap, run, item),
+    })
+}
+
+/// Records a run with a chunk for each step and without the keyframes after step 0.
+pub fn record_in_small_chunks(run: &Run) -> Vec<u8> {
+    rewrite(run, |mcap, item| match item {
+        Item::Keyframe(keyframe) if keyframe.step > 0 => {}
+        item => {
+            let is_last_of_step = matches!(item, Item::State(_));
+            write_item(mcap, run, item);
+            if is_last_of_step {
+                mcap.flush().unwrap();
             }
-            Item::Keyframe(keyframe) => {
-                cdr::encode(&BodiesMessage::new(&keyframe, run.header.versions.format), &mut bytes);
-                (Topic::Bodies, keyframe.step)
-            }
-            Item::State(mut state) => {
-                alter(&mut state);
-                state.encode(&mut bytes);
-                (Topic::States, state.step)
-            }
+        }
+    })
+}
+
+/// Records a run, and writes its items to another file, which ends like the first.
+fn rewrite(run: &Run, mut write: impl FnMut(&mut McapWriter<Vec<u8>>, Item)) -> Vec<u8> {
+    let settings = metadata::header_map(&run.header);
+    let mut mcap = McapWriter::new(Vec::new(), Profile::Ros2, settings, run.header.scene.as_ref(), &[]).unwrap();
+    for item in Recording::read(Cursor::new(record(run))).unwrap() {
+        match item.unwrap() {
             Item::Trailer(trailer) => return mcap.finish(metadata::trailer_map(&run.header, &trailer)).unwrap(),
-            Item::SceneUpdate { .. } | Item::SuspectState(_) | Item::Gap(_) | Item::Damaged(_) => {
-                panic!("a new recording is complete")
-            }
-        };
-        mcap.write_message(topic, run.header.log_time(step), &bytes).unwrap();
+            item => write(&mut mcap, item),
+        }
     }
     panic!("a new recording has an end record")
+}
+
+fn write_item(mcap: &mut McapWriter<Vec<u8>>, run: &Run, item: Item) {
+    let mut bytes = Vec::new();
+    let (topic, step) = match item {
+        Item::Event(event) => {
+            cdr::encode(&EventMessage::new(&event), &mut bytes);
+            (Topic::Events, event.step)
+        }
+        Item::Keyframe(keyframe) => {
+            cdr::encode(&BodiesMessage::new(&keyframe, run.header.versions.format), &mut bytes);
+            (Topic::Bodies, keyframe.step)
+        }
+        Item::State(state) => {
+            state.encode(&mut bytes);
+            (Topic::States, state.step)
+        }
+        Item::SceneUpdate { .. } | Item::SuspectState(_) | Item::Gap(_) | Item::Damaged(_) | Item::Trailer(_) => {
+            panic!("a new recording is complete")
+        }
+    };
+    mcap.write_message(topic, run.header.log_time(step), &bytes).unwrap();
 }

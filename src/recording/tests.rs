@@ -9,8 +9,9 @@ use std::{
 };
 
 use super::{
-    Change, Damage, Error, Gap, Health, Item, MissingEnd, Playback, RecordedEvent, Recording, Recovery, recover,
-    testing::{body, bounce, drop_and_delete, record, record_with_processors},
+    Change, Damage, Error, Gap, Health, Item, MissingEnd, Playback, RecordedEvent, RecordedState, Recording, Recovery,
+    recover,
+    testing::{body, bounce, drop_and_delete, record, record_altered, record_in_small_chunks, record_with_processors},
 };
 use crate::{
     physics::{CollisionCount, Engine, Rect, SolverKind, Spawn, Vector},
@@ -265,6 +266,22 @@ fn the_summary_events_and_one_state_are_found_without_reading_the_rest() {
     assert_eq!((summary.states, summary.keyframes), (40_001, keyframes));
 }
 
+/// A file that was cut has no index that tells in which of its chunks keyframes are.
+#[test]
+fn many_chunks_without_keyframes_are_searched_once() {
+    const STEPS: u64 = 1000;
+    let bytes = record_in_small_chunks(&bounce(STEPS));
+    let offset = bytes.windows(8).rposition(|window| window == b"\x04\0\0\0zstd").unwrap();
+    for file in [&bytes, &bytes[..offset]] {
+        let count = Cell::new(0);
+        let mut playback = Playback::new(Recording::read(CountingSource(Cursor::new(file), &count)).unwrap());
+        playback.seek(STEPS - 2).unwrap();
+        assert_eq!(playback.next().unwrap().unwrap().step, STEPS - 2);
+        let limit = 4 * file.len() + STEPS as usize * (4 << 10);
+        assert!(count.get() < limit, "{} of {} bytes were read", count.get(), file.len());
+    }
+}
+
 /// Each nine zeros are a record of length 0. A disk that lost power leaves such tails.
 #[test]
 fn zeros_are_searched_once_and_reported_in_a_few_places() {
@@ -360,6 +377,33 @@ fn a_cut_recording_recovers_to_a_complete_one_that_replays_the_same() {
         let steps = counted(recovery.trailer.steps, "step");
         assert_eq!(verdict(&fixed), format!("incomplete: {missing}; {steps} same"));
     }
+}
+
+/// Values or digest of a state are altered, with correct checksums. The keyframes are at the steps 20 and 40.
+#[test]
+fn an_altered_state_is_computed_again_or_lost_up_to_the_next_keyframe() {
+    let run = bounce(50);
+    let position: fn(&mut RecordedState) = |state| state.x[0] += 1e-3;
+    let digest: fn(&mut RecordedState) = |state| state.digest ^= 1;
+    let both: fn(&mut RecordedState) = |state| (state.x[0], state.digest) = (9.0, 9);
+    for (alter, lost) in [(position, 0), (digest, 0), (both, 9)] {
+        let altered = record_altered(&run, |state| {
+            if state.step == 31 {
+                alter(state)
+            }
+        });
+        let (recovery, fixed) = recovered(&altered);
+        assert_eq!((recovery.states, recovery.restored), (51 - lost, u64::from(lost == 0)), "{recovery}");
+        assert_eq!(recovery.gaps.len(), usize::from(lost > 0), "{recovery}");
+        let verdict = verdict(&fixed);
+        assert!(verdict.starts_with("incomplete: recovered"), "{verdict}");
+        assert!(lost > 0 || states_of(&fixed) == states_of(&record(&run)), "{recovery}");
+    }
+}
+
+fn states_of(bytes: &[u8]) -> Vec<RecordedState> {
+    let items = items(bytes).0.into_iter();
+    items.filter_map(|item| if let Item::State(state) = item { Some(state) } else { None }).collect()
 }
 
 /// The steps of the states whose bodies are known.

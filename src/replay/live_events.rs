@@ -71,7 +71,7 @@ impl<R: BufRead> LiveEvents<R> {
         while self.pending.is_none() && !self.ended {
             match self.read_line(step) {
                 Ok(input) => self.pending = input,
-                Err(error @ RunError::Events { .. }) => return Err(error),
+                Err(error @ (RunError::Events { .. } | RunError::Endless { .. })) => return Err(error),
                 Err(error) => self.refuse(error)?,
             }
         }
@@ -79,14 +79,22 @@ impl<R: BufRead> LiveEvents<R> {
     }
 
     fn read_line(&mut self, current: u64) -> Result<Option<Input>, RunError> {
+        let limit = match self.on_bad_event {
+            OnBadEvent::Fail => MAX_LINE_BYTES,
+            OnBadEvent::Skip => MAX_SKIPPED_BYTES,
+        };
         let mut text = Vec::new();
-        let read = read_bounded_line(&mut self.lines, &mut text);
-        self.ended = read.map_err(|source| RunError::Events { line: self.line, source })? == 0;
+        let read = read_bounded_line(&mut self.lines, &mut text, limit + LINE_END_BYTES);
+        let read = read.map_err(|source| RunError::Events { line: self.line, source })?;
+        self.ended = read == 0;
         if self.ended {
             return Ok(None);
         }
         self.line += 1;
         let line = self.line;
+        if read > MAX_SKIPPED_BYTES {
+            return Err(RunError::Endless { line, limit: MAX_SKIPPED_BYTES });
+        }
         let ends: [&[u8]; 2] = [b"\n", b"\r"];
         let text = ends.into_iter().fold(text.as_slice(), |text, end| text.strip_suffix(end).unwrap_or(text));
         if text.len() > MAX_LINE_BYTES {
@@ -120,9 +128,15 @@ impl<R: BufRead> LiveEvents<R> {
 /// The largest length of a line without its end, bytes; an event takes a few hundred.
 const MAX_LINE_BYTES: usize = 8 * 1024;
 
-/// Reads a line to its end, appends at most the limit and a line end of two bytes to `text`, and returns the number of
-/// bytes read.
-fn read_bounded_line(lines: &mut impl BufRead, text: &mut Vec<u8>) -> std::io::Result<usize> {
+/// The largest length of a line that is skipped, with its end, bytes. A device such as `/dev/zero` has no line break.
+const MAX_SKIPPED_BYTES: usize = 16 << 20;
+
+/// Bytes of the longest end of a line, `\r\n`.
+const LINE_END_BYTES: usize = 2;
+
+/// Reads a line to its end, but at most `limit` bytes, appends as much of it as an event may have to `text`, and returns
+/// the number of bytes read.
+fn read_bounded_line(lines: &mut impl BufRead, text: &mut Vec<u8>, limit: usize) -> std::io::Result<usize> {
     let mut read = 0;
     loop {
         let buffer = match lines.fill_buf() {
@@ -130,13 +144,14 @@ fn read_bounded_line(lines: &mut impl BufRead, text: &mut Vec<u8>) -> std::io::R
             Err(error) if error.kind() == std::io::ErrorKind::Interrupted => continue,
             Err(error) => return Err(error),
         };
+        let buffer = &buffer[..buffer.len().min(limit - read)];
         let end = buffer.iter().position(|byte| *byte == b'\n').map(|index| index + 1);
         let chunk = &buffer[..end.unwrap_or(buffer.len())];
-        text.extend(chunk.iter().take(MAX_LINE_BYTES + 2 - text.len()));
+        text.extend(chunk.iter().take(MAX_LINE_BYTES + LINE_END_BYTES - text.len()));
         let count = chunk.len();
         lines.consume(count);
         read += count;
-        if end.is_some() || count == 0 {
+        if end.is_some() || count == 0 || read == limit {
             return Ok(read);
         }
     }

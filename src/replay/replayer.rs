@@ -6,7 +6,7 @@ use std::{
 };
 
 use crate::{
-    physics::{AccuracyProbe, Collision, CollisionCount, Engine, Observer, SolverSnapshot, StepError},
+    physics::{AccuracyProbe, Collision, CollisionCount, Engine, Observer, SnapshotError, SolverSnapshot, StepError},
     recording::{
         BodyTable, Change, Error, Health, IDENTITY_MISMATCH, Item, Keyframe, RecordedError, RecordedEvent,
         RecordedState, Recording, SEMANTICS_VERSION, StateDigest, Trailer, body_state, error_text, open,
@@ -245,7 +245,9 @@ impl<R: Read + Seek> Replayer<R> {
                 self.probe = None;
                 Ok(())
             }
-            Err(error) => Err(self.mismatch(error.to_string())),
+            Err(SnapshotError { step, reason }) => {
+                Err(self.mismatch(format!("the keyframe of step {step} does not fit the solver: {reason}")))
+            }
         }
     }
 

@@ -343,6 +343,14 @@ pub enum RunError {
         /// The limit, bytes.
         limit: usize,
     },
+    /// A line of live events is so long that it is not even skipped.
+    #[error("line {line} of the events has no line break within {limit} bytes; write one JSON object per line")]
+    Endless {
+        /// The number of the line, from 1.
+        line: u64,
+        /// The limit, bytes.
+        limit: usize,
+    },
     /// A live event names a step that is already recorded.
     #[error(
         "line {line} of the events names step {named}, but the run is already at step {current}; order the lines by step, or skip such lines with --lenient"

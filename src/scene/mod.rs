@@ -269,6 +269,17 @@ mod tests {
         assert_eq!(messages(text), ["`spawn.force` cannot be [0.0, 1e300]", "`scatter.force` cannot be [1e300, 0.0]"]);
     }
 
+    /// At 1e17 m a thickness of 1 m is rounded away.
+    #[test]
+    fn a_world_is_not_so_large_that_its_walls_cannot_be_spawned() {
+        let scene = |size: &str, walls| format!("[world]\nsize = {size}\nwalls = {walls}\n[run]\nsteps = 10\n");
+        for size in ["[1e17, 9.0]", "[16.0, 1e308]"] {
+            assert_eq!(messages(&scene(size, true)), [format!("`world.size` cannot be {size}")]);
+            assert!(parse("scene.toml", &scene(size, false)).is_ok());
+        }
+        assert!(parse("scene.toml", &scene("[1e14, 1e14]", true)).is_ok());
+    }
+
     #[test]
     fn a_misspelled_key_is_not_also_reported_as_missing() {
         let text = "[rum]\nsteps = 10\n[[spawn]]\nat = [1.0, 2.0]\nsiz = [1.0, 1.0]\n";

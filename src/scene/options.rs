@@ -27,6 +27,7 @@ pub struct WorldOptions {
 pub const DEFAULT_SIZE: [f64; 2] = [16.0, 9.0];
 
 const SIZE: Key = Key { name: "size", accepts: "two positive finite extents, m" };
+const SIZE_WITHIN_WALLS: &str = "extents so small that 1 m, the thickness of the walls, is more than a few units in the last place of them; or walls = false";
 const WALLS: Key = Key { name: "walls", accepts: "true or false" };
 const WALL_MATERIAL: Key = Key { name: "wall_material", accepts: action::MATERIAL.accepts };
 const GRAVITY: Key = Key { name: "gravity", accepts: "two finite numbers, m/s²" };
@@ -49,14 +50,26 @@ impl WorldOptions {
 
 /// Reads `[world]`.
 pub fn read_world(table: &Table) -> WorldOptions {
-    let size = table.optional(SIZE, Node::size).map(|size| size.unwrap_or(DEFAULT_SIZE));
     let material = table.optional(WALL_MATERIAL, action::material).map(|material| material.map(String::from));
     let walls = table.get(WALLS).and_then(|field| {
         let Some(field) = field else { return Ok(None) };
         let has_walls = field.read(Node::boolean)?;
         Ok(if has_walls { Some((Walls { material: material? }, field.node.span.clone())) } else { None })
     });
+    let size = read_size(table, walls.as_ref().ok().and_then(Option::as_ref).map(|(walls, _)| walls));
     WorldOptions { size, walls, gravity: table.optional(GRAVITY, Node::vector) }
+}
+
+/// Reads the size of the world, whose walls must not be too thin for the precision of their coordinates.
+fn read_size(table: &Table, walls: Option<&Walls>) -> Result<[f64; 2], ErrorReported> {
+    let Some(field) = table.get(SIZE)? else { return Ok(DEFAULT_SIZE) };
+    let size = field.read(Node::size)?;
+    let is_resolved = |request: &SpawnRequest| request.rect().is_resolved();
+    if walls.is_none_or(|walls| walls.spawn_requests(size).iter().all(is_resolved)) {
+        Ok(size)
+    } else {
+        Err(field.accepting(SIZE_WITHIN_WALLS).refuse(field.node))
+    }
 }
 
 /// The four static walls just outside the world, each 1 m thick.

@@ -330,7 +330,8 @@ impl Target<'_> {
         let named = names.iter().zip(1..).filter(|(known, _)| known.as_ref() == Some(name));
         let named: Vec<usize> = named.map(|(_, number)| number).collect();
         let number = match &named[..] {
-            [] => name.parse().ok().filter(|number| (1..=names.len()).contains(number)),
+            // One number is typed in one way, without a sign or zeros before it.
+            [] => (1..=names.len()).find(|number| number.to_string() == *name),
             [number] => Some(*number),
             numbers => {
                 self.report_ambiguous_name(depth, numbers);
@@ -451,6 +452,13 @@ mod tests {
         let expected =
             SCENE.replace("1.0 # light", "2 # light").replace("3.0", "inf").replace("[16.0, 9.0]", "[8.0, 8.0]");
         assert_eq!(changed, expected);
+    }
+
+    #[test]
+    fn the_number_of_a_table_has_neither_a_sign_nor_zeros_before_it() {
+        for key in ["+1", "01", "002", "0", "-1", "3"] {
+            assert!(with(&[&format!("spawn.{key}.mass=2")]).is_err(), "{key}");
+        }
     }
 
     #[test]

@@ -476,6 +476,47 @@ fn the_records_outside_of_chunks_may_be_stored_in_any_order() {
     }
 }
 
+/// A state that is recorded as a digest has nothing else with which the reader could compare it.
+#[test]
+fn a_recovered_recording_with_an_altered_digest_does_not_replay_the_same_which_recover_says() {
+    let workplace = Workplace::with_scene(SCENE);
+    workplace.done("record scene.toml -o run.mcap --every 2");
+    let mut parts = forge::take_apart(&workplace.read("run.mcap"));
+    each_record(&mut parts, |(opcode, body)| {
+        if *opcode == op::MESSAGE && body[..2] == [2, 0] && body[26..34] == 31_u64.to_le_bytes() {
+            body[34] ^= 1;
+        }
+    });
+    std::fs::write(workplace.path("altered.mcap"), forge::put_together(&parts, Layout::Zstd)).unwrap();
+    let recovered = workplace.rebond("recover altered.mcap -o fixed.mcap");
+    let expected = "\nthe new recording does not replay the same: diverged at step 31: the digest of all bodies";
+    assert!(recovered.code == 4 && recovered.output.contains(expected), "{recovered:?}");
+    assert_eq!(workplace.rebond("replay fixed.mcap").code, 3);
+}
+
+/// Only the attachment that the metadata describe is the scene.
+#[test]
+fn other_programs_may_attach_other_toml() {
+    let (workplace, file) = recorded();
+    let items = forge::take_apart(&file);
+    let place_of = |code| items.iter().position(|item| matches!(item, Item::Record((found, _)) if *found == code));
+    let (scene, metadata) = (place_of(op::ATTACHMENT).unwrap(), place_of(op::METADATA).unwrap());
+    let export = workplace.done("export run.mcap").output;
+    for time in [0, 1_700_000_000_000_000_000] {
+        let other = forge::attachment("notes.toml", "application/toml", time, b"[run]\nsteps = 1\n");
+        for place in [metadata, scene, scene + 1, items.len()] {
+            let mut more = items.clone();
+            more.insert(place, Item::Record(other.clone()));
+            let more = forge::put_together(&more, Layout::Zstd);
+            assert_eq!(verdict(&more), "same: 60 steps, 6 bodies", "at {place}, time {time}");
+            std::fs::write(workplace.path("more.mcap"), &more).unwrap();
+            assert_eq!(workplace.done("export more.mcap").output, export, "at {place}, time {time}");
+            let recovered = workplace.done("recover more.mcap -o fixed.mcap --force");
+            assert!(workplace.read("fixed.mcap") == file, "at {place}, time {time}: {recovered:?}");
+        }
+    }
+}
+
 /// A state whose step lies beyond the plan is skipped, and what follows it is read, whatever the times of its message.
 #[test]
 fn a_step_beyond_the_plan_does_not_hide_the_later_states() {

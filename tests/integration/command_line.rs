@@ -273,6 +273,8 @@ fn help_has_examples_and_fits_on_a_screen() {
         all += &format!("\n$ rebond {command} --help\n{help}");
     }
     assert_text("help", &all);
+    assert_eq!(workplace.done("help").output, workplace.done("--help").output);
+    assert_eq!(workplace.done("help record").output, workplace.done("record --help").output);
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use crate::command_line::SCENE;
 use crate::rebond::Workplace;
 use crate::snapshot::assert_text;
+use std::process::Stdio;
 
 #[test]
 fn an_error_is_one_sentence_on_standard_error() {
@@ -40,6 +41,37 @@ fn an_error_is_one_sentence_on_standard_error() {
         messages += &format!("$ rebond {line}\n{}\n", outcome.errors);
     }
     assert_text("errors-of-commands", &messages);
+}
+
+#[test]
+fn every_command_has_the_same_words_for_a_missing_recording() {
+    let workplace = Workplace::new();
+    let messages =
+        ["replay x.mcap", "info x.mcap", "export x.mcap", "recover x.mcap -o y.mcap", "render x.mcap -o y.gif"];
+    let mut messages = messages.map(|line| workplace.rebond(line).errors).to_vec();
+    messages.dedup();
+    assert!(matches!(&messages[..], [one] if one.contains("cannot read x.mcap: ")), "{messages:?}");
+}
+
+/// Only a line feed ends a line, so that the message shows the carriage returns in it.
+#[test]
+fn lines_that_end_in_carriage_returns_are_shown_as_one() {
+    let workplace = Workplace::with_scene(&SCENE.replace('\n', "\r"));
+    let refused = workplace.rebond("record scene.toml -o run.mcap");
+    assert!(refused.code == 1 && refused.errors.contains(" 1 │ ") && !refused.errors.contains(" 0 │"), "{refused:?}");
+}
+
+/// The device refuses all data.
+#[cfg(target_os = "linux")]
+#[test]
+fn help_that_cannot_be_written_is_an_error() {
+    let workplace = Workplace::new();
+    for line in ["--help", "--version", "help record", "record --help"] {
+        let full = std::fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+        let ended = workplace.start(line, Stdio::null(), full.into()).wait_with_output().unwrap();
+        let errors = String::from_utf8_lossy(&ended.stderr);
+        assert!(ended.status.code() == Some(1) && errors.contains("standard output"), "{line}: {errors}");
+    }
 }
 
 #[test]

@@ -290,6 +290,15 @@ pub fn metadata(name: &str, mut map: BTreeMap<String, String>) -> Record {
     (op::METADATA, [text(name), (pairs.len() as u32).to_le_bytes().to_vec(), pairs].concat())
 }
 
+/// Writes an attachment with its checksum.
+pub fn attachment(name: &str, media_type: &str, time: u64, content: &[u8]) -> Record {
+    let times = [time, time].map(u64::to_le_bytes).concat();
+    let length = (content.len() as u64).to_le_bytes();
+    let mut body = [&times, &*text(name), &text(media_type), &length, content, &[0; 4]].concat();
+    seal_attachment(&mut body);
+    (op::ATTACHMENT, body)
+}
+
 /// Computes the checksum at the end of an attachment anew.
 pub fn seal_attachment(body: &mut [u8]) {
     let end = body.len() - 4;

@@ -163,6 +163,26 @@ fn all_common_line_ends_and_a_byte_order_mark_are_accepted() {
     }
 }
 
+#[test]
+fn a_folder_of_events_is_refused_by_its_name() {
+    let refused = Workplace::with_scene(SCENE).rebond("record scene.toml -o run.mcap --events .");
+    assert!(refused.code == 1 && refused.errors.contains("cannot read .: is a directory"), "{refused:?}");
+}
+
+/// The device has neither a line break nor an end.
+#[cfg(target_os = "linux")]
+#[test]
+fn an_endless_line_is_refused() {
+    let workplace = Workplace::with_scene(SCENE);
+    for (option, problem) in
+        [("", "is longer than 8192 bytes"), ("--lenient", "has no line break within 16777216 bytes")]
+    {
+        let refused = workplace.rebond(&format!("record scene.toml -o run.mcap --events /dev/zero {option}"));
+        assert_eq!(refused.code, 1, "{refused:?}");
+        assert!(refused.errors.contains(&format!("line 1 of the events {problem}")), "{refused:?}");
+    }
+}
+
 /// The end of the line does not count.
 #[test]
 fn a_line_may_have_8192_bytes() {

@@ -510,7 +510,7 @@ fn an_interrupted_command_leaves_nothing_behind_and_ends_by_the_signal() {
     workplace.done("record long.toml -o long.mcap --every 2");
     workplace.write("new.csv", "old");
     let names = workplace.names();
-    for (signal, number) in [("INT", 2), ("TERM", 15), ("HUP", 1)] {
+    for (signal, number) in [("INT", 2), ("TERM", 15), ("HUP", 1), ("QUIT", 3)] {
         for command in commands {
             let process = workplace.start(command, Stdio::piped(), Stdio::null());
             wait_until(command, || workplace.names().iter().any(|name| name.starts_with(".rebond-")));

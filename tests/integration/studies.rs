@@ -3,7 +3,7 @@
 use crate::command_line::SCENE;
 use crate::rebond::{Outcome, Workplace};
 use serde_json::Value;
-use std::process::Command;
+use std::process::{Command, Stdio};
 
 /// Runs `rebond` with arguments that contain spaces.
 fn run(workplace: &Workplace, arguments: &[&str]) -> Outcome {
@@ -97,6 +97,18 @@ fn values_that_cannot_be_set_are_refused() {
         let outcome = workplace.rebond(line);
         assert!(outcome.code == 1 && outcome.errors.contains(message), "{line}: {outcome:?}");
     }
+    assert_eq!(workplace.names(), ["run.mcap", "scene.toml"]);
+}
+
+#[test]
+fn one_of_several_processes_records_the_run_and_the_others_skip_it() {
+    let workplace = Workplace::with_scene(SCENE);
+    let line = "record scene.toml -o run.mcap --steps 20000 --skip-existing";
+    let started: Vec<_> = (0..3).map(|_| workplace.start(line, Stdio::null(), Stdio::piped())).collect();
+    let ended: Vec<_> = started.into_iter().map(|process| process.wait_with_output().unwrap()).collect();
+    assert!(ended.iter().all(|output| output.status.success()), "{ended:?}");
+    let skipped = ended.iter().filter(|output| String::from_utf8_lossy(&output.stdout).contains(": skipped, "));
+    assert_eq!(skipped.count(), 2, "{ended:?}");
     assert_eq!(workplace.names(), ["run.mcap", "scene.toml"]);
 }
 
