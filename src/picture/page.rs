@@ -241,7 +241,7 @@ impl Composer<'_> {
                 2 => {
                     let (path, health) = velocity_path(source, &bodies, axis, &grid, all.progress)?;
                     let status = ReadStatus { path: source.path.clone(), health, extent: ReadExtent::End };
-                    (Velocities::Pair(path), status)
+                    (Velocities::Pair(Box::new(path)), status)
                 }
                 _ => (velocity_cloud(source, &bodies, &grid, &all.style)?, source.declared_health()?),
             };
@@ -390,10 +390,15 @@ fn velocity_path(
     loop {
         let mut shown = FromStep { first: state.step, path: &mut path };
         let Some(step) = replayer.next_state(&mut shown).map_err(|error| source.read_error(error))? else { break };
-        if step != expected {
-            // Collisions in a gap are unknown, so the path goes on where the bodies are after it.
-            let world = replayer.engine().map(Engine::world);
-            path.restart(world.iter().flat_map(|world| &world.bodies).map(|body| (body.id, body.velocity)));
+        if let Some(world) = replayer.engine().map(Engine::world) {
+            let velocities = world.bodies.iter().filter(|body| bodies.contains_key(&body.id));
+            let velocities = velocities.map(|body| (body.id, body.velocity));
+            if step == expected {
+                path.advance(velocities, 1.0 / grid.rate);
+            } else {
+                // Collisions in a gap are unknown, so the path goes on where the bodies are after it.
+                path.restart(velocities);
+            }
         }
         expected = step + 1;
         progress(step, last);
