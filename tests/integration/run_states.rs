@@ -85,7 +85,12 @@ impl RunStates {
 
     /// Every `steps`-th frame.
     pub fn every_nth(&self, steps: usize) -> FigureRun {
-        FigureRun { title: String::new(), world: WORLD, frames: self.frames.iter().step_by(steps).cloned().collect() }
+        FigureRun {
+            title: String::new(),
+            world: WORLD,
+            frames: self.frames.iter().step_by(steps).cloned().collect(),
+            missing: Vec::new(),
+        }
     }
 
     pub fn energies(&self) -> EnergyRun {
