@@ -3,15 +3,15 @@
 use super::collisions::find_collision;
 use super::draw::{grid, speed_of_most, state};
 use super::figures::{
-    self, CollisionSubject, EnergyRun, FigureRun, LineRun, LineSubject, PressureRun, Range, SpacetimeRun, SpeedRun,
-    SystemSums, Timeline, Velocities, VelocityPath, VelocityRun,
+    self, CollisionSubject, EnergyRun, FigureRun, LineRun, LineSubject, MissingInstant, PressureRun, Range,
+    SpacetimeRun, SpeedRun, SystemSums, Timeline, Velocities, VelocityPath, VelocityRun,
 };
 use super::trace::{Between, Traced, trace};
 use super::visibility::Visibility;
 use super::{
     AnimationSchedule, Appearance, CollisionFigure, CollisionSelector, DisplayList, EnergySample, Error, Frame, Frames,
-    Page, Progress, Quantity, ReadExtent, ReadStatus, ResolvedPicture, Source, Sprite, StatesFigure, StepGrid,
-    StepRange, Style, color,
+    GapReason, Page, Progress, Quantity, ReadExtent, ReadStatus, ResolvedPicture, Source, Sprite, StatesFigure,
+    StepGrid, StepRange, Style, TraceGap, color,
 };
 use crate::body_selector::BodySelector;
 use crate::physics::{Axis, BodyId, Collision, Engine, Observer, Rect, Vector, larger};
@@ -138,18 +138,20 @@ impl Composer<'_> {
 
     fn instants(&mut self, figure: StatesFigure, steps: &[StepRange]) -> Result<Composed, Error> {
         let (runs, statuses) = self.runs(steps, |all, source, title, grid| {
-            let (steps, look) = (grid.steps.clone(), &all.picture.look);
+            let (steps, all_steps, look) = (grid.steps.clone(), grid.clone(), &all.picture.look);
             let mut read = Frames::new(source, &AnimationSchedule::from(grid), &look.show)?;
             let mut frames = read.by_ref().collect::<Result<Vec<Frame>, Error>>()?;
             let status = read.read_status();
             if frames.is_empty() {
                 return Err(source.missing_states(&steps, status.health));
             }
-            all.style.gaps.extend(source.missing_in(&steps, &status.health));
+            let gaps = source.missing_in(&steps, &status.health);
+            let missing = missing_instants(&all_steps, &frames, &gaps);
+            all.style.gaps.extend(gaps);
             let is_chosen =
                 |sprite: &Sprite| sprite.appearance.is_wall || look.bodies.contains(&sprite.appearance.name);
             frames.iter_mut().for_each(|frame| frame.sprites.retain(is_chosen));
-            Ok((FigureRun { title, world: source.world(), frames }, status))
+            Ok((FigureRun { title, world: source.world(), frames, missing }, status))
         })?;
         let list = match figure {
             StatesFigure::Strobe => figures::strobe(&runs, &self.style)?,
@@ -245,7 +247,7 @@ impl Composer<'_> {
                 2 => {
                     let (path, health) = velocity_path(source, &bodies, axis, &grid, all.progress)?;
                     let status = ReadStatus { path: source.path.clone(), health, extent: ReadExtent::End };
-                    (Velocities::Pair(path), status)
+                    (Velocities::Pair(Box::new(path)), status)
                 }
                 _ => (velocity_cloud(source, &bodies, &grid, &all.style)?, source.declared_health()?),
             };
@@ -275,6 +277,19 @@ impl Composer<'_> {
         })?;
         Ok((figures::pressure(&runs, time_range(steps, self.sources), &self.style)?, statuses))
     }
+}
+
+/// The instants of a grid without a frame, each with the gap that it is in.
+fn missing_instants(grid: &StepGrid, frames: &[Frame], gaps: &[TraceGap]) -> Vec<MissingInstant> {
+    let (first, every) = (grid.steps.start().div_ceil(grid.every), grid.every);
+    let steps = (0..grid.count()).map(|number| (first + number) * every);
+    let is_missing = |step: &u64| frames.binary_search_by_key(step, |frame| frame.step).is_err();
+    let instant = |step: u64| {
+        let unknown = TraceGap { steps: step..=step, times: [0.0; 2], reason: GapReason::Unreadable };
+        let gap = gaps.iter().find(|gap| gap.steps.contains(&step)).cloned().unwrap_or(unknown);
+        MissingInstant { time: step as f64 / grid.rate, gap }
+    };
+    steps.filter(is_missing).map(instant).collect()
 }
 
 /// A body at an instant, without a trail.
@@ -394,10 +409,15 @@ fn velocity_path(
     loop {
         let mut shown = FromStep { first: state.step, path: &mut path };
         let Some(step) = replayer.next_state(&mut shown).map_err(|error| source.read_error(error))? else { break };
-        if step != expected {
-            // Collisions in a gap are unknown, so the path goes on where the bodies are after it.
-            let world = replayer.engine().map(Engine::world);
-            path.restart(world.iter().flat_map(|world| &world.bodies).map(|body| (body.id, body.velocity)));
+        if let Some(world) = replayer.engine().map(Engine::world) {
+            let velocities = world.bodies.iter().filter(|body| bodies.contains_key(&body.id));
+            let velocities = velocities.map(|body| (body.id, body.velocity));
+            if step == expected {
+                path.advance(velocities, 1.0 / grid.rate);
+            } else {
+                // Collisions in a gap are unknown, so the path goes on where the bodies are after it.
+                path.restart(velocities);
+            }
         }
         expected = step + 1;
         progress(step, last);

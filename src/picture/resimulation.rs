@@ -3,6 +3,7 @@ use super::source::{ReadExtent, ReadStatus, RecordingFile};
 use super::{Error, Source};
 use crate::physics::{
     Axis, Body, BodyId, Collision, Engine, Observer, SolverKind, Spawn, StepError, Vector, WithinStep, World, larger,
+    smaller,
 };
 use crate::picture::{AnimationSchedule, Appearance, Frame, Moment, Sprite, Trails};
 use crate::recording::Health;
@@ -64,7 +65,9 @@ impl Resimulation {
             next_frame: 0,
             schedule,
             pending_collisions: PendingCollisions::new(source.world()),
-            shown_until: 0.0,
+            reached: 0.0,
+            received_count: 0,
+            shown_count: 0,
             max_impulse: 0.0,
         };
         Ok(Resimulation { path: source.path.clone(), replayer, recorder, health: Health::Whole, is_finished: false })
@@ -206,8 +209,12 @@ struct FrameRecorder {
     schedule: AnimationSchedule,
     /// Collisions since the last frame.
     pending_collisions: PendingCollisions,
-    /// Collisions of the current step up to this time after its start were shown already, s.
-    shown_until: f64,
+    /// The latest instant of the current step for which the world was computed, s after its start.
+    reached: f64,
+    /// The number of collisions of the current step that the replay has passed on.
+    received_count: usize,
+    /// The number of collisions of the current step that frames have shown; they are its first ones.
+    shown_count: usize,
     /// The largest impulse so far, N·s.
     max_impulse: f64,
 }
@@ -215,31 +222,30 @@ struct FrameRecorder {
 impl Observer for FrameRecorder {
     fn collision(&mut self, collision: &Collision) {
         self.max_impulse = larger(collision.impulse.abs(), self.max_impulse);
-        if self.next_frame < self.schedule.count() {
-            Unseen { shown_until: self.shown_until, pending: &mut self.pending_collisions }.collision(collision);
+        self.received_count += 1;
+        if self.next_frame < self.schedule.count() && self.received_count > self.shown_count {
+            self.pending_collisions.collision(collision);
         }
     }
 }
 
-/// Keeps the collisions of a step that no frame has shown.
-struct Unseen<'a> {
-    /// Collisions up to this time after the start of the step were shown, s.
-    shown_until: f64,
+/// Keeps and counts the collisions that a frame within a step shows, in the order in which the step will repeat them.
+struct Shown<'a> {
     pending: &'a mut PendingCollisions,
+    count: &'a mut usize,
 }
 
-impl Observer for Unseen<'_> {
+impl Observer for Shown<'_> {
     fn collision(&mut self, collision: &Collision) {
-        if collision.time > self.shown_until || self.shown_until == 0.0 {
-            self.pending.collision(collision);
-        }
+        *self.count += 1;
+        self.pending.collision(collision);
     }
 }
 
 impl FrameRecorder {
     /// Records the frames between a replayed state and the next step.
     fn record_state(&mut self, engine: &Engine) -> Result<(), StepError> {
-        self.shown_until = 0.0;
+        (self.reached, self.received_count, self.shown_count) = (0.0, 0, 0);
         let step = engine.current_step();
         let mut sprites_at_step = self.sprites(engine.world());
         let is_after_gap = self.last_step.is_some_and(|last| step > last + 1);
@@ -277,10 +283,9 @@ impl FrameRecorder {
         moment: Moment,
         sprites_at_step: &[Sprite],
     ) -> Result<Frame, StepError> {
-        let sprites = if moment.offset > 0.0 {
-            let mut unseen = Unseen { shown_until: self.shown_until, pending: &mut self.pending_collisions };
-            let world = within.world_after(moment.offset, &mut unseen)?;
-            self.shown_until = moment.offset;
+        let is_impact = self.schedule.is_frozen_at(self.next_frame) && self.solver.is_continuous();
+        let sprites = if moment.offset > 0.0 || is_impact {
+            let world = self.world_at(within, moment)?;
             let mut sprites = self.sprites(&world);
             if let Some(trails) = &self.trails {
                 trails.clone().update(moment.step, &mut sprites);
@@ -295,6 +300,23 @@ impl FrameRecorder {
         }
         let time = moment.step as f64 / self.rate + moment.offset;
         Ok(Frame { step: moment.step, time, sprites, collisions })
+    }
+
+    /// The world at a moment of the current step. A freeze frame shows the velocities after the collisions at its instant,
+    /// which is rounded and may be before the exact one.
+    fn world_at(&mut self, within: &mut WithinStep, moment: Moment) -> Result<World, StepError> {
+        let mut shown = Shown { pending: &mut self.pending_collisions, count: &mut self.shown_count };
+        self.reached = larger(moment.offset, self.reached);
+        let mut world = within.world_after(self.reached, &mut shown)?;
+        if self.schedule.is_frozen_at(self.next_frame) {
+            let after = self.reached + self.schedule.recorded_rounding(moment);
+            self.reached = smaller(after, 1.0 / self.rate);
+            let after = within.world_after(self.reached, &mut shown)?;
+            for (body, after) in world.bodies.iter_mut().zip(&after.bodies) {
+                body.velocity = after.velocity;
+            }
+        }
+        Ok(world)
     }
 
     /// Adds the collisions that the handout's solver detects in the current state, if the animation

@@ -1,3 +1,4 @@
+use crate::physics::smaller;
 use crate::picture::encode::apng::Delay;
 use crate::text::counted;
 use std::ops::RangeInclusive;
@@ -232,6 +233,14 @@ impl AnimationSchedule {
                 if is_continuous { moment } else { Moment { offset: 0.0, ..moment } }
             }
         }
+    }
+
+    /// The rounding error of the instant of a freeze frame in the recording, s. Instants of another rate are rounded to
+    /// steps; see [`Moment::at_rate`].
+    pub fn recorded_rounding(&self, moment: Moment) -> f64 {
+        let rate = self.recorded_rate();
+        let rounding = 4.0 * f64::EPSILON * ((moment.step + 1) as f64 / rate);
+        if rate == self.grid.rate { rounding } else { 3.0 * rounding + 2e-9 / smaller(rate, self.grid.rate) }
     }
 
     /// The steps per second of the recording, Hz.

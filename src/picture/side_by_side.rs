@@ -1,16 +1,15 @@
 //! The pages of an animation: of one recording, or of several side by side.
 
 use super::clip::{Instant, Shot};
-use super::figures::hatched;
-use super::figures::panels::{Panels, fitted, outline};
+use super::figures::panels::{Panels, fitted, missing_panel, outline};
 use super::layers::footer::{Footer, Legend, gap_text};
 use super::layers::{self, LayoutContext, grid};
-use super::text::{Line, wrapped};
+use super::text::Line;
 use super::trace::{GapReason, TraceGap};
 use super::view::{self, MIN_TEXT};
 use super::visibility::Visibility;
 use super::{
-    Camera, CameraTarget, DisplayList, DrawingMetrics, Frame, Ink, Overlay, RenderError, Shape, Style, View, compose,
+    Camera, CameraTarget, DisplayList, DrawingMetrics, Frame, Overlay, RenderError, Shape, Style, View, compose,
 };
 use crate::physics::{Rect, Vector, larger, smaller};
 
@@ -95,27 +94,9 @@ fn empty_frame(instant: &Instant) -> Frame {
 
 /// A hatched area in place of a state that a recording lacks, with the reason.
 fn missing(step: u64, view: &View, metrics: &DrawingMetrics) -> Shape {
-    let area = view.camera.viewport;
-    let mut shapes = vec![Shape::Rect { rect: area, ink: Ink { color: metrics.palette.muted, opacity: 40 } }];
-    shapes.extend(hatched(&area, metrics));
     let unknown = TraceGap { steps: step..=step, times: [0.0; 2], reason: GapReason::Unreadable };
     let gap = view.style.gaps.iter().find(|gap| gap.steps.contains(&step)).unwrap_or(&unknown);
-    let size = metrics.text(0.85);
-    let lines = wrapped(&gap_text(gap, view.style.look.language), size, area.width() - 2.0 * size);
-    let spacing = (1.3 * size).ceil();
-    let width = lines.iter().map(|line| line.width).fold(0.0, larger) + size;
-    let height = lines.len() as f64 * spacing + 0.6 * size;
-    let near = area.center().sub(Vector::new(width, height).mult(0.5));
-    let ground = Rect::new(Vector::new(near.x.round(), near.y.round()), width.ceil(), height.ceil());
-    shapes.push(Shape::Rect { rect: ground, ink: metrics.palette.background.into() });
-    for (number, line) in (0_u32..).zip(lines) {
-        let at = Vector::new(
-            (area.center().x - line.width / 2.0).round(),
-            (ground.origin.y + size + f64::from(number) * spacing).round(),
-        );
-        shapes.push(Shape::Text { line, at, ink: metrics.palette.ink.into() });
-    }
-    Shape::Clip { window: area, shapes }
+    missing_panel(&view.camera.viewport, &gap_text(gap, view.style.look.language), metrics)
 }
 
 /// A page with a panel for each of several recordings, all on one scale, with one clock and one legend.

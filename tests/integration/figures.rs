@@ -156,7 +156,12 @@ fn extreme_coordinates_do_not_crash_a_figure() {
         let mut frame = run.frames[0].clone();
         frame.sprites[3].rect.origin = vector;
         let sample = EnergySample { time: coordinate, kinetic: coordinate, potential: -coordinate, momentum: vector };
-        let runs = [FigureRun { title: String::new(), world: WORLD, frames: vec![frame.clone(), frame.clone()] }];
+        let runs = [FigureRun {
+            title: String::new(),
+            world: WORLD,
+            frames: vec![frame.clone(), frame.clone()],
+            missing: Vec::new(),
+        }];
         let mut energy = EnergyRun::new(String::new(), 0.0, true);
         (0..2).for_each(|_| energy.push(&sample));
         let mut bands = SpacetimeRun::new(String::new(), WORLD, Axis::Y, 0.0);

@@ -85,7 +85,12 @@ impl RunStates {
 
     /// Every `steps`-th frame.
     pub fn every_nth(&self, steps: usize) -> FigureRun {
-        FigureRun { title: String::new(), world: WORLD, frames: self.frames.iter().step_by(steps).cloned().collect() }
+        FigureRun {
+            title: String::new(),
+            world: WORLD,
+            frames: self.frames.iter().step_by(steps).cloned().collect(),
+            missing: Vec::new(),
+        }
     }
 
     pub fn energies(&self) -> EnergyRun {
@@ -129,8 +134,13 @@ impl RunStates {
         let finite: Vec<&Body> = self.worlds[0].bodies.iter().filter(|body| body.mass.is_finite()).collect();
         let of_body = |body: &Body| (body.name.clone(), body.id, body.mass, body.velocity);
         let mut path = VelocityPath::new([of_body(finite[0]), of_body(finite[1 % finite.len()])], Axis::X);
-        self.collisions.iter().for_each(|collision| path.collision(collision));
-        VelocityRun { title: title.to_owned(), velocities: Velocities::Pair(path) }
+        for (step, (frames, world)) in self.frames.windows(2).zip(&self.worlds[1..]).enumerate() {
+            let collisions = self.collisions.iter().filter(|collision| collision.step == step as u64);
+            collisions.for_each(|collision| path.collision(collision));
+            let velocities = world.bodies.iter().map(|body| (body.id, body.velocity));
+            path.advance(velocities, frames[1].time - frames[0].time);
+        }
+        VelocityRun { title: title.to_owned(), velocities: Velocities::Pair(Box::new(path)) }
     }
 
     pub fn velocity_cloud(&self, title: &str) -> VelocityRun {

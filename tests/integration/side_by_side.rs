@@ -134,16 +134,53 @@ fn texts(list: &DisplayList) -> Vec<String> {
     list.leaves().filter_map(text).collect()
 }
 
-#[test]
-fn a_gap_is_a_hatched_panel_with_the_reason_and_the_other_panels_go_on() {
-    let (workplace, sources) = recorded(&[scene("A", "event-driven", 10, 6.0, ""), scene("B", "handout", 10, 6.0, "")]);
+/// The recording `0.mcap` without a part of its states, as `gap.mcap`.
+fn recovered(workplace: &Workplace) -> Source {
     let mut file = workplace.read("0.mcap");
     // A flipped bit in the third chunk with states.
     let place = file.windows(8).enumerate().filter(|(_, window)| window == b"\x04\0\0\0zstd").nth(3).unwrap().0 + 30;
     file[place] ^= 1;
     std::fs::write(workplace.path("flip.mcap"), file).unwrap();
     assert_eq!(workplace.rebond("recover flip.mcap -o gap.mcap").code, 4);
-    let gap = Source::open(&workplace.path("gap.mcap")).unwrap();
+    Source::open(&workplace.path("gap.mcap")).unwrap()
+}
+
+/// Every recording has the same instants in a filmstrip, in panels of the same size, also those that it lacks and those of
+/// a smaller world.
+#[test]
+fn a_filmstrip_has_a_hatched_panel_with_the_reason_for_each_missing_instant() {
+    let small = scene("B", "event-driven", 10, 6.0, "").replace("[8.0, 4.5]", "[7.0, 3.0]");
+    let (workplace, _) = recorded(&[scene("A", "event-driven", 10, 6.0, ""), small]);
+    let gap = recovered(&workplace);
+    let missing = gap.header.gaps[0].first_missing()..gap.header.gaps[0].before;
+    let missing_count = missing.filter(|step| step.is_multiple_of(5)).count();
+    assert!((1..4).contains(&missing_count));
+    let picture = |sources: &str, code: i32| {
+        let drawn = workplace
+            .rebond(&format!("figure filmstrip {sources} --every 5 --size 1600x1200 --text text --force -o strip.svg"));
+        assert_eq!(drawn.code, code, "{drawn:?}");
+        String::from_utf8(workplace.read("strip.svg")).unwrap()
+    };
+    let sizes = |picture: &str| -> Vec<String> {
+        let panels = picture.split("<svg ").skip(2).map(|panel| panel.split("viewBox").next().unwrap());
+        let size = |panel: &str| panel.split(" width").nth(1).map(|size| format!("width{size}"));
+        panels.filter_map(size).collect()
+    };
+    let whole = picture("0.mcap 1.mcap", 0);
+    let gapped = picture("gap.mcap 1.mcap", 4);
+    for picture in [&whole, &gapped] {
+        assert_eq!(picture.matches('𝑡').count(), 26, "{picture}");
+    }
+    assert_eq!(sizes(&whole).first(), sizes(&gapped).first());
+    let reason = "lost in a damaged recording";
+    assert_eq!(whole.matches(reason).count(), 0);
+    assert!(gapped.matches("damaged").count() > missing_count, "{gapped}");
+}
+
+#[test]
+fn a_gap_is_a_hatched_panel_with_the_reason_and_the_other_panels_go_on() {
+    let (workplace, sources) = recorded(&[scene("A", "event-driven", 10, 6.0, ""), scene("B", "handout", 10, 6.0, "")]);
+    let gap = recovered(&workplace);
     let missing = gap.header.gaps[0].first_missing()..gap.header.gaps[0].before;
     assert!(!missing.is_empty());
     let both = [gap.clone(), sources[1].clone()];

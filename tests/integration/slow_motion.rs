@@ -1,7 +1,12 @@
 //! Slow motion and freeze frames, which show states of the event-driven solver between two steps.
 
 use crate::rebond::Workplace;
-use rebond::internals::physics::{Engine, EngineConfig, Event, Rect, Restitution, SolverKind, Spawn, Vector};
+use rebond::internals::physics::{
+    Collision, Engine, EngineConfig, Event, Rect, Restitution, SolverKind, Spawn, Vector,
+};
+use rebond::internals::picture::Overlay;
+use rebond::internals::recording::Recording;
+use rebond::internals::replay::{ALL_STEPS, Replayer};
 use std::io::Cursor;
 
 /// A ball that hits a plate between two steps, at 0.425 s, and bounces back.
@@ -104,6 +109,75 @@ fn a_freeze_frame_shows_the_bodies_in_contact() {
         1,
         "the collision is shown more than once"
     );
+}
+
+/// Two balls that bounce between walls, and a third one that touches a wall and moves towards it at the beginning, at
+/// `rate` Hz.
+fn bounces(rate: u32, weight: f64) -> String {
+    let ball = |name: &str, x: f64, velocity: [f64; 2]| {
+        format!(
+            "[[spawn]]\nname = \"{name}\"\nat = [{x:?}, 1.0]\nsize = [0.7, 0.9]\nmass = 2.0\nvelocity = {velocity:?}\n"
+        )
+    };
+    format!(
+        "[world]\nsize = [16.0, 9.0]\nwalls = true\ngravity = [0.0, {weight:?}]\n[run]\nrate = {rate}\nduration = 6.0\n\
+         [restitution]\ndefault = 0.9\n{}{}{}",
+        ball("a", 3.1, [1.3, 0.0]),
+        ball("b", 9.0, [-2.7, 3.3]),
+        ball("c", 0.0, [-1.0, -0.5]),
+    )
+}
+
+/// Each collision is in one frame, and a freeze frame contains those at its instant, with the velocities after them, also
+/// beside a recording of another rate.
+#[test]
+fn freeze_frames_contain_their_collisions_with_the_velocities_after_them() {
+    use rebond::internals::picture::{Clip, PictureOptions, Source};
+    let workplace = Workplace::new();
+    let runs = [(60, 9.81), (60, 0.0), (7, 9.81), (1000, 9.81)];
+    let sources = runs.map(|(rate, weight)| {
+        workplace.write("bounces.toml", &bounces(rate, weight));
+        workplace.done(&format!("record bounces.toml -o {rate}-{weight}.mcap"));
+        Source::open(&workplace.path(&format!("{rate}-{weight}.mcap"))).unwrap()
+    });
+    let mut options = PictureOptions::default();
+    (options.hold, options.show) = (Some(0.5), Some([Overlay::Impulse].into()));
+    for shown in [&sources[..1], &sources[1..2], &sources[2..3], &sources[3..], &sources[1..3], &sources[..]] {
+        let (clip, _) = Clip::video(&options, shown, &mut |_, _| ()).unwrap();
+        let schedule = clip.schedule.clone();
+        let instants: Vec<_> = clip.instants.map(Result::unwrap).collect();
+        let mut found = vec![0; shown.len()];
+        for (number, instant) in instants.iter().enumerate().filter(|(at, _)| schedule.is_frozen_at(*at as u64)) {
+            let is_now = |collision: &&Collision| (collision.instant - instant.time).abs() < 1e-6;
+            let mut count = 0;
+            for (at, frame) in instant.frames().enumerate() {
+                for collision in frame.collisions.iter().filter(is_now) {
+                    (count, found[at]) = (count + 1, found[at] + 1);
+                    for (id, after) in collision.bodies.iter().zip(collision.after) {
+                        let velocity =
+                            frame.sprites.iter().find(|sprite| sprite.appearance.id == *id).unwrap().velocity;
+                        let is_last = frame.collisions.iter().filter(|other| other.bodies.contains(id)).count() == 1;
+                        assert!(!is_last || velocity.sub(after).norm() < 1e-6, "{velocity:?} after {collision:?}");
+                    }
+                }
+            }
+            assert!(count > 0, "the freeze frame {number} at {} s contains no collision", instant.time);
+        }
+        assert!(found.iter().all(|found| *found > 3), "{found:?}");
+        for (at, source) in shown.iter().enumerate() {
+            let mut all: Vec<Collision> = Vec::new();
+            let recording = Recording::read(std::fs::File::open(&source.path).unwrap()).unwrap();
+            Replayer::new(recording, ALL_STEPS).unwrap().run(&mut all, |_| ()).unwrap();
+            let end = instants.last().unwrap().time;
+            let all = all.iter().filter(|collision| collision.instant < end).count();
+            let shown: usize = instants
+                .iter()
+                .filter_map(|instant| instant.frames().nth(at))
+                .map(|frame| frame.collisions.len())
+                .sum();
+            assert_eq!(shown, all, "collisions are shown in no frame or in several");
+        }
+    }
 }
 
 #[test]

@@ -40,9 +40,7 @@ pub fn encode(
     let images = distinct_bitmaps(list);
     encode_images(&images, &mut output)?;
     writeln!(output, "<rect width=\"{width}\" height=\"{height}\" fill=\"{}\"/>", list.background)?;
-    for shape in list.backdrop.iter().chain(&list.shapes) {
-        encode_shape(shape, text, &images, &mut output)?;
-    }
+    encode_shapes(list.backdrop.iter().chain(&list.shapes), text, &images, &mut output)?;
     writeln!(output, "</svg>")?;
     Ok(())
 }
@@ -133,6 +131,31 @@ fn encode_glyphs(list: &DisplayList, output: &mut impl Write) -> Result<(), Rend
     Ok(())
 }
 
+/// Writes shapes. The copies of a label that are its halo precede it; with text as text they are a stroke of the label, so
+/// that it can be edited.
+fn encode_shapes<'a>(
+    shapes: impl Iterator<Item = &'a Shape>,
+    text: TextAs,
+    images: &[Arc<Bitmap>],
+    output: &mut impl Write,
+) -> Result<(), RenderError> {
+    let mut halo = None;
+    for shape in shapes {
+        match shape {
+            Shape::Text { line, at, ink } if text == TextAs::Text => {
+                if line.text.is_empty() {
+                    halo = Some((*at, *ink));
+                } else {
+                    let stroke = halo.take().map(|(copy, ink): (Vector, Ink)| (2.0 * copy.sub(*at).norm(), ink));
+                    encode_text(line, *at, *ink, stroke, output)?;
+                }
+            }
+            shape => encode_shape(shape, text, images, output)?,
+        }
+    }
+    Ok(())
+}
+
 fn encode_shape(
     shape: &Shape,
     text: TextAs,
@@ -160,16 +183,12 @@ fn encode_shape(
             Stroke(*ink)
         )?,
         Shape::Clip { window, shapes } => encode_clip(window, shapes, text, images, output)?,
-        Shape::Text { line, at, ink } => match text {
-            TextAs::Outlines => {
-                encode_outlines(line, *at, *ink, output)?;
-                if !line.text.is_empty() {
-                    encode_hidden_text(line, *at, output)?;
-                }
+        Shape::Text { line, at, ink } => {
+            encode_outlines(line, *at, *ink, output)?;
+            if !line.text.is_empty() {
+                encode_hidden_text(line, *at, output)?;
             }
-            TextAs::Text if line.text.is_empty() => encode_halo(line, *at, *ink, output)?,
-            TextAs::Text => encode_text(line, *at, *ink, output)?,
-        },
+        }
         Shape::Image { bitmap, rect, opacity } => {
             let number = images.iter().position(|image| image == bitmap).unwrap_or(0);
             encode_image(number, bitmap, rect, *opacity, output)?;
@@ -191,7 +210,7 @@ fn encode_clip(
         output,
         "<svg x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\" viewBox=\"{x} {y} {width} {height}\">"
     )?;
-    shapes.iter().try_for_each(|shape| encode_shape(shape, text, images, output))?;
+    encode_shapes(shapes.iter(), text, images, output)?;
     writeln!(output, "</svg>")?;
     Ok(())
 }
@@ -233,9 +252,21 @@ fn encode_hidden_text(line: &Line, at: Vector, output: &mut impl Write) -> Resul
 /// Fonts for text that the reader's program sets, the best one first.
 const FONT_FAMILY: &str = "'STIX Two Math', 'STIX Two Text', STIXGeneral, 'Cambria Math', serif";
 
-/// Writes a line as text. Glyphs of one size on one baseline are one run, with its length in the font of rebond.
-fn encode_text(line: &Line, at: Vector, ink: Ink, output: &mut impl Write) -> Result<(), RenderError> {
-    write!(output, "<text font-family=\"{FONT_FAMILY}\" xml:space=\"preserve\"{}>", Fill(ink))?;
+/// Writes a line as text, over a stroke of a width (px) and an ink if it has a halo. Glyphs of one size on one baseline are
+/// one run, with its length in the font of rebond.
+fn encode_text(
+    line: &Line,
+    at: Vector,
+    ink: Ink,
+    halo: Option<(f64, Ink)>,
+    output: &mut impl Write,
+) -> Result<(), RenderError> {
+    write!(output, "<text font-family=\"{FONT_FAMILY}\" xml:space=\"preserve\"{}", Fill(ink))?;
+    if let Some((width, ink)) = halo {
+        let (width, stroke) = (Hundredths(width), Stroke(ink));
+        write!(output, " paint-order=\"stroke\"{stroke} stroke-width=\"{width}\" stroke-linejoin=\"round\"")?;
+    }
+    write!(output, ">")?;
     let runs: Vec<&[Glyph]> = line.glyphs.chunk_by(|a, b| (a.size, a.y) == (b.size, b.y)).collect();
     for run in runs {
         let (Some(first), Some(last)) = (run.first(), run.last()) else { continue };
@@ -252,14 +283,6 @@ fn encode_text(line: &Line, at: Vector, ink: Ink, output: &mut impl Write) -> Re
         )?;
     }
     writeln!(output, "</text>")?;
-    Ok(())
-}
-
-/// Writes one copy of a label in the colour of its halo, hidden from readers of the text.
-fn encode_halo(line: &Line, at: Vector, ink: Ink, output: &mut impl Write) -> Result<(), RenderError> {
-    write!(output, "<g aria-hidden=\"true\" style=\"user-select:none\">")?;
-    encode_text(line, at, ink, output)?;
-    writeln!(output, "</g>")?;
     Ok(())
 }
 
@@ -350,13 +373,14 @@ mod tests {
     fn text_is_outlines_with_hidden_words_or_text_alone() {
         let line = Line::math("v_c = 5 \"m/s\"", 10.0);
         let at = Vector::new(1.0, 5.0);
-        let halo = Shape::Text { line: line.without_text(), at, ink: Color::hex(0xffffff).into() };
+        let near = at.add(Vector::new(0.0, 1.5));
+        let halo = Shape::Text { line: line.without_text(), at: near, ink: Color::hex(0xffffff).into() };
         let label = Shape::Text { line, at, ink: Color::hex(0).into() };
         let list = DisplayList {
             size: [90, 20],
             background: Color::hex(0xffffff),
             backdrop: Vec::new(),
-            shapes: vec![halo, label],
+            shapes: vec![halo.clone(), halo, label.clone(), label],
         };
         let title = (Metadata::TITLE.to_owned(), "Energy & momentum".to_owned());
         let metadata = Metadata { entries: vec![title, (Metadata::DESCRIPTION.to_owned(), "Steps 0 to 9".to_owned())] };
@@ -370,7 +394,9 @@ mod tests {
             assert_eq!(file.matches("role=\"img\"").count(), 1);
             assert!(file.contains(">Energy &amp; momentum</title>") && file.contains(">Steps 0 to 9</desc>"), "{file}");
         }
-        assert_eq!(outlines.matches("<text").count(), 1);
+        assert_eq!((outlines.matches("<text").count(), text.matches("<text").count()), (2, 2));
+        let stroke = "paint-order=\"stroke\" stroke=\"#ffffff\" stroke-width=\"3\" stroke-linejoin=\"round\"";
+        assert_eq!(text.matches(stroke).count(), 1, "{text}");
         assert!(outlines.contains("fill-opacity=\"0\">v_c = 5 m/s</text>") && outlines.contains("<use"), "{outlines}");
         assert!(text.contains(">𝑣</tspan>") && !text.contains("<use") && !text.contains("fill-opacity"), "{text}");
     }

@@ -110,9 +110,8 @@ impl EnergyRun {
         self.since_change = None;
     }
 
-    /// The energy curves, J; only the kinetic energy if there is no potential energy. Potential energy is counted from
-    /// its least value, because its zero is arbitrary; so the total is the energy available in the run.
-    fn energy_series(&self, language: Language, metrics: &DrawingMetrics) -> Vec<Series> {
+    /// The energy curves, J; only the kinetic energy if there is no potential energy, which is counted from `zero`.
+    fn energy_series(&self, zero: f64, language: Language, metrics: &DrawingMetrics) -> Vec<Series> {
         let [kinetic, potential, total] = &self.energies;
         let series =
             |name, color, curve: &TimeCurve, zero| Series { name, color, parts: curve.parts(), zero, width: 1.25 };
@@ -120,7 +119,6 @@ impl EnergyRun {
         if !self.has_potential {
             return vec![kinetic];
         }
-        let zero = self.least_potential;
         let potential = series(language.of("potential", "potentielle"), color::BODY_COLORS[0], potential, zero);
         // The total is drawn first and wider, so that it stays visible where it equals another curve.
         vec![
@@ -138,13 +136,13 @@ impl EnergyRun {
     }
 
     /// The change of the total energy since the last spawn or delete as a label, relative to the energy that the curve
-    /// has there if that is not 0. Nothing is known to change in a single sample.
-    fn drift(&self, language: Language) -> String {
+    /// has there if that is not 0. Potential energy is counted from `zero`. Nothing is known to change in a single sample.
+    fn drift(&self, zero: f64, language: Language) -> String {
         let Some(Account { first, last }) = self.since_change.filter(|account| account.first.time < account.last.time)
         else {
             return String::new();
         };
-        let zero = if self.has_potential { self.least_potential } else { 0.0 };
+        let zero = if self.has_potential { zero } else { 0.0 };
         let (change, size) = (last.total() - first.total(), (first.total() - zero).abs());
         let drift = match size {
             0.0 => format!("ΔE = {}", language.decimal(Unit::JOULE.format(change, 3))),
@@ -176,20 +174,27 @@ impl Series {
     }
 }
 
+/// The least potential energy of all runs that have any, J. Potential energy is counted from it, because its zero is
+/// arbitrary; so the total is the energy available in a run, and runs that begin alike begin at the same height.
+fn least_potential(runs: &[EnergyRun]) -> f64 {
+    runs.iter().filter(|run| run.has_potential).map(|run| run.least_potential).fold(f64::INFINITY, smaller)
+}
+
 /// Draws energy and momentum over `time` (s), labelled with the drift of the total energy. Several runs have the same
-/// scales.
+/// scales and the same zero of the energy.
 ///
 /// # Errors
 /// If the page is too small.
 pub fn energy(runs: &[EnergyRun], time: Range, style: &Style) -> Result<DisplayList, RenderError> {
     let language = style.look.language;
     let metrics = DrawingMetrics::new(style.look.theme, style.look.language, style.look.size);
-    let energies: Vec<Vec<Series>> = runs.iter().map(|run| run.energy_series(language, &metrics)).collect();
+    let zero = least_potential(runs);
+    let energies: Vec<Vec<Series>> = runs.iter().map(|run| run.energy_series(zero, language, &metrics)).collect();
     let momenta: Vec<Vec<Series>> = runs.iter().map(EnergyRun::momentum_series).collect();
     let time = Scale::linear(time, Unit::SECOND);
     let [e, p] =
         [(&energies, Unit::JOULE), (&momenta, Unit::MOMENTUM)].map(|(series, unit)| Scale::linear(range(series), unit));
-    let notes: Vec<String> = runs.iter().map(|run| run.drift(language)).collect();
+    let notes: Vec<String> = runs.iter().map(|run| run.drift(zero, language)).collect();
     let fits = |cell: &Rect, metrics: &DrawingMetrics| {
         let [above, below] = split(cell).map(|panel| Axes::within(&panel, time, e, 0.0, metrics).plot_area);
         let title = Line::math(&e.title("E"), metrics.text(0.9)).width + metrics.font_size;
@@ -291,8 +296,27 @@ mod tests {
         run.push(&sample(0.0, 1.0, -6.0));
         run.restart_account();
         run.push(&sample(1.0, 1.0, 1.0));
-        assert_eq!(run.drift(Language::English), "", "a single sample has no change");
+        assert_eq!(run.drift(run.least_potential, Language::English), "", "a single sample has no change");
         run.push(&sample(2.0, 0.0, 1.0));
-        assert_eq!(run.drift(Language::English), "ΔE/E = −0.125 \" since \" t = 1 \"s\"");
+        assert_eq!(run.drift(run.least_potential, Language::English), "ΔE/E = −0.125 \" since \" t = 1 \"s\"");
+    }
+
+    /// Two runs that begin at the same height, of which one goes deeper, and one without potential energy.
+    #[test]
+    fn all_runs_have_one_zero() {
+        let run = |depth: f64, has_potential: bool| {
+            let mut run = EnergyRun::new(String::new(), 0.0, has_potential);
+            for (time, potential) in [(0.0, -6.0), (1.0, -6.0 - depth)] {
+                let potential = if has_potential { potential } else { 0.0 };
+                run.push(&EnergySample { time, kinetic: 1.0, potential, momentum: Vector::ZERO });
+            }
+            run
+        };
+        let runs = [run(1.0, true), run(4.0, true), run(1.0, false)];
+        let metrics = DrawingMetrics::new(crate::picture::Theme::Light, Language::English, [800, 450]);
+        let zero = least_potential(&runs);
+        let totals = runs.iter().map(|run| run.energy_series(zero, Language::English, &metrics)[0].values().collect());
+        assert_eq!(totals.collect::<Vec<Vec<f64>>>(), [[5.0, 4.0], [5.0, 1.0], [1.0, 1.0]]);
+        assert_eq!(run(1.0, true).drift(zero, Language::English), "ΔE/E = −0.2");
     }
 }

@@ -1,9 +1,10 @@
 //! Figures of several instants of a run: in one picture, or side by side.
 
-use super::panels::{Layout, Panels, TITLE, fitted_math, outline, target_extent, world_view};
-use super::{FigureRun, legend};
+use super::panels::{Layout, Panels, TITLE, fitted_math, missing_panel, outline, target_extent, world_view};
+use super::{FigureRun, MissingInstant, legend};
 use crate::physics::{Rect, Vector, larger, smaller};
 use crate::picture::layers::bodies::{draw_box, image_of};
+use crate::picture::layers::footer::gap_text;
 use crate::picture::layers::{self, LayoutContext};
 use crate::picture::number::Unit;
 use crate::picture::text::Line;
@@ -25,8 +26,9 @@ pub fn strobe(runs: &[FigureRun], style: &Style) -> Result<DisplayList, RenderEr
         ..Layout::new(style, &titles, &fits)
     };
     let (mut panels, cells) = layout.lay_out()?;
+    let extent = widest(runs, style);
     for (run, cell) in runs.iter().zip(cells) {
-        panels.clip(&cell, |panels| draw_strobe(run, &cell, panels, style));
+        panels.clip(&cell, |panels| draw_strobe(run, extent, &cell, panels, style));
     }
     Ok(panels.finish())
 }
@@ -46,10 +48,10 @@ fn is_world_legible(cell: &Rect, times: &[String], metrics: &DrawingMetrics) -> 
     cell.width() >= larger(width, 5.0 * metrics.font_size) && cell.height() >= (TIME + 3.0) * metrics.font_size
 }
 
-fn draw_strobe(run: &FigureRun, cell: &Rect, panels: &mut Panels, style: &Style) {
+fn draw_strobe(run: &FigureRun, extent: Vector, cell: &Rect, panels: &mut Panels, style: &Style) {
     let Some((last, earlier)) = run.frames.split_last() else { return };
     let panel = Rect::new(cell.origin, cell.width(), cell.height() - TIME * panels.metrics.font_size);
-    let view = world_view(&panel, panels.metrics.font_size.round(), run, last, style);
+    let view = world_view(&panel, panels.metrics.font_size.round(), run, extent, Some(last), style);
     let context = LayoutContext { view: &view, camera: view.camera, metrics: panels.metrics };
     panels.shapes.push(layers::backdrop(last, &context));
     if !last.sprites.iter().any(|sprite| sprite.appearance.is_wall) {
@@ -70,7 +72,7 @@ fn time_label(frames: &[Frame], style: &Style) -> String {
     let format = style.time_format;
     match frames {
         [] => String::new(),
-        [only] => format!("t = {} \"{}\"", format.number(only.time), format.unit()),
+        [only] => instant_label(only.time, style),
         [first, .., last] => {
             // The least one: instants that the recording lacks are left out.
             let intervals = frames.windows(2).map(|pair| pair[1].time - pair[0].time);
@@ -80,6 +82,11 @@ fn time_label(frames: &[Frame], style: &Style) -> String {
             format!("t = {from} … {to} \"{}\",  Δt = {interval}", format.unit())
         }
     }
+}
+
+/// The label of an instant, s.
+fn instant_label(time: f64, style: &Style) -> String {
+    format!("t = {} \"{}\"", style.time_format.number(time), style.time_format.unit())
 }
 
 /// The moving bodies at earlier instants.
@@ -128,26 +135,26 @@ fn draw_ghost(rect: &Rect, fill: Color, context: &LayoutContext, shapes: &mut Ve
     }));
 }
 
-/// Draws selected instants side by side with their times, row by row. With several runs, each run has one or more rows
-/// of its own.
+/// Draws selected instants side by side with their times, row by row, all on one scale. With several runs, each run has
+/// one or more rows of its own. An instant that a recording lacks is a hatched panel with the reason.
 ///
 /// # Errors
 /// If the page is too small.
 pub fn filmstrip(runs: &[FigureRun], style: &Style) -> Result<DisplayList, RenderError> {
     let extent = widest(runs, style);
-    let count = runs.iter().map(|run| run.frames.len()).max().unwrap_or(1);
-    let times: Vec<String> =
-        runs.iter().flat_map(|run| &run.frames).map(|frame| time_label(std::slice::from_ref(frame), style)).collect();
-    let cells_of = |run: &FigureRun, cell: &Rect, metrics: &DrawingMetrics| {
+    let count = runs.iter().map(|run| run.frames.len() + run.missing.len()).max().unwrap_or(1);
+    let strips: Vec<Vec<Instant>> = runs.iter().map(strip).collect();
+    let mut times: Vec<String> = strips.iter().flatten().map(|instant| instant_label(instant.time(), style)).collect();
+    times.sort_unstable();
+    times.dedup();
+    let cells_of = |cell: &Rect, metrics: &DrawingMetrics| {
         let panels = Panels::of_cell(cell, metrics);
-        let columns = panels.columns(run.frames.len(), target_extent(run, style), 1.3 * metrics.font_size);
-        panels.grid(run.frames.len(), columns)
+        panels.grid(count, panels.columns(count, extent, 1.3 * metrics.font_size))
     };
     let is_legible = |cell: &Rect, metrics: &DrawingMetrics| {
-        runs.iter().all(|run| {
-            let instants = cells_of(run, cell, metrics);
-            instants.iter().all(|instant| is_world_legible(instant, &times, &instant_metrics(metrics)))
-        })
+        // All panels have one size.
+        let panels = cells_of(cell, metrics);
+        panels.first().is_none_or(|panel| is_world_legible(panel, &times, &instant_metrics(metrics)))
     };
     let titles: Vec<&str> = runs.iter().map(|run| run.title.as_str()).collect();
     let layout = Layout {
@@ -157,12 +164,37 @@ pub fn filmstrip(runs: &[FigureRun], style: &Style) -> Result<DisplayList, Rende
         ..Layout::new(style, &titles, &is_legible)
     };
     let (mut panels, cells) = layout.lay_out()?;
-    for (run, cell) in runs.iter().zip(cells) {
-        for (frame, instant) in run.frames.iter().zip(cells_of(run, &cell, &panels.metrics)) {
-            panels.clip(&instant, |panels| draw_instant(run, frame, &instant, panels, style));
+    for ((run, strip), cell) in runs.iter().zip(&strips).zip(cells) {
+        for (instant, panel) in strip.iter().zip(cells_of(&cell, &panels.metrics)) {
+            panels.clip(&panel, |panels| draw_instant(run, instant, extent, &panel, panels, style));
         }
     }
     Ok(panels.finish())
+}
+
+/// An instant of a filmstrip.
+#[derive(Clone, Copy)]
+enum Instant<'a> {
+    Frame(&'a Frame),
+    Missing(&'a MissingInstant),
+}
+
+impl Instant<'_> {
+    /// Simulated time, s.
+    fn time(&self) -> f64 {
+        match self {
+            Instant::Frame(frame) => frame.time,
+            Instant::Missing(missing) => missing.time,
+        }
+    }
+}
+
+/// All instants of a run, in the order of time.
+fn strip(run: &FigureRun) -> Vec<Instant<'_>> {
+    let frames = run.frames.iter().map(Instant::Frame);
+    let mut strip: Vec<Instant> = frames.chain(run.missing.iter().map(Instant::Missing)).collect();
+    strip.sort_by(|a, b| a.time().total_cmp(&b.time()));
+    strip
 }
 
 /// The metrics of a picture in a filmstrip, whose arrows are shorter because it is small.
@@ -172,18 +204,28 @@ fn instant_metrics(metrics: &DrawingMetrics) -> DrawingMetrics {
 }
 
 /// Draws one instant, with its time below.
-fn draw_instant(run: &FigureRun, frame: &Frame, cell: &Rect, panels: &mut Panels, style: &Style) {
+fn draw_instant(run: &FigureRun, instant: &Instant, extent: Vector, cell: &Rect, panels: &mut Panels, style: &Style) {
     let metrics = instant_metrics(&panels.metrics);
     let panel = Rect::new(cell.origin, cell.width(), cell.height() - TIME * metrics.font_size);
-    let view = world_view(&panel, metrics.line_width, run, frame, style);
+    let frame = match instant {
+        Instant::Frame(frame) => Some(*frame),
+        Instant::Missing(_) => None,
+    };
+    let view = world_view(&panel, metrics.line_width, run, extent, frame, style);
     let world = view.camera.viewport.inset(metrics.line_width);
     let context = LayoutContext { view: &view, camera: view.camera, metrics };
-    panels.shapes.push(layers::backdrop(frame, &context));
-    panels.shapes.push(layers::foreground(frame, &context));
+    match instant {
+        Instant::Frame(frame) => {
+            panels.shapes.push(layers::backdrop(frame, &context));
+            panels.shapes.push(layers::foreground(frame, &context));
+        }
+        Instant::Missing(missing) => {
+            panels.shapes.push(missing_panel(&world, &gap_text(&missing.gap, style.look.language), &metrics));
+        }
+    }
     panels.shapes.extend(outline(&world, metrics.line_width, metrics.palette.wall_edge.into()));
-    let time = time_label(std::slice::from_ref(frame), style);
     panels.centered(
-        fitted_math(&time, metrics.font_size, MIN_TEXT, cell.width()),
+        fitted_math(&instant_label(instant.time(), style), metrics.font_size, MIN_TEXT, cell.width()),
         Vector::new(cell.center().x, world.far_corner().y + 1.3 * metrics.font_size),
         metrics.palette.ink.into(),
     );

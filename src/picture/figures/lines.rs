@@ -86,8 +86,10 @@ impl Motion {
 #[derive(Clone, Debug, PartialEq)]
 struct LineOfBody {
     curve: TimeCurve,
-    /// The least potential energy, J; energies are counted from it. 0 for other quantities.
-    zero: f64,
+    /// The least potential energy, J.
+    least_potential: f64,
+    /// True if energies are shown and the potential energy is not always 0.
+    has_potential: bool,
 }
 
 impl LineRun {
@@ -159,11 +161,11 @@ impl LineRun {
     }
 
     fn add(&mut self, key: Option<BodyId>, time: f64, value: f64, potential: f64) {
-        let is_energy = self.quantity == Quantity::Energy;
-        let zero = if is_energy { potential } else { 0.0 };
         let column = self.column;
-        let line = self.lines.entry(key).or_insert_with(|| LineOfBody { curve: TimeCurve::new(column), zero });
-        line.zero = smaller(line.zero, zero);
+        let new = || LineOfBody { curve: TimeCurve::new(column), least_potential: potential, has_potential: false };
+        let line = self.lines.entry(key).or_insert_with(new);
+        line.least_potential = smaller(line.least_potential, potential);
+        line.has_potential |= self.quantity == Quantity::Energy && potential != 0.0;
         line.curve.push(time, value);
     }
 
@@ -273,7 +275,9 @@ struct DrawnLine<'a> {
 /// The lines of all runs in drawing order.
 fn drawn_lines<'a>(runs: &'a [LineRun], style: &Style) -> Vec<DrawnLine<'a>> {
     let palette = Palette::of(style.look.theme);
+    let zeros = zeros(runs);
     let line = |(at, run): (usize, &'a LineRun)| {
+        let zeros = &zeros;
         run.lines.iter().map(move |(key, line)| {
             let appearance = run.appearance(*key);
             let color = match (runs.len(), appearance) {
@@ -284,7 +288,8 @@ fn drawn_lines<'a>(runs: &'a [LineRun], style: &Style) -> Vec<DrawnLine<'a>> {
                 (count, _) => run_color(at, count, style),
             };
             let (color, dashes) = (palette.line(color), DashPattern::SOLID);
-            DrawnLine { run: at, appearance, color, dashes, parts: line.curve.parts(), zero: line.zero }
+            let zero = zeros.get(name(appearance)).copied().filter(|_| line.has_potential).unwrap_or(0.0);
+            DrawnLine { run: at, appearance, color, dashes, parts: line.curve.parts(), zero }
         })
     };
     let mut lines: Vec<DrawnLine> = runs.iter().enumerate().flat_map(line).collect();
@@ -293,6 +298,24 @@ fn drawn_lines<'a>(runs: &'a [LineRun], style: &Style) -> Vec<DrawnLine<'a>> {
         distinguish(&mut lines);
     }
     lines
+}
+
+/// The least potential energy, J, of each body in all runs in which it has any, or of all bodies together, from which
+/// their energies are counted. So the lines of runs that begin alike begin at the same height.
+fn zeros(runs: &[LineRun]) -> BTreeMap<&str, f64> {
+    let mut zeros: BTreeMap<&str, f64> = BTreeMap::new();
+    for run in runs {
+        for (key, line) in run.lines.iter().filter(|(_, line)| line.has_potential) {
+            let zero = zeros.entry(name(run.appearance(*key))).or_insert(line.least_potential);
+            *zero = smaller(*zero, line.least_potential);
+        }
+    }
+    zeros
+}
+
+/// The name of the body of a line; empty for all bodies together.
+fn name(appearance: Option<&Appearance>) -> &str {
+    appearance.map_or("", |appearance| &appearance.name)
 }
 
 /// Gives lines of one colour different dashes.
@@ -437,6 +460,26 @@ mod tests {
         assert!((least(&points(Quantity::Momentum, &states)) - 6.0).abs() < 1e-12);
         assert!((least(&points(Quantity::Y, &states)) - (5.0 - 16.0 / (2.0 * G))).abs() < 1e-12);
         assert_eq!(points(Quantity::X, &states).len(), 2, "x does not turn, and its line is straight");
+    }
+
+    /// Two falls from the same height, to different depths, beside a body without weight.
+    #[test]
+    fn runs_that_begin_alike_have_the_same_energy_at_first() {
+        let run = |depth: f64, gravity: Option<Vector>| {
+            let spawn = Spawn::new("a", Rect::new(Vector::new(0.0, 1.0), 1.0, 1.0), 2.0);
+            let appearance = Arc::new(Appearance::new(0, &spawn, None, gravity));
+            let subject = LineSubject::Bodies([(0, appearance.clone())].into());
+            let mut run = LineRun::new(String::new(), Quantity::Energy, subject, 10.0, 0.0);
+            let below = Rect::new(Vector::new(0.0, 1.0 + depth), 1.0, 1.0);
+            run.push_body(0.0, &appearance, &spawn.rect, Vector::ZERO);
+            run.push_body(1.0, &appearance, &below, Vector::ZERO);
+            run
+        };
+        let weight = Some(Vector::new(0.0, 10.0));
+        let runs = [run(2.0, weight), run(5.0, weight), run(5.0, None)];
+        let lines = drawn_lines(&runs, &Style::default());
+        let energies = lines.iter().map(|line| line.parts[0].iter().map(|point| point[1] - line.zero).collect());
+        assert_eq!(energies.collect::<Vec<Vec<f64>>>(), [[100.0, 60.0], [100.0, 0.0], [0.0, 0.0]]);
     }
 
     /// The lines of a single run of `count` bodies at rest, and their legend.

@@ -41,13 +41,13 @@ pub use speeds::{SpeedRun, speeds};
 pub use system_sums::SystemSums;
 pub use time_curve::TimeCurve;
 pub use timeline::Timeline;
-pub(crate) use timeline::hatched;
+pub(crate) use timeline::{hatched, missing_area};
 pub use velocity_space::{Velocities, VelocityPath, VelocityRun, velocity_space};
 
 use crate::physics::{BodyId, Collision, Vector};
 use crate::picture::ColorBy;
 use crate::picture::layers::footer::{Entry, Legend, marks, quoted};
-use crate::picture::{Appearance, CameraTarget, Color, DrawingMetrics, Frame, Palette, Sprite, Style, color};
+use crate::picture::{Appearance, CameraTarget, Color, DrawingMetrics, Frame, Palette, Sprite, Style, TraceGap, color};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -60,6 +60,17 @@ pub struct FigureRun {
     pub world: Vector,
     /// The frames shown, in the order of time.
     pub frames: Vec<Frame>,
+    /// The instants that the recording lacks, in the order of time.
+    pub missing: Vec<MissingInstant>,
+}
+
+/// An instant of a figure that a recording lacks.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MissingInstant {
+    /// Simulated time, s.
+    pub time: f64,
+    /// The part of the run that is missing.
+    pub gap: TraceGap,
 }
 
 /// A collision with the appearance of its two bodies.

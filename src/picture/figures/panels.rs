@@ -1,7 +1,7 @@
-use super::FigureRun;
+use super::{FigureRun, hatched};
 use crate::physics::{Rect, Vector, larger, smaller};
 use crate::picture::layers::footer::{Alignment, Caption, Legend};
-use crate::picture::text::{Line, truncated};
+use crate::picture::text::{Line, truncated, wrapped};
 use crate::picture::view::{MIN_TEXT, validate_size};
 use crate::picture::{Camera, CameraTarget, DisplayList, DrawingMetrics, Frame, Ink, RenderError, Shape, Style, View};
 
@@ -272,20 +272,58 @@ pub fn caption(panel: &Rect, [long, short]: [&str; 2], panels: &mut Panels) {
     panels.centered(line, at, panels.metrics.palette.ink.into());
 }
 
-/// The view of the camera target at `frame`, in the middle of `panel`, with a margin for the walls, px.
-pub fn world_view(panel: &Rect, margin: f64, run: &FigureRun, frame: &Frame, style: &Style) -> View {
+/// A hatched area in place of a state that a recording lacks, with the reason in `text`, in the largest font that fits.
+pub fn missing_panel(area: &Rect, text: &str, metrics: &DrawingMetrics) -> Shape {
+    let mut shapes = vec![Shape::Rect { rect: *area, ink: Ink { color: metrics.palette.muted, opacity: 40 } }];
+    shapes.extend(hatched(area, 6.0 * metrics.line_width, metrics));
+    for size in [0.85, 0.7, 0.6, 0.5].map(|part| metrics.text(part)) {
+        let lines = wrapped(text, size, area.width() - 2.0 * size);
+        let spacing = (1.3 * size).ceil();
+        let width = lines.iter().map(|line| line.width).fold(0.0, larger) + size;
+        let height = lines.len() as f64 * spacing + 0.6 * size;
+        if width > area.width() || height > area.height() {
+            continue;
+        }
+        let near = area.center().sub(Vector::new(width, height).mult(0.5));
+        let ground = Rect::new(Vector::new(near.x.round(), near.y.round()), width.ceil(), height.ceil());
+        shapes.push(Shape::Rect { rect: ground, ink: metrics.palette.background.into() });
+        for (number, line) in (0_u32..).zip(lines) {
+            let at = Vector::new(
+                (area.center().x - line.width / 2.0).round(),
+                (ground.origin.y + size + f64::from(number) * spacing).round(),
+            );
+            shapes.push(Shape::Text { line, at, ink: metrics.palette.ink.into() });
+        }
+        break;
+    }
+    Shape::Clip { window: *area, shapes }
+}
+
+/// The view of the camera target of a run, in the middle of `panel`, with a margin for the walls, px. The scale is that at
+/// which `widest` (m), the extent of the largest camera target of a figure, fits into the panel. `frame` is the instant at
+/// which the camera follows a body.
+pub fn world_view(
+    panel: &Rect,
+    margin: f64,
+    run: &FigureRun,
+    widest: Vector,
+    frame: Option<&Frame>,
+    style: &Style,
+) -> View {
     let world = Rect::new(Vector::ZERO, run.world.x, run.world.y);
     let area = match &style.look.camera_target {
         CameraTarget::World => world,
         CameraTarget::Window(area) => *area,
         CameraTarget::Follow { size, .. } => Rect::new(world.center().sub(size.mult(0.5)), size.x, size.y),
     };
-    let camera = Camera::fit(&area, style.look.size, *panel, margin);
+    let is_widest = widest == Vector::new(area.width(), area.height());
+    let fitted = Rect::new(area.center().sub(widest.mult(0.5)), widest.x, widest.y);
+    let camera = Camera::fit(if is_widest { &area } else { &fitted }, style.look.size, *panel, margin);
     let viewport = camera.rect(&area).inset(-margin);
     let camera = Camera { viewport, world: run.world, ..camera };
     let follow = style.look.camera_target.followed_body().map(str::to_owned);
     let view = View { camera, follow, style: style.clone() };
-    View { camera: view.camera_for(frame), follow: None, ..view }
+    View { camera: frame.map_or(view.camera, |frame| view.camera_for(frame)), follow: None, ..view }
 }
 
 /// Width and height of the camera target, m.

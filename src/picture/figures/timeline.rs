@@ -32,15 +32,22 @@ pub fn draw_timeline(timeline: &Timeline, axes: &Axes, panels: &mut Panels) {
         // A gap of few steps is still visible.
         let width = larger(to - from, 2.0 * metrics.line_width);
         let gap_area = Rect::new(Vector::new(from, area.origin.y), width, area.height());
-        shapes.push(Shape::Rect { rect: gap_area, ink: Ink { color: metrics.palette.muted, opacity: 60 } });
-        shapes.extend(hatched(&gap_area, &metrics));
+        shapes.extend(missing_area(&gap_area, 6.0 * metrics.line_width, &metrics));
     }
     panels.shapes.push(Shape::Clip { window: area, shapes });
 }
 
-/// Diagonal lines over an area that a recording lacks.
-pub fn hatched(area: &Rect, metrics: &DrawingMetrics) -> Vec<Shape> {
-    let (near, far, gap) = (area.origin, area.far_corner(), 6.0 * metrics.line_width);
+/// A shaded area with diagonal lines at a distance of `gap` px: a part that a recording lacks.
+pub fn missing_area(area: &Rect, gap: f64, metrics: &DrawingMetrics) -> Vec<Shape> {
+    let shade = Ink { color: metrics.palette.muted, opacity: 60 };
+    let mut shapes = vec![Shape::Rect { rect: *area, ink: shade }];
+    shapes.extend(hatched(area, gap, metrics));
+    shapes
+}
+
+/// Diagonal lines at a distance of `gap` px over an area that a recording lacks.
+pub fn hatched(area: &Rect, gap: f64, metrics: &DrawingMetrics) -> Vec<Shape> {
+    let (near, far) = (area.origin, area.far_corner());
     let ink = Ink { color: metrics.palette.muted, opacity: 160 };
     let count = ((area.width() + area.height()) / gap).clamp(0.0, 10_000.0) as u32;
     let line = |number: u32| {

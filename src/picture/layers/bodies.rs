@@ -100,6 +100,8 @@ pub enum Hatching {
     Crossed,
     /// Horizontal and vertical lines.
     Grid,
+    /// The pattern of an area that a recording lacks, in a legend.
+    Missing,
 }
 
 impl Hatching {

@@ -3,6 +3,7 @@ use super::arrows::{self, Arrow, ArrowLength};
 use super::bodies::Hatching;
 use super::dashes::DashPattern;
 use crate::physics::{Rect, Vector, larger, smaller};
+use crate::picture::figures::missing_area;
 use crate::picture::number::{Unit, nice_spacing};
 use crate::picture::raster::color::{self, SPEED_COLORS};
 use crate::picture::text::{Line, truncated, wrapped};
@@ -359,11 +360,12 @@ const MAX_LISTED_GAPS: usize = 3;
 pub fn gap_entries<'a>(gaps: impl IntoIterator<Item = &'a TraceGap>, language: Language, color: Color) -> Vec<Entry> {
     let mut gaps = gaps.into_iter();
     // The reason is never cut, unlike a name.
-    let entry = |gap: &TraceGap| Entry { name: quoted(&gap_text(gap, language)), ..Entry::new(color, "") };
-    let mut entries: Vec<Entry> = gaps.by_ref().take(MAX_LISTED_GAPS).map(entry).collect();
+    let entry = |text: &str| Entry { name: quoted(text), hatching: Hatching::Missing, ..Entry::new(color, "") };
+    let listed = gaps.by_ref().take(MAX_LISTED_GAPS).map(|gap| entry(&gap_text(gap, language)));
+    let mut entries: Vec<Entry> = listed.collect();
     match gaps.count() {
         0 => {}
-        more => entries.push(Entry::new(color, &format!("{more} {}", language.of("more gaps", "autres lacunes")))),
+        more => entries.push(entry(&format!("{more} {}", language.of("more gaps", "autres lacunes")))),
     }
     entries
 }
@@ -462,8 +464,12 @@ impl Entry {
         for &color in self.colors.iter().filter(|_| self.arrow.is_none() && self.line.is_none()) {
             let corner = Vector::new(x, (strip.center().y - swatch_size(size) / 2.0).round());
             let rect = Rect::new(corner, swatch_size(size), swatch_size(size));
-            shapes.push(Shape::Rect { rect, ink: Ink::from(color) });
-            self.hatching.draw(&rect, color, metrics, shapes);
+            if self.hatching == Hatching::Missing {
+                shapes.extend(missing_area(&rect, 3.0 * metrics.line_width, metrics));
+            } else {
+                shapes.push(Shape::Rect { rect, ink: Ink::from(color) });
+                self.hatching.draw(&rect, color, metrics, shapes);
+            }
             x += swatch_size(size);
         }
         let line = Line::math(&self.name, size);
