@@ -259,11 +259,12 @@ impl EventQueue {
         self.current_slice >> self.log2_slices
     }
 
-    /// Removes the event of a body if it is one of the pair.
-    pub fn take_event_of(&mut self, slot: Slot, pair: [Slot; 2]) -> Option<ScheduledEvent> {
+    /// Removes the event of a body if it is one of the pair, predicted for this generation of the partner. If the partner has
+    /// changed since, the body must predict again at the time of its event, because one with another body may follow.
+    pub fn take_event_of(&mut self, slot: Slot, pair: [Slot; 2], partner_generation: u32) -> Option<ScheduledEvent> {
         let entry = self.entries.get_mut(slot as usize)?;
         let event = entry.event;
-        if event.pair != pair || event.pair_event.is_none() {
+        if event.pair != pair || event.pair_event.is_none() || event.partner_generation != partner_generation {
             return None;
         }
         entry.stamp = entry.stamp.wrapping_add(1);

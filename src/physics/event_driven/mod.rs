@@ -500,8 +500,9 @@ impl EventDriven {
             self.predict(slot);
             return None;
         }
+        let generation = self.bodies[slot].generation;
         if event.precision == Precision::Exact {
-            let twin = self.event_queue.take_event_of(partner, event.pair);
+            let twin = self.event_queue.take_event_of(partner, event.pair, generation);
             self.changed.extend(twin.map(|_| partner));
             return Some(event);
         }
@@ -518,7 +519,7 @@ impl EventDriven {
             return None;
         };
         let event = ScheduledEvent { at, pair_event: Some(kind), precision: Precision::Exact, ..event };
-        let twin = self.event_queue.take_event_of(partner, event.pair);
+        let twin = self.event_queue.take_event_of(partner, event.pair, generation);
         if twin.is_some_and(|twin| twin.precision == Precision::Contested) {
             self.event_queue.set(slot, Some(event));
             self.predict_to(partner, Precision::Exact);
