@@ -1,7 +1,7 @@
 use super::impacts::Impacts;
 use super::moving_world::{MovingWorld, StepCollisions, after_impulses};
 use super::{Appearance, Error, Language, Progress, ReadExtent, ReadStatus, Source, StepGrid, recorded_world};
-use crate::physics::{BodyId, Collision, Engine, Observer, World};
+use crate::physics::{BodyId, Collision, Engine, Observer, World, smaller};
 use crate::recording::{Change, Error as RecordingError, Health, Item, Playback};
 use crate::replay::Replayer;
 use std::collections::{BTreeMap, BTreeSet};
@@ -275,10 +275,10 @@ impl Tracer<'_> {
 
     /// The parts of the trace in a step.
     fn step(&mut self, step: u64) -> TracedStep<'_> {
-        let (start, duration) = (step as f64 / self.grid.rate, 1.0 / self.grid.rate);
-        let margin = 4.0 * f64::EPSILON * (start + duration);
+        let [start, end] = [step, step + 1].map(|step| step as f64 / self.grid.rate);
+        let margin = 4.0 * f64::EPSILON * end;
         let impacts = Impacts::default();
-        TracedStep { step, start, margin, impacts, appearances: self.appearances, visit: &mut *self.visit }
+        TracedStep { step, start, end, margin, impacts, appearances: self.appearances, visit: &mut *self.visit }
     }
 
     /// A state, and the gap before it if states are missing.
@@ -438,6 +438,8 @@ struct TracedStep<'a> {
     step: u64,
     /// The time of the step, s.
     start: f64,
+    /// The time of the next step, s.
+    end: f64,
     /// The rounding error of times in the step, s.
     margin: f64,
     /// The collisions at the last instant, which may not be all.
@@ -447,10 +449,15 @@ struct TracedStep<'a> {
 }
 
 impl TracedStep<'_> {
+    /// The time `offset` seconds after the start of the step, which is not after its end by rounding.
+    fn time(&self, offset: f64) -> f64 {
+        smaller(self.start + offset, self.end)
+    }
+
     /// Passes on the world at an instant, s after the start of the step.
     fn world(&mut self, offset: f64, world: &World) {
         self.end_instant();
-        let time = self.start + offset;
+        let time = self.time(offset);
         (self.visit)(Traced::World(TracePoint { time, world, is_after_gap: false, is_after_change: false }));
     }
 
@@ -468,7 +475,7 @@ impl Observer for TracedStep<'_> {
         if collision.step != self.step || collision.impulse == 0.0 || self.appearances.is_empty() {
             return;
         }
-        let time = self.start + collision.time;
+        let time = self.time(collision.time);
         if time > self.impacts.time + self.margin {
             self.end_instant();
         }

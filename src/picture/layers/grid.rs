@@ -108,7 +108,10 @@ pub fn draw_axes(context: &LayoutContext, shapes: &mut Vec<Shape>) {
     for at in multiples(&area, Axis::X, spacing) {
         let x = smaller(context.camera.point(Vector::new(at, 0.0)).x.round(), greatest);
         shapes.push(bar(x, far.y, line, tick_length));
-        label_below(at, x, context, shapes);
+    }
+    for (line, x) in labels_below(context) {
+        let y = (far.y + 1.15 * context.metrics.font_size).round();
+        shapes.push(Shape::Text { line, at: Vector::new(x, y), ink });
     }
     for at in multiples(&area, Axis::Y, spacing) {
         let y = context.camera.point(Vector::new(0.0, at)).y.round();
@@ -122,17 +125,28 @@ pub fn draw_axes(context: &LayoutContext, shapes: &mut Vec<Shape>) {
     }
 }
 
-/// The label of a tick below the viewport. The last tick label includes the unit.
-fn label_below(at: f64, x: f64, context: &LayoutContext, shapes: &mut Vec<Shape>) {
-    let far = context.camera.viewport.far_corner();
-    let is_last = x + grid_spacing(context) * context.camera.scale > far.x;
-    let line = coordinate(at, if is_last { WithUnit::Shown } else { WithUnit::Hidden }, context);
-    let baseline = Vector::new((x - line.width / 2.0).round(), (far.y + 1.15 * context.metrics.font_size).round());
-    if baseline.x >= context.camera.viewport.origin.x - context.metrics.font_size
-        && baseline.x + line.width <= f64::from(context.camera.size[0])
-    {
-        shapes.push(Shape::Text { line, at: baseline, ink: Ink::from(context.metrics.palette.muted) });
+/// The labels of the ticks below the viewport that are on the page, with their left ends, px. The last one includes the
+/// unit.
+fn labels_below(context: &LayoutContext) -> Vec<(Line, f64)> {
+    let area = context.camera.visible_area();
+    let first = context.camera.viewport.origin.x - context.metrics.font_size;
+    let end = f64::from(context.camera.size[0]);
+    let labels = |with_unit: WithUnit| {
+        multiples(&area, Axis::X, grid_spacing(context)).map(move |at| {
+            let line = coordinate(at, with_unit, context);
+            let x = smaller(context.camera.point(Vector::new(at, 0.0)).x.round(), end - context.metrics.line_width);
+            let left = (x - line.width / 2.0).round();
+            (line, left)
+        })
+    };
+    let is_on_page = |(line, left): &(Line, f64)| *left >= first && *left + line.width <= end;
+    let mut shown: Vec<(Line, f64)> = labels(WithUnit::Hidden).filter(is_on_page).collect();
+    if let Some(last) = labels(WithUnit::Shown).filter(is_on_page).last() {
+        // A label that fits only without the unit would stand behind it.
+        shown.retain(|(line, left)| left + line.width / 2.0 < last.1 + last.0.width / 2.0 - 1.0);
+        shown.push(last);
     }
+    shown
 }
 
 /// The width that the labels of the ticks left of the viewport need, px.
