@@ -63,15 +63,16 @@ const RULES: &[Rule] = &[
     forbidden("SystemTime", "no result may depend on the clock"),
     Rule {
         word: "std::time",
-        allowed: &["src/cli/supervisor.rs", "src/report/cost.rs"],
-        reason: "no result may depend on the clock; only `rebond report` measures time, and a child of `check` waits for \
-                 the end of its parent",
+        allowed: &["src/cli/output_file.rs", "src/cli/supervisor.rs", "src/report/cost.rs"],
+        reason: "no result may depend on the clock; only `rebond report` measures time, a child of `check` waits for the \
+                 end of its parent, and `--skip-existing` for that of another recorder",
     },
     forbidden("select_nth_unstable", "the order before and after the selected element is unspecified"),
     Rule {
         word: "thread::",
         allowed: &[
             "src/cli/arguments.rs",
+            "src/cli/output_file.rs",
             "src/cli/supervisor.rs",
             "src/temporary.rs",
             "src/recording/writer_thread.rs",
