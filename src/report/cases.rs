@@ -161,7 +161,7 @@ fn cradle(name: &str, gap: f64) -> CaseSpec {
     (0..4).for_each(|number| bodies += &spawn([position(number), 4.0], [1.0; 2], 1.0, [0.0; 2]));
     let after = move |time: &Fixed256| {
         // Equal masses exchange their velocities, so one box after the other moves.
-        let faces = (0..4).map(|number| Fixed256::from(position(number))).collect::<Vec<_>>();
+        let faces = (0..4).map(|number| Fixed256::stated(position(number))).collect::<Vec<_>>();
         let (mut start, mut at) = (Fixed256::zero(), vec![Fixed256::from(1.0)]);
         at.extend(faces);
         let last = at.len() - 1;

@@ -2,6 +2,7 @@
 
 use super::axis_trajectory::{AxisLowParts, AxisTrajectory, StateDd};
 use super::body_state::{BodyDetails, BodyParams, BodyState, Load, Slot};
+use super::decimal::stated;
 use super::double_double::DoubleDouble;
 use super::exact::Resolution;
 use super::instant::Instant;
@@ -118,12 +119,17 @@ impl Bodies {
             let (position, velocity) = (body.rect.origin[axis] + 0.0, body.velocity[axis] + 0.0);
             AxisTrajectory { position, velocity, acceleration: free_acceleration[axis].high, since }
         }));
-        let low_parts = free_acceleration
-            .map(|acceleration| AxisLowParts { acceleration: acceleration.low, ..AxisLowParts::default() });
+        let size = [body.rect.width(), body.rect.height()];
+        let low_parts = Axis::BOTH.map(|axis| AxisLowParts {
+            position: stated(trajectory.position[axis]).low,
+            velocity: 0.0,
+            acceleration: free_acceleration[axis].low,
+            size: stated(size[axis]).low,
+        });
         let has_force = Axis::BOTH.map(|axis| !infinite && force[axis] != 0.0);
         self.states.push(BodyState {
             trajectory,
-            size: [body.rect.width(), body.rect.height()],
+            size,
             since,
             generation: 0,
             world_index: world_index as u32,

@@ -1,7 +1,7 @@
 //! Makes faces of a spawned body coincide with faces that lie within the rounding of the coordinates.
 //!
-//! Positions and sizes are given in decimals, so the faces of boxes that are meant to touch can be a few units in
-//! the last place apart. From the start of a body on, they are the same double-double number.
+//! Positions and sizes that were computed in doubles leave the faces of boxes that are meant to touch a few units in the
+//! last place apart. From the start of a body on, they are the same double-double number.
 
 use super::EventDriven;
 use super::axis_trajectory::StateDd;

@@ -80,6 +80,7 @@ mod cell_lists;
 mod closed_group;
 mod collapse;
 mod contact;
+mod decimal;
 mod diagnose;
 mod dirty_states;
 mod double_double;

@@ -55,7 +55,7 @@ fn last_flight(mut since: Fixed256, mut flight: Fixed256, e: &Fixed256) -> (Fixe
 
 /// Position of a point that starts at `from` (m) and moves at `velocity` (m/s), m.
 pub fn uniform(from: f64, velocity: f64, time: &Fixed256) -> Fixed256 {
-    &Fixed256::from(from) + &(&Fixed256::from(velocity) * time)
+    &Fixed256::stated(from) + &(&Fixed256::from(velocity) * time)
 }
 
 /// Returns the velocities (m/s) of a row of touching boxes of equal mass after it has hit a wall at 1 m/s, the nearest box
@@ -91,8 +91,9 @@ pub fn burst_velocities(boxes: usize, restitution: f64) -> (Vec<Fixed256>, u64) 
 /// Position of a point that starts at `from` (m), moves at `velocity` (m/s) and is reflected at `turn` (m), m.
 pub fn reflected(from: f64, velocity: f64, turn: f64, time: &Fixed256) -> Fixed256 {
     let uniform = uniform(from, velocity, time);
-    let beyond = if velocity > 0.0 { uniform > Fixed256::from(turn) } else { uniform < Fixed256::from(turn) };
-    if beyond { &(&Fixed256::from(turn) + &Fixed256::from(turn)) - &uniform } else { uniform }
+    let turn = Fixed256::stated(turn);
+    let beyond = if velocity > 0.0 { uniform > turn } else { uniform < turn };
+    if beyond { &(&turn + &turn) - &uniform } else { uniform }
 }
 
 /// Number of collisions of Galperin's billiard with a mass ratio of 100^digits: the first

@@ -38,6 +38,21 @@ impl Fixed256 {
         if self.0 < BigInt::zero() { -self } else { self.clone() }
     }
 
+    /// Reads a position or a size of a scene, m: the decimal that it states, if that has at most nine digits.
+    pub fn stated(value: f64) -> Fixed256 {
+        let text = format!("{value:e}");
+        let Some((digits, exponent)) = text.split_once('e') else { return value.into() };
+        let places = digits.split_once('.').map_or(0, |(_, fraction)| fraction.len());
+        let digits: String = digits.chars().filter(|character| *character != '.').collect();
+        match (digits.parse::<i32>(), exponent.parse::<i32>()) {
+            (Ok(digits), Ok(exponent)) if (1..=12).contains(&(places as i32 - exponent)) => {
+                let power = (0..places as i32 - exponent).fold(1.0, |power, _| power * 10.0);
+                &Fixed256::from(f64::from(digits)) / &Fixed256::from(power)
+            }
+            _ => value.into(),
+        }
+    }
+
     /// Returns the nearest double; integers up to 2⁵³ are exact.
     pub fn to_f64(&self) -> f64 {
         const SCALE: f64 = f64::from_bits((1023 - BITS) << 52);
@@ -110,6 +125,8 @@ mod tests {
             assert_eq!(number(value).to_f64(), value);
         }
         assert_eq!(number(-0.0), Fixed256::zero());
+        assert_eq!(&Fixed256::stated(0.1) + &Fixed256::stated(0.2), Fixed256::stated(0.3));
+        assert_eq!(Fixed256::stated(1.0 / 3.0), number(1.0 / 3.0));
         assert_eq!(number(f64::MIN_POSITIVE), Fixed256::zero(), "below the last digit");
     }
 

@@ -225,10 +225,10 @@ impl MovingBox {
             (inverse_mass, acceleration)
         };
         let mut moving = MovingBox {
-            at: [body.rect.origin.x, body.rect.origin.y].map(Fixed256::from),
+            at: [body.rect.origin.x, body.rect.origin.y].map(Fixed256::stated),
             velocity: [body.velocity.x, body.velocity.y].map(Fixed256::from),
             acceleration,
-            size: [body.rect.width(), body.rect.height()].map(Fixed256::from),
+            size: [body.rect.width(), body.rect.height()].map(Fixed256::stated),
             inverse_mass,
             since: Fixed256::zero(),
             body: body.clone(),

@@ -89,3 +89,32 @@ fn no_box_is_stopped_or_turned_at_a_flush_seam() {
     // The seeds of the random scenes, divided among the ratios.
     all_ratios(super::seeds().count() as u64 / 64 + 1);
 }
+
+/// Boxes of decimal widths stand beside each other in decimal columns, and fall from different heights.
+#[test]
+fn boxes_that_fit_in_decimals_do_not_catch_on_each_other() {
+    for seed in 0..200 {
+        let mut random = Random::new(seed);
+        let parts = random.pick(&[10.0, 100.0, 1000.0, 1e6]);
+        // Along x and along y, from the left and from the right.
+        let (across, sign) = (random.below(2) as usize, random.pick(&[1.0, -1.0]));
+        let vector = |along: f64, over: f64| if across == 0 { [over, along] } else { [along, over] };
+        let mut bodies = vec![spec(vector(3.0, -1e4), vector(1.0, 2e4), INFINITE)];
+        let mut first = random.whole(-50, 50);
+        for _ in 0..12 {
+            let width = random.whole(1, 20);
+            let low = if sign > 0.0 { first } else { -(first + width) };
+            let [x, width_in_metres] = [low, width].map(|units| units as f64 / parts);
+            let height = random.whole(1, 9) as f64 / 10.0;
+            bodies.push(spec(vector(-(random.whole(1, 20) as f64), x), vector(height, width_in_metres), 1.0));
+            first += width;
+        }
+        let [x, y] = vector(8.0, 0.0);
+        let conditions = Conditions { restitution: 0.0, gravity: Some([x, y]), ..Conditions::default() };
+        let mut engine = world(conditions, &bodies);
+        let collisions = run(&mut engine, 180);
+        let pairs: Vec<_> = collisions.iter().map(|collision| collision.bodies).collect();
+        assert!(pairs.iter().all(|pair| pair[0] == 0), "seed {seed}: only the floor is hit: {pairs:?}");
+        assert_eq!(pairs.len(), 12, "seed {seed}: each box hits the floor once");
+    }
+}
