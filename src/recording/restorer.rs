@@ -21,9 +21,9 @@ enum Start {
     Keyframe(Keyframe),
     /// The engine after the last state that was restored.
     Running(Box<Engine>),
-    /// None before the next keyframe.
+    /// No state is known until the next keyframe.
     Lost,
-    /// None: the recording was made with other engine semantics.
+    /// No state can be computed, because the recording was made with other engine semantics.
     OtherSemantics,
 }
 

@@ -232,7 +232,7 @@ impl Bodies {
         let trajectory =
             AxisTrajectory { position: position_high, velocity: velocity_high, acceleration: acceleration_high, since };
         body.trajectory.set(axis, trajectory);
-        body.since = body.trajectory.latest();
+        body.since = body.trajectory.later_since();
         let low = &mut self.details[slot as usize].low_parts[axis];
         (low.position, low.velocity, low.acceleration) = (position.low, velocity.low, acceleration.low);
     }
@@ -282,7 +282,7 @@ impl Bodies {
         let body = &mut self.states[slot as usize];
         self.moving_walls -= u32::from(body.infinite && !body.is_static());
         body.trajectory.set(axis, trajectory);
-        body.since = body.trajectory.latest();
+        body.since = body.trajectory.later_since();
         self.moving_walls += u32::from(body.infinite && !body.is_static());
         self.set_load(slot, axis, load);
         self.details[slot as usize].low_parts[axis] = low_parts;

@@ -9,7 +9,7 @@ use super::exact::{Resolution, VELOCITY_ROUNDING};
 use super::impact::Impact;
 use super::impact_record::ImpactRecord;
 use super::least_change::MASS_UNIT;
-use super::patch::{Entry, Local, Patch, Touch, TouchKind};
+use super::patch::{CornerMotion, Local, Patch, Touch, TouchKind};
 use crate::physics::{Axis, Observer, Rect, Side, StepError, Vector, World, larger};
 use std::cmp::Ordering;
 
@@ -43,7 +43,7 @@ impl EventDriven {
             let axes = match touch.kind {
                 TouchKind::Face(Axis::X) => [true, false],
                 TouchKind::Face(Axis::Y) => [false, true],
-                TouchKind::Corner => patch.blocked_axes(&touch, Entry::Moving),
+                TouchKind::Corner => patch.blocked_axes(&touch, CornerMotion::Moving),
             };
             self.count_event(world, touch.bodies.map(|body| patch.bodies[body as usize].slot))?;
             for axis in Axis::BOTH.into_iter().filter(|axis| axes[*axis]) {
@@ -63,12 +63,12 @@ impl EventDriven {
         observer: &mut O,
     ) -> Result<(), StepError> {
         let touch = patch.touches[index as usize];
-        let approach = patch.approach(&touch, axis).high;
+        let approach_speed = patch.approach_speed(&touch, axis).high;
         let root = patch.root_of_touch(&touch) as usize;
-        let greatest = larger(patch.bursts[root].greatest, approach);
+        let greatest = larger(patch.bursts[root].greatest, approach_speed);
         patch.bursts[root].greatest = greatest;
         let threshold = decay_threshold(patch, &touch, axis, greatest);
-        if approach <= threshold && self.take_decayed_limit(patch, index, axis, threshold, world) {
+        if approach_speed <= threshold && self.take_decayed_limit(patch, index, axis, threshold, world) {
             return Ok(());
         }
         let restitution = self.restitution(patch, &touch, world);
@@ -76,7 +76,7 @@ impl EventDriven {
         if restitution == 0.0 && !self.is_contact(patch, &touch, axis) {
             self.add_contact(patch, &touch, axis);
         }
-        self.follow_cycle(patch, index, approach, axis, world)
+        self.follow_cycle(patch, index, approach_speed, axis, world)
     }
 
     pub(super) fn restitution(&self, patch: &Patch, touch: &Touch, world: &World) -> f64 {
@@ -150,7 +150,7 @@ impl EventDriven {
             next += 1;
             for contact in self.contacts.of(slot_of(patch, body)) {
                 if contact.axis == axis && contact.side == side && !self.bodies[contact.other].infinite {
-                    let other = self.load(patch, contact.other, patch.bodies[body as usize].at);
+                    let other = self.local_of(patch, contact.other, patch.bodies[body as usize].at);
                     if !cluster.members.contains(&other) {
                         cluster.members.push(other);
                     }
@@ -284,13 +284,13 @@ impl EventDriven {
 fn returning_axis(patch: &Patch, touch: &Touch, resolution: Resolution) -> Option<Axis> {
     let acceleration = |axis: Axis| patch.approach_acceleration(touch, axis).high;
     let is_hidden = |axis: Axis| {
-        let (speed, acceleration) = (-patch.approach(touch, axis).high, acceleration(axis));
+        let (speed, acceleration) = (-patch.approach_speed(touch, axis).high, acceleration(axis));
         let coordinates = touch.bodies.map(|body| patch.axis(body, axis).state.position.high);
         let sizes = touch.bodies.map(|body| patch.axis(body, axis).size.high);
         acceleration > 0.0 && resolution.hides_bounce(speed, acceleration, coordinates, sizes)
     };
-    let returns = |axis: Axis| patch.approach_sign(touch, axis) == Ordering::Less && is_hidden(axis);
-    let enters = |axis: Axis| match patch.approach_sign(touch, axis) {
+    let returns = |axis: Axis| patch.approach_speed_sign(touch, axis) == Ordering::Less && is_hidden(axis);
+    let enters = |axis: Axis| match patch.approach_speed_sign(touch, axis) {
         Ordering::Greater => true,
         Ordering::Equal => acceleration(axis) > 0.0,
         Ordering::Less => is_hidden(axis),

@@ -54,8 +54,8 @@ struct Gap {
     impact_pair: ImpactPair,
     /// The shares of the bodies in the change of relative velocity; not numbers if one of them is immovable.
     shares: [DoubleDouble; 2],
-    /// The velocity of the body on the low side relative to the other, m/s.
-    approach: DoubleDouble,
+    /// The speed at which the two bodies approach, m/s.
+    approach_speed: DoubleDouble,
     /// The velocities after the impact, m/s.
     after: [DoubleDouble; 2],
     /// The instant at which it closes.
@@ -103,7 +103,7 @@ impl EventDriven {
     /// that the two bodies recede after it and touch no third.
     #[inline(always)]
     fn collide_in_group<O: Observer>(&mut self, group: &mut ClosedGroup, index: usize, observer: &mut O) -> bool {
-        let Gap { impact_pair, approach, after, closes: at, .. } = group.gaps[index];
+        let Gap { impact_pair, approach_speed, after, closes: at, .. } = group.gaps[index];
         let references = [&group.members[index].reference, &group.members[index + 1].reference];
         let impact = impact_pair.impact(references.map(|reference| reference.state.velocity));
         let speed = impact_pair.greatest_speed(impact.velocity.map(|velocity| velocity.high.abs()), &after);
@@ -115,7 +115,7 @@ impl EventDriven {
             return false;
         }
         (self.events, self.now) = (self.events + 1, at);
-        let impulse = impact.impulse_with(approach) / MASS_UNIT;
+        let impulse = impact.impulse_with(approach_speed) / MASS_UNIT;
         observer.collision_of(impulse, || {
             let positions = references.map(|reference| reference.drifted_position_at(at));
             self.record(&impact_pair, positions, &impact, after, impulse)
@@ -162,8 +162,8 @@ impl EventDriven {
             let side = if pair[0] < pair[1] { Side::High } else { Side::Low };
             let impact_pair = self.impact_pair(world, ordered_pair(pair[0], pair[1]), axis, side)?;
             let shares = impact_pair.impact([DoubleDouble::ZERO; 2]).shares();
-            let [approach, after @ ..] = [DoubleDouble::ZERO; 3];
-            gaps.push(Gap { impact_pair, shares, approach, after, closes: Instant::NEVER });
+            let [approach_speed, after @ ..] = [DoubleDouble::ZERO; 3];
+            gaps.push(Gap { impact_pair, shares, approach_speed, after, closes: Instant::NEVER });
         }
         let members = slots.into_iter().map(|slot| {
             let reference = self.bodies.reference(slot, axis);
@@ -291,13 +291,14 @@ impl EventDriven {
         let velocities = [low.state.velocity, high.state.velocity];
         let speeds = velocities[0].high.abs() + velocities[1].high.abs();
         let gap = &mut group.gaps[index];
-        gap.approach = velocities[0] - velocities[1];
+        gap.approach_speed = velocities[0] - velocities[1];
         // Before the quotient, so that the processor computes them while it waits for the size of the gap. That makes
         // Galperin's billiard 1.1 times as fast.
-        gap.after = gap.impact_pair.impact(velocities).velocities_with(gap.approach, || gap.shares);
-        gap.closes = match gap.approach.high > speeds * VELOCITY_ROUNDING {
-            true => from.after_exactly(size / gap.approach),
-            false => Instant::NEVER,
+        gap.after = gap.impact_pair.impact(velocities).velocities_with(gap.approach_speed, || gap.shares);
+        gap.closes = if gap.approach_speed.high > speeds * VELOCITY_ROUNDING {
+            from.after_exactly(size / gap.approach_speed)
+        } else {
+            Instant::NEVER
         };
         is_apart && self.now.is_before(gap.closes)
     }

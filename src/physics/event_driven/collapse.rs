@@ -34,7 +34,7 @@ struct Collapse {
     members: Vec<Local>,
     touches: Vec<u32>,
     /// The velocity of an infinite mass among them.
-    anchor: Option<DoubleDouble>,
+    wall_velocity: Option<DoubleDouble>,
 }
 
 /// A body outside that is approached at the common velocity of a collapse.
@@ -81,7 +81,7 @@ impl EventDriven {
             for place in 0..patch.bodies[body as usize].touches.len() {
                 let index = patch.bodies[body as usize].touches[place];
                 let touch = patch.touches[index as usize];
-                let is_slow = patch.approach(&touch, axis).high.abs() <= threshold;
+                let is_slow = patch.approach_speed(&touch, axis).high.abs() <= threshold;
                 if touch.kind == TouchKind::Face(axis) && is_slow {
                     collapse.touches.push(index);
                     self.join_collapse(patch, touch.other(body), axis, &mut collapse);
@@ -102,7 +102,7 @@ impl EventDriven {
     fn join_collapse(&self, patch: &Patch, body: Local, axis: Axis, collapse: &mut Collapse) {
         let slot = patch.bodies[body as usize].slot;
         if Side::BOTH.into_iter().any(|side| self.contacts.is_immovable(slot, axis, side)) {
-            collapse.anchor = collapse.anchor.or(Some(patch.axis(body, axis).state.velocity));
+            collapse.wall_velocity = collapse.wall_velocity.or(Some(patch.axis(body, axis).state.velocity));
         } else if !collapse.members.contains(&body) {
             collapse.members.push(body);
         }
@@ -111,7 +111,7 @@ impl EventDriven {
     /// Gives the members of a collapse one velocity, that of its infinite mass or of its total momentum, and makes
     /// its touches contacts.
     fn unify(&mut self, patch: &mut Patch, collapse: &Collapse, axis: Axis) {
-        let velocity = collapse.anchor.unwrap_or_else(|| self.common_velocity(patch, &collapse.members, axis));
+        let velocity = collapse.wall_velocity.unwrap_or_else(|| self.common_velocity(patch, &collapse.members, axis));
         self.change_velocities(patch, &collapse.members, axis, |_| velocity);
         for index in &collapse.touches {
             let touch = patch.touches[*index as usize];
@@ -166,12 +166,12 @@ impl EventDriven {
         let root = patch.root_of_touch(&patch.touches[index as usize]) as usize;
         let greatest = patch.bursts[root].greatest;
         let mut history = std::mem::take(&mut patch.bursts[root].histories[axis as usize]);
-        let approach = |touch: u32| patch.approach(&patch.touches[touch as usize], axis);
+        let approach_speed = |touch: u32| patch.approach_speed(&patch.touches[touch as usize], axis);
         let rounding = |touch: u32| {
             let [first, second] = patch.touches[touch as usize].bodies.map(|body| patch.axis(body, axis).speed);
             (first + second) * VELOCITY_ROUNDING
         };
-        let cycle = history.push(index, speed, greatest, approach, rounding);
+        let cycle = history.push(index, speed, greatest, approach_speed, rounding);
         patch.bursts[root].histories[axis as usize] = history;
         match cycle {
             None => Ok(()),
@@ -197,7 +197,7 @@ impl EventDriven {
     /// in which that body cannot be hit.
     fn take_cycle_limit(&mut self, patch: &mut Patch, touches: Vec<u32>, decay: &Decay, axis: Axis, world: &World) {
         let Some(collapse) = self.collapse_of_cycle(patch, touches, axis) else { return };
-        let velocity = collapse.anchor.unwrap_or_else(|| self.common_velocity(patch, &collapse.members, axis));
+        let velocity = collapse.wall_velocity.unwrap_or_else(|| self.common_velocity(patch, &collapse.members, axis));
         let root = patch.root(collapse.members[0]) as usize;
         let outsiders = approached_outsiders(patch, &collapse, axis, velocity);
         if outsiders.is_empty() {
@@ -294,7 +294,7 @@ impl EventDriven {
                 hit.filter(|touch| touch.bodies.contains(&body)).map(|touch| touch.other(body)).collect();
             let LocalBody { slot, at, .. } = patch.bodies[body as usize];
             for contact in self.contacts.of(slot).iter().filter(|contact| contact.axis == axis) {
-                others.push(self.load(patch, contact.other, at));
+                others.push(self.local_of(patch, contact.other, at));
             }
             others.into_iter().for_each(|other| self.join_collapse(patch, other, axis, &mut collapse));
         }

@@ -16,7 +16,7 @@ const MAX_COORDINATE: f64 = (1_u64 << 16) as f64;
 
 /// The greatest distance, in sides of a cell, of the centre of a home from a rectangle that it overlaps: half a side,
 /// and the rounding of the borders.
-const MAX_REACH: f64 = 0.5 + 1.0 / 64.0;
+const MAX_CENTRE_DISTANCE: f64 = 0.5 + 1.0 / 64.0;
 
 /// The greatest number of cells per body. Where bodies are sparser, lists do not pay.
 const MAX_CELLS_PER_BODY: f64 = 4.0;
@@ -85,22 +85,22 @@ pub struct Band {
     /// The number of pairs before those with the first one in the last row, and of all.
     counts: [usize; 2],
     /// The pairs whose paths may overlap, the body that is to predict their event first; then spare space.
-    approaches: Vec<[Slot; 2]>,
+    close_pairs: Vec<[Slot; 2]>,
     /// The number of these pairs.
-    approach_count: usize,
+    close_pair_count: usize,
 }
 
 impl Band {
     /// The pairs of bodies whose paths may overlap; the first of a pair is to predict their event.
-    pub fn approaches(&self) -> &[[Slot; 2]] {
-        &self.approaches[..self.approach_count]
+    pub fn close_pairs(&self) -> &[[Slot; 2]] {
+        &self.close_pairs[..self.close_pair_count]
     }
 
     /// Adds a pair whose paths may overlap.
-    pub fn add_approach(&mut self, pair: [Slot; 2]) {
-        self.approaches.truncate(self.approach_count);
-        self.approaches.push(pair);
-        self.approach_count += 1;
+    pub fn add_close_pair(&mut self, pair: [Slot; 2]) {
+        self.close_pairs.truncate(self.close_pair_count);
+        self.close_pairs.push(pair);
+        self.close_pair_count += 1;
     }
 
     /// The pairs of a body in the band and one in the next band.
@@ -166,13 +166,13 @@ impl HomeGrid {
                 entry.bucket = if fits { self.bucket(entry.home.centre()) as u32 } else { NONE };
             }
         });
-        self.place(&mut entries, large);
+        self.sort_by_bucket(&mut entries, large);
         self.entries = entries;
         self.candidates() <= bodies.len() * MAX_CANDIDATES_PER_BODY
     }
 
     /// Sorts the bodies by counting; in a cell they keep their order.
-    fn place(&mut self, entries: &mut [Entry], large: &mut Vec<Slot>) {
+    fn sort_by_bucket(&mut self, entries: &mut [Entry], large: &mut Vec<Slot>) {
         let count = self.columns * (self.cells[1] as usize + 2);
         self.strays.clear();
         self.latest_strays.clear();
@@ -300,8 +300,8 @@ impl HomeGrid {
             }
         }
         band.counts[1] = count;
-        if band.approaches.len() < count {
-            band.approaches.resize(2 * count, [NONE; 2]);
+        if band.close_pairs.len() < count {
+            band.close_pairs.resize(2 * count, [NONE; 2]);
         }
         let mut found = 0;
         for [first, second] in band.pairs[..count].iter().map(|pair| pair.map(|body| body as usize)) {
@@ -309,10 +309,10 @@ impl HomeGrid {
                 *length += 1;
             }
             let [slot, other] = [self.slots[first], self.slots[second]];
-            band.approaches[found] = if slot < other { [slot, other] } else { [other, slot] };
+            band.close_pairs[found] = if slot < other { [slot, other] } else { [other, slot] };
             found += usize::from(!self.homes[first].is_farther_from(&self.homes[second], -distance));
         }
-        band.approach_count = found;
+        band.close_pair_count = found;
     }
 
     /// Fills the lists of the bodies in a band, given the one before it. `ends` are the ends of their lists among the lists
@@ -354,10 +354,10 @@ impl HomeGrid {
     /// Calls `visit` for the bodies in the cells around a rectangle, with true for those whose homes overlap it. A stray is
     /// visited with each of its homes, the earlier ones, too.
     pub fn visit_near(&self, rectangle: &SweptAabb, mut visit: impl FnMut(Slot, bool)) {
-        let reach = self.side * MAX_REACH;
+        let margin = self.side * MAX_CENTRE_DISTANCE;
         let [low, high] = rectangle.corners();
-        let first = self.bucket(low.map(|coordinate| coordinate - reach));
-        let last = self.bucket(high.map(|coordinate| coordinate + reach));
+        let first = self.bucket(low.map(|coordinate| coordinate - margin));
+        let last = self.bucket(high.map(|coordinate| coordinate + margin));
         let width = last % self.columns - first % self.columns;
         for start in (first..=last - width).step_by(self.columns) {
             let row = start..start + width + 1;

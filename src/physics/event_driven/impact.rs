@@ -21,39 +21,39 @@ impl Impact {
     /// (Newton's impact law). Two equal masses with e = 1 exchange their velocities without
     /// rounding, and with e = 0 both velocities are the same number.
     pub fn velocities_after(&self) -> [DoubleDouble; 2] {
-        self.velocities_with(self.approach(), || self.shares())
+        self.velocities_with(self.approach_speed(), || self.shares())
     }
 
-    /// The velocity of the first relative to the second before the impact, m/s.
+    /// The speed at which the two approach before the impact, m/s.
     #[inline(always)]
-    pub fn approach(&self) -> DoubleDouble {
+    pub fn approach_speed(&self) -> DoubleDouble {
         self.velocity[0] - self.velocity[1]
     }
 
-    /// The velocities after the impact, m/s, with known [approach](Self::approach) and [shares](Self::shares).
+    /// The velocities after the impact, m/s, with known [approach speed](Self::approach_speed) and [shares](Self::shares).
     #[inline(always)]
     pub fn velocities_with(
         &self,
-        approach: DoubleDouble,
+        approach_speed: DoubleDouble,
         shares: impl FnOnce() -> [DoubleDouble; 2],
     ) -> [DoubleDouble; 2] {
         let [first, second] = self.velocity;
         let e = DoubleDouble::from(self.restitution);
         if self.mass[0].high == f64::INFINITY {
-            return [first, first + e * approach];
+            return [first, first + e * approach_speed];
         }
         if self.mass[1].high == f64::INFINITY {
-            return [second - e * approach, second];
+            return [second - e * approach_speed, second];
         }
         if self.restitution == 1.0 && self.mass[0] == self.mass[1] {
             return [second, first];
         }
         let [share_first, share_second] = shares();
         if self.restitution == 0.0 {
-            let common = first - share_first * approach;
+            let common = first - share_first * approach_speed;
             return [common; 2];
         }
-        let change = DoubleDouble::two_sum(1.0, self.restitution) * approach;
+        let change = DoubleDouble::two_sum(1.0, self.restitution) * approach_speed;
         let [change_first, change_second] =
             (DoubleDouble::pair([share_first, share_second]) * DoubleDouble::pair([change; 2])).lanes();
         let changes = DoubleDouble::pair([-change_first, change_second]);
@@ -63,13 +63,13 @@ impl Impact {
 
     /// The impulse from the first on the second, in units of mass × m/s.
     pub fn impulse(&self) -> f64 {
-        self.impulse_with(self.approach())
+        self.impulse_with(self.approach_speed())
     }
 
-    /// The same impulse, with known [approach](Self::approach).
+    /// The same impulse, with known [approach speed](Self::approach_speed).
     #[inline(always)]
-    pub fn impulse_with(&self, approach: DoubleDouble) -> f64 {
-        let change = (1.0 + self.restitution) * approach.high;
+    pub fn impulse_with(&self, approach_speed: DoubleDouble) -> f64 {
+        let change = (1.0 + self.restitution) * approach_speed.high;
         if self.mass[0].high == f64::INFINITY {
             change * self.mass[1].high
         } else if self.mass[1].high == f64::INFINITY {

@@ -111,7 +111,7 @@ impl ImpactHistory {
         touch: u32,
         speed: f64,
         greatest: f64,
-        approach: impl Fn(u32) -> DoubleDouble,
+        approach_speed: impl Fn(u32) -> DoubleDouble,
         rounding: impl Fn(u32) -> f64,
     ) -> Option<(Cycle, Vec<u32>)> {
         if self.hits.len() >= 8 * MAX_PERIOD {
@@ -119,9 +119,9 @@ impl ImpactHistory {
         }
         self.hits.push(Hit { touch, speed });
         self.count += 1;
-        self.continue_probe(&approach);
+        self.continue_probe(&approach_speed);
         if self.probe.is_none() && self.count.is_multiple_of(SEARCH_INTERVAL) {
-            self.start_probe(&approach);
+            self.start_probe(&approach_speed);
         }
         let probe = self.probe.take_if(|probe| probe.records.len() == 3)?;
         let rounding = probe.touches.iter().map(|touch| rounding(*touch)).fold(0.0, larger);
@@ -130,7 +130,7 @@ impl ImpactHistory {
         Some((cycle, probe.touches))
     }
 
-    fn continue_probe(&mut self, approach: &impl Fn(u32) -> DoubleDouble) {
+    fn continue_probe(&mut self, approach_speed: &impl Fn(u32) -> DoubleDouble) {
         let Some(probe) = &mut self.probe else { return };
         let last = self.hits.len() - 1;
         if last < probe.period || self.hits[last].touch != self.hits[last - probe.period].touch {
@@ -140,12 +140,12 @@ impl ImpactHistory {
         probe.remaining -= 1;
         if probe.remaining == 0 {
             probe.remaining = probe.period;
-            probe.records.push(probe.touches.iter().map(|touch| approach(*touch)).collect());
+            probe.records.push(probe.touches.iter().map(|touch| approach_speed(*touch)).collect());
         }
     }
 
     /// Starts a probe if the last three periods hit the same touches.
-    fn start_probe(&mut self, approach: &impl Fn(u32) -> DoubleDouble) {
+    fn start_probe(&mut self, approach_speed: &impl Fn(u32) -> DoubleDouble) {
         let length = self.hits.len();
         let longest = if length / 3 < MAX_PERIOD { length / 3 } else { MAX_PERIOD };
         let repeats = |period: usize| {
@@ -155,7 +155,7 @@ impl ImpactHistory {
         let mut touches: Vec<u32> = self.hits[length - period..].iter().map(|hit| hit.touch).collect();
         touches.sort_unstable();
         touches.dedup();
-        let records = vec![touches.iter().map(|touch| approach(*touch)).collect()];
+        let records = vec![touches.iter().map(|touch| approach_speed(*touch)).collect()];
         self.probe = Some(Probe { period, touches, remaining: period, records });
     }
 }
@@ -212,9 +212,9 @@ mod tests {
                 speed *= factor;
             }
             let error = if impact % 3 == 0 { 0.25 * rounding } else { 0.0 };
-            let approach = |touch: u32| DoubleDouble::from(if touch == 0 { speed } else { error - 0.5 * speed });
+            let approach_speed = |touch: u32| DoubleDouble::from(if touch == 0 { speed } else { error - 0.5 * speed });
             if let Some((cycle, touches)) =
-                history.push(impact % 2, speed / f64::from(impact % 2 + 1), 1.0, approach, |_| rounding)
+                history.push(impact % 2, speed / f64::from(impact % 2 + 1), 1.0, approach_speed, |_| rounding)
             {
                 assert_eq!(touches, [0, 1]);
                 return Some(cycle);

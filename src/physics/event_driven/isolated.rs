@@ -142,15 +142,15 @@ impl EventDriven {
     fn impact_of(&self, impact_pair: &ImpactPair, states: &[ScaledState; 2]) -> Option<Impact> {
         let &ImpactPair { bodies, axis, restitution, .. } = impact_pair;
         let [low, high] = states;
-        let approach = (low.state.velocity - high.state.velocity).high;
-        if approach <= (low.speed + high.speed) * VELOCITY_ROUNDING {
+        let approach_speed = (low.state.velocity - high.state.velocity).high;
+        if approach_speed <= (low.speed + high.speed) * VELOCITY_ROUNDING {
             return None;
         }
         let acceleration = low.state.acceleration_relative_to(&high.state).high;
         if acceleration > 0.0 {
             let coordinates = [low.state.position.high, high.state.position.high];
             let sizes = bodies.map(|slot| self.bodies[slot].size[axis]);
-            if self.bodies.resolution().hides_bounce(restitution * approach, acceleration, coordinates, sizes) {
+            if self.bodies.resolution().hides_bounce(restitution * approach_speed, acceleration, coordinates, sizes) {
                 return None;
             }
         }
@@ -170,7 +170,7 @@ impl EventDriven {
         let &ImpactPair { bodies, axis, is_immovable, .. } = impact_pair;
         let pair = impact_pair.slots();
         let [low, high] = states;
-        let after = impact.velocities_with(impact.approach(), || self.latest_shares.of(impact));
+        let after = impact.velocities_with(impact.approach_speed(), || self.latest_shares.of(impact));
         let after = self.bodies.rounding().velocities(impact, after);
         let sizes = [self.bodies.size(bodies[0], axis), self.bodies.size(bodies[1], axis)];
         let acceleration = low.state.acceleration_relative_to(&high.state).high;

@@ -258,8 +258,8 @@ fn predict_from_sample(first: &Sample, second: &BodyState, order: Side, horizon:
     let elapsed = seconds_since(first.at, now);
     match predict_uniform(&relative, elapsed) {
         Some(Prediction::None) => Prediction::None,
-        Some(prediction) => place(prediction, first.at, order),
-        None => place(predict_general(&relative, elapsed), first.at, order),
+        Some(prediction) => from_reference(prediction, first.at, order),
+        None => from_reference(predict_general(&relative, elapsed), first.at, order),
     }
 }
 
@@ -273,7 +273,7 @@ fn seconds_since(reference: Instant, now: Instant) -> f64 {
 
 /// Counts the times of a prediction from its reference instant, and the side from the earlier body.
 #[inline]
-fn place(prediction: Prediction, from: Instant, order: Side) -> Prediction {
+fn from_reference(prediction: Prediction, from: Instant, order: Side) -> Prediction {
     let Prediction::Event { not_before, upper, event } = prediction else { return prediction };
     let side = |side: Side| if order == Side::Low { side } else { side.opposite() };
     let event = match event {
@@ -391,5 +391,5 @@ pub fn predict_contact_end(axis: Axis, first: &BodyState, second: &BodyState, no
             end = at_time(time, elapsed, PairEvent::ContactEnd(across, side));
         }
     }
-    place(end, from, Side::Low)
+    from_reference(end, from, Side::Low)
 }

@@ -79,10 +79,10 @@ pub enum TouchKind {
 
 /// The motions by which a corner counts as entered along an axis.
 #[derive(Clone, Copy, Debug)]
-pub enum Entry {
-    /// An approach.
+pub enum CornerMotion {
+    /// The bodies approach along it.
     Moving,
-    /// An approach, or an acceleration towards each other from rest.
+    /// The bodies approach along it, or accelerate towards each other from rest.
     MovingOrFromRest,
 }
 
@@ -251,20 +251,20 @@ impl Patch {
     }
 
     /// The speed at which two touching bodies approach along an axis, m/s; 0 if below rounding.
-    pub fn approach(&self, touch: &Touch, axis: Axis) -> DoubleDouble {
+    pub fn approach_speed(&self, touch: &Touch, axis: Axis) -> DoubleDouble {
         let [low, high] = touch.ordered(axis).map(|body| self.axis(body, axis));
         (low.state.velocity - high.state.velocity).or_zero((low.speed + high.speed) * VELOCITY_ROUNDING)
     }
 
-    /// The sign of the [approach](Self::approach) speed: greater than 0 if two touching bodies approach along an axis.
+    /// The sign of the [approach speed](Self::approach_speed): greater than 0 if two touching bodies approach along an axis.
     #[inline]
-    pub fn approach_sign(&self, touch: &Touch, axis: Axis) -> Ordering {
+    pub fn approach_speed_sign(&self, touch: &Touch, axis: Axis) -> Ordering {
         let [low, high] = touch.ordered(axis).map(|body| self.axis(body, axis));
         if low.state.velocity == high.state.velocity {
             return Ordering::Equal;
         }
         let difference = low.state.velocity.high - high.state.velocity.high;
-        let exact = || self.approach(touch, axis).high.partial_cmp(&0.0).unwrap_or(Ordering::Equal);
+        let exact = || self.approach_speed(touch, axis).high.partial_cmp(&0.0).unwrap_or(Ordering::Equal);
         if difference.abs() > (low.speed + high.speed) * CLEAR_SIGN {
             let sign = if difference > 0.0 { Ordering::Greater } else { Ordering::Less };
             debug_assert_eq!(sign, exact(), "doubles suffice");
@@ -282,8 +282,9 @@ impl Patch {
 
     /// True if two bodies begin or cease to touch: along an axis whose gap is 0 they move relative to each other.
     pub fn is_changing(&self, touch: &Touch) -> bool {
-        let moves =
-            |axis: Axis| self.approach(touch, axis).high != 0.0 || self.approach_acceleration(touch, axis).high != 0.0;
+        let moves = |axis: Axis| {
+            self.approach_speed(touch, axis).high != 0.0 || self.approach_acceleration(touch, axis).high != 0.0
+        };
         match touch.kind {
             TouchKind::Face(axis) => moves(axis),
             TouchKind::Corner => Axis::BOTH.into_iter().any(moves),
@@ -291,13 +292,13 @@ impl Patch {
     }
 
     /// The axes along which a corner blocks: the gentler one, both if they are equal, none if it is not entered.
-    pub fn blocked_axes(&self, touch: &Touch, entry: Entry) -> [bool; 2] {
+    pub fn blocked_axes(&self, touch: &Touch, motion: CornerMotion) -> [bool; 2] {
         let motions = Axis::BOTH.map(|axis| {
-            let acceleration = match entry {
-                Entry::Moving => DoubleDouble::ZERO,
-                Entry::MovingOrFromRest => self.approach_acceleration(touch, axis),
+            let acceleration = match motion {
+                CornerMotion::Moving => DoubleDouble::ZERO,
+                CornerMotion::MovingOrFromRest => self.approach_acceleration(touch, axis),
             };
-            [self.approach(touch, axis), acceleration]
+            [self.approach_speed(touch, axis), acceleration]
         });
         let enters = |[speed, acceleration]: [DoubleDouble; 2]| {
             speed.high > 0.0 || (speed.high == 0.0 && acceleration.high > 0.0)
@@ -381,7 +382,7 @@ impl Patch {
     /// Queues a touch if its bodies approach each other.
     pub fn refresh(&mut self, index: u32) {
         let touch = &self.touches[index as usize];
-        let approaches_along = |axis: Axis| self.approach_sign(touch, axis) == Ordering::Greater;
+        let approaches_along = |axis: Axis| self.approach_speed_sign(touch, axis) == Ordering::Greater;
         let approaches = match touch.kind {
             TouchKind::Face(axis) => approaches_along(axis),
             TouchKind::Corner => Axis::BOTH.into_iter().all(approaches_along),
@@ -419,12 +420,12 @@ const EQUAL_APPROACH: f64 = 1.0 / (1_u128 << 85) as f64;
 impl EventDriven {
     /// The local index of a body, which is added to the patch with its state at an instant if necessary.
     #[inline]
-    pub(super) fn load(&self, patch: &mut Patch, slot: Slot, at: Instant) -> Local {
-        patch.find(slot, at).unwrap_or_else(|| self.load_new(patch, slot, at))
+    pub(super) fn local_of(&self, patch: &mut Patch, slot: Slot, at: Instant) -> Local {
+        patch.find(slot, at).unwrap_or_else(|| self.add_local(patch, slot, at))
     }
 
     /// The local index of a body that is not in the patch, which is added to it.
-    fn load_new(&self, patch: &mut Patch, slot: Slot, at: Instant) -> Local {
+    fn add_local(&self, patch: &mut Patch, slot: Slot, at: Instant) -> Local {
         // Both axes side by side.
         let references = [self.bodies.reference(slot, Axis::X), self.bodies.reference(slot, Axis::Y)];
         let [x, y] = Reference::scaled_states_at(&references, at, self.bodies.rounding());
@@ -479,7 +480,7 @@ impl EventDriven {
         if !self.bodies.may_touch([slot, other], at) {
             return;
         }
-        let other = self.load(patch, other, at);
+        let other = self.local_of(patch, other, at);
         let [first, second] = if patch.bodies[body as usize].slot < patch.bodies[other as usize].slot {
             [body, other]
         } else {

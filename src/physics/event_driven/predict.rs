@@ -176,7 +176,7 @@ impl<'a> Predictor<'a> {
 
 /// The event of a pair of bodies that was predicted at the start of a window.
 #[derive(Clone, Debug)]
-pub struct Approach {
+pub struct PredictedEvent {
     /// The body that predicted it.
     slot: Slot,
     event: ScheduledEvent,
@@ -247,9 +247,9 @@ impl EventDriven {
 
     /// Predicts the pairs whose paths overlap in a new window. If the event of a pair is before the pending one of the
     /// first body, it replaces it; if doubles cannot distinguish them, the body is to predict again.
-    pub(super) fn predict_approaches(&mut self) {
+    pub(super) fn predict_close_pairs(&mut self) {
         let mut found = std::mem::take(&mut self.window_lists.events);
-        let parts = self.window_lists.approaches();
+        let parts = self.window_lists.close_pairs();
         found.resize_with(parts.len(), Vec::new);
         self.threads_of_window().share(parts.zip(&mut found), |(pairs, found)| {
             for (index, pair) in pairs.iter().enumerate() {
@@ -258,10 +258,10 @@ impl EventDriven {
                     let read = |slot: &Slot| self.bodies[*slot].read_ahead() + self.event_queue.time_of(*slot);
                     black_box(ahead.map(read).sum::<f64>());
                 }
-                self.predict_approach(*pair, found);
+                self.predict_close_pair(*pair, found);
             }
         });
-        for Approach { slot, event, latest } in found.iter().flatten() {
+        for PredictedEvent { slot, event, latest } in found.iter().flatten() {
             if self.latest_in_window(*slot).is_before(event.at) {
                 continue;
             }
@@ -277,7 +277,7 @@ impl EventDriven {
 
     /// Adds the event of a pair whose paths overlap in a new window to `found`, unless it is after the pending one of the
     /// first body.
-    fn predict_approach(&self, [slot, other]: [Slot; 2], found: &mut Vec<Approach>) {
+    fn predict_close_pair(&self, [slot, other]: [Slot; 2], found: &mut Vec<PredictedEvent>) {
         let end = self.latest_in_window(slot);
         let mut predictor = Predictor::new(self, slot, Precision::LowerBound);
         predictor.limit_horizon(predictor.sample.at.seconds_until(end));
@@ -285,7 +285,7 @@ impl EventDriven {
         if let Some((event, _)) = &predictor.first
             && !end.is_before(event.at)
         {
-            found.push(Approach { slot, event: *event, latest: predictor.latest() });
+            found.push(PredictedEvent { slot, event: *event, latest: predictor.latest() });
         }
     }
 

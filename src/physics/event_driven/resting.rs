@@ -12,7 +12,7 @@
 use super::EventDriven;
 use super::body_state::{Load, NONE, Slot};
 use super::double_double::DoubleDouble;
-use super::patch::{Entry, Local, LocalBody, Patch, Touch, TouchKind};
+use super::patch::{CornerMotion, Local, LocalBody, Patch, Touch, TouchKind};
 use crate::physics::{Axis, Side, larger};
 use std::cmp::Ordering;
 
@@ -68,7 +68,7 @@ impl EventDriven {
             if let Some(side) = falling_side
                 && self.load_of(patch, body, axis) == Load::GravityOnly
             {
-                self.hold_by_gravity(patch, body, axis, side);
+                self.add_contacts_with_immovable(patch, body, axis, side);
             }
             examined.push(body);
         }
@@ -93,7 +93,7 @@ impl EventDriven {
     /// True if a touch constrains the accelerations along an axis.
     fn is_constraint(&self, patch: &Patch, touch: &Touch, axis: Axis) -> bool {
         (touch.acts_along(axis) || self.is_contact(patch, touch, axis))
-            && patch.approach_sign(touch, axis) == Ordering::Equal
+            && patch.approach_speed_sign(touch, axis) == Ordering::Equal
     }
 
     /// True if two touching bodies are in contact along an axis.
@@ -108,9 +108,9 @@ impl EventDriven {
                 let touch = &patch.touches[touch as usize];
                 let lasts_across = match touch.kind {
                     TouchKind::Face(face) => face == axis,
-                    TouchKind::Corner => patch.approach(touch, axis.other()).high >= 0.0,
+                    TouchKind::Corner => patch.approach_speed(touch, axis.other()).high >= 0.0,
                 };
-                lasts_across && patch.approach_sign(touch, axis) == Ordering::Equal
+                lasts_across && patch.approach_speed_sign(touch, axis) == Ordering::Equal
             })
         });
     }
@@ -130,7 +130,7 @@ impl EventDriven {
             if contact.axis != axis {
                 continue;
             }
-            let other = self.load(patch, contact.other, patch.bodies[body as usize].at);
+            let other = self.local_of(patch, contact.other, patch.bodies[body as usize].at);
             if !lasts(patch, other) {
                 self.remove_contact(patch, [body, other], axis);
                 next -= 1;
@@ -167,16 +167,16 @@ impl EventDriven {
     }
 
     /// True if a body cannot fall.
-    fn is_held(&self, patch: &Patch, body: Local, axis: Axis, side: Side) -> bool {
+    fn is_immovable(&self, patch: &Patch, body: Local, axis: Axis, side: Side) -> bool {
         self.contacts.is_immovable(patch.bodies[body as usize].slot, axis, side)
     }
 
-    /// Adds contacts with the held bodies below and, if the body is held itself, with those above.
-    fn hold_by_gravity(&mut self, patch: &mut Patch, body: Local, axis: Axis, side: Side) {
+    /// Adds contacts with the immovable bodies below and, if the body is immovable itself, with those above.
+    fn add_contacts_with_immovable(&mut self, patch: &mut Patch, body: Local, axis: Axis, side: Side) {
         for index in 0..patch.bodies[body as usize].touches.len() {
             let touch = patch.touches[patch.bodies[body as usize].touches[index] as usize];
             let below = if touch.side_of(body, axis) == side { touch.other(body) } else { body };
-            if self.is_held(patch, below, axis, side)
+            if self.is_immovable(patch, below, axis, side)
                 && self.is_constraint(patch, &touch, axis)
                 && !self.is_contact(patch, &touch, axis)
             {
@@ -186,9 +186,10 @@ impl EventDriven {
     }
 
     fn accelerate_by_gravity(&mut self, patch: &mut Patch, body: Local, axis: Axis, falling_side: Option<Side>) {
-        let is_held = falling_side.is_some_and(|side| self.is_held(patch, body, axis, side));
+        let is_supported = falling_side.is_some_and(|side| self.is_immovable(patch, body, axis, side));
         let slot = patch.bodies[body as usize].slot;
-        let acceleration = if is_held { DoubleDouble::ZERO } else { self.bodies.params(slot).free_acceleration[axis] };
+        let acceleration =
+            if is_supported { DoubleDouble::ZERO } else { self.bodies.params(slot).free_acceleration[axis] };
         self.bodies.set_load(slot, axis, Load::GravityOnly);
         set_acceleration(patch, body, axis, acceleration);
     }
@@ -342,7 +343,7 @@ impl EventDriven {
                 if touch.kind == TouchKind::Corner
                     && !touch.blocks[axis]
                     && self.is_contact(patch, &touch, axis)
-                    && patch.approach(&touch, across).high == 0.0
+                    && patch.approach_speed(&touch, across).high == 0.0
                     && patch.approach_acceleration(&touch, across).high <= 0.0
                 {
                     self.remove_contact(patch, touch.bodies, axis);
@@ -363,9 +364,9 @@ impl EventDriven {
             if Axis::BOTH.into_iter().any(|axis| self.is_contact(patch, touch, axis)) {
                 continue;
             }
-            let axes = patch.blocked_axes(touch, Entry::MovingOrFromRest);
+            let axes = patch.blocked_axes(touch, CornerMotion::MovingOrFromRest);
             for axis in Axis::BOTH {
-                if axes[axis] && patch.approach(touch, axis).high == 0.0 {
+                if axes[axis] && patch.approach_speed(touch, axis).high == 0.0 {
                     blocked.push((index, axis));
                 }
             }
@@ -386,7 +387,7 @@ impl EventDriven {
             let is_left = |axis: Axis| {
                 let acceleration = patch.approach_acceleration(&touch, axis).high;
                 let stays = if touch.blocks[axis] { acceleration == 0.0 } else { acceleration > 0.0 };
-                patch.approach(&touch, axis).high == 0.0 && !stays
+                patch.approach_speed(&touch, axis).high == 0.0 && !stays
             };
             if touch.blocks == [false; 2] || touch.was_released || !Axis::BOTH.into_iter().any(is_left) {
                 continue;
@@ -425,7 +426,7 @@ impl EventDriven {
         }
         let at = patch.bodies[patch.finite_of(pair) as usize].at;
         for slot in supports {
-            let body = self.load(patch, *slot, at);
+            let body = self.local_of(patch, *slot, at);
             patch.mark_dirty(body, axis);
         }
     }

@@ -136,7 +136,7 @@ impl EventDriven {
         concerned: &[Concerned],
         observer: &mut O,
     ) -> Result<(), StepError> {
-        self.load_concerned(patch, concerned);
+        self.add_concerned(patch, concerned);
         self.settle(patch);
         loop {
             self.carry_out_impacts(patch, world, observer)?;
@@ -150,9 +150,9 @@ impl EventDriven {
 
     /// Adds the bodies concerned to the patch, and in turn each body that begins or ceases to touch one of them now:
     /// of several such events of a body, the queue holds only one.
-    fn load_concerned(&mut self, patch: &mut Patch, concerned: &[Concerned]) {
+    fn add_concerned(&mut self, patch: &mut Patch, concerned: &[Concerned]) {
         let mut waiting = std::mem::take(&mut patch.waiting);
-        waiting.extend(concerned.iter().map(|body| self.load(patch, body.slot, body.at)));
+        waiting.extend(concerned.iter().map(|body| self.local_of(patch, body.slot, body.at)));
         while let Some(body) = waiting.pop() {
             Axis::BOTH.into_iter().for_each(|axis| patch.mark_dirty(body, axis));
             self.explore(patch, body);
@@ -260,15 +260,15 @@ fn find_faces(patch: &Patch, body: Local, axis: Axis, found: &mut Vec<(Local, u3
 
 /// Places a body on a face of another that it touches.
 fn place_on(patch: &mut Patch, body: Local, by: Local, touch: u32, axis: Axis) {
-    let anchor = *patch.axis(by, axis);
+    let fixed = *patch.axis(by, axis);
     let touch = patch.touches[touch as usize];
-    let is_at_rest = patch.approach(&touch, axis).high == 0.0;
+    let is_at_rest = patch.approach_speed(&touch, axis).high == 0.0;
     let state = patch.axis_mut(body, axis);
     state.state.position = match touch.side_of(by, axis) {
-        Side::High => anchor.state.position + anchor.size,
-        Side::Low => anchor.state.position - state.size,
+        Side::High => fixed.state.position + fixed.size,
+        Side::Low => fixed.state.position - state.size,
     };
     if is_at_rest {
-        state.state.velocity = anchor.state.velocity;
+        state.state.velocity = fixed.state.velocity;
     }
 }

@@ -83,7 +83,7 @@ impl Trajectory {
 
     /// The later of the two reference instants.
     #[inline]
-    pub fn latest(&self) -> Instant {
+    pub fn later_since(&self) -> Instant {
         self.since(Axis::X).max(self.since(Axis::Y))
     }
 

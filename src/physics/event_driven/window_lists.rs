@@ -20,7 +20,7 @@ use super::home_grid::{Band, HomeGrid};
 use super::instant::{Clock, Instant};
 use super::neighbour_buffer::NeighbourBuffer;
 use super::pair_event::Sample;
-use super::predict::Approach;
+use super::predict::PredictedEvent;
 use super::swept_aabb::SweptAabb;
 use super::threads::Threads;
 use crate::physics::{larger, smaller};
@@ -106,7 +106,7 @@ pub struct WindowLists {
     /// Further entries of lists, each with the one before it in the same list.
     extras: Vec<(Slot, u32)>,
     /// Buffer for the events of the pairs whose paths overlap.
-    pub events: Vec<Vec<Approach>>,
+    pub events: Vec<Vec<PredictedEvent>>,
     grid: HomeGrid,
     /// Buffer for the pairs in the parts of the grid.
     bands: Vec<Band>,
@@ -211,8 +211,8 @@ impl WindowLists {
     }
 
     /// The pairs of bodies whose paths overlapped at the start of the window, in lists; the first of a pair is to predict it.
-    pub fn approaches(&self) -> impl ExactSizeIterator<Item = &[[Slot; 2]]> {
-        self.bands.iter().map(Band::approaches)
+    pub fn close_pairs(&self) -> impl ExactSizeIterator<Item = &[[Slot; 2]]> {
+        self.bands.iter().map(Band::close_pairs)
     }
 
     /// The list of a body, sorted by slot.
@@ -355,7 +355,7 @@ impl WindowLists {
                     self.add_extra(slot, *other);
                 }
                 if !self.paths[slot as usize].is_disjoint_from(&self.paths[*other as usize]) {
-                    self.bands[last_band].add_approach([*other, slot]);
+                    self.bands[last_band].add_close_pair([*other, slot]);
                 }
             }
         }
@@ -430,7 +430,7 @@ impl EventDriven {
     pub(super) fn begin_window(&mut self, step: u64) {
         if self.window_lists.is_over(step) {
             if self.window_lists.begin(&self.bodies, &self.clock, step, self.now, self.threads_of_window()) {
-                self.predict_approaches();
+                self.predict_close_pairs();
             } else {
                 self.leave_window(RETRY_STEPS);
             }
