@@ -3,11 +3,17 @@
 use super::double_double::DoubleDouble;
 use crate::physics::{larger, smaller};
 
-/// The longest period that is looked for.
-const MAX_PERIOD: usize = 200;
+/// The longest period that is looked for every [`SEARCH_INTERVAL`] impacts.
+const SHORT_PERIOD: usize = 200;
 
-/// The impacts between two searches for a period.
+/// The impacts between two searches for a short period.
 const SEARCH_INTERVAL: u64 = 16;
+
+/// The impacts after which a long period is looked for first.
+const FIRST_LONG_SEARCH: usize = 4 * SHORT_PERIOD;
+
+/// The impacts that are remembered, which bounds the memory; a longer period than a quarter of it is not found.
+const MAX_HITS: usize = 1 << 20;
 
 /// Directions that agree to this, or to the rounding of velocities, are the same.
 const SAME_DIRECTION: f64 = 1.0 / (1_u64 << 60) as f64;
@@ -17,8 +23,8 @@ const SAME_DIRECTION: f64 = 1.0 / (1_u64 << 60) as f64;
 const LEAST_PRECISION: f64 = (1_u64 << 30) as f64;
 
 /// A cycle is proven only from speeds above this fraction of the greatest of the burst, so that the same cycles are proven
-/// in all frames of reference that are not 2³⁰ times faster.
-const SLOWEST: f64 = 1.0 / (1_u64 << 32) as f64;
+/// in all frames of reference that are not 2¹⁸ times faster. Some long cycles shrink to 2⁻⁴⁰ of it in three periods.
+const SLOWEST: f64 = 1.0 / (1_u64 << 44) as f64;
 
 /// Lengths that agree to this are the same.
 const SAME_LENGTH: f64 = 1.0 / (1_u128 << 86) as f64;
@@ -62,12 +68,23 @@ impl Decay {
 }
 
 /// The impacts of an instant along one axis within one component.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct ImpactHistory {
     /// The recent impacts, the latest last.
     hits: Vec<Hit>,
     count: u64,
     probe: Option<Probe>,
+    /// The number of recent impacts at which a period of any length is looked for.
+    long_search: usize,
+    /// Buffer for that search.
+    repeated: Vec<u32>,
+}
+
+impl Default for ImpactHistory {
+    fn default() -> ImpactHistory {
+        let (hits, repeated) = (Vec::new(), Vec::new());
+        ImpactHistory { hits, count: 0, probe: None, long_search: FIRST_LONG_SEARCH, repeated }
+    }
 }
 
 /// An impact.
@@ -101,6 +118,7 @@ impl ImpactHistory {
     pub fn restart(&mut self) {
         self.hits.clear();
         self.probe = None;
+        self.long_search = FIRST_LONG_SEARCH;
     }
 
     /// Records an impact and its approach speed; returns the touches of a cycle if it completes the proof of one. `approach`
@@ -114,14 +132,25 @@ impl ImpactHistory {
         approach_speed: impl Fn(u32) -> DoubleDouble,
         rounding: impl Fn(u32) -> f64,
     ) -> Option<(Cycle, Vec<u32>)> {
-        if self.hits.len() >= 8 * MAX_PERIOD {
-            self.hits.drain(..4 * MAX_PERIOD);
+        if self.hits.len() == MAX_HITS {
+            self.hits.drain(..MAX_HITS / 2);
+            self.long_search = MAX_HITS / 8 * 5;
         }
         self.hits.push(Hit { touch, speed });
         self.count += 1;
         self.continue_probe(&approach_speed);
-        if self.probe.is_none() && self.count.is_multiple_of(SEARCH_INTERVAL) {
-            self.start_probe(&approach_speed);
+        let observed = self.probe.as_ref().map_or(0, |probe| probe.period);
+        let period = if self.hits.len() >= self.long_search && observed <= SHORT_PERIOD {
+            // Searches after intervals that grow with the number of impacts take a constant time per impact.
+            self.long_search = self.hits.len() / 4 * 5;
+            self.find_long_period()
+        } else if self.probe.is_none() && self.count.is_multiple_of(SEARCH_INTERVAL) {
+            self.find_short_period()
+        } else {
+            None
+        };
+        if let Some(period) = period {
+            self.start_probe(period, &approach_speed);
         }
         let probe = self.probe.take_if(|probe| probe.records.len() == 3)?;
         let rounding = probe.touches.iter().map(|touch| rounding(*touch)).fold(0.0, larger);
@@ -144,15 +173,46 @@ impl ImpactHistory {
         }
     }
 
-    /// Starts a probe if the last three periods hit the same touches.
-    fn start_probe(&mut self, approach_speed: &impl Fn(u32) -> DoubleDouble) {
+    /// The shortest of the short periods of which the last three hit the same touches.
+    fn find_short_period(&self) -> Option<usize> {
         let length = self.hits.len();
-        let longest = if length / 3 < MAX_PERIOD { length / 3 } else { MAX_PERIOD };
+        let longest = if length / 3 < SHORT_PERIOD { length / 3 } else { SHORT_PERIOD };
         let repeats = |period: usize| {
             (1..=2 * period).all(|back| self.hits[length - back].touch == self.hits[length - back - period].touch)
         };
-        let Some(period) = (2..=longest).find(|period| repeats(*period)) else { return };
-        let mut touches: Vec<u32> = self.hits[length - period..].iter().map(|hit| hit.touch).collect();
+        (2..=longest).find(|period| repeats(*period))
+    }
+
+    /// The period that most of the last impacts repeat, at least twice, if it is long.
+    ///
+    /// A long period can contain short sequences that are repeated for some time, but fewer impacts than the period itself.
+    fn find_long_period(&mut self) -> Option<usize> {
+        let length = self.hits.len();
+        let touch = |back: usize| self.hits[length - 1 - back].touch;
+        // For each period, the number of the last impacts that repeat those before them: the Z function of the reversed
+        // sequence (Gusfield, "Algorithms on Strings, Trees and Sequences", 1997, section 1.4).
+        self.repeated.clear();
+        self.repeated.push(length as u32);
+        let [mut start, mut end] = [0; 2];
+        let [mut longest, mut best] = [0; 2];
+        for period in 1..=length / 2 {
+            let mut count = if period < end { (self.repeated[period - start] as usize).min(end - period) } else { 0 };
+            while period + count < length && touch(count) == touch(period + count) {
+                count += 1;
+            }
+            if period + count > end {
+                [start, end] = [period, period + count];
+            }
+            if count >= period && count > longest {
+                [longest, best] = [count, period];
+            }
+            self.repeated.push(count as u32);
+        }
+        (best > SHORT_PERIOD).then_some(best)
+    }
+
+    fn start_probe(&mut self, period: usize, approach_speed: &impl Fn(u32) -> DoubleDouble) {
+        let mut touches: Vec<u32> = self.hits[self.hits.len() - period..].iter().map(|hit| hit.touch).collect();
         touches.sort_unstable();
         touches.dedup();
         let records = vec![touches.iter().map(|touch| approach_speed(*touch)).collect()];
@@ -229,6 +289,30 @@ mod tests {
         assert_eq!((decay.factor, decay.sequence), (0.75.into(), vec![0, 1]));
         assert_eq!(verdict(1.0, 0.0), Some(Cycle::Persists));
         assert_eq!(verdict(1.5, 0.0), None);
+    }
+
+    #[test]
+    fn a_cycle_of_any_length_is_proven_though_its_parts_repeat() {
+        // Two touches in turn, and at the end of each period a third one.
+        for period in [300_u32, 2000, 20_000] {
+            let mut history = ImpactHistory::default();
+            let (mut scale, mut count) = (1.0, 0);
+            let cycle = loop {
+                let place = count % period;
+                let touch = if place + 1 == period { 2 } else { place % 2 };
+                scale *= if place == 0 { 0.75 } else { 1.0 };
+                // In another direction after each impact.
+                let speed = |touch: u32| scale * f64::from(1 + place * (place + touch) % 7);
+                let approach_speed = |touch: u32| DoubleDouble::from(speed(touch));
+                if let Some(proven) = history.push(touch, speed(touch), 1.0, approach_speed, |_| 0.0) {
+                    break proven;
+                }
+                count += 1;
+                assert!(count < 8 * period, "no cycle of {period}");
+            };
+            let (Cycle::Decays(decay), touches) = cycle else { panic!("{cycle:?}") };
+            assert_eq!((decay.sequence.len(), decay.factor, touches), (period as usize, 0.75.into(), vec![0, 1, 2]));
+        }
     }
 
     #[test]
