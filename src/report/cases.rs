@@ -123,7 +123,7 @@ const SHOT: f64 = 7000.0;
 /// A fast small box hits a static plate of 1 mm.
 fn shot_at_static_plate() -> CaseSpec {
     let bodies = static_block([5.0, 0.0], [0.001, 9.0]) + &spawn([1.0, 4.0], [0.01; 2], 0.01, [SHOT, 0.0]);
-    let face = &Fixed256::from(5.0) - &Fixed256::from(0.01);
+    let face = &Fixed256::from(5.0) - &Fixed256::stated(0.01);
     let reflected_path = move |time: &Fixed256| {
         let [forward, backward] = [uniform(1.0, SHOT, time), uniform(1.0, -SHOT, time)];
         let turn = &(&face + &face) - &Fixed256::from(2.0);
@@ -142,7 +142,7 @@ fn shot_at_static_plate() -> CaseSpec {
 fn shot_at_free_plate() -> CaseSpec {
     let bodies = spawn([5.0, 0.0], [0.001, 9.0], 3.0, [0.0; 2]) + &spawn([1.0, 4.0], [0.01; 2], 1.0, [SHOT, 0.0]);
     let after = |time: &Fixed256| {
-        let face = &Fixed256::from(5.0) - &Fixed256::from(0.01);
+        let face = &Fixed256::from(5.0) - &Fixed256::stated(0.01);
         let hit = &(&face - &Fixed256::from(1.0)) / &Fixed256::from(SHOT);
         if *time < hit {
             return vec![[Fixed256::from(5.0), Fixed256::zero()], [uniform(1.0, SHOT, time), Fixed256::from(4.0)]];

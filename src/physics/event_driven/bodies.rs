@@ -6,6 +6,7 @@ use super::decimal::stated;
 use super::double_double::DoubleDouble;
 use super::exact::Resolution;
 use super::instant::Instant;
+use super::least_change::MASS_UNIT;
 use super::random_rounding::RandomRounding;
 use super::reference::Reference;
 use super::trajectory::Trajectory;
@@ -20,7 +21,7 @@ use std::ops::Index;
 #[derive(Clone, Debug)]
 pub struct Bodies {
     /// Acceleration along x and y, m/s².
-    gravity: [f64; 2],
+    gravity: [DoubleDouble; 2],
     /// By slot.
     states: Vec<BodyState>,
     /// By slot.
@@ -39,6 +40,10 @@ pub struct Bodies {
 impl Bodies {
     /// No bodies, in a gravitational acceleration, m/s².
     pub fn new(gravity: [f64; 2]) -> Bodies {
+        Bodies::with_gravity(gravity.map(stated))
+    }
+
+    fn with_gravity(gravity: [DoubleDouble; 2]) -> Bodies {
         Bodies {
             gravity,
             states: Vec::new(),
@@ -53,7 +58,7 @@ impl Bodies {
 
     /// Removes all bodies and slots.
     pub fn clear(&mut self) {
-        *self = Bodies { rounding: self.rounding, resolution: self.resolution, ..Bodies::new(self.gravity) };
+        *self = Bodies { rounding: self.rounding, resolution: self.resolution, ..Bodies::with_gravity(self.gravity) };
     }
 
     /// The rounding of computed numbers.
@@ -103,15 +108,15 @@ impl Bodies {
     /// Appends the body with the given index in the world, whose trajectory starts at `since` in free fall.
     pub fn push(&mut self, body: &Body, world_index: usize, since: Instant) -> Slot {
         let slot = self.states.len() as Slot;
-        let force = body.constant_force;
+        let (force, mass) = (body.constant_force, stated(body.mass));
         let infinite = body.is_infinite();
         let free_acceleration = Axis::BOTH.map(|axis| {
             if infinite {
                 DoubleDouble::ZERO
             } else if force[axis] == 0.0 {
-                self.gravity[axis].into()
+                self.gravity[axis]
             } else {
-                quotient(force[axis], body.mass) + self.gravity[axis].into()
+                quotient(stated(force[axis]), mass) + self.gravity[axis]
             }
         });
         let trajectory = Trajectory::new(Axis::BOTH.map(|axis| {
@@ -122,7 +127,7 @@ impl Bodies {
         let size = [body.rect.width(), body.rect.height()];
         let low_parts = Axis::BOTH.map(|axis| AxisLowParts {
             position: stated(trajectory.position[axis]).low,
-            velocity: 0.0,
+            velocity: stated(trajectory.velocity[axis]).low,
             acceleration: free_acceleration[axis].low,
             size: stated(size[axis]).low,
         });
@@ -140,8 +145,14 @@ impl Bodies {
             self.force_counts[axis] += u32::from(has_force[axis]);
         }
         self.moving_walls += u32::from(infinite && !trajectory.is_at_rest());
-        let (mass, material) = (body.mass, body.material);
-        let params = BodyParams { id: body.id, mass, material, free_acceleration, has_force, alive: true };
+        let params = BodyParams {
+            id: body.id,
+            mass: mass.scaled(MASS_UNIT),
+            material: body.material,
+            free_acceleration,
+            has_force,
+            alive: true,
+        };
         self.details.push(BodyDetails { low_parts, params });
         slot
     }
@@ -170,7 +181,7 @@ impl Bodies {
 
     /// The gravitational acceleration along an axis, m/s².
     pub fn gravity(&self, axis: Axis) -> f64 {
-        self.gravity[axis]
+        self.gravity[axis].high
     }
 
     /// Returns true if a component may carry forces of its own along an axis: if a constant force acts on a body alive, or
@@ -181,7 +192,7 @@ impl Bodies {
 
     /// Returns true if neither gravity nor a constant force acts on any body.
     pub fn are_free(&self) -> bool {
-        self.gravity == [0.0; 2] && self.force_counts == [0; 2]
+        self.gravity == [DoubleDouble::ZERO; 2] && self.force_counts == [0; 2]
     }
 
     /// Returns true if a body of finite mass that others support certainly keeps its contacts and hits no infinite mass: it is
@@ -254,7 +265,7 @@ impl Bodies {
     #[inline]
     pub fn read_ahead(&self, slot: Slot) -> f64 {
         let low_size = self.details[slot as usize].low_parts[Axis::X].size;
-        self.states[slot as usize].read_ahead() + low_size + self.details[slot as usize].params.mass
+        self.states[slot as usize].read_ahead() + low_size + self.details[slot as usize].params.mass.high
     }
 
     /// The size of a body along an axis, m.
@@ -311,13 +322,13 @@ impl Index<Slot> for Bodies {
 }
 
 /// The quotient of a force and a mass, m/s²; in a smaller unit where the product of huge numbers would overflow.
-fn quotient(force: f64, mass: f64) -> DoubleDouble {
+fn quotient(force: DoubleDouble, mass: DoubleDouble) -> DoubleDouble {
     const HUGE: f64 = 1e280;
     const UNIT: f64 = 1.0 / (1_u128 << 100) as f64;
-    if mass > HUGE || force.abs() > HUGE {
-        return DoubleDouble::from(force * UNIT) / (mass * UNIT).into();
+    if mass.high > HUGE || force.high.abs() > HUGE {
+        return force.scaled(UNIT) / mass.scaled(UNIT);
     }
-    DoubleDouble::from(force) / mass.into()
+    force / mass
 }
 
 #[cfg(test)]

@@ -67,8 +67,8 @@ pub struct BodyDetails {
 pub struct BodyParams {
     /// Its id in the world.
     pub id: BodyId,
-    /// Mass, kg.
-    pub mass: f64,
+    /// Mass, in units of [`MASS_UNIT`](super::least_change::MASS_UNIT).
+    pub mass: DoubleDouble,
     /// Material, for the restitution table.
     pub material: Material,
     /// Acceleration without contacts, m/s².

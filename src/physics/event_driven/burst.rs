@@ -4,6 +4,7 @@
 use super::EventDriven;
 use super::body_state::Slot;
 use super::collapse::decay_threshold;
+use super::decimal::stated;
 use super::double_double::DoubleDouble;
 use super::exact::{Resolution, VELOCITY_ROUNDING};
 use super::impact::Impact;
@@ -73,15 +74,15 @@ impl EventDriven {
         }
         let restitution = self.restitution(patch, &touch, world);
         self.apply_impact(patch, &touch, axis, restitution, world, observer)?;
-        if restitution == 0.0 && !self.is_contact(patch, &touch, axis) {
+        if restitution.high == 0.0 && !self.is_contact(patch, &touch, axis) {
             self.add_contact(patch, &touch, axis);
         }
         self.follow_cycle(patch, index, approach_speed, axis, world)
     }
 
-    pub(super) fn restitution(&self, patch: &Patch, touch: &Touch, world: &World) -> f64 {
+    pub(super) fn restitution(&self, patch: &Patch, touch: &Touch, world: &World) -> DoubleDouble {
         let [first, second] = touch.bodies.map(|body| self.bodies.params(patch.bodies[body as usize].slot).material);
-        world.restitution.between(first, second)
+        stated(world.restitution.between(first, second))
     }
 
     /// Applies the impact law to the clusters on both sides of a touch.
@@ -90,7 +91,7 @@ impl EventDriven {
         patch: &mut Patch,
         touch: &Touch,
         axis: Axis,
-        restitution: f64,
+        restitution: DoubleDouble,
         world: &World,
         observer: &mut O,
     ) -> Result<(), StepError> {
@@ -122,7 +123,7 @@ impl EventDriven {
                 velocities: [before, velocities_now(patch)],
                 along: [velocity, after],
                 impulse,
-                restitution,
+                restitution: restitution.high,
             })
         });
         Ok(())
@@ -167,7 +168,7 @@ impl EventDriven {
     /// order.
     pub(super) fn total_mass(&self, patch: &Patch, members: &[Local]) -> DoubleDouble {
         let slot_of = |body: &Local| patch.bodies[*body as usize].slot;
-        let mass = |body: &Local| DoubleDouble::from(self.bodies.params(slot_of(body)).mass * MASS_UNIT);
+        let mass = |body: &Local| self.bodies.params(slot_of(body)).mass;
         let Some((first, others)) = members.split_first() else { return DoubleDouble::ZERO };
         let (earlier, later) = others.split_at(others.partition_point(|body| slot_of(body) < slot_of(first)));
         let in_order = earlier.iter().chain([first]).chain(later).map(mass);
@@ -250,7 +251,7 @@ impl EventDriven {
         let mass = [clusters[0].mass, clusters[1].mass];
         if mass.iter().any(|mass| mass.high < f64::INFINITY) {
             let velocity = pair.map(|body| patch.axis(body, axis).state.velocity);
-            let impact = Impact { velocity, mass, restitution: 0.0 };
+            let impact = Impact { velocity, mass, restitution: DoubleDouble::ZERO };
             let after = self.bodies.rounding().velocities(&impact, impact.velocities_after());
             self.set_velocities(patch, &clusters, axis, after);
             // A corner blocks along the axes that the accelerations from rest select.

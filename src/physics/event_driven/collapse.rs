@@ -14,7 +14,6 @@ use super::double_double::DoubleDouble;
 use super::exact::VELOCITY_ROUNDING;
 use super::impact::Impact;
 use super::impact_history::{Cycle, Decay};
-use super::least_change::MASS_UNIT;
 use super::patch::{Local, LocalBody, Patch, Touch, TouchKind};
 use crate::physics::{Axis, Side, StepError, World, larger, smaller};
 
@@ -90,7 +89,7 @@ impl EventDriven {
         }
         collapse.touches.sort_unstable();
         collapse.touches.dedup();
-        let is_lossy = |touch: &u32| self.restitution(patch, &patch.touches[*touch as usize], world) < 1.0;
+        let is_lossy = |touch: &u32| self.restitution(patch, &patch.touches[*touch as usize], world).high < 1.0;
         if !collapse.touches.iter().any(is_lossy) {
             return false;
         }
@@ -147,8 +146,8 @@ impl EventDriven {
         let mut excess = DoubleDouble::ZERO;
         for body in &members {
             let difference = patch.axis(*body, axis).state.velocity - first;
-            let mass = self.bodies.params(patch.bodies[*body as usize].slot).mass * MASS_UNIT;
-            excess = excess + difference * DoubleDouble::from(mass);
+            let mass = self.bodies.params(patch.bodies[*body as usize].slot).mass;
+            excess = excess + difference * mass;
         }
         first + excess / self.total_mass(patch, &members)
     }
@@ -250,7 +249,7 @@ impl EventDriven {
         for index in &decay.sequence {
             let touch = patch.touches[*index as usize];
             let restitution = self.restitution(patch, &touch, world);
-            if restitution == 0.0 {
+            if restitution.high == 0.0 {
                 return None;
             }
             let pair = touch.ordered(axis);

@@ -11,7 +11,7 @@ pub struct Impact {
     /// Masses in any unit; infinite for a cluster that cannot move.
     pub mass: [DoubleDouble; 2],
     /// Coefficient of restitution; 0 for a plastic impact.
-    pub restitution: f64,
+    pub restitution: DoubleDouble,
 }
 
 impl Impact {
@@ -38,22 +38,22 @@ impl Impact {
         shares: impl FnOnce() -> [DoubleDouble; 2],
     ) -> [DoubleDouble; 2] {
         let [first, second] = self.velocity;
-        let e = DoubleDouble::from(self.restitution);
+        let e = self.restitution;
         if self.mass[0].high == f64::INFINITY {
             return [first, first + e * approach_speed];
         }
         if self.mass[1].high == f64::INFINITY {
             return [second - e * approach_speed, second];
         }
-        if self.restitution == 1.0 && self.mass[0] == self.mass[1] {
+        if e.high == 1.0 && self.mass[0] == self.mass[1] {
             return [second, first];
         }
         let [share_first, share_second] = shares();
-        if self.restitution == 0.0 {
+        if e.high == 0.0 {
             let common = first - share_first * approach_speed;
             return [common; 2];
         }
-        let change = DoubleDouble::two_sum(1.0, self.restitution) * approach_speed;
+        let change = (e + 1.0.into()) * approach_speed;
         let [change_first, change_second] =
             (DoubleDouble::pair([share_first, share_second]) * DoubleDouble::pair([change; 2])).lanes();
         let changes = DoubleDouble::pair([-change_first, change_second]);
@@ -69,7 +69,7 @@ impl Impact {
     /// The same impulse, with known [approach speed](Self::approach_speed).
     #[inline(always)]
     pub fn impulse_with(&self, approach_speed: DoubleDouble) -> f64 {
-        let change = (1.0 + self.restitution) * approach_speed.high;
+        let change = (1.0 + self.restitution.high) * approach_speed.high;
         if self.mass[0].high == f64::INFINITY {
             change * self.mass[1].high
         } else if self.mass[1].high == f64::INFINITY {
@@ -126,14 +126,15 @@ mod tests {
     fn the_latest_shares_are_those_of_the_impact() {
         let mut latest = LatestShares::default();
         for mass in [[1.0, 3.0], [1.0, 3.0], [3.0, 1.0], [2.0, 2.0], [1.0, 3.0]] {
-            let impact = Impact { velocity: [1.0.into(), 0.0.into()], mass: mass.map(Into::into), restitution: 0.5 };
+            let impact =
+                Impact { velocity: [1.0.into(), 0.0.into()], mass: mass.map(Into::into), restitution: 0.5.into() };
             assert_eq!(latest.of(&impact), impact.shares());
         }
     }
 
     fn after(velocity: [f64; 2], mass: [f64; 2], restitution: f64) -> [f64; 2] {
         let (velocity, mass) = (velocity.map(DoubleDouble::from), mass.map(DoubleDouble::from));
-        Impact { velocity, mass, restitution }.velocities_after().map(|velocity| velocity.high)
+        Impact { velocity, mass, restitution: restitution.into() }.velocities_after().map(|velocity| velocity.high)
     }
 
     #[test]

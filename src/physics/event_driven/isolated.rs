@@ -4,6 +4,7 @@
 use super::EventDriven;
 use super::axis_trajectory::StateDd;
 use super::body_state::Slot;
+use super::decimal::stated;
 use super::double_double::DoubleDouble;
 use super::exact::VELOCITY_ROUNDING;
 use super::impact::Impact;
@@ -27,7 +28,7 @@ pub struct ImpactPair {
     pub is_immovable: [bool; 2],
     /// The side of the body that keeps its position.
     pub anchor: Side,
-    restitution: f64,
+    restitution: DoubleDouble,
     /// Masses times [`MASS_UNIT`]; infinite for a body that does not give way.
     mass: [DoubleDouble; 2],
 }
@@ -114,17 +115,17 @@ impl EventDriven {
     pub(super) fn impact_pair(&self, world: &World, pair: [Slot; 2], axis: Axis, side: Side) -> Option<ImpactPair> {
         let bodies = if side == Side::High { pair } else { [pair[1], pair[0]] };
         let [low, high] = bodies.map(|slot| self.bodies.params(slot));
-        let restitution = world.restitution.between(low.material, high.material);
+        let restitution = stated(world.restitution.between(low.material, high.material));
         let is_immovable = [(0, Side::Low), (1, Side::High)].map(|(place, pushed)| {
             self.bodies[bodies[place]].infinite || self.contacts.is_supported(bodies[place], axis, pushed)
         });
         let has_contacts = |place: usize| !is_immovable[place] && !self.contacts.of(bodies[place]).is_empty();
-        if restitution == 0.0 || is_immovable == [true; 2] || has_contacts(0) || has_contacts(1) {
+        if restitution.high == 0.0 || is_immovable == [true; 2] || has_contacts(0) || has_contacts(1) {
             return None;
         }
         let mass = [(low, is_immovable[0]), (high, is_immovable[1])].map(|(params, is_immovable)| match is_immovable {
             true => f64::INFINITY.into(),
-            false => (params.mass * MASS_UNIT).into(),
+            false => params.mass,
         });
         // The earlier body, or that which does not give way.
         let anchor = match (is_immovable, side) {
@@ -150,7 +151,12 @@ impl EventDriven {
         if acceleration > 0.0 {
             let coordinates = [low.state.position.high, high.state.position.high];
             let sizes = bodies.map(|slot| self.bodies[slot].size[axis]);
-            if self.bodies.resolution().hides_bounce(restitution * approach_speed, acceleration, coordinates, sizes) {
+            if self.bodies.resolution().hides_bounce(
+                restitution.high * approach_speed,
+                acceleration,
+                coordinates,
+                sizes,
+            ) {
                 return None;
             }
         }
@@ -229,7 +235,7 @@ impl EventDriven {
             velocities: [velocities(impact.velocity), velocities(after)],
             along: [impact.velocity, after],
             impulse,
-            restitution,
+            restitution: restitution.high,
         })
     }
 

@@ -45,10 +45,10 @@ impl ContactGroup {
         self.contacts.clear();
     }
 
-    /// Adds a body: free acceleration (m/s²), mass (kg); returns its index.
-    pub fn add(&mut self, free: DoubleDouble, mass: f64) -> usize {
+    /// Adds a body: free acceleration (m/s²), mass (in units of [`MASS_UNIT`]); returns its index.
+    pub fn add(&mut self, free: DoubleDouble, mass: DoubleDouble) -> usize {
         self.free.push(free);
-        self.mass.push((mass * MASS_UNIT).into());
+        self.mass.push(mass);
         self.supported.push([false; 2]);
         self.free.len() - 1
     }
@@ -407,7 +407,7 @@ mod tests {
     fn solved(bodies: &[(f64, f64, [bool; 2])], contacts: &[[usize; 2]]) -> Vec<f64> {
         let mut group = ContactGroup::default();
         for (free, mass, supported) in bodies {
-            let body = group.add((*free).into(), *mass);
+            let body = group.add((*free).into(), (*mass).into());
             Side::BOTH.into_iter().filter(|side| supported[*side]).for_each(|side| group.support(body, side));
         }
         contacts.iter().for_each(|pair| group.connect(*pair));
@@ -454,7 +454,7 @@ mod tests {
             (0..9_u32).map(|index| (f64::from(index * 7 % 5) - 2.0, f64::from(index % 3 + 1), FREE)).collect();
         let contacts: Vec<[usize; 2]> = (0..8).map(|index| [index, index + 1]).collect();
         let mut group = ContactGroup::default();
-        bodies.iter().for_each(|(free, mass, _)| _ = group.add((*free).into(), *mass));
+        bodies.iter().for_each(|(free, mass, _)| _ = group.add((*free).into(), (*mass).into()));
         contacts.iter().for_each(|pair| group.connect(*pair));
         let general = group.solve_partial_order();
         for (chain, general) in group.solve().iter().zip(general) {

@@ -94,7 +94,7 @@ fn round_velocities(
     let is_exact = impact.has_exact_shares()
         && Bits::of(first)
             .and(Bits::of(second))
-            .times(Bits::of((1.0 + impact.restitution).into()))
+            .times(Bits::of(impact.restitution + 1.0.into()))
             .times(Bits::of(impact.shares()[0]))
             .is_exact();
     if is_exact {
@@ -243,7 +243,7 @@ mod tests {
     fn an_impact_of_equal_masses_is_exact_and_one_with_thirds_is_not() {
         let impact = |mass: f64| {
             let numbers = |a: f64, b: f64| [DoubleDouble::from(a), DoubleDouble::from(b)];
-            let impact = Impact { velocity: numbers(1.0, -0.5), mass: numbers(1.0, mass), restitution: 0.5 };
+            let impact = Impact { velocity: numbers(1.0, -0.5), mass: numbers(1.0, mass), restitution: 0.5.into() };
             let after = impact.velocities_after();
             (after, RandomRounding::new(7).velocities(&impact, after))
         };

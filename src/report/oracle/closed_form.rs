@@ -20,7 +20,7 @@ impl Bounce {
     /// The fall takes t₀ = √(2h/g). The k-th flight after it starts at speed eᵏ·g·t₀ and takes 2·t₀·eᵏ.
     /// With e < 1 the box rests from t₀·(1 + e)/(1 − e) on.
     pub fn state_at(&self, time: &Fixed256) -> (Fixed256, Option<u64>) {
-        let [height, gravity, e] = [self.height, self.gravity, self.restitution].map(Fixed256::from);
+        let [height, gravity, e] = [self.height, self.gravity, self.restitution].map(Fixed256::stated);
         let (one, two) = (Fixed256::from(1.0), Fixed256::from(2.0));
         let Some(fall) = (&(&two * &height) / &gravity).square_root() else { return (Fixed256::zero(), None) };
         if *time < fall {
@@ -55,7 +55,7 @@ fn last_flight(mut since: Fixed256, mut flight: Fixed256, e: &Fixed256) -> (Fixe
 
 /// Position of a point that starts at `from` (m) and moves at `velocity` (m/s), m.
 pub fn uniform(from: f64, velocity: f64, time: &Fixed256) -> Fixed256 {
-    &Fixed256::stated(from) + &(&Fixed256::from(velocity) * time)
+    &Fixed256::stated(from) + &(&Fixed256::stated(velocity) * time)
 }
 
 /// Returns the velocities (m/s) of a row of touching boxes of equal mass after it has hit a wall at 1 m/s, the nearest box
@@ -66,13 +66,14 @@ pub fn uniform(from: f64, velocity: f64, time: &Fixed256) -> Fixed256 {
 pub fn burst_velocities(boxes: usize, restitution: f64) -> (Vec<Fixed256>, u64) {
     let minus = -&Fixed256::from(1.0);
     let mut velocities = vec![if restitution > 0.0 { minus } else { Fixed256::zero() }; boxes];
-    let [kept, given] = [(1.0 - restitution) / 2.0, (1.0 + restitution) / 2.0].map(Fixed256::from);
+    let (half, e) = (Fixed256::from(0.5), Fixed256::stated(restitution));
+    let [kept, given] = [&half - &(&half * &e), &half + &(&half * &e)];
     let (mut pair, mut impacts) = (0, 0);
     while pair < boxes {
         let velocity = velocities[pair].clone();
         let nearer = pair.checked_sub(1).map(|nearer| velocities[nearer].clone());
         match nearer {
-            None if velocity < Fixed256::zero() => velocities[0] = -&(&Fixed256::from(restitution) * &velocity),
+            None if velocity < Fixed256::zero() => velocities[0] = -&(&e * &velocity),
             Some(nearer) if nearer > velocity => {
                 velocities[pair - 1] = &(&kept * &nearer) + &(&given * &velocity);
                 velocities[pair] = &(&given * &nearer) + &(&kept * &velocity);

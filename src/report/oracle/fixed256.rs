@@ -38,7 +38,7 @@ impl Fixed256 {
         if self.0 < BigInt::zero() { -self } else { self.clone() }
     }
 
-    /// Reads a position or a size of a scene, m: the decimal that it states, if that has at most nine digits.
+    /// Reads a number of a scene: the decimal that it states, if that has at most nine digits.
     pub fn stated(value: f64) -> Fixed256 {
         let text = format!("{value:e}");
         let Some((digits, exponent)) = text.split_once('e') else { return value.into() };

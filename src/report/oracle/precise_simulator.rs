@@ -122,7 +122,7 @@ impl PreciseSimulator {
     fn collide(&mut self, pair: [usize; 2], axis: usize) {
         let now = self.now.clone();
         let [a, b] = pair.map(|index| &self.boxes[index]);
-        let e = Fixed256::from(self.restitution.between(a.body.material, b.body.material));
+        let e = Fixed256::stated(self.restitution.between(a.body.material, b.body.material));
         let approach = &b.state(axis, &now).1 - &a.state(axis, &now).1;
         let impulse = &(&(&e + &Fixed256::from(1.0)) * &approach) / &(&a.inverse_mass + &b.inverse_mass);
         for (index, impulse) in pair.into_iter().zip([impulse.clone(), -&impulse]) {
@@ -219,14 +219,14 @@ impl MovingBox {
         let (inverse_mass, acceleration) = if body.is_infinite() {
             (Fixed256::zero(), [Fixed256::zero(), Fixed256::zero()])
         } else {
-            let inverse_mass = &Fixed256::from(1.0) / &Fixed256::from(body.mass);
-            let pushed = force.map(|force| &Fixed256::from(force) * &inverse_mass);
-            let acceleration = [0, 1].map(|axis| &Fixed256::from(gravity[axis]) + &pushed[axis]);
+            let inverse_mass = &Fixed256::from(1.0) / &Fixed256::stated(body.mass);
+            let pushed = force.map(|force| &Fixed256::stated(force) * &inverse_mass);
+            let acceleration = [0, 1].map(|axis| &Fixed256::stated(gravity[axis]) + &pushed[axis]);
             (inverse_mass, acceleration)
         };
         let mut moving = MovingBox {
             at: [body.rect.origin.x, body.rect.origin.y].map(Fixed256::stated),
-            velocity: [body.velocity.x, body.velocity.y].map(Fixed256::from),
+            velocity: [body.velocity.x, body.velocity.y].map(Fixed256::stated),
             acceleration,
             size: [body.rect.width(), body.rect.height()].map(Fixed256::stated),
             inverse_mass,

@@ -7,6 +7,7 @@
 mod accelerations;
 mod bursts;
 mod crowds;
+mod decimals;
 mod extremes;
 mod instants;
 mod kinds;
