@@ -248,19 +248,6 @@ impl Bodies {
         (low.position, low.velocity, low.acceleration) = (position.low, velocity.low, acceleration.low);
     }
 
-    /// False if two bodies certainly do not touch at an instant.
-    pub fn may_touch(&self, pair: [Slot; 2], at: Instant) -> bool {
-        let [a, b] = pair.map(|slot| &self[slot]);
-        let [from, to] = [a, b].map(|body| body.trajectory.at(at)[0]);
-        let magnitudes = [a, b].map(|body| body.trajectory.magnitude_at(at));
-        Axis::BOTH.into_iter().all(|axis| {
-            let offset = to[axis] - from[axis];
-            let gap = larger(offset - a.size[axis], -offset - b.size[axis]);
-            let scale = magnitudes[0][axis] + magnitudes[1][axis] + (a.size[axis] + b.size[axis]);
-            gap <= scale * (64.0 * f64::EPSILON)
-        })
-    }
-
     /// Reads all that is stored of a body; returns a number that depends on it.
     #[inline]
     pub fn read_ahead(&self, slot: Slot) -> f64 {

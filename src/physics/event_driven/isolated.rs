@@ -11,6 +11,7 @@ use super::impact::Impact;
 use super::impact_record::ImpactRecord;
 use super::least_change::MASS_UNIT;
 use super::neighbour_buffer::NeighbourBuffer;
+use super::pair_event::Sample;
 use super::reference::{Reference, ScaledState};
 use crate::physics::{Axis, Collision, Observer, Rect, Side, Vector, World, larger};
 
@@ -241,8 +242,9 @@ impl EventDriven {
 
     /// True if a body certainly touches no other now, or only `partner`.
     pub(super) fn touches_none_but(&self, slot: Slot, partner: Option<Slot>, buffer: &mut NeighbourBuffer) -> bool {
-        self.find_touching(slot, self.now, buffer);
+        let sample = Sample::new(&self.bodies[slot], self.now);
+        self.find_touching(slot, &sample, buffer);
         let mut others = buffer.slots().iter();
-        others.all(|other| Some(*other) == partner || !self.bodies.may_touch([slot, *other], self.now))
+        others.all(|other| Some(*other) == partner || !sample.may_touch(&self.bodies[*other]))
     }
 }

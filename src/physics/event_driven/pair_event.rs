@@ -3,7 +3,7 @@
 use super::axis_trajectory::closing_time;
 use super::body_state::BodyState;
 use super::instant::Instant;
-use crate::physics::{Axis, Side};
+use crate::physics::{Axis, Side, larger};
 
 /// An event of two boxes along an axis. The side is that of the first body, earlier in creation order, on
 /// which the second lies.
@@ -55,6 +55,20 @@ impl<'a> Sample<'a> {
     #[inline]
     pub fn at_time(&self, at: Instant) -> Sample<'a> {
         if at == self.at { *self } else { Sample::new(self.body, at) }
+    }
+
+    /// False if the body certainly does not touch another at the instant.
+    #[inline]
+    pub fn may_touch(&self, other: &BodyState) -> bool {
+        let [position, _] = other.trajectory.at(self.at);
+        let magnitude = other.trajectory.magnitude_at(self.at);
+        Axis::BOTH.into_iter().all(|axis| {
+            let offset = position[axis] - self.position[axis];
+            let sizes = [self.body.size[axis], other.size[axis]];
+            let gap = larger(offset - sizes[0], -offset - sizes[1]);
+            let scale = self.magnitude[axis] + magnitude[axis] + (sizes[0] + sizes[1]);
+            gap <= scale * (64.0 * f64::EPSILON)
+        })
     }
 
     /// Returns true if the mass of the body is infinite.

@@ -447,37 +447,37 @@ impl EventDriven {
         patch.bodies[body as usize].explored = true;
         let mut neighbours = std::mem::take(&mut self.neighbour_buffer);
         let LocalBody { slot, at, .. } = patch.bodies[body as usize];
-        self.find_touching(slot, at, &mut neighbours);
+        let sample = Sample::new(&self.bodies[slot], at);
+        self.find_touching(slot, &sample, &mut neighbours);
         for other in neighbours.slots() {
-            self.examine_neighbour(patch, body, *other);
+            self.examine_neighbour(patch, body, &sample, *other);
         }
         self.neighbour_buffer = neighbours;
     }
 
-    /// Finds the bodies that may touch one at an instant, and more.
-    pub(super) fn find_touching(&self, slot: Slot, at: Instant, neighbours: &mut NeighbourBuffer) {
+    /// Finds the bodies that may touch one at the instant of a sample, and more.
+    pub(super) fn find_touching(&self, slot: Slot, sample: &Sample, neighbours: &mut NeighbourBuffer) {
         let is_in_window = self.window_lists.is_active();
         if !is_in_window && self.cell_lists.uses_all_pairs() {
             return self.cell_lists.find_others(slot, neighbours);
         }
-        let state = &self.bodies[slot];
-        let reach = SweptAabb::new(&Sample::new(state, at), 0.0);
+        let reach = SweptAabb::new(sample, 0.0);
         if is_in_window {
             self.window_lists.find_neighbours(slot, &reach, neighbours);
         } else {
-            self.cell_lists.find_neighbours(slot, state, &reach, neighbours);
+            self.cell_lists.find_neighbours(slot, sample.body, &reach, neighbours);
         }
     }
 
     /// Adds a neighbour to the patch if it touches the body.
-    fn examine_neighbour(&self, patch: &mut Patch, body: Local, other: Slot) {
-        let LocalBody { slot, at, .. } = patch.bodies[body as usize];
+    fn examine_neighbour(&self, patch: &mut Patch, body: Local, sample: &Sample, other: Slot) {
+        let at = sample.at;
         if let Some(known) = patch.find(other, at)
             && (patch.bodies[known as usize].explored || patch.touch_between(body, known).is_some())
         {
             return;
         }
-        if !self.bodies.may_touch([slot, other], at) {
+        if !sample.may_touch(&self.bodies[other]) {
             return;
         }
         let other = self.local_of(patch, other, at);

@@ -4,7 +4,7 @@ use super::EventDriven;
 use super::axis_trajectory::StateDd;
 use super::body_state::Slot;
 use super::neighbour_buffer::NeighbourBuffer;
-use super::pair_event::tolerance;
+use super::pair_event::{Sample, tolerance};
 use crate::physics::{Axis, larger};
 
 /// An axis-aligned bounding box: upper-left corner and size, m.
@@ -66,7 +66,8 @@ impl EventDriven {
                 }
                 self.cell_lists.insert(&self.clock, slot, &self.bodies[slot], self.now);
                 // At its new position it may touch bodies that touched none before.
-                self.find_touching(slot, self.now, &mut neighbours);
+                let sample = Sample::new(&self.bodies[slot], self.now);
+                self.find_touching(slot, &sample, &mut neighbours);
                 touching.extend(neighbours.slots());
             }
         }

@@ -13,6 +13,7 @@ use super::event_queue::ScheduledEvent;
 use super::exact::VELOCITY_ROUNDING;
 use super::instant::Instant;
 use super::neighbour_buffer::NeighbourBuffer;
+use super::pair_event::Sample;
 use super::patch::{Local, LocalBody, Patch, TouchKind};
 use super::{EventDriven, end_of_vicinity};
 use crate::physics::{Axis, Observer, Side, StepError, World};
@@ -119,9 +120,11 @@ impl EventDriven {
         let (mut found, mut waiting) = (BTreeSet::from([start]), vec![start]);
         let mut neighbours = NeighbourBuffer::default();
         while let Some(body) = waiting.pop() {
-            self.find_touching(body, at, &mut neighbours);
+            let sample = Sample::new(&self.bodies[body], at);
+            self.find_touching(body, &sample, &mut neighbours);
             for other in neighbours.slots() {
-                if !self.bodies[*other].infinite && self.bodies.may_touch([body, *other], at) && found.insert(*other) {
+                let neighbour = &self.bodies[*other];
+                if !neighbour.infinite && sample.may_touch(neighbour) && found.insert(*other) {
                     waiting.push(*other);
                 }
             }
