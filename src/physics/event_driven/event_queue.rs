@@ -58,6 +58,12 @@ pub enum Precision {
 }
 
 impl ScheduledEvent {
+    /// True for [`NO_EVENT`].
+    #[inline]
+    fn is_none(&self) -> bool {
+        self.pair[0] == NONE
+    }
+
     /// Returns true if this event precedes `other` in the total order: by time, then by the lower slot of the
     /// pair, then by the higher.
     #[inline]
@@ -201,7 +207,7 @@ impl EventQueue {
         }
         entry.stamp = entry.stamp.wrapping_add(1);
         entry.event = event;
-        if event != NO_EVENT {
+        if !event.is_none() {
             self.insert_event(slot);
         }
     }
@@ -210,7 +216,7 @@ impl EventQueue {
     /// unknown.
     pub fn latest(&self, slot: Slot) -> f64 {
         match self.entries.get(slot as usize) {
-            Some(entry) if entry.event != NO_EVENT => entry.latest,
+            Some(entry) if !entry.event.is_none() => entry.latest,
             Some(_) | None => f64::INFINITY,
         }
     }
@@ -218,7 +224,7 @@ impl EventQueue {
     /// The earliest time of the event of a body in seconds; infinite if it has none.
     pub fn time_of(&self, slot: Slot) -> f64 {
         match self.entries.get(slot as usize) {
-            Some(entry) if entry.event != NO_EVENT => entry.event.at.high,
+            Some(entry) if !entry.event.is_none() => entry.event.at.high,
             Some(_) | None => f64::INFINITY,
         }
     }
@@ -369,7 +375,7 @@ impl EventQueue {
                 continue;
             }
             entry.bin = NO_BIN;
-            if entry.event != NO_EVENT {
+            if !entry.event.is_none() {
                 self.insert_event(slot);
             }
             self.insert_crossing(slot);

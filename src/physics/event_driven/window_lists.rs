@@ -59,6 +59,10 @@ impl Default for Tuning {
 /// The least skin as a fraction of the greatest usual size.
 const MIN_SKIN: f64 = 1.0 / 32.0;
 
+/// The greatest number of bodies from which the speeds and accelerations of all are estimated. An estimate suffices, since it
+/// only determines the length of the window.
+const SAMPLED_BODIES: usize = 256;
+
 /// The rounding of homes and of the gaps between them, as a fraction of the coordinates.
 const ROUNDING: f64 = 1.0 / (1_u64 << 20) as f64;
 
@@ -178,8 +182,8 @@ impl WindowLists {
         &self.members[start as usize..end as usize]
     }
 
-    /// Calls `visit` for each further entry of the list of a body.
-    #[inline]
+    /// Calls `visit` for each further entry of the list of a body. Inlined, since most lists have none.
+    #[inline(always)]
     fn visit_extras(&self, slot: Slot, mut visit: impl FnMut(Slot)) {
         let mut next = self.residents[slot as usize].latest_extra;
         while next != NONE {
@@ -244,7 +248,7 @@ impl WindowLists {
 
     /// Begins a window at an instant, the start of `step`; returns false if none pays.
     fn begin(&mut self, bodies: &Bodies, clock: &Clock, step: u64, now: Instant, threads: Threads) -> bool {
-        let [speed, acceleration] = self.root_mean_squares(bodies, now, threads);
+        let [speed, acceleration] = self.root_mean_squares(bodies, now);
         let distance = self.tuning.displacement * self.size;
         // The root of distance = speed·t + ½·acceleration·t².
         let seconds = 2.0 * distance / (speed + (speed * speed + 2.0 * acceleration * distance).sqrt());
@@ -282,22 +286,18 @@ impl WindowLists {
             && self.large.len() <= self.max_large()
     }
 
-    /// The root mean squares of the speeds (m/s) and accelerations (m/s²) of the bodies that can move.
-    fn root_mean_squares(&self, bodies: &Bodies, now: Instant, threads: Threads) -> [f64; 2] {
-        let per_part = self.tuning.bodies_per_part;
-        let mut sums = vec![[0.0; 2]; self.moving.len().div_ceil(per_part)];
-        let parts = self.moving.chunks(per_part).zip(&mut sums);
-        threads.share(parts, |(moving, sums): (&[Slot], &mut [f64; 2])| {
-            let [mut speeds, mut accelerations] = [0.0; 2];
-            for slot in moving {
-                let trajectory = &bodies[*slot].trajectory;
-                let ([_, [vx, vy]], [ax, ay]) = (trajectory.at(now), trajectory.acceleration);
-                speeds += vx * vx + vy * vy;
-                accelerations += ax * ax + ay * ay;
-            }
-            *sums = [speeds, accelerations];
-        });
-        [0, 1].map(|quantity| (sums.iter().map(|sum| sum[quantity]).sum::<f64>() / self.moving.len() as f64).sqrt())
+    /// The root mean squares of the speeds (m/s) and accelerations (m/s²) of the bodies that can move, estimated
+    /// from some of them.
+    fn root_mean_squares(&self, bodies: &Bodies, now: Instant) -> [f64; 2] {
+        let [mut count, mut speeds, mut accelerations] = [0.0; 3];
+        for slot in self.moving.iter().step_by(self.moving.len() / SAMPLED_BODIES + 1) {
+            let trajectory = &bodies[*slot].trajectory;
+            let ([_, [vx, vy]], [ax, ay]) = (trajectory.at(now), trajectory.acceleration);
+            count += 1.0;
+            speeds += vx * vx + vy * vy;
+            accelerations += ax * ax + ay * ay;
+        }
+        [speeds, accelerations].map(|sum| (sum / count).sqrt())
     }
 
     /// Sets the paths until the end of the window, and the homes.
