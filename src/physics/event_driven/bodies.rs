@@ -25,6 +25,8 @@ pub struct Bodies {
     states: Vec<BodyState>,
     /// By slot.
     details: Vec<BodyDetails>,
+    /// The constant forces on bodies of finite mass, alive or deleted, in the order of their slots, N.
+    forces: Vec<(Slot, [f64; 2])>,
     /// For each axis, the number of bodies alive with a constant force along it.
     force_counts: [u32; 2],
     /// For each axis, the number of bodies alive with a load of [`Load::OwnForces`].
@@ -43,6 +45,7 @@ impl Bodies {
             gravity,
             states: Vec::new(),
             details: Vec::new(),
+            forces: Vec::new(),
             force_counts: [0; 2],
             load_counts: [0; 2],
             moving_walls: 0,
@@ -100,6 +103,12 @@ impl Bodies {
         &self.details[slot as usize].params
     }
 
+    /// The constant force on a body along an axis, N; 0 for an infinite mass.
+    pub fn force(&self, slot: Slot, axis: Axis) -> f64 {
+        let index = self.forces.binary_search_by_key(&slot, |(slot, _)| *slot);
+        index.map_or(0.0, |index| self.forces[index].1[axis])
+    }
+
     /// Appends the body with the given index in the world, whose trajectory starts at `since` in free fall.
     pub fn push(&mut self, body: &Body, world_index: usize, since: Instant) -> Slot {
         let slot = self.states.len() as Slot;
@@ -127,6 +136,9 @@ impl Bodies {
             size: stated(size[axis]).low,
         });
         let has_force = Axis::BOTH.map(|axis| !infinite && force[axis] != 0.0);
+        if has_force != [false; 2] {
+            self.forces.push((slot, Axis::BOTH.map(|axis| force[axis])));
+        }
         self.states.push(BodyState {
             trajectory,
             size,

@@ -23,10 +23,14 @@ use crate::physics::{Side, larger};
 /// Bodies connected by contacts along an axis, and the contacts.
 #[derive(Clone, Debug, Default)]
 pub struct ContactGroup {
+    /// The acceleration of bodies without a force of their own, m/s².
+    gravity: f64,
     /// The free acceleration of each body, m/s².
     free: Vec<DoubleDouble>,
     /// The mass of each body, in any unit.
     mass: Vec<DoubleDouble>,
+    /// The force on each body besides gravity, N.
+    force: Vec<f64>,
     /// For each body and side, true if it touches an infinite mass there.
     supported: Vec<[bool; 2]>,
     /// Pairs of bodies in contact, the one on the low side first.
@@ -44,16 +48,19 @@ const HEAVIER: f64 = 1024.0;
 pub const MASS_UNIT: f64 = 1.0 / (1_u64 << 24) as f64;
 
 impl ContactGroup {
-    /// Removes all bodies and contacts.
-    pub fn clear(&mut self) {
+    /// Removes all bodies and contacts, and sets the gravitational acceleration, m/s².
+    pub fn clear(&mut self, gravity: f64) {
+        self.gravity = gravity;
         self.free.clear();
         self.mass.clear();
+        self.force.clear();
         self.supported.clear();
         self.contacts.clear();
     }
 
-    /// Adds a body: free acceleration (m/s²), mass (kg); returns its index.
-    pub fn add(&mut self, free: DoubleDouble, mass: f64) -> usize {
+    /// Adds a body: free acceleration (m/s²), mass (kg), force besides gravity (N); returns its index.
+    pub fn add(&mut self, free: DoubleDouble, mass: f64, force: f64) -> usize {
+        self.force.push(force);
         self.free.push(free);
         self.mass.push((mass * MASS_UNIT).into());
         self.supported.push([false; 2]);
@@ -136,7 +143,7 @@ impl ContactGroup {
             pools.push(Pool::WALL);
         }
         for body in chain {
-            push_pool(&mut pools, Pool::of(self.mass[*body], self.free[*body]));
+            push_pool(&mut pools, self.pool(*body));
         }
         if self.supported[chain[chain.len() - 1]][Side::High] {
             push_pool(&mut pools, Pool::WALL);
@@ -183,8 +190,14 @@ impl ContactGroup {
 
     /// Members that move as one: their mean is total force divided by total mass.
     fn as_one(&self, members: &[usize]) -> Pool {
-        let pools = members.iter().map(|member| Pool::of(self.mass[*member], self.free[*member]));
+        let pools = members.iter().map(|member| self.pool(*member));
         pools.reduce(Pool::merged).unwrap_or(Pool::WALL)
+    }
+
+    /// A body alone.
+    fn pool(&self, body: usize) -> Pool {
+        let (mass, mean) = (self.mass[body], self.free[body]);
+        Pool { count: 1, mass, mean, magnitude: mean.high.abs(), force: self.force[body].into(), gravity: self.gravity }
     }
 
     /// The two parts into which members without any support separate; `None` if they move as one.
@@ -243,6 +256,10 @@ struct Pool {
     mean: DoubleDouble,
     /// The mean of the magnitudes of the free accelerations in it, m/s²; 0 for an infinite mass.
     magnitude: f64,
+    /// The sum of the forces besides gravity, N.
+    force: DoubleDouble,
+    /// The acceleration without these forces, m/s².
+    gravity: f64,
 }
 
 impl Pool {
@@ -252,13 +269,11 @@ impl Pool {
         mass: DoubleDouble { high: f64::INFINITY, low: 0.0 },
         mean: DoubleDouble::ZERO,
         magnitude: 0.0,
+        force: DoubleDouble::ZERO,
+        gravity: 0.0,
     };
 
-    fn of(mass: DoubleDouble, free: DoubleDouble) -> Pool {
-        Pool { count: 1, mass, mean: free, magnitude: free.high.abs() }
-    }
-
-    /// The two pools as one.
+    /// The two pools as one. If the forces on it cancel, it falls like a body without forces, to the last digit.
     fn merged(self, other: Pool) -> Pool {
         let count = self.count + other.count;
         if self.mass.high == f64::INFINITY || other.mass.high == f64::INFINITY {
@@ -267,9 +282,14 @@ impl Pool {
         let mass = self.mass + other.mass;
         let [base, added] = if other.mass.high > self.mass.high * HEAVIER { [other, self] } else { [self, other] };
         let share = added.mass / mass;
-        let mean = base.mean + (added.mean - base.mean) * share;
+        let force = self.force + other.force;
+        let mean = if force == DoubleDouble::ZERO {
+            self.gravity.into()
+        } else {
+            base.mean + (added.mean - base.mean) * share
+        };
         let magnitude = base.magnitude + (added.magnitude - base.magnitude) * share.high;
-        Pool { count, mass, mean, magnitude }
+        Pool { count, mass, mean, magnitude, force, gravity: self.gravity }
     }
 
     /// True if the second of two adjacent pools does not outrun the first.
@@ -428,7 +448,7 @@ mod tests {
     fn solved(bodies: &[(f64, f64, [bool; 2])], contacts: &[[usize; 2]]) -> Vec<f64> {
         let mut group = ContactGroup::default();
         for (free, mass, supported) in bodies {
-            let body = group.add((*free).into(), *mass);
+            let body = group.add((*free).into(), *mass, *free * *mass);
             Side::BOTH.into_iter().filter(|side| supported[*side]).for_each(|side| group.support(body, side));
         }
         contacts.iter().for_each(|pair| group.connect(*pair));
@@ -475,7 +495,7 @@ mod tests {
             (0..9_u32).map(|index| (f64::from(index * 7 % 5) - 2.0, f64::from(index % 3 + 1), FREE)).collect();
         let contacts: Vec<[usize; 2]> = (0..8).map(|index| [index, index + 1]).collect();
         let mut group = ContactGroup::default();
-        bodies.iter().for_each(|(free, mass, _)| _ = group.add((*free).into(), *mass));
+        bodies.iter().for_each(|(free, mass, _)| _ = group.add((*free).into(), *mass, *free * *mass));
         contacts.iter().for_each(|pair| group.connect(*pair));
         let general = group.solve_partial_order();
         for (chain, general) in group.solve().iter().zip(general) {
@@ -540,7 +560,7 @@ mod tests {
             let (bodies, contacts) = random_group(&mut random);
             let mut group = ContactGroup::default();
             for (free, mass, supported) in &bodies {
-                let body = group.add((*free).into(), *mass);
+                let body = group.add((*free).into(), *mass, *free * *mass);
                 Side::BOTH.into_iter().filter(|side| supported[*side]).for_each(|side| group.support(body, side));
             }
             contacts.iter().for_each(|pair| group.connect(*pair));
