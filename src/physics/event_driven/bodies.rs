@@ -26,6 +26,8 @@ pub struct Bodies {
     states: Vec<BodyState>,
     /// By slot.
     details: Vec<BodyDetails>,
+    /// The constant forces on bodies of finite mass, alive or deleted, in the order of their slots, N.
+    forces: Vec<(Slot, [DoubleDouble; 2])>,
     /// For each axis, the number of bodies alive with a constant force along it.
     force_counts: [u32; 2],
     /// For each axis, the number of bodies alive with a load of [`Load::OwnForces`].
@@ -48,6 +50,7 @@ impl Bodies {
             gravity,
             states: Vec::new(),
             details: Vec::new(),
+            forces: Vec::new(),
             force_counts: [0; 2],
             load_counts: [0; 2],
             moving_walls: 0,
@@ -105,6 +108,12 @@ impl Bodies {
         &self.details[slot as usize].params
     }
 
+    /// The constant force on a body along an axis, N; 0 for an infinite mass.
+    pub fn force(&self, slot: Slot, axis: Axis) -> DoubleDouble {
+        let index = self.forces.binary_search_by_key(&slot, |(slot, _)| *slot);
+        index.map_or(DoubleDouble::ZERO, |index| self.forces[index].1[axis])
+    }
+
     /// Appends the body with the given index in the world, whose trajectory starts at `since` in free fall.
     pub fn push(&mut self, body: &Body, world_index: usize, since: Instant) -> Slot {
         let slot = self.states.len() as Slot;
@@ -132,6 +141,9 @@ impl Bodies {
             size: stated(size[axis]).low,
         });
         let has_force = Axis::BOTH.map(|axis| !infinite && force[axis] != 0.0);
+        if has_force != [false; 2] {
+            self.forces.push((slot, Axis::BOTH.map(|axis| stated(force[axis]))));
+        }
         self.states.push(BodyState {
             trajectory,
             size,
@@ -180,8 +192,8 @@ impl Bodies {
     }
 
     /// The gravitational acceleration along an axis, m/s².
-    pub fn gravity(&self, axis: Axis) -> f64 {
-        self.gravity[axis].high
+    pub fn gravity(&self, axis: Axis) -> DoubleDouble {
+        self.gravity[axis]
     }
 
     /// Returns true if a component may carry forces of its own along an axis: if a constant force acts on a body alive, or

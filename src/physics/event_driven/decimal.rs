@@ -14,18 +14,23 @@ const MAX_POWER: u32 = 12;
 /// The bits of the significand of a double.
 const SIGNIFICAND_BITS: u32 = f64::MANTISSA_DIGITS;
 
+/// Returns the number that a finite double stands for: its [`decimal`], or the double itself if there is none.
+pub fn stated(number: f64) -> DoubleDouble {
+    decimal(number).unwrap_or_else(|| number.into())
+}
+
 /// Returns the decimal of at most nine digits and twelve places that a finite double is nearest to, also times a power of
-/// two, or the double itself if there is none.
+/// two. A double that has none was probably computed, and so rounded.
 ///
 /// That is m·2ᵏ/5ᵖ with m < 2³⁰ and the least p ≤ 12. The power of two is arbitrary, so that a scene in other units, all
 /// lengths times a power of two, has the same numbers. Of doubles of 53 random bits, one in a million is near such a decimal.
-pub fn stated(number: f64) -> DoubleDouble {
+pub fn decimal(number: f64) -> Option<DoubleDouble> {
     let fraction_bits = SIGNIFICAND_BITS - 1;
     let is_normal = number.is_normal();
     let significand = number.to_bits() & ((1 << fraction_bits) - 1) | 1 << fraction_bits;
     // A short double is what it says.
     if !is_normal || SIGNIFICAND_BITS - significand.trailing_zeros() <= NUMERATOR_BITS {
-        return number.into();
+        return Some(number.into());
     }
     let unit = number.abs() / significand as f64;
     let mut power_of_five = 1_u64;
@@ -38,10 +43,10 @@ pub fn stated(number: f64) -> DoubleDouble {
         let rest = nearest as i128 - product as i128;
         if 2 * rest.unsigned_abs() < u128::from(power_of_five) {
             let low = rest as f64 / power_of_five as f64 * unit;
-            return DoubleDouble { high: number, low: if number < 0.0 { -low } else { low } };
+            return Some(DoubleDouble { high: number, low: if number < 0.0 { -low } else { low } });
         }
     }
-    number.into()
+    None
 }
 
 #[cfg(test)]
@@ -50,7 +55,7 @@ mod tests {
     use crate::physics::event_driven::pseudo_random::PseudoRandom;
 
     /// The decimal in double-double arithmetic, from its digits and places.
-    fn decimal(digits: u64, places: i32) -> DoubleDouble {
+    fn quotient(digits: u64, places: i32) -> DoubleDouble {
         let power = (0..places).fold(1.0, |power, _| power * 10.0);
         DoubleDouble::quotient(digits as f64, power)
     }
@@ -63,7 +68,7 @@ mod tests {
             let digits = random.between(0.0, f64::from(10_u32.pow(digits))).floor() as u64;
             let places = random.between(0.0, 12.99).floor() as i32;
             let number: f64 = format!("{digits}e-{places}").parse().unwrap();
-            let (found, expected) = (stated(number), decimal(digits, places));
+            let (found, expected) = (stated(number), quotient(digits, places));
             let difference = (found - expected).high.abs();
             assert!(difference <= 1e-31 * number, "{number}: {found:?}, not {expected:?}");
             assert_eq!(stated(-number), -found, "{number}");
@@ -73,7 +78,7 @@ mod tests {
     #[test]
     fn decimals_that_fit_leave_neither_gap_nor_overlap() {
         for places in 1..=4 {
-            let unit = decimal(1, places).high;
+            let unit = quotient(1, places).high;
             for [first, second] in [[1, 2], [7, 1], [2, 1], [8, 1], [3, 4], [123, 456], [29, 71]] {
                 let [a, b, sum] = [first, second, first + second].map(|digits: u64| {
                     let number: f64 = format!("{digits}e-{places}").parse().unwrap();

@@ -2,10 +2,15 @@
 //!
 //! Positions and sizes that were computed in doubles leave the faces of boxes that are meant to touch a few units in the
 //! last place apart. From the start of a body on, they are the same double-double number.
+//!
+//! The rounding of a face is that of the numbers from which it was computed, not of others of its body: a floor 10⁶ m thick
+//! does not attract a box 10⁻⁶ m wide from a distance. Decimals were not computed ([`decimal`]), so faces that follow from
+//! decimals alone lie where the scene states them.
 
 use super::EventDriven;
 use super::axis_trajectory::StateDd;
 use super::body_state::{BodyState, Slot};
+use super::decimal::decimal;
 use super::double_double::DoubleDouble;
 use crate::physics::{Axis, Side, larger};
 use std::collections::BTreeMap;
@@ -13,20 +18,28 @@ use std::collections::BTreeMap;
 /// Faces that differ by at most this many units in the last place of the largest number involved coincide.
 const COINCIDING_ULPS: f64 = 2.0;
 
-/// The faces of a body along an axis, the low one first, and the magnitude of the numbers they are computed from.
-#[derive(Clone, Copy)]
-struct Faces {
-    at: [DoubleDouble; 2],
-    scale: f64,
-}
+/// The rounding of a sum of decimals in double-double arithmetic, as a fraction of the largest number involved.
+const DECIMAL_ROUNDING: f64 = 1.0 / (1_u128 << 100) as f64;
 
 /// A face of a body that takes part in an alignment.
 #[derive(Clone, Copy)]
 struct Face {
     at: DoubleDouble,
+    /// The magnitude of the numbers that it is computed from.
     scale: f64,
+    /// True if these numbers are decimals.
+    is_decimal: bool,
     slot: Slot,
     side: Side,
+}
+
+impl Face {
+    /// True if `next`, the face that follows along the axis, differs by rounding alone.
+    fn coincides_with(&self, next: &Face) -> bool {
+        let are_decimal = self.is_decimal && next.is_decimal;
+        let rounding = if are_decimal { DECIMAL_ROUNDING } else { COINCIDING_ULPS * f64::EPSILON };
+        (next.at - self.at).high <= larger(self.scale, next.scale) * rounding
+    }
 }
 
 impl EventDriven {
@@ -53,8 +66,8 @@ impl EventDriven {
     /// The older bodies that touch a body within rounding, in creation order.
     fn older_neighbours(&self, slot: Slot) -> Vec<Slot> {
         let own = Axis::BOTH.map(|axis| self.faces(slot, axis));
-        let [low, high] = [0, 1].map(|side| own.map(|faces| faces.at[side].high));
-        let reach = own.map(|faces| faces.scale * (4.0 * f64::EPSILON));
+        let [low, high] = [0, 1].map(|side| [0, 1].map(|axis| own[axis][side].at.high));
+        let reach = own.map(|faces| faces[1].scale * (4.0 * f64::EPSILON));
         let mut found = Vec::new();
         let [from, to] = [[low[0] - reach[0], low[1] - reach[1]], [high[0] + reach[0], high[1] + reach[1]]];
         self.cell_lists.visit_region(from, to, |other| {
@@ -74,34 +87,36 @@ impl EventDriven {
         found
     }
 
-    fn faces(&self, slot: Slot, axis: Axis) -> Faces {
+    /// The faces of a body along an axis, the low one first.
+    ///
+    /// A position that is no decimal may have been computed from the high face, as a difference with the size.
+    fn faces(&self, slot: Slot, axis: Axis) -> [Face; 2] {
         let position = self.state_dd(slot, axis).position;
         let size = self.bodies.size(slot, axis);
         let far = position + size;
-        let mut scale = size.high;
-        for number in [position.high.abs(), far.high.abs()] {
-            scale = larger(number, scale);
-        }
-        Faces { at: [position, far], scale }
+        let [starts_at_decimal, has_decimal_size] =
+            [position, size].map(|number| decimal(number.high).is_some_and(|decimal| decimal == number));
+        let scale = larger(larger(position.high.abs(), far.high.abs()), size.high);
+        let low_scale = if starts_at_decimal { position.high.abs() } else { scale };
+        let is_decimal = starts_at_decimal && has_decimal_size;
+        [
+            Face { at: position, scale: low_scale, is_decimal: starts_at_decimal, slot, side: Side::Low },
+            Face { at: far, scale, is_decimal, slot, side: Side::High },
+        ]
     }
 
     /// Makes the faces of connected bodies, given in creation order, coincide along an axis.
     fn align(&mut self, slots: &[Slot], spawned: &[Slot], axis: Axis) {
         let mut faces: Vec<Face> = Vec::with_capacity(2 * slots.len());
         for slot in slots {
-            let Faces { at, scale } = self.faces(*slot, axis);
-            faces.extend(Side::BOTH.map(|side| Face { at: at[side], scale, slot: *slot, side }));
+            faces.extend(self.faces(*slot, axis));
         }
         faces.sort_unstable_by(|a, b| {
             let [x, y] = [a, b].map(|face| face.at);
             x.high.total_cmp(&y.high).then(x.low.total_cmp(&y.low)).then((a.slot, a.side).cmp(&(b.slot, b.side)))
         });
         let mut aligned = vec![[None; 2]; slots.len()];
-        let coincide = |a: &Face, b: &Face| {
-            let scale = larger(a.scale, b.scale);
-            (b.at - a.at).high <= scale * (COINCIDING_ULPS * f64::EPSILON)
-        };
-        for group in faces.chunk_by(coincide).filter(|group| group.len() > 1) {
+        for group in faces.chunk_by(Face::coincides_with).filter(|group| group.len() > 1) {
             let rank = |face: &&Face| {
                 let is_spawned = spawned.binary_search(&face.slot).is_ok();
                 (is_spawned, is_spawned && face.side == Side::High, face.slot, face.side)

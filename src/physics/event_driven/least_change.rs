@@ -8,45 +8,59 @@
 //!   its free fall; a search, O(contacts), without masses.
 //! - A chain: pool adjacent violators, O(bodies).
 //! - Otherwise recursive partitioning: if c is the best common value of a group, the group is split
-//!   along the upper set with the greatest Σ mᵢ·(fᵢ − c), provided that sum is positive, and both parts are
-//!   solved separately (Spouge, Wan and Wilbur, "Least squares isotonic regression in
-//!   two dimensions", 2003). The set is a maximum closure, found as a minimum cut (Picard, 1976) by
+//!   along the upper set with the greatest Σ mᵢ·(fᵢ − c), provided that sum is positive beyond rounding, or else
+//!   along such a lower set with the least, and both parts are solved separately (Spouge, Wan and Wilbur, "Least squares
+//!   isotonic regression in two dimensions", 2003). The set is a maximum closure, found as a minimum cut (Picard, 1976) by
 //!   shortest augmenting paths (Edmonds and Karp, 1972), O(bodies × contacts²) for each of at most
-//!   2·bodies cuts.
+//!   4·bodies cuts.
+//!
+//! A difference is 0 if it is below the rounding of the numbers from which it was computed, those of the set or pool that
+//! would separate. The forces on others do not count: a heavy body would otherwise hold a light one back.
 
 use super::double_double::DoubleDouble;
-use crate::physics::Side;
+use crate::physics::{Side, larger};
 
 /// Bodies connected by contacts along an axis, and the contacts.
 #[derive(Clone, Debug, Default)]
 pub struct ContactGroup {
+    /// The acceleration of bodies without a force of their own, m/s².
+    gravity: DoubleDouble,
     /// The free acceleration of each body, m/s².
     free: Vec<DoubleDouble>,
     /// The mass of each body, in any unit.
     mass: Vec<DoubleDouble>,
+    /// The force on each body besides gravity, N.
+    force: Vec<DoubleDouble>,
     /// For each body and side, true if it touches an infinite mass there.
     supported: Vec<[bool; 2]>,
     /// Pairs of bodies in contact, the one on the low side first.
     contacts: Vec<[usize; 2]>,
 }
 
-/// Gains smaller than this fraction of the forces involved are rounding.
+/// Differences smaller than this fraction of the numbers involved are rounding.
 const ROUNDING: f64 = 1.0 / (1_u128 << 90) as f64;
+
+/// From this ratio of masses on, a mean is computed from that of the heavier body, because the rounding of that of the
+/// lighter one would exceed its share in it.
+const HEAVIER: f64 = 1024.0;
 
 /// Masses are summed in this unit of kilograms, so that no sum overflows.
 pub const MASS_UNIT: f64 = 1.0 / (1_u64 << 24) as f64;
 
 impl ContactGroup {
-    /// Removes all bodies and contacts.
-    pub fn clear(&mut self) {
+    /// Removes all bodies and contacts, and sets the gravitational acceleration, m/s².
+    pub fn clear(&mut self, gravity: DoubleDouble) {
+        self.gravity = gravity;
         self.free.clear();
         self.mass.clear();
+        self.force.clear();
         self.supported.clear();
         self.contacts.clear();
     }
 
-    /// Adds a body: free acceleration (m/s²), mass (in units of [`MASS_UNIT`]); returns its index.
-    pub fn add(&mut self, free: DoubleDouble, mass: DoubleDouble) -> usize {
+    /// Adds a body: free acceleration (m/s²), mass (in units of [`MASS_UNIT`]), force besides gravity (N); returns its index.
+    pub fn add(&mut self, free: DoubleDouble, mass: DoubleDouble, force: DoubleDouble) -> usize {
+        self.force.push(force);
         self.free.push(free);
         self.mass.push(mass);
         self.supported.push([false; 2]);
@@ -129,7 +143,7 @@ impl ContactGroup {
             pools.push(Pool::WALL);
         }
         for body in chain {
-            push_pool(&mut pools, Pool::of(self.mass[*body], self.free[*body]));
+            push_pool(&mut pools, self.pool(*body));
         }
         if self.supported[chain[chain.len() - 1]][Side::High] {
             push_pool(&mut pools, Pool::WALL);
@@ -149,9 +163,8 @@ impl ContactGroup {
         let mut accelerations = vec![DoubleDouble::ZERO; self.free.len()];
         let all: Vec<usize> = (0..self.free.len()).collect();
         if self.supported.iter().any(|supported| supported[0] || supported[1]) {
-            let zero = DoubleDouble::ZERO;
-            let (pulled_high, rest) = self.split(&all, zero, Side::High, SupportedMembers::Stay);
-            let (pulled_low, _) = self.split(&rest, zero, Side::Low, SupportedMembers::Stay);
+            let (pulled_high, rest) = self.split(&all, &Pool::WALL, Side::High, SupportedMembers::Stay);
+            let (pulled_low, _) = self.split(&rest, &Pool::WALL, Side::Low, SupportedMembers::Stay);
             self.solve_free(&pulled_high, &mut accelerations);
             self.solve_free(&pulled_low, &mut accelerations);
         } else {
@@ -167,40 +180,56 @@ impl ContactGroup {
             if members.is_empty() {
                 continue;
             }
-            let common = self.mean_acceleration(&members);
-            let (faster, slower) = self.split(&members, common, Side::High, SupportedMembers::MayLeave);
-            if faster.is_empty() || slower.is_empty() {
-                members.iter().for_each(|member| accelerations[*member] = common);
-            } else {
-                unsolved.push(faster);
-                unsolved.push(slower);
+            let common = self.as_one(&members);
+            match self.parts(&members, &common) {
+                Some(parts) => unsolved.extend(parts),
+                None => members.iter().for_each(|member| accelerations[*member] = common.mean),
             }
         }
     }
 
-    /// The common acceleration of members that move as one: total force divided by total mass, m/s².
-    fn mean_acceleration(&self, members: &[usize]) -> DoubleDouble {
-        let pools = members.iter().map(|member| Pool::of(self.mass[*member], self.free[*member]));
-        pools.reduce(Pool::merged).map_or(DoubleDouble::ZERO, |pool| pool.mean)
+    /// Members that move as one: their mean is total force divided by total mass.
+    fn as_one(&self, members: &[usize]) -> Pool {
+        let pools = members.iter().map(|member| self.pool(*member));
+        pools.reduce(Pool::merged).unwrap_or(Pool::WALL)
     }
 
-    /// Splits off the set of members with the greatest total force towards `side`, relative to the acceleration
-    /// `level`; with each member it contains all members in contact with it on that side. Returns
-    /// the set and the rest.
+    /// A body alone.
+    fn pool(&self, body: usize) -> Pool {
+        let (mass, mean, force) = (self.mass[body], self.free[body], self.force[body]);
+        let [magnitude, force_magnitude] = [mean, force].map(|number| number.high.abs());
+        Pool { count: 1, mass, mean, magnitude, force, force_magnitude, gravity: self.gravity }
+    }
+
+    /// The two parts into which members without any support separate; `None` if they move as one.
+    ///
+    /// In exact arithmetic, both sides give the same parts or ones that separate later. A part that is light by
+    /// comparison with the other is found only from its own side.
+    fn parts(&self, members: &[usize], common: &Pool) -> Option<[Vec<usize>; 2]> {
+        [Side::High, Side::Low].into_iter().find_map(|side| {
+            let (leaving, staying) = self.split(members, common, side, SupportedMembers::MayLeave);
+            (!leaving.is_empty() && !staying.is_empty()).then_some([leaving, staying])
+        })
+    }
+
+    /// Splits off the set of members with the greatest total force towards `side`, relative to the mean acceleration
+    /// of `common`; with each member it contains all members in contact with it on that side. Returns the set and the rest.
+    ///
+    /// Each force is less by its rounding, so the total force of the set exceeds its rounding.
     fn split(
         &self,
         members: &[usize],
-        level: DoubleDouble,
+        common: &Pool,
         side: Side,
         supported_members: SupportedMembers,
     ) -> (Vec<usize>, Vec<usize>) {
         let mut network = FlowNetwork::new(members.len());
-        let mut forces = 0.0;
         for (index, member) in members.iter().enumerate() {
             let (mass, free) = (self.mass[*member], self.free[*member]);
-            forces += mass.high * (free.high.abs() + level.high.abs());
-            let force = mass * (free - level);
-            network.supply[index] = if side == Side::High { force } else { -force };
+            let rounding = mass.high * ((free.high.abs() + common.magnitude) * ROUNDING);
+            let force = mass * (free - common.mean);
+            let force = if side == Side::High { force } else { -force };
+            network.supply[index] = force - rounding.into();
             network.blocked[index] = supported_members == SupportedMembers::Stay && self.supported[*member][side];
         }
         for [low, high] in &self.contacts {
@@ -212,7 +241,7 @@ impl ContactGroup {
                 network.successors[member].push(successor);
             }
         }
-        let leaves = network.max_closure(forces * ROUNDING);
+        let leaves = network.max_closure();
         let (leaving, staying): (Vec<usize>, Vec<usize>) = (0..members.len()).partition(|index| leaves[*index]);
         let to_bodies = |indices: Vec<usize>| indices.into_iter().map(|index| members[index]).collect();
         (to_bodies(leaving), to_bodies(staying))
@@ -226,35 +255,51 @@ struct Pool {
     /// Infinite for a pool that contains an infinite mass.
     mass: DoubleDouble,
     mean: DoubleDouble,
-    /// The greatest magnitude of a free acceleration in it, m/s².
-    scale: f64,
+    /// The mean of the magnitudes of the free accelerations in it, m/s²; 0 for an infinite mass.
+    magnitude: f64,
+    /// The sum of the forces besides gravity, N.
+    force: DoubleDouble,
+    /// The sum of their magnitudes, N.
+    force_magnitude: f64,
+    /// The acceleration without these forces, m/s².
+    gravity: DoubleDouble,
 }
 
 impl Pool {
     /// An infinite mass, which is no body of the chain.
-    const WALL: Pool =
-        Pool { count: 0, mass: DoubleDouble { high: f64::INFINITY, low: 0.0 }, mean: DoubleDouble::ZERO, scale: 0.0 };
+    const WALL: Pool = Pool {
+        count: 0,
+        mass: DoubleDouble { high: f64::INFINITY, low: 0.0 },
+        mean: DoubleDouble::ZERO,
+        magnitude: 0.0,
+        force: DoubleDouble::ZERO,
+        force_magnitude: 0.0,
+        gravity: DoubleDouble::ZERO,
+    };
 
-    fn of(mass: DoubleDouble, free: DoubleDouble) -> Pool {
-        Pool { count: 1, mass, mean: free, scale: free.high.abs() }
-    }
-
-    /// The two pools as one.
+    /// The two pools as one. If the forces on it cancel, it falls like a body without forces, to the last digit.
     fn merged(self, other: Pool) -> Pool {
-        let scale = if self.scale > other.scale { self.scale } else { other.scale };
         let count = self.count + other.count;
         if self.mass.high == f64::INFINITY || other.mass.high == f64::INFINITY {
-            return Pool { count, scale, ..Pool::WALL };
+            return Pool { count, ..Pool::WALL };
         }
         let mass = self.mass + other.mass;
-        let mean = self.mean + (other.mean - self.mean) * (other.mass / mass);
-        Pool { count, mass, mean, scale }
+        let [base, added] = if other.mass.high > self.mass.high * HEAVIER { [other, self] } else { [self, other] };
+        let share = added.mass / mass;
+        let force = self.force + other.force;
+        let force_magnitude = self.force_magnitude + other.force_magnitude;
+        let mean = if force.high.abs() <= force_magnitude * ROUNDING {
+            self.gravity
+        } else {
+            base.mean + (added.mean - base.mean) * share
+        };
+        let magnitude = base.magnitude + (added.magnitude - base.magnitude) * share.high;
+        Pool { count, mass, mean, magnitude, force, force_magnitude, gravity: self.gravity }
     }
 
     /// True if the second of two adjacent pools does not outrun the first.
     fn presses(&self, next: &Pool) -> bool {
-        let scale = if self.scale > next.scale { self.scale } else { next.scale };
-        (self.mean - next.mean).high >= -scale * ROUNDING
+        (self.mean - next.mean).high >= -larger(self.magnitude, next.magnitude) * ROUNDING
     }
 }
 
@@ -305,7 +350,7 @@ impl FlowNetwork {
     }
 
     /// The maximum closure: the members reachable from a remaining supply once the flow is maximal.
-    fn max_closure(mut self, rounding: f64) -> Vec<bool> {
+    fn max_closure(mut self) -> Vec<bool> {
         self.flow = self.successors.iter().map(|successors| vec![DoubleDouble::ZERO; successors.len()]).collect();
         for member in 0..self.successors.len() {
             for (index, successor) in self.successors[member].iter().enumerate() {
@@ -313,9 +358,9 @@ impl FlowNetwork {
             }
         }
         loop {
-            let reached = self.search(rounding);
+            let reached = self.search();
             let sink = (0..self.supply.len()).find(|member| {
-                reached[*member].is_some() && (self.blocked[*member] || self.supply[*member].high < -rounding)
+                reached[*member].is_some() && (self.blocked[*member] || self.supply[*member].high < 0.0)
             });
             match sink {
                 Some(sink) => self.augment(&reached, sink),
@@ -326,10 +371,10 @@ impl FlowNetwork {
 
     /// Breadth-first search of the residual network: for each member reachable from a remaining supply, its
     /// predecessor on the path.
-    fn search(&self, rounding: f64) -> Vec<Option<Predecessor>> {
+    fn search(&self) -> Vec<Option<Predecessor>> {
         let mut reached = vec![None; self.supply.len()];
         let mut queue = Vec::new();
-        for (member, _) in self.supply.iter().enumerate().filter(|(_, supply)| supply.high > rounding) {
+        for (member, _) in self.supply.iter().enumerate().filter(|(_, supply)| supply.high > 0.0) {
             reached[member] = Some(Predecessor::Source);
             queue.push(member);
         }
@@ -343,7 +388,7 @@ impl FlowNetwork {
                 }
             }
             for (from, index) in &self.predecessors[member] {
-                if reached[*from].is_none() && self.flow[*from][*index].high > rounding {
+                if reached[*from].is_none() && self.flow[*from][*index].high > 0.0 {
                     reached[*from] = Some(Predecessor::Backward(member, *index));
                     queue.push(*from);
                 }
@@ -403,11 +448,12 @@ enum Predecessor {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::physics::event_driven::pseudo_random::PseudoRandom;
 
     fn solved(bodies: &[(f64, f64, [bool; 2])], contacts: &[[usize; 2]]) -> Vec<f64> {
         let mut group = ContactGroup::default();
         for (free, mass, supported) in bodies {
-            let body = group.add((*free).into(), (*mass).into());
+            let body = group.add((*free).into(), (*mass).into(), (*free * *mass).into());
             Side::BOTH.into_iter().filter(|side| supported[*side]).for_each(|side| group.support(body, side));
         }
         contacts.iter().for_each(|pair| group.connect(*pair));
@@ -454,7 +500,7 @@ mod tests {
             (0..9_u32).map(|index| (f64::from(index * 7 % 5) - 2.0, f64::from(index % 3 + 1), FREE)).collect();
         let contacts: Vec<[usize; 2]> = (0..8).map(|index| [index, index + 1]).collect();
         let mut group = ContactGroup::default();
-        bodies.iter().for_each(|(free, mass, _)| _ = group.add((*free).into(), (*mass).into()));
+        bodies.iter().for_each(|(free, mass, _)| _ = group.add((*free).into(), (*mass).into(), (*free * *mass).into()));
         contacts.iter().for_each(|pair| group.connect(*pair));
         let general = group.solve_partial_order();
         for (chain, general) in group.solve().iter().zip(general) {
@@ -486,6 +532,71 @@ mod tests {
                 let closed = contacts.iter().all(|[i, j]| from >> i & 1 == 0 || from >> j & 1 == 1);
                 let pushed: f64 = (0..6).filter(|i| from >> i & 1 == 1).map(force).sum();
                 assert!(!closed || pushed > -1e-9, "contact forces only push");
+            }
+        }
+    }
+
+    /// Bodies of masses from 10⁻²⁰ to 10²⁰ kg: free acceleration, mass, supports.
+    type Group = Vec<(f64, f64, [bool; 2])>;
+
+    /// A random group, and its contacts: a chain in half of the cases.
+    fn random_group(random: &mut PseudoRandom) -> (Group, Vec<[usize; 2]>) {
+        let magnitude = |random: &mut PseudoRandom, most: f64| {
+            let exponent = random.between(-most, most).floor();
+            let factor = if exponent < 0.0 { 0.1 } else { 10.0 };
+            (0..exponent.abs() as u32).fold(random.between(1.0, 2.0), |value, _| value * factor)
+        };
+        let (is_chain, has_walls) = (random.next() < 0.5, random.next() < 0.5);
+        let bodies = (0..6).map(|n| {
+            let free = magnitude(random, 15.0) * [1.0, -1.0, 0.0][random.between(0.0, 2.3).floor() as usize];
+            let supported = [0, 5].map(|end| has_walls && random.next() < 0.2 && (!is_chain || n == end));
+            (free, magnitude(random, 20.0), supported)
+        });
+        let bodies = bodies.collect();
+        let contacts = (0..6).flat_map(|j| (0..j).map(move |i| [i, j]));
+        let contacts = contacts.filter(|[i, j]| if is_chain { i + 1 == *j } else { random.next() < 0.4 }).collect();
+        (bodies, contacts)
+    }
+
+    #[test]
+    fn no_contact_pulls_whatever_the_ratio_of_masses() {
+        let mut random = PseudoRandom(3);
+        for number in 0..3000 {
+            let (bodies, contacts) = random_group(&mut random);
+            let mut group = ContactGroup::default();
+            for (free, mass, supported) in &bodies {
+                let body = group.add((*free).into(), (*mass).into(), (*free * *mass).into());
+                Side::BOTH.into_iter().filter(|side| supported[*side]).for_each(|side| group.support(body, side));
+            }
+            contacts.iter().for_each(|pair| group.connect(*pair));
+            let a = group.solve();
+            // The magnitude of the numbers from which an acceleration is computed: those of the bodies that move as one.
+            let magnitude = |i: usize| {
+                let together = (0..6).filter(|j| a[*j] == a[i]);
+                let sums = together.fold([0.0; 2], |[m, f], j| [m + bodies[j].1, f + bodies[j].1 * bodies[j].0.abs()]);
+                if a[i].high == 0.0 { 0.0 } else { sums[1] / sums[0] }
+            };
+            let slack = 1e-24;
+            let about = format!("group {number}: {a:?} of {bodies:?}, {contacts:?}");
+            for [i, j] in &contacts {
+                let rounding = slack * larger(magnitude(*i), magnitude(*j));
+                assert!((a[*i] - a[*j]).high <= rounding, "{i} is pressed through {j}, {about}");
+            }
+            let force = |i: usize| (a[i] - bodies[i].0.into()) * bodies[i].1.into();
+            let rounding = |i: usize| slack * bodies[i].1 * (bodies[i].0.abs() + magnitude(i));
+            for (set, side) in (0..64_u32).flat_map(|set| [(set, Side::High), (set, Side::Low)]) {
+                let has = |i: usize| set >> i & 1 == 1;
+                let is_closed = contacts.iter().all(|&[i, j]| match side {
+                    Side::High => !has(i) || has(j),
+                    Side::Low => !has(j) || has(i),
+                });
+                let members = || (0..6).filter(|i| has(*i));
+                if !is_closed || members().any(|i| bodies[i].2[side]) {
+                    continue;
+                }
+                let sum = members().fold(DoubleDouble::ZERO, |sum, i| sum + force(i)).high;
+                let pushed = if side == Side::High { sum } else { -sum };
+                assert!(pushed >= -members().map(rounding).sum::<f64>(), "{set:b} is pulled by {pushed:e} N, {about}");
             }
         }
     }

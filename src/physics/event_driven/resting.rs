@@ -159,7 +159,7 @@ impl EventDriven {
 
     /// The direction of gravity along an axis.
     fn falling_side(&self, axis: Axis) -> Option<Side> {
-        match self.bodies.gravity(axis) {
+        match self.bodies.gravity(axis).high {
             0.0 => None,
             gravity if gravity > 0.0 => Some(Side::High),
             _ => Some(Side::Low),
@@ -252,11 +252,11 @@ impl EventDriven {
     /// The accelerations of least change of the members of a component.
     fn least_change(&mut self, patch: &Patch, members: &[Local], constraints: &[u32], axis: Axis) -> Vec<DoubleDouble> {
         let mut group = std::mem::take(&mut self.contact_group);
-        group.clear();
+        group.clear(self.bodies.gravity(axis));
         for body in members {
             let LocalBody { slot, member, .. } = patch.bodies[*body as usize];
             let params = &self.bodies.params(slot);
-            let index = group.add(params.free_acceleration[axis], params.mass);
+            let index = group.add(params.free_acceleration[axis], params.mass, self.bodies.force(slot, axis));
             debug_assert_eq!(index, member as usize);
         }
         let index = |body: Local| patch.bodies[body as usize].member as usize;

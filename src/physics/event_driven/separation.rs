@@ -28,10 +28,11 @@ impl Aabb {
     /// True if the two share more than a border, beyond rounding.
     fn overlaps(&self, other: &Aabb) -> bool {
         Axis::BOTH.into_iter().all(|axis| {
-            let scale = self.low[axis].abs() + other.low[axis].abs() + (self.size[axis] + other.size[axis]);
+            // The rounding of a gap is that of the numbers from which its two faces are computed.
+            let positions = self.low[axis].abs() + other.low[axis].abs();
             let high_gap = other.low[axis] - (self.low[axis] + self.size[axis]);
             let low_gap = self.low[axis] - (other.low[axis] + other.size[axis]);
-            high_gap < -tolerance(scale) && low_gap < -tolerance(scale)
+            high_gap < -tolerance(positions + self.size[axis]) && low_gap < -tolerance(positions + other.size[axis])
         })
     }
 }

@@ -1,7 +1,8 @@
 //! The accelerations of resting bodies, compared with the formula for the optimum of the quadratic program.
 
-use super::{Law, check, kinds::random_touching_scene, run::larger, scene::Scene};
-use crate::world_builder::{BodySpec, INFINITE};
+use super::{Law, check, kinds::random_touching_scene, random::Random, run::larger, scene::Scene};
+use crate::world_builder::{BodySpec, Conditions, INFINITE, run, spec, world};
+use rebond::internals::physics::Vector;
 
 /// Two bodies that touch, the one behind first, and the axis.
 type Pair = (usize, usize, usize);
@@ -204,4 +205,46 @@ impl Order {
         }
         Some(sets)
     }
+}
+
+/// Boxes of any masses in a row or a column are pressed together by forces that cancel: those on the outer ones, or all.
+fn press(seed: u64) {
+    let mut random = Random::new(seed);
+    let (count, force) = (random.whole(2, 6) as usize, random.between(0.1, 9.0));
+    let axis = random.below(2) as usize;
+    let vector = |along: f64| if axis == 0 { [along, 0.0] } else { [0.0, along] };
+    let mut bodies: Vec<BodySpec> = (0..count)
+        .map(|n| {
+            let at = vector(n as f64);
+            spec(at, [1.0, 1.0], random.magnitude(1e-3, 40))
+        })
+        .collect();
+    let inner = if random.chance(50) { random.between(-0.05, 0.05) } else { 0.0 };
+    bodies[0].force = vector(force);
+    bodies[count - 1].force = vector(-force);
+    if count > 3 {
+        (bodies[1].force, bodies[2].force) = (vector(inner), vector(-inner));
+    }
+    let gravity = random.chance(50).then(|| vector(random.between(-9.0, 9.0)));
+    // Far away, a body without a force falls freely.
+    bodies.push(spec([20.0, 20.0], [1.0, 1.0], 1.0));
+    let is_reversed = random.chance(50);
+    if is_reversed {
+        bodies.reverse();
+    }
+    let about = format!("seed {seed}: gravity {gravity:?}, {bodies:?}");
+    let mut engine = world(Conditions { gravity, ..Conditions::default() }, &bodies);
+    let collisions = run(&mut engine, 60);
+    assert!(collisions.is_empty(), "{about}");
+    let bodies = &engine.world().bodies;
+    let free = bodies[if is_reversed { 0 } else { count }].velocity;
+    assert_eq!(gravity.is_none(), free == Vector::ZERO, "{about}");
+    for body in bodies {
+        assert_eq!(body.velocity, free, "{about}");
+    }
+}
+
+#[test]
+fn forces_that_cancel_move_nothing() {
+    super::seeds().for_each(press);
 }

@@ -118,3 +118,40 @@ fn boxes_that_fit_in_decimals_do_not_catch_on_each_other() {
         assert_eq!(pairs.len(), 12, "seed {seed}: each box hits the floor once");
     }
 }
+
+/// A box of some micrometres lies within a micrometre of a face of a body that is up to 10⁹ m thick, or overlaps it.
+fn near_a_huge_body(seed: u64) {
+    let mut random = Random::new(seed);
+    let metres = |nanometres: i64| nanometres as f64 / 1e9;
+    let (thickness, size, gap) =
+        (random.pick(&[1e6, 1e7, 1e9]), random.whole(2_000, 20_000), random.whole(-1_000, 1_000));
+    // The face is the low one, at a decimal, or the high one, at 0, where a stated overlap is below the rounding of a double.
+    let is_low = gap < 0 || random.chance(60);
+    let face = if is_low { random.whole(-9_000, 9_000) } else { 0 };
+    let at = if is_low { [metres(face), metres(face - gap - size)] } else { [-thickness, metres(gap)] };
+    let is_turned = random.chance(50);
+    let vector = |along: f64, across: f64| if is_turned { [across, along] } else { [along, across] };
+    let mut bodies = [
+        spec(vector(at[0], -5e5), vector(thickness, 1e6), INFINITE),
+        spec(vector(at[1], 0.0), vector(metres(size), 1e-6), 1.0),
+    ];
+    let id = if random.chance(50) { 1 } else { 0 };
+    if id == 0 {
+        bodies.reverse();
+    }
+    let mut engine = world(Conditions::default(), &bodies);
+    run(&mut engine, 1);
+    let origin = body(&engine, id).rect.origin;
+    let found = if is_turned { origin.y } else { origin.x };
+    let about = format!("seed {seed}: {found:e} m, gap {gap} nm, body {id} of {bodies:?}");
+    if gap >= 0 {
+        assert_eq!(found, at[1], "{about}");
+    } else {
+        assert!((found - metres(face - size)).abs() <= 1e-20, "it is moved onto the face, {about}");
+    }
+}
+
+#[test]
+fn a_small_box_keeps_its_stated_gap_from_a_huge_body() {
+    (0..500).for_each(near_a_huge_body);
+}
