@@ -150,7 +150,8 @@ fn cell_crossings(bencher: Bencher, bodies: u32) {
 fn least_change_accelerations(bencher: Bencher, bodies: usize) {
     let mut group = ContactGroup::default();
     for body in 0..bodies {
-        group.add((9.81 + (body % 3) as f64).into(), 1.0);
+        let force = 9.81 + (body % 3) as f64;
+        group.add(force.into(), 1.0.into(), force.into());
         if body > 0 {
             group.connect([body - 1, body]);
         }

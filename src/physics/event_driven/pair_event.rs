@@ -3,7 +3,7 @@
 use super::axis_trajectory::closing_time;
 use super::body_state::BodyState;
 use super::instant::Instant;
-use crate::physics::{Axis, Side, larger};
+use crate::physics::{Axis, Side};
 
 /// An event of two boxes along an axis. The side is that of the first body, earlier in creation order, on
 /// which the second lies.
@@ -65,7 +65,8 @@ impl<'a> Sample<'a> {
         Axis::BOTH.into_iter().all(|axis| {
             let offset = position[axis] - self.position[axis];
             let sizes = [self.body.size[axis], other.size[axis]];
-            let gap = larger(offset - sizes[0], -offset - sizes[1]);
+            let [ahead, behind] = [offset - sizes[0], -offset - sizes[1]];
+            let gap = if ahead > behind { ahead } else { behind };
             let scale = self.magnitude[axis] + magnitude[axis] + (sizes[0] + sizes[1]);
             gap <= scale * (64.0 * f64::EPSILON)
         })

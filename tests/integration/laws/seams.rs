@@ -1,7 +1,7 @@
 //! Supported boxes slide over flush seams as over one plank.
 
 use super::random::{COEFFICIENTS, Random};
-use crate::world_builder::{BodySpec, Conditions, INFINITE, body, run, spec, world};
+use crate::world_builder::{BodySpec, Conditions, INFINITE, body, run, spawn, spec, world};
 use rebond::internals::physics::Axis;
 
 /// The largest number of units in the width of a tile or a box.
@@ -131,24 +131,34 @@ fn near_a_huge_body(seed: u64) {
     let at = if is_low { [metres(face), metres(face - gap - size)] } else { [-thickness, metres(gap)] };
     let is_turned = random.chance(50);
     let vector = |along: f64, across: f64| if is_turned { [across, along] } else { [along, across] };
-    let mut bodies = [
-        spec(vector(at[0], -5e5), vector(thickness, 1e6), INFINITE),
-        spec(vector(at[1], 0.0), vector(metres(size), 1e-6), 1.0),
-    ];
-    let id = if random.chance(50) { 1 } else { 0 };
-    if id == 0 {
-        bodies.reverse();
+    // A box that does not overlap the body approaches it.
+    let speed = if gap < 0 { 0.0 } else { 1e-3 };
+    let velocity = vector(if is_low { speed } else { -speed }, 0.0);
+    let huge = spec(vector(at[0], -5e5), vector(thickness, 1e6), INFINITE);
+    let small = spec(vector(at[1], 0.0), vector(metres(size), 1e-6), 1.0).with_velocity(velocity[0], velocity[1]);
+    let order = random.pick(&["small, huge", "huge, small", "huge, a step, small"]);
+    let about = format!("seed {seed}: {order}, gap {gap} nm, {small:?}, {huge:?}");
+    let mut engine =
+        world(Conditions::default(), if order == "small, huge" { &[] } else { std::slice::from_ref(&huge) });
+    if order == "huge, a step, small" {
+        run(&mut engine, 1);
     }
-    let mut engine = world(Conditions::default(), &bodies);
-    run(&mut engine, 1);
-    let origin = body(&engine, id).rect.origin;
-    let found = if is_turned { origin.y } else { origin.x };
-    let about = format!("seed {seed}: {found:e} m, gap {gap} nm, body {id} of {bodies:?}");
-    if gap >= 0 {
-        assert_eq!(found, at[1], "{about}");
-    } else {
-        assert!((found - metres(face - size)).abs() <= 1e-20, "it is moved onto the face, {about}");
+    let start = engine.current_step() as f64 / 60.0;
+    let id = engine.next_id();
+    spawn(&mut engine, &small);
+    if order == "small, huge" {
+        spawn(&mut engine, &huge);
     }
+    let collisions = run(&mut engine, 1);
+    if gap < 0 {
+        let origin = body(&engine, id).rect.origin;
+        let found = if is_turned { origin.y } else { origin.x };
+        assert!((found - metres(face - size)).abs() <= 1e-20, "it is moved onto the face, to {found:e}, {about}");
+        return;
+    }
+    assert_eq!(collisions.len(), 1, "{about}");
+    let (found, expected) = (collisions[0].instant - start, metres(gap) / speed);
+    assert!((found - expected).abs() <= 1e-15 + 1e-12 * expected, "hit after {found:e} s, not {expected:e} s, {about}");
 }
 
 #[test]
