@@ -29,7 +29,7 @@ pub struct ContactGroup {
     free: Vec<DoubleDouble>,
     /// The mass of each body, in any unit.
     mass: Vec<DoubleDouble>,
-    /// The force on each body besides gravity, N.
+    /// The force on each body besides gravity, in the unit of mass times m/s².
     force: Vec<DoubleDouble>,
     /// For each body and side, true if it touches an infinite mass there.
     supported: Vec<[bool; 2]>,
@@ -58,7 +58,8 @@ impl ContactGroup {
         self.contacts.clear();
     }
 
-    /// Adds a body: free acceleration (m/s²), mass (in units of [`MASS_UNIT`]), force besides gravity (N); returns its index.
+    /// Adds a body: free acceleration (m/s²), mass and force besides gravity (in units of
+    /// [`MASS_UNIT`] kilograms and newtons); returns its index.
     pub fn add(&mut self, free: DoubleDouble, mass: DoubleDouble, force: DoubleDouble) -> usize {
         self.force.push(force);
         self.free.push(free);
@@ -257,9 +258,9 @@ struct Pool {
     mean: DoubleDouble,
     /// The mean of the magnitudes of the free accelerations in it, m/s²; 0 for an infinite mass.
     magnitude: f64,
-    /// The sum of the forces besides gravity, N.
+    /// The sum of the forces besides gravity, in the unit of mass times m/s².
     force: DoubleDouble,
-    /// The sum of their magnitudes, N.
+    /// The sum of their magnitudes, likewise.
     force_magnitude: f64,
     /// The acceleration without these forces, m/s².
     gravity: DoubleDouble,
