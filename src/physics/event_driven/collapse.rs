@@ -5,8 +5,8 @@
 //!   would end without a limit when its approaches become 0 by rounding;
 //! - by a cycle (`impact_history`): three periods hit the same pairs and scale their relative velocities by the
 //!   same factor below 1. Impacts are linear, so all further periods are copies. Where the limit cannot be taken yet, because
-//!   a body outside is approached in it and would be hit before, a number of periods is left out: the velocities relative to
-//!   the limit are multiplied by that power of the factor.
+//!   a body outside is approached in it, a number of periods is left out: the velocities relative to the limit are multiplied
+//!   by that power of the factor.
 
 use super::EventDriven;
 use super::burst::Cluster;
@@ -19,10 +19,6 @@ use crate::physics::{Axis, Side, StepError, World, larger, smaller};
 
 /// Approaches below this fraction of the greatest of a burst are rounding.
 const DECAYED: f64 = 1.0 / (1_u128 << 80) as f64;
-
-/// Bodies whose relative speeds are below this fraction of the greatest approach of a burst take part in the limit of a decayed
-/// one: the rounding of the states, which are doubles.
-const NEGLIGIBLE: f64 = 1.0 / (1_u64 << 54) as f64;
 
 /// Approaches below this multiple of the rounding of velocities are rounding, too.
 const UNDECIDED: f64 = 256.0;
@@ -64,11 +60,8 @@ impl Outsider {
 }
 
 impl EventDriven {
-    /// Replaces an approach that has decayed to `threshold` (m/s) by its limit: the bodies connected with it by faces whose
-    /// relative speeds are negligible move on as one. Returns false if none of these pairs loses energy.
-    ///
-    /// The approaches of a burst decay together, but not all are as slow at the same time: those near a wall are by some
-    /// powers of ten slower than those away from it.
+    /// Replaces an approach that has decayed by its limit: the bodies connected with it by faces whose relative
+    /// speed is as small move on as one. Returns false if none of these pairs loses energy.
     pub(super) fn take_decayed_limit(
         &mut self,
         patch: &mut Patch,
@@ -78,8 +71,6 @@ impl EventDriven {
         world: &World,
     ) -> bool {
         let touch = patch.touches[index as usize];
-        let greatest = patch.bursts[patch.root_of_touch(&touch) as usize].greatest;
-        let negligible = larger(threshold, greatest * NEGLIGIBLE);
         let mut collapse = Collapse { touches: vec![index], ..Collapse::default() };
         touch.bodies.into_iter().for_each(|body| self.join_collapse(patch, body, axis, &mut collapse));
         let mut next = 0;
@@ -89,7 +80,7 @@ impl EventDriven {
             for place in 0..patch.bodies[body as usize].touches.len() {
                 let index = patch.bodies[body as usize].touches[place];
                 let touch = patch.touches[index as usize];
-                let is_slow = patch.approach_speed(&touch, axis).high.abs() <= negligible;
+                let is_slow = patch.approach_speed(&touch, axis).high.abs() <= threshold;
                 if touch.kind == TouchKind::Face(axis) && is_slow {
                     collapse.touches.push(index);
                     self.join_collapse(patch, touch.other(body), axis, &mut collapse);
@@ -201,25 +192,33 @@ impl EventDriven {
         }
     }
 
-    /// Takes the limit of a decaying cycle. If a body outside is approached in the limit and could be hit before, the burst goes
-    /// on, without the periods in which it cannot.
+    /// Takes the limit of a decaying cycle. If a body outside is approached in the limit, the burst goes on, without the periods
+    /// in which that body cannot be hit.
     fn take_cycle_limit(&mut self, patch: &mut Patch, touches: Vec<u32>, decay: &Decay, axis: Axis, world: &World) {
         let Some(collapse) = self.collapse_of_cycle(patch, touches, axis) else { return };
         let velocity = collapse.wall_velocity.unwrap_or_else(|| self.common_velocity(patch, &collapse.members, axis));
         let root = patch.root(collapse.members[0]) as usize;
-        let mut outsiders = approached_outsiders(patch, &collapse, axis, velocity);
-        // While the cycle lasts, one of its touches always approaches, so that those after them in the order must wait.
-        let last = collapse.touches.iter().map(|index| patch.order_of(*index)).max();
-        outsiders.retain(|outsider| Some(patch.order_of(outsider.touch)) < last);
+        let outsiders = approached_outsiders(patch, &collapse, axis, velocity);
         if outsiders.is_empty() {
             self.unify(patch, &collapse, axis);
         } else {
             let greatest = patch.bursts[root].greatest;
             let threshold = |index: &u32| decay_threshold(patch, &patch.touches[*index as usize], axis, greatest);
             let decayed = collapse.touches.iter().map(threshold).fold(0.0, larger) / decay.least_speed;
-            let Some(speeds) = self.least_speeds_away(patch, &collapse, decay, axis, velocity, world) else { return };
-            let hit = outsiders.iter().map(|outsider| outsider.factor_when_hit(&speeds)).fold(0.0, larger);
-            let factor = decay.factor_above(larger(decayed, hit));
+            let last = collapse.touches.iter().map(|index| patch.order_of(*index)).max();
+            // While the cycle lasts, one of its touches always approaches, so that those after them in the order must wait.
+            let is_early = |outsider: &Outsider| Some(patch.order_of(outsider.touch)) < last;
+            let early: Vec<Outsider> = outsiders.into_iter().filter(is_early).collect();
+            let hit = if early.is_empty() {
+                0.0
+            } else {
+                let Some(speeds) = self.least_speeds_away(patch, &collapse, decay, axis, velocity, world) else {
+                    return;
+                };
+                early.iter().map(|outsider| outsider.factor_when_hit(&speeds)).fold(0.0, larger)
+            };
+            let least = larger(decayed, hit);
+            let factor = decay.factor_above(least);
             if factor == 1.0.into() {
                 return;
             }

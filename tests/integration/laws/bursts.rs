@@ -254,74 +254,44 @@ fn long_rows_and_columns_that_hit_a_wall_leave_as_in_rational_arithmetic() {
 }
 
 impl Line {
-    /// The velocities (m/s) after the burst of equal boxes, of the wall and each box, in doubles.
-    ///
-    /// Each impact changes the relative velocity of its pair and those of the two adjacent pairs, so that rounding stays
-    /// relative to each. The boxes that an infinite sequence brings to rest are part of the wall that the others hit then.
+    /// The velocities (m/s) after the burst of equal boxes, of the wall and each box, in doubles: of relative velocities, each
+    /// impact changes that of its pair and those of the two adjacent pairs, so that rounding stays relative to each.
     fn velocities_of_equal_boxes(&self) -> Vec<f64> {
         let boxes = self.masses.len();
         let e = self.restitution;
-        let mut velocities = vec![0.0; boxes + 1];
-        let mut resting = 0;
-        while resting < boxes {
-            let mut pairs: Vec<usize> = (resting..boxes).collect();
-            pairs.sort_unstable_by_key(|place| self.pair(*place));
-            // The speed at which the bodies at a place and the next one outwards part.
-            let mut parting = vec![0.0; boxes];
-            parting[resting] = -1.0;
-            let is_infinite = loop {
-                let Some(&place) = pairs.iter().find(|place| parting[**place] < 0.0) else { break false };
-                let approach = -parting[place];
-                if approach < 1e-40 {
-                    break true;
-                }
-                parting[place] = e * approach;
-                if place > resting {
-                    parting[place - 1] -= 0.5 * (1.0 + e) * approach;
-                }
-                if place + 1 < boxes {
-                    parting[place + 1] -= if place == resting { 1.0 + e } else { 0.5 * (1.0 + e) } * approach;
-                }
-            };
-            for place in resting..boxes {
-                velocities[place + 1] = velocities[place] + parting[place];
-            }
-            if !is_infinite {
+        let mut pairs: Vec<usize> = (0..boxes).collect();
+        pairs.sort_unstable_by_key(|place| self.pair(*place));
+        // The speed at which the bodies at a place and the next one outwards part.
+        let mut parting: Vec<f64> = (0..boxes).map(|place| if place == 0 { -1.0 } else { 0.0 }).collect();
+        while let Some(&place) = pairs.iter().find(|place| parting[**place] < 0.0) {
+            let approach = -parting[place];
+            if approach < 1e-40 {
                 break;
             }
-            let moving = (resting..boxes).find(|place| velocities[place + 1].abs() > 1e-9).unwrap_or(boxes);
-            assert!(
-                moving > resting && velocities[moving + 1..].iter().all(|velocity| (velocity + 1.0).abs() < 1e-9),
-                "still waiting"
-            );
-            velocities[resting..=moving].fill(0.0);
-            resting = moving;
+            parting[place] = e * approach;
+            if place > 0 {
+                parting[place - 1] -= 0.5 * (1.0 + e) * approach;
+            }
+            if place + 1 < boxes {
+                parting[place + 1] -= if place == 0 { 1.0 + e } else { 0.5 * (1.0 + e) } * approach;
+            }
         }
-        velocities
+        let mut velocity = 0.0;
+        let outwards = parting.iter().map(|speed| {
+            velocity += speed;
+            velocity
+        });
+        [0.0].into_iter().chain(outwards).collect()
     }
 }
 
-/// Bursts whose cycles have a thousand impacts and more: carried out one by one, they would take millions. Boxes that the limit
-/// brings to rest are at rest before the next one, which must wait for its turn, hits them.
+/// Bursts of rows created towards the wall, whose cycles have a thousand impacts and more: carried out one by one, they would
+/// take millions.
 #[test]
 fn rows_with_long_cycles_end_in_their_limits() {
-    // Boxes, restitution, and true if they are created from the wall outwards.
-    let rows = [
-        (16, 0.7, false),
-        (20, 0.75, false),
-        (12, 0.7, true),
-        (10, 0.6, true),
-        (16, 0.6, true),
-        (20, 0.8, true),
-        (24, 0.82, true),
-        (30, 0.85, true),
-        (40, 0.9, false),
-    ];
-    for (count, restitution, is_outwards) in rows.into_iter().take(if cfg!(debug_assertions) { 5 } else { 9 }) {
-        let mut order: Vec<BodyId> = (0..=count as BodyId).collect();
-        if !is_outwards {
-            order.reverse();
-        }
+    let rows = [(16, 0.7), (20, 0.75), (40, 0.9)];
+    for (count, restitution) in rows.into_iter().take(if cfg!(debug_assertions) { 2 } else { 3 }) {
+        let order: Vec<BodyId> = (0..=count as BodyId).rev().collect();
         let line = Line { masses: vec![1; count], restitution, order };
         let velocities = line.velocities_of_equal_boxes();
         line.compare(&Burst { impacts: Vec::new(), velocities, is_infinite: true }, 0);
