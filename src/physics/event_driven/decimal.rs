@@ -1,7 +1,8 @@
 //! The decimals that numbers of a scene stand for.
 //!
 //! A scene states 0.1, 0.2 and 0.3, but the double nearest 0.3 is not the sum of those nearest 0.1 and 0.2: boxes that
-//! are meant to fit would overlap by 3·10⁻¹⁷ or leave such a gap. In double-double precision they fit to 10⁻³³.
+//! are meant to fit would overlap by 3·10⁻¹⁷ or leave such a gap, and one that is meant to reach a corner would miss it. In
+//! double-double precision they fit to 10⁻³³.
 
 use super::double_double::DoubleDouble;
 

@@ -12,7 +12,8 @@ const SEARCH_INTERVAL: u64 = 16;
 /// The impacts after which a long period is looked for first.
 const FIRST_LONG_SEARCH: usize = 4 * SHORT_PERIOD;
 
-/// The impacts that are remembered, which bounds the memory; a longer period than a quarter of it is not found.
+/// The impacts that are remembered at most, which bounds the memory. A period is found while two of it are remembered, so
+/// that none is longer than half of this.
 const MAX_HITS: usize = 1 << 20;
 
 /// Directions that agree to this, or to the rounding of velocities, are the same.
@@ -121,9 +122,9 @@ impl ImpactHistory {
         self.long_search = FIRST_LONG_SEARCH;
     }
 
-    /// Records an impact and its approach speed; returns the touches of a cycle if it completes the proof of one. `approach`
-    /// gives the present approach speed of a touch and `rounding` that of its speed, `greatest` is the greatest approach speed
-    /// of the burst, m/s.
+    /// Records an impact and its approach speed; returns the touches of a cycle if it completes the proof of one.
+    /// `approach_speed` gives the present approach speed of a touch and `rounding` that of its speed, `greatest` is the
+    /// greatest approach speed of the burst, m/s.
     pub fn push(
         &mut self,
         touch: u32,

@@ -5,19 +5,21 @@ use super::random::Random;
 use crate::world_builder::{BodySpec, Conditions, INFINITE, run, spec, world};
 use rebond::internals::physics::Axis;
 
-/// Numbers are counted in units of 10⁻⁴.
-fn metres(units: i64) -> f64 {
+/// A number of units of 10⁻⁴ as a decimal.
+fn decimal(units: i64) -> f64 {
     units as f64 / 1e4
 }
 
-/// A box whose lower right corner reaches the upper left one of a block.
+/// A box whose lower right corner reaches the upper left one of a block. Integers are in units of 10⁻⁴ m, m/s, N, kg and m/s².
 struct Approach {
-    /// The gap that it crosses along each axis, and the speed at which it arrives, in units.
+    /// The gap that it crosses along each axis.
     gap: [i64; 2],
+    /// The speed at which it arrives.
     arrival: [i64; 2],
     /// The time at which it arrives, s.
     time: f64,
     velocity: [i64; 2],
+    /// Along y, like gravity.
     force: i64,
     mass: i64,
     gravity: i64,
@@ -29,7 +31,7 @@ struct Approach {
 impl Approach {
     fn random(random: &mut Random) -> Approach {
         let tenths = 2 * random.whole(1, 10);
-        let [vx, mut vy] = [0, 1].map(|_| 1000 * random.whole(1, 60));
+        let [vx, vy] = [0, 1].map(|_| 1000 * random.whole(1, 60));
         let mut approach = Approach {
             gap: [vx * tenths / 10, vy * tenths / 10],
             arrival: [vx, vy],
@@ -62,8 +64,8 @@ impl Approach {
                 approach.wall = Some(wall);
                 // In units of 10⁻⁴ s, because it moves at 1 m/s towards the wall.
                 let time = wall + (wall + approach.gap[0]) * hundredths / 100;
-                approach.time = metres(time);
-                vy = 10_000 * random.whole(1, 3);
+                approach.time = decimal(time);
+                let vy = 10_000 * random.whole(1, 3);
                 (approach.velocity[1], approach.arrival[1], approach.gap[1]) = (vy, vy, vy / 10_000 * time);
             }
         }
@@ -82,14 +84,14 @@ impl Approach {
         let vector = |x: f64, y: f64| [signs[0] * x, signs[1] * y];
         // The position of a box whose low corner and size are given, in this quadrant: a decimal itself.
         let position = |low: [i64; 2], size: i64| {
-            [0, 1].map(|axis| metres(if signs[axis] > 0.0 { low[axis] } else { -(low[axis] + size) }))
+            [0, 1].map(|axis| decimal(if signs[axis] > 0.0 { low[axis] } else { -(low[axis] + size) }))
         };
         let (corner, size) = ([3000, 7000], 4000);
         let start = [0, 1].map(|axis| corner[axis] - self.gap[axis] - size);
         let moving = BodySpec {
-            velocity: vector(metres(self.velocity[0]), metres(self.velocity[1])),
-            force: vector(0.0, metres(self.force)),
-            ..spec(position(start, size), [metres(size); 2], metres(self.mass))
+            velocity: vector(decimal(self.velocity[0]), decimal(self.velocity[1])),
+            force: vector(0.0, decimal(self.force)),
+            ..spec(position(start, size), [decimal(size); 2], decimal(self.mass))
         };
         let block = spec(position(corner, 50_000), [5.0; 2], INFINITE);
         let mut bodies: Vec<BodySpec> = vec![moving, block];
@@ -99,7 +101,7 @@ impl Approach {
         if is_block_first {
             bodies.swap(0, 1);
         }
-        let [x, y] = vector(0.0, metres(self.gravity));
+        let [x, y] = vector(0.0, decimal(self.gravity));
         let gravity = (self.gravity != 0).then_some([x, y]);
         let conditions = Conditions { restitution: self.restitution, gravity, rate: 64.0, ..Conditions::default() };
         let mut engine = world(conditions, &bodies);
