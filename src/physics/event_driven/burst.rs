@@ -17,6 +17,10 @@ use std::cmp::Ordering;
 /// The impacts between two searches for chains that infinite masses squeeze.
 const SQUEEZE_INTERVAL: u64 = 64;
 
+/// Of the impacts of an instant that lose energy, one in this number counts against the limit of events. Their sequence
+/// ends in any case, but can be long: rows of 50 touching boxes at e = 0.9 hit a wall in 2·10⁷ impacts.
+const LOSSY_IMPACTS_PER_EVENT: u64 = 1000;
+
 /// One side of an impact: the body and all that it pushes.
 #[derive(Clone, Debug, Default)]
 pub struct Cluster {
@@ -34,7 +38,7 @@ impl EventDriven {
         world: &World,
         observer: &mut O,
     ) -> Result<(), StepError> {
-        let mut count = 0_u64;
+        let [mut count, mut lossy] = [0_u64; 2];
         while let Some(index) = patch.first_approaching() {
             if count.is_multiple_of(SQUEEZE_INTERVAL) {
                 self.check_squeezed(patch, world)?;
@@ -46,9 +50,13 @@ impl EventDriven {
                 TouchKind::Face(Axis::Y) => [false, true],
                 TouchKind::Corner => patch.blocked_axes(&touch, CornerMotion::Moving),
             };
-            self.count_event(world, touch.bodies.map(|body| patch.bodies[body as usize].slot))?;
+            let restitution = self.restitution(patch, &touch, world);
+            lossy += u64::from(restitution.high < 1.0);
+            if restitution.high == 1.0 || lossy.is_multiple_of(LOSSY_IMPACTS_PER_EVENT) {
+                self.count_event(world, touch.bodies.map(|body| patch.bodies[body as usize].slot))?;
+            }
             for axis in Axis::BOTH.into_iter().filter(|axis| axes[*axis]) {
-                self.collide(patch, index, axis, world, observer)?;
+                self.collide(patch, index, axis, restitution, world, observer)?;
             }
         }
         Ok(())
@@ -60,6 +68,7 @@ impl EventDriven {
         patch: &mut Patch,
         index: u32,
         axis: Axis,
+        restitution: DoubleDouble,
         world: &World,
         observer: &mut O,
     ) -> Result<(), StepError> {
@@ -72,7 +81,6 @@ impl EventDriven {
         if approach_speed <= threshold && self.take_decayed_limit(patch, index, axis, threshold, world) {
             return Ok(());
         }
-        let restitution = self.restitution(patch, &touch, world);
         self.apply_impact(patch, &touch, axis, restitution, world, observer)?;
         if restitution.high == 0.0 && !self.is_contact(patch, &touch, axis) {
             self.add_contact(patch, &touch, axis);

@@ -4,7 +4,7 @@
 use super::random::Random;
 use crate::world_builder::{BodySpec, Conditions, INFINITE, spec, world};
 use num_bigint::{BigInt, Sign};
-use rebond::internals::physics::{BodyId, Collision, CollisionCount};
+use rebond::internals::physics::{BodyId, Collision, CollisionCount, StepError};
 use std::{collections::BTreeSet, ops::Range};
 
 /// The bits after the binary point.
@@ -296,6 +296,23 @@ fn rows_with_long_cycles_end_in_their_limits() {
         let velocities = line.velocities_of_equal_boxes();
         line.compare(&Burst { impacts: Vec::new(), velocities, is_infinite: true }, 0);
     }
+}
+
+/// A sequence of impacts that lose energy ends in any case, so that it may be longer than the limit of events.
+#[test]
+fn the_limit_of_events_does_not_end_a_burst_that_loses_energy() {
+    let (count, restitution, limit) = if cfg!(debug_assertions) { (16, 0.7, 30) } else { (35, 0.9, 1_000_000) };
+    let wall = spec([-1.0, 0.0], [1.0; 2], INFINITE);
+    let boxes = (0..count).map(|place| spec([f64::from(place), 0.0], [1.0; 2], 1.0).with_velocity(-1.0, 0.0));
+    let bodies: Vec<BodySpec> = [wall].into_iter().chain(boxes).collect();
+    let conditions = Conditions { restitution, rate: 4.0, events_per_step: limit, ..Conditions::default() };
+    let mut collisions = CollisionCount(0);
+    assert_eq!(world(conditions, &bodies).step(&mut collisions), Ok(()));
+    assert!(collisions.0 > limit, "{} impacts do not exceed the limit", collisions.0);
+
+    let conditions = Conditions { restitution: 1.0, events_per_step: 30, ..conditions };
+    let error = world(conditions, &bodies).step(&mut collisions).expect_err("without loss each impact counts");
+    assert!(matches!(error, StepError::TooManyEvents { limit: 30, .. }), "{error}");
 }
 
 /// Touching rows in which light boxes bounce between heavy ones: carried out one by one, it would take up to 10¹⁰ impacts
