@@ -79,7 +79,18 @@ impl Restitution {
 
     /// The coefficient of restitution of two materials, in either order.
     pub fn between(&self, a: Material, b: Material) -> f64 {
-        self.table[a.0 as usize * (self.names.len() + 1) + b.0 as usize]
+        self.table[self.index(a, b)]
+    }
+
+    /// The index in [`Restitution::table`] of two materials.
+    #[inline]
+    pub(super) fn index(&self, a: Material, b: Material) -> usize {
+        a.0 as usize * (self.names.len() + 1) + b.0 as usize
+    }
+
+    /// The coefficients of restitution of all pairs of materials.
+    pub(super) fn table(&self) -> &[f64] {
+        &self.table
     }
 }
 

@@ -4,7 +4,6 @@
 use super::EventDriven;
 use super::body_state::Slot;
 use super::collapse::decay_threshold;
-use super::decimal::stated;
 use super::double_double::DoubleDouble;
 use super::exact::{Resolution, VELOCITY_ROUNDING};
 use super::impact::Impact;
@@ -90,7 +89,7 @@ impl EventDriven {
 
     pub(super) fn restitution(&self, patch: &Patch, touch: &Touch, world: &World) -> DoubleDouble {
         let [first, second] = touch.bodies.map(|body| self.bodies.params(patch.bodies[body as usize].slot).material);
-        stated(world.restitution.between(first, second))
+        self.restitutions[world.restitution.index(first, second)]
     }
 
     /// Applies the impact law to the clusters on both sides of a touch.

@@ -4,7 +4,6 @@
 use super::EventDriven;
 use super::axis_trajectory::StateDd;
 use super::body_state::Slot;
-use super::decimal::stated;
 use super::double_double::DoubleDouble;
 use super::exact::VELOCITY_ROUNDING;
 use super::impact::Impact;
@@ -116,7 +115,7 @@ impl EventDriven {
     pub(super) fn impact_pair(&self, world: &World, pair: [Slot; 2], axis: Axis, side: Side) -> Option<ImpactPair> {
         let bodies = if side == Side::High { pair } else { [pair[1], pair[0]] };
         let [low, high] = bodies.map(|slot| self.bodies.params(slot));
-        let restitution = stated(world.restitution.between(low.material, high.material));
+        let restitution = self.restitutions[world.restitution.index(low.material, high.material)];
         let is_immovable = [(0, Side::Low), (1, Side::High)].map(|(place, pushed)| {
             self.bodies[bodies[place]].infinite || self.contacts.is_supported(bodies[place], axis, pushed)
         });

@@ -120,7 +120,9 @@ use body_state::Slot;
 use burst::Cluster;
 use cell_lists::CellLists;
 use contact::ContactGraph;
+use decimal::stated;
 use dirty_states::DirtyStates;
+use double_double::DoubleDouble;
 use event_queue::{EventQueue, Precision, ScheduledEvent};
 use impact::LatestShares;
 use instant::{Clock, Instant};
@@ -158,6 +160,8 @@ pub struct EventDriven {
     max_events: u64,
     threads: Threads,
     bodies: Bodies,
+    /// The coefficients of restitution as the decimals that they stand for, by `Restitution::index`.
+    restitutions: Vec<DoubleDouble>,
     contacts: ContactGraph,
     /// Bodies spawned since the last step, which may still overlap others.
     pending_spawns: Vec<Slot>,
@@ -220,6 +224,7 @@ impl EventDriven {
             max_events: config.events_per_step,
             threads: Threads::new(None),
             bodies: Bodies::new(gravity),
+            restitutions: config.restitution.table().iter().map(|restitution| stated(*restitution)).collect(),
             contacts: ContactGraph::default(),
             pending_spawns: Vec::new(),
             pending_wakes: Vec::new(),
