@@ -26,8 +26,8 @@ pub struct Bodies {
     states: Vec<BodyState>,
     /// By slot.
     details: Vec<BodyDetails>,
-    /// The constant forces on bodies of finite mass, alive or deleted, in the order of their slots, in units of
-    /// [`MASS_UNIT`] newtons, so that no sum overflows.
+    /// The constant forces on bodies of finite mass, alive or deleted, in the order of their slots: newtons times
+    /// [`MASS_UNIT`], so that no sum overflows.
     forces: Vec<(Slot, [DoubleDouble; 2])>,
     /// For each axis, the number of bodies alive with a constant force along it.
     force_counts: [u32; 2],
@@ -109,7 +109,7 @@ impl Bodies {
         &self.details[slot as usize].params
     }
 
-    /// The constant force on a body along an axis, in units of [`MASS_UNIT`] newtons; 0 for an infinite mass.
+    /// The constant force on a body along an axis, N, times [`MASS_UNIT`]; 0 for an infinite mass.
     pub fn force(&self, slot: Slot, axis: Axis) -> DoubleDouble {
         let index = self.forces.binary_search_by_key(&slot, |(slot, _)| *slot);
         index.map_or(DoubleDouble::ZERO, |index| self.forces[index].1[axis])

@@ -25,7 +25,7 @@ const LOSSY_IMPACTS_PER_EVENT: u64 = 1000;
 pub struct Cluster {
     /// The body, and the others in creation order. Empty if the impact moves none.
     pub members: Vec<Local>,
-    /// In units of [`MASS_UNIT`]; infinite if the cluster cannot move.
+    /// The total mass, kg, times [`MASS_UNIT`]; infinite if the cluster cannot move.
     pub mass: DoubleDouble,
 }
 
@@ -171,7 +171,7 @@ impl EventDriven {
         cluster.mass = self.total_mass(patch, &cluster.members);
     }
 
-    /// The total mass of bodies in units of [`MASS_UNIT`], summed in creation order. Those after the first must be in this
+    /// The total mass of bodies, kg, times [`MASS_UNIT`], summed in creation order. Those after the first must be in this
     /// order.
     pub(super) fn total_mass(&self, patch: &Patch, members: &[Local]) -> DoubleDouble {
         let slot_of = |body: &Local| patch.bodies[*body as usize].slot;

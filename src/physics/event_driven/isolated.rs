@@ -29,7 +29,7 @@ pub struct ImpactPair {
     /// The side of the body that keeps its position.
     pub anchor: Side,
     restitution: DoubleDouble,
-    /// Masses times [`MASS_UNIT`]; infinite for a body that does not give way.
+    /// Masses, kg, times [`MASS_UNIT`]; infinite for a body that does not give way.
     mass: [DoubleDouble; 2],
 }
 

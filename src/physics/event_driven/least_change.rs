@@ -44,7 +44,7 @@ const ROUNDING: f64 = 1.0 / (1_u128 << 90) as f64;
 /// lighter one would exceed its share in it.
 const HEAVIER: f64 = 1024.0;
 
-/// Masses are summed in this unit of kilograms, so that no sum overflows.
+/// The factor from kilograms to the unit of summed masses, 2²⁴ kg, in which no sum overflows. Forces have the same factor.
 pub const MASS_UNIT: f64 = 1.0 / (1_u64 << 24) as f64;
 
 impl ContactGroup {
@@ -58,8 +58,8 @@ impl ContactGroup {
         self.contacts.clear();
     }
 
-    /// Adds a body: free acceleration (m/s²), mass and force besides gravity (in units of
-    /// [`MASS_UNIT`] kilograms and newtons); returns its index.
+    /// Adds a body: free acceleration (m/s²), mass (kg) and force besides gravity (N), both times [`MASS_UNIT`]; returns
+    /// its index.
     pub fn add(&mut self, free: DoubleDouble, mass: DoubleDouble, force: DoubleDouble) -> usize {
         self.force.push(force);
         self.free.push(free);
