@@ -43,7 +43,8 @@ pub trait Observer {
     /// Receives each collision once, in the order of resolution.
     fn collision(&mut self, collision: &Collision);
 
-    /// Receives a collision of which only the impulse (N·s) is computed yet. Overridden by observers that need no more.
+    /// Receives the impulse (N·s) of a collision, and a function that computes the collision. Observers that need only the
+    /// impulse override this method.
     fn collision_of(&mut self, _impulse: f64, collision: impl FnOnce() -> Collision)
     where
         Self: Sized,

@@ -322,7 +322,8 @@ impl Engine {
     /// Restores an engine from a snapshot. `config` must be the configuration of the engine that took it.
     ///
     /// # Errors
-    /// Returns an error if the snapshot is damaged, or its solver's part was created by another solver.
+    /// Returns an error if the snapshot is damaged, or if the event-driven solver cannot read its solver's part. The handout
+    /// solver, which has no state, ignores that part.
     pub fn restore(config: EngineConfig, snapshot: Snapshot) -> Result<Engine, SnapshotError> {
         let ascend = snapshot.bodies.is_sorted_by(|a, b| a.id < b.id);
         if !ascend || snapshot.bodies.last().is_some_and(|body| body.id >= snapshot.next_id) {

@@ -6,8 +6,9 @@
 //!
 //! Nearly all operations between two impacts wait for the one before: time of the impact, position, gap, quotient, time of
 //! the next impact. So numbers that are not needed are not computed: the position of the body that is placed at the other,
-//! differences known from the prediction, and bounds that a sum of doubles shows to be met. That makes Galperin's billiard
-//! 1.4 times as fast as with the general functions (`cargo bench --bench event_driven`, rows `Galperin N`).
+//! differences known from the prediction, and double-double bounds where a sum of doubles decides already. That makes
+//! Galperin's billiard 1.4 times as fast as with the general functions (`cargo bench --bench event_driven`, rows
+//! `Galperin N`).
 
 use super::axis_trajectory::StateDd;
 use super::body_state::Slot;
@@ -209,7 +210,8 @@ impl EventDriven {
         Some(least)
     }
 
-    /// How two bodies lie along an axis from now on for at least `horizon` seconds or until that changes.
+    /// The position of two bodies relative to each other along an axis. Its seconds hold up to `horizon`, beyond which the
+    /// rounding can be greater.
     fn overlap(&self, pair: [Slot; 2], axis: Axis, horizon: f64) -> Overlap {
         let [first, second] = pair.map(|slot| &self.bodies[slot]);
         let [[from, from_velocity], [to, to_velocity]] = [first, second].map(|body| body.trajectory.at(self.now));

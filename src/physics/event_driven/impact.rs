@@ -5,8 +5,8 @@ use super::double_double::DoubleDouble;
 /// Two clusters that collide along an axis; the one on the low side first.
 #[derive(Clone, Copy, Debug)]
 pub struct Impact {
-    /// Velocities along the axis, m/s; the first is the greater one, except where a bounce that hides below the resolution
-    /// is captured.
+    /// Velocities along the axis, m/s; the first is the greater one, except where a bounce below the resolution of
+    /// positions is captured.
     pub velocity: [DoubleDouble; 2],
     /// Masses in any unit; infinite for a cluster that cannot move.
     pub mass: [DoubleDouble; 2],

@@ -23,8 +23,9 @@ const SAME_DIRECTION: f64 = 1.0 / (1_u64 << 60) as f64;
 /// bits.
 const LEAST_PRECISION: f64 = (1_u64 << 30) as f64;
 
-/// A cycle is proven only from speeds above this fraction of the greatest of the burst, so that the same cycles are proven
-/// in all frames of reference that are not 2¹⁸ times faster. Some long cycles shrink to 2⁻⁴⁰ of it in three periods.
+/// A cycle is proven only from speeds above this fraction of the greatest of the burst. So the same cycles are proven in
+/// every frame of reference that moves less than 2¹⁸ times as fast as that. Some long cycles shrink to 2⁻⁴⁰ of it in three
+/// periods.
 const SLOWEST: f64 = 1.0 / (1_u64 << 44) as f64;
 
 /// Lengths that agree to this are the same.
@@ -122,9 +123,11 @@ impl ImpactHistory {
         self.long_search = FIRST_LONG_SEARCH;
     }
 
-    /// Records an impact and its approach speed; returns the touches of a cycle if it completes the proof of one.
-    /// `approach_speed` gives the present approach speed of a touch and `rounding` that of its speed, `greatest` is the
-    /// greatest approach speed of the burst, m/s.
+    /// Records an impact and its approach speed; returns a cycle and its touches, sorted, if that completes the proof of
+    /// one.
+    ///
+    /// `approach_speed` gives the present approach speed of a touch, `rounding` the rounding error of that speed, and
+    /// `greatest` is the greatest approach speed of the burst, m/s.
     pub fn push(
         &mut self,
         touch: u32,
@@ -174,7 +177,7 @@ impl ImpactHistory {
         }
     }
 
-    /// The shortest of the short periods of which the last three hit the same touches.
+    /// The shortest of the short periods whose last three repetitions hit the same touches.
     fn find_short_period(&self) -> Option<usize> {
         let length = self.hits.len();
         let longest = if length / 3 < SHORT_PERIOD { length / 3 } else { SHORT_PERIOD };

@@ -3,8 +3,8 @@ use std::cmp::Ordering;
 
 /// An instant of simulated time: the seconds since step 0 in double-double precision.
 ///
-/// It is independent of the steps and of their rate. Instants closer than the rounding of a coordinate at
-/// them cannot be distinguished.
+/// It is independent of the steps and of their rate. Instants between which no coordinate changes by more than its
+/// rounding cannot be distinguished.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Instant {
     /// The seconds, rounded to a double.
@@ -69,7 +69,7 @@ impl Instant {
     }
 }
 
-/// The rate of the steps: at which instants the state is sampled.
+/// The steps of a run: the instants at which the state is sampled.
 #[derive(Clone, Copy, Debug)]
 pub struct Clock {
     /// Steps per second, Hz.

@@ -14,8 +14,7 @@ use super::pair_event::Sample;
 use super::reference::{Reference, ScaledState};
 use crate::physics::{Axis, Collision, Observer, Rect, Side, Vector, World, larger};
 
-/// Two bodies whose faces collide, without contacts of those that give way: the data that stay the same from impact to
-/// impact.
+/// Two bodies whose faces collide: the data that stay the same from impact to impact. A body that gives way has no contacts.
 ///
 /// All pairs have the body on the low side first.
 #[derive(Clone, Copy, Debug)]
@@ -71,7 +70,7 @@ impl ImpactPair {
 
 impl EventDriven {
     /// Carries out the impact of two bodies whose faces touch now, unless other bodies, contacts or limits are
-    /// involved; returns whether it did. `side` is that of the first on which the second lies.
+    /// involved; returns true if it did. `side` is that of the first on which the second lies.
     pub(super) fn collide_isolated<O: Observer>(
         &mut self,
         world: &World,
@@ -109,8 +108,8 @@ impl EventDriven {
         true
     }
 
-    /// The data of two bodies whose faces collide, unless contacts are involved, neither gives way, or the impact is plastic.
-    /// `side` is that of the first on which the second lies.
+    /// The data of two bodies whose faces collide; `None` if one that gives way has contacts, if neither gives way, or if the
+    /// impact is plastic. `side` is that of the first on which the second lies.
     #[inline(always)]
     pub(super) fn impact_pair(&self, world: &World, pair: [Slot; 2], axis: Axis, side: Side) -> Option<ImpactPair> {
         let bodies = if side == Side::High { pair } else { [pair[1], pair[0]] };

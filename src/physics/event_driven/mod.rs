@@ -34,8 +34,8 @@
 //! event hides an earlier one.
 //!
 //! A later event belongs to the same instant if its gap is 0 already at the time of the first, and that of the first is
-//! still 0 at its time (rule 1). So the window of an instant follows from coordinates and speeds and has no unit of its
-//! own. A pair that still approaches when its computed time is past is due now.
+//! still 0 at its time (rule 1). So the length of an instant follows from coordinates and speeds and is no parameter. A
+//! pair that still approaches when its computed time is past is due now.
 //!
 //! # Rules
 //!
@@ -57,7 +57,7 @@
 //!    either side the body acts together with all bodies that it pushes through contacts; if these reach an infinite mass,
 //!    it acts like that mass. Bodies that only touch pass the impact on. (To pass an impact on through contacts from pair
 //!    to pair would need infinitely many impacts in a resting stack.)
-//! 6. **Inelastic collapse.** An infinite sequence of impacts is replaced by its limit (`burst`).
+//! 6. **Inelastic collapse.** An infinite sequence of impacts is replaced by its limit (`collapse`).
 //! 7. **Resolution.** A bounce that does not rise by the resolution of positions is plastic.
 //!
 //! # Invariants
@@ -151,8 +151,8 @@ const VICINITY: f64 = 1.0 + 4.0 * COMPARED_TIMES;
 
 /// The event-driven solver.
 ///
-/// A snapshot stores the clock, trajectories, low parts of sizes, contacts, loads, pending spawns and wakes. Cell lists,
-/// window lists and event queue are derived from them and influence no result.
+/// A snapshot stores the present instant, trajectories, low parts of sizes, contacts, loads, pending spawns and wakes. Cell
+/// lists, window lists and event queue are derived from them and influence no result.
 #[derive(Clone, Debug)]
 pub struct EventDriven {
     clock: Clock,
@@ -201,7 +201,7 @@ pub struct EventDriven {
     indexed_bodies: usize,
     /// Buffer for the bodies concerned by an instant.
     patch: Patch,
-    /// Buffer for the bodies of which contacts were examined.
+    /// Buffer for the bodies whose contacts were examined.
     examined: Vec<Local>,
     /// Buffer for a component of bodies in contact.
     contact_group: ContactGroup,
@@ -314,10 +314,9 @@ impl EventDriven {
     /// Advances the world by one step; the module documentation lists the phases.
     ///
     /// # Errors
-    /// [`StepError::Crushed`] if a body is crushed between infinite masses,
-    /// [`StepError::TooManyEvents`] if the step exceeds the limit of events,
-    /// [`StepError::NotFinite`] if a number overflows. In the first two cases the world still
-    /// holds the state before the step.
+    /// [`StepError::Crushed`] if a body is crushed between infinite masses, [`StepError::Endless`] if impacts repeat without
+    /// end, [`StepError::TooManyEvents`] if the step exceeds the limit of events, [`StepError::NotFinite`] if a number
+    /// overflows. Except in the last case, the world still holds the state before the step.
     pub fn step<O: Observer>(&mut self, world: &mut World, step: u64, observer: &mut O) -> Result<(), StepError> {
         self.begin_at(step);
         self.apply_inputs(world, observer)?;

@@ -331,7 +331,7 @@ impl Patch {
         body
     }
 
-    /// The root of a touch.
+    /// The root of the tree to which the bodies of a touch belong.
     pub fn root_of_touch(&self, touch: &Touch) -> Local {
         self.root(self.finite_of(touch.bodies))
     }
@@ -455,7 +455,7 @@ impl EventDriven {
         self.neighbour_buffer = neighbours;
     }
 
-    /// Finds the bodies that may touch one at the instant of a sample, and more.
+    /// Finds all bodies that may touch one at the instant of a sample, and possibly others.
     pub(super) fn find_touching(&self, slot: Slot, sample: &Sample, neighbours: &mut NeighbourBuffer) {
         let is_in_window = self.window_lists.is_active();
         if !is_in_window && self.cell_lists.uses_all_pairs() {

@@ -44,6 +44,7 @@ impl EventDriven {
     /// overlaps no body that is already placed. A spawned body of infinite mass stays, and the older
     /// bodies of finite mass that it overlaps move instead. The nearest position is found exactly,
     /// among all positions that touch faces of obstacles.
+    ///
     /// Returns the spawned bodies of finite mass that may touch others then, in creation order, and the older bodies that
     /// it moved or that were in contact with these.
     pub(super) fn separate_overlaps(&mut self, spawned: &[Slot]) -> (Vec<Slot>, Vec<Slot>) {

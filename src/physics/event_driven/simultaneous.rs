@@ -80,7 +80,8 @@ impl EventDriven {
             return first.pair.map(|slot| Concerned { slot, at: first.at }).to_vec();
         }
         let events = [vec![*first], others].concat();
-        // The instant ends before the first event that differs from it: the gap of one is not 0 at the time of the other.
+        // The instant ends before the first event that does not coincide: one of the two gaps is not 0 at the time of the
+        // other event.
         let is_simultaneous = |event: &ScheduledEvent| {
             event.at == first.at || (self.coincides(event, first.at) && self.coincides(first, event.at))
         };

@@ -88,7 +88,7 @@ const RETRY_STEPS: u64 = 256;
 #[derive(Clone, Debug, Default)]
 pub struct WindowLists {
     tuning: Tuning,
-    /// The step at the start of which the window ends; none if cell lists are in use.
+    /// The step at whose start the window ends; `None` if cell lists are in use.
     end: Option<u64>,
     /// The first step at which a window may begin.
     earliest: u64,
