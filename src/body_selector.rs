@@ -6,8 +6,8 @@ use std::str::FromStr;
 
 /// A choice of bodies by their names; the default is all bodies.
 ///
-/// Its text form is a list of names and of ranges of numbered names, such as `a,b,#1..#9`. A name with a comma is in double
-/// quotes: `"e, 4 kg",b`.
+/// Its text form is a list of names and of ranges of numbered names, such as `a,b,#1..#9`. A name with a comma is in
+/// double quotes: `"e, 4 kg",b`.
 ///
 /// ```
 /// use rebond::BodySelector;

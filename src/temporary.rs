@@ -22,7 +22,8 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// True on systems with numbered processes and a folder for temporary files; WASI has neither, and asking for them panics.
+/// True on systems with numbered processes and a folder for temporary files; WASI has neither, and asking for them
+/// panics.
 const HAS_PROCESSES: bool = cfg!(any(unix, windows));
 
 /// The number of this process; 0 on systems without numbers.
@@ -202,8 +203,9 @@ fn remove_in_use(folder: &Path) {
     }
 }
 
-/// Removes temporary files on SIGINT, SIGTERM, SIGHUP and SIGQUIT, and then ends the process by the same signal, so that shells
-/// and parent processes see the interruption. Signals that the parent process ignores stay ignored, as under `nohup`.
+/// Removes temporary files on SIGINT, SIGTERM, SIGHUP and SIGQUIT, and then ends the process by the same signal, so
+/// that shells and parent processes see the interruption. Signals that the parent process ignores stay ignored, as
+/// under `nohup`.
 #[cfg(all(feature = "cli", unix))]
 pub fn remove_all_on_interruption() {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGQUIT, SIGTERM};

@@ -22,8 +22,8 @@ pub enum Decision {
 /// The rules by which changed files may be replaced.
 ///
 /// A file is replaced only if it was found to differ, carries the provenance of rebond, and is one of the files or in
-/// one of the folders that were given. A picture elsewhere, which a manifest lists, is replaced if its provenance names a
-/// recording of that manifest. Missing files are made only in the given folders.
+/// one of the folders that were given. A picture elsewhere, which a manifest lists, is replaced if its provenance names
+/// a recording of that manifest. Missing files are made only in the given folders.
 #[derive(Debug)]
 pub struct Acceptance<'a> {
     files: &'a Files,

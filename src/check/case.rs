@@ -360,8 +360,8 @@ fn images_of(files: &Files) -> BTreeSet<PathBuf> {
     files.with_extension("toml").flat_map(images).map(|image| canonical(&image)).collect()
 }
 
-/// Adds the file that a line of a manifest writes to the `outputs`. Returns the problem of a line that writes the file of
-/// another line or one of its own `inputs`.
+/// Adds the file that a line of a manifest writes to the `outputs`. Returns the problem of a line that writes the file
+/// of another line or one of its own `inputs`.
 fn refusal(
     file: &Path,
     line: Option<&ManifestLine>,

@@ -17,7 +17,8 @@ pub struct Files {
     context: BTreeMap<PathBuf, PathBuf>,
     /// Files with new content beside them (`NAME.new`).
     pending: Vec<PathBuf>,
-    /// The folders that were given, and those of manifests that were given, by the name that is the same for all of their paths.
+    /// The folders that were given, and those of manifests that were given, by the name that is the same for all of
+    /// their paths.
     folders: Vec<PathBuf>,
     /// The paths that cannot be checked.
     pub problems: Vec<Problem>,
@@ -153,8 +154,8 @@ impl Files {
         self.named.contains(&canonical(path))
     }
 
-    /// Returns true if the file is one of those that were given, or is in one of the folders or in the folder of one of the
-    /// manifests that were given, behind all symbolic links. It need not exist.
+    /// Returns true if the file is one of those that were given, or is in one of the folders or in the folder of one of
+    /// the manifests that were given, behind all symbolic links. It need not exist.
     pub fn encloses(&self, path: &Path) -> bool {
         let place = place_of(path);
         self.folders.iter().any(|folder| place.starts_with(folder)) || self.contains(path) && canonical(path) == place

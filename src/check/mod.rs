@@ -34,8 +34,8 @@ use std::any::Any;
 use std::num::NonZero;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// Calls `check`, such as [`check_case`], for every case on `threads` threads, and passes the results to `on_result` in the
-/// order of the cases.
+/// Calls `check`, such as [`check_case`], for every case on `threads` threads, and passes the results to `on_result` in
+/// the order of the cases.
 ///
 /// A panic in a case is the result of that case.
 ///

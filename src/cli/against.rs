@@ -188,8 +188,8 @@ impl Comparison {
         }
     }
 
-    /// Returns true if a number is the recorded one, or within the tolerance. 0 and −0 are the same: programs print both
-    /// as 0.
+    /// Returns true if a number is the recorded one, or within the tolerance. 0 and −0 are the same: programs print
+    /// both as 0.
     fn is_same(&self, row: &StateRow, body: &Body, field: usize) -> bool {
         let (given, recorded) = (row.values[field], body_state(body)[field]);
         given == recorded
@@ -434,8 +434,8 @@ struct LatestCollisions {
     next_id: BodyId,
 }
 
-/// Collisions that neither push nor displace are left out: after each collision of the handout solver there is one, when
-/// the same two bodies are compared the other way round.
+/// Collisions that neither push nor displace are left out: after each collision of the handout solver there is one,
+/// when the same two bodies are compared the other way round.
 impl Observer for LatestCollisions {
     fn collision(&mut self, collision: &Collision) {
         if collision.impulse == 0.0 && collision.penetration.norm() == 0.0 {

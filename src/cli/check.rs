@@ -90,7 +90,8 @@ fn check(options: &CheckOptions, journal: &Journal) -> Result<Exit, CommandError
     session.finish(&files, junit)
 }
 
-/// The index of the recordings, if a case may need it: one of a picture that names no files, or one that may be replaced.
+/// The index of the recordings, if a case may need it: one of a picture that names no files, or one that may be
+/// replaced.
 fn index_of(files: &Files, cases: &[Case], options: &CheckOptions, journal: &Journal) -> RecordingIndex {
     let mut index = RecordingIndex::default();
     let names_recordings =
@@ -358,8 +359,8 @@ struct Commands<'a> {
 }
 
 impl Commands<'_> {
-    /// The command that accepts the change of a file alone: of the file, of its manifest if that is in another folder, or
-    /// of all paths if its recordings are in another folder.
+    /// The command that accepts the change of a file alone: of the file, of its manifest if that is in another folder,
+    /// or of all paths if its recordings are in another folder.
     fn accepting(&self, result: &CheckResult) -> String {
         let folder = |path: &Path| path.parent().map(Path::to_owned);
         let paths: Vec<&Path> = match &result.line {

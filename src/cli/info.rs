@@ -18,8 +18,8 @@ use std::{
     path::Path,
 };
 
-/// Prints the contents of recordings, and the provenance of pictures. After a file that cannot be read, goes on with the
-/// next one.
+/// Prints the contents of recordings, and the provenance of pictures. After a file that cannot be read, goes on with
+/// the next one.
 pub fn run(options: &InfoOptions) -> Result<Exit, CommandError> {
     let mut exit = Exit::Done;
     let mut separator = "";
@@ -117,8 +117,8 @@ fn set_text(set: &serde_json::Map<String, serde_json::Value>) -> String {
 /// Recordings up to this size are verified without `--verify`, bytes: that takes about 0.1 s.
 const MAX_ALWAYS_VERIFIED: u64 = 16 << 20;
 
-/// The provenance of a picture. `None` if neither the content of the file nor its name is that of a picture; the name of an
-/// MCAP file does not count.
+/// The provenance of a picture. `None` if neither the content of the file nor its name is that of a picture; the name
+/// of an MCAP file does not count.
 fn picture_entries(path: &Path) -> Result<Option<serde_json::Map<String, serde_json::Value>>, CommandError> {
     let mut file = File::open(path).map_err(CommandError::unreadable(path))?;
     let mut magic = Vec::new();

@@ -1,5 +1,5 @@
-//! Manifests: lists of commands that record scenes and draw pictures, one per line, with paths relative to the folder of
-//! the manifest.
+//! Manifests: lists of commands that record scenes and draw pictures, one per line, with paths relative to the folder
+//! of the manifest.
 
 use super::arguments::RecordOptions;
 use super::picture_arguments::{FigureCommandOptions, RenderOptions};

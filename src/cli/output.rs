@@ -17,8 +17,8 @@ use std::{
 
 /// Writes text to standard output, with its control characters escaped except line breaks and tabs.
 ///
-/// If the reader has closed the pipe, the text is dropped: the reader does not need it, and the work goes on to its exit
-/// code.
+/// If the reader has closed the pipe, the text is dropped: the reader does not need it, and the work goes on to its
+/// exit code.
 pub fn print(text: &str) -> Result<(), CommandError> {
     let mut output = io::stdout().lock();
     match write!(output, "{}", Printable(text)).and_then(|()| output.flush()) {

@@ -1,9 +1,9 @@
 //! The files that commands write.
 //!
 //! A file appears complete or not at all: it is written to a temporary folder beside its place, synced and renamed. A
-//! recording is renamed when its first chunk is written, with live events when the first states after the initial one are,
-//! and grows from there. Until then an existing file stays as it is, and a command that fails leaves nothing behind. Devices, named pipes and sockets are written to and never
-//! replaced. An input is never overwritten.
+//! recording is renamed when its first chunk is written, with live events when the first states after the initial one
+//! are, and grows from there. Until then an existing file stays as it is, and a command that fails leaves nothing
+//! behind. Devices, named pipes and sockets are written to and never replaced. An input is never overwritten.
 
 use super::arguments::is_standard_output;
 use super::error::CommandError;
@@ -221,8 +221,8 @@ pub enum Durability {
 pub enum Placement {
     /// The first one, which has a chunk.
     FirstFlush,
-    /// The second one, for live events: the first one has the initial state alone, after which the first of them may still
-    /// be refused.
+    /// The second one, for live events: the first one has the initial state alone, after which the first of them may
+    /// still be refused.
     SecondFlush,
 }
 

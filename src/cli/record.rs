@@ -17,8 +17,8 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// Runs a scene and records it. If another process records to the same file meanwhile, `--skip-existing` waits for its end
-/// and then takes the file as one that has existed before.
+/// Runs a scene and records it. If another process records to the same file meanwhile, `--skip-existing` waits for its
+/// end and then takes the file as one that has existed before.
 pub fn run(options: &RecordOptions) -> Result<Exit, CommandError> {
     let is_repeatable = options.skip_existing && !is_standard_output(&options.scene);
     loop {
@@ -214,7 +214,8 @@ fn last_readable_step(path: &Path) -> u64 {
     steps.last().unwrap_or(0)
 }
 
-/// Reports values of `--set` for pairs of materials of which no body is made, such as misspelt ones: they change nothing.
+/// Reports values of `--set` for pairs of materials of which no body is made, such as misspelt ones: they change
+/// nothing.
 fn warn_of_unused_pairs(scene: &Scene) {
     let materials = scene.inputs.iter().filter_map(|input| match &input.action {
         Action::Wall(request) | Action::Spawn(request) => Some(&request.blueprint.material),
@@ -275,8 +276,8 @@ fn print_summary(options: &RecordOptions, recorded: &Recorded, skipped: u64) -> 
     output::print_result(&options.output, &line)
 }
 
-/// Writes the readable part of a damaged recording to a new one, replays that, and prints what was lost and the first damage.
-/// The exit code is that of the damaged recording.
+/// Writes the readable part of a damaged recording to a new one, replays that, and prints what was lost and the first
+/// damage. The exit code is that of the damaged recording.
 pub fn recover(options: &RecoverOptions) -> Result<Exit, CommandError> {
     let path = &options.recording;
     let overwrite = Overwrite::from_force(options.output.force);
@@ -298,8 +299,8 @@ pub fn recover(options: &RecoverOptions) -> Result<Exit, CommandError> {
     Ok(exit)
 }
 
-/// Replays a recovered recording, if it is a file, and says that it does not replay the same or cannot be replayed: values
-/// may have been altered that nothing else in the file contradicts.
+/// Replays a recovered recording, if it is a file, and says that it does not replay the same or cannot be replayed:
+/// values may have been altered that nothing else in the file contradicts.
 fn replay_problem(path: &Path) -> Option<String> {
     if !path.is_file() || output_file::goes_to_standard_output(path) {
         return None;

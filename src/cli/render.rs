@@ -181,7 +181,8 @@ impl ClipLength {
         }
     }
 
-    /// Advice that brings the clip within limits. A faster clip has fewer frames unless their interval, `every`, is given.
+    /// Advice that brings the clip within limits. A faster clip has fewer frames unless their interval, `every`, is
+    /// given.
     fn cures(&self, (max_seconds, max_frames): (f64, u64), every: Option<u64>) -> Vec<String> {
         let (is_too_long, has_too_many) = (self.seconds() > max_seconds, self.frames > max_frames);
         let by_duration = self.simulated / (max_seconds - self.frozen);

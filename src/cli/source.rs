@@ -58,8 +58,8 @@ impl Content {
 }
 
 impl SourceArgument {
-    /// Returns the sources that `paths` and `--set` name: each recording, and each scene once for every combination of the
-    /// values. `--set` needs a scene among the paths.
+    /// Returns the sources that `paths` and `--set` name: each recording, and each scene once for every combination of
+    /// the values. `--set` needs a scene among the paths.
     pub fn all(paths: &[PathBuf], set: &[Sweep]) -> Result<Vec<SourceArgument>, CommandError> {
         let runs = Sweep::combinations(set).map_err(CommandError::Set)?;
         let mut contents: BTreeMap<&Path, Content> = BTreeMap::new();
@@ -166,14 +166,14 @@ impl SourceFile {
     }
 }
 
-/// The verification of a recording that was made from a scene just now. Recordings of files are verified by the commands
-/// that replay them.
+/// The verification of a recording that was made from a scene just now. Recordings of files are verified by the
+/// commands that replay them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verification {
     /// The recording is replayed once, and a verdict other than `same` is an error.
     Replay,
-    /// For a single picture, which takes less time than a replay: the scene is simulated once, unless the picture itself
-    /// needs a replay, which compares every state.
+    /// For a single picture, which takes less time than a replay: the scene is simulated once, unless the picture
+    /// itself needs a replay, which compares every state.
     None,
 }
 

@@ -127,8 +127,8 @@ impl TableError {
 const MAX_BYTES: u64 = 1 << 30;
 
 impl StatesTable {
-    /// Reads a table. A column `time` (s) stands for `step` at `rate` steps per second. Fields are separated by commas, or
-    /// by the semicolons or tabs that the first line contains instead.
+    /// Reads a table. A column `time` (s) stands for `step` at `rate` steps per second. Fields are separated by commas,
+    /// or by the semicolons or tabs that the first line contains instead.
     pub fn read(file: impl Read, rate: f64) -> Result<StatesTable, TableError> {
         let mut text = Vec::new();
         file.take(MAX_BYTES + 1).read_to_end(&mut text)?;

@@ -1,6 +1,6 @@
-//! Checks in a child process, so that a case that ends it (without memory, or by a bug that overflows the stack) is one line
-//! of the result. The child notes in a journal which cases it is at; after its end another child goes on, without the case
-//! that was to blame.
+//! Checks in a child process, so that a case that ends it (without memory, or by a bug that overflows the stack) is one
+//! line of the result. The child notes in a journal which cases it is at; after its end another child goes on, without
+//! the case that was to blame.
 
 use super::Exit;
 use crate::check::{Case, CheckResult, ManifestLine, Outcome};
@@ -115,8 +115,8 @@ fn end_of(status: ExitStatus) -> String {
     status.code().map_or("was ended".into(), |code| format!("was ended with the code {:#X}", code as u32))
 }
 
-/// The notes of a child about the cases that it checks. Each is a word and the key of a case, in one line. The default is
-/// one for a process without a supervisor, which writes nothing.
+/// The notes of a child about the cases that it checks. Each is a word and the key of a case, in one line. The default
+/// is one for a process without a supervisor, which writes nothing.
 #[derive(Debug, Default)]
 pub struct Journal {
     file: Option<Mutex<File>>,

@@ -1,7 +1,8 @@
-//! Decompresses the part of the engine with which the page starts: DEFLATE (RFC 1951), of which `inline.mjs` has written
-//! each 13 bits, some 14, as two of 94 characters. A WebAssembly module is made of this file alone. A decompressor in JavaScript
-//! takes ten times as long, because it has not been compiled when the page opens, and `DecompressionStream` waits for its
-//! turn among the tasks that lay out the page. Browsers run the module without optimisations, so loops are short.
+//! Decompresses the part of the engine with which the page starts: DEFLATE (RFC 1951), of which `inline.mjs` has
+//! written each 13 bits, some 14, as two of 94 characters. A WebAssembly module is made of this file alone. A
+//! decompressor in JavaScript takes ten times as long, because it has not been compiled when the page opens, and
+//! `DecompressionStream` waits for its turn among the tasks that lay out the page. Browsers run the module without
+//! optimisations, so loops are short.
 #![no_std]
 
 use core::slice;
@@ -14,8 +15,8 @@ const SHORT: usize = 10;
 
 /// The codes of symbols. A symbol of length 0 has none.
 struct Codes {
-    /// For each sequence of [`SHORT`] bits: 16 times the symbol that it begins with, plus the length of its code; 0 if that
-    /// is longer.
+    /// For each sequence of [`SHORT`] bits: 16 times the symbol that it begins with, plus the length of its code; 0 if
+    /// that is longer.
     short: [u16; 1 << SHORT],
     /// The number of codes of each length.
     counts: [u16; LONGEST + 1],

@@ -271,8 +271,8 @@ impl Session {
         is_done
     }
 
-    /// Adds an event, a line of JSON whose step is ignored. What was after the present step is forgotten. A body without
-    /// a name gets one, so that it can be thrown later.
+    /// Adds an event, a line of JSON whose step is ignored. What was after the present step is forgotten. A body
+    /// without a name gets one, so that it can be thrown later.
     ///
     /// # Errors
     /// The message of a line that is refused; the session is then as before.
@@ -348,8 +348,8 @@ impl Session {
         self.lines.iter().filter(|line| line.step <= step).cloned().collect()
     }
 
-    /// The lines until `step`. Clicks of that step are replaced by what they did: clicks come after spawns, so they would
-    /// hit a body that is spawned at their place later.
+    /// The lines until `step`. Clicks of that step are replaced by what they did: clicks come after spawns, so they
+    /// would hit a body that is spawned at their place later.
     fn lines_without_clicks_at(&self, step: u64) -> Option<Vec<EventLine>> {
         let mut lines = self.lines_until(step);
         let first = lines.partition_point(|line| line.step < step);
@@ -359,8 +359,8 @@ impl Session {
         Some(lines)
     }
 
-    /// The effect of the lines of `step`, as deletes and spawns in the order of creation. A body that they spawn and delete is
-    /// left out.
+    /// The effect of the lines of `step`, as deletes and spawns in the order of creation. A body that they spawn and
+    /// delete is left out.
     fn done_at(&self, step: u64) -> Option<Vec<EventLine>> {
         let run = self.run_before(step)?;
         let events = |live: Vec<Input>| run.clone().apply_inputs(live, |_| Ok(())).ok();
@@ -399,8 +399,8 @@ impl Session {
         Some(run)
     }
 
-    /// Returns to the session before the last event, setting or scene. The present time stays to be reached, or the step
-    /// at which the scene was left; see [`Session::advance`].
+    /// Returns to the session before the last event, setting or scene. The present time stays to be reached, or the
+    /// step at which the scene was left; see [`Session::advance`].
     pub fn undo(&mut self) -> bool {
         let Some(Before { scene, lines, left_at }) = self.undo.pop() else { return false };
         let now = self.target.max(self.step_now());
@@ -539,7 +539,8 @@ impl Session {
         serde_json::Value::from_iter(rows).to_string()
     }
 
-    /// The collision with the bodies in the order of the figures: c has a finite mass, else it is the one created first.
+    /// The collision with the bodies in the order of the figures: c has a finite mass, else it is the one created
+    /// first.
     fn as_in_figures(&self, collision: &Collision) -> Collision {
         let is_infinite = |id: &BodyId| self.infos.get(id).is_some_and(|info| info.spawn.mass.is_infinite());
         let keys = collision.bodies.each_ref().map(|id| (is_infinite(id), *id));

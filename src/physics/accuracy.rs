@@ -60,7 +60,8 @@ pub struct AccuracyProbe {
 }
 
 impl AccuracyProbe {
-    /// Starts with an engine that has no bodies yet; `None` with the handout solver, whose accuracy depends on the step.
+    /// Starts with an engine that has no bodies yet; `None` with the handout solver, whose accuracy depends on the
+    /// step.
     pub fn new(engine: &Engine) -> Option<AccuracyProbe> {
         let copies = [engine.perturbed(1, 1.0 / RESOLUTION_FACTOR)?, engine.perturbed(2, RESOLUTION_FACTOR)?];
         let instant = SAME_INSTANT * engine.period();

@@ -43,8 +43,8 @@ pub trait Observer {
     /// Receives each collision once, in the order of resolution.
     fn collision(&mut self, collision: &Collision);
 
-    /// Receives the impulse (N·s) of a collision, and a function that computes the collision. Observers that need only the
-    /// impulse override this method.
+    /// Receives the impulse (N·s) of a collision, and a function that computes the collision. Observers that need only
+    /// the impulse override this method.
     fn collision_of(&mut self, _impulse: f64, collision: impl FnOnce() -> Collision)
     where
         Self: Sized,

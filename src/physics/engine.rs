@@ -96,7 +96,8 @@ pub struct Engine {
 
 /// The worlds between the current step of an engine and the next.
 ///
-/// [`Engine::world_after`] gives the same worlds, bit for bit, but processes the events since the current step each time.
+/// [`Engine::world_after`] gives the same worlds, bit for bit, but processes the events since the current step each
+/// time.
 #[derive(Debug)]
 pub struct WithinStep<'a> {
     engine: &'a Engine,
@@ -105,8 +106,8 @@ pub struct WithinStep<'a> {
 }
 
 impl WithinStep<'_> {
-    /// Returns the world `offset` seconds (0 to 1/rate) after the current step. The observer receives the collisions since
-    /// the last offset; an offset that is smaller than the last one starts again at the current step.
+    /// Returns the world `offset` seconds (0 to 1/rate) after the current step. The observer receives the collisions
+    /// since the last offset; an offset that is smaller than the last one starts again at the current step.
     ///
     /// # Errors
     /// Returns the errors of [`Engine::step`].
@@ -147,8 +148,9 @@ impl Engine {
         Engine { world, step: 0, next_id: 0, rate: config.rate, solver, failure: None }
     }
 
-    /// Sets the number of threads that share the work of the event-driven solver whose order does not matter, with 2¹⁵ bodies
-    /// or more; `None`, the default, stands for as many as the system can run at the same time. No result depends on it.
+    /// Sets the number of threads that share the work of the event-driven solver whose order does not matter, with 2¹⁵
+    /// bodies or more; `None`, the default, stands for as many as the system can run at the same time. No result
+    /// depends on it.
     pub fn set_threads(&mut self, count: Option<NonZero<u32>>) {
         if let Solver::EventDriven(solver) = &mut self.solver {
             solver.set_threads(count);
@@ -288,8 +290,8 @@ impl Engine {
         1.0 / self.rate
     }
 
-    /// Returns a copy of the engine that from now on rounds at random, with numbers that follow from `seed`, and computes
-    /// with a resolution of positions that is finer or coarser by a factor; `None` with the handout solver.
+    /// Returns a copy of the engine that from now on rounds at random, with numbers that follow from `seed`, and
+    /// computes with a resolution of positions that is finer or coarser by a factor; `None` with the handout solver.
     pub(super) fn perturbed(&self, seed: u64, factor: f64) -> Option<Engine> {
         let mut copy = self.clone();
         match &mut copy.solver {
@@ -322,8 +324,8 @@ impl Engine {
     /// Restores an engine from a snapshot. `config` must be the configuration of the engine that took it.
     ///
     /// # Errors
-    /// Returns an error if the snapshot is damaged, or if the event-driven solver cannot read its solver's part. The handout
-    /// solver, which has no state, ignores that part.
+    /// Returns an error if the snapshot is damaged, or if the event-driven solver cannot read its solver's part. The
+    /// handout solver, which has no state, ignores that part.
     pub fn restore(config: EngineConfig, snapshot: Snapshot) -> Result<Engine, SnapshotError> {
         let ascend = snapshot.bodies.is_sorted_by(|a, b| a.id < b.id);
         if !ascend || snapshot.bodies.last().is_some_and(|body| body.id >= snapshot.next_id) {

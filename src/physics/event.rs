@@ -50,8 +50,8 @@ impl Spawn {
         Spawn { material: material.into(), ..self }
     }
 
-    /// Returns true if all numbers and the acceleration by the force are valid: only the mass may be infinite, and none may
-    /// be NaN, whose bits differ between processors. The mass must be large enough to divide by it.
+    /// Returns true if all numbers and the acceleration by the force are valid: only the mass may be infinite, and none
+    /// may be NaN, whose bits differ between processors. The mass must be large enough to divide by it.
     pub fn is_valid(&self) -> bool {
         let acceleration = Vector::new(self.force.x / self.mass, self.force.y / self.mass);
         let finite = [self.rect.origin, self.velocity, self.force, acceleration].into_iter().all(Vector::is_finite);

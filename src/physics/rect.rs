@@ -113,8 +113,8 @@ impl Rect {
     }
 }
 
-/// The least extent at which faces stay distinct, m: three units in the last place of the coordinates, one more than the
-/// difference at which faces are made to coincide.
+/// The least extent at which faces stay distinct, m: three units in the last place of the coordinates, one more than
+/// the difference at which faces are made to coincide.
 const fn extent_resolution(near: f64, far: f64) -> f64 {
     let (near, far) = (near.abs(), far.abs());
     larger(near, far) * (3.0 * f64::EPSILON)

@@ -188,10 +188,10 @@ pub fn max_impulse(source: &Source, progress: Progress) -> Result<f64, Error> {
     Ok(max.0)
 }
 
-/// Returns the moments of new collisions at which an animation with this schedule freezes, in order, found by a replay: of
-/// several moments between two frames only the first, so their number is bounded by that of frames. The moments are those
-/// of the schedule, whose rate may differ from that of the recording. A collision is new if its two bodies did not collide
-/// in the previous step.
+/// Returns the moments of new collisions at which an animation with this schedule freezes, in order, found by a replay:
+/// of several moments between two frames only the first, so their number is bounded by that of frames. The moments are
+/// those of the schedule, whose rate may differ from that of the recording. A collision is new if its two bodies did
+/// not collide in the previous step.
 ///
 /// The event-driven solver gives exact instants; the handout's solver gives the state in which it
 /// detected the collision.

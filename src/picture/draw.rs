@@ -105,8 +105,8 @@ pub fn draw_to_vec(subject: &SubjectOptions, options: &PictureOptions, sources: 
     Ok(file)
 }
 
-/// Resolves a picture, draws it and writes it to `output`. A picture without a given size that is too small for its text
-/// is drawn in a sufficient size. `software` is the name and version of the program in the provenance.
+/// Resolves a picture, draws it and writes it to `output`. A picture without a given size that is too small for its
+/// text is drawn in a sufficient size. `software` is the name and version of the program in the provenance.
 ///
 /// # Errors
 /// As for [`PictureOptions::resolve`] and [`draw`].
@@ -171,8 +171,8 @@ pub fn redraw(file: &[u8], recordings: &[Source]) -> Result<Vec<u8>, Error> {
 }
 
 /// Draws each picture of a sequence and passes its step and its PNG file to `output`, in order. Each file carries the
-/// provenance of that picture alone, so the files do not depend on how the sequence was divided into shards. A step that
-/// all recordings lack has no picture.
+/// provenance of that picture alone, so the files do not depend on how the sequence was divided into shards. A step
+/// that all recordings lack has no picture.
 ///
 /// # Errors
 /// As for [`draw`], and the first error of `output`.
@@ -288,8 +288,8 @@ impl Style {
     }
 }
 
-/// The highest speed, m/s, of all but the fastest bodies, if one of these is more than three times as fast as all others;
-/// otherwise `None`. The fastest bodies are at most one in 20. Bodies that never move do not count.
+/// The highest speed, m/s, of all but the fastest bodies, if one of these is more than three times as fast as all
+/// others; otherwise `None`. The fastest bodies are at most one in 20. Bodies that never move do not count.
 ///
 /// # Errors
 /// If the states cannot be read.

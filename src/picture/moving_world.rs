@@ -111,8 +111,8 @@ impl MovingWorld {
     }
 }
 
-/// The world at the beginning of a step of the handout's solver, from `start` to `end`, after its impulses: the velocities
-/// are those at the end, without the change that forces have caused since.
+/// The world at the beginning of a step of the handout's solver, from `start` to `end`, after its impulses: the
+/// velocities are those at the end, without the change that forces have caused since.
 pub fn after_impulses(start: &World, end: &World, duration: f64) -> World {
     let mut world = MovingWorld::new(start);
     for (at, body) in world.world.bodies.iter_mut().enumerate() {

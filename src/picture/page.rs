@@ -297,8 +297,8 @@ fn sprite(appearance: &Arc<Appearance>, rect: Rect, velocity: Vector) -> Sprite 
     Sprite { appearance: appearance.clone(), rect, velocity, trail: Vec::new() }
 }
 
-/// The bodies of a diagram of lines: the chosen ones of finite mass. Energy and momentum are those of all bodies together,
-/// unless bodies are chosen.
+/// The bodies of a diagram of lines: the chosen ones of finite mass. Energy and momentum are those of all bodies
+/// together, unless bodies are chosen.
 fn line_subject(quantity: Quantity, selector: &BodySelector, source: &Source) -> Result<LineSubject, Error> {
     if matches!(quantity, Quantity::Energy | Quantity::Momentum) && selector.is_all() {
         return Ok(LineSubject::System);
@@ -364,8 +364,8 @@ fn is_same(verdict: Verdict, source: &Source) -> Result<(), Error> {
     }
 }
 
-/// The velocities of two bodies along an axis in the steps of a grid, from a replay, and the health of the recording as far
-/// as it was read.
+/// The velocities of two bodies along an axis in the steps of a grid, from a replay, and the health of the recording as
+/// far as it was read.
 fn velocity_path(
     source: &Source,
     bodies: &BTreeMap<BodyId, Arc<Appearance>>,

@@ -128,9 +128,10 @@ impl Iterator for Resimulation {
     }
 }
 
-/// The collisions to be shown in the next frame, so few that memory is bounded whatever their number. Of those of one pair
-/// that are indistinguishable on any page, only the one with the largest impulse is kept. If there are still too many, which
-/// would cover a page several times, only the one with the largest impulse of all that are near each other is kept.
+/// The collisions to be shown in the next frame, so few that memory is bounded whatever their number. Of those of one
+/// pair that are indistinguishable on any page, only the one with the largest impulse is kept. If there are still too
+/// many, which would cover a page several times, only the one with the largest impulse of all that are near each other
+/// is kept.
 struct PendingCollisions {
     collisions: Vec<Collision>,
     /// The index of the collision at each place.
@@ -302,8 +303,8 @@ impl FrameRecorder {
         Ok(Frame { step: moment.step, time, sprites, collisions })
     }
 
-    /// The world at a moment of the current step. A freeze frame shows the velocities after the collisions at its instant,
-    /// which is rounded and may be before the exact one.
+    /// The world at a moment of the current step. A freeze frame shows the velocities after the collisions at its
+    /// instant, which is rounded and may be before the exact one.
     fn world_at(&mut self, within: &mut WithinStep, moment: Moment) -> Result<World, StepError> {
         let mut shown = Shown { pending: &mut self.pending_collisions, count: &mut self.shown_count };
         self.reached = larger(moment.offset, self.reached);

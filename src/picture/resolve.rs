@@ -79,8 +79,8 @@ pub struct Sequence {
 /// The number of recordings on a page of the default size. A page of more grows with their number.
 const RECORDINGS_PER_PAGE: usize = 6;
 
-/// The size of a picture of `count` recordings, px, unless one is given: that of the scene for a few recordings, or else
-/// larger by sixteenths.
+/// The size of a picture of `count` recordings, px, unless one is given: that of the scene for a few recordings, or
+/// else larger by sixteenths.
 fn default_size(size: [u32; 2], count: usize) -> [u32; 2] {
     let factor = (count.max(RECORDINGS_PER_PAGE) as f64 / RECORDINGS_PER_PAGE as f64).sqrt();
     let sixteenths = (16.0 * factor).ceil() as u32;
@@ -360,8 +360,8 @@ impl PictureOptions {
     }
 }
 
-/// The largest number of instants of a strobe or filmstrip, which bounds its memory. More shades of a colour or panels on
-/// a page could not be told apart.
+/// The largest number of instants of a strobe or filmstrip, which bounds its memory. More shades of a colour or panels
+/// on a page could not be told apart.
 const MAX_INSTANTS: u64 = 256;
 
 fn too_many_instants(grid: &StepGrid) -> Error {
@@ -419,8 +419,8 @@ fn non_empty(grid: StepGrid, source: &Source, sources: &[Source]) -> Result<Step
     }
 }
 
-/// The error for a grid without a full state, of recordings whose common last one is `last`. If the end of one of them is
-/// missing, or the grid is too coarse, that is the reason.
+/// The error for a grid without a full state, of recordings whose common last one is `last`. If the end of one of them
+/// is missing, or the grid is too coarse, that is the reason.
 fn no_frames(grid: &StepGrid, last: u64, sources: &[Source]) -> Error {
     let (from, to) = (*grid.steps.start(), *grid.steps.end());
     let lacks = |source: &&Source| {

@@ -19,7 +19,8 @@ use std::sync::{Arc, Mutex};
 /// A recording to draw.
 #[derive(Clone, Debug)]
 pub struct Source {
-    /// The name of the recording in errors: its path, that of its scene if it is temporary, or that of a recording in memory.
+    /// The name of the recording in errors: its path, that of its scene if it is temporary, or that of a recording in
+    /// memory.
     pub path: PathBuf,
     /// The path of the file.
     file: PathBuf,
@@ -154,8 +155,8 @@ impl Source {
         Ok(bodies)
     }
 
-    /// The steps of a replay from `first` to `last`: to the end of the file if `last` is the last state, because the rest
-    /// of the file may be damaged.
+    /// The steps of a replay from `first` to `last`: to the end of the file if `last` is the last state, because the
+    /// rest of the file may be damaged.
     pub(super) fn steps_to_read(&self, first: u64, last: u64) -> RangeInclusive<u64> {
         let is_to_the_end = self.statistics.last_step.is_none_or(|end| last >= end);
         first..=if is_to_the_end { u64::MAX } else { last }

@@ -83,10 +83,11 @@ impl GapReason {
 
 /// Passes the world in each state of `grid` to `visit`, in the order of time, and what `between` demands: between two
 /// states the world before and after collisions at their exact instants, and before spawns and deletes. With anything
-/// between the states, these are all states of the run in the steps of `grid`, also those that the recording does not store.
+/// between the states, these are all states of the run in the steps of `grid`, also those that the recording does not
+/// store.
 ///
-/// The handout's solver resolves all collisions of a step at its beginning: there, the velocities change at once. Positions
-/// change from state to state, including the displacements that separate boxes.
+/// The handout's solver resolves all collisions of a step at its beginning: there, the velocities change at once.
+/// Positions change from state to state, including the displacements that separate boxes.
 ///
 /// The exact instants require a replay. Of several collisions in one column of `column` seconds only the first is shown
 /// with the whole world, and none if steps are shorter than a column. Of the others of the event-driven solver, the
@@ -710,8 +711,8 @@ mod tests {
         assert!(of_seeds(0.3) && !of_seeds(0.85) && compared > 80 * seeds, "{with_potential}, {compared}");
     }
 
-    /// Thinned figures, and those of a recording that stores few states in full, show the same motion: where a body moves
-    /// while others collide, sums over all bodies have its present values.
+    /// Thinned figures, and those of a recording that stores few states in full, show the same motion: where a body
+    /// moves while others collide, sums over all bodies have its present values.
     #[test]
     fn thinned_runs_are_traced_like_complete_ones() {
         let folder = tempfile::tempdir().unwrap();

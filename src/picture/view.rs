@@ -23,8 +23,8 @@ impl View {
     /// A view of the part of a world of `world` metres that the style selects. Space for footer and axes is reserved.
     ///
     /// # Errors
-    /// Returns an error if a side of the picture is 0 or more than 16384 pixels, if the picture is too small for the text
-    /// around the world, or if width and height of the visible part are not finite and positive.
+    /// Returns an error if a side of the picture is 0 or more than 16384 pixels, if the picture is too small for the
+    /// text around the world, or if width and height of the visible part are not finite and positive.
     pub fn new(world: Vector, style: Style) -> Result<View, RenderError> {
         let Look { size, camera_target: target, .. } = &style.look.clone();
         validate_size(*size)?;
@@ -88,8 +88,8 @@ pub struct Style {
     /// The maximum of the whole run rather than of the part that is drawn, so that parts drawn separately have the
     /// same scale. Faster bodies, between two states, have the colour of this speed and longer arrows.
     pub top_speed: f64,
-    /// The speed, m/s, at the end of the colour scale if few bodies are much faster than all others; these have the colour
-    /// of this speed.
+    /// The speed, m/s, at the end of the colour scale if few bodies are much faster than all others; these have the
+    /// colour of this speed.
     pub color_speed: Option<f64>,
     /// The momentum, kg·m/s, of the longest momentum arrow; also of the whole run.
     pub top_momentum: f64,

@@ -143,7 +143,8 @@ impl<W: Write> BatchWriter<W> {
         Ok(())
     }
 
-    /// Writes a state, and flushes at the end of each simulated second, after events, and when a chunk has its full size.
+    /// Writes a state, and flushes at the end of each simulated second, after events, and when a chunk has its full
+    /// size.
     ///
     /// # Errors
     /// Returns an error if writing fails.
@@ -157,7 +158,8 @@ impl<W: Write> BatchWriter<W> {
             self.unflushed_events = false;
             return self.mcap.flush();
         }
-        // The first flush of a run with live events is always that of the initial state: a file waits for the second one.
+        // The first flush of a run with live events is always that of the initial state: a file waits for the second
+        // one.
         let is_initial = state.step == 0 && self.header.has_live_events;
         if is_initial || self.mcap.has_ended_chunk() { self.mcap.flush_output() } else { Ok(()) }
     }

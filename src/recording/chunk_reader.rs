@@ -8,8 +8,8 @@ use super::{
     tally::ChunkSummary,
 };
 
-/// Reads the records of one chunk after another, the messages of each chunk in order of time. The checksum of a chunk is
-/// verified before its first record is returned.
+/// Reads the records of one chunk after another, the messages of each chunk in order of time. The checksum of a chunk
+/// is verified before its first record is returned.
 pub struct ChunkReader {
     decompressor: Option<zstd::bulk::Decompressor<'static>>,
     /// The uncompressed records of the open chunk. Reused from chunk to chunk.

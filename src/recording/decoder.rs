@@ -408,8 +408,8 @@ impl Decoder {
         Ok(())
     }
 
-    /// Adds a channel. Its messages are read even if its schema is not the one of the format. The channels of the index,
-    /// which have no location, are all of rebond.
+    /// Adds a channel. Its messages are read even if its schema is not the one of the format. The channels of the
+    /// index, which have no location, are all of rebond.
     fn add_channel(&mut self, location: Option<Location>, body: &[u8]) -> Result<(), String> {
         let mut fields = FieldReader::new(body);
         let damaged = |Malformed| "a channel record is damaged";

@@ -141,8 +141,8 @@ pub enum Error {
 }
 
 impl Error {
-    /// Returns true if the file is a recording of rebond whose settings, or all of whose states that are needed, are damaged
-    /// or cut off.
+    /// Returns true if the file is a recording of rebond whose settings, or all of whose states that are needed, are
+    /// damaged or cut off.
     pub const fn is_damage(&self) -> bool {
         matches!(
             self,

@@ -135,8 +135,8 @@ impl SectionReader {
         self.scene.as_ref().is_some_and(|(_, scene)| metadata::may_describe(&settings.map, scene))
     }
 
-    /// Chooses the scene among several attachments with TOML: the first one that the settings describe, or else the first
-    /// one. A second one that can be the scene, too, is a defect, those of other programs are not.
+    /// Chooses the scene among several attachments with TOML: the first one that the settings describe, or else the
+    /// first one. A second one that can be the scene, too, is a defect, those of other programs are not.
     fn choose_scene<R: Read + Seek>(
         &mut self,
         settings: &Settings,
@@ -166,8 +166,8 @@ impl SectionReader {
             && header.images.iter().all(|image| self.images.iter().any(|(_, name, _)| *name == image.name))
     }
 
-    /// The declared images with their content, and the offsets of their attachments. Content that does not match its digest
-    /// is a defect.
+    /// The declared images with their content, and the offsets of their attachments. Content that does not match its
+    /// digest is a defect.
     fn take_images(&mut self, header: &Header) -> (Vec<SceneImage>, Vec<u64>) {
         let (mut images, mut offsets) = (header.images.clone(), Vec::new());
         for image in &mut images {
@@ -292,8 +292,8 @@ impl SectionReader {
         Ok(())
     }
 
-    /// Searches the data section for the scene and its images, which other programs may write after the messages, and returns
-    /// to the current position. A damaged one is reported when it is reached.
+    /// Searches the data section for the scene and its images, which other programs may write after the messages, and
+    /// returns to the current position. A damaged one is reported when it is reached.
     fn find_attachments<R: Read + Seek>(
         &mut self,
         settings: &Settings,
@@ -319,8 +319,8 @@ impl SectionReader {
         self.seek_back(records, MAGIC.len() as u64)
     }
 
-    /// Searches the entire file for the settings, which other programs may write after the messages, or else for the copy
-    /// in an end record, and returns to the current position.
+    /// Searches the entire file for the settings, which other programs may write after the messages, or else for the
+    /// copy in an end record, and returns to the current position.
     fn find_settings<R: Read + Seek>(&mut self, records: &mut RecordReader<R>) -> Result<Settings, Error> {
         let (mut from, mut found) = (0, None);
         while let Some(offset) = resync::find_metadata(records.source(), from).map_err(Error::Read)? {

@@ -82,8 +82,8 @@ pub fn describes_scene(header: &Header) -> bool {
     header.versions.format >= FIRST_FORMAT_WITH_SCENE
 }
 
-/// Returns true if an attachment with TOML can be the scene of a recording: its metadata describes it, or none as before
-/// format 3.
+/// Returns true if an attachment with TOML can be the scene of a recording: its metadata describes it, or none as
+/// before format 3.
 pub fn may_describe(map: &Map, SceneText { file_name, text }: &SceneText) -> bool {
     scene_entries(file_name, text).all(|(key, value)| map.get(&key).is_none_or(|described| *described == value))
 }

@@ -40,8 +40,8 @@ pub struct Header {
     pub scene: Option<SceneText>,
     /// The images that the scene draws into boxes.
     pub images: Vec<SceneImage>,
-    /// The values of the scene that were set for this run (`record --set`): key and value of each, in the order in which
-    /// they were applied. The text of the scene contains them.
+    /// The values of the scene that were set for this run (`record --set`): key and value of each, in the order in
+    /// which they were applied. The text of the scene contains them.
     pub overrides: Vec<[String; 2]>,
     /// True if the run read live events (`record --events`), which the scene does not contain.
     pub has_live_events: bool,

@@ -23,8 +23,8 @@ use super::{
 
 /// Reads a recording: an iterator over its [`Item`]s in order of time.
 ///
-/// Keeps at most one chunk in memory, or those that overlap in time if the messages are stored in another order; then the
-/// file is read twice. [`Recording::health`] is final after the last item.
+/// Keeps at most one chunk in memory, or those that overlap in time if the messages are stored in another order; then
+/// the file is read twice. [`Recording::health`] is final after the last item.
 #[doc(alias("mcap", "rosbag"))]
 pub struct Recording<R> {
     /// The header.
@@ -46,7 +46,8 @@ pub struct Recording<R> {
     verified: Option<Health>,
     phase: Phase,
     order: Order,
-    /// The end records that were read, which are compared with the messages before and after them: other programs store them before their last chunk.
+    /// The end records that were read, which are compared with the messages before and after them: other programs store
+    /// them before their last chunk.
     trailers: Vec<(Location, Vec<u8>)>,
     /// The records read so far, while everything is read from the start.
     tally: Option<Tally>,
@@ -58,7 +59,8 @@ pub struct Recording<R> {
     padded: Option<u64>,
     /// The offset of the last record, at first that of a record of the header section.
     last_offset: u64,
-    /// The offset of the first private record that only schemas and channels have followed: it may be a damaged data end.
+    /// The offset of the first private record that only schemas and channels have followed: it may be a damaged data
+    /// end.
     private: Option<u64>,
 }
 
@@ -193,8 +195,8 @@ impl<R: Read + Seek> Recording<R> {
         if is_found { Ok(()) } else { self.restart() }
     }
 
-    /// Searches the steps that begin at a place for a keyframe at or before `step`, and returns true if there is one, which
-    /// is then the next item. Later places must have been searched before, so that each is read only once.
+    /// Searches the steps that begin at a place for a keyframe at or before `step`, and returns true if there is one,
+    /// which is then the next item. Later places must have been searched before, so that each is read only once.
     fn seek_keyframe(&mut self, index: &Index, place: usize, step: u64) -> Result<bool, Error> {
         // A keyframe may begin in the chunk before, where the search then finds it whole.
         let continued = place.checked_sub(1).map(|previous| index.places[previous].last_time);
@@ -254,9 +256,9 @@ impl<R: Read + Seek> Recording<R> {
         self.restart()
     }
 
-    /// Calls `visit` with every readable event, and with every readable keyframe if parts are missing or damaged: then the
-    /// spawns of its bodies may be lost, and events before damage are visited twice. Opens only chunks that have events according to the index. Afterwards, reading restarts
-    /// at the beginning of the recording.
+    /// Calls `visit` with every readable event, and with every readable keyframe if parts are missing or damaged: then
+    /// the spawns of its bodies may be lost, and events before damage are visited twice. Opens only chunks that have
+    /// events according to the index. Afterwards, reading restarts at the beginning of the recording.
     ///
     /// # Errors
     /// Returns an error if the file cannot be read.
@@ -391,8 +393,8 @@ impl<R: Read + Seek> Recording<R> {
     }
 
     /// Returns the condition of the part read so far; final once the iterator has ended. Before that, the end and the
-    /// gaps are those that the metadata declare, if a seek has read the index; if that is doubtful, the condition is that
-    /// of the entire file.
+    /// gaps are those that the metadata declare, if a seek has read the index; if that is doubtful, the condition is
+    /// that of the entire file.
     pub fn health(&self) -> Health {
         if let Some(verified) = &self.verified {
             return verified.clone();
@@ -624,8 +626,8 @@ impl<R: Read + Seek> Recording<R> {
         Ok(())
     }
 
-    /// Returns an error for a damaged attachment, and for a second one with the scene or with the same image. Other programs
-    /// may attach other TOML.
+    /// Returns an error for a damaged attachment, and for a second one with the scene or with the same image. Other
+    /// programs may attach other TOML.
     fn check_attachment(&self, offset: u64) -> Result<(), String> {
         match parse_attachment(&self.records.body)? {
             Attached::Scene(_) if self.scene_offset == Some(offset) => Ok(()),

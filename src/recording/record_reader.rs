@@ -49,8 +49,8 @@ pub const PREFIX_BYTES: usize = 9;
 /// The number of bytes to read at once.
 const READ_BYTES: usize = 64 << 10;
 
-/// The number of bytes to read first at another place, of which often only one record is needed. It is then doubled up to
-/// [`READ_BYTES`].
+/// The number of bytes to read first at another place, of which often only one record is needed. It is then doubled up
+/// to [`READ_BYTES`].
 const FIRST_READ_BYTES: usize = 2 << 10;
 
 impl<R: Read + Seek> RecordReader<R> {
@@ -87,8 +87,8 @@ impl<R: Read + Seek> RecordReader<R> {
     }
 
     /// Continues at the next record found after the damaged one at `offset`, whose length cannot be
-    /// trusted. If no record is found, continues where that length points, but only once: returns false if the record there
-    /// is damaged, too, because then nothing follows.
+    /// trusted. If no record is found, continues where that length points, but only once: returns false if the record
+    /// there is damaged, too, because then nothing follows.
     pub fn resume_after(&mut self, offset: u64) -> io::Result<bool> {
         let found = self.find_record(offset + 1)?;
         let has_ended = found.is_none() && self.unfounded == Some(offset);

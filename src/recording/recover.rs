@@ -33,9 +33,9 @@ pub struct Recovery {
 /// Writes the readable part of a damaged or unfinished recording to a new recording.
 ///
 /// The new recording declares its gaps. The rest replays the same, unless values were altered that nothing in the file
-/// contradicts. A state that contradicts its digest is computed again from the keyframe before it, and is taken over if the
-/// result has its digest or its values. A recording without damage that this version of rebond wrote is reproduced byte
-/// for byte. `recording` is read twice, from its start.
+/// contradicts. A state that contradicts its digest is computed again from the keyframe before it, and is taken over if
+/// the result has its digest or its values. A recording without damage that this version of rebond wrote is reproduced
+/// byte for byte. `recording` is read twice, from its start.
 ///
 /// # Errors
 /// Returns an error if reading or writing fails, or if no state can be recovered; nothing is written then.

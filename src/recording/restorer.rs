@@ -73,8 +73,8 @@ impl Restorer {
         }
     }
 
-    /// Computes an altered state again. Returns `None` if that is impossible, or if the result has neither the digest nor the
-    /// values of the recorded state, so that nothing confirms it.
+    /// Computes an altered state again. Returns `None` if that is impossible, or if the result has neither the digest
+    /// nor the values of the recorded state, so that nothing confirms it.
     fn restore(&mut self, state: &RecordedState) -> Option<RecordedState> {
         let engine = self.engine_at(state.step)?;
         let restored = state_of(&engine, state);

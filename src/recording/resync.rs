@@ -73,8 +73,8 @@ fn find<R: Read + Seek>(source: &mut R, from: u64, is_match: fn(&[u8]) -> bool) 
     }
 }
 
-/// Reads the record at `offset` of the data section, if it is intact so far, and returns its opcode, its fields if it is
-/// an attachment, and the offset of the next record. Returns `None` at the end of the data section.
+/// Reads the record at `offset` of the data section, if it is intact so far, and returns its opcode, its fields if it
+/// is an attachment, and the offset of the next record. Returns `None` at the end of the data section.
 ///
 /// # Errors
 /// Returns an error if the file cannot be read.

@@ -35,8 +35,8 @@ pub struct SequenceValidator {
     gaps: VecDeque<Gap>,
     /// The gaps found so far, declared or not, up to the keyframes after them.
     found_gaps: Vec<Gap>,
-    /// After a loss, until a keyframe makes the living bodies known again: the step of the last state before it, if any. The
-    /// states up to the keyframe cannot be used.
+    /// After a loss, until a keyframe makes the living bodies known again: the step of the last state before it, if
+    /// any. The states up to the keyframe cannot be used.
     open_gap: Option<Option<u64>>,
     /// True if full states have scene updates; `None` before the first full state.
     has_scene_updates: Option<bool>,
@@ -207,8 +207,8 @@ impl SequenceValidator {
         }
     }
 
-    /// Returns a description of the problem if the step of the next message, `kind`, is beyond the plan and does not follow
-    /// at once. Such a message is skipped: if it were accepted, all later ones would precede it.
+    /// Returns a description of the problem if the step of the next message, `kind`, is beyond the plan and does not
+    /// follow at once. Such a message is skipped: if it were accepted, all later ones would precede it.
     pub fn skipped_beyond_plan(&self, step: u64, kind: &str) -> Option<String> {
         let is_plan_exceeded = self.last_step.is_some_and(|last| last > self.planned);
         let is_next = match self.expected {
@@ -344,8 +344,8 @@ impl SequenceValidator {
             .then(|| format!("there is a state {step}, but the metadata plan {}", counted(self.planned, "step")))
     }
 
-    /// Notes whether the state of a step comes with a keyframe. If it should, but only other states do, the end record of
-    /// a recording that was not recovered does not match.
+    /// Notes whether the state of a step comes with a keyframe. If it should, but only other states do, the end record
+    /// of a recording that was not recovered does not match.
     pub fn note_keyframe(&mut self, step: u64, has_keyframe: bool) {
         if self.keyframe_interval.is_some_and(|interval| step.is_multiple_of(interval))
             && *self.has_keyframes.get_or_insert(has_keyframe) != has_keyframe

@@ -5,8 +5,8 @@ use std::{
 
 use super::{Error, writer::failed_earlier};
 
-/// The output of a recording. Its clones share it: the MCAP writer owns one, and ends a chunk by itself when that is large
-/// enough, but flushes only together with the open chunk. Another one flushes the chunks that have ended.
+/// The output of a recording. Its clones share it: the MCAP writer owns one, and ends a chunk by itself when that is
+/// large enough, but flushes only together with the open chunk. Another one flushes the chunks that have ended.
 pub struct SharedOutput<W: Write>(Arc<Mutex<Output<W>>>);
 
 struct Output<W: Write> {

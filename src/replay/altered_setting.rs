@@ -3,8 +3,8 @@ use crate::scene;
 
 use super::{RecordOptions, header};
 
-/// Returns a description of the setting in the metadata of a recording that contradicts the text of its scene. Both copies
-/// of the metadata were altered if the recording does not match its identity although it replays the same.
+/// Returns a description of the setting in the metadata of a recording that contradicts the text of its scene. Both
+/// copies of the metadata were altered if the recording does not match its identity although it replays the same.
 pub fn altered_setting(recorded: &Header) -> Option<String> {
     let SceneText { file_name, text } = recorded.scene.as_ref()?;
     let scene = scene::parse(file_name, text).ok()?;

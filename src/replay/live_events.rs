@@ -134,8 +134,8 @@ const MAX_SKIPPED_BYTES: usize = 16 << 20;
 /// Bytes of the longest end of a line, `\r\n`.
 const LINE_END_BYTES: usize = 2;
 
-/// Reads a line to its end, but at most `limit` bytes, appends as much of it as an event may have to `text`, and returns
-/// the number of bytes read.
+/// Reads a line to its end, but at most `limit` bytes, appends as much of it as an event may have to `text`, and
+/// returns the number of bytes read.
 fn read_bounded_line(lines: &mut impl BufRead, text: &mut Vec<u8>, limit: usize) -> std::io::Result<usize> {
     let mut read = 0;
     loop {

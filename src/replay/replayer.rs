@@ -427,7 +427,8 @@ impl<R: Read + Seek> Replayer<R> {
     }
 }
 
-/// The observers of the collisions of a replay. The solver is compiled once for all of them, not for each type of observer.
+/// The observers of the collisions of a replay. The solver is compiled once for all of them, not for each type of
+/// observer.
 struct Observers<'a> {
     observer: &'a mut dyn Observer,
     collisions: &'a mut Option<CollisionCount>,

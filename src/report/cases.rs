@@ -279,7 +279,8 @@ fn bursts() -> Vec<CaseSpec> {
     rows.map(of(Axis::X)).into_iter().chain(columns.map(of(Axis::Y))).collect()
 }
 
-/// Touching unit boxes of 1 kg hit a wall at 1 m/s. All impacts happen in one instant, the lowest approaching pair first.
+/// Touching unit boxes of 1 kg hit a wall at 1 m/s. All impacts happen in one instant, the lowest approaching pair
+/// first.
 fn burst(axis: Axis, count: u32, restitution: f64) -> CaseSpec {
     let length = f64::from(count) + 4.0;
     let along = |along: f64, across: f64| match axis {

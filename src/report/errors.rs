@@ -31,7 +31,8 @@ pub struct Errors {
 pub struct Growth {
     /// The part of the run that is accurate to 1e-10.
     pub accuracy: Accuracy,
-    /// Pairs of an error, as a fraction of the largest side of a finite body, and the first step at which it is exceeded.
+    /// Pairs of an error, as a fraction of the largest side of a finite body, and the first step at which it is
+    /// exceeded.
     pub steps: Vec<(f64, u64)>,
 }
 

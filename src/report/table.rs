@@ -48,11 +48,11 @@ pub struct Row {
     pub peak_bytes: Option<u64>,
     /// Notable errors of the solver on this scene, as text.
     pub remark: Option<String>,
-    /// The part of the run in which rounding does not matter, such as `1e-10 until step 64`; only for scenes of the user,
-    /// at their own rate.
+    /// The part of the run in which rounding does not matter, such as `1e-10 until step 64`; only for scenes of the
+    /// user, at their own rate.
     pub accuracy: Option<String>,
-    /// How rounding errors grow: pairs of an error, as a fraction of the largest side of a finite body, and the first step
-    /// at which it is exceeded.
+    /// How rounding errors grow: pairs of an error, as a fraction of the largest side of a finite body, and the first
+    /// step at which it is exceeded.
     pub error_growth: Vec<(f64, u64)>,
 }
 

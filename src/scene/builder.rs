@@ -132,8 +132,8 @@ table! {
         /// Sets the colour in pictures, `#rrggbb`.
         #[serde(skip_serializing_if = "String::is_empty")]
         color(impl Into<String>): String = String::new();
-        /// Sets the path of a PNG file that pictures draw into the box, relative to the folder of the scene. The files are
-        /// read by [`Scene::load_images`].
+        /// Sets the path of a PNG file that pictures draw into the box, relative to the folder of the scene. The files
+        /// are read by [`Scene::load_images`].
         #[serde(skip_serializing_if = "String::is_empty")]
         image(impl Into<String>): String = String::new();
     }
@@ -193,8 +193,8 @@ table! {
         /// Sets the colour in pictures, `#rrggbb`.
         #[serde(skip_serializing_if = "String::is_empty")]
         color(impl Into<String>): String = String::new();
-        /// Sets the path of a PNG file that pictures draw into the box, relative to the folder of the scene. The files are
-        /// read by [`Scene::load_images`].
+        /// Sets the path of a PNG file that pictures draw into the box, relative to the folder of the scene. The files
+        /// are read by [`Scene::load_images`].
         #[serde(skip_serializing_if = "String::is_empty")]
         image(impl Into<String>): String = String::new();
     }

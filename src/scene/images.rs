@@ -25,8 +25,8 @@ impl Scene {
         self.image_names().iter().map(|name| folder.join(name)).collect()
     }
 
-    /// Reads the image files of the scene, whose names are relative to `folder`. Without this, its recording contains no
-    /// images, and its boxes are drawn without them.
+    /// Reads the image files of the scene, whose names are relative to `folder`. Without this, its recording contains
+    /// no images, and its boxes are drawn without them.
     ///
     /// # Errors
     /// Returns [`SceneError::Scene`] if there are more than 1,000 images, or with each image that cannot be read, is

@@ -148,7 +148,8 @@ impl Reader<'_> {
         }
     }
 
-    /// The tables of `key`. If some cannot be read, an event of unknown step with the effect `unreadable` represents them.
+    /// The tables of `key`. If some cannot be read, an event of unknown step with the effect `unreadable` represents
+    /// them.
     fn tables<'a>(&mut self, root: &Table<'a>, key: Key, unreadable: impl Fn() -> Effect) -> &'a [Node] {
         let nodes = root.optional(key, Node::nodes);
         if let Some(reported) = nodes.err().or(root.misspelled_lists(key)) {

@@ -6,8 +6,8 @@ use toml_edit::{DocumentMut, Formatted, Item, Key, Table, TableLike, Value};
 ///
 /// `KEY` is the path of the key in the file, joined by dots: `world.gravity`, `restitution.steel/wood`. A part that
 /// contains a dot or an equals sign is written in quotation marks. The second part of the path of a repeated table such
-/// as `[[spawn]]` is a name or a number: `spawn.c.mass` is the mass of the body `c`, and `scatter.1.seed` the seed of the
-/// first `[[scatter]]`. `VALUE` is written as in the file; a word needs no quotes.
+/// as `[[spawn]]` is a name or a number: `spawn.c.mass` is the mass of the body `c`, and `scatter.1.seed` the seed of
+/// the first `[[scatter]]`. `VALUE` is written as in the file; a word needs no quotes.
 #[derive(Clone, Debug)]
 pub struct Override {
     keys: Vec<String>,

@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf};
 use std::{env, fs, io};
 
 /// Asserts that all recordings and pictures below the folder `path` are unchanged, as `rebond check` does: recordings
-/// replay the same and match the scenes next to them, pictures are redrawn the same, and what manifests (`*.check`) list
-/// is there.
+/// replay the same and match the scenes next to them, pictures are redrawn the same, and what manifests (`*.check`)
+/// list is there.
 ///
 /// ```no_run
 /// #[test]
@@ -49,8 +49,8 @@ pub fn assert_picture(path: impl AsRef<Path>) {
     pass(hold(path.as_ref(), Update::from_environment()));
 }
 
-/// Asserts that `actual`, the file of a picture drawn by the test, is the same as the reference at `path`. Of PNG, GIF and
-/// animated PNG, pixels, durations and provenance are compared; of SVG and PDF, bytes.
+/// Asserts that `actual`, the file of a picture drawn by the test, is the same as the reference at `path`. Of PNG, GIF
+/// and animated PNG, pixels, durations and provenance are compared; of SVG and PDF, bytes.
 ///
 /// ```no_run
 /// use rebond::{PictureOptions, Source, StillFormat, SubjectOptions, draw_to_vec};

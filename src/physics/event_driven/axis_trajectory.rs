@@ -92,8 +92,8 @@ pub struct AxisLowParts {
     pub velocity: f64,
     /// Low part of the acceleration, m/s².
     pub acceleration: f64,
-    /// Low part of the size, m. It contains the change by which faces that decimal coordinates leave an ulp apart are made
-    /// to coincide, so it can exceed half a unit in the last place of the size.
+    /// Low part of the size, m. It contains the change by which faces that decimal coordinates leave an ulp apart are
+    /// made to coincide, so it can exceed half a unit in the last place of the size.
     pub size: f64,
 }
 

@@ -15,9 +15,9 @@ use std::ops::Index;
 
 /// The bodies in creation order: trajectories and sizes in double-double arithmetic, masses, free accelerations.
 ///
-/// Invariants: a body keeps its slot, also after it was deleted, until all are cleared. Ids ascend. The bodies alive have
-/// the world indices 0, 1, 2 and so on. The reference of a body is the later of the reference instants of its axes. The
-/// high parts of a trajectory, which predictions read, are those of the double-double numbers.
+/// Invariants: a body keeps its slot, also after it was deleted, until all are cleared. Ids ascend. The bodies alive
+/// have the world indices 0, 1, 2 and so on. The reference of a body is the later of the reference instants of its
+/// axes. The high parts of a trajectory, which predictions read, are those of the double-double numbers.
 #[derive(Clone, Debug)]
 pub struct Bodies {
     /// Acceleration along x and y, m/s².
@@ -77,8 +77,8 @@ impl Bodies {
         self.resolution
     }
 
-    /// From now on rounds at random, with numbers that follow from `seed`, and computes with a resolution that is finer or
-    /// coarser by a factor.
+    /// From now on rounds at random, with numbers that follow from `seed`, and computes with a resolution that is finer
+    /// or coarser by a factor.
     pub fn perturb(&mut self, seed: u64, factor: f64) {
         self.rounding = RandomRounding::new(seed);
         self.resolution = self.resolution.times(factor);
@@ -197,8 +197,8 @@ impl Bodies {
         self.gravity[axis]
     }
 
-    /// Returns true if a component may carry forces of its own along an axis: if a constant force acts on a body alive, or
-    /// did when the component of one was last solved.
+    /// Returns true if a component may carry forces of its own along an axis: if a constant force acts on a body alive,
+    /// or did when the component of one was last solved.
     pub fn carry_forces(&self, axis: Axis) -> bool {
         self.force_counts[axis] > 0 || self.load_counts[axis] > 0
     }
@@ -208,8 +208,8 @@ impl Bodies {
         self.gravity == [DoubleDouble::ZERO; 2] && self.force_counts == [0; 2]
     }
 
-    /// Returns true if a body of finite mass that others support certainly keeps its contacts and hits no infinite mass: it is
-    /// at rest, and so are all infinite masses.
+    /// Returns true if a body of finite mass that others support certainly keeps its contacts and hits no infinite
+    /// mass: it is at rest, and so are all infinite masses.
     pub fn is_at_rest(&self, slot: Slot) -> bool {
         self.moving_walls == 0 && self.states[slot as usize].trajectory.is_at_rest()
     }

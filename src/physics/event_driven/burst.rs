@@ -171,8 +171,8 @@ impl EventDriven {
         cluster.mass = self.total_mass(patch, &cluster.members);
     }
 
-    /// The total mass of bodies, kg, times [`MASS_UNIT`], summed in creation order. Those after the first must be in this
-    /// order.
+    /// The total mass of bodies, kg, times [`MASS_UNIT`], summed in creation order. Those after the first must be in
+    /// this order.
     pub(super) fn total_mass(&self, patch: &Patch, members: &[Local]) -> DoubleDouble {
         let slot_of = |body: &Local| patch.bodies[*body as usize].slot;
         let mass = |body: &Local| self.bodies.params(slot_of(body)).mass;
@@ -287,8 +287,8 @@ impl EventDriven {
     }
 }
 
-/// The first axis along which two boxes part so slowly that they collide again before they have moved by the resolution of
-/// their positions. At a corner they must also come to overlap on the other axis, from rest or after such a bounce.
+/// The first axis along which two boxes part so slowly that they collide again before they have moved by the resolution
+/// of their positions. At a corner they must also come to overlap on the other axis, from rest or after such a bounce.
 fn returning_axis(patch: &Patch, touch: &Touch, resolution: Resolution) -> Option<Axis> {
     let acceleration = |axis: Axis| patch.approach_acceleration(touch, axis).high;
     let is_hidden = |axis: Axis| {

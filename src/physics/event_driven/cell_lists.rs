@@ -216,8 +216,8 @@ impl CellLists {
         }
     }
 
-    /// Returns true if the grid, which was suitable before, certainly still is; cheaper than `grid_for`. The size of a body
-    /// never changes, so its grid is never too fine for it.
+    /// Returns true if the grid, which was suitable before, certainly still is; cheaper than `grid_for`. The size of a
+    /// body never changes, so its grid is never too fine for it.
     ///
     /// `distance` (m) is the sum of the magnitudes of both coordinates of the position, `speed` (m/s) that of the
     /// velocity.

@@ -1,13 +1,13 @@
 //! Closed groups: a few bodies in a row that touch no others for a while, as in Galperin's billiard. Their impacts are
 //! carried out one after another without the event queue.
 //!
-//! A group influences no result: the numbers are the same as elsewhere, and where it is not certain by a margin which event
-//! is next, or that two bodies recede, the group is left and its bodies predict again.
+//! A group influences no result: the numbers are the same as elsewhere, and where it is not certain by a margin which
+//! event is next, or that two bodies recede, the group is left and its bodies predict again.
 //!
-//! Nearly all operations between two impacts wait for the one before: time of the impact, position, gap, quotient, time of
-//! the next impact. So numbers that are not needed are not computed: the position of the body that is placed at the other,
-//! differences known from the prediction, and double-double bounds where a sum of doubles decides already. That makes
-//! Galperin's billiard 1.4 times as fast as with the general functions (`cargo bench --bench event_driven`, rows
+//! Nearly all operations between two impacts wait for the one before: time of the impact, position, gap, quotient, time
+//! of the next impact. So numbers that are not needed are not computed: the position of the body that is placed at the
+//! other, differences known from the prediction, and double-double bounds where a sum of doubles decides already. That
+//! makes Galperin's billiard 1.4 times as fast as with the general functions (`cargo bench --bench event_driven`, rows
 //! `Galperin N`).
 
 use super::axis_trajectory::StateDd;
@@ -32,8 +32,8 @@ const CLEAR: f64 = 64.0 * f64::EPSILON;
 /// The fraction of a time in which bodies stay apart, or overlap, that is relied on.
 const RELIABLE: f64 = 1.0 - 1.0 / (1_u64 << 30) as f64;
 
-/// Bodies in a row along an axis, no two neighbours of infinite mass. They overlap along the other axis, all have constant
-/// velocities, and those of finite mass have no contacts.
+/// Bodies in a row along an axis, no two neighbours of infinite mass. They overlap along the other axis, all have
+/// constant velocities, and those of finite mass have no contacts.
 struct ClosedGroup {
     axis: Axis,
     /// In the order of their coordinates.
@@ -63,7 +63,8 @@ struct Gap {
     closes: Instant,
 }
 
-/// The position of two bodies relative to each other along an axis, and the seconds from now for which it certainly lasts.
+/// The position of two bodies relative to each other along an axis, and the seconds from now for which it certainly
+/// lasts.
 enum Overlap {
     Overlapping(f64),
     Apart(f64),
@@ -71,8 +72,8 @@ enum Overlap {
 }
 
 impl EventDriven {
-    /// After the impact of two isolated bodies along an axis, carries out the next impacts up to the instant `last` of the
-    /// closed group to which they belong, if they do.
+    /// After the impact of two isolated bodies along an axis, carries out the next impacts up to the instant `last` of
+    /// the closed group to which they belong, if they do.
     #[inline]
     pub(super) fn continue_in_closed_group<O: Observer>(
         &mut self,
@@ -100,8 +101,8 @@ impl EventDriven {
         self.leave(&group);
     }
 
-    /// Carries out the impact at a gap. Returns false if the group must be left, before the impact where it is not clear
-    /// that the two bodies recede after it and touch no third.
+    /// Carries out the impact at a gap. Returns false if the group must be left, before the impact where it is not
+    /// clear that the two bodies recede after it and touch no third.
     #[inline(always)]
     fn collide_in_group<O: Observer>(&mut self, group: &mut ClosedGroup, index: usize, observer: &mut O) -> bool {
         let Gap { impact_pair, approach_speed, after, closes: at, .. } = group.gaps[index];
@@ -189,8 +190,8 @@ impl EventDriven {
         Some(group)
     }
 
-    /// The seconds from now, at most `horizon`, in which some bodies certainly keep overlapping along an axis, and apart
-    /// from all others; `None` if they do not.
+    /// The seconds from now, at most `horizon`, in which some bodies certainly keep overlapping along an axis, and
+    /// apart from all others; `None` if they do not.
     fn seconds_of_closure(&self, members: &[Slot], axis: Axis, horizon: f64) -> Option<f64> {
         let mut least = f64::INFINITY;
         for (index, member) in members.iter().enumerate() {
@@ -210,8 +211,8 @@ impl EventDriven {
         Some(least)
     }
 
-    /// The position of two bodies relative to each other along an axis. Its seconds hold up to `horizon`, beyond which the
-    /// rounding can be greater.
+    /// The position of two bodies relative to each other along an axis. Its seconds hold up to `horizon`, beyond which
+    /// the rounding can be greater.
     fn overlap(&self, pair: [Slot; 2], axis: Axis, horizon: f64) -> Overlap {
         let [first, second] = pair.map(|slot| &self.bodies[slot]);
         let [[from, from_velocity], [to, to_velocity]] = [first, second].map(|body| body.trajectory.at(self.now));
@@ -251,8 +252,8 @@ impl EventDriven {
         group.until = smaller(group.until, self.event_queue.next_time().high);
     }
 
-    /// Predicts the next events of the members. Those that have collided are only marked as changed and predict at the end of
-    /// the instant.
+    /// Predicts the next events of the members. Those that have collided are only marked as changed and predict at the
+    /// end of the instant.
     fn leave(&mut self, group: &ClosedGroup) {
         for member in group.members.iter().filter(|member| member.has_collided) {
             let Reference { state, since, .. } = member.reference;
@@ -280,11 +281,11 @@ impl EventDriven {
         true
     }
 
-    /// Predicts the impact at a gap, given an instant from which the trajectories of both bodies hold. Returns false if the gap
-    /// may be closed or closes at once.
+    /// Predicts the impact at a gap, given an instant from which the trajectories of both bodies hold. Returns false if
+    /// the gap may be closed or closes at once.
     ///
-    /// The numbers are those of `ExactAxis::contact`, which can negate a difference where this swaps its operands: at most the
-    /// sign of a low part of 0 differs, on which no sum or quotient depends.
+    /// The numbers are those of `ExactAxis::contact`, which can negate a difference where this swaps its operands: at
+    /// most the sign of a low part of 0 differs, on which no sum or quotient depends.
     #[inline(always)]
     fn predict_gap(&self, group: &mut ClosedGroup, index: usize, from: Instant) -> bool {
         let [low, high] = [&group.members[index].reference, &group.members[index + 1].reference];
@@ -331,8 +332,8 @@ impl ClosedGroup {
         if is_certain { self.gaps.iter().position(|gap| gap.closes.high == at) } else { None }
     }
 
-    /// True if the two bodies at a gap certainly touch no other member that they could push when it closes, and no two members
-    /// that are not neighbours touch then.
+    /// True if the two bodies at a gap certainly touch no other member that they could push when it closes, and no two
+    /// members that are not neighbours touch then.
     #[inline]
     fn is_isolated(&self, index: usize) -> bool {
         let Gap { impact_pair, closes: at, .. } = &self.gaps[index];
@@ -444,8 +445,8 @@ mod tests {
                 .push((step, Event::Spawn(Spawn::new(String::new(), rect, mass).with_velocity(vector(velocity)))));
         }
 
-        /// All collisions, states, snapshots and errors of a run in which groups are looked for after every so many events,
-        /// and the number of impacts in groups.
+        /// All collisions, states, snapshots and errors of a run in which groups are looked for after every so many
+        /// events, and the number of impacts in groups.
         fn run(&self, search_interval: u64) -> (Vec<String>, u64) {
             let mut engine = Engine::new(self.config.clone());
             engine.assert_invariants();

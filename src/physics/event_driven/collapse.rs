@@ -1,12 +1,12 @@
 //! Inelastic collapse: an infinite sequence of impacts in one instant is replaced by its limit. It is recognised
-//! - by decay: the next approach is slower than [`DECAYED`] of the greatest of the burst, or than [`UNDECIDED`] times the
-//!   rounding of the speeds. The speeds are sums of numbers of that magnitude, of which double-double arithmetic keeps
-//!   2⁻¹⁰⁴, so slower motion is rounding. Without the second condition, a burst that is slow in a fast frame of reference
-//!   would end without a limit when its approaches become 0 by rounding;
+//! - by decay: the next approach is slower than [`DECAYED`] of the greatest of the burst, or than [`UNDECIDED`] times
+//!   the rounding of the speeds. The speeds are sums of numbers of that magnitude, of which double-double arithmetic
+//!   keeps 2⁻¹⁰⁴, so slower motion is rounding. Without the second condition, a burst that is slow in a fast frame of
+//!   reference would end without a limit when its approaches become 0 by rounding;
 //! - by a cycle (`impact_history`): three periods hit the same pairs and scale their relative velocities by the
-//!   same factor below 1. Impacts are linear, so all further periods are copies. Where the limit cannot be taken yet, because
-//!   a body outside is approached in it, a number of periods is left out: the velocities relative to the limit are multiplied
-//!   by that power of the factor.
+//!   same factor below 1. Impacts are linear, so all further periods are copies. Where the limit cannot be taken yet,
+//!   because a body outside is approached in it, a number of periods is left out: the velocities relative to the limit
+//!   are multiplied by that power of the factor.
 
 use super::EventDriven;
 use super::burst::Cluster;
@@ -48,11 +48,11 @@ struct Outsider {
 }
 
 impl Outsider {
-    /// The factor by which the velocities relative to the limit have shrunk when it can be hit for the first time; 1 if that
-    /// is in the next period.
+    /// The factor by which the velocities relative to the limit have shrunk when it can be hit for the first time; 1 if
+    /// that is in the next period.
     ///
-    /// A member moves away from it as long as its own speed away from that side, relative to the limit, exceeds the approach
-    /// in the limit. `least_speeds` are the least of these speeds in the next period, by member and side.
+    /// A member moves away from it as long as its own speed away from that side, relative to the limit, exceeds the
+    /// approach in the limit. `least_speeds` are the least of these speeds in the next period, by member and side.
     fn factor_when_hit(&self, least_speeds: &[[f64; 2]]) -> f64 {
         let away = least_speeds[self.member][self.side];
         if away > self.speed { smaller(self.speed / away * (1.0 + PERIOD_ROUNDING), 1.0) } else { 1.0 }
@@ -152,8 +152,8 @@ impl EventDriven {
         first + excess / self.total_mass(patch, &members)
     }
 
-    /// Records an impact and its approach speed (m/s) in the history of its component; takes the limit of a cycle that decays,
-    /// and fails on one that does not.
+    /// Records an impact and its approach speed (m/s) in the history of its component; takes the limit of a cycle that
+    /// decays, and fails on one that does not.
     pub(super) fn follow_cycle(
         &mut self,
         patch: &mut Patch,
@@ -179,7 +179,8 @@ impl EventDriven {
                 Ok(())
             }
             Some((Cycle::Persists, _)) => {
-                // Infinite masses that approach each other make up for the losses. One of them can act through contacts.
+                // Infinite masses that approach each other make up for the losses. One of them can act through
+                // contacts.
                 let mut body = 0;
                 while body < patch.bodies.len() {
                     self.explore(patch, body as Local);
@@ -192,8 +193,8 @@ impl EventDriven {
         }
     }
 
-    /// Takes the limit of a decaying cycle. If a body outside is approached in the limit, the burst goes on, without the periods
-    /// in which that body cannot be hit.
+    /// Takes the limit of a decaying cycle. If a body outside is approached in the limit, the burst goes on, without
+    /// the periods in which that body cannot be hit.
     fn take_cycle_limit(&mut self, patch: &mut Patch, touches: Vec<u32>, decay: &Decay, axis: Axis, world: &World) {
         let Some(collapse) = self.collapse_of_cycle(patch, touches, axis) else { return };
         let velocity = collapse.wall_velocity.unwrap_or_else(|| self.common_velocity(patch, &collapse.members, axis));
@@ -206,7 +207,8 @@ impl EventDriven {
             let threshold = |index: &u32| decay_threshold(patch, &patch.touches[*index as usize], axis, greatest);
             let decayed = collapse.touches.iter().map(threshold).fold(0.0, larger) / decay.least_speed;
             let last = collapse.touches.iter().map(|index| patch.order_of(*index)).max();
-            // While the cycle lasts, one of its touches always approaches, so that those after them in the order must wait.
+            // While the cycle lasts, one of its touches always approaches, so that those after them in the order must
+            // wait.
             let is_early = |outsider: &Outsider| Some(patch.order_of(outsider.touch)) < last;
             let early: Vec<Outsider> = outsiders.into_iter().filter(is_early).collect();
             let hit = if early.is_empty() {
@@ -228,8 +230,8 @@ impl EventDriven {
         patch.bursts[root].histories[axis as usize].restart();
     }
 
-    /// For each member of the collapse of a cycle and each side, the least speed in the next period by which it moves away from
-    /// that side, relative to the common velocity, m/s. `None` if bodies are joined and parted again.
+    /// For each member of the collapse of a cycle and each side, the least speed in the next period by which it moves
+    /// away from that side, relative to the common velocity, m/s. `None` if bodies are joined and parted again.
     fn least_speeds_away(
         &self,
         patch: &mut Patch,
@@ -274,8 +276,8 @@ impl EventDriven {
         Some(least)
     }
 
-    /// The bodies that a cycle hits, with those in contact with them; `None` if its touches and these contacts do not connect
-    /// them all.
+    /// The bodies that a cycle hits, with those in contact with them; `None` if its touches and these contacts do not
+    /// connect them all.
     ///
     /// The contacts last as long as the cycle: those that an impact ends are ended in its first period, and it hits the
     /// touches at which an impact joins bodies.

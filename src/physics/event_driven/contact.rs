@@ -22,8 +22,8 @@ pub struct Contact {
 ///
 /// Invariants: a contact is stored with each of its bodies that has a finite mass, in creation order of the other
 /// body. A body is supported on a side of an axis if and only if contacts on that side lead to an infinite mass.
-/// Contacts along an axis lead from lower to higher coordinates, so they form no cycle, and no body supports itself, unless
-/// the rounding of coordinates exceeds the sizes of the boxes.
+/// Contacts along an axis lead from lower to higher coordinates, so they form no cycle, and no body supports itself,
+/// unless the rounding of coordinates exceeds the sizes of the boxes.
 #[derive(Clone, Debug, Default)]
 pub struct ContactGraph {
     /// By slot.
@@ -82,7 +82,8 @@ impl ContactGraph {
 
     /// The infinite mass that supports an immovable body on a side: the body itself if its mass is infinite.
     pub fn supporting_wall(&self, mut slot: Slot, axis: Axis, side: Side) -> Slot {
-        // Not more than there are bodies: where coordinates are rounded by more than the boxes, contacts can form a cycle.
+        // Not more than there are bodies: where coordinates are rounded by more than the boxes, contacts can form a
+        // cycle.
         for _ in 0..self.nodes.len() {
             if self.nodes[slot as usize].has_infinite_mass {
                 break;

@@ -1,8 +1,8 @@
 //! The decimals that numbers of a scene stand for.
 //!
 //! A scene states 0.1, 0.2 and 0.3, but the double nearest 0.3 is not the sum of those nearest 0.1 and 0.2: boxes that
-//! are meant to fit would overlap by 3·10⁻¹⁷ or leave such a gap, and one that is meant to reach a corner would miss it. In
-//! double-double precision they fit to 10⁻³³.
+//! are meant to fit would overlap by 3·10⁻¹⁷ or leave such a gap, and one that is meant to reach a corner would miss
+//! it. In double-double precision they fit to 10⁻³³.
 
 use super::double_double::DoubleDouble;
 
@@ -20,11 +20,12 @@ pub fn stated(number: f64) -> DoubleDouble {
     decimal(number).unwrap_or_else(|| number.into())
 }
 
-/// Returns the decimal of at most nine digits and twelve places that a finite double is nearest to, also times a power of
-/// two. A double that has none was probably computed, and so rounded.
+/// Returns the decimal of at most nine digits and twelve places that a finite double is nearest to, also times a power
+/// of two. A double that has none was probably computed, and so rounded.
 ///
-/// That is m·2ᵏ/5ᵖ with m < 2³⁰ and the least p ≤ 12. The power of two is arbitrary, so that a scene in other units, all
-/// lengths times a power of two, has the same numbers. Of doubles of 53 random bits, one in a million is near such a decimal.
+/// That is m·2ᵏ/5ᵖ with m < 2³⁰ and the least p ≤ 12. The power of two is arbitrary, so that a scene in other units,
+/// all lengths times a power of two, has the same numbers. Of doubles of 53 random bits, one in a million is near such
+/// a decimal.
 pub fn decimal(number: f64) -> Option<DoubleDouble> {
     let fraction_bits = SIGNIFICAND_BITS - 1;
     let is_normal = number.is_normal();

@@ -129,8 +129,8 @@ impl DirtyStates {
         }
     }
 
-    /// Writes the states of all bodies in motion in the order of their slots, which are their indices in the world; returns
-    /// true if all numbers are certainly finite.
+    /// Writes the states of all bodies in motion in the order of their slots, which are their indices in the world;
+    /// returns true if all numbers are certainly finite.
     fn write_moving(
         &self,
         bodies: &Bodies,

@@ -173,8 +173,8 @@ impl<T: Lanes> DoubleDouble<T> {
     /// available precision", 1971). A fused multiply-add would be shorter, but is slow on processors
     /// without one.
     ///
-    /// Like `+` and `*` it is always inlined: a call passes two lanes through memory. That makes Galperin's billiard 1.07
-    /// times as fast (`cargo bench --bench event_driven`, rows `Galperin N`).
+    /// Like `+` and `*` it is always inlined: a call passes two lanes through memory. That makes Galperin's billiard
+    /// 1.07 times as fast (`cargo bench --bench event_driven`, rows `Galperin N`).
     #[inline(always)]
     pub fn two_product(a: T, b: T) -> DoubleDouble<T> {
         let high = a * b;

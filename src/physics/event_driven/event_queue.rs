@@ -30,8 +30,8 @@ const STEP_BINS: u64 = 32;
 
 /// The next event of a body: an event of a pair or a cell crossing.
 ///
-/// An event of a pair is stored with each body that has predicted it: with one of the two, or with both. It is invalidated
-/// if the partner's generation has changed since; when it is due, the body predicts again.
+/// An event of a pair is stored with each body that has predicted it: with one of the two, or with both. It is
+/// invalidated if the partner's generation has changed since; when it is due, the body predicts again.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ScheduledEvent {
     /// The time of the event; the earliest possible one unless it is exact.
@@ -148,9 +148,9 @@ const EMPTY_ENTRY: QueueEntry =
 /// The events and cell crossings of all bodies.
 ///
 /// Invariants: a body whose event is not in the heap is listed in a bin that is due no later than its event and its
-/// crossing. A body is taken only from the bin that its `bin` names, and once: entries elsewhere and a second one there are
-/// skipped. A body whose event or crossing is postponed stays in its bin until the bin is due and is inserted again then,
-/// so the bins do not grow however often a body predicts again.
+/// crossing. A body is taken only from the bin that its `bin` names, and once: entries elsewhere and a second one there
+/// are skipped. A body whose event or crossing is postponed stays in its bin until the bin is due and is inserted again
+/// then, so the bins do not grow however often a body predicts again.
 #[derive(Clone, Debug)]
 pub struct EventQueue {
     clock: Clock,
@@ -265,8 +265,9 @@ impl EventQueue {
         self.current_slice >> self.log2_slices
     }
 
-    /// Removes the event of a body if it is one of the pair, predicted for this generation of the partner. If the partner has
-    /// changed since, the body must predict again at the time of its event, because one with another body may follow.
+    /// Removes the event of a body if it is one of the pair, predicted for this generation of the partner. If the
+    /// partner has changed since, the body must predict again at the time of its event, because one with another body
+    /// may follow.
     pub fn take_event_of(&mut self, slot: Slot, pair: [Slot; 2], partner_generation: u32) -> Option<ScheduledEvent> {
         let entry = self.entries.get_mut(slot as usize)?;
         let event = entry.event;
@@ -289,7 +290,8 @@ impl EventQueue {
 
     /// Removes the first event, if it is due by an instant of the current step, and returns it with its body.
     ///
-    /// Inlined, so that the event is not copied through memory: a gas of 100 boxes is 1.02 times as fast (alternating runs).
+    /// Inlined, so that the event is not copied through memory: a gas of 100 boxes is 1.02 times as fast (alternating
+    /// runs).
     #[inline(always)]
     pub fn pop(&mut self, until: Instant) -> Option<(Slot, ScheduledEvent)> {
         if until.is_before(self.next_time()) {

@@ -17,8 +17,8 @@ pub const POSITION_ROUNDING: f64 = 1.0 / (1_u128 << 88) as f64;
 
 /// The resolution of positions along an axis: boxes whose gap is smaller touch, and a bounce that rises less is rest.
 ///
-/// It follows from the sizes of the boxes, so that a scene gives the same result wherever it is. Only farther than 2²⁴ times
-/// the sizes from the origin, the rounding of the coordinates is coarser.
+/// It follows from the sizes of the boxes, so that a scene gives the same result wherever it is. Only farther than 2²⁴
+/// times the sizes from the origin, the rounding of the coordinates is coarser.
 #[derive(Clone, Copy, Debug)]
 pub struct Resolution {
     /// As a fraction of the sizes of both boxes.
@@ -37,15 +37,15 @@ impl Resolution {
         Resolution { fraction: self.fraction * factor }
     }
 
-    /// The resolution of the gap between two boxes, m, given their sizes and the sum of the magnitudes of the numbers from
-    /// which their coordinates were computed.
+    /// The resolution of the gap between two boxes, m, given their sizes and the sum of the magnitudes of the numbers
+    /// from which their coordinates were computed.
     #[inline]
     pub fn of_gap(self, sizes: [f64; 2], magnitude: f64) -> f64 {
         larger((sizes[0] + sizes[1]) * self.fraction, magnitude * POSITION_ROUNDING)
     }
 
-    /// True if a bounce at a speed (m/s) against an acceleration (m/s²) rises by less than the resolution of two boxes, given
-    /// the magnitudes of their coordinates and their sizes along the axis, m.
+    /// True if a bounce at a speed (m/s) against an acceleration (m/s²) rises by less than the resolution of two boxes,
+    /// given the magnitudes of their coordinates and their sizes along the axis, m.
     pub fn hides_bounce(self, speed: f64, acceleration: f64, coordinates: [f64; 2], sizes: [f64; 2]) -> bool {
         speed * (speed / acceleration) <= 2.0 * self.of_gap(sizes, coordinates[0].abs() + coordinates[1].abs())
     }
@@ -290,8 +290,8 @@ impl EventDriven {
 
     /// Predicts the next event of two bodies that changes anything; exact to the rounding of the state.
     ///
-    /// An event that is not after the present instant has been handled, unless the bodies still approach, or are in contact
-    /// though they have just ceased to overlap: then it is due now.
+    /// An event that is not after the present instant has been handled, unless the bodies still approach, or are in
+    /// contact though they have just ceased to overlap: then it is due now.
     #[cold]
     pub(super) fn predict_exactly(&self, pair: [Slot; 2]) -> Option<(Instant, PairEvent)> {
         let from = self.bodies.common_reference(pair);
@@ -375,8 +375,8 @@ impl EventDriven {
     }
 }
 
-/// How two boxes overlap on this axis at the time at which their gap on the other closes: true if by more than rounding,
-/// false at a corner that they enter, `None` otherwise.
+/// How two boxes overlap on this axis at the time at which their gap on the other closes: true if by more than
+/// rounding, false at a corner that they enter, `None` otherwise.
 fn enters(axis: &ExactAxis, time: DoubleDouble) -> Option<bool> {
     let [gap, speed, acceleration] = axis.after(time);
     if gap.high < 0.0 {

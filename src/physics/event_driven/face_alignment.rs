@@ -1,11 +1,11 @@
 //! Makes faces of a spawned body coincide with faces that lie within the rounding of the coordinates.
 //!
-//! Positions and sizes that were computed in doubles leave the faces of boxes that are meant to touch a few units in the
-//! last place apart. From the start of a body on, they are the same double-double number.
+//! Positions and sizes that were computed in doubles leave the faces of boxes that are meant to touch a few units in
+//! the last place apart. From the start of a body on, they are the same double-double number.
 //!
-//! The rounding of a face is that of the numbers from which it was computed, not of others of its body: a floor 10⁶ m thick
-//! does not attract a box 10⁻⁶ m wide from a distance. Decimals were not computed ([`decimal`]), so faces that follow from
-//! decimals alone lie where the scene states them.
+//! The rounding of a face is that of the numbers from which it was computed, not of others of its body: a floor 10⁶ m
+//! thick does not attract a box 10⁻⁶ m wide from a distance. Decimals were not computed ([`decimal`]), so faces that
+//! follow from decimals alone lie where the scene states them.
 
 use super::EventDriven;
 use super::axis_trajectory::StateDd;
@@ -154,8 +154,8 @@ impl EventDriven {
     }
 }
 
-/// The bodies connected by touching, each group in creation order, given pairs of the index of a spawned body and an older
-/// body that it touches.
+/// The bodies connected by touching, each group in creation order, given pairs of the index of a spawned body and an
+/// older body that it touches.
 fn groups(spawned: &[Slot], pairs: &[(usize, Slot)]) -> impl Iterator<Item = Vec<Slot>> {
     let mut parents: Vec<usize> = (0..spawned.len()).collect();
     let root = |parents: &mut Vec<usize>, mut index: usize| {

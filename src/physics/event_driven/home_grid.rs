@@ -6,8 +6,8 @@ use super::threads::Threads;
 use crate::physics::{Axis, larger, smaller};
 use std::ops::Range;
 
-/// The greatest side of a home in the grid as a fraction of the side of a cell: less than 1 by more than the rounding of
-/// the indices of cells.
+/// The greatest side of a home in the grid as a fraction of the side of a cell: less than 1 by more than the rounding
+/// of the indices of cells.
 const MAX_FILL: f64 = 1.0 - 1.0 / (1_u64 << 12) as f64;
 
 /// The greatest magnitude of a coordinate in sides of a cell: beyond it, the rounding of borders to single precision
@@ -30,9 +30,9 @@ const BODIES_PER_PART: usize = 4096;
 
 /// Moving bodies sorted by the cells of a square grid that contain the centres of their homes.
 ///
-/// The grid covers the region of the bodies when it was made; a cell at its edge also stands for the plane beyond. Around
-/// it is a margin of empty cells. Invariant: no home is longer than the side of a cell, so homes that overlap are in the
-/// same cell or in adjacent ones.
+/// The grid covers the region of the bodies when it was made; a cell at its edge also stands for the plane beyond.
+/// Around it is a margin of empty cells. Invariant: no home is longer than the side of a cell, so homes that overlap
+/// are in the same cell or in adjacent ones.
 #[derive(Clone, Debug, Default)]
 pub struct HomeGrid {
     /// Side of a cell, m.
@@ -53,8 +53,8 @@ pub struct HomeGrid {
     latest_strays: Vec<u32>,
     /// The strays. One that strayed repeatedly is listed repeatedly.
     strays: Vec<Stray>,
-    /// All bodies in the order in which they are sorted: that of the last time, so that memory is read and written almost in
-    /// order.
+    /// All bodies in the order in which they are sorted: that of the last time, so that memory is read and written
+    /// almost in order.
     entries: Vec<Entry>,
 }
 
@@ -272,8 +272,8 @@ impl HomeGrid {
         threads.share(parts, |(before, band, ends, start, lists)| self.fill_lists(before, band, ends, start, lists));
     }
 
-    /// Finds the pairs of a body in a band and a later one whose homes overlap. Adds to `lengths` the number of pairs of
-    /// each body in the band. If the homes overlap by more than `distance` (m), the paths may overlap.
+    /// Finds the pairs of a body in a band and a later one whose homes overlap. Adds to `lengths` the number of pairs
+    /// of each body in the band. If the homes overlap by more than `distance` (m), the paths may overlap.
     fn find_pairs(&self, band: &mut Band, lengths: &mut [u32], distance: f32) {
         let mut count = 0;
         for row in band.rows.clone() {
@@ -315,9 +315,9 @@ impl HomeGrid {
         band.close_pair_count = found;
     }
 
-    /// Fills the lists of the bodies in a band, given the one before it. `ends` are the ends of their lists among the lists
-    /// of all bodies, and are lowered to the starts; `members` are the lists of the band, the first of which starts at
-    /// `start`.
+    /// Fills the lists of the bodies in a band, given the one before it. `ends` are the ends of their lists among the
+    /// lists of all bodies, and are lowered to the starts; `members` are the lists of the band, the first of which
+    /// starts at `start`.
     fn fill_lists(&self, before: Option<&Band>, band: &Band, ends: &mut [u32], start: u32, members: &mut [Slot]) {
         let mut add = |body: u32, other: u32| {
             let end = &mut ends[body as usize - band.bodies.start];
@@ -351,8 +351,8 @@ impl HomeGrid {
         self.strays.len()
     }
 
-    /// Calls `visit` for the bodies in the cells around a rectangle, with true for those whose homes overlap it. A stray is
-    /// visited with each of its homes, the earlier ones, too.
+    /// Calls `visit` for the bodies in the cells around a rectangle, with true for those whose homes overlap it. A
+    /// stray is visited with each of its homes, the earlier ones, too.
     pub fn visit_near(&self, rectangle: &SweptAabb, mut visit: impl FnMut(Slot, bool)) {
         let margin = self.side * MAX_CENTRE_DISTANCE;
         let [low, high] = rectangle.corners();

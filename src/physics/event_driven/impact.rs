@@ -30,7 +30,8 @@ impl Impact {
         self.velocity[0] - self.velocity[1]
     }
 
-    /// The velocities after the impact, m/s, with known [approach speed](Self::approach_speed) and [shares](Self::shares).
+    /// The velocities after the impact, m/s, with known [approach speed](Self::approach_speed) and
+    /// [shares](Self::shares).
     #[inline(always)]
     pub fn velocities_with(
         &self,

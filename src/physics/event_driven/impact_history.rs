@@ -12,20 +12,20 @@ const SEARCH_INTERVAL: u64 = 16;
 /// The impacts after which a long period is looked for first.
 const FIRST_LONG_SEARCH: usize = 4 * SHORT_PERIOD;
 
-/// The impacts that are remembered at most, which bounds the memory. A period is found while two of it are remembered, so
-/// that none is longer than half of this.
+/// The impacts that are remembered at most, which bounds the memory. A period is found while two of it are remembered,
+/// so that none is longer than half of this.
 const MAX_HITS: usize = 1 << 20;
 
 /// Directions that agree to this, or to the rounding of velocities, are the same.
 const SAME_DIRECTION: f64 = 1.0 / (1_u64 << 60) as f64;
 
-/// A cycle is proven only from speeds above this multiple of the rounding of velocities, which gives their direction to 30
-/// bits.
+/// A cycle is proven only from speeds above this multiple of the rounding of velocities, which gives their direction to
+/// 30 bits.
 const LEAST_PRECISION: f64 = (1_u64 << 30) as f64;
 
-/// A cycle is proven only from speeds above this fraction of the greatest of the burst. So the same cycles are proven in
-/// every frame of reference that moves less than 2¹⁸ times as fast as that. Some long cycles shrink to 2⁻⁴⁰ of it in three
-/// periods.
+/// A cycle is proven only from speeds above this fraction of the greatest of the burst. So the same cycles are proven
+/// in every frame of reference that moves less than 2¹⁸ times as fast as that. Some long cycles shrink to 2⁻⁴⁰ of it in
+/// three periods.
 const SLOWEST: f64 = 1.0 / (1_u64 << 44) as f64;
 
 /// Lengths that agree to this are the same.
@@ -123,8 +123,8 @@ impl ImpactHistory {
         self.long_search = FIRST_LONG_SEARCH;
     }
 
-    /// Records an impact and its approach speed; returns a cycle and its touches, sorted, if that completes the proof of
-    /// one.
+    /// Records an impact and its approach speed; returns a cycle and its touches, sorted, if that completes the proof
+    /// of one.
     ///
     /// `approach_speed` gives the present approach speed of a touch, `rounding` the rounding error of that speed, and
     /// `greatest` is the greatest approach speed of the burst, m/s.
@@ -189,7 +189,8 @@ impl ImpactHistory {
 
     /// The period that most of the last impacts repeat, at least twice, if it is long.
     ///
-    /// A long period can contain short sequences that are repeated for some time, but fewer impacts than the period itself.
+    /// A long period can contain short sequences that are repeated for some time, but fewer impacts than the period
+    /// itself.
     fn find_long_period(&mut self) -> Option<usize> {
         let length = self.hits.len();
         let touch = |back: usize| self.hits[length - 1 - back].touch;
@@ -225,8 +226,8 @@ impl ImpactHistory {
 }
 
 impl Probe {
-    /// The continuation that the records at the ends of three periods prove, if any, given the impacts of the last period.
-    /// Speeds below `slowest` decide nothing, and differences of directions below `rounding` are 0.
+    /// The continuation that the records at the ends of three periods prove, if any, given the impacts of the last
+    /// period. Speeds below `slowest` decide nothing, and differences of directions below `rounding` are 0.
     fn verdict(&self, slowest: f64, rounding: f64, period: &[Hit]) -> Option<Cycle> {
         let [first, second, third] = self.records.as_slice() else { return None };
         let mut greatest = 0;
@@ -266,8 +267,8 @@ impl Probe {
 mod tests {
     use super::*;
 
-    /// Pushes impacts that alternate between two touches, whose approach speeds, the second half the first, shrink by a factor
-    /// per period and are known to a rounding.
+    /// Pushes impacts that alternate between two touches, whose approach speeds, the second half the first, shrink by a
+    /// factor per period and are known to a rounding.
     fn verdict(factor: f64, rounding: f64) -> Option<Cycle> {
         let mut history = ImpactHistory::default();
         let mut speed = 1.0;

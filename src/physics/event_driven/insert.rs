@@ -7,7 +7,8 @@ use super::event_queue::EventQueue;
 use crate::physics::{Axis, StepError, World};
 
 impl EventDriven {
-    /// Inserts the bodies spawned since the last step; returns the bodies whose contacts or accelerations may change with them.
+    /// Inserts the bodies spawned since the last step; returns the bodies whose contacts or accelerations may change
+    /// with them.
     ///
     /// If the bodies have outgrown cell lists and event queue, or are few, both are rebuilt and all
     /// bodies predict again; likewise if a static body is spawned, which predicts nothing itself.

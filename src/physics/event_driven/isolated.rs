@@ -1,5 +1,5 @@
-//! Isolated impacts: neither of the two bodies that can be moved touches a third. Most impacts of a gas and most bounces on
-//! a resting body are isolated. The numbers are the same as those of `simultaneous`.
+//! Isolated impacts: neither of the two bodies that can be moved touches a third. Most impacts of a gas and most
+//! bounces on a resting body are isolated. The numbers are the same as those of `simultaneous`.
 
 use super::EventDriven;
 use super::axis_trajectory::StateDd;
@@ -14,7 +14,8 @@ use super::pair_event::Sample;
 use super::reference::{Reference, ScaledState};
 use crate::physics::{Axis, Collision, Observer, Rect, Side, Vector, World, larger};
 
-/// Two bodies whose faces collide: the data that stay the same from impact to impact. A body that gives way has no contacts.
+/// Two bodies whose faces collide: the data that stay the same from impact to impact. A body that gives way has no
+/// contacts.
 ///
 /// All pairs have the body on the low side first.
 #[derive(Clone, Copy, Debug)]
@@ -81,8 +82,8 @@ impl EventDriven {
     ) -> bool {
         let Some(impact_pair) = self.impact_pair(world, pair, axis, side) else { return false };
         let [low, high] = impact_pair.bodies;
-        // A supported body can lose its support or hit an infinite mass in this very instant; infinite masses hold no such
-        // events in the queue.
+        // A supported body can lose its support or hit an infinite mass in this very instant; infinite masses hold no
+        // such events in the queue.
         let is_firm = |place: usize| {
             let slot = impact_pair.bodies[place];
             !impact_pair.is_immovable[place] || self.bodies[slot].infinite || self.bodies.is_at_rest(slot)
@@ -108,8 +109,8 @@ impl EventDriven {
         true
     }
 
-    /// The data of two bodies whose faces collide; `None` if one that gives way has contacts, if neither gives way, or if the
-    /// impact is plastic. `side` is that of the first on which the second lies.
+    /// The data of two bodies whose faces collide; `None` if one that gives way has contacts, if neither gives way, or
+    /// if the impact is plastic. `side` is that of the first on which the second lies.
     #[inline(always)]
     pub(super) fn impact_pair(&self, world: &World, pair: [Slot; 2], axis: Axis, side: Side) -> Option<ImpactPair> {
         let bodies = if side == Side::High { pair } else { [pair[1], pair[0]] };
@@ -202,7 +203,8 @@ impl EventDriven {
         observer.collision_of(impulse, || self.record(impact_pair, before, impact, after, impulse));
     }
 
-    /// The collision for the observer, given the positions at the impact, the velocities after it (m/s) and the impulse (N·s).
+    /// The collision for the observer, given the positions at the impact, the velocities after it (m/s) and the impulse
+    /// (N·s).
     pub(super) fn record(
         &self,
         impact_pair: &ImpactPair,

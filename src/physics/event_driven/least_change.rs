@@ -9,13 +9,13 @@
 //! - A chain: pool adjacent violators, O(bodies).
 //! - Otherwise recursive partitioning: if c is the best common value of a group, the group is split
 //!   along the upper set with the greatest Σ mᵢ·(fᵢ − c), provided that sum is positive beyond rounding, or else
-//!   along such a lower set with the least, and both parts are solved separately (Spouge, Wan and Wilbur, "Least squares
-//!   isotonic regression in two dimensions", 2003). The set is a maximum closure, found as a minimum cut (Picard, 1976) by
-//!   shortest augmenting paths (Edmonds and Karp, 1972), O(bodies × contacts²) for each of at most
+//!   along such a lower set with the least, and both parts are solved separately (Spouge, Wan and Wilbur, "Least
+//!   squares isotonic regression in two dimensions", 2003). The set is a maximum closure, found as a minimum cut
+//!   (Picard, 1976) by shortest augmenting paths (Edmonds and Karp, 1972), O(bodies × contacts²) for each of at most
 //!   4·bodies cuts.
 //!
-//! A difference is 0 if it is below the rounding of the numbers from which it was computed, those of the set or pool that
-//! would separate. The forces on others do not count: a heavy body would otherwise hold a light one back.
+//! A difference is 0 if it is below the rounding of the numbers from which it was computed, those of the set or pool
+//! that would separate. The forces on others do not count: a heavy body would otherwise hold a light one back.
 
 use super::double_double::DoubleDouble;
 use crate::physics::Side;
@@ -44,7 +44,8 @@ const ROUNDING: f64 = 1.0 / (1_u128 << 90) as f64;
 /// lighter one would exceed its share in it.
 const HEAVIER: f64 = 1024.0;
 
-/// The factor from kilograms to the unit of summed masses, 2²⁴ kg, in which no sum overflows. Forces have the same factor.
+/// The factor from kilograms to the unit of summed masses, 2²⁴ kg, in which no sum overflows. Forces have the same
+/// factor.
 pub const MASS_UNIT: f64 = 1.0 / (1_u64 << 24) as f64;
 
 impl ContactGroup {
@@ -58,8 +59,8 @@ impl ContactGroup {
         self.contacts.clear();
     }
 
-    /// Adds a body: free acceleration (m/s²), mass (kg) and force besides gravity (N), both times [`MASS_UNIT`]; returns
-    /// its index.
+    /// Adds a body: free acceleration (m/s²), mass (kg) and force besides gravity (N), both times [`MASS_UNIT`];
+    /// returns its index.
     pub fn add(&mut self, free: DoubleDouble, mass: DoubleDouble, force: DoubleDouble) -> usize {
         self.force.push(force);
         self.free.push(free);
@@ -214,7 +215,8 @@ impl ContactGroup {
     }
 
     /// Splits off the set of members with the greatest total force towards `side`, relative to the mean acceleration
-    /// of `common`; with each member it contains all members in contact with it on that side. Returns the set and the rest.
+    /// of `common`; with each member it contains all members in contact with it on that side. Returns the set and the
+    /// rest.
     ///
     /// Each force is less by its rounding, so the total force of the set exceeds its rounding.
     fn split(
@@ -572,7 +574,8 @@ mod tests {
             }
             contacts.iter().for_each(|pair| group.connect(*pair));
             let a = group.solve();
-            // The magnitude of the numbers from which an acceleration is computed: those of the bodies that move as one.
+            // The magnitude of the numbers from which an acceleration is computed: those of the bodies that move as
+            // one.
             let magnitude = |i: usize| {
                 let together = (0..6).filter(|j| a[*j] == a[i]);
                 let sums = together.fold([0.0; 2], |[m, f], j| [m + bodies[j].1, f + bodies[j].1 * bodies[j].0.abs()]);

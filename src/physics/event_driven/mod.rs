@@ -10,15 +10,15 @@
 //! 1. **Insert.** The bodies spawned since the last step enter the cell lists (`insert`), overlaps that they
 //!    cause are removed (`separation`), and faces that decimal coordinates leave an ulp apart are made to coincide
 //!    (`face_alignment`). The changes made by inputs are processed as an instant of their own.
-//! 2. **Process events** in the order of their times (`event_queue`). An impact that involves no third body is carried out
-//!    at once (`isolated`), and further impacts of a few bodies in a row follow without the queue (`closed_group`). Any
-//!    other instant (`simultaneous`) is processed on the bodies that it involves (`patch`): contacts (`resting`) and
-//!    impacts (`burst`). A fast body that leaves its cell is moved to the next one (`cell_lists`). Each body whose
+//! 2. **Process events** in the order of their times (`event_queue`). An impact that involves no third body is carried
+//!    out at once (`isolated`), and further impacts of a few bodies in a row follow without the queue (`closed_group`).
+//!    Any other instant (`simultaneous`) is processed on the bodies that it involves (`patch`): contacts (`resting`)
+//!    and impacts (`burst`). A fast body that leaves its cell is moved to the next one (`cell_lists`). Each body whose
 //!    trajectory or contacts changed predicts its next event again (`predict`).
 //! 3. **Sample.** The states of the bodies that moved are written to the world (`dirty_states`).
-//! 4. **Find neighbours.** Without inputs for some steps, each body gets a list of neighbours for a window of several steps
-//!    (`window_lists`, `home_grid`). Otherwise, the bodies that would leave their cells in the next step are moved to their
-//!    next cells (`cell_lists`, `spatial_hash`).
+//! 4. **Find neighbours.** Without inputs for some steps, each body gets a list of neighbours for a window of several
+//!    steps (`window_lists`, `home_grid`). Otherwise, the bodies that would leave their cells in the next step are
+//!    moved to their next cells (`cell_lists`, `spatial_hash`).
 //!
 //! With many bodies, phase 3 and the start of a window run on several `threads`.
 //!
@@ -42,8 +42,8 @@
 //! These rules apply where mechanics leaves a choice:
 //!
 //! 1. **Zero.** A gap is 0 if it is below the resolution of positions, an approach speed or an approach acceleration if
-//!    it is below the rounding of the numbers from which it was computed (`exact`). Two boxes *touch on a face* if their
-//!    gap is 0 along one axis and they overlap on the other, *at a corner* if both gaps are 0.
+//!    it is below the rounding of the numbers from which it was computed (`exact`). Two boxes *touch on a face* if
+//!    their gap is 0 along one axis and they overlap on the other, *at a corner* if both gaps are 0.
 //! 2. **Corners** block only what enters them (along both axes the boxes approach, or accelerate towards each other
 //!    from rest), and only along the axis of the gentler approach; along both if the approaches are equal. Those that
 //!    are not entered any more because of others are released.
@@ -53,10 +53,10 @@
 //!    again ends nothing. So a supported box slides over the seams of flush faces.
 //! 4. **Order of an instant**: resting, impacts, resting (`simultaneous`).
 //! 5. **Impacts.** Of all approaching pairs the lowest in creation order collides, again and again until none
-//!    approaches; faces come before corners, so a box that lands on flush faces does not hit the corners between them. On
-//!    either side the body acts together with all bodies that it pushes through contacts; if these reach an infinite mass,
-//!    it acts like that mass. Bodies that only touch pass the impact on. (To pass an impact on through contacts from pair
-//!    to pair would need infinitely many impacts in a resting stack.)
+//!    approaches; faces come before corners, so a box that lands on flush faces does not hit the corners between them.
+//!    On either side the body acts together with all bodies that it pushes through contacts; if these reach an infinite
+//!    mass, it acts like that mass. Bodies that only touch pass the impact on. (To pass an impact on through contacts
+//!    from pair to pair would need infinitely many impacts in a resting stack.)
 //! 6. **Inelastic collapse.** An infinite sequence of impacts is replaced by its limit (`collapse`).
 //! 7. **Resolution.** A bounce that does not rise by the resolution of positions is plastic.
 //!
@@ -66,8 +66,8 @@
 //!    and when. So cell lists, window lists and the event queue, which are derived data, influence no result.
 //! 2. Each body has at most one event in the queue. The event is invalidated when the generation of the partner
 //!    changes; when an invalidated event is due, the body predicts again.
-//! 3. After an instant, no touching pair approaches, and none without a contact accelerates towards each other from rest.
-//!    Where the alignment of faces makes a pair touch that does, its impact is due at the same time.
+//! 3. After an instant, no touching pair approaches, and none without a contact accelerates towards each other from
+//!    rest. Where the alignment of faces makes a pair touch that does, its impact is due at the same time.
 //!
 //! The invariants of the parts are documented at `Bodies`, `ContactGraph`, `CellLists`, `WindowLists`, `HomeGrid` and
 //! `EventQueue`.
@@ -142,8 +142,8 @@ use window_lists::WindowLists;
 /// limit ensures that every step ends.
 const MAX_REPETITIONS_PER_BODY: u64 = 1000;
 
-/// The vicinity of an instant, as a fraction of the time since step 0: the rounding of times in doubles. Events within it
-/// are compared by their gaps.
+/// The vicinity of an instant, as a fraction of the time since step 0: the rounding of times in doubles. Events within
+/// it are compared by their gaps.
 const COMPARED_TIMES: f64 = 1.0 / (1_u64 << 50) as f64;
 
 /// The factor from a time to one that is certainly after the end of its vicinity.
@@ -151,8 +151,8 @@ const VICINITY: f64 = 1.0 + 4.0 * COMPARED_TIMES;
 
 /// The event-driven solver.
 ///
-/// A snapshot stores the present instant, trajectories, low parts of sizes, contacts, loads, pending spawns and wakes. Cell
-/// lists, window lists and event queue are derived from them and influence no result.
+/// A snapshot stores the present instant, trajectories, low parts of sizes, contacts, loads, pending spawns and wakes.
+/// Cell lists, window lists and event queue are derived from them and influence no result.
 #[derive(Clone, Debug)]
 pub struct EventDriven {
     clock: Clock,
@@ -314,9 +314,9 @@ impl EventDriven {
     /// Advances the world by one step; the module documentation lists the phases.
     ///
     /// # Errors
-    /// [`StepError::Crushed`] if a body is crushed between infinite masses, [`StepError::Endless`] if impacts repeat without
-    /// end, [`StepError::TooManyEvents`] if the step exceeds the limit of events, [`StepError::NotFinite`] if a number
-    /// overflows. Except in the last case, the world still holds the state before the step.
+    /// [`StepError::Crushed`] if a body is crushed between infinite masses, [`StepError::Endless`] if impacts repeat
+    /// without end, [`StepError::TooManyEvents`] if the step exceeds the limit of events, [`StepError::NotFinite`] if a
+    /// number overflows. Except in the last case, the world still holds the state before the step.
     pub fn step<O: Observer>(&mut self, world: &mut World, step: u64, observer: &mut O) -> Result<(), StepError> {
         self.begin_at(step);
         self.apply_inputs(world, observer)?;
@@ -358,8 +358,8 @@ impl EventDriven {
         self.asserts_invariants = true;
     }
 
-    /// From now on rounds at random, with numbers that follow from `seed`, and computes with a resolution that is finer or
-    /// coarser by a factor.
+    /// From now on rounds at random, with numbers that follow from `seed`, and computes with a resolution that is finer
+    /// or coarser by a factor.
     pub fn perturb(&mut self, seed: u64, factor: f64) {
         self.bodies.perturb(seed, factor);
     }
@@ -473,8 +473,8 @@ impl EventDriven {
     /// neighbours.
     ///
     /// The processor then waits for many cache misses at the same time, not for one after the other: all reading ahead
-    /// makes a gas of 10⁵ 1.2 times as fast and one of 10⁶ 1.4 times (`cargo bench --bench event_driven`, with and without
-    /// it in turn).
+    /// makes a gas of 10⁵ 1.2 times as fast and one of 10⁶ 1.4 times (`cargo bench --bench event_driven`, with and
+    /// without it in turn).
     #[inline]
     fn read_ahead(&mut self) {
         if !self.window_lists.is_active() {
@@ -558,8 +558,9 @@ impl EventDriven {
         Ok(())
     }
 
-    /// The present instant for a pair of bodies: the later one of the clock and their references. If an instant consists of
-    /// several groups of bodies, or coincides with a sample, some references are later than the clock by rounding.
+    /// The present instant for a pair of bodies: the later one of the clock and their references. If an instant
+    /// consists of several groups of bodies, or coincides with a sample, some references are later than the clock by
+    /// rounding.
     #[inline]
     fn now_of(&self, pair: [Slot; 2]) -> Instant {
         self.now.max(self.bodies.common_reference(pair))

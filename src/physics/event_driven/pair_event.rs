@@ -278,8 +278,8 @@ fn predict_from_sample(first: &Sample, second: &BodyState, order: Side, horizon:
     }
 }
 
-/// The seconds from the reference of a pair to the present instant. By rounding, a reference can be later than the clock;
-/// then it is the present instant of the pair.
+/// The seconds from the reference of a pair to the present instant. By rounding, a reference can be later than the
+/// clock; then it is the present instant of the pair.
 #[inline]
 fn seconds_since(reference: Instant, now: Instant) -> f64 {
     let seconds = reference.seconds_until(now);

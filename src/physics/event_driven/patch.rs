@@ -172,7 +172,8 @@ pub struct Patch {
     pub dirty: [Vec<Local>; 2],
     /// Spare lists of touches.
     spare: Vec<Vec<u32>>,
-    /// The impacts so far, by local index; only the entries of roots count. Entries beyond `bodies` are kept for their memory.
+    /// The impacts so far, by local index; only the entries of roots count. Entries beyond `bodies` are kept for their
+    /// memory.
     pub bursts: Vec<Burst>,
     /// Buffer for the bodies that wait to be explored.
     pub waiting: Vec<Local>,
@@ -256,7 +257,8 @@ impl Patch {
         (low.state.velocity - high.state.velocity).or_zero((low.speed + high.speed) * VELOCITY_ROUNDING)
     }
 
-    /// The sign of the [approach speed](Self::approach_speed): greater than 0 if two touching bodies approach along an axis.
+    /// The sign of the [approach speed](Self::approach_speed): greater than 0 if two touching bodies approach along an
+    /// axis.
     #[inline]
     pub fn approach_speed_sign(&self, touch: &Touch, axis: Axis) -> Ordering {
         let [low, high] = touch.ordered(axis).map(|body| self.axis(body, axis));
@@ -341,7 +343,8 @@ impl Patch {
         if self.bodies[first as usize].infinite { second } else { first }
     }
 
-    /// Joins the trees of two bodies of finite mass, the smaller below the larger, so that the paths to the roots stay short.
+    /// Joins the trees of two bodies of finite mass, the smaller below the larger, so that the paths to the roots stay
+    /// short.
     fn join(&mut self, first: Local, second: Local) {
         let [first, second] = [self.root(first), self.root(second)];
         if first == second {

@@ -190,8 +190,8 @@ impl EventDriven {
         self.predict_to(slot, Precision::LowerBound);
     }
 
-    /// Predicts the next event of a body, its time in doubles ([`Precision::LowerBound`]) or in double-double arithmetic
-    /// ([`Precision::Exact`]).
+    /// Predicts the next event of a body, its time in doubles ([`Precision::LowerBound`]) or in double-double
+    /// arithmetic ([`Precision::Exact`]).
     pub(super) fn predict_to(&mut self, slot: Slot, precision: Precision) {
         let mut neighbours = std::mem::take(&mut self.neighbour_buffer);
         self.predict_with(slot, precision, &mut neighbours);
@@ -275,8 +275,8 @@ impl EventDriven {
         self.window_lists.events = found;
     }
 
-    /// Adds the event of a pair whose paths overlap in a new window to `found`, unless it is after the pending one of the
-    /// first body.
+    /// Adds the event of a pair whose paths overlap in a new window to `found`, unless it is after the pending one of
+    /// the first body.
     fn predict_close_pair(&self, [slot, other]: [Slot; 2], found: &mut Vec<PredictedEvent>) {
         let end = self.latest_in_window(slot);
         let mut predictor = Predictor::new(self, slot, Precision::LowerBound);

@@ -48,8 +48,8 @@ impl RandomRounding {
         }
     }
 
-    /// Rounds an instant at random: the sum of `from` and the root `seconds` of an equation of motion. `is_exact` returns true
-    /// if the root needed no rounding.
+    /// Rounds an instant at random: the sum of `from` and the root `seconds` of an equation of motion. `is_exact`
+    /// returns true if the root needed no rounding.
     #[inline]
     pub fn instant(self, from: Instant, seconds: DoubleDouble, is_exact: impl Fn() -> bool) -> Instant {
         let at = from.after_exactly(seconds);

@@ -9,8 +9,8 @@ const TIME_SHARE: f64 = 1.0 / (1_u64 << 12) as f64;
 
 /// A body along an axis at its reference instant, from which all its later states follow.
 ///
-/// The functions that compute states, and those that use them for an impact, are inlined: passing this many numbers costs
-/// as much as the arithmetic.
+/// The functions that compute states, and those that use them for an impact, are inlined: passing this many numbers
+/// costs as much as the arithmetic.
 #[derive(Clone, Copy, Debug)]
 pub struct Reference {
     /// The state at the instant.

@@ -273,8 +273,8 @@ impl EventDriven {
         accelerations
     }
 
-    /// Of the constraints of a solved component of `count` bodies, makes those contacts that are tight and were contacts before
-    /// or are carried; ends all other contacts.
+    /// Of the constraints of a solved component of `count` bodies, makes those contacts that are tight and were
+    /// contacts before or are carried; ends all other contacts.
     fn keep_tight_contacts(&mut self, patch: &mut Patch, count: usize, constraints: &[u32], axis: Axis) {
         let is_tight =
             |patch: &Patch, touch: u32| patch.approach_acceleration(&patch.touches[touch as usize], axis).high == 0.0;

@@ -45,8 +45,8 @@ impl EventDriven {
     /// bodies of finite mass that it overlaps move instead. The nearest position is found exactly,
     /// among all positions that touch faces of obstacles.
     ///
-    /// Returns the spawned bodies of finite mass that may touch others then, in creation order, and the older bodies that
-    /// it moved or that were in contact with these.
+    /// Returns the spawned bodies of finite mass that may touch others then, in creation order, and the older bodies
+    /// that it moved or that were in contact with these.
     pub(super) fn separate_overlaps(&mut self, spawned: &[Slot]) -> (Vec<Slot>, Vec<Slot>) {
         let (mut queue, mut concerned) = self.displaced_by_static(spawned);
         concerned.extend(&queue);

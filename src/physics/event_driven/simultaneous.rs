@@ -72,16 +72,16 @@ impl EventDriven {
 
     /// The bodies of the first event and of all others at the same instant, given those in its vicinity.
     ///
-    /// Bodies that touch share the time of the earliest of their events. Times that differ by less than the resolution of
-    /// positions are one instant also for bodies that do not touch, so that the order of their impacts does not follow
-    /// from rounding, but each group keeps its own time, so that it does not depend on the other groups.
+    /// Bodies that touch share the time of the earliest of their events. Times that differ by less than the resolution
+    /// of positions are one instant also for bodies that do not touch, so that the order of their impacts does not
+    /// follow from rounding, but each group keeps its own time, so that it does not depend on the other groups.
     pub(super) fn concerned_by(&self, first: &ScheduledEvent, others: Vec<ScheduledEvent>) -> Vec<Concerned> {
         if others.is_empty() {
             return first.pair.map(|slot| Concerned { slot, at: first.at }).to_vec();
         }
         let events = [vec![*first], others].concat();
-        // The instant ends before the first event that does not coincide: one of the two gaps is not 0 at the time of the
-        // other event.
+        // The instant ends before the first event that does not coincide: one of the two gaps is not 0 at the time of
+        // the other event.
         let is_simultaneous = |event: &ScheduledEvent| {
             event.at == first.at || (self.coincides(event, first.at) && self.coincides(first, event.at))
         };

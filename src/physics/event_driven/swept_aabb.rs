@@ -12,8 +12,8 @@ const MAX_SECONDS: f64 = 1e150;
 
 /// A rectangle around a box, or around all its positions for some time, rounded outwards to single precision.
 ///
-/// If the rectangles of two bodies are disjoint, the bodies do not touch in that time, so no prediction is needed for the
-/// pair. Single precision suffices and halves the memory.
+/// If the rectangles of two bodies are disjoint, the bodies do not touch in that time, so no prediction is needed for
+/// the pair. Single precision suffices and halves the memory.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(16))]
 pub struct SweptAabb {

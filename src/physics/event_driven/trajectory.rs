@@ -65,8 +65,8 @@ impl Trajectory {
         [position, Axis::BOTH.map(|axis| self.velocity[axis] + self.acceleration[axis] * t[axis])]
     }
 
-    /// The magnitudes of the numbers from which [`at`](Self::at) computes the positions, m: their rounding errors are a few
-    /// units in the last place of these. They exceed the positions of a body that comes to the origin from afar.
+    /// The magnitudes of the numbers from which [`at`](Self::at) computes the positions, m: their rounding errors are a
+    /// few units in the last place of these. They exceed the positions of a body that comes to the origin from afar.
     #[inline]
     pub fn magnitude_at(&self, instant: Instant) -> [f64; 2] {
         let t = Axis::BOTH.map(|axis| self.since(axis).seconds_until(instant).abs());

@@ -32,8 +32,8 @@ struct Tuning {
     min_bodies: usize,
     /// Steps without inputs after which a window may begin.
     calm_steps: u64,
-    /// The displacement of a body in a window at the root mean squares of the speeds and accelerations, as a fraction of the
-    /// greatest usual size.
+    /// The displacement of a body in a window at the root mean squares of the speeds and accelerations, as a fraction
+    /// of the greatest usual size.
     displacement: f64,
     /// The skin as a fraction of that displacement.
     skin: f64,
@@ -59,8 +59,8 @@ impl Default for Tuning {
 /// The least skin as a fraction of the greatest usual size.
 const MIN_SKIN: f64 = 1.0 / 32.0;
 
-/// The greatest number of bodies from which the speeds and accelerations of all are estimated. An estimate suffices, since it
-/// only determines the length of the window.
+/// The greatest number of bodies from which the speeds and accelerations of all are estimated. An estimate suffices,
+/// since it only determines the length of the window.
 const SAMPLED_BODIES: usize = 256;
 
 /// The rounding of homes and of the gaps between them, as a fraction of the coordinates.
@@ -214,7 +214,8 @@ impl WindowLists {
         &self.paths[slot as usize]
     }
 
-    /// The pairs of bodies whose paths overlapped at the start of the window, in lists; the first of a pair is to predict it.
+    /// The pairs of bodies whose paths overlapped at the start of the window, in lists; the first of a pair is to
+    /// predict it.
     pub fn close_pairs(&self) -> impl ExactSizeIterator<Item = &[[Slot; 2]]> {
         self.bands.iter().map(Band::close_pairs)
     }
@@ -271,8 +272,8 @@ impl WindowLists {
                 self.list_outside_grid();
                 return true;
             }
-            // In a heap, some bodies still fall when most are at rest. They fit into larger cells, or have smaller homes in a
-            // shorter window.
+            // In a heap, some bodies still fall when most are at rest. They fit into larger cells, or have smaller
+            // homes in a shorter window.
             (widening, steps) = if widening < WIDENING { (WIDENING, steps) } else { (widening, steps / 2.0) };
         }
         false
@@ -362,8 +363,8 @@ impl WindowLists {
         self.found = overlapping;
     }
 
-    /// Fills a buffer with the bodies in the grid, except the body itself, whose homes overlap that of a body, or did before
-    /// they strayed.
+    /// Fills a buffer with the bodies in the grid, except the body itself, whose homes overlap that of a body, or did
+    /// before they strayed.
     fn find_overlapping(&self, slot: Slot, buffer: &mut NeighbourBuffer) {
         buffer.clear();
         self.grid.visit_near(&self.residents[slot as usize].home, |other, overlaps| {

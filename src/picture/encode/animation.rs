@@ -64,8 +64,8 @@ pub fn draw_frames<E>(
 /// difference of the first one.
 const BATCH: usize = 16;
 
-/// The number of bodies and collisions after which a batch has no further frame, so that the memory of the queued batches
-/// is bounded for crowded frames, too.
+/// The number of bodies and collisions after which a batch has no further frame, so that the memory of the queued
+/// batches is bounded for crowded frames, too.
 const BATCH_ITEMS: usize = 20_000;
 
 /// Writes instants as an endlessly repeating GIF animation.

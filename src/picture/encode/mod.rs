@@ -120,8 +120,8 @@ pub enum RenderError {
 }
 
 impl RenderError {
-    /// The error for a picture of `size` pixels that is too small, with the smallest larger one that `fits`: in proportion,
-    /// as far as the longest side allows.
+    /// The error for a picture of `size` pixels that is too small, with the smallest larger one that `fits`: in
+    /// proportion, as far as the longest side allows.
     pub(crate) fn too_small(size: [u32; 2], fits: impl Fn([u32; 2]) -> bool) -> RenderError {
         let [width, height] = size;
         // Each is a tenth larger than the one before.

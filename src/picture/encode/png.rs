@@ -180,8 +180,8 @@ fn finish(
     match effort {
         PngEffort::Fast => writer.write_image_data(samples).map_err(write_error)?,
         PngEffort::Small => {
-            // Without a filter: drawings consist of areas of one colour and of repeated glyphs, in which the compression
-            // finds more than a filter leaves.
+            // Without a filter: drawings consist of areas of one colour and of repeated glyphs, in which the
+            // compression finds more than a filter leaves.
             const NO_FILTER: [u8; 1] = [0];
             const LEVEL: u8 = 9;
             let rows = samples.chunks_exact(samples.len() / height as usize);

@@ -131,8 +131,8 @@ fn encode_glyphs(list: &DisplayList, output: &mut impl Write) -> Result<(), Rend
     Ok(())
 }
 
-/// Writes shapes. The copies of a label that are its halo precede it; with text as text they are a stroke of the label, so
-/// that it can be edited.
+/// Writes shapes. The copies of a label that are its halo precede it; with text as text they are a stroke of the label,
+/// so that it can be edited.
 fn encode_shapes<'a>(
     shapes: impl Iterator<Item = &'a Shape>,
     text: TextAs,
@@ -252,8 +252,8 @@ fn encode_hidden_text(line: &Line, at: Vector, output: &mut impl Write) -> Resul
 /// Fonts for text that the reader's program sets, the best one first.
 const FONT_FAMILY: &str = "'STIX Two Math', 'STIX Two Text', STIXGeneral, 'Cambria Math', serif";
 
-/// Writes a line as text, over a stroke of a width (px) and an ink if it has a halo. Glyphs of one size on one baseline are
-/// one run, with its length in the font of rebond.
+/// Writes a line as text, over a stroke of a width (px) and an ink if it has a halo. Glyphs of one size on one baseline
+/// are one run, with its length in the font of rebond.
 fn encode_text(
     line: &Line,
     at: Vector,

@@ -32,8 +32,8 @@ enum Extent {
 const RECOGNISABLE: f64 = 0.4;
 
 impl CloseUp {
-    /// Creates the close-up in a panel of a figure whose other panels have `scale` pixels per metre. On both sides of the
-    /// overlap there is space for the boxes.
+    /// Creates the close-up in a panel of a figure whose other panels have `scale` pixels per metre. On both sides of
+    /// the overlap there is space for the boxes.
     pub fn new(pair: &Pair, panel: &Rect, scale: f64, metrics: &DrawingMetrics) -> CloseUp {
         let depth = pair.collision.penetration.norm() * scale;
         let along = if pair.collision.normal.x == 0.0 { panel.height() } else { panel.width() };
@@ -168,8 +168,8 @@ impl CloseUp {
 /// The shortest visible penetration, in font sizes.
 const MIN_DEPTH: f64 = 0.6;
 
-/// The largest magnification with which a panel around the contact shows the recognisable part of the smaller box, along
-/// both axes.
+/// The largest magnification with which a panel around the contact shows the recognisable part of the smaller box,
+/// along both axes.
 fn recognisable_zoom(pair: &Pair, panel: &Rect, scale: f64) -> f64 {
     let [c, b] = &pair.collision.rects;
     let along = |panel: f64, c: f64, b: f64| panel / 2.0 / (RECOGNISABLE * smaller(c, b) * scale);

@@ -316,8 +316,8 @@ impl NumberLines {
     }
 }
 
-/// The formula of the impulse with its values inserted: j = −(1 + e) v⃗·n̂ / (1/M_c + 1/M_b). If the bodies act together
-/// with others that they push, which the formula does not contain, the impulse alone.
+/// The formula of the impulse with its values inserted: j = −(1 + e) v⃗·n̂ / (1/M_c + 1/M_b). If the bodies act
+/// together with others that they push, which the formula does not contain, the impulse alone.
 fn impulse_formula(pair: &Pair, symbol: &str, language: Language) -> Formula {
     let Collision { restitution: e, normal_velocity: [approach, _], impulse, .. } = pair.collision;
     let impulse = language.decimal(Unit::NEWTON_SECOND.format(impulse, 3));

@@ -105,7 +105,8 @@ impl EnergyRun {
         self.energies.iter_mut().chain(&mut self.momenta).for_each(TimeCurve::lift);
     }
 
-    /// Measures the drift of the energy from the next sample on, because bodies were or may have been spawned or deleted.
+    /// Measures the drift of the energy from the next sample on, because bodies were or may have been spawned or
+    /// deleted.
     pub fn restart_account(&mut self) {
         self.since_change = None;
     }
@@ -136,7 +137,8 @@ impl EnergyRun {
     }
 
     /// The change of the total energy since the last spawn or delete as a label, relative to the energy that the curve
-    /// has there if that is not 0. Potential energy is counted from `zero`. Nothing is known to change in a single sample.
+    /// has there if that is not 0. Potential energy is counted from `zero`. Nothing is known to change in a single
+    /// sample.
     fn drift(&self, zero: f64, language: Language) -> String {
         let Some(Account { first, last }) = self.since_change.filter(|account| account.first.time < account.last.time)
         else {

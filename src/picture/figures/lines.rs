@@ -56,9 +56,9 @@ struct Motion {
 const ROUNDING: f64 = 1e-9;
 
 impl Motion {
-    /// The motion at the turning point of a quantity between this instant and a later one, if it is free: with this constant
-    /// acceleration, and without any impulse. States between which a body bounced or rested are not joined by such a
-    /// motion.
+    /// The motion at the turning point of a quantity between this instant and a later one, if it is free: with this
+    /// constant acceleration, and without any impulse. States between which a body bounced or rested are not joined by
+    /// such a motion.
     fn turning_point(&self, later: &Motion, acceleration: Vector, quantity: Quantity) -> Option<Motion> {
         let duration = later.time - self.time;
         let is_free = later.velocity.sub(self.velocity).sub(acceleration.mult(duration)).norm()
@@ -330,8 +330,8 @@ fn distinguish(lines: &mut [DrawnLine]) {
 /// Indices into the body colours for runs, the most distinct ones first.
 const RUN_COLORS: [usize; 7] = [4, 5, 6, 1, 2, 0, 3];
 
-/// The colour of a run: one of a few that differ, or one of a scale from the first to the last run if there are many, which
-/// are usually values of a parameter.
+/// The colour of a run: one of a few that differ, or one of a scale from the first to the last run if there are many,
+/// which are usually values of a parameter.
 pub fn run_color(at: usize, count: usize, style: &Style) -> Color {
     if count <= RUN_COLORS.len() {
         return color::BODY_COLORS[RUN_COLORS[at]];
@@ -346,8 +346,8 @@ pub fn run_color(at: usize, count: usize, style: &Style) -> Color {
     scale[near].mix(scale[(near + 1).min(scale.len() - 1)], (100.0 * part) as u8)
 }
 
-/// The range of all values with a margin, and zero for quantities that are never negative. y points downwards, as in the
-/// world.
+/// The range of all values with a margin, and zero for quantities that are never negative. y points downwards, as in
+/// the world.
 fn value_range(lines: &[DrawnLine], quantity: Quantity) -> Range {
     let values = lines.iter().flat_map(|line| line.parts.iter().flatten().map(|point| point[1] - line.zero));
     let zero = match quantity {

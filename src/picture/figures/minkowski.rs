@@ -175,8 +175,8 @@ impl MinkowskiDifference {
         if is_visible { 1.0 } else { smaller(nice_spacing(target_length / length), 1e9) }
     }
 
-    /// Draws the difference in a panel whose middle shows the point `middle` (m), with the lengths of these vectors in the
-    /// order in which they are placed.
+    /// Draws the difference in a panel whose middle shows the point `middle` (m), with the lengths of these vectors in
+    /// the order in which they are placed.
     fn draw(&self, panel: &Rect, scale: f64, middle: Vector, labelled: &[usize], panels: &mut Panels) {
         let metrics = panels.metrics;
         let origin = middle.sub(panel.center().mult(1.0 / scale));
@@ -244,8 +244,8 @@ impl MinkowskiDifference {
     }
 
     /// Draws the label with the length of a vector, if there is space for it that is free of arrows and nearer to this
-    /// vector than to any other. `visible` are the ends of the visible parts of all vectors, px. All lengths are also below
-    /// the panels.
+    /// vector than to any other. `visible` are the ends of the visible parts of all vectors, px. All lengths are also
+    /// below the panels.
     fn label_length(
         &self,
         index: usize,

@@ -114,7 +114,8 @@ impl Momenta {
         if scale.is_finite() { scale } else { 0.0 }
     }
 
-    /// The title of a chain, with the sum of the momenta if that is zero, so that no arrow shows it, and there is space.
+    /// The title of a chain, with the sum of the momenta if that is zero, so that no arrow shows it, and there is
+    /// space.
     fn title(&self, title: &str, area: &Rect, metrics: &DrawingMetrics) -> Line {
         let [short, long] =
             [format!("\"{title}\""), format!("\"{title}\": P⃗ = 0")].map(|title| Line::math(&title, metrics.text(0.8)));

@@ -217,7 +217,8 @@ impl Pair {
         Some(Label::in_bounds(&bounds, line, metrics.palette.text_on(self.colors[at])))
     }
 
-    /// The velocity arrows with labels of this symbol, from the middle of the visible part of each box. A box at rest has none.
+    /// The velocity arrows with labels of this symbol, from the middle of the visible part of each box. A box at rest
+    /// has none.
     pub fn arrows(
         &self,
         camera: &Camera,

@@ -26,8 +26,8 @@ pub struct Layout<'a> {
 }
 
 impl<'a> Layout<'a> {
-    /// A page in `style` with a square cell for each title, without a legend. `fits` returns true if the content of a cell is
-    /// legible in an area, px.
+    /// A page in `style` with a square cell for each title, without a legend. `fits` returns true if the content of a
+    /// cell is legible in an area, px.
     pub fn new(
         style: &'a Style,
         titles: &'a [&'a str],
@@ -232,8 +232,8 @@ impl Panels {
     }
 }
 
-/// A plain line in the first of `sizes` (px) in which it is at most `width` px wide, or else in the last one, cut with an
-/// ellipsis.
+/// A plain line in the first of `sizes` (px) in which it is at most `width` px wide, or else in the last one, cut with
+/// an ellipsis.
 pub fn fitted(text: &str, sizes: [f64; 3], width: f64) -> Line {
     let line = Line::fitting(text, sizes, width);
     let counts = (1..text.chars().count().min(MAX_TITLE_CHARS)).rev();
@@ -299,9 +299,9 @@ pub fn missing_panel(area: &Rect, text: &str, metrics: &DrawingMetrics) -> Shape
     Shape::Clip { window: *area, shapes }
 }
 
-/// The view of the camera target of a run, in the middle of `panel`, with a margin for the walls, px. The scale is that at
-/// which `widest` (m), the extent of the largest camera target of a figure, fits into the panel. `frame` is the instant at
-/// which the camera follows a body.
+/// The view of the camera target of a run, in the middle of `panel`, with a margin for the walls, px. The scale is that
+/// at which `widest` (m), the extent of the largest camera target of a figure, fits into the panel. `frame` is the
+/// instant at which the camera follows a body.
 pub fn world_view(
     panel: &Rect,
     margin: f64,

@@ -23,8 +23,8 @@ struct Curves {
     over_volume: Vec<Curve>,
 }
 
-/// Draws the pressure on the sides of walls and pistons over `time` (s), beside that of an ideal gas with the same kinetic
-/// energy, and over the volume where that changes. Several runs have the same scales.
+/// Draws the pressure on the sides of walls and pistons over `time` (s), beside that of an ideal gas with the same
+/// kinetic energy, and over the volume where that changes. Several runs have the same scales.
 ///
 /// # Errors
 /// If the page is too small.
@@ -99,8 +99,8 @@ fn draw_curves(curves: &[Curve], axes: &Axes, panels: &mut Panels) {
     }
 }
 
-/// The names of all sides of all runs, in the order in which they were hit. The side is named if two sides of a wall were
-/// hit.
+/// The names of all sides of all runs, in the order in which they were hit. The side is named if two sides of a wall
+/// were hit.
 fn side_names(runs: &[PressureRun], language: Language) -> Vec<(String, Axis, Side, String)> {
     let mut names: Vec<(String, Axis, Side, String)> = Vec::new();
     for side in runs.iter().flat_map(|run| &run.sides) {
@@ -165,8 +165,8 @@ fn curves(run: &PressureRun, names: &[(String, Axis, Side, String)], style: &Sty
     Curves { over_time, over_volume }
 }
 
-/// The number of intervals for a number of impulses, by which the noise and the number of steps are balanced (the rule of
-/// Rice: twice the cube root): a divisor of the number of slices.
+/// The number of intervals for a number of impulses, by which the noise and the number of steps are balanced (the rule
+/// of Rice: twice the cube root): a divisor of the number of slices.
 fn interval_count(impulses: u64) -> usize {
     const COUNTS: [usize; 12] = [60, 56, 45, 42, 40, 36, 30, 28, 24, 20, 15, 12];
     let is_enough = |count: &usize| (*count as u64).pow(3) <= 8 * impulses;
@@ -176,8 +176,8 @@ fn interval_count(impulses: u64) -> usize {
 /// The number of points of the curve of an ideal gas, a divisor of the number of slices.
 const IDEAL_POINTS: usize = 252;
 
-/// The parts of a curve over time, from the values of intervals and the spans of each interval in which they are known, s.
-/// A part ends where the next span does not follow at once.
+/// The parts of a curve over time, from the values of intervals and the spans of each interval in which they are known,
+/// s. A part ends where the next span does not follow at once.
 fn over_spans<T: Copy>(
     spans: &[Vec<[f64; 2]>],
     values: &[Option<T>],
@@ -208,8 +208,8 @@ fn parts<const N: usize>(points: impl Iterator<Item = Option<[[f64; 2]; N]>>) ->
     parts
 }
 
-/// The mean pressure times the volume beside the mean kinetic energy, which are equal for an ideal gas in two dimensions,
-/// if the volume is constant and walls along both axes were hit.
+/// The mean pressure times the volume beside the mean kinetic energy, which are equal for an ideal gas in two
+/// dimensions, if the volume is constant and walls along both axes were hit.
 fn note(run: &PressureRun, language: Language) -> String {
     let mean = |axis| run.mean_pressure(axis).zip(run.ideal_pressure(axis));
     let (Some([x, y]), Some(volumes)) = (mean(Axis::X).zip(mean(Axis::Y)).map(|(x, y)| [x, y]), run.volumes) else {

@@ -198,8 +198,8 @@ impl PressureRun {
         (length > 0.0).then(|| impulse / length)
     }
 
-    /// The mean of Σ m·v² along an axis divided by that of the volume, N/m: the pressure of an ideal gas, p·V = N·m·⟨v²⟩/2
-    /// in two dimensions. `None` if the volume is not known.
+    /// The mean of Σ m·v² along an axis divided by that of the volume, N/m: the pressure of an ideal gas, p·V =
+    /// N·m·⟨v²⟩/2 in two dimensions. `None` if the volume is not known.
     pub fn ideal_pressure(&self, axis: Axis) -> Option<f64> {
         let [kinetic, volume] = [&self.kinetic[axis], &self.volume].map(|slices| slices.iter().sum::<f64>());
         (volume > 0.0).then(|| kinetic / volume)

@@ -28,8 +28,8 @@ pub struct SpeedRun {
 }
 
 impl SpeedRun {
-    /// Creates a run without samples, for speeds up to `top` (m/s), the highest one of all runs of the figure or of most
-    /// bodies. Faster ones are counted together.
+    /// Creates a run without samples, for speeds up to `top` (m/s), the highest one of all runs of the figure or of
+    /// most bodies. Faster ones are counted together.
     pub fn new(title: String, top: f64) -> SpeedRun {
         let fine = vec![0; FINE_BINS];
         SpeedRun { title, top, fine, beyond: 0, masses: BTreeMap::new(), kinetic: 0.0, count: 0 }
@@ -63,8 +63,8 @@ impl SpeedRun {
         self.kinetic / self.count as f64
     }
 
-    /// The probability density of a speed (m/s) in thermal equilibrium, s/m: the distribution of Maxwell and Boltzmann in
-    /// two dimensions, f(v) = m·v/(k·T)·exp(−m·v²/(2·k·T)), averaged over the bodies.
+    /// The probability density of a speed (m/s) in thermal equilibrium, s/m: the distribution of Maxwell and Boltzmann
+    /// in two dimensions, f(v) = m·v/(k·T)·exp(−m·v²/(2·k·T)), averaged over the bodies.
     fn maxwell_boltzmann(&self, speed: f64) -> f64 {
         let temperature = self.temperature();
         let density = |(mass, count): &(f64, u64)| {
@@ -74,8 +74,8 @@ impl SpeedRun {
         self.masses.values().map(density).sum()
     }
 
-    /// The number of fine bins that contain 99.9 % of the samples, so that few fast bodies do not flatten the diagram; all
-    /// if more are beyond them.
+    /// The number of fine bins that contain 99.9 % of the samples, so that few fast bodies do not flatten the diagram;
+    /// all if more are beyond them.
     fn fine_bins_shown(&self) -> usize {
         let mut below = 0;
         let needed = self.count - self.count / 1000;
@@ -178,7 +178,8 @@ fn bars(histogram: &[f64], end: f64, color: Color, axes: &Axes) -> impl Iterator
     })
 }
 
-/// The mean energy of a run, the number of its samples, and the part of them that is beyond the end of the axis, `end` m/s.
+/// The mean energy of a run, the number of its samples, and the part of them that is beyond the end of the axis, `end`
+/// m/s.
 fn note(run: &SpeedRun, end: f64, language: Language) -> String {
     let temperature = language.decimal(Unit::JOULE.format(run.temperature(), 3));
     let shown = (end / run.top * FINE_BINS as f64).round() as usize;

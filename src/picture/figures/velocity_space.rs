@@ -109,7 +109,8 @@ impl CellLines {
     }
 }
 
-/// The least number of cells from the origin to the most distant point: a pixel of the largest page that a lecture needs.
+/// The least number of cells from the origin to the most distant point: a pixel of the largest page that a lecture
+/// needs.
 const CELLS: f64 = 2048.0;
 
 impl Velocities {
@@ -146,8 +147,8 @@ impl VelocityPath {
         }
     }
 
-    /// Continues the path to the velocities (m/s) of bodies in a state, through the collisions in the `duration` (s) since
-    /// the last one. Between collisions, velocities change evenly.
+    /// Continues the path to the velocities (m/s) of bodies in a state, through the collisions in the `duration` (s)
+    /// since the last one. Between collisions, velocities change evenly.
     pub fn advance(&mut self, velocities: impl Iterator<Item = (BodyId, Vector)>, duration: f64) {
         let end = self.position(velocities);
         self.pass_impacts([end.x, end.y].map(|at| Some((duration, at))));
@@ -172,8 +173,8 @@ impl VelocityPath {
         Vector::new(at[0], at[1])
     }
 
-    /// Continues the path through the collisions since the last state. `end` is the time and the component of the position
-    /// of each body in the next state, if these are known.
+    /// Continues the path through the collisions since the last state. `end` is the time and the component of the
+    /// position of each body in the next state, if these are known.
     fn pass_impacts(&mut self, end: [Option<(f64, f64)>; 2]) {
         let impacts = std::mem::take(&mut self.impacts);
         // The time and the component after which each body is at the beginning of each collision.
@@ -256,8 +257,8 @@ impl Observer for VelocityPath {
     }
 }
 
-/// Draws velocities in their own space. Of two bodies, each collision is a chord: of the circle of constant energy if it
-/// is elastic. Of many bodies, each is a point (v_x, v_y).
+/// Draws velocities in their own space. Of two bodies, each collision is a chord: of the circle of constant energy if
+/// it is elastic. Of many bodies, each is a point (v_x, v_y).
 ///
 /// # Errors
 /// If the page is too small.
@@ -450,8 +451,8 @@ mod tests {
     use super::*;
     use crate::physics::{Engine, EngineConfig, Event, SolverKind, Spawn};
 
-    /// The path along y of two balls that begin with these velocities, 3 m and 5 m above a floor, in `steps` steps at 60 Hz,
-    /// and their collisions along y.
+    /// The path along y of two balls that begin with these velocities, 3 m and 5 m above a floor, in `steps` steps at
+    /// 60 Hz, and their collisions along y.
     fn bounces(solver: SolverKind, velocities: [f64; 2], gravity: f64, steps: u64) -> (VelocityPath, Vec<Collision>) {
         let mut engine = Engine::new(EngineConfig::new(solver, 60.0).with_gravity(Some(Vector::new(0.0, gravity))));
         let at = |x: f64, y: f64| Rect::new(Vector::new(x, y), 1.0, 1.0);
@@ -484,8 +485,8 @@ mod tests {
         }
     }
 
-    /// Every collision is a chord of its length, and begins where its body is; motion under weight continues the path along
-    /// the acceleration.
+    /// Every collision is a chord of its length, and begins where its body is; motion under weight continues the path
+    /// along the acceleration.
     #[test]
     fn chords_join_the_velocities_before_and_after_each_collision() {
         for velocities in [[0.0, 0.0], [-3.0, 0.0], [0.0, 1e-9]] {

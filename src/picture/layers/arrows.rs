@@ -56,8 +56,8 @@ impl Arrow {
         self.aligned().draw_at_place(metrics, shapes);
     }
 
-    /// The arrow moved sideways by half a pixel at most, if it is horizontal or vertical, so that its edges are those of
-    /// pixels: a thin shaft between two rows of pixels would be pale.
+    /// The arrow moved sideways by half a pixel at most, if it is horizontal or vertical, so that its edges are those
+    /// of pixels: a thin shaft between two rows of pixels would be pale.
     fn aligned(&self) -> Arrow {
         let place = |at: f64| if self.width.round() % 2.0 == 1.0 { at.floor() + 0.5 } else { at.round() };
         let [from, to] = [self.from, self.to];
@@ -149,8 +149,8 @@ impl From<Arrow> for LabeledArrow {
     }
 }
 
-/// The velocity arrows, those of momenta, then those for the sum of weight and constant force, each from the middle of a box. Contact
-/// forces are not part of a recording.
+/// The velocity arrows, those of momenta, then those for the sum of weight and constant force, each from the middle of
+/// a box. Contact forces are not part of a recording.
 pub fn of_bodies(frame: &Frame, context: &LayoutContext) -> Vec<LabeledArrow> {
     let shows = |quantity: &Quantity| context.view.style.shows(quantity.overlay);
     let mut arrows = Vec::new();
@@ -255,8 +255,8 @@ impl Quantity {
     }
 }
 
-/// The entries of a legend for arrows of `scale` px per unit and values up to `top`: an arrow of a round length, and the
-/// open head of shorter ones.
+/// The entries of a legend for arrows of `scale` px per unit and values up to `top`: an arrow of a round length, and
+/// the open head of shorter ones.
 pub fn key_entries(scale: f64, top: f64, unit: Unit, width: f64, color: Color, language: Language) -> [Entry; 2] {
     let (value, shortest) = (nice_below(top), HEAD_LENGTH * width / scale);
     let key = |length: f64, kind: ArrowLength, name: String| Entry {

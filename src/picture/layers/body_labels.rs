@@ -95,8 +95,8 @@ fn fits((sprite, rect): &(&Sprite, Rect), size: f64, context: &LayoutContext) ->
 /// Maximum cost of a label next to a box, relative to its area. Labels of higher cost are omitted.
 const MAX_COST: f64 = 1.0;
 
-/// Places the label of a box inside the box or else next to it; `None` if both would cover too much. Covers the hatching
-/// below it.
+/// Places the label of a box inside the box or else next to it; `None` if both would cover too much. Covers the
+/// hatching below it.
 fn place(
     (sprite, rect): &(&Sprite, Rect),
     boxes_in_front: &[(&Sprite, Rect)],
@@ -228,8 +228,8 @@ pub fn inside(sprite: &Sprite, rect: &Rect, fill: Color, box_count: usize, conte
     let (text, sizes) =
         (label_text(sprite, &sprite.appearance.name, context), SIZES.map(|size| context.metrics.text(size)));
     let largest = Line::math(&text, sizes[0]);
-    // The width of a label is in proportion to its size, so that one layout excludes most sizes in a crowd. A thousandth
-    // is left for rounding.
+    // The width of a label is in proportion to its size, so that one layout excludes most sizes in a crowd. A
+    // thousandth is left for rounding.
     let is_too_wide = |size: f64| largest.width * size > 1.001 * area.width() * largest.size;
     let fitting = sizes.into_iter().filter(|size| !is_too_wide(*size)).find_map(|size| {
         let line = if size == largest.size { largest.clone() } else { Line::math(&text, size) };

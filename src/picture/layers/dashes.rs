@@ -37,7 +37,8 @@ impl DashPattern {
     }
 }
 
-/// The parts of a line that are drawn. `lengths` are those of a part, of the gap after it, of the next part and so on, px.
+/// The parts of a line that are drawn. `lengths` are those of a part, of the gap after it, of the next part and so on,
+/// px.
 fn drawn_parts(points: &[Vector], lengths: &[f64]) -> Vec<Vec<Vector>> {
     let (mut parts, mut part) = (Vec::new(), points.first().copied().into_iter().collect::<Vec<Vector>>());
     let (mut number, mut left) = (0, lengths[0]);

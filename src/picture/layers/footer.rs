@@ -10,8 +10,8 @@ use crate::picture::text::{Line, truncated, wrapped};
 use crate::picture::{Color, DrawingMetrics, Frame, Ink, Shape, Style};
 use crate::picture::{ColorBy, Language, Overlay, TraceGap};
 
-/// The strips below the world: clock, scale bar and legend in one row, or in rows of their own if the picture is narrow;
-/// below them the caption.
+/// The strips below the world: clock, scale bar and legend in one row, or in rows of their own if the picture is
+/// narrow; below them the caption.
 pub struct Footer {
     /// Height of a strip, px.
     strip: f64,
@@ -257,7 +257,8 @@ pub fn quoted(name: &str) -> String {
 }
 
 impl Legend {
-    /// The legend of frames: the box colours, unless boxes are coloured individually, the lengths of arrows and the missing steps.
+    /// The legend of frames: the box colours, unless boxes are coloured individually, the lengths of arrows and the
+    /// missing steps.
     pub fn of(style: &Style, metrics: &DrawingMetrics) -> Legend {
         let mut entries = Legend::of_colors(style).entries;
         entries.extend(marks(style, metrics));

@@ -155,8 +155,8 @@ pub fn axis_margin(context: &LayoutContext) -> f64 {
     (widest + 0.7 * context.metrics.font_size).ceil()
 }
 
-/// The labels of the ticks left of the viewport that are on the page, with their baselines, px. The topmost one includes
-/// the unit.
+/// The labels of the ticks left of the viewport that are on the page, with their baselines, px. The topmost one
+/// includes the unit.
 fn labels_left(context: &LayoutContext) -> Vec<(Line, f64)> {
     let area = context.camera.visible_area();
     let bottom = context.camera.viewport.far_corner().y;

@@ -144,8 +144,8 @@ impl LabelPlacer {
         }
     }
 
-    /// Places `line` around `anchor` where its cost is least, at a distance of one to four times `gap` px, and reserves the
-    /// position. `None` if every position touches another label or an area to keep clear.
+    /// Places `line` around `anchor` where its cost is least, at a distance of one to four times `gap` px, and reserves
+    /// the position. `None` if every position touches another label or an area to keep clear.
     ///
     /// The eight directions are tried from `towards` outwards; of equal costs the first is taken.
     pub fn place(&mut self, line: Line, anchor: Vector, towards: Vector, gap: f64, color: Color) -> Option<Label> {

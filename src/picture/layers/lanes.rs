@@ -6,9 +6,10 @@ use std::collections::BTreeMap;
 /// The quantity of a body that an arrow shows.
 pub type ArrowKey = (Overlay, BodyId);
 
-/// The lanes of the arrows of bodies, side by side at a distance of [`lane_width`]. Arrows that lie along one another at
-/// some time have different lanes. An arrow is in the middle of its body and moves to its lane only as far as another
-/// arrow comes close, so in a clip, whose frames have the same lanes, no arrow jumps while its body moves uniformly.
+/// The lanes of the arrows of bodies, side by side at a distance of [`lane_width`]. Arrows that lie along one another
+/// at some time have different lanes. An arrow is in the middle of its body and moves to its lane only as far as
+/// another arrow comes close, so in a clip, whose frames have the same lanes, no arrow jumps while its body moves
+/// uniformly.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Lanes(BTreeMap<ArrowKey, i32>);
 
@@ -23,8 +24,9 @@ fn all_lanes() -> impl Iterator<Item = i32> {
     std::iter::once(0).chain((1..=LAST_LANE).flat_map(|lane| [lane, -lane]))
 }
 
-/// Moves arrows sideways that lie along an earlier one, such as those of boxes in a row, so that each is visible: arrows
-/// of bodies to their lanes, others to the first free one. Without `lanes`, they are those of these arrows alone.
+/// Moves arrows sideways that lie along an earlier one, such as those of boxes in a row, so that each is visible:
+/// arrows of bodies to their lanes, others to the first free one. Without `lanes`, they are those of these arrows
+/// alone.
 pub fn separate(arrows: &mut [LabeledArrow], lanes: &Lanes) {
     if arrows.len() > MAX_SEPARATED {
         return;
@@ -65,14 +67,15 @@ pub fn separate(arrows: &mut [LabeledArrow], lanes: &Lanes) {
 /// The number of differences between two lanes.
 const DIFFERENCES: usize = 4 * LAST_LANE as usize + 1;
 
-/// The largest number of arrows in a clip that keep a lane, which bounds memory. Further ones have a lane in each frame.
+/// The largest number of arrows in a clip that keep a lane, which bounds memory. Further ones have a lane in each
+/// frame.
 pub const MAX_KEPT: usize = 400;
 
 /// The arrows of a clip that lie along one another, from which [`Lanes`] follow.
 #[derive(Debug, Default)]
 pub struct LaneConflicts {
-    /// For each arrow and each earlier one that it conflicts with, the number of frames in which they would lie along one
-    /// another if their lanes differed by −8, −7, …, 8.
+    /// For each arrow and each earlier one that it conflicts with, the number of frames in which they would lie along
+    /// one another if their lanes differed by −8, −7, …, 8.
     frames: BTreeMap<ArrowKey, BTreeMap<ArrowKey, [u32; DIFFERENCES]>>,
 }
 
@@ -152,7 +155,8 @@ impl Arrow {
         })
     }
 
-    /// Returns true if the directions are so similar or opposite that one arrow can come close to lying along the other.
+    /// Returns true if the directions are so similar or opposite that one arrow can come close to lying along the
+    /// other.
     fn is_parallel(&self, other: &Arrow) -> bool {
         self.sine(other).is_some_and(|sine| sine < PARALLEL[1])
     }
@@ -177,8 +181,8 @@ impl Arrow {
         Some(Relation { sine, beside: smaller(a, b), overlap, is_back_to_back: tip < 0.0 && tip < tail })
     }
 
-    /// The degree to which another arrow lies along this one: 1 if they could not be told apart, 0 if they are apart, and
-    /// in between if they come close, so that it is continuous.
+    /// The degree to which another arrow lies along this one: 1 if they could not be told apart, 0 if they are apart,
+    /// and in between if they come close, so that it is continuous.
     fn nearness(&self, other: &Arrow) -> f64 {
         let Some(relation) = self.relation(other) else { return 0.0 };
         let ahead = AHEAD * lane_width(self.width);

@@ -30,11 +30,11 @@ struct Span {
 }
 
 impl Bitmap {
-    /// Scales the bitmap to a rectangle whose edges are rounded to quarter pixels: columns `columns` and rows `rows` of the
-    /// page, counted from the pixel of the upper-left corner.
+    /// Scales the bitmap to a rectangle whose edges are rounded to quarter pixels: columns `columns` and rows `rows` of
+    /// the page, counted from the pixel of the upper-left corner.
     ///
-    /// A pixel of the page has the mean colour of the part of the bitmap that it covers. So a bitmap that is made larger
-    /// keeps its sharp pixels, and one that is made smaller is smooth.
+    /// A pixel of the page has the mean colour of the part of the bitmap that it covers. So a bitmap that is made
+    /// larger keeps its sharp pixels, and one that is made smaller is smooth.
     pub(super) fn scaled(
         &self,
         quarters: &QuarterRect,

@@ -120,8 +120,8 @@ const REACH: f64 = 65_536.0;
 const SIDES: [Vector; 4] =
     [Vector::new(1.0, 0.0), Vector::new(-1.0, 0.0), Vector::new(0.0, 1.0), Vector::new(0.0, -1.0)];
 
-/// Reduces points to the part of their polygon or line within reach. A line that leaves and returns runs along the border
-/// in between (after Sutherland and Hodgman, "Reentrant polygon clipping", 1974).
+/// Reduces points to the part of their polygon or line within reach. A line that leaves and returns runs along the
+/// border in between (after Sutherland and Hodgman, "Reentrant polygon clipping", 1974).
 fn cut_points(points: &mut Vec<Vector>, ends: Ends) {
     let is_within = |at: &Vector| at.x.abs() <= REACH && at.y.abs() <= REACH;
     if points.iter().all(is_within) || !points.iter().all(|at| at.is_finite()) {
@@ -157,8 +157,8 @@ enum Ends {
 }
 
 impl DisplayList {
-    /// The same picture without the parts of shapes that are far outside of the page: renderers calculate with `f32`, in
-    /// which an edge inside the page is displaced if another point of its shape is far away.
+    /// The same picture without the parts of shapes that are far outside of the page: renderers calculate with `f32`,
+    /// in which an edge inside the page is displaced if another point of its shape is far away.
     pub fn within_reach(mut self) -> DisplayList {
         self.backdrop.iter_mut().chain(&mut self.shapes).for_each(Shape::cut_to_reach);
         self

@@ -7,8 +7,8 @@ const TOLERANCE: f64 = 0.01;
 /// The points of a polyline without those that are within 1/100 px of the straight line between their neighbours.
 ///
 /// From each kept point, the directions that pass close enough to all points since then form a wedge; the line goes on
-/// until a point is outside of the wedge or turns back (after Williams, "An efficient algorithm for the piecewise linear
-/// approximation of planar curves", 1978). The time is proportional to the number of points.
+/// until a point is outside of the wedge or turns back (after Williams, "An efficient algorithm for the piecewise
+/// linear approximation of planar curves", 1978). The time is proportional to the number of points.
 pub fn simplified(points: &[Vector]) -> Vec<Vector> {
     let mut kept: Vec<Vector> = points.first().copied().into_iter().collect();
     let mut line: Option<Wedge> = None;

@@ -56,7 +56,8 @@ impl Line {
         Line { text: text.to_owned(), glyphs, width: x * size / UNITS_PER_EM, size }
     }
 
-    /// Lays out plain text in the first of `sizes` (px) in which it is at most `width` px wide, or else in the last one.
+    /// Lays out plain text in the first of `sizes` (px) in which it is at most `width` px wide, or else in the last
+    /// one.
     pub fn fitting<const N: usize>(text: &str, sizes: [f64; N], width: f64) -> Line {
         let lines = sizes.map(|size| Line::plain(text, size));
         let fitting = lines.iter().find(|line| line.width <= width).or(lines.last());

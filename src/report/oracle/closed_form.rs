@@ -58,8 +58,8 @@ pub fn uniform(from: f64, velocity: f64, time: &Fixed256) -> Fixed256 {
     &Fixed256::stated(from) + &(&Fixed256::stated(velocity) * time)
 }
 
-/// Returns the velocities (m/s) of a row of touching boxes of equal mass after it has hit a wall at 1 m/s, the nearest box
-/// first, and the number of impacts.
+/// Returns the velocities (m/s) of a row of touching boxes of equal mass after it has hit a wall at 1 m/s, the nearest
+/// box first, and the number of impacts.
 ///
 /// All impacts happen in one instant: the lowest of the pairs that approach, until none does. With e = 0 they are an
 /// infinite sequence, whose limit is rest.
