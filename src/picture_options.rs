@@ -274,7 +274,8 @@ pub(crate) const MAX_TEXT_BYTES: usize = 4096;
 #[cfg(feature = "draw")]
 pub(crate) const MAX_RECORDINGS: usize = 10_000;
 
-/// Checks the parts of a picture of which each takes time to lay out, however small the picture is.
+/// Checks the caption, the titles and the number of recordings of a picture: laying them out takes time, however small
+/// the picture is.
 ///
 /// # Errors
 /// A sentence that names the part which is too large, and the limit.

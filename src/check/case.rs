@@ -172,7 +172,7 @@ pub struct Manifest {
     pub recordings: Vec<ReferenceRecording>,
     /// The pictures that it lists.
     pub pictures: Vec<ReferenceImage>,
-    /// Scenes of which no recording is kept.
+    /// Scenes whose recordings are not kept.
     pub skipped: Vec<PathBuf>,
     /// Its invalid lines.
     pub problems: Vec<Problem>,
@@ -197,7 +197,7 @@ pub struct Cases {
     pub recordings: Vec<ReferenceRecording>,
     /// The pictures, ordered by name.
     pub pictures: Vec<ReferenceImage>,
-    /// The number of scenes of which a manifest says that no recording is kept.
+    /// The number of scenes whose recordings are not kept, as a manifest says.
     pub skipped: usize,
 }
 

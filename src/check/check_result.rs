@@ -110,7 +110,7 @@ pub enum Replacement {
 #[non_exhaustive]
 #[derive(Debug)]
 pub enum Outcome {
-    /// A recording replays the same; a incomplete or corrupt one, as far as it can be read.
+    /// A recording replays the same; an incomplete or corrupt one, as far as it can be read.
     Replayed {
         /// The verdict of the replay.
         verdict: Verdict,

@@ -426,7 +426,7 @@ struct CheckSummary {
     accepted: u64,
     /// Pictures without provenance.
     foreign: u64,
-    /// Scenes of which no recording is kept.
+    /// Scenes whose recordings are not kept.
     skipped: u64,
     /// Files with new content beside them, from failed assertions.
     pending: u64,

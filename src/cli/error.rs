@@ -450,7 +450,7 @@ impl ErrorReport {
         ErrorReport { message: printable(&message.to_string()), help, text: None, labels: Vec::new() }
     }
 
-    /// The reports of an error, of which the first one says what has become of the recording.
+    /// The reports of an error; the first one says what has become of the recording.
     fn of_command(error: &CommandError) -> Vec<ErrorReport> {
         match error {
             CommandError::Scene(error) => ErrorReport::of_scene(error),

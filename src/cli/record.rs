@@ -214,7 +214,7 @@ fn last_readable_step(path: &Path) -> u64 {
     steps.last().unwrap_or(0)
 }
 
-/// Reports values of `--set` for pairs of materials of which no body is made, such as misspelt ones: they change
+/// Reports values of `--set` for pairs of materials that no body has, such as misspelt ones: they change
 /// nothing.
 fn warn_of_unused_pairs(scene: &Scene) {
     let materials = scene.inputs.iter().filter_map(|input| match &input.action {

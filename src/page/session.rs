@@ -185,7 +185,7 @@ impl Session {
     /// Replaces the lines of events, and starts again at step 0. Lines that are refused are dropped and reported.
     ///
     /// # Errors
-    /// The messages of a text of which no line is accepted; the session is then as before.
+    /// The messages of a text whose lines are all refused; the session is then as before.
     pub fn set_lines(&mut self, text: &str) -> Result<(), String> {
         let (mut lines, mut refused) = (Vec::new(), Vec::new());
         let mut step = 0;

@@ -76,7 +76,7 @@ pub fn find_collision(
     })
 }
 
-/// The health of the part of a recording that was read, of which the end is not known.
+/// The health of the part of a recording that was read: whatever is missing at its end is not known yet.
 fn up_to_here(health: Health) -> Health {
     match health {
         Health::Incomplete(missing) if (Missing { end: None, ..missing.clone() }).is_empty() => Health::Whole,

@@ -361,7 +361,7 @@ impl PictureOptions {
 }
 
 /// The largest number of instants of a strobe or filmstrip, which bounds its memory. More shades of a colour or panels
-/// on a page could not be told apart.
+/// on a page could not be distinguished.
 const MAX_INSTANTS: u64 = 256;
 
 fn too_many_instants(grid: &StepGrid) -> Error {

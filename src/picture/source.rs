@@ -168,7 +168,7 @@ impl Source {
         gaps.filter_map(|gap| self.gap_in(gap, steps, GapReason::Lost)).collect()
     }
 
-    /// The parts of `steps` that the recording lacks, which was found to have this health.
+    /// The parts of `steps` that are missing in the recording, given its health.
     pub(super) fn missing_in(&self, steps: &RangeInclusive<u64>, health: &Health) -> Vec<TraceGap> {
         let found = health.missing().into_iter().flat_map(|missing| &missing.gaps);
         let reason = |gap: &Gap| {
@@ -190,7 +190,7 @@ impl Source {
         })
     }
 
-    /// The error for steps of which the recording, which was found to have this health, has no state.
+    /// The error for steps whose states are missing in the recording, given its health.
     pub(super) fn missing_states(&self, steps: &RangeInclusive<u64>, health: Health) -> Error {
         let (from, to) = (*steps.start(), *steps.end());
         self.read_error(match health {

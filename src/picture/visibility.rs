@@ -11,7 +11,7 @@ use std::collections::BTreeSet;
 pub struct Visibility {
     /// All bodies but walls, by panel and id.
     bodies: BTreeSet<(usize, BodyId)>,
-    /// Those of which a part was in the picture at least once.
+    /// Those that were at least partly in the picture at some time.
     seen: BTreeSet<(usize, BodyId)>,
     /// The number of frames.
     frames: u64,

@@ -114,8 +114,8 @@ impl Index {
             || self.channels_of(topic).any(|channel| self.places[place].channels.contains(channel))
     }
 
-    /// Returns true if the first message of a topic at some time may be at a place. Those of a single time, with which
-    /// another place has ended, belong to that place.
+    /// Returns true if the first message of a topic at some time may be at a place. A place whose messages all have the
+    /// time at which the place before it ends only continues that one.
     pub fn may_begin(&self, place: usize, topic: Topic) -> bool {
         let continues = |previous: usize| self.places[previous].last_time == self.places[place].last_time;
         self.may_contain(place, topic) && !place.checked_sub(1).is_some_and(continues)

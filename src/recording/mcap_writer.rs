@@ -21,7 +21,7 @@ pub struct McapWriter<W: Write> {
     channels: [Option<Channel>; Topic::ALL.len()],
 }
 
-/// The MCAP profile of a recording: whether ROS 2 tools may read it.
+/// The MCAP profile of a recording, by which ROS 2 tools decide if they read it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Profile {
     /// All topics are those of ROS 2. Its tools refuse files without this profile.

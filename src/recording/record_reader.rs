@@ -49,7 +49,7 @@ pub const PREFIX_BYTES: usize = 9;
 /// The number of bytes to read at once.
 const READ_BYTES: usize = 64 << 10;
 
-/// The number of bytes to read first at another place, of which often only one record is needed. It is then doubled up
+/// The number of bytes to read first after a seek, where often only one record is needed. It is then doubled up
 /// to [`READ_BYTES`].
 const FIRST_READ_BYTES: usize = 2 << 10;
 

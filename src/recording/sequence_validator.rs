@@ -344,7 +344,7 @@ impl SequenceValidator {
             .then(|| format!("there is a state {step}, but the metadata plan {}", counted(self.planned, "step")))
     }
 
-    /// Notes whether the state of a step comes with a keyframe. If it should, but only other states do, the end record
+    /// Notes if the state of a step comes with a keyframe. If it should, but only other states do, the end record
     /// of a recording that was not recovered does not match.
     pub fn note_keyframe(&mut self, step: u64, has_keyframe: bool) {
         if self.keyframe_interval.is_some_and(|interval| step.is_multiple_of(interval))

@@ -266,7 +266,7 @@ fn the_summary_events_and_one_state_are_found_without_reading_the_rest() {
     assert_eq!((summary.states, summary.keyframes), (40_001, keyframes));
 }
 
-/// A file that was cut has no index that tells in which of its chunks keyframes are.
+/// A file that was cut has no index of the chunks that contain keyframes.
 #[test]
 fn many_chunks_without_keyframes_are_searched_once() {
     const STEPS: u64 = 1000;

@@ -70,7 +70,7 @@ impl Topic {
         }
     }
 
-    /// The metadata of the channel. ROS 2 requires the quality of service of the publishers, of which there are none.
+    /// The metadata of the channel. ROS 2 requires the quality of service of all publishers; a recording has none.
     pub fn channel_metadata(self) -> Map {
         match self {
             Topic::Events | Topic::States | Topic::Bodies => Map::from([("offered_qos_profiles".into(), "[]".into())]),

@@ -148,7 +148,7 @@ impl Arrow {
         Arrow { from: self.from.add(offset), to: self.to.add(offset), ..*self }
     }
 
-    /// Returns true if another arrow lies along this one, so that they could not be told apart.
+    /// Returns true if another arrow lies along this one, so that the two could not be distinguished.
     pub fn covers(&self, other: &Arrow) -> bool {
         self.relation(other).is_some_and(|Relation { sine, beside, overlap, .. }| {
             sine <= PARALLEL[0] && beside < BESIDE[0] && overlap > self.width
@@ -181,7 +181,7 @@ impl Arrow {
         Some(Relation { sine, beside: smaller(a, b), overlap, is_back_to_back: tip < 0.0 && tip < tail })
     }
 
-    /// The degree to which another arrow lies along this one: 1 if they could not be told apart, 0 if they are apart,
+    /// The degree to which another arrow lies along this one: 1 if they are indistinguishable, 0 if they are apart,
     /// and in between if they come close, so that it is continuous.
     fn nearness(&self, other: &Arrow) -> f64 {
         let Some(relation) = self.relation(other) else { return 0.0 };
