@@ -5,10 +5,11 @@ use std::fmt::{self, Display, Formatter};
 /// Positions are called accurate if they differ by at most this fraction of the largest side of a finite body.
 pub const ACCURACY: f64 = 1e-10;
 
-/// The distances whose first step is noted, as fractions of the largest side of a finite body.
+/// The distances, as fractions of the largest side of a finite body, for each of which the first step beyond it is
+/// recorded.
 const LEVELS: [f64; 10] = [1e-28, 1e-26, 1e-24, 1e-22, 1e-20, 1e-18, 1e-16, 1e-14, 1e-12, ACCURACY];
 
-/// By how much finer and coarser the copies of a probe resolve positions.
+/// The factor by which one copy of a probe resolves positions more finely, and the other one more coarsely.
 const RESOLUTION_FACTOR: f64 = 64.0;
 
 /// Impacts up to this fraction of the greatest approach speed are too slow to count in a sequence of collisions.

@@ -214,7 +214,7 @@ impl Bodies {
         self.moving_walls == 0 && self.states[slot as usize].trajectory.is_at_rest()
     }
 
-    /// Sets whether the component of a body carries forces of its own along an axis.
+    /// Sets the load of the component of a body along an axis.
     pub fn set_load(&mut self, slot: Slot, axis: Axis, load: Load) {
         let previous = std::mem::replace(&mut self.states[slot as usize].load[axis], load);
         self.load_counts[axis] -= u32::from(previous == Load::OwnForces);

@@ -15,7 +15,7 @@ use crate::physics::{Axis, Side, larger};
 /// The rounding of a coordinate in double-double arithmetic, as a fraction of the numbers it was computed from.
 pub const POSITION_ROUNDING: f64 = 1.0 / (1_u128 << 88) as f64;
 
-/// The resolution of positions along an axis: boxes whose gap is smaller touch, and a bounce that rises less is rest.
+/// The resolution of positions along an axis: boxes whose gap is smaller touch, a bounce that rises less is plastic.
 ///
 /// It follows from the sizes of the boxes, so that a scene gives the same result wherever it is. Only farther than 2²⁴
 /// times the sizes from the origin, the rounding of the coordinates is coarser.
@@ -51,14 +51,15 @@ impl Resolution {
     }
 }
 
-/// The rounding of a velocity, likewise.
+/// The rounding of a velocity in double-double arithmetic, as a fraction of the numbers it was computed from.
 pub const VELOCITY_ROUNDING: f64 = 1.0 / (1_u128 << 92) as f64;
 
-/// The rounding of an acceleration, likewise.
+/// The rounding of an acceleration in double-double arithmetic, as a fraction of the numbers it was computed from.
 pub const ACCELERATION_ROUNDING: f64 = 1.0 / (1_u128 << 92) as f64;
 
-/// An overlap up to this fraction of the coordinates is an accumulated rounding error. Doubles do not see approaches
-/// below their rounding, so two boxes can come to overlap by as much, and an impact can move one of them onto a third.
+/// An overlap up to this fraction of the coordinates is an accumulated rounding error. Approaches below the rounding of
+/// doubles are not predicted, so two boxes can come to overlap by as much, and an impact can move one of them onto a
+/// third.
 pub const DEEPEST_ROUNDING: f64 = 1.0 / (1_u64 << 44) as f64;
 
 /// A discriminant above this fraction of the square of the speed is certainly not 0.

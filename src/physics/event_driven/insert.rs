@@ -86,7 +86,7 @@ impl EventDriven {
         found
     }
 
-    /// Removes the slots of deleted bodies.
+    /// Removes the slots of deleted bodies: in a restored snapshot the slots are consecutive.
     fn compact(&mut self, world: &World) {
         let snapshot = self.snapshot(self.step);
         let restored = self.deserialize(world, self.step, &snapshot);

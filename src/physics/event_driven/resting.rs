@@ -166,7 +166,7 @@ impl EventDriven {
         }
     }
 
-    /// True if a body cannot fall.
+    /// True if a body cannot fall towards a side.
     fn is_immovable(&self, patch: &Patch, body: Local, axis: Axis, side: Side) -> bool {
         self.contacts.is_immovable(patch.bodies[body as usize].slot, axis, side)
     }
