@@ -5,7 +5,7 @@ use super::axis_trajectory::StateDd;
 use super::body_state::Slot;
 use super::neighbour_buffer::NeighbourBuffer;
 use super::pair_event::{Sample, tolerance};
-use crate::physics::{Axis, larger};
+use crate::physics::{Axis, larger, smaller};
 
 /// An axis-aligned bounding box: upper-left corner and size, m.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,13 +27,16 @@ impl Aabb {
 
     /// True if the two share more than a border, beyond rounding.
     fn overlaps(&self, other: &Aabb) -> bool {
-        Axis::BOTH.into_iter().all(|axis| {
-            // The rounding of a gap is that of the numbers from which its two faces are computed.
-            let positions = self.low[axis].abs() + other.low[axis].abs();
-            let high_gap = other.low[axis] - (self.low[axis] + self.size[axis]);
-            let low_gap = self.low[axis] - (other.low[axis] + other.size[axis]);
-            high_gap < -tolerance(positions + self.size[axis]) && low_gap < -tolerance(positions + other.size[axis])
-        })
+        Axis::BOTH.into_iter().all(|axis| self.overlaps_along(other, axis))
+    }
+
+    /// True if the intervals that the two cover along an axis share more than a border, beyond rounding.
+    fn overlaps_along(&self, other: &Aabb, axis: Axis) -> bool {
+        // The rounding of a gap is that of the numbers from which its two faces are computed.
+        let positions = self.low[axis].abs() + other.low[axis].abs();
+        let high_gap = other.low[axis] - (self.low[axis] + self.size[axis]);
+        let low_gap = self.low[axis] - (other.low[axis] + other.size[axis]);
+        high_gap < -tolerance(positions + self.size[axis]) && low_gap < -tolerance(positions + other.size[axis])
     }
 }
 
@@ -147,19 +150,26 @@ impl EventDriven {
 /// bottom, left, right.
 fn nearest_free_corner(aabb: &Aabb, obstacles: &[Aabb], radius: f64) -> Option<[f64; 2]> {
     let [xs, ys] = Axis::BOTH.map(|axis| candidate_coordinates(aabb, obstacles, axis));
-    let mut best = None;
-    let mut least = radius * radius;
+    let columns = Columns::new(obstacles);
+    let (mut best, mut least) = (None, radius * radius);
+    let (mut obstacles, mut blocked) = (Vec::new(), BlockedIntervals::default());
     for (dx, x) in &xs {
         if dx * dx > least {
             break;
         }
-        for (dy, y) in &ys {
+        let column = aabb.at([*x, aabb.low[1]]);
+        obstacles.clear();
+        obstacles.extend(columns.near(&column).filter(|obstacle| column.overlaps_along(obstacle, Axis::X)));
+        blocked.set(&column, &obstacles);
+        let depth = blocked.depth(aabb.low[1]);
+        let first = ys.partition_point(|(dy, _)| *dy < depth);
+        for (dy, y) in &ys[first..] {
             let square = dx * dx + dy * dy;
             if square > least || (square == least && best.is_some()) {
                 break;
             }
             let candidate = aabb.at([*x, *y]);
-            if !obstacles.iter().any(|obstacle| candidate.overlaps(obstacle)) {
+            if blocked.depth(*y) == 0.0 && !obstacles.iter().any(|other| candidate.overlaps_along(other, Axis::Y)) {
                 least = square;
                 best = Some([*x, *y]);
                 break;
@@ -167,6 +177,64 @@ fn nearest_free_corner(aabb: &Aabb, obstacles: &[Aabb], radius: f64) -> Option<[
         }
     }
     best
+}
+
+/// Obstacles in the order of their left sides, so that those that overlap a box along x are found without visiting all.
+struct Columns {
+    obstacles: Vec<Aabb>,
+    greatest_width: f64,
+}
+
+impl Columns {
+    fn new(obstacles: &[Aabb]) -> Columns {
+        let mut obstacles = obstacles.to_vec();
+        obstacles.sort_unstable_by(|a, b| a.low[0].total_cmp(&b.low[0]));
+        let greatest_width = obstacles.iter().map(|obstacle| obstacle.size[0]).fold(0.0, larger);
+        Columns { obstacles, greatest_width }
+    }
+
+    /// The obstacles that can overlap a box along x, and more.
+    fn near(&self, aabb: &Aabb) -> impl Iterator<Item = &Aabb> {
+        // Wider by more than the rounding of these sums, so that none is missed.
+        let (low, high) = (aabb.low[0] - self.greatest_width, aabb.high()[0]);
+        let margin = (low.abs() + high.abs()) * f64::EPSILON;
+        let start = self.obstacles.partition_point(|obstacle| obstacle.low[0] < low - margin);
+        self.obstacles[start..].iter().take_while(move |obstacle| obstacle.low[0] <= high + margin)
+    }
+}
+
+/// Positions along y at which a box certainly overlaps an obstacle, as open intervals that share no point, ascending.
+#[derive(Default)]
+struct BlockedIntervals(Vec<[f64; 2]>);
+
+impl BlockedIntervals {
+    /// Sets the intervals of a box among obstacles, of which the box overlaps each along x.
+    fn set(&mut self, aabb: &Aabb, obstacles: &[&Aabb]) {
+        let BlockedIntervals(intervals) = self;
+        intervals.clear();
+        for obstacle in obstacles {
+            let (low, high) = (obstacle.low[1] - aabb.size[1], obstacle.low[1] + obstacle.size[1]);
+            // More than the tolerance of an overlap and the rounding of the borders.
+            let margin = 4.0 * tolerance(low.abs() + high.abs() + aabb.size[1]);
+            if low + margin < high - margin {
+                intervals.push([low + margin, high - margin]);
+            }
+        }
+        intervals.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]));
+        intervals.dedup_by(|next, last| {
+            let is_joined = next[0] < last[1];
+            last[1] = if is_joined { larger(last[1], next[1]) } else { last[1] };
+            is_joined
+        });
+    }
+
+    /// The distance of a blocked position from the border of its interval; 0 for any other position.
+    fn depth(&self, position: f64) -> f64 {
+        let BlockedIntervals(intervals) = self;
+        let next = intervals.partition_point(|[low, _]| *low < position);
+        let interval = next.checked_sub(1).map(|index| intervals[index]);
+        interval.map_or(0.0, |[low, high]| larger(smaller(position - low, high - position), 0.0))
+    }
 }
 
 /// The coordinates along an axis at which the box stays or touches an obstacle, with their distances from
@@ -197,6 +265,51 @@ fn largest_position_before(face: f64, size: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::physics::event_driven::pseudo_random::PseudoRandom;
+
+    /// The same as [`nearest_free_corner`], by trying all candidates with all obstacles.
+    fn nearest_by_trial(aabb: &Aabb, obstacles: &[Aabb], radius: f64) -> Option<[f64; 2]> {
+        let [xs, ys] = Axis::BOTH.map(|axis| candidate_coordinates(aabb, obstacles, axis));
+        let (mut best, mut least) = (None, radius * radius);
+        for (dx, x) in &xs {
+            for (dy, y) in &ys {
+                let square = dx * dx + dy * dy;
+                let candidate = aabb.at([*x, *y]);
+                let is_nearer = square < least || square == least && best.is_none();
+                if is_nearer && !obstacles.iter().any(|obstacle| candidate.overlaps(obstacle)) {
+                    (best, least) = (Some([*x, *y]), square);
+                }
+            }
+        }
+        best
+    }
+
+    #[test]
+    fn the_nearest_free_corner_is_that_of_all_candidates() {
+        let mut random = PseudoRandom(1);
+        for scene in 0..2000 {
+            let unit = random.pick(&[0.0, 0.1, 0.5]);
+            let scale = random.pick(&[1.0, 1e-3, 1e6]);
+            let offset = random.pick(&[0.0, 0.0, 1e4]);
+            // On a grid, or anywhere.
+            let mut number = |from: f64, to: f64| {
+                let number = random.between(from, to);
+                if unit > 0.0 { larger((number / unit).round(), 1.0) * unit } else { number }
+            };
+            let room = number(1.0, 6.0);
+            let mut boxes = (0..24).map(|_| Aabb {
+                low: [0, 1].map(|_| scale * (offset + number(0.0, room))),
+                size: [0, 1].map(|_| scale * number(0.05, 1.5)),
+            });
+            let aabb = boxes.next().unwrap();
+            let obstacles: Vec<Aabb> = boxes.collect();
+            for radius in [0.5, 2.0, 8.0].map(|radius| radius * scale) {
+                let (found, expected) =
+                    (nearest_free_corner(&aabb, &obstacles, radius), nearest_by_trial(&aabb, &obstacles, radius));
+                assert_eq!(found, expected, "scene {scene}: {aabb:?} within {radius}");
+            }
+        }
+    }
 
     #[test]
     fn a_box_placed_before_a_face_does_not_extend_beyond_it() {
