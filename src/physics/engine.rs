@@ -324,8 +324,7 @@ impl Engine {
     /// Restores an engine from a snapshot. `config` must be the configuration of the engine that took it.
     ///
     /// # Errors
-    /// Returns an error if the snapshot is damaged, or if the event-driven solver cannot read its solver's part. The
-    /// handout solver, which has no state, ignores that part.
+    /// Returns an error if the snapshot is damaged or was taken with the other solver.
     pub fn restore(config: EngineConfig, snapshot: Snapshot) -> Result<Engine, SnapshotError> {
         let ascend = snapshot.bodies.is_sorted_by(|a, b| a.id < b.id);
         if !ascend || snapshot.bodies.last().is_some_and(|body| body.id >= snapshot.next_id) {
@@ -337,7 +336,11 @@ impl Engine {
         engine.next_id = snapshot.next_id;
         engine.world.bodies = snapshot.bodies;
         match &mut engine.solver {
-            Solver::Handout => {}
+            Solver::Handout if snapshot.solver == SolverSnapshot::default() => {}
+            Solver::Handout => {
+                let reason = "it was taken with the event-driven solver".to_owned();
+                return Err(SnapshotError { step: snapshot.step, reason });
+            }
             Solver::EventDriven(solver) => solver.restore(&engine.world, snapshot.step, &snapshot.solver)?,
         }
         Ok(engine)

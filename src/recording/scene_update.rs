@@ -8,7 +8,7 @@ use std::{collections::BTreeMap, sync::Arc};
 use crate::physics::BodyId;
 
 use super::{
-    BodyInfo, BodyTable, RecordedState,
+    BodyInfo, BodyTable, RecordedState, color_and_image,
     record_reader::{FieldReader, Malformed},
 };
 
@@ -70,7 +70,7 @@ pub fn difference(
     }
     let changed = table.bodies().iter().find(|info| {
         let color = colors.get(&info.id);
-        let of_scene = info.color.as_deref().and_then(parse_hexadecimal);
+        let of_scene = color_and_image(info.color.as_deref()).0.and_then(parse_hexadecimal);
         previous.get(&info.id).is_some_and(|previous| Some(previous) != color)
             || of_scene.is_some_and(|of_scene| Some(&of_scene) != color)
     });
@@ -175,7 +175,8 @@ fn varint(bytes: &mut FieldReader<'_>) -> Result<u64, Malformed> {
 
 /// Parses a colour such as `#3366cc`.
 fn parse_hexadecimal(text: &str) -> Option<[u8; 3]> {
-    let digits = text.strip_prefix('#').filter(|digits| digits.len() == 6)?;
+    let is_valid = |digits: &&str| digits.len() == 6 && digits.bytes().all(|digit| digit.is_ascii_hexdigit());
+    let digits = text.strip_prefix('#').filter(is_valid)?;
     let [_, r, g, b] = u32::from_str_radix(digits, 16).ok()?.to_be_bytes();
     Some([r, g, b])
 }
@@ -264,6 +265,7 @@ impl Message {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::physics::{Rect, Spawn, Vector};
 
     #[test]
     fn a_message_is_encoded_as_the_protobuf_specification_says() {
@@ -273,6 +275,27 @@ mod tests {
         let deletion = [&[0x0a, 8][..], &timestamp, &[0x10, 0x01]].concat();
         let boxes = [&[0x0a, 8][..], &timestamp, &[0x12, 5], b"world", &[0x1a, 5], b"boxes"].concat();
         assert_eq!(bytes, [&[0x0a, 12][..], &deletion, &[0x12, 24], &boxes].concat());
+    }
+
+    #[test]
+    fn the_colour_of_a_body_is_that_of_the_scene_also_with_an_image() {
+        for color in ["#3366cc", "#3366cc car.png"] {
+            let spawn = Spawn::new("car", Rect::new(Vector::ZERO, 1.0, 1.0), 1.0);
+            let table = BodyTable::from_iter([Arc::new(BodyInfo { id: 0, spawn, color: Some(color.into()) })]);
+            let difference_with = |color: [u8; 3]| {
+                let bodies = table.bodies().iter().map(|info| (info, info.initial_state()));
+                let mut message = Vec::new();
+                encode(0, bodies, |_| color, &mut message);
+                difference(&message, 0, &table, &RecordedState::default(), &mut Colors::new())
+            };
+            assert_eq!(difference_with([0x33, 0x66, 0xcc]), None, "{color}");
+            let found = difference_with([0x33, 0x66, 0xcd]);
+            assert_eq!(
+                found.as_deref(),
+                Some("the scene update of state 0 has another colour of body \"car\""),
+                "{color}"
+            );
+        }
     }
 
     #[test]

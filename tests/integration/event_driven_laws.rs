@@ -2,7 +2,7 @@
 
 use crate::world_builder::*;
 use proptest::prelude::*;
-use rebond::internals::physics::{BodyId, Engine, Event, Snapshot, SnapshotError, Vector};
+use rebond::internals::physics::{BodyId, Engine, EngineConfig, Event, Snapshot, SnapshotError, SolverKind, Vector};
 
 const ROOM: f64 = 12.0;
 
@@ -257,4 +257,8 @@ fn a_snapshot_that_does_not_fit_the_solver_is_rejected() {
     ] {
         assert!(error.to_string().starts_with("the snapshot of step 0 does not fit the solver: "), "{error}");
     }
+    let handout = EngineConfig::new(SolverKind::Handout, 60.0);
+    let error = Engine::restore(handout.clone(), engine.snapshot()).expect_err("a snapshot of the other solver");
+    assert_eq!(error.reason, "it was taken with the event-driven solver");
+    assert!(Engine::restore(config(Conditions::default()), Engine::new(handout).snapshot()).is_err());
 }

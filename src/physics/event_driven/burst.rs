@@ -102,18 +102,13 @@ impl EventDriven {
         world: &World,
         observer: &mut O,
     ) -> Result<(), StepError> {
-        let pair = touch.ordered(axis);
         let mut clusters = std::mem::take(&mut self.clusters);
-        for side in Side::BOTH {
-            self.collect_cluster(patch, pair[side], axis, side, &mut clusters[side as usize]);
-        }
-        let mass = [clusters[0].mass, clusters[1].mass];
-        if mass.iter().all(|mass| mass.high == f64::INFINITY) {
+        let impact = self.impact_of_clusters(patch, touch, axis, restitution, &mut clusters);
+        if !impact.moves_a_body() {
             self.clusters = clusters;
+            let pair = touch.ordered(axis);
             return Err(self.crushed_error(world, pair.map(|body| patch.bodies[body as usize].slot), axis));
         }
-        let velocity = pair.map(|body| patch.axis(body, axis).state.velocity);
-        let impact = Impact { velocity, mass, restitution };
         let after = self.bodies.rounding().velocities(&impact, impact.velocities_after());
         let velocities_now = |patch: &Patch| touch.bodies.map(|body| local_velocity(patch, body));
         let before = velocities_now(patch);
@@ -128,7 +123,7 @@ impl EventDriven {
                 at: patch.bodies[patch.finite_of(touch.bodies) as usize].at,
                 rects: touch.bodies.map(|body| local_rect(patch, body)),
                 velocities: [before, velocities_now(patch)],
-                along: [velocity, after],
+                along: [impact.velocity, after],
                 impulse,
                 restitution: restitution.high,
             })
@@ -136,16 +131,26 @@ impl EventDriven {
         Ok(())
     }
 
-    /// Collects the body and all bodies that it pushes, directly or through others. If one of them is supported on
-    /// that side, the cluster is empty and its mass infinite.
-    pub(super) fn collect_cluster(
+    /// The impact of the two bodies of a touch, each with what it pushes, which replaces `clusters`.
+    pub(super) fn impact_of_clusters(
         &self,
         patch: &mut Patch,
-        struck: Local,
+        touch: &Touch,
         axis: Axis,
-        side: Side,
-        cluster: &mut Cluster,
-    ) {
+        restitution: DoubleDouble,
+        clusters: &mut [Cluster; 2],
+    ) -> Impact {
+        let pair = touch.ordered(axis);
+        for side in Side::BOTH {
+            self.collect_cluster(patch, pair[side], axis, side, &mut clusters[side as usize]);
+        }
+        let velocity = pair.map(|body| patch.axis(body, axis).state.velocity);
+        Impact { velocity, mass: [clusters[0].mass, clusters[1].mass], restitution }
+    }
+
+    /// Collects the body and all bodies that it pushes, directly or through others. If one of them is supported on
+    /// that side, the cluster is empty and its mass infinite.
+    fn collect_cluster(&self, patch: &mut Patch, struck: Local, axis: Axis, side: Side, cluster: &mut Cluster) {
         cluster.members.clear();
         cluster.mass = f64::INFINITY.into();
         let slot_of = |patch: &Patch, body: Local| patch.bodies[body as usize].slot;
@@ -250,15 +255,9 @@ impl EventDriven {
 
     /// Joins two bodies, each with what it pushes, as a plastic impact does.
     fn capture(&mut self, patch: &mut Patch, touch: &Touch, axis: Axis) {
-        let pair = touch.ordered(axis);
         let mut clusters = std::mem::take(&mut self.clusters);
-        for side in Side::BOTH {
-            self.collect_cluster(patch, pair[side], axis, side, &mut clusters[side as usize]);
-        }
-        let mass = [clusters[0].mass, clusters[1].mass];
-        if mass.iter().any(|mass| mass.high < f64::INFINITY) {
-            let velocity = pair.map(|body| patch.axis(body, axis).state.velocity);
-            let impact = Impact { velocity, mass, restitution: DoubleDouble::ZERO };
+        let impact = self.impact_of_clusters(patch, touch, axis, DoubleDouble::ZERO, &mut clusters);
+        if impact.moves_a_body() {
             let after = self.bodies.rounding().velocities(&impact, impact.velocities_after());
             self.set_velocities(patch, &clusters, axis, after);
             // A corner blocks along the axes that the accelerations from rest select.

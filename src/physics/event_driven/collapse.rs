@@ -254,17 +254,13 @@ impl EventDriven {
             if restitution.high == 0.0 {
                 return None;
             }
-            let pair = touch.ordered(axis);
-            for side in Side::BOTH {
-                self.collect_cluster(patch, pair[side], axis, side, &mut clusters[side as usize]);
-            }
+            let impact = self.impact_of_clusters(patch, &touch, axis, restitution, &mut clusters);
             let velocity_of = |body: Local| match place_of(body) {
                 Some(place) => velocities[place],
                 None => patch.axis(body, axis).state.velocity,
             };
-            let velocity = pair.map(velocity_of);
-            let mass = [clusters[0].mass, clusters[1].mass];
-            let after = Impact { velocity, mass, restitution }.velocities_after();
+            let velocity = touch.ordered(axis).map(velocity_of);
+            let after = Impact { velocity, ..impact }.velocities_after();
             for (cluster, velocity) in clusters.iter().zip(after) {
                 for place in cluster.members.iter().filter_map(|body| place_of(*body)) {
                     velocities[place] = velocity;

@@ -15,6 +15,11 @@ pub struct Impact {
 }
 
 impl Impact {
+    /// True if one of the two has a finite mass.
+    pub fn moves_a_body(&self) -> bool {
+        self.mass.iter().any(|mass| mass.high < f64::INFINITY)
+    }
+
     /// The velocities after the impact, m/s: momentum is conserved, the relative velocity is multiplied by −e.
     ///
     /// v₁′ = v₁ − (1+e)·m₂/(m₁+m₂)·(v₁−v₂) and v₂′ = v₂ + (1+e)·m₁/(m₁+m₂)·(v₁−v₂)

@@ -321,7 +321,10 @@ impl Patch {
 
     /// The touch of two bodies, if it is explored.
     pub fn touch_between(&self, body: Local, other: Local) -> Option<u32> {
-        let touches = &self.bodies[body as usize].touches;
+        let touches_of = |body: Local| &self.bodies[body as usize].touches;
+        // A floor has many.
+        let (own, others) = (touches_of(body), touches_of(other));
+        let (body, other, touches) = if own.len() <= others.len() { (body, other, own) } else { (other, body, others) };
         touches.iter().copied().find(|touch| self.touches[*touch as usize].other(body) == other)
     }
 
