@@ -150,26 +150,25 @@ impl EventDriven {
 /// bottom, left, right.
 fn nearest_free_corner(aabb: &Aabb, obstacles: &[Aabb], radius: f64) -> Option<[f64; 2]> {
     let [xs, ys] = Axis::BOTH.map(|axis| candidate_coordinates(aabb, obstacles, axis));
-    let columns = Columns::new(obstacles);
     let (mut best, mut least) = (None, radius * radius);
-    let (mut obstacles, mut blocked) = (Vec::new(), BlockedIntervals::default());
-    for (dx, x) in &xs {
+    let (mut in_column, mut blocked) = (Vec::new(), BlockedIntervals::default());
+    for [dx, x] in &xs {
         if dx * dx > least {
             break;
         }
         let column = aabb.at([*x, aabb.low[1]]);
-        obstacles.clear();
-        obstacles.extend(columns.near(&column).filter(|obstacle| column.overlaps_along(obstacle, Axis::X)));
-        blocked.set(&column, &obstacles);
+        in_column.clear();
+        in_column.extend(obstacles.iter().filter(|obstacle| column.overlaps_along(obstacle, Axis::X)));
+        blocked.set(&column, &in_column);
         let depth = blocked.depth(aabb.low[1]);
-        let first = ys.partition_point(|(dy, _)| *dy < depth);
-        for (dy, y) in &ys[first..] {
+        let first = ys.partition_point(|[dy, _]| *dy < depth);
+        for [dy, y] in &ys[first..] {
             let square = dx * dx + dy * dy;
             if square > least || (square == least && best.is_some()) {
                 break;
             }
             let candidate = aabb.at([*x, *y]);
-            if blocked.depth(*y) == 0.0 && !obstacles.iter().any(|other| candidate.overlaps_along(other, Axis::Y)) {
+            if blocked.depth(*y) == 0.0 && !in_column.iter().any(|other| candidate.overlaps_along(other, Axis::Y)) {
                 least = square;
                 best = Some([*x, *y]);
                 break;
@@ -177,30 +176,6 @@ fn nearest_free_corner(aabb: &Aabb, obstacles: &[Aabb], radius: f64) -> Option<[
         }
     }
     best
-}
-
-/// Obstacles in the order of their left sides, so that those that overlap a box along x are found without visiting all.
-struct Columns {
-    obstacles: Vec<Aabb>,
-    greatest_width: f64,
-}
-
-impl Columns {
-    fn new(obstacles: &[Aabb]) -> Columns {
-        let mut obstacles = obstacles.to_vec();
-        obstacles.sort_unstable_by(|a, b| a.low[0].total_cmp(&b.low[0]));
-        let greatest_width = obstacles.iter().map(|obstacle| obstacle.size[0]).fold(0.0, larger);
-        Columns { obstacles, greatest_width }
-    }
-
-    /// The obstacles that can overlap a box along x, and more.
-    fn near(&self, aabb: &Aabb) -> impl Iterator<Item = &Aabb> {
-        // Wider by more than the rounding of these sums, so that none is missed.
-        let (low, high) = (aabb.low[0] - self.greatest_width, aabb.high()[0]);
-        let margin = (low.abs() + high.abs()) * f64::EPSILON;
-        let start = self.obstacles.partition_point(|obstacle| obstacle.low[0] < low - margin);
-        self.obstacles[start..].iter().take_while(move |obstacle| obstacle.low[0] <= high + margin)
-    }
 }
 
 /// Positions along y at which a box certainly overlaps an obstacle, as open intervals that share no point, ascending.
@@ -220,7 +195,7 @@ impl BlockedIntervals {
                 intervals.push([low + margin, high - margin]);
             }
         }
-        intervals.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]));
+        sort_pairs(intervals);
         intervals.dedup_by(|next, last| {
             let is_joined = next[0] < last[1];
             last[1] = if is_joined { larger(last[1], next[1]) } else { last[1] };
@@ -237,20 +212,24 @@ impl BlockedIntervals {
     }
 }
 
-/// The coordinates along an axis at which the box stays or touches an obstacle, with their distances from
-/// the present one; nearest first.
-fn candidate_coordinates(aabb: &Aabb, obstacles: &[Aabb], axis: Axis) -> Vec<(f64, f64)> {
+/// The coordinates along an axis at which the box stays or touches an obstacle, each after its distance from the
+/// present one; nearest first.
+fn candidate_coordinates(aabb: &Aabb, obstacles: &[Aabb], axis: Axis) -> Vec<[f64; 2]> {
     let here = aabb.low[axis];
-    let mut candidates = vec![(0.0, here)];
+    let mut candidates = vec![[0.0, here]];
     for obstacle in obstacles {
         let before = largest_position_before(obstacle.low[axis], aabb.size[axis]);
         for coordinate in [before, obstacle.low[axis] + obstacle.size[axis]] {
-            candidates.push(((coordinate - here).abs(), coordinate));
+            candidates.push([(coordinate - here).abs(), coordinate]);
         }
     }
-    candidates.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    sort_pairs(&mut candidates);
     candidates.dedup();
     candidates
+}
+
+fn sort_pairs(pairs: &mut [[f64; 2]]) {
+    pairs.sort_unstable_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
 }
 
 /// The largest position at which a box of size `size` does not extend beyond `face`, m.
@@ -271,8 +250,8 @@ mod tests {
     fn nearest_by_trial(aabb: &Aabb, obstacles: &[Aabb], radius: f64) -> Option<[f64; 2]> {
         let [xs, ys] = Axis::BOTH.map(|axis| candidate_coordinates(aabb, obstacles, axis));
         let (mut best, mut least) = (None, radius * radius);
-        for (dx, x) in &xs {
-            for (dy, y) in &ys {
+        for [dx, x] in &xs {
+            for [dy, y] in &ys {
                 let square = dx * dx + dy * dy;
                 let candidate = aabb.at([*x, *y]);
                 let is_nearer = square < least || square == least && best.is_none();
