@@ -132,9 +132,6 @@ fn export(
         ),
     };
     let to = to.min(last);
-    if options.table == Table::Bodies {
-        return bodies(path, recording, from..=to, options, rows);
-    }
     // A shard or range without steps reads only the condition of the file.
     let empty = from.max(last + 1);
     let steps = options.shard.steps(from, to).unwrap_or_else(|| empty..=empty - 1);
@@ -147,7 +144,7 @@ fn export(
             })
         }
         Table::Collisions => collisions(path, recording, steps, options, rows),
-        Table::Bodies => unreachable!("returned above"),
+        Table::Bodies => bodies(path, recording, from..=to, options, rows),
     }
 }
 

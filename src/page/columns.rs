@@ -33,7 +33,7 @@ pub fn push_body(
     materials: &[&str],
 ) {
     let spawn = &info.spawn;
-    let is_wall = info.color.is_none() && Walls::include(info.id, spawn);
+    let is_wall = info.color.is_none() && Walls::is_wall(info.id, spawn);
     let numbered = |id: BodyId| body_color(&BodyInfo { id, color: None, ..info.clone() });
     let [red, green, blue] = match key {
         ColorKey::Speed if spawn.mass.is_finite() && top_speed > 0.0 => {

@@ -287,7 +287,7 @@ fn scene_of_states(path: &Path, bytes: Option<&Arc<[u8]>>) -> Result<Scene, Erro
     let first = Playback::new(open(path, bytes)?).next().transpose().map_err(read_error)?;
     let wall = |name: &str| {
         let bodies = first.iter().flat_map(|state| &state.bodies);
-        let is_wall = |info: &BodyInfo| info.spawn.name == name && Walls::include(info.id, &info.spawn);
+        let is_wall = |info: &BodyInfo| info.spawn.name == name && Walls::is_wall(info.id, &info.spawn);
         bodies.filter(|body| is_wall(&body.info)).map(|body| body.position).next()
     };
     let far = reach.map(|reach| reach.far_corner());

@@ -181,9 +181,7 @@ impl<W: Write> BatchWriter<W> {
         if let Some(state_bounds) = &mut self.state_bounds
             && state.step.is_multiple_of(self.header.every)
         {
-            for (info, recorded) in self.table.join_state(state) {
-                state_bounds.include(info, recorded.unwrap_or_else(|| info.initial_state()));
-            }
+            state_bounds.include_state(&self.table, state);
         }
     }
 

@@ -441,9 +441,7 @@ impl SequenceValidator {
         if let (Some(bounds), Some(table)) = (&mut self.state_bounds, &self.table)
             && state.step.is_multiple_of(self.every)
         {
-            for (info, recorded) in table.join_state(state) {
-                bounds.include(info, recorded.unwrap_or_else(|| info.initial_state()));
-            }
+            bounds.include_state(table, state);
         }
     }
 

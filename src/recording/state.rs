@@ -3,7 +3,7 @@ use serde::{Deserialize, Serialize};
 use crate::physics::{Body, BodyId, Rect, Vector};
 
 use super::{
-    BodyInfo,
+    BodyInfo, BodyTable,
     cdr::{self, ColumnReader},
     record_reader::Malformed,
 };
@@ -124,6 +124,13 @@ pub struct Bounds {
 }
 
 impl StateBounds {
+    /// Extends the bounds by a full state of the bodies of a table.
+    pub fn include_state(&mut self, table: &BodyTable, state: &RecordedState) {
+        for (info, recorded) in table.join_state(state) {
+            self.include(info, recorded.unwrap_or_else(|| info.initial_state()));
+        }
+    }
+
     /// Extends the bounds by a body in a state: x, y (m), vx, vy (m/s).
     pub fn include(&mut self, info: &BodyInfo, [x, y, vx, vy]: [f64; 4]) {
         let speed = Vector::new(vx, vy).norm();

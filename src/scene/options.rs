@@ -98,7 +98,7 @@ impl Walls {
 
     /// Returns true if a body is one of the walls of its scene, which are its first bodies: it has the id, the name,
     /// the place and the mass of one. A body that is only named like a wall is none.
-    pub fn include(id: BodyId, spawn: &Spawn) -> bool {
+    pub fn is_wall(id: BodyId, spawn: &Spawn) -> bool {
         let Spawn { name, rect, mass, velocity, force, .. } = spawn;
         let [x, y] = [rect.origin.x, rect.origin.y];
         let is_in_place = match id {
@@ -334,7 +334,7 @@ mod tests {
             Spawn::new(name, request.rect(), request.blueprint.mass)
         });
         for (id, spawn) in (0..).zip(&spawns) {
-            assert!(Walls::include(id, spawn), "{spawn:?}");
+            assert!(Walls::is_wall(id, spawn), "{spawn:?}");
             let moved = Spawn { rect: Rect::new(Vector::new(0.25, 0.25), 1.0, 1.0), ..spawn.clone() };
             let others = [
                 (id + 4, spawn.clone()),
@@ -345,7 +345,7 @@ mod tests {
                 (id, spawn.clone().with_velocity(Vector::new(-2.0, 0.0))),
             ];
             for (id, other) in others {
-                assert!(!Walls::include(id, &other), "{id}: {other:?}");
+                assert!(!Walls::is_wall(id, &other), "{id}: {other:?}");
             }
         }
     }

@@ -6,7 +6,7 @@ use super::decimal::stated;
 use super::double_double::DoubleDouble;
 use super::exact::Resolution;
 use super::instant::Instant;
-use super::least_change::MASS_UNIT;
+use super::least_change::MASS_SCALE;
 use super::random_rounding::RandomRounding;
 use super::reference::Reference;
 use super::trajectory::Trajectory;
@@ -27,7 +27,7 @@ pub struct Bodies {
     /// By slot.
     details: Vec<BodyDetails>,
     /// The constant forces on bodies of finite mass, alive or deleted, in the order of their slots: newtons times
-    /// [`MASS_UNIT`], so that no sum overflows.
+    /// [`MASS_SCALE`], so that no sum overflows.
     forces: Vec<(Slot, [DoubleDouble; 2])>,
     /// For each axis, the number of bodies alive with a constant force along it.
     force_counts: [u32; 2],
@@ -109,7 +109,7 @@ impl Bodies {
         &self.details[slot as usize].params
     }
 
-    /// The constant force on a body along an axis, N, times [`MASS_UNIT`]; 0 for an infinite mass.
+    /// The constant force on a body along an axis, N, times [`MASS_SCALE`]; 0 for an infinite mass.
     pub fn force(&self, slot: Slot, axis: Axis) -> DoubleDouble {
         let index = self.forces.binary_search_by_key(&slot, |(slot, _)| *slot);
         index.map_or(DoubleDouble::ZERO, |index| self.forces[index].1[axis])
@@ -143,7 +143,7 @@ impl Bodies {
         });
         let has_force = Axis::BOTH.map(|axis| !infinite && force[axis] != 0.0);
         if has_force != [false; 2] {
-            self.forces.push((slot, Axis::BOTH.map(|axis| stated(force[axis]).scaled(MASS_UNIT))));
+            self.forces.push((slot, Axis::BOTH.map(|axis| stated(force[axis]).scaled(MASS_SCALE))));
         }
         self.states.push(BodyState {
             trajectory,
@@ -160,7 +160,7 @@ impl Bodies {
         self.moving_walls += u32::from(infinite && !trajectory.is_at_rest());
         let params = BodyParams {
             id: body.id,
-            mass: mass.scaled(MASS_UNIT),
+            mass: mass.scaled(MASS_SCALE),
             material: body.material,
             free_acceleration,
             has_force,

@@ -67,7 +67,7 @@ pub struct BodyDetails {
 pub struct BodyParams {
     /// Its id in the world.
     pub id: BodyId,
-    /// Mass, kg, times [`MASS_UNIT`](super::least_change::MASS_UNIT).
+    /// Mass, kg, times [`MASS_SCALE`](super::least_change::MASS_SCALE).
     pub mass: DoubleDouble,
     /// Material, for the restitution table.
     pub material: Material,

@@ -8,7 +8,7 @@ use super::double_double::DoubleDouble;
 use super::exact::{Resolution, VELOCITY_ROUNDING};
 use super::impact::Impact;
 use super::impact_record::ImpactRecord;
-use super::least_change::MASS_UNIT;
+use super::least_change::MASS_SCALE;
 use super::patch::{CornerMotion, Local, Patch, Touch, TouchKind};
 use crate::physics::{Axis, Observer, Rect, Side, StepError, Vector, World, larger};
 use std::cmp::Ordering;
@@ -25,7 +25,7 @@ const LOSSY_IMPACTS_PER_EVENT: u64 = 1000;
 pub struct Cluster {
     /// The body, and the others in creation order. Empty if the impact moves none.
     pub members: Vec<Local>,
-    /// The total mass, kg, times [`MASS_UNIT`]; infinite if the cluster cannot move.
+    /// The total mass, kg, times [`MASS_SCALE`]; infinite if the cluster cannot move.
     pub mass: DoubleDouble,
 }
 
@@ -114,7 +114,7 @@ impl EventDriven {
         let before = velocities_now(patch);
         self.set_velocities(patch, &clusters, axis, after);
         self.clusters = clusters;
-        let impulse = impact.impulse() / MASS_UNIT;
+        let impulse = impact.impulse() / MASS_SCALE;
         observer.collision_of(impulse, || {
             self.collision(ImpactRecord {
                 slots: touch.bodies.map(|body| patch.bodies[body as usize].slot),
@@ -176,7 +176,7 @@ impl EventDriven {
         cluster.mass = self.total_mass(patch, &cluster.members);
     }
 
-    /// The total mass of bodies, kg, times [`MASS_UNIT`], summed in creation order. Those after the first must be in
+    /// The total mass of bodies, kg, times [`MASS_SCALE`], summed in creation order. Those after the first must be in
     /// this order.
     pub(super) fn total_mass(&self, patch: &Patch, members: &[Local]) -> DoubleDouble {
         let slot_of = |body: &Local| patch.bodies[*body as usize].slot;

@@ -16,7 +16,7 @@ use super::double_double::DoubleDouble;
 use super::exact::VELOCITY_ROUNDING;
 use super::instant::Instant;
 use super::isolated::ImpactPair;
-use super::least_change::MASS_UNIT;
+use super::least_change::MASS_SCALE;
 use super::predict::ordered_pair;
 use super::reference::Reference;
 use super::{EventDriven, VICINITY};
@@ -117,7 +117,7 @@ impl EventDriven {
             return false;
         }
         (self.events, self.now) = (self.events + 1, at);
-        let impulse = impact.impulse_with(approach_speed) / MASS_UNIT;
+        let impulse = impact.impulse_with(approach_speed) / MASS_SCALE;
         observer.collision_of(impulse, || {
             let positions = references.map(|reference| reference.drifted_position_at(at));
             self.record(&impact_pair, positions, &impact, after, impulse)

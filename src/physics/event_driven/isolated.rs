@@ -8,7 +8,7 @@ use super::double_double::DoubleDouble;
 use super::exact::VELOCITY_ROUNDING;
 use super::impact::Impact;
 use super::impact_record::ImpactRecord;
-use super::least_change::MASS_UNIT;
+use super::least_change::MASS_SCALE;
 use super::neighbour_buffer::NeighbourBuffer;
 use super::pair_event::Sample;
 use super::reference::{Reference, ScaledState};
@@ -29,7 +29,7 @@ pub struct ImpactPair {
     /// The side of the body that keeps its position.
     pub anchor: Side,
     restitution: DoubleDouble,
-    /// Masses, kg, times [`MASS_UNIT`]; infinite for a body that does not give way.
+    /// Masses, kg, times [`MASS_SCALE`]; infinite for a body that does not give way.
     mass: [DoubleDouble; 2],
 }
 
@@ -198,7 +198,7 @@ impl EventDriven {
             let changed = StateDd { position: positions[1], velocity: velocities[1], ..high };
             self.bodies.set_trajectory(bodies[1], axis, changed, self.now);
         }
-        let impulse = impact.impulse() / MASS_UNIT;
+        let impulse = impact.impulse() / MASS_SCALE;
         let before = states.map(|state| state.state.position);
         observer.collision_of(impulse, || self.record(impact_pair, before, impact, after, impulse));
     }

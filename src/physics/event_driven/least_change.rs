@@ -46,7 +46,7 @@ const HEAVIER: f64 = 1024.0;
 
 /// The factor from kilograms to the unit of summed masses, 2²⁴ kg, in which no sum overflows. Forces have the same
 /// factor.
-pub const MASS_UNIT: f64 = 1.0 / (1_u64 << 24) as f64;
+pub const MASS_SCALE: f64 = 1.0 / (1_u64 << 24) as f64;
 
 impl ContactGroup {
     /// Removes all bodies and contacts, and sets the gravitational acceleration, m/s².
@@ -59,7 +59,7 @@ impl ContactGroup {
         self.contacts.clear();
     }
 
-    /// Adds a body: free acceleration (m/s²), mass (kg) and force besides gravity (N), both times [`MASS_UNIT`];
+    /// Adds a body: free acceleration (m/s²), mass (kg) and force besides gravity (N), both times [`MASS_SCALE`];
     /// returns its index.
     pub fn add(&mut self, free: DoubleDouble, mass: DoubleDouble, force: DoubleDouble) -> usize {
         self.force.push(force);

@@ -51,7 +51,7 @@ impl EventDriven {
     /// Returns the spawned bodies of finite mass that may touch others then, in creation order, and the older bodies
     /// that it moved or that were in contact with these.
     pub(super) fn separate_overlaps(&mut self, spawned: &[Slot]) -> (Vec<Slot>, Vec<Slot>) {
-        let (mut queue, mut concerned) = self.displaced_by_static(spawned);
+        let (mut queue, mut concerned) = self.displaced_by_infinite(spawned);
         concerned.extend(&queue);
         queue.extend(spawned.iter().copied().filter(|slot| !self.bodies[*slot].infinite));
         let mut touching = Vec::new();
@@ -84,7 +84,7 @@ impl EventDriven {
 
     /// The older bodies of finite mass that spawned bodies of infinite mass overlap, and those that were in contact
     /// with them; ends their contacts.
-    fn displaced_by_static(&mut self, spawned: &[Slot]) -> (Vec<Slot>, Vec<Slot>) {
+    fn displaced_by_infinite(&mut self, spawned: &[Slot]) -> (Vec<Slot>, Vec<Slot>) {
         let mut displaced = Vec::new();
         for slot in spawned.iter().filter(|slot| self.bodies[**slot].infinite) {
             let aabb = self.aabb_of(*slot);

@@ -177,7 +177,7 @@ impl EventDriven {
     /// Makes the instant the reference of the bodies that it changed.
     fn write_back(&mut self, patch: &mut Patch) {
         for axis in Axis::BOTH {
-            align_faces(patch, axis);
+            place_on_faces(patch, axis);
             for body in 0..patch.bodies.len() as Local {
                 let state = patch.axis_mut(body, axis);
                 if !state.has_changed {
@@ -199,12 +199,12 @@ impl EventDriven {
 /// that do not move relative to each other get the same velocity.
 ///
 /// Unchanged bodies and, where there is none, the earliest changed one keep their positions.
-fn align_faces(patch: &mut Patch, axis: Axis) {
+fn place_on_faces(patch: &mut Patch, axis: Axis) {
     if !patch.bodies.iter().any(|body| body.axes[axis].has_changed) {
         return;
     }
-    let mut buffers = std::mem::take(&mut patch.alignment);
-    let Alignment { changed, faces, is_placed, queue } = &mut buffers;
+    let mut buffers = std::mem::take(&mut patch.placement);
+    let Placement { changed, faces, is_placed, queue } = &mut buffers;
     changed.clear();
     changed.extend((0..patch.bodies.len() as Local).filter(|body| patch.axis(*body, axis).has_changed));
     changed.sort_unstable_by_key(|body| patch.bodies[*body as usize].slot);
@@ -238,12 +238,12 @@ fn align_faces(patch: &mut Patch, axis: Axis) {
             queue.push(*body);
         }
     }
-    patch.alignment = buffers;
+    patch.placement = buffers;
 }
 
-/// Buffers for [`align_faces`].
+/// Buffers for [`place_on_faces`].
 #[derive(Clone, Debug, Default)]
-pub struct Alignment {
+pub struct Placement {
     changed: Vec<Local>,
     /// The faces of a body.
     faces: Vec<(Local, u32)>,

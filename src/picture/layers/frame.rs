@@ -63,7 +63,7 @@ impl Appearance {
             image: None,
             mass: spawn.mass,
             force: force(spawn, gravity),
-            is_wall: color.is_none() && Walls::include(id, spawn),
+            is_wall: color.is_none() && Walls::is_wall(id, spawn),
         }
     }
 
