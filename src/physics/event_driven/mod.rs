@@ -450,7 +450,7 @@ impl EventDriven {
                 self.predict_changed();
                 self.receding = None;
             } else {
-                let concerned = self.concerned_by(&event, others);
+                let concerned = self.concerned_by(&event, others, last);
                 // An instant counts as many events as it has impacts, at least one.
                 let counted = self.events;
                 self.events -= 1;

@@ -75,7 +75,14 @@ impl EventDriven {
     /// Bodies that touch share the time of the earliest of their events. Times that differ by less than the resolution
     /// of positions are one instant also for bodies that do not touch, so that the order of their impacts does not
     /// follow from rounding, but each group keeps its own time, so that it does not depend on the other groups.
-    pub(super) fn concerned_by(&self, first: &ScheduledEvent, others: Vec<ScheduledEvent>) -> Vec<Concerned> {
+    ///
+    /// If the first event is after `last` and coincides with it, groups whose earliest event does not must wait.
+    pub(super) fn concerned_by(
+        &self,
+        first: &ScheduledEvent,
+        others: Vec<ScheduledEvent>,
+        last: Instant,
+    ) -> Vec<Concerned> {
         if others.is_empty() {
             return first.pair.map(|slot| Concerned { slot, at: first.at }).to_vec();
         }
@@ -89,25 +96,28 @@ impl EventDriven {
         let simultaneous = &events[..end];
         let mut concerned: Vec<Concerned> = Vec::new();
         let mut add = |pair: [Slot; 2], at: Instant| concerned.extend(pair.map(|slot| Concerned { slot, at }));
-        if simultaneous.iter().all(|event| event.at == first.at) {
+        let is_due = |event: &ScheduledEvent| !last.is_before(event.at) || self.coincides(event, last);
+        if simultaneous.iter().all(|event| event.at == first.at && is_due(event)) {
             simultaneous.iter().for_each(|event| add(event.pair, first.at));
         } else {
             let finite_of = |pair: [Slot; 2]| if self.bodies[pair[0]].infinite { pair[1] } else { pair[0] };
-            let (mut group_of, mut times) = (BTreeMap::new(), Vec::new());
+            let (mut group_of, mut earliest) = (BTreeMap::new(), Vec::new());
             for event in simultaneous {
                 let start = finite_of(event.pair);
                 if !group_of.contains_key(&start) {
-                    group_of.extend(self.connected_by_touching(start, first.at).into_iter().zip(repeat(times.len())));
-                    times.push(event.at);
+                    let group = self.connected_by_touching(start, first.at);
+                    group_of.extend(group.into_iter().zip(repeat(earliest.len())));
+                    earliest.push(event);
                 }
-                let time = &mut times[group_of[&start]];
-                *time = if event.at.is_before(*time) { event.at } else { *time };
+                let known = &mut earliest[group_of[&start]];
+                *known = if event.at.is_before(known.at) { event } else { known };
             }
             for event in simultaneous {
                 if let Some(group) = group_of.get(&finite_of(event.pair))
-                    && (event.at == times[*group] || self.coincides(event, times[*group]))
+                    && is_due(earliest[*group])
+                    && (event.at == earliest[*group].at || self.coincides(event, earliest[*group].at))
                 {
-                    add(event.pair, times[*group]);
+                    add(event.pair, earliest[*group].at);
                 }
             }
         }

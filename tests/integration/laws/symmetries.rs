@@ -7,8 +7,8 @@ use super::{
     run::{Impact, Outcome, State, larger},
     scene::{Scene, SceneBody},
 };
-use crate::world_builder::{BodySpec, INFINITE, spec};
-use rebond::internals::physics::Engine;
+use crate::world_builder::{BodySpec, Conditions, INFINITE, spec, world};
+use rebond::internals::physics::{Engine, Vector};
 
 fn outcome(scene: &Scene) -> Outcome {
     Outcome::of(scene, scene.run())
@@ -250,6 +250,31 @@ fn slow_impacts_elsewhere_at_nearly_the_same_time_change_nothing() {
         }
         to_the_bit(&expected, &outcome_within(&scene.with_others(&others, random.chance(50)), scene))
     });
+}
+
+/// A box reaches another one 9·10⁻¹⁶ s after a sample, and elsewhere one reaches another at the same time, but so slowly that
+/// its gap is 0 at the sample already.
+#[test]
+fn a_slow_impact_at_a_sample_does_not_bring_others_before_it() {
+    let others = [
+        spec([3.2499999999999996, -1.75], [0.25; 2], 1.0).with_velocity(-0.75, 0.25),
+        spec([2.0, -1.2499999999999998], [0.5; 2], 1.0),
+    ];
+    for speed in [1_u64 << 14, 1 << 20, 1 << 40].map(|divisor| 1.0 / divisor as f64) {
+        let slow = [
+            spec([-1.0, 65536.0], [1.0; 2], 1.0).with_velocity(speed, 0.0),
+            spec([speed * (1.0 + 4.0 * f64::EPSILON), 65536.0], [1.0; 2], 1.0),
+        ];
+        let conditions =
+            Conditions { rate: 8.0, restitution: 0.0, gravity: Some([0.0, 10.0]), ..Conditions::default() };
+        let mut engine = world(conditions, &[&slow[..], &others].concat());
+        let mut collisions = Vec::new();
+        (0..8).for_each(|_| engine.step(&mut collisions).unwrap());
+        assert_eq!(collisions.iter().map(|collision| collision.bodies).collect::<Vec<_>>(), [[0, 1]], "{speed} m/s");
+        assert_eq!(engine.world().bodies[2].velocity, Vector::new(-0.75, 10.25));
+        engine.step(&mut collisions).unwrap();
+        assert_eq!(collisions[1].bodies, [2, 3]);
+    }
 }
 
 /// With so many bodies, neighbours are found with lists for windows of steps, and not among all bodies.
