@@ -42,7 +42,7 @@ const MOST_COLLISIONS: usize = if cfg!(debug_assertions) { 60 } else { 5000 };
 
 /// The seeds of the scenes.
 fn seeds() -> Range<u64> {
-    seeds_of("REBOND_LAW_SCENES", if cfg!(debug_assertions) { 240 } else { 1120 })
+    seeds_of("REBOND_LAW_SCENES", if cfg!(debug_assertions) { 180 } else { 1120 })
 }
 
 /// The seeds that an environment variable selects, which is a number or a range; without it a standard number.
