@@ -11,7 +11,7 @@ use std::collections::BTreeSet;
 pub struct Visibility {
     /// All bodies but walls, by panel and id.
     bodies: BTreeSet<(usize, BodyId)>,
-    /// Those that were at least partly in the picture at some time.
+    /// The bodies that were at least partly in the picture in some frame.
     seen: BTreeSet<(usize, BodyId)>,
     /// The number of frames.
     frames: u64,

@@ -316,7 +316,7 @@ fn the_limit_of_events_does_not_end_a_burst_that_loses_energy() {
 }
 
 /// Touching rows in which light boxes bounce between heavy ones: carried out one by one, it would take up to 10¹⁰ impacts
-/// until their speeds have decayed.
+/// until their speeds have decayed. They have more impacts than events are allowed.
 #[test]
 fn rows_of_any_masses_end_in_any_order_of_creation() {
     let rows = if cfg!(debug_assertions) { 300 } else { 3000 };
@@ -332,7 +332,8 @@ fn rows_of_any_masses_end_in_any_order_of_creation() {
             |place: &usize| spec([*place as f64, 0.0], [1.0; 2], masses[*place]).with_velocity(speeds[*place], 0.0);
         let bodies: Vec<BodySpec> = order.iter().map(body).collect();
         let about = format!("seed {seed}: masses {masses:?}, speeds {speeds:?}, e = {restitution}, order {order:?}");
-        let mut engine = world(Conditions { restitution, rate: 4.0, ..Conditions::default() }, &bodies);
+        let mut engine =
+            world(Conditions { restitution, rate: 4.0, events_per_step: 200, ..Conditions::default() }, &bodies);
         engine.step(&mut CollisionCount(0)).unwrap_or_else(|error| panic!("{about}: {error}"));
         let mut after = vec![0.0; count];
         for (place, body) in order.iter().zip(&engine.world().bodies) {
