@@ -78,9 +78,11 @@ mod body_selector;
 mod check;
 #[cfg(feature = "cli")]
 mod cli;
+mod color;
 pub mod guide;
 #[cfg(feature = "cli")]
 mod junit;
+mod paint;
 mod physics;
 #[cfg(feature = "draw")]
 mod picture;
@@ -122,9 +124,9 @@ pub use physics::{
 /// that is intact from a damaged file to a new one.
 pub mod recordings {
     pub use crate::recording::{
-        BodyInfo, Change, Damage, Error, Gap, Header, Health, Identity, Item, Keyframe, Playback, RecordedEvent,
-        RecordedState, Recording, Recovery, SampledBody, SampledState, SceneImage, SceneText, StateDigest, Trailer,
-        Versions, open, recover,
+        BodyInfo, Change, Color, Damage, Error, Gap, Header, Health, Identity, Item, Keyframe, Paint, Playback,
+        RecordedEvent, RecordedState, Recording, Recovery, SampledBody, SampledState, SceneImage, SceneText,
+        StateDigest, Trailer, Versions, open, recover,
     };
 }
 

@@ -215,8 +215,7 @@ impl Rows<'_> {
         };
         let (spawned, deleted) = (step(spawned), deleted.as_ref().map_or(Cell::Missing, step));
         let [fx, fy, e] = [spawn.force.x, spawn.force.y, default_restitution].map(Cell::Number);
-        let [r, g, b] = picture::body_color(info);
-        let color = format!("#{r:02x}{g:02x}{b:02x}");
+        let color = picture::body_color(info).to_string();
         let [name, material, color] = [&spawn.name, &spawn.material, &color].map(|text| Cell::Text(text));
         let id = Cell::Integer(info.id.into());
         self.row([name, id, mass, width, height, material, e, spawned, deleted, fx, fy, color])

@@ -1,5 +1,7 @@
 use crate::physics::{EngineConfig, Restitution, Spawn, Vector};
-use crate::recording::{BodyTable, Change, Error, Header, Item, RecordedEvent, RecordedState, Recording, SceneImage};
+use crate::recording::{
+    BodyTable, Change, Error, Header, Item, Paint, RecordedEvent, RecordedState, Recording, SceneImage,
+};
 use crate::replay::{Difference, ulps};
 use std::collections::BTreeMap;
 use std::fmt::{self, Display, Formatter};
@@ -279,7 +281,7 @@ fn describe_event(event: Option<&RecordedEvent>) -> String {
 
 fn describe(change: &Change) -> String {
     match change {
-        Change::Spawn { spawn, .. } => format!("spawn {:?}", spawn.name),
+        Change::Spawn(info) => format!("spawn {:?}", info.spawn.name),
         Change::Delete { id } => format!("delete body {id}"),
     }
 }
@@ -290,12 +292,10 @@ fn pair(vector: Vector) -> String {
 
 /// Describes two events, including the first property in which they differ.
 fn describe_difference(old: &Change, new: &Change) -> (String, String) {
-    let (Change::Spawn { spawn: a, color: a_color, .. }, Change::Spawn { spawn: b, color: b_color, .. }) = (old, new)
-    else {
-        return (describe(old), describe(new));
-    };
+    let (Change::Spawn(a), Change::Spawn(b)) = (old, new) else { return (describe(old), describe(new)) };
+    let (paints, [a, b]) = ([&a.paint, &b.paint], [&a.spawn, &b.spawn]);
     let size = |spawn: &Spawn| format!("[{:?}, {:?}]", spawn.rect.width(), spawn.rect.height());
-    let color = |color: &Option<String>| color.clone().unwrap_or_else(|| "none".into());
+    let color = |paint: &Paint| if paint.is_empty() { "none".into() } else { paint.as_str().to_owned() };
     let (property, [a_value, b_value]) = if a.name != b.name {
         return (describe(old), describe(new));
     } else if a.rect.origin != b.rect.origin {
@@ -308,8 +308,8 @@ fn describe_difference(old: &Change, new: &Change) -> (String, String) {
         ("force", [a, b].map(|spawn| pair(spawn.force)))
     } else if a.material != b.material {
         ("material", [a, b].map(|spawn| format!("{:?}", spawn.material)))
-    } else if a_color != b_color {
-        ("color", [a_color, b_color].map(color))
+    } else if paints[0] != paints[1] {
+        ("color", paints.map(color))
     } else {
         ("size", [a, b].map(size))
     };

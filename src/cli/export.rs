@@ -7,7 +7,7 @@ use super::{Exit, output};
 use crate::physics::BodyId;
 use crate::picture::{self, EnergySample, ReadExtent, ReadStatus, recorded_world};
 use crate::picture_options::{ReversedRange, StepOrTime};
-use crate::recording::{self, BodyInfo, Change, Health, Item, Playback, SampledState};
+use crate::recording::{self, Change, Health, Item, Playback, SampledState};
 use crate::replay::Replayer;
 use crate::scene;
 use crate::table::{CollisionRows, EventStep, Lifetime, Rows, Table, TableFormat};
@@ -16,7 +16,6 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
 /// Exports states, collisions, energies or bodies of recordings or scenes as a table.
 pub fn run(options: &ExportOptions) -> Result<Exit, CommandError> {
@@ -272,9 +271,8 @@ impl Lifetimes {
     fn add(&mut self, item: Item) {
         match item {
             Item::Event(event) => match event.change {
-                Change::Spawn { id, spawn, color } => {
-                    let info = Arc::new(BodyInfo { id, spawn, color });
-                    self.bodies.insert(id, Lifetime { info, spawned: EventStep::At(event.step), deleted: None });
+                Change::Spawn(info) => {
+                    self.bodies.insert(info.id, Lifetime { info, spawned: EventStep::At(event.step), deleted: None });
                 }
                 Change::Delete { id } => {
                     if let Some(lifetime) = self.bodies.get_mut(&id) {

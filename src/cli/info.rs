@@ -283,8 +283,8 @@ impl Info {
 
     fn count(&mut self, item: &Item) {
         match item {
-            Item::Event(RecordedEvent { change: Change::Spawn { id, .. }, .. }) => {
-                self.spawns = Some(u64::from(*id) + 1);
+            Item::Event(RecordedEvent { change: Change::Spawn(info), .. }) => {
+                self.spawns = Some(u64::from(info.id) + 1);
             }
             Item::Event(_) => {}
             Item::State(state) | Item::SuspectState(state) => self.steps = Some(state.step),

@@ -1,6 +1,6 @@
-use rebond::internals::picture::{body_color, color_by_speed};
+use rebond::internals::picture::{Color, body_color, color_by_speed};
 use rebond::internals::scene::Walls;
-use rebond::recordings::BodyInfo;
+use rebond::recordings::{BodyInfo, Paint};
 use rebond::{BodyId, Collision, Rect, Vector};
 
 /// Numbers of a body for the canvas: id, x, y, width, height, vx, vy, mass, colour, and
@@ -33,21 +33,18 @@ pub fn push_body(
     materials: &[&str],
 ) {
     let spawn = &info.spawn;
-    let is_wall = info.color.is_none() && Walls::is_wall(info.id, spawn);
-    let numbered = |id: BodyId| body_color(&BodyInfo { id, color: None, ..info.clone() });
-    let [red, green, blue] = match key {
-        ColorKey::Speed if spawn.mass.is_finite() && top_speed > 0.0 => {
-            let color = color_by_speed(velocity.norm(), top_speed);
-            [color.r, color.g, color.b]
-        }
+    let is_wall = info.paint.is_empty() && Walls::is_wall(info.id, spawn);
+    let numbered = |id: BodyId| body_color(&BodyInfo { id, paint: Paint::default(), ..info.clone() });
+    let Color { r, g, b } = match key {
+        ColorKey::Speed if spawn.mass.is_finite() && top_speed > 0.0 => color_by_speed(velocity.norm(), top_speed),
         // Pictures number the materials so, too.
         ColorKey::Material if !is_wall => match materials.iter().position(|name| *name == spawn.material) {
             Some(index) => numbered(index as BodyId + 4),
-            None => [0x99; 3],
+            None => Color::hex(0x999999),
         },
         ColorKey::Body | ColorKey::Material | ColorKey::Speed => body_color(info),
     };
-    let color = f64::from(u32::from_be_bytes([0, red, green, blue]));
+    let color = f64::from(u32::from_be_bytes([0, r, g, b]));
     let Vector { x, y, .. } = rect.origin;
     columns.extend([f64::from(info.id), x, y, rect.width(), rect.height(), velocity.x, velocity.y, spawn.mass]);
     columns.extend([color, f64::from(u8::from(is_wall))]);

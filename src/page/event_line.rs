@@ -100,7 +100,7 @@ impl Syntax {
     }
 
     fn blueprint(self, body: &Blueprint) -> Vec<String> {
-        let Blueprint { name, size, mass, velocity, force, material, color, image } = body;
+        let Blueprint { name, size, mass, velocity, force, material, paint } = body;
         let mass = match (self, mass.is_finite()) {
             (_, true) => format!("{mass:?}"),
             (Syntax::Json, false) => "\"inf\"".into(),
@@ -115,8 +115,8 @@ impl Syntax {
         let texts = [
             ("name", name.as_deref()),
             ("material", Some(material.as_str())),
-            ("color", color.as_deref()),
-            ("image", image.as_deref()),
+            ("color", paint.color_text()),
+            ("image", paint.image()),
         ];
         let texts = texts.into_iter().filter_map(|(key, text)| Some((key, text.filter(|text| !text.is_empty())?)));
         keys.extend(texts.map(|(key, text)| self.key(key, &self.text(text))));

@@ -1,7 +1,6 @@
 use crate::EventLine;
 use crate::columns::{ColorKey, push_body};
 use crate::scene_text::with_events;
-use rebond::internals::recording::color_and_image;
 use rebond::internals::scene::{Action, Blueprint, Input, InputLocation};
 use rebond::recordings::{Change, Item, Playback, RecordedEvent, Recording, SampledState};
 use rebond::{ALL_STEPS, CollisionCount, Replayer, Run, Scene, Vector, Verdict, parse_scene};
@@ -167,9 +166,7 @@ pub fn added_lines(scene: &Scene, run: &Run, events: &[RecordedEvent]) -> Vec<Ev
     let mut lines = Vec::new();
     for RecordedEvent { change, .. } in events {
         let is_same = |other: &RecordedEvent| match (&other.change, change) {
-            (Change::Spawn { spawn: one, color, .. }, Change::Spawn { spawn: two, color: color2, .. }) => {
-                one == two && color == color2
-            }
+            (Change::Spawn(one), Change::Spawn(two)) => one.spawn == two.spawn && one.paint == two.paint,
             (other, change) => other == change,
         };
         // The events of the scene are in the same order.
@@ -177,8 +174,8 @@ pub fn added_lines(scene: &Scene, run: &Run, events: &[RecordedEvent]) -> Vec<Ev
             continue;
         }
         let action = match change {
-            Change::Spawn { spawn, color, .. } => {
-                let (color, image) = color_and_image(color.as_deref());
+            Change::Spawn(info) => {
+                let spawn = &info.spawn;
                 let blueprint = Blueprint {
                     name: Some(spawn.name.clone()).filter(|name| !name.starts_with('#')),
                     size: [spawn.rect.width(), spawn.rect.height()],
@@ -186,15 +183,14 @@ pub fn added_lines(scene: &Scene, run: &Run, events: &[RecordedEvent]) -> Vec<Ev
                     velocity: spawn.velocity,
                     force: spawn.force,
                     material: spawn.material.clone(),
-                    color: color.map(str::to_owned),
-                    image: image.map(str::to_owned),
+                    paint: info.paint.clone(),
                 };
                 Action::Spawn(blueprint.placed_at(spawn.rect.origin))
             }
             Change::Delete { id } => {
                 let alive = run.engine().world().bodies.iter().find(|body| body.id == *id);
                 let made = events.iter().find_map(|event| match &event.change {
-                    Change::Spawn { id: made, spawn, .. } if made == id => Some(spawn.rect),
+                    Change::Spawn(made) if made.id == *id => Some(made.spawn.rect),
                     _ => None,
                 });
                 match (alive, made) {

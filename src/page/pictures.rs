@@ -69,7 +69,7 @@ pub fn collision_figure(
     theme: Theme,
     language: Language,
 ) -> Result<Vec<u8>, String> {
-    let appearance = |info: &BodyInfo| Arc::new(Appearance::new(info.id, &info.spawn, info.color.as_deref(), gravity));
+    let appearance = |info: &BodyInfo| Arc::new(Appearance::new(info, gravity));
     let bodies = infos.map(appearance);
     let subject = CollisionSubject { title: String::new(), collision: collision.clone(), bodies };
     let speeds = collision.before.iter().chain(&collision.after).map(|velocity| velocity.norm());

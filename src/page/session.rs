@@ -4,16 +4,16 @@ use crate::history::{MAX_RECENT, Row, keep_last};
 use crate::scene_text::{SceneText, retimed, with_events, with_steps};
 use crate::{EnergyStrip, EventLine, FigureKind, History, Save, collision_figure};
 use rebond::internals::picture::{EnergySample, body_color};
-use rebond::internals::recording::color_and_image;
 use rebond::internals::replay::RunSnapshot;
 use rebond::internals::scene::{Action, Blueprint, Input, InputLocation, SpawnRequest};
-use rebond::recordings::{BodyInfo, Change, RecordedEvent};
+use rebond::recordings::{BodyInfo, Change, Paint, RecordedEvent};
 use rebond::{
     Body, BodyId, Collision, Diagnostic, Language, Run, Scene, SceneError, StepError, Theme, Vector, parse_scene,
 };
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::rc::Rc;
+use std::sync::Arc;
 
 /// The largest number of bodies alive.
 pub const MAX_BODIES: usize = 20_000;
@@ -63,7 +63,7 @@ pub struct Session {
     /// Energy and momentum.
     pub strip: EnergyStrip,
     /// All bodies that were ever spawned, for their names, materials and colours.
-    infos: BTreeMap<BodyId, BodyInfo>,
+    infos: BTreeMap<BodyId, Arc<BodyInfo>>,
     /// The collisions of the last step that changed a velocity or a place.
     pub collisions: Vec<Collision>,
     /// The last ones of all steps until now.
@@ -307,8 +307,7 @@ impl Session {
             velocity: Vector::new(velocity[0], velocity[1]),
             force: spawn.force,
             material: spawn.material.clone(),
-            color: Some(hex(body_color(&info))),
-            image: color_and_image(info.color.as_deref()).1.map(str::to_owned),
+            paint: Paint::new(Some(&body_color(&info).to_string()), info.paint.image()),
         };
         let step = self.step_of(when);
         let request = SpawnRequest { origin: Vector::new(at[0], at[1]), blueprint };
@@ -367,17 +366,20 @@ impl Session {
         let of_scene: Vec<BodyId> = events(Vec::new())?.iter().filter_map(spawned).map(|info| info.id).collect();
         let mut events = events(self.inputs_at(step))?;
         let deleted = |id: BodyId| events.iter().any(|event| event.change == Change::Delete { id });
-        let made: Vec<BodyInfo> =
+        let made: Vec<Arc<BodyInfo>> =
             events.iter().filter_map(spawned).filter(|info| !of_scene.contains(&info.id)).collect();
         let gone: Vec<BodyId> = made.iter().map(|info| info.id).filter(|id| deleted(*id)).collect();
         events.retain(|event| match &event.change {
-            Change::Spawn { id, .. } | Change::Delete { id } => !gone.contains(id),
+            Change::Spawn(info) => !gone.contains(&info.id),
+            Change::Delete { id } => !gone.contains(id),
         });
         let mut lines = added_lines(&self.scene, &run, &events);
         // Without bodies that are left out, the later ones have other ids: their colours stay.
         for body in lines.iter_mut().filter_map(EventLine::blueprint_mut).filter(|_| !gone.is_empty()) {
             let info = made.iter().find(|info| Some(&info.spawn.name) == body.name.as_ref());
-            body.color = body.color.take().or(info.map(|info| hex(body_color(info))));
+            if let (None, Some(info)) = (body.paint.color_text(), info) {
+                body.paint = Paint::new(Some(&body_color(info).to_string()), body.paint.image());
+            }
         }
         Some(lines)
     }
@@ -563,7 +565,7 @@ impl Session {
     /// If there is no such collision.
     pub fn figure(&self, index: usize, kind: FigureKind, theme: Theme, language: Language) -> Result<Vec<u8>, String> {
         let collision = self.collisions.get(index).ok_or("there is no collision in this step")?;
-        let [c, b] = collision.bodies.map(|id| self.infos.get(&id));
+        let [c, b] = collision.bodies.map(|id| self.infos.get(&id).map(Arc::as_ref));
         let (Some(c), Some(b)) = (c, b) else { return Err("the bodies of the collision are unknown".into()) };
         collision_figure(collision, [c, b], self.scene.gravity, kind, theme, language)
     }
@@ -770,16 +772,11 @@ fn retimed_lines(lines: &[EventLine], from: f64, to: f64) -> Vec<EventLine> {
 }
 
 /// The body that an event spawns.
-fn spawned(event: &RecordedEvent) -> Option<BodyInfo> {
+fn spawned(event: &RecordedEvent) -> Option<Arc<BodyInfo>> {
     match &event.change {
-        Change::Spawn { id, spawn, color } => Some(BodyInfo { id: *id, spawn: spawn.clone(), color: color.clone() }),
+        Change::Spawn(info) => Some(info.clone()),
         Change::Delete { .. } => None,
     }
-}
-
-/// A colour as scenes write it.
-fn hex([red, green, blue]: [u8; 3]) -> String {
-    format!("#{red:02x}{green:02x}{blue:02x}")
 }
 
 /// All messages of an error in the text of a scene, each with its line and what would be accepted.

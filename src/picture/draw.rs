@@ -14,7 +14,7 @@ use super::{
     Sequence, Source, Stage, StatesFigure, StepGrid, StillFormat, Style, Subject, SubjectOptions, Thinning, Timing,
     Trails, View, compose,
 };
-use super::{Appearance, Palette, color};
+use super::{Appearance, Color, Palette, color};
 use crate::physics::{BodyId, larger};
 use crate::recording::{BodyInfo, Playback, SEMANTICS_VERSION};
 use crate::scene::WALL_NAMES;
@@ -328,12 +328,10 @@ fn max_momentum(source: &Source) -> Result<f64, Error> {
     Ok(max)
 }
 
-/// The colour of a body in pictures with default options: red, green, blue.
-pub fn body_color(info: &BodyInfo) -> [u8; 3] {
-    let appearance = Appearance::new(info.id, &info.spawn, info.color.as_deref(), None);
-    let color =
-        if appearance.is_wall { Palette::of(Look::default().theme).wall } else { color::color_by_body(&appearance) };
-    [color.r, color.g, color.b]
+/// Returns the colour of a body in pictures with default options.
+pub fn body_color(info: &BodyInfo) -> Color {
+    let appearance = Appearance::new(info, None);
+    if appearance.is_wall { Palette::of(Look::default().theme).wall } else { color::color_by_body(&appearance) }
 }
 
 impl Animation {

@@ -6,7 +6,7 @@ use crate::physics::{
     smaller,
 };
 use crate::picture::{AnimationSchedule, Appearance, Frame, Moment, Sprite, Trails};
-use crate::recording::Health;
+use crate::recording::{BodyInfo, Health};
 use crate::replay::{ALL_STEPS, Replayer, Verdict};
 use std::collections::{BTreeMap, VecDeque, btree_map::Entry};
 use std::ops::RangeInclusive;
@@ -349,7 +349,7 @@ fn unknown(body: &Body) -> Appearance {
         force: body.constant_force,
         material: String::new(),
     };
-    Appearance::new(body.id, &spawn, None, None)
+    Appearance::new(&BodyInfo::new(body.id, spawn), None)
 }
 
 #[cfg(test)]

@@ -137,7 +137,7 @@ impl BodyStats {
     fn add_item(&mut self, item: &Item) {
         match item {
             Item::Event(event) => match &event.change {
-                Change::Spawn { id, spawn, .. } => self.add_body(*id, spawn),
+                Change::Spawn(info) => self.add_body(info.id, &info.spawn),
                 Change::Delete { .. } => {}
             },
             Item::Keyframe(keyframe) => {

@@ -5,7 +5,7 @@ use super::{Appearance, Bitmap, Error, RunStatistics, TraceGap, png};
 use crate::physics::{Body, BodyId, EngineConfig, Material, Vector, World};
 use crate::recording::{
     self, BodyInfo, Change, Gap, Header, Health, Item, Playback, RecordedEvent, Recording, SampledBody, SampledState,
-    SceneImage, color_and_image, limits,
+    SceneImage, limits,
 };
 use crate::scene::{self, Scene, Walls};
 use crate::text::counted;
@@ -131,9 +131,8 @@ impl Source {
 
     /// The appearance of a body.
     pub(super) fn appearance(&self, info: &BodyInfo) -> Appearance {
-        let appearance = Appearance::new(info.id, &info.spawn, info.color.as_deref(), self.header.config.gravity);
-        let image = color_and_image(info.color.as_deref()).1.and_then(|name| self.images.get(name).cloned());
-        Appearance { image, ..appearance }
+        let image = info.paint.image().and_then(|name| self.images.get(name).cloned());
+        Appearance { image, ..Appearance::new(info, self.header.config.gravity) }
     }
 
     /// The appearance of every body that is ever spawned.
@@ -145,9 +144,7 @@ impl Source {
         };
         // The spawn of a body may be lost; keyframes have it, too.
         let visit = |item: Item| match item {
-            Item::Event(RecordedEvent { change: Change::Spawn { id, spawn, color }, .. }) => {
-                add(&BodyInfo { id, spawn, color });
-            }
+            Item::Event(RecordedEvent { change: Change::Spawn(info), .. }) => add(&info),
             Item::Keyframe(keyframe) => keyframe.bodies.iter().for_each(|body| add(&body.info)),
             _ => {}
         };

@@ -160,7 +160,7 @@ impl ChangeSteps {
                 if event.step <= first || event.step > *grid.steps.end() {
                     return;
                 }
-                let (Change::Spawn { .. } | Change::Delete { .. }) = event.change;
+                let (Change::Spawn(_) | Change::Delete { .. }) = event.change;
                 // Events are in ascending order of their steps.
                 let last = steps.last().copied().filter(|last| {
                     let steps = event.step.checked_sub(*last);

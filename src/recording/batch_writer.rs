@@ -116,8 +116,8 @@ impl<W: Write> BatchWriter<W> {
         self.table.apply(&event.change);
         self.events += 1;
         self.unflushed_events = true;
-        if let Change::Spawn { id, .. } = event.change {
-            self.next_id = id + 1;
+        if let Change::Spawn(info) = &event.change {
+            self.next_id = info.id + 1;
         }
         cdr::encode(&EventMessage::new(event), &mut self.bytes);
         self.identity.event(&self.bytes);

@@ -2,7 +2,7 @@ use std::sync::Arc;
 
 use crate::physics::{BodyId, Spawn, Vector};
 
-use super::{Change, RecordedState};
+use super::{Change, Paint, RecordedState};
 
 /// The constants of a body and its initial state, from its spawn.
 #[derive(Clone, Debug, PartialEq)]
@@ -11,21 +11,16 @@ pub struct BodyInfo {
     pub id: BodyId,
     /// The constants, and the position and velocity at the spawn.
     pub spawn: Spawn,
-    /// The colour that the scene gives it and, after a space, the name of its image: `#3366cc`, `#3366cc car.png` or
-    /// ` car.png`.
-    pub color: Option<String>,
-}
-
-/// The colour and the name of the image in the colour of a recorded body, either of which may be absent.
-pub fn color_and_image(recorded: Option<&str>) -> (Option<&str>, Option<&str>) {
-    let (color, image) = recorded.map_or(("", None), |text| match text.split_once(' ') {
-        Some((color, image)) => (color, Some(image)),
-        None => (text, None),
-    });
-    (Some(color).filter(|color| !color.is_empty()), image.filter(|image| !image.is_empty()))
+    /// The colour that the scene gives it, and its image.
+    pub paint: Paint,
 }
 
 impl BodyInfo {
+    /// Creates a body without a colour of its own or an image.
+    pub fn new(id: BodyId, spawn: Spawn) -> BodyInfo {
+        BodyInfo { id, spawn, paint: Paint::default() }
+    }
+
     /// Returns x, y (m), vx, vy (m/s) at the spawn.
     pub fn initial_state(&self) -> [f64; 4] {
         let (position, velocity) = (self.spawn.rect.origin, self.spawn.velocity);
@@ -53,11 +48,10 @@ impl BodyInfo {
             ("fx", a.force.x, b.force.x),
             ("fy", a.force.y, b.force.y),
         ];
-        let [color, other_color] = [self, other].map(|info| info.color.as_deref().unwrap_or_default());
         let texts = [
             ("name", a.name.as_str(), b.name.as_str()),
             ("material", &a.material, &b.material),
-            ("color", color, other_color),
+            ("color", self.paint.as_str(), other.paint.as_str()),
         ];
         if self.id != other.id {
             return Some(("id", [self.id, other.id].map(|id| id.to_string())));
@@ -97,10 +91,9 @@ impl BodyTable {
     /// Applies an event.
     pub fn apply(&mut self, change: &Change) {
         match change {
-            Change::Spawn { id, spawn, color } => {
-                if let Err(index) = self.index(*id) {
-                    let info = BodyInfo { id: *id, spawn: spawn.clone(), color: color.clone() };
-                    self.bodies.insert(index, Arc::new(info));
+            Change::Spawn(info) => {
+                if let Err(index) = self.index(info.id) {
+                    self.bodies.insert(index, info.clone());
                 }
             }
             Change::Delete { id } => {

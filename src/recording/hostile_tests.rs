@@ -250,7 +250,7 @@ fn a_dropped_writer_leaves_all_flushed_data() {
 fn an_event_that_was_not_recorded_is_an_error() {
     let run = drop_and_delete();
     let mut engine = Engine::new(run.header.config.clone());
-    let Change::Spawn { .. } = run.events[0].change else { panic!("the first event is a spawn") };
+    let Change::Spawn(_) = run.events[0].change else { panic!("the first event is a spawn") };
     engine.apply(&run.events[0].change.event());
     let mut writer = Writer::new(Vec::new(), &run.header).unwrap();
     let result = writer.write_state(&engine).and_then(|()| writer.finish(RunEnd::default()).map(drop));

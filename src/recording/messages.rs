@@ -68,7 +68,7 @@ impl TryFrom<SpawnMessage> for Spawned {
 
 impl From<Spawned> for SpawnMessage {
     fn from(Spawned(info): Spawned) -> SpawnMessage {
-        SpawnMessage::new(info.id, &info.spawn, info.color.as_deref())
+        SpawnMessage::from(&*info)
     }
 }
 
@@ -76,7 +76,7 @@ impl EventMessage {
     /// Creates the message of an event.
     pub fn new(event: &RecordedEvent) -> EventMessage {
         let (spawn, delete) = match &event.change {
-            Change::Spawn { id, spawn, color } => (vec![SpawnMessage::new(*id, spawn, color.as_deref())], vec![]),
+            Change::Spawn(info) => (vec![SpawnMessage::from(&**info)], vec![]),
             Change::Delete { id } => (vec![], vec![*id]),
         };
         EventMessage { step: event.step, spawn, delete }
@@ -89,10 +89,7 @@ impl EventMessage {
     pub fn into_event(self) -> Result<RecordedEvent, String> {
         let counts = (self.spawn.len(), self.delete.len());
         let change = match (self.spawn.into_iter().next(), self.delete.first()) {
-            (Some(spawn), None) if counts.0 == 1 => {
-                let BodyInfo { id, spawn, color } = spawn.into_body_info()?;
-                Change::Spawn { id, spawn, color }
-            }
+            (Some(spawn), None) if counts.0 == 1 => Change::Spawn(spawn.into_body_info()?.into()),
             (None, Some(&id)) if counts.1 == 1 => Change::Delete { id },
             _ => {
                 return Err(format!(
@@ -106,10 +103,10 @@ impl EventMessage {
     }
 }
 
-impl SpawnMessage {
-    fn new(id: BodyId, spawn: &Spawn, color: Option<&str>) -> SpawnMessage {
+impl From<&BodyInfo> for SpawnMessage {
+    fn from(BodyInfo { id, spawn, paint }: &BodyInfo) -> SpawnMessage {
         SpawnMessage {
-            id,
+            id: *id,
             name: spawn.name.clone(),
             x: spawn.rect.origin.x,
             y: spawn.rect.origin.y,
@@ -121,10 +118,12 @@ impl SpawnMessage {
             fx: spawn.force.x,
             fy: spawn.force.y,
             material: spawn.material.clone(),
-            color: color.unwrap_or_default().into(),
+            color: paint.as_str().into(),
         }
     }
+}
 
+impl SpawnMessage {
     fn into_body_info(self) -> Result<BodyInfo, String> {
         self.check_strings()?;
         let invalid = format!("body {:?} has invalid constants", self.name.chars().take(200).collect::<String>());
@@ -136,8 +135,7 @@ impl SpawnMessage {
             name: self.name,
             material: self.material,
         };
-        let color = (!self.color.is_empty()).then_some(self.color);
-        if spawn.is_valid() { Ok(BodyInfo { id: self.id, spawn, color }) } else { Err(invalid) }
+        if spawn.is_valid() { Ok(BodyInfo { id: self.id, spawn, paint: self.color.into() }) } else { Err(invalid) }
     }
 
     fn check_strings(&self) -> Result<(), String> {
@@ -272,10 +270,10 @@ impl Spawned {
     /// Returns the largest number of bytes that the body needs in a message.
     fn bytes(&self) -> usize {
         let Spawned(info) = self;
-        let color = info.color.as_ref().map_or(0, String::len);
+        let [name, material, paint] = [&info.spawn.name, &info.spawn.material, info.paint.as_str()].map(str::len);
         const NUMBERS: usize = 4 + (9 + 6) * 8;
         const PADDED_LENGTHS: usize = 3 * (4 + 1 + 7);
-        NUMBERS + PADDED_LENGTHS + info.spawn.name.len() + info.spawn.material.len() + color
+        NUMBERS + PADDED_LENGTHS + name + material + paint
     }
 }
 
@@ -359,7 +357,7 @@ mod tests {
     }
 
     fn info(id: BodyId) -> impl Strategy<Value = BodyInfo> {
-        (spawn(), prop::option::of(".+")).prop_map(move |(spawn, color)| BodyInfo { id, spawn, color })
+        (spawn(), ".*").prop_map(move |(spawn, paint)| BodyInfo { id, spawn, paint: paint.into() })
     }
 
     fn body(id: BodyId) -> impl Strategy<Value = KeyframeBody> {
@@ -397,12 +395,9 @@ mod tests {
         }
 
         #[test]
-        fn decoding_inverts_encoding_of_events(step: u64, id: BodyId, body in info(0), is_delete: bool) {
-            let change = if is_delete {
-                Change::Delete { id }
-            } else {
-                Change::Spawn { id, spawn: body.spawn, color: body.color }
-            };
+        fn decoding_inverts_encoding_of_events(step: u64, id: BodyId, info in info(0), is_delete: bool) {
+            let change =
+                if is_delete { Change::Delete { id } } else { Change::Spawn(BodyInfo { id, ..info }.into()) };
             let event = RecordedEvent { step, change };
             let mut bytes = Vec::new();
             cdr::encode(&EventMessage::new(&event), &mut bytes);

@@ -48,7 +48,8 @@ mod topic;
 mod writer;
 mod writer_thread;
 
-pub use body_table::{BodyInfo, BodyTable, color_and_image};
+pub use crate::{color::Color, paint::Paint};
+pub use body_table::{BodyInfo, BodyTable};
 pub use digest::{Identity, StateDigest};
 pub use error::Error;
 pub use health::{Damage, Gap, Health, Missing, MissingEnd};

@@ -5,9 +5,7 @@ use std::{
     sync::Arc,
 };
 
-use crate::physics::{
-    Accuracy, Body, BodyId, EngineConfig, Event, Rect, Snapshot, SolverSnapshot, Spawn, StepError, Vector,
-};
+use crate::physics::{Accuracy, Body, BodyId, EngineConfig, Event, Rect, Snapshot, SolverSnapshot, StepError, Vector};
 
 use super::{BodyInfo, BodyTable, Gap, Identity, StateBounds};
 
@@ -217,14 +215,7 @@ pub struct RecordedEvent {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Change {
     /// A body was created.
-    Spawn {
-        /// The id that the engine assigned.
-        id: BodyId,
-        /// The constants, initial position and initial velocity.
-        spawn: Spawn,
-        /// The colour that the scene gives it, for instance `#3366cc`, and after a space the name of its image.
-        color: Option<String>,
-    },
+    Spawn(Arc<BodyInfo>),
     /// A body was removed.
     Delete {
         /// The id of the body.
@@ -236,7 +227,7 @@ impl Change {
     /// Returns the event in the form that the engine applies.
     pub fn event(&self) -> Event {
         match self {
-            Change::Spawn { spawn, .. } => Event::Spawn(spawn.clone()),
+            Change::Spawn(info) => Event::Spawn(info.spawn.clone()),
             Change::Delete { id } => Event::Delete(*id),
         }
     }

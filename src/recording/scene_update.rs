@@ -5,15 +5,15 @@
 
 use std::{collections::BTreeMap, sync::Arc};
 
-use crate::physics::BodyId;
+use crate::{color::Color, physics::BodyId};
 
 use super::{
-    BodyInfo, BodyTable, RecordedState, color_and_image,
+    BodyInfo, BodyTable, RecordedState,
     record_reader::{FieldReader, Malformed},
 };
 
-/// Returns the colour of a body in viewers: red, green, blue.
-pub type ColorFn = fn(&BodyInfo) -> [u8; 3];
+/// Returns the colour of a body in viewers.
+pub type ColorFn = fn(&BodyInfo) -> Color;
 
 /// The `FileDescriptorSet` of the schema and its dependencies, as protobuf readers need it, from
 /// Foxglove's package `foxglove-schemas-protobuf` 0.4.0 (MIT).
@@ -26,7 +26,7 @@ pub const SCHEMA: &[u8] = include_bytes!("schemas/foxglove.SceneUpdate.bin");
 pub fn encode<'a>(
     time: u64,
     bodies: impl Iterator<Item = (&'a Arc<BodyInfo>, [f64; 4])>,
-    color: impl Fn(&BodyInfo) -> [u8; 3],
+    color: impl Fn(&BodyInfo) -> Color,
     bytes: &mut Vec<u8>,
 ) {
     let timestamp = timestamp(time);
@@ -39,8 +39,8 @@ pub fn encode<'a>(
     bytes.extend(Message::default().message(1, &deletion).message(2, &boxes).0);
 }
 
-/// The colours of the bodies alive, red, green, blue.
-pub type Colors = BTreeMap<BodyId, [u8; 3]>;
+/// The colours of the bodies alive.
+pub type Colors = BTreeMap<BodyId, Color>;
 
 /// Compares a message with the one that shows this state at `time`, and describes a difference. The colours must be
 /// those of the message before, if a body was in it, and those of the scene, if it gives any. `colors` becomes those
@@ -61,7 +61,7 @@ pub fn difference(
     let mut expected = Vec::new();
     let bodies =
         table.join_state(state).map(|(info, recorded)| (info, recorded.unwrap_or_else(|| info.initial_state())));
-    encode(time, bodies, |info| found.get(&info.id).copied().unwrap_or_default(), &mut expected);
+    encode(time, bodies, |info| found[&info.id], &mut expected);
     let previous = std::mem::replace(colors, found);
     if expected != message {
         let offset = expected.iter().zip(message).position(|(expected, found)| expected != found);
@@ -70,7 +70,7 @@ pub fn difference(
     }
     let changed = table.bodies().iter().find(|info| {
         let color = colors.get(&info.id);
-        let of_scene = color_and_image(info.color.as_deref()).0.and_then(parse_hexadecimal);
+        let of_scene = info.paint.color();
         previous.get(&info.id).is_some_and(|previous| Some(previous) != color)
             || of_scene.is_some_and(|of_scene| Some(&of_scene) != color)
     });
@@ -78,22 +78,23 @@ pub fn difference(
 }
 
 /// Returns the colours of the boxes in a message, in order.
-fn parse_colors(message: &[u8]) -> Result<Vec<[u8; 3]>, Malformed> {
+fn parse_colors(message: &[u8]) -> Result<Vec<Color>, Malformed> {
     let mut colors = Vec::new();
     for boxes in fields(message, 2)? {
         for cube in fields(boxes, 8)? {
-            let mut color = [0; 3];
+            let mut channels = [0; 3];
             for message in fields(cube, 3)? {
                 let mut rest = FieldReader::new(message);
                 while !rest.is_empty() {
                     let field = usize::try_from(varint(&mut rest)? >> 3).map_err(|_| Malformed)?;
                     let number = f64::from_bits(rest.u64()?);
-                    if let Some(channel) = color.get_mut(field.wrapping_sub(1)) {
+                    if let Some(channel) = channels.get_mut(field.wrapping_sub(1)) {
                         *channel = (number * 255.0).round() as u8;
                     }
                 }
             }
-            colors.push(color);
+            let [r, g, b] = channels;
+            colors.push(Color { r, g, b });
         }
     }
     Ok(colors)
@@ -173,14 +174,6 @@ fn varint(bytes: &mut FieldReader<'_>) -> Result<u64, Malformed> {
     Err(Malformed)
 }
 
-/// Parses a colour such as `#3366cc`.
-fn parse_hexadecimal(text: &str) -> Option<[u8; 3]> {
-    let is_valid = |digits: &&str| digits.len() == 6 && digits.bytes().all(|digit| digit.is_ascii_hexdigit());
-    let digits = text.strip_prefix('#').filter(is_valid)?;
-    let [_, r, g, b] = u32::from_str_radix(digits, 16).ok()?.to_be_bytes();
-    Some([r, g, b])
-}
-
 /// `SceneEntityDeletion.ALL`.
 const DELETE_ALL: u64 = 1;
 
@@ -191,12 +184,12 @@ fn timestamp(nanoseconds: u64) -> Message {
 }
 
 /// The `foxglove.CubePrimitive` of a body whose upper-left corner is at `x`, `y` (m). Its depth is its smaller side.
-fn cube(info: &BodyInfo, x: f64, y: f64, color: [u8; 3]) -> Message {
+fn cube(info: &BodyInfo, x: f64, y: f64, color: Color) -> Message {
     let [width, height] = [info.spawn.rect.width(), info.spawn.rect.height()];
     let depth = crate::physics::smaller(width, height);
     let center = Message::doubles([x + width / 2.0, -(y + height / 2.0), depth / 2.0]);
     let upright = Message::doubles([0.0, 0.0, 0.0, 1.0]);
-    let [r, g, b] = color.map(|channel| f64::from(channel) / 255.0);
+    let [r, g, b] = [color.r, color.g, color.b].map(|channel| f64::from(channel) / 255.0);
     Message::default()
         .message(1, &Message::default().message(1, &center).message(2, &upright))
         .message(2, &Message::doubles([width, height, depth]))
@@ -270,7 +263,7 @@ mod tests {
     #[test]
     fn a_message_is_encoded_as_the_protobuf_specification_says() {
         let mut bytes = vec![7];
-        encode(1_500_000_000, std::iter::empty(), |_| [0; 3], &mut bytes);
+        encode(1_500_000_000, std::iter::empty(), |_| Color::hex(0), &mut bytes);
         let timestamp = [0x08, 0x01, 0x10, 0x80, 0xca, 0xb5, 0xee, 0x01];
         let deletion = [&[0x0a, 8][..], &timestamp, &[0x10, 0x01]].concat();
         let boxes = [&[0x0a, 8][..], &timestamp, &[0x12, 5], b"world", &[0x1a, 5], b"boxes"].concat();
@@ -279,21 +272,21 @@ mod tests {
 
     #[test]
     fn the_colour_of_a_body_is_that_of_the_scene_also_with_an_image() {
-        for color in ["#3366cc", "#3366cc car.png"] {
+        for paint in ["#3366cc", "#3366cc car.png"].map(String::from) {
             let spawn = Spawn::new("car", Rect::new(Vector::ZERO, 1.0, 1.0), 1.0);
-            let table = BodyTable::from_iter([Arc::new(BodyInfo { id: 0, spawn, color: Some(color.into()) })]);
-            let difference_with = |color: [u8; 3]| {
+            let table = BodyTable::from_iter([Arc::new(BodyInfo { id: 0, spawn, paint: paint.clone().into() })]);
+            let difference_with = |color: Color| {
                 let bodies = table.bodies().iter().map(|info| (info, info.initial_state()));
                 let mut message = Vec::new();
                 encode(0, bodies, |_| color, &mut message);
                 difference(&message, 0, &table, &RecordedState::default(), &mut Colors::new())
             };
-            assert_eq!(difference_with([0x33, 0x66, 0xcc]), None, "{color}");
-            let found = difference_with([0x33, 0x66, 0xcd]);
+            assert_eq!(difference_with(Color::hex(0x3366cc)), None, "{paint}");
+            let found = difference_with(Color::hex(0x3366cd));
             assert_eq!(
                 found.as_deref(),
                 Some("the scene update of state 0 has another colour of body \"car\""),
-                "{color}"
+                "{paint}"
             );
         }
     }

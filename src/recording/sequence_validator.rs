@@ -224,8 +224,9 @@ impl SequenceValidator {
     /// Returns a description of the contradiction if the event is not possible here.
     pub fn add_event(&mut self, event: &RecordedEvent, message: &[u8]) -> Result<(), String> {
         self.check_step(event.step, "an event")?;
-        let next_id = match event.change {
-            Change::Spawn { id, .. } => {
+        let next_id = match &event.change {
+            Change::Spawn(info) => {
+                let id = info.id;
                 id.checked_add(1).ok_or_else(|| format!("a body is spawned with id {id}, the greatest number"))?
             }
             Change::Delete { .. } => self.next_id,
@@ -526,11 +527,11 @@ const FIRST_FORMAT_WITH_ALL_KEYFRAMES: u32 = 3;
 
 fn check_change(table: &BodyTable, next_id: u32, change: &Change) -> Result<(), String> {
     match change {
-        Change::Spawn { id, .. } if *id != next_id => {
-            Err(format!("a body is spawned with id {id}, but id {next_id} is expected"))
+        Change::Spawn(info) if info.id != next_id => {
+            Err(format!("a body is spawned with id {}, but id {next_id} is expected", info.id))
         }
-        Change::Spawn { .. } if table.bodies().len() >= limits::BODIES => Err("too many bodies are alive".into()),
+        Change::Spawn(_) if table.bodies().len() >= limits::BODIES => Err("too many bodies are alive".into()),
         Change::Delete { id } if table.body(*id).is_none() => Err(format!("body {id} is deleted, but is not alive")),
-        Change::Spawn { .. } | Change::Delete { .. } => Ok(()),
+        Change::Spawn(_) | Change::Delete { .. } => Ok(()),
     }
 }

@@ -7,8 +7,8 @@ use crate::physics::{
 };
 
 use super::{
-    Change, Finished, Header, Item, RecordedError, RecordedEvent, RecordedState, Recording, RunEnd, SceneText, Writer,
-    cdr,
+    BodyInfo, Change, Finished, Header, Item, Paint, RecordedError, RecordedEvent, RecordedState, Recording, RunEnd,
+    SceneText, Writer, cdr,
     mcap_writer::{McapWriter, Profile},
     messages::{BodiesMessage, EventMessage},
     metadata,
@@ -33,8 +33,8 @@ pub fn bounce(steps: u64) -> Run {
     let header = Header::new(config, steps, scene);
     let mut events = Vec::new();
     let mut spawn = |step, spawn: Spawn, color: Option<&str>| {
-        let id = events.len() as u32;
-        events.push(RecordedEvent { step, change: Change::Spawn { id, spawn, color: color.map(String::from) } });
+        let info = BodyInfo { id: events.len() as u32, spawn, paint: Paint::new(color, None) };
+        events.push(RecordedEvent { step, change: Change::Spawn(info.into()) });
     };
     for (name, [x, y, width, height]) in [
         ("wall-top", [-1.0, -1.0, 10.0, 1.0]),
@@ -57,7 +57,7 @@ pub fn bounce(steps: u64) -> Run {
 pub fn drop_and_delete() -> Run {
     let Run { mut header, .. } = bounce(12);
     header.config.rate = 4.0;
-    let spawn = RecordedEvent { step: 0, change: Change::Spawn { id: 0, spawn: body("a"), color: None } };
+    let spawn = RecordedEvent { step: 0, change: Change::Spawn(BodyInfo::new(0, body("a")).into()) };
     let delete = RecordedEvent { step: 10, change: Change::Delete { id: 0 } };
     Run { header, events: vec![spawn, delete] }
 }

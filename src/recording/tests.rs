@@ -9,8 +9,8 @@ use std::{
 };
 
 use super::{
-    Change, Damage, Error, Gap, Health, Item, MissingEnd, Playback, RecordedEvent, RecordedState, Recording, Recovery,
-    recover,
+    BodyInfo, Change, Damage, Error, Gap, Health, Item, MissingEnd, Playback, RecordedEvent, RecordedState, Recording,
+    Recovery, recover,
     testing::{body, bounce, drop_and_delete, record, record_altered, record_in_small_chunks, record_with_processors},
 };
 use crate::{
@@ -82,7 +82,7 @@ fn the_bytes_of_a_large_recording_do_not_depend_on_the_number_of_processors() {
         ..body(&format!("#{id}"))
     };
     run.events = (0..8000)
-        .map(|id| RecordedEvent { step: 0, change: Change::Spawn { id, spawn: row(id), color: None } })
+        .map(|id| RecordedEvent { step: 0, change: Change::Spawn(BodyInfo::new(id, row(id)).into()) })
         .collect();
     let [one, two, many] = [1, 2, 64].map(|processors| record_with_processors(NonZero::new(processors).unwrap(), &run));
     assert!(one.len() > 2_000_000, "only {} bytes", one.len());

@@ -7,7 +7,7 @@ use std::{
 use crate::physics::{Accuracy, Engine};
 
 use super::{
-    Change, Error, Header, RecordedError, RecordedEvent, Trailer,
+    BodyInfo, Change, Error, Header, RecordedError, RecordedEvent, Trailer,
     batch_writer::BatchWriter,
     limits,
     mcap_writer::Profile,
@@ -108,8 +108,9 @@ impl<W: Write + Send + 'static> Writer<W> {
     /// # Errors
     /// Returns an error if writing has failed, a string is too long or a body is invalid.
     pub fn write_event(&mut self, event: &RecordedEvent) -> Result<(), Error> {
-        if let Change::Spawn { spawn, color, .. } = &event.change {
-            for text in [&spawn.name, &spawn.material, color.as_ref().unwrap_or(&String::new())] {
+        if let Change::Spawn(info) = &event.change {
+            let BodyInfo { spawn, paint, .. } = &**info;
+            for text in [&spawn.name, &spawn.material, paint.as_str()] {
                 check("the length of a name in bytes", text.len(), limits::STRING_BYTES)?;
             }
             if !spawn.is_valid() {

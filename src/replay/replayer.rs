@@ -255,7 +255,7 @@ impl<R: Read + Seek> Replayer<R> {
         self.phase = Phase::InSync;
         self.run_to(event.step, observer)?;
         let (verb, name) = match &event.change {
-            Change::Spawn { id, spawn, .. } => ("spawn", (*id == self.engine.next_id()).then(|| spawn.name.clone())),
+            Change::Spawn(info) => ("spawn", (info.id == self.engine.next_id()).then(|| info.spawn.name.clone())),
             Change::Delete { id } => ("delete", self.engine.world().body(*id).map(|body| body.name.clone())),
         };
         let Some(name) = name else {

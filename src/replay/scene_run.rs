@@ -1,5 +1,5 @@
 use crate::physics::{Body, BodyId, Engine, EngineConfig, Observer, Snapshot, SnapshotError, StepError, Vector, World};
-use crate::recording::{self, Change, RecordedEvent, error_text};
+use crate::recording::{self, BodyInfo, Change, RecordedEvent, error_text};
 use crate::scene::{
     Action, Blueprint, DiagnosticKind, Input, InputLocation, Scene, SceneError, SceneSource, SpawnRequest,
 };
@@ -192,14 +192,15 @@ impl Run {
     fn spawn_named(&mut self, name: String, request: SpawnRequest) -> Result<Change, DiagnosticKind> {
         let id = self.engine.next_id();
         let step = self.engine.current_step();
-        if let Some(image) = request.blueprint.image.as_ref().filter(|image| !self.images.contains(*image)) {
+        if let Some(image) = request.blueprint.paint.image().filter(|image| !self.images.contains(*image)) {
             let reason = "the scene does not use it, so the recording does not contain it".into();
-            return Err(DiagnosticKind::Image { image: image.clone(), reason });
+            return Err(DiagnosticKind::Image { image: image.into(), reason });
         }
         if !self.names.claim(&name, id) {
             return Err(DiagnosticKind::NameTaken { name, step });
         }
-        Ok(Change::Spawn { id, color: request.blueprint.recorded_color(), spawn: request.spawn(name) })
+        let paint = request.blueprint.paint.clone();
+        Ok(Change::Spawn(BodyInfo { id, spawn: request.spawn(name), paint }.into()))
     }
 
     fn delete(&mut self, name: &str) -> Result<Change, DiagnosticKind> {

@@ -4,7 +4,7 @@ use super::*;
 use crate::{
     physics::{Collision, CollisionCount, Observer, Rect, Vector},
     recording::{
-        BodyTable, Change, Item, RecordedEvent, RecordedState, Recording, StateDigest,
+        BodyInfo, BodyTable, Change, Item, RecordedEvent, RecordedState, Recording, StateDigest,
         testing::{self, body, bounce, record, record_altered},
     },
     text::counted,
@@ -121,7 +121,7 @@ fn a_recorded_error_is_reproduced() {
         force: Vector::new(1.7e308, 0.0),
         ..fast
     };
-    let change = Change::Spawn { id: 7, spawn, color: None };
+    let change = Change::Spawn(BodyInfo::new(7, spawn).into());
     run.events.push(RecordedEvent { step: 30, change });
     let found = verdict(&record(&run));
     let error = "step 31: the position or velocity of body \"fast\" exceeds the range of numbers; start it smaller, slower or nearer to the origin";

@@ -4,6 +4,7 @@ use super::{
     tree::{Field, Key, Node, Table},
 };
 use crate::physics::{Rect, Spawn, Vector};
+use crate::{color::Color, paint::Paint};
 use std::ops::Range;
 
 /// An action on the world.
@@ -93,21 +94,11 @@ pub struct Blueprint {
     pub force: Vector,
     /// Name of the material; empty for none.
     pub material: String,
-    /// Colour in pictures, `#rrggbb`.
-    pub color: Option<String>,
-    /// The path of a PNG file that pictures draw into the box, relative to the folder of the scene.
-    pub image: Option<String>,
+    /// Colour and image in pictures.
+    pub paint: Paint,
 }
 
 impl Blueprint {
-    /// Colour and image as a recording stores them.
-    pub fn recorded_color(&self) -> Option<String> {
-        match (&self.color, &self.image) {
-            (color, None) => color.clone(),
-            (color, Some(image)) => Some(format!("{} {image}", color.as_deref().unwrap_or_default())),
-        }
-    }
-
     /// Places the upper-left corner at `origin`.
     pub fn placed_at(self, origin: Vector) -> SpawnRequest {
         SpawnRequest { origin, blueprint: self }
@@ -251,8 +242,7 @@ pub fn material(node: &Node) -> Result<&str, &Node> {
 /// Reads a colour `#rrggbb`.
 pub fn color(node: &Node) -> Result<&str, &Node> {
     let text = node.text()?;
-    let digits = text.strip_prefix('#').ok_or(node)?;
-    if digits.len() == 6 && digits.bytes().all(|digit| digit.is_ascii_hexdigit()) { Ok(text) } else { Err(node) }
+    if text.parse::<Color>().is_ok() { Ok(text) } else { Err(node) }
 }
 
 /// Reads the path of an image: relative, so that no recording depends on the folders of a computer.
@@ -282,8 +272,7 @@ fn read_blueprint(table: &Table) -> (Result<Blueprint, ErrorReported>, NameField
             velocity: canonical_velocity(mass?, velocity?.unwrap_or_default()),
             force: force?,
             material: material?.unwrap_or_default().into(),
-            color: color?.map(String::from),
-            image: image?.map(String::from),
+            paint: Paint::new(color?, image?),
         })
     };
     (blueprint(), name_field, mass == Ok(f64::INFINITY))
@@ -341,8 +330,7 @@ mod tests {
             velocity: Vector::ZERO,
             force: Vector::ZERO,
             material: String::new(),
-            color: None,
-            image: None,
+            paint: Paint::default(),
         };
         let request = blueprint.centered_on(Vector::new(4.0, 5.0));
         assert_eq!(request.rect(), Rect::new(Vector::new(3.5, 4.0), 1.0, 2.0));

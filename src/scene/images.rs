@@ -12,12 +12,12 @@ use std::path::{Path, PathBuf};
 impl Scene {
     /// The names of the images that the inputs of the scene use, each once.
     pub fn image_names(&self) -> std::collections::BTreeSet<String> {
-        let blueprint = |action: &Action| match action {
-            Action::Wall(request) | Action::Spawn(request) => request.blueprint.image.clone(),
-            Action::Click { spawn, .. } => spawn.as_ref().and_then(|blueprint| blueprint.image.clone()),
+        let blueprints = self.inputs.iter().filter_map(|input| match &input.action {
+            Action::Wall(request) | Action::Spawn(request) => Some(&request.blueprint),
+            Action::Click { spawn, .. } => spawn.as_ref(),
             Action::Delete { .. } => None,
-        };
-        self.inputs.iter().filter_map(|input| blueprint(&input.action)).collect()
+        });
+        blueprints.filter_map(|blueprint| blueprint.paint.image()).map(String::from).collect()
     }
 
     /// The files of the images that the inputs of the scene use, each once. Their names are relative to `folder`.

@@ -5,6 +5,7 @@ use super::{
     diagnostic::{ErrorReported, Reporter},
     tree::{Entry, Key, Node, Table, Value, unknown_key},
 };
+use crate::paint::Paint;
 use crate::physics::{BodyId, DEFAULT_EVENTS_PER_STEP, Restitution, RestitutionPair, SolverKind, Spawn, Vector};
 use crate::picture_options::{ColorBy, Language, MAX_FPS, MAX_SIDE, Overlay, Overlays, PictureOptions, Theme};
 use crate::recording::limits;
@@ -120,8 +121,7 @@ impl Walls {
             velocity: Vector::ZERO,
             force: Vector::ZERO,
             material: self.material.clone().unwrap_or_default(),
-            color: None,
-            image: None,
+            paint: Paint::default(),
         };
         blueprint.placed_at(origin)
     }

@@ -5,6 +5,7 @@ use super::{
     lifetimes::Effect,
     tree::{Key, Node, Table},
 };
+use crate::paint::Paint;
 use crate::physics::{Rect, Vector, smaller};
 use crate::recording::limits;
 use std::ops::Range;
@@ -30,8 +31,7 @@ pub struct Scatter {
     overlap: bool,
     force: Vector,
     material: String,
-    color: Option<String>,
-    image: Option<String>,
+    paint: Paint,
 }
 
 /// The number of random positions tried for a body before the scatter is refused.
@@ -107,8 +107,7 @@ pub fn read(table: &Table) -> Request<Scatter> {
             overlap: overlap?.unwrap_or(false),
             force: force?,
             material: material?.unwrap_or_default().into(),
-            color: color?.map(String::from),
-            image: image?.map(String::from),
+            paint: Paint::new(color?, image?),
         })
     };
     Request { step: action::read_step(table), event: scatter(), effect, span: table.span.clone() }
@@ -154,8 +153,7 @@ impl Scatter {
             velocity: action::canonical_velocity(mass, Vector::new(vx, vy)),
             force: self.force,
             material: self.material.clone(),
-            color: self.color.clone(),
-            image: self.image.clone(),
+            paint: self.paint.clone(),
         }
     }
 

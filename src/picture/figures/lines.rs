@@ -424,6 +424,7 @@ fn legend(runs: &[LineRun], lines: &[DrawnLine], style: &Style) -> Legend {
 mod tests {
     use super::*;
     use crate::physics::Spawn;
+    use crate::recording::BodyInfo;
 
     const G: f64 = 9.81;
 
@@ -433,7 +434,7 @@ mod tests {
         let spawn = |[x, y]: [f64; 2], [vx, vy]: [f64; 2]| {
             Spawn::new("a", Rect::new(Vector::new(x, y), 1.0, 1.0), 2.0).with_velocity(Vector::new(vx, vy))
         };
-        let appearance = Arc::new(Appearance::new(0, &spawn([0.0; 2], [0.0; 2]), None, gravity));
+        let appearance = Arc::new(Appearance::new(&BodyInfo::new(0, spawn([0.0; 2], [0.0; 2])), gravity));
         let subject = LineSubject::Bodies([(0, appearance)].into());
         let mut run = LineRun::new(String::new(), quantity, subject, 10.0, 0.0);
         for (time, at, velocity) in states {
@@ -467,7 +468,7 @@ mod tests {
     fn runs_that_begin_alike_have_the_same_energy_at_first() {
         let run = |depth: f64, gravity: Option<Vector>| {
             let spawn = Spawn::new("a", Rect::new(Vector::new(0.0, 1.0), 1.0, 1.0), 2.0);
-            let appearance = Arc::new(Appearance::new(0, &spawn, None, gravity));
+            let appearance = Arc::new(Appearance::new(&BodyInfo::new(0, spawn.clone()), gravity));
             let subject = LineSubject::Bodies([(0, appearance.clone())].into());
             let mut run = LineRun::new(String::new(), Quantity::Energy, subject, 10.0, 0.0);
             let below = Rect::new(Vector::new(0.0, 1.0 + depth), 1.0, 1.0);
@@ -485,7 +486,7 @@ mod tests {
     /// The lines of a single run of `count` bodies at rest, and their legend.
     fn lines_and_legend(count: u32) -> (Vec<(Color, DashPattern)>, Legend) {
         let spawn = |id: u32| Spawn::new(id.to_string(), Rect::new(Vector::new(f64::from(id), 0.0), 0.5, 0.5), 1.0);
-        let appearances = (0..count).map(|id| (id, Arc::new(Appearance::new(id, &spawn(id), None, None))));
+        let appearances = (0..count).map(|id| (id, Arc::new(Appearance::new(&BodyInfo::new(id, spawn(id)), None))));
         let subject = LineSubject::Bodies(appearances.collect());
         let mut run = LineRun::new(String::new(), Quantity::X, subject, 10.0, 0.0);
         let config = crate::physics::EngineConfig::new(crate::physics::SolverKind::EventDriven, 10.0);

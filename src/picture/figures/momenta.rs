@@ -176,6 +176,7 @@ mod tests {
     use crate::physics::{Axis, Collision, Spawn};
     use crate::picture::figures::CollisionSubject;
     use crate::picture::{Appearance, Style};
+    use crate::recording::BodyInfo;
     use std::sync::Arc;
 
     /// The momenta of a box of 2 kg that falls with 6 m/s on one of 1 kg and rebounds with e = 0.5, if the lower box
@@ -202,7 +203,7 @@ mod tests {
         };
         let body = |id: u32| {
             let spawn = Spawn::new(id.to_string(), rects[id as usize], [2.0, 1.0][id as usize]);
-            Arc::new(Appearance::new(id, &spawn, None, None))
+            Arc::new(Appearance::new(&BodyInfo::new(id, spawn), None))
         };
         let subject = CollisionSubject { title: String::new(), collision, bodies: [body(0), body(1)] };
         let style = Style::default();

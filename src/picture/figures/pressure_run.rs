@@ -319,6 +319,7 @@ mod tests {
     use super::*;
     use crate::physics::{Engine, EngineConfig, Event, SolverKind, Spawn};
     use crate::picture::trace::{GapReason, TraceGap};
+    use crate::recording::BodyInfo;
 
     /// A closed box of 4 m × 3 m with walls of these names and bodies of this mass at positions with velocities.
     fn run(mass: f64, bodies: &[([f64; 2], [f64; 2])], steps: u64) -> (PressureRun, Vec<Collision>) {
@@ -334,7 +335,7 @@ mod tests {
         .enumerate()
         {
             let spawn = Spawn::new(name, Rect::new(Vector::new(x, y), width, height), f64::INFINITY);
-            walls.insert(id as BodyId, Arc::new(Appearance::new(id as BodyId, &spawn, None, None)));
+            walls.insert(id as BodyId, Arc::new(Appearance::new(&BodyInfo::new(id as BodyId, spawn.clone()), None)));
             engine.apply(&Event::Spawn(spawn));
         }
         for (number, ([x, y], [vx, vy])) in bodies.iter().enumerate() {
@@ -443,7 +444,8 @@ mod tests {
         let mut walls = BTreeMap::new();
         for (id, spawn) in spawns.into_iter().enumerate() {
             if spawn.mass == f64::INFINITY {
-                walls.insert(id as BodyId, Arc::new(Appearance::new(id as BodyId, &spawn, None, None)));
+                walls
+                    .insert(id as BodyId, Arc::new(Appearance::new(&BodyInfo::new(id as BodyId, spawn.clone()), None)));
             }
             engine.apply(&Event::Spawn(spawn));
         }

@@ -1,6 +1,6 @@
 use crate::physics::{BodyId, Collision, Rect, Spawn, Vector};
 use crate::picture::{Bitmap, Color};
-use crate::recording::color_and_image;
+use crate::recording::BodyInfo;
 use crate::scene::Walls;
 use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
@@ -53,17 +53,18 @@ pub struct Appearance {
 }
 
 impl Appearance {
-    /// The appearance of a body with these parameters, without its image.
-    pub fn new(id: BodyId, spawn: &Spawn, color: Option<&str>, gravity: Option<Vector>) -> Appearance {
+    /// Returns the appearance of a body, without its image.
+    pub fn new(info: &BodyInfo, gravity: Option<Vector>) -> Appearance {
+        let BodyInfo { id, spawn, paint } = info;
         Appearance {
-            id,
+            id: *id,
             name: spawn.name.clone(),
             material: spawn.material.clone(),
-            color: color_and_image(color).0.and_then(Color::parse),
+            color: paint.color(),
             image: None,
             mass: spawn.mass,
             force: force(spawn, gravity),
-            is_wall: color.is_none() && Walls::is_wall(id, spawn),
+            is_wall: paint.is_empty() && Walls::is_wall(*id, spawn),
         }
     }
 

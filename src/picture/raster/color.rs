@@ -1,37 +1,9 @@
 use crate::picture::{Appearance, Sprite, Style};
 use crate::picture::{ColorBy, Theme};
 
-/// An opaque colour in sRGB.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Color {
-    /// Red.
-    pub r: u8,
-    /// Green.
-    pub g: u8,
-    /// Blue.
-    pub b: u8,
-}
+pub use crate::color::Color;
 
 impl Color {
-    /// The colour with these components.
-    pub const fn rgb(r: u8, g: u8, b: u8) -> Color {
-        Color { r, g, b }
-    }
-
-    /// The colour 0xRRGGBB.
-    pub const fn hex(value: u32) -> Color {
-        Color::rgb((value >> 16) as u8, (value >> 8) as u8, value as u8)
-    }
-
-    /// Parses `#rrggbb`, with digits of either case.
-    pub fn parse(text: &str) -> Option<Color> {
-        let digits = text.strip_prefix('#')?;
-        if digits.len() != 6 || !digits.bytes().all(|byte| byte.is_ascii_hexdigit()) {
-            return None;
-        }
-        u32::from_str_radix(digits, 16).ok().map(Color::hex)
-    }
-
     /// Mixes this colour with `percent` % of `other`, in sRGB.
     pub const fn mix(self, other: Color, percent: u8) -> Color {
         Color {
@@ -82,12 +54,6 @@ const LINEAR: [u16; 256] = [
 
 /// The contrast of text with its background that WCAG 2 demands (level AA).
 pub const TEXT_CONTRAST: f64 = 4.5;
-
-impl std::fmt::Display for Color {
-    fn fmt(&self, out: &mut std::fmt::Formatter) -> std::fmt::Result {
-        write!(out, "#{:02x}{:02x}{:02x}", self.r, self.g, self.b)
-    }
-}
 
 /// Blends a colour component over another with an opacity of `part` / `whole`, rounded to nearest.
 pub const fn blend(below: u8, over: u8, part: u32, whole: u32) -> u8 {
