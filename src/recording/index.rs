@@ -169,7 +169,11 @@ fn topic_of(body: &[u8]) -> Option<(u16, Topic)> {
     Topic::from_name(name).map(|topic| (id, topic))
 }
 
-fn schema_name(body: &[u8]) -> Result<&str, Malformed> {
+/// Returns the name in a schema record.
+///
+/// # Errors
+/// Returns an error if the record is too short.
+pub fn schema_name(body: &[u8]) -> Result<&str, Malformed> {
     let mut fields = FieldReader::new(body);
     let _id = fields.u16()?;
     fields.text()
@@ -226,7 +230,7 @@ enum Unusable {
 
 /// The end of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Tail {
+pub enum Tail {
     /// A footer that refers to a summary section at this offset.
     Summary(u64),
     /// A footer without a summary section.
@@ -241,7 +245,11 @@ const DATA_END_BYTES: u64 = PREFIX_BYTES as u64 + 4;
 /// Bytes of a footer record.
 const FOOTER_BYTES: usize = PREFIX_BYTES + 20;
 
-fn tail<R: Read + Seek>(source: &mut R) -> io::Result<Tail> {
+/// Reads the footer of a file.
+///
+/// # Errors
+/// Returns an error if the file cannot be read.
+pub fn tail<R: Read + Seek>(source: &mut R) -> io::Result<Tail> {
     const TAIL: usize = FOOTER_BYTES + MAGIC.len();
     let length = source.seek(SeekFrom::End(0))?;
     let Some(start) = length.checked_sub(TAIL as u64) else { return Ok(Tail::Cut) };
