@@ -36,7 +36,7 @@ pub struct Decoder {
     /// The message or damage after the items in `ready`: it changes the living bodies, which belong to these items.
     deferred: Option<(Location, Deferred)>,
     /// The offset of the last record, if it has fields that are unknown: then its length may be damaged.
-    pub padded: Option<u64>,
+    pub suspect: Option<u64>,
     /// The colours in the last scene update.
     colors: scene_update::Colors,
 }
@@ -118,7 +118,7 @@ impl Decoder {
             channels: default_channels(),
             step: OpenStep::default(),
             deferred: None,
-            padded: None,
+            suspect: None,
             colors: scene_update::Colors::new(),
         }
     }
@@ -131,7 +131,7 @@ impl Decoder {
         self.trailer = None;
         self.step = OpenStep::default();
         self.deferred = None;
-        self.padded = None;
+        self.suspect = None;
         self.colors.clear();
         self.schemas.clear();
         self.channels = default_channels();
@@ -239,7 +239,7 @@ impl Decoder {
             reason.truncate(end);
             reason.push('…');
         }
-        let Location { chunk, offset } = self.padded.map_or(location, |offset| Location { chunk: None, offset });
+        let Location { chunk, offset } = self.suspect.map_or(location, |offset| Location { chunk: None, offset });
         let damage = Damage { chunk, offset, reason, after: self.validator.last_step() };
         self.damage.get_or_insert_with(|| damage.clone());
         self.ready.push_back(Item::Damaged(damage));

@@ -6,7 +6,7 @@ use super::{
     Error, Header, SceneImage, SceneText, limits,
     mcap_writer::{IMAGE_MEDIA_TYPE, SCENE_MEDIA_TYPE},
     metadata::{self, HeaderError, Map},
-    record_reader::{FieldReader, Malformed, ReadFault, RecordHeader, RecordReader, has_unknown_fields},
+    record_reader::{FieldReader, Malformed, ReadFault, RecordHeader, RecordReader, SuspectLength, is_private},
     resync::{self, Resync},
     tally,
 };
@@ -19,16 +19,14 @@ pub struct HeaderSection {
     pub settings_offset: u64,
     /// The offset and the body of each end record before the messages.
     pub trailers: Vec<(u64, Vec<u8>)>,
-    /// The offset of the attachment with the scene.
-    pub scene_offset: Option<u64>,
-    /// The offsets of the attachments with the images of the scene.
-    pub image_offsets: Vec<u64>,
+    /// The attachments with the scene and its images.
+    pub attachments: Attachments,
     /// Opcode and index entry of the metadata and attachments before the messages.
     pub indexed: Vec<(u8, Vec<u8>)>,
     /// A record that was already read and belongs to the data after the header section.
     pub pending: Option<RecordHeader>,
-    /// The offset of the last record, if it has unknown fields.
-    pub padded: Option<u64>,
+    /// The last record, if its length may be damaged.
+    pub suspect: SuspectLength,
     /// The defects found so far.
     pub defects: Vec<Defect>,
     /// The likely cause if the data section does not match its checksum.
@@ -62,8 +60,7 @@ struct SectionReader {
     pending: Option<RecordHeader>,
     defects: Vec<Defect>,
     is_cut: bool,
-    /// The offset of the last record, if it has unknown fields.
-    padded: Option<u64>,
+    suspect: SuspectLength,
 }
 
 /// The settings in a metadata record.
@@ -104,6 +101,7 @@ pub fn read<R: Read + Seek>(records: &mut RecordReader<R>) -> Result<HeaderSecti
     section.defects.extend(unusable_scene);
     let (scene_offset, scene) = section.scene.take().unzip();
     let (images, image_offsets) = section.take_images(&settings.header);
+    let attachments = Attachments { scene: scene_offset, images: image_offsets };
     let header = Header { scene, images, ..settings.header.clone() };
     section.defects.extend(settings_defect(&settings, &header, section.defects.is_empty() && !section.is_cut));
     let crc_suspect = (section.library.as_ref() != settings.map.get("library"))
@@ -112,11 +110,10 @@ pub fn read<R: Read + Seek>(records: &mut RecordReader<R>) -> Result<HeaderSecti
         header,
         settings_offset: settings.offset,
         trailers: section.trailers,
-        scene_offset,
-        image_offsets,
+        attachments,
         indexed: section.indexed,
         pending: section.pending,
-        padded: section.padded,
+        suspect: section.suspect,
         defects: section.defects,
         crc_suspect,
     })
@@ -186,13 +183,11 @@ impl SectionReader {
     }
 
     fn add_record<R: Read + Seek>(&mut self, record: RecordHeader, records: &mut RecordReader<R>) -> Result<(), Error> {
-        if record.opcode >= 0x80 {
-            self.padded = self.padded.or(Some(record.offset));
-            return Ok(()); // A private record of another program, or one with a damaged opcode.
-        }
         let body = &records.body;
-        let padded =
-            std::mem::replace(&mut self.padded, has_unknown_fields(record.opcode, body).then_some(record.offset));
+        let suspect = self.suspect.follow(record, body);
+        if is_private(record.opcode) {
+            return Ok(());
+        }
         if let op::METADATA | op::ATTACHMENT = record.opcode {
             self.indexed.push((record.opcode, tally::entry(record.opcode, record.offset, body)));
         }
@@ -210,7 +205,7 @@ impl SectionReader {
             Ok(()) => Ok(()),
             Err(HeaderError::Newer { format }) => Err(Error::NewerFormat { found: format }),
             Err(HeaderError::Damaged(reason)) => {
-                let offset = padded.unwrap_or(record.offset);
+                let offset = suspect.unwrap_or(record.offset);
                 self.defects.push(Defect { offset, reason });
                 self.is_cut |= !records.resume_after(offset).map_err(Error::Read)?;
                 Ok(())
@@ -262,22 +257,13 @@ impl SectionReader {
         }
     }
 
-    fn recover_from<R: Read + Seek>(
-        &mut self,
-        mut fault: ReadFault,
-        records: &mut RecordReader<R>,
-    ) -> Result<(), Error> {
-        // The length of the record before may be damaged.
-        fault.offset = self.padded.take().unwrap_or(fault.offset);
-        let (offset, resync) = match &fault.error {
-            McapError::Io(_) => (fault.offset, Resync::Corrupt),
+    fn recover_from<R: Read + Seek>(&mut self, fault: ReadFault, records: &mut RecordReader<R>) -> Result<(), Error> {
+        let fault = self.suspect.blame(fault)?;
+        let (offset, resync) = match fault.error {
             McapError::BadMagic if self.defects.is_empty() => (0, Resync::ContinueAt(MAGIC.len() as u64)),
             _ => (fault.offset, resync::resync(records, &fault).map_err(Error::Read)?),
         };
-        let defect = match fault.error {
-            McapError::Io(error) => return Err(Error::Read(error)),
-            error => Defect { offset, reason: error.to_string() },
-        };
+        let defect = Defect { offset, reason: fault.error.to_string() };
         match resync {
             Resync::ContinueAt(next) => {
                 self.defects.push(defect);
@@ -340,7 +326,10 @@ impl SectionReader {
             self.seek_back(records, settings.offset)?;
             return Ok(settings);
         }
-        Err(self.error(starts_with_magic(records.source()).map_err(Error::Read)?))
+        if !starts_with_magic(records.source()).map_err(Error::Read)? {
+            return Err(Error::NotARecording { reason: "it does not start like an MCAP file" });
+        }
+        Err(self.error())
     }
 
     /// Returns to the pending record, or to `default`. Reads from the start of the file if no defect
@@ -363,10 +352,10 @@ impl SectionReader {
         Ok(())
     }
 
-    fn error(&self, starts_with_magic: bool) -> Error {
+    /// Returns the reason why an MCAP file without settings is not a recording.
+    fn error(&self) -> Error {
         let is_rebond = self.library.as_ref().is_none_or(|library| library.starts_with("rebond/"));
         match self.defects.first() {
-            _ if !starts_with_magic => Error::NotARecording { reason: "it does not start like an MCAP file" },
             _ if !is_rebond => Error::NotARecording { reason: "it is an MCAP file written by another program" },
             Some(Defect { offset, reason }) => Error::CorruptHeader { offset: *offset, reason: reason.clone() },
             None if self.is_cut => Error::TruncatedHeader,
@@ -403,11 +392,40 @@ fn parse_library(body: &[u8]) -> Result<&str, Malformed> {
     fields.text()
 }
 
+/// The attachments of a recording with its scene and images, by their offsets.
+pub struct Attachments {
+    scene: Option<u64>,
+    images: Vec<u64>,
+}
+
+impl Attachments {
+    /// Checks an attachment after the header section.
+    ///
+    /// # Errors
+    /// Returns a description of the problem if the attachment is damaged, or a second one with the scene or with an
+    /// image of it. Other programs may attach other TOML.
+    pub fn check(&self, offset: u64, body: &[u8], header: &Header) -> Result<(), String> {
+        match parse_attachment(body)? {
+            Attached::Scene(_) if self.scene == Some(offset) => Ok(()),
+            Attached::Scene(found) => match &header.scene {
+                Some(scene) if metadata::describes_scene(header) && found.as_ref() != Ok(scene) => Ok(()),
+                Some(_) | None => found.and(Err(SECOND_SCENE.into())),
+            },
+            Attached::Image(name, _)
+                if !self.images.contains(&offset) && header.images.iter().any(|image| image.name == name) =>
+            {
+                Err(format!("another attachment with the image {name:?}"))
+            }
+            Attached::Image(..) | Attached::Other => Ok(()),
+        }
+    }
+}
+
 /// The damage of a second attachment that can be the scene.
-pub const SECOND_SCENE: &str = "a second attachment with a scene";
+const SECOND_SCENE: &str = "a second attachment with a scene";
 
 /// The content of an attachment.
-pub enum Attached {
+enum Attached {
     /// TOML: the scene, or a description of the reason why the attachment can only be one of another program.
     Scene(Result<SceneText, String>),
     /// An image: its name and file.
@@ -420,7 +438,7 @@ pub enum Attached {
 ///
 /// # Errors
 /// Returns a description of the problem if the attachment does not match its checksum.
-pub fn parse_attachment(body: &[u8]) -> Result<Attached, String> {
+fn parse_attachment(body: &[u8]) -> Result<Attached, String> {
     let mut fields = FieldReader::new(body);
     let mut read = || {
         let times = [fields.u64()?, fields.u64()?];

@@ -26,6 +26,7 @@ mod error;
 mod header_section;
 mod health;
 mod index;
+mod item_reader;
 pub mod limits;
 mod mcap_writer;
 mod merge;

@@ -6,7 +6,7 @@ use mcap::{
     sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions},
 };
 
-use super::{limits, metadata::Map, resync};
+use super::{Error, limits, metadata::Map, resync};
 
 /// Reads the top-level records of a file in order, without opening chunks.
 ///
@@ -198,9 +198,40 @@ fn strict_options() -> LinearReaderOptions {
         .with_record_length_limit(limits::RECORD_BYTES)
 }
 
+/// Returns true for the opcode of a private record of another program, which may also be a damaged opcode.
+pub fn is_private(opcode: u8) -> bool {
+    opcode >= 0x80
+}
+
+/// The last record, if its length may be damaged: it has unknown fields or a private opcode.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SuspectLength(Option<u64>);
+
+impl SuspectLength {
+    /// Follows a record, and returns the offset of the one before it, if the length of that may be damaged. Of several
+    /// private records, it is the first one.
+    pub fn follow(&mut self, RecordHeader { offset, opcode }: RecordHeader, body: &[u8]) -> Option<u64> {
+        let before = self.0;
+        let is_suspect = is_private(opcode) || has_unknown_fields(opcode, body);
+        self.0 = before.filter(|_| is_private(opcode)).or(is_suspect.then_some(offset));
+        before
+    }
+
+    /// Returns a fault after the last record, at that record if its length may be damaged.
+    ///
+    /// # Errors
+    /// Returns an error if the file cannot be read.
+    pub fn blame(&mut self, fault: ReadFault) -> Result<ReadFault, Error> {
+        match fault.error {
+            McapError::Io(error) => Err(Error::Read(error)),
+            error => Ok(ReadFault { offset: self.0.take().unwrap_or(fault.offset), error }),
+        }
+    }
+}
+
 /// Returns true if a record has bytes after its known fields. Later versions of MCAP may add fields, but the length of
 /// the record may also be damaged.
-pub fn has_unknown_fields(opcode: u8, body: &[u8]) -> bool {
+fn has_unknown_fields(opcode: u8, body: &[u8]) -> bool {
     let mut fields = FieldReader::new(body);
     let mut skip = || {
         match opcode {
