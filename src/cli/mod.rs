@@ -5,6 +5,7 @@ mod arguments;
 mod body_topics;
 mod check;
 mod error;
+mod error_report;
 mod export;
 mod figure;
 mod github;
@@ -24,7 +25,7 @@ mod states_table;
 mod supervisor;
 mod video;
 
-pub use error::ErrorReport;
+pub use error_report::ErrorReport;
 pub(crate) use manifest::read as read_manifest;
 
 use crate::temporary;

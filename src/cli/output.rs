@@ -2,7 +2,7 @@
 
 use super::Exit;
 use super::error::CommandError;
-use super::error::printable;
+use super::error_report::printable;
 use super::output_file::goes_to_standard_output;
 use crate::picture::ReadStatus;
 use crate::recording::Health;

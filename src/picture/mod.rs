@@ -27,6 +27,7 @@ mod impacts;
 pub(crate) mod layers;
 mod moving_world;
 pub(crate) mod number;
+mod option_line;
 mod page;
 mod provenance;
 pub mod raster;
