@@ -3,7 +3,7 @@ use crate::columns::{ColorKey, push_body};
 use crate::scene_text::with_events;
 use rebond::internals::scene::{Action, Blueprint, Input, InputLocation};
 use rebond::recordings::{Change, Item, Playback, RecordedEvent, Recording, SampledState};
-use rebond::{ALL_STEPS, CollisionCount, Replayer, Run, Scene, Vector, Verdict, parse_scene};
+use rebond::{ALL_STEPS, CollisionCount, Replayer, Run, Scene, Verdict, parse_scene};
 use std::io::Cursor;
 use std::sync::Arc;
 
@@ -173,40 +173,38 @@ pub fn added_lines(scene: &Scene, run: &Run, events: &[RecordedEvent]) -> Vec<Ev
         if of_scene.next_if(is_same).is_some() {
             continue;
         }
-        let action = match change {
-            Change::Spawn(info) => {
-                let spawn = &info.spawn;
-                let blueprint = Blueprint {
-                    name: Some(spawn.name.clone()).filter(|name| !name.starts_with('#')),
-                    size: [spawn.rect.width(), spawn.rect.height()],
-                    mass: spawn.mass,
-                    velocity: spawn.velocity,
-                    force: spawn.force,
-                    material: spawn.material.clone(),
-                    paint: info.paint.clone(),
-                };
-                Action::Spawn(blueprint.placed_at(spawn.rect.origin))
-            }
-            Change::Delete { id } => {
-                let alive = run.engine().world().bodies.iter().find(|body| body.id == *id);
-                let made = events.iter().find_map(|event| match &event.change {
-                    Change::Spawn(made) if made.id == *id => Some(made.spawn.rect),
-                    _ => None,
-                });
-                match (alive, made) {
-                    (Some(body), _) => Action::Delete { name: body.name.clone() },
-                    // Deletes come before spawns, and clicks after them.
-                    (None, Some(rect)) => {
-                        let half = Vector::new(rect.width(), rect.height()).mult(0.5);
-                        Action::Click { at: rect.origin.add(half), spawn: None }
-                    }
-                    (None, None) => continue,
-                }
-            }
-        };
-        lines.push(EventLine { step, action });
+        lines.extend(action(change, run, events).map(|action| EventLine { step, action }));
     }
     lines
+}
+
+/// Returns the action that makes a change, which is one of the events of the present step of `run`.
+fn action(change: &Change, run: &Run, events: &[RecordedEvent]) -> Option<Action> {
+    let id = match change {
+        Change::Spawn(info) => {
+            let spawn = &info.spawn;
+            let blueprint = Blueprint {
+                name: Some(spawn.name.clone()).filter(|name| !name.starts_with('#')),
+                size: [spawn.rect.width(), spawn.rect.height()],
+                mass: spawn.mass,
+                velocity: spawn.velocity,
+                force: spawn.force,
+                material: spawn.material.clone(),
+                paint: info.paint.clone(),
+            };
+            return Some(Action::Spawn(blueprint.placed_at(spawn.rect.origin)));
+        }
+        Change::Delete { id } => *id,
+    };
+    if let Some(body) = run.engine().world().body(id) {
+        return Some(Action::Delete { name: body.name.clone() });
+    }
+    // The body was made in this step. Deletes come before spawns, and clicks after them.
+    let made = events.iter().find_map(|event| match &event.change {
+        Change::Spawn(made) if made.id == id => Some(made),
+        _ => None,
+    })?;
+    Some(Action::Click { at: made.spawn.rect.center(), spawn: None })
 }
 
 /// A replay of a recording, in slices.

@@ -6,6 +6,7 @@
 
 mod columns;
 mod event_line;
+mod event_lines;
 #[allow(unsafe_code)]
 pub mod exports;
 mod film;

@@ -1,11 +1,12 @@
 use crate::columns::{ColorKey, push_body, push_collision};
+use crate::event_lines::{EventLines, MAX_LINES};
 use crate::film::added_lines;
 use crate::history::{MAX_RECENT, Row, keep_last};
 use crate::scene_text::{SceneText, retimed, with_events, with_steps};
 use crate::{EnergyStrip, EventLine, FigureKind, History, Save, collision_figure};
 use rebond::internals::picture::{EnergySample, body_color};
 use rebond::internals::replay::RunSnapshot;
-use rebond::internals::scene::{Action, Blueprint, Input, InputLocation, SpawnRequest};
+use rebond::internals::scene::{Action, Blueprint, Input, SpawnRequest};
 use rebond::recordings::{BodyInfo, Change, Paint, RecordedEvent};
 use rebond::{
     Body, BodyId, Collision, Diagnostic, Language, Run, Scene, SceneError, StepError, Theme, Vector, parse_scene,
@@ -20,9 +21,6 @@ pub const MAX_BODIES: usize = 20_000;
 
 /// The largest limit of collisions within one step, which lasts seconds.
 const MAX_EVENTS_PER_STEP: u64 = 10_000_000;
-
-/// The largest number of events.
-const MAX_LINES: usize = 100_000;
 
 /// Bytes of snapshots of a session.
 const HISTORY_BYTES: usize = 48 << 20;
@@ -46,7 +44,7 @@ pub enum When {
 #[derive(Clone)]
 struct Before {
     scene: Rc<Scene>,
-    lines: Vec<EventLine>,
+    lines: EventLines,
     /// If the session was left for one with another scene: the step shown and the last one reached.
     left_at: Option<[u64; 2]>,
 }
@@ -56,8 +54,7 @@ struct Before {
 /// The states are those that `rebond record` writes for the same scene and lines.
 pub struct Session {
     scene: Rc<Scene>,
-    /// In the order of their steps.
-    lines: Vec<EventLine>,
+    lines: EventLines,
     run: Run,
     history: History,
     /// Energy and momentum.
@@ -89,10 +86,10 @@ impl Session {
     /// The messages of the parser, or of a scene that is too large for the page.
     pub fn new(name: &str, text: &str) -> Result<Session, String> {
         let scene = parse_scene(name, text).map_err(|error| all_messages(&error))?;
-        Session::with_lines(Rc::new(scene), Vec::new())
+        Session::with_lines(Rc::new(scene), EventLines::default())
     }
 
-    fn with_lines(scene: Rc<Scene>, lines: Vec<EventLine>) -> Result<Session, String> {
+    fn with_lines(scene: Rc<Scene>, lines: EventLines) -> Result<Session, String> {
         let spawns = scene.inputs.iter().filter(|input| !matches!(input.action, Action::Delete { .. })).count();
         if spawns > MAX_BODIES {
             return Err(format!("the scene spawns {spawns} bodies; the page shows at most {MAX_BODIES}"));
@@ -179,7 +176,7 @@ impl Session {
 
     /// The lines of events, as `rebond record --events` reads them.
     pub fn lines(&self) -> String {
-        self.lines.iter().map(|line| line.json() + "\n").collect()
+        self.lines.text()
     }
 
     /// Replaces the lines of events, and starts again at step 0. Lines that are refused are dropped and reported.
@@ -187,26 +184,7 @@ impl Session {
     /// # Errors
     /// The messages of a text whose lines are all refused; the session is then as before.
     pub fn set_lines(&mut self, text: &str) -> Result<(), String> {
-        let (mut lines, mut refused) = (Vec::new(), Vec::new());
-        let mut step = 0;
-        for (index, line) in text.lines().enumerate().filter(|(_, line)| !line.trim().is_empty()) {
-            let parsed = EventLine::parse(line, None).or_else(|_| EventLine::parse(line, Some(step + 1)));
-            match parsed {
-                _ if lines.len() >= MAX_LINES => {
-                    refused.push(format!("the page keeps at most {MAX_LINES} events"));
-                    break;
-                }
-                Ok(line) if line.step < step => {
-                    let number = index + 1;
-                    refused.push(format!("line {number}: its step, {}, is before step {step}", line.step));
-                }
-                Ok(line) => {
-                    step = line.step;
-                    lines.push(line);
-                }
-                Err(error) => refused.push(format!("line {}: {error}", index + 1)),
-            }
-        }
+        let (lines, mut refused) = EventLines::parse(text);
         if lines.is_empty() && !refused.is_empty() {
             refused.truncate(MAX_LISTED);
             return Err(refused.join("\n"));
@@ -314,7 +292,8 @@ impl Session {
         let spawn = EventLine { step, action: Action::Spawn(request) };
         // The parser checks the numbers.
         EventLine::parse(&spawn.json(), None)?;
-        let lines = self.lines_with_throw(name, spawn);
+        let mut lines = self.lines_before_spawn(step);
+        lines.throw(name, spawn);
         let count = self.bodies().len();
         let is_dropped = |session: &Session| {
             session.bodies().len() == count && session.bodies().iter().any(|body| body.name == new_name)
@@ -323,39 +302,17 @@ impl Session {
         Ok(new_name)
     }
 
-    /// The lines until the step of `spawn`, which spawns the body `name` again in that step.
-    fn lines_with_throw(&self, name: &str, spawn: EventLine) -> Vec<EventLine> {
-        let step = spawn.step;
-        let mut lines = self.lines_without_clicks_at(step).unwrap_or_else(|| self.lines_until(step));
-        let first = lines.partition_point(|line| line.step < step);
-        let is_own = |line: &EventLine| line.blueprint().is_some_and(|body| body.name.as_deref() == Some(name));
-        match lines[first..].iter().position(is_own) {
-            // A body of an event in this very step: that event is changed, because deletes come before spawns.
-            Some(index) => lines[first + index] = spawn,
-            None => {
-                let delete = EventLine { step, action: Action::Delete { name: name.to_owned() } };
-                if !lines[first..].contains(&delete) {
-                    lines.push(delete);
-                }
-                lines.push(spawn);
-            }
+    /// The lines until `step`, before a spawn is added. Clicks of that step are replaced by what they did, if that is
+    /// known: clicks come after spawns, so they would hit a body that is spawned at their place later.
+    fn lines_before_spawn(&self, step: u64) -> EventLines {
+        let mut lines = self.lines.until(step);
+        let is_click = |line: &EventLine| line.step == step && matches!(line.action, Action::Click { .. });
+        if lines.iter().any(is_click)
+            && let Some(done) = self.done_at(step)
+        {
+            lines.replace_from(step, done);
         }
         lines
-    }
-
-    fn lines_until(&self, step: u64) -> Vec<EventLine> {
-        self.lines.iter().filter(|line| line.step <= step).cloned().collect()
-    }
-
-    /// The lines until `step`. Clicks of that step are replaced by what they did: clicks come after spawns, so they
-    /// would hit a body that is spawned at their place later.
-    fn lines_without_clicks_at(&self, step: u64) -> Option<Vec<EventLine>> {
-        let mut lines = self.lines_until(step);
-        let first = lines.partition_point(|line| line.step < step);
-        if lines[first..].iter().any(|line| matches!(line.action, Action::Click { .. })) {
-            lines.splice(first.., self.done_at(step)?);
-        }
-        Some(lines)
     }
 
     /// The effect of the lines of `step`, as deletes and spawns in the order of creation. A body that they spawn and
@@ -364,7 +321,7 @@ impl Session {
         let run = self.run_before(step)?;
         let events = |live: Vec<Input>| run.clone().apply_inputs(live, |_| Ok(())).ok();
         let of_scene: Vec<BodyId> = events(Vec::new())?.iter().filter_map(spawned).map(|info| info.id).collect();
-        let mut events = events(self.inputs_at(step))?;
+        let mut events = events(self.lines.inputs_at(step))?;
         let deleted = |id: BodyId| events.iter().any(|event| event.change == Change::Delete { id });
         let made: Vec<Arc<BodyInfo>> =
             events.iter().filter_map(spawned).filter(|info| !of_scene.contains(&info.id)).collect();
@@ -393,7 +350,7 @@ impl Session {
         let mut run = restored.unwrap_or_else(|| Run::new(&self.scene));
         while run.engine().current_step() < step {
             if !has_events {
-                run.apply_inputs(self.inputs_at(run.engine().current_step()), |_| Ok(())).ok()?;
+                run.apply_inputs(self.lines.inputs_at(run.engine().current_step()), |_| Ok(())).ok()?;
             }
             run.step(&mut Vec::new()).ok()?;
             has_events = false;
@@ -426,7 +383,7 @@ impl Session {
     pub fn with_setting(&self, path: &str, value: &str) -> Result<Session, String> {
         let scene = changed(&self.scene, path, value)?;
         let [from, to] = [self.scene.run.rate, scene.run.rate];
-        let mut session = Session::with_lines(Rc::new(scene), retimed_lines(&self.lines, from, to))?;
+        let mut session = Session::with_lines(Rc::new(scene), self.lines.retimed(from, to))?;
         session.undo.clone_from(&self.undo);
         session.undo.push(Before { scene: self.scene.clone(), lines: self.lines.clone(), left_at: None });
         session.target = retimed(self.target.max(self.step_now()), from, to);
@@ -603,20 +560,14 @@ impl Session {
         }
         let step = self.step_of(when);
         let has_spawn = added.iter().any(|line| matches!(line.action, Action::Spawn(_)));
-        let without_clicks = if has_spawn { self.lines_without_clicks_at(step) } else { None };
-        let mut lines = without_clicks.unwrap_or_else(|| self.lines_until(step));
+        let mut lines = if has_spawn { self.lines_before_spawn(step) } else { self.lines.until(step) };
         lines.extend(added);
         self.replace(lines, when, |_| true)
     }
 
     /// Sets the lines, which differ from the present ones from the step of `when` on, and forgets what comes after it.
     /// The session is as before if they do not make the present step what it is meant to be.
-    fn replace(
-        &mut self,
-        lines: Vec<EventLine>,
-        when: When,
-        is_as_meant: impl Fn(&Session) -> bool,
-    ) -> Result<(), String> {
+    fn replace(&mut self, lines: EventLines, when: When, is_as_meant: impl Fn(&Session) -> bool) -> Result<(), String> {
         if lines.len() > MAX_LINES {
             return Err(format!("the page keeps at most {MAX_LINES} events"));
         }
@@ -658,10 +609,8 @@ impl Session {
     }
 
     /// Sets the lines and restarts from the last state that they leave as it is.
-    fn change_lines(&mut self, lines: Vec<EventLine>) {
-        let same = self.lines.iter().zip(&lines).take_while(|(one, two)| one == two).count();
-        let step = |lines: &[EventLine]| lines.get(same).map_or(u64::MAX, |line| line.step);
-        let first = step(&self.lines).min(step(&lines));
+    fn change_lines(&mut self, lines: EventLines) {
+        let first = self.lines.first_difference(&lines);
         self.lines = lines;
         self.history.forget_from(first);
         self.strip.forget_from(first);
@@ -690,21 +639,10 @@ impl Session {
         }
     }
 
-    /// The lines of a step as inputs.
-    fn inputs_at(&self, step: u64) -> Vec<Input> {
-        let first = self.lines.partition_point(|line| line.step < step);
-        let last = self.lines.partition_point(|line| line.step <= step);
-        let input = |(index, line): (usize, &EventLine)| {
-            let location = InputLocation::EventLine((first + index) as u64);
-            Input { step, action: line.action.clone(), location }
-        };
-        self.lines[first..last].iter().enumerate().map(input).collect()
-    }
-
     /// Applies the events of the present step.
     fn apply_lines(&mut self) {
         let step = self.step_now();
-        let live = self.inputs_at(step);
+        let live = self.lines.inputs_at(step);
         let mut refused: Vec<(usize, String)> = Vec::new();
         let applied = self.run.apply_inputs(live, |error| {
             let message = error.diagnostics().map_or_else(|| error.to_string(), ToString::to_string);
@@ -753,22 +691,6 @@ fn changes_something(collision: &Collision) -> bool {
     let corners = collision.rects.iter().flat_map(|rect| [rect.origin, rect.far_corner()]);
     let reach = corners.fold(0.0, |reach, corner| if corner.norm() > reach { corner.norm() } else { reach });
     collision.impulse != 0.0 || collision.penetration.norm() > 1e-12 * reach
-}
-
-/// The lines at the same times in seconds. Lines of different steps stay in different steps, because the order within a
-/// step is another one.
-fn retimed_lines(lines: &[EventLine], from: f64, to: f64) -> Vec<EventLine> {
-    let mut last: Option<[u64; 2]> = None;
-    let retime = |line: &EventLine| {
-        let step = match last {
-            Some([old, new]) if old == line.step => new,
-            Some([_, new]) => retimed(line.step, from, to).max(new + 1),
-            None => retimed(line.step, from, to),
-        };
-        last = Some([line.step, step]);
-        EventLine { step, ..line.clone() }
-    };
-    lines.iter().map(retime).collect()
 }
 
 /// The body that an event spawns.
