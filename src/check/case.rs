@@ -276,13 +276,25 @@ impl Cases {
         sources: &[(PathBuf, ManifestLine)],
     ) {
         let used: BTreeSet<PathBuf> = sources.iter().map(|(path, _)| canonical(path)).collect();
-        let recorded: BTreeSet<PathBuf> =
-            self.recordings.iter().filter_map(|recording| recording.scene().map(canonical)).collect();
         for file in files.with_extension("mcap") {
             if outputs.insert(canonical(file)) {
                 self.recordings.push(ReferenceRecording::found(file));
             }
         }
+        self.add_recordings_of_scenes(files, outputs, skipped, &used);
+        self.add_recordings_of_pictures(outputs, sources);
+    }
+
+    /// Adds the recordings of scenes that have none, except scenes that manifests use or skip.
+    fn add_recordings_of_scenes(
+        &mut self,
+        files: &Files,
+        outputs: &mut BTreeSet<PathBuf>,
+        skipped: &BTreeSet<PathBuf>,
+        used: &BTreeSet<PathBuf>,
+    ) {
+        let recorded: BTreeSet<PathBuf> =
+            self.recordings.iter().filter_map(|recording| recording.scene().map(canonical)).collect();
         let mut recorded_by_name: Option<BTreeSet<PathBuf>> = None;
         let mut has_recording = |scene: &PathBuf| {
             let scene_of = |file: &PathBuf| {
@@ -305,6 +317,10 @@ impl Cases {
                 self.recordings.push(ReferenceRecording { file, recipe: RecordingRecipe::Scene(scene.clone()) });
             }
         }
+    }
+
+    /// Adds the recordings that pictures are drawn from and that do not exist.
+    fn add_recordings_of_pictures(&mut self, outputs: &mut BTreeSet<PathBuf>, sources: &[(PathBuf, ManifestLine)]) {
         for (source, line) in sources {
             let is_recording = source.extension().is_some_and(|extension| extension == "mcap");
             if is_recording && !source.exists() && outputs.insert(canonical(source)) {

@@ -109,7 +109,7 @@ fn compare_with_recipe(reference: &ReferenceRecording, replayed: Outcome) -> (Ou
     match recorded
         .as_ref()
         .map_err(ToString::to_string)
-        .and_then(|recorded| recorded.difference(&new, reference.line().is_some()).map_err(|error| error.to_string()))
+        .and_then(|recorded| recorded.difference(&new, reference).map_err(|error| error.to_string()))
     {
         Ok(None) => (replayed.with_basis(Basis::Scene), None),
         Ok(Some(mismatch)) if is_protected() => match reference.line() {
@@ -270,10 +270,10 @@ impl RecordedRun {
     }
 
     /// The difference to a new run. `None` if both are the same.
-    fn difference(&self, new: &NewRecording, is_listed: bool) -> Result<Option<SceneMismatch>, Error> {
+    fn difference(&self, new: &NewRecording, reference: &ReferenceRecording) -> Result<Option<SceneMismatch>, Error> {
         let current = recording::open(&new.file.path())?;
         let mut changes = Vec::new();
-        if is_listed {
+        if reference.line().is_some() {
             let viewer = [self.has_viewer_topic, new.options.viewer.is_some()];
             changes = option_changes(&self.header, &current.header, viewer);
         }

@@ -189,7 +189,7 @@ impl Instants {
     fn new(sources: &[Source], schedule: &AnimationSchedule, look: &Look) -> Result<Instants, Error> {
         let track = |source: &Source| {
             let config = &source.header.config;
-            let schedule = schedule.of_recording(config.rate, config.solver.is_continuous());
+            let schedule = schedule.of_recording(config.rate, config.solver);
             let frames = Frames::new(source, &schedule, &look.show)?;
             Ok(Track { source: source.clone(), schedule, frames, pending: None })
         };

@@ -18,6 +18,7 @@ use crate::physics::{Axis, BodyId, Collision, Engine, Observer, Rect, Vector, la
 use crate::recording::{Health, Playback, SampledBody, SampledState};
 use crate::replay::{Replayer, Verdict};
 use std::collections::BTreeMap;
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 /// A page, and how completely each recording was read.
@@ -373,28 +374,8 @@ fn velocity_path(
     grid: &StepGrid,
     progress: Progress,
 ) -> Result<(VelocityPath, Health), Error> {
-    let (first, last) = (*grid.steps.start(), *grid.steps.end());
-    let mut playback = Playback::new(source.recording()?);
-    playback.seek(first).map_err(|error| source.read_error(error))?;
-    let (mut seen, mut start) = (false, None);
-    for state in playback.by_ref() {
-        let state = state.map_err(|error| source.read_error(error))?;
-        if state.step > last {
-            break;
-        }
-        seen = true;
-        if bodies_alive(&state, bodies) == 2 {
-            start = Some(state);
-            break;
-        }
-    }
-    if !seen {
-        return Err(source.missing_states(&grid.steps, playback.health()));
-    }
-    let Some(state) = start else {
-        let reason = format!("the two chosen bodies are never alive at the same time in the steps {first} to {last}");
-        return Err(source.nothing_to_show(reason));
-    };
+    let last = *grid.steps.end();
+    let state = first_common_state(source, bodies, &grid.steps)?;
     let mut chosen = state.bodies.iter().filter_map(|body| Some((bodies.get(&body.info.id)?, body)));
     let (Some(a), Some(b)) = (chosen.next(), chosen.next()) else {
         return Err(Error::NothingToShow { reason: "two bodies are required".into() });
@@ -427,6 +408,33 @@ fn velocity_path(
         Some(health) => Ok((path, health)),
         None => Err(Error::Diverged { path: source.path.clone(), verdict: Box::new(verdict) }),
     }
+}
+
+/// Returns the first state in which both bodies are alive.
+fn first_common_state(
+    source: &Source,
+    bodies: &BTreeMap<BodyId, Arc<Appearance>>,
+    steps: &RangeInclusive<u64>,
+) -> Result<SampledState, Error> {
+    let (first, last) = (*steps.start(), *steps.end());
+    let mut playback = Playback::new(source.recording()?);
+    playback.seek(first).map_err(|error| source.read_error(error))?;
+    let mut has_states = false;
+    for state in playback.by_ref() {
+        let state = state.map_err(|error| source.read_error(error))?;
+        if state.step > last {
+            break;
+        }
+        has_states = true;
+        if bodies_alive(&state, bodies) == 2 {
+            return Ok(state);
+        }
+    }
+    if !has_states {
+        return Err(source.missing_states(steps, playback.health()));
+    }
+    let reason = format!("the two chosen bodies are never alive at the same time in the steps {first} to {last}");
+    Err(source.nothing_to_show(reason))
 }
 
 /// Passes on the collisions in a step and after it. A replay also has those since the keyframe before.

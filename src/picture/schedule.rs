@@ -1,4 +1,4 @@
-use crate::physics::smaller;
+use crate::physics::{SolverKind, smaller};
 use crate::picture::encode::apng::Delay;
 use crate::text::counted;
 use std::ops::RangeInclusive;
@@ -201,9 +201,10 @@ impl AnimationSchedule {
     }
 
     /// The schedule of one of several recordings that are shown at the times of this schedule, with `rate` Hz. At an
-    /// instant between two of its steps a recording shows its state at that instant if its solver defines one
-    /// (`is_continuous`), else the state before.
-    pub fn of_recording(&self, rate: f64, is_continuous: bool) -> AnimationSchedule {
+    /// instant between two of its steps a recording shows its state at that instant if its solver defines one, else the
+    /// state before.
+    pub fn of_recording(&self, rate: f64, solver: SolverKind) -> AnimationSchedule {
+        let is_continuous = solver.is_continuous();
         if rate == self.grid.rate && (is_continuous || self.is_on_grid()) {
             return self.clone();
         }

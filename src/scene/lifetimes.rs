@@ -169,26 +169,24 @@ impl Lifetimes<'_> {
         let span = &entry.span;
         match &entry.effect {
             Effect::Wall { name, is_certain } => {
-                let lifetime = self.lifetime(span, true, *is_certain);
+                let lifetime = Lifetime { is_infinite: true, is_certain: *is_certain, ..self.lifetime(span) };
                 self.spawn(step, Name::Given((*name).into()), lifetime)
             }
             Effect::Spawn { name, is_infinite } => {
                 self.spawned += 1;
+                let lifetime = Lifetime { is_infinite: *is_infinite, ..self.lifetime(span) };
                 match name {
-                    NameField::Given(name) => {
-                        let lifetime = self.lifetime(span, *is_infinite, true);
-                        self.spawn(step, Name::Given(name.clone()), lifetime)
-                    }
-                    NameField::Absent => self.spawn_numbered(step, span, *is_infinite, true),
+                    NameField::Given(name) => self.spawn(step, Name::Given(name.clone()), lifetime),
+                    NameField::Absent => self.spawn_numbered(step, lifetime),
                     NameField::Unreadable => {
                         self.uncertain.may_spawn_any_name = true;
-                        self.spawn_numbered(step, span, *is_infinite, false)
+                        self.spawn_numbered(step, Lifetime { is_certain: false, ..lifetime })
                     }
                 }
             }
             Effect::Scatter { count: Some(count), is_infinite } => (0..*count).try_for_each(|_| {
                 self.spawned += 1;
-                self.spawn_numbered(step, span, *is_infinite, true)
+                self.spawn_numbered(step, Lifetime { is_infinite: *is_infinite, ..self.lifetime(span) })
             }),
             Effect::Scatter { count: None, .. } => {
                 self.numbers_are_certain = false;
@@ -210,22 +208,15 @@ impl Lifetimes<'_> {
         }
     }
 
-    /// The lifetime of a body spawned now.
-    fn lifetime(&self, span: &Range<usize>, is_infinite: bool, is_certain: bool) -> Lifetime {
-        Lifetime { span: span.clone(), is_infinite, clicks: self.clicks, is_certain }
+    /// Returns the lifetime of a finite body that is certainly spawned now.
+    fn lifetime(&self, span: &Range<usize>) -> Lifetime {
+        Lifetime { span: span.clone(), is_infinite: false, clicks: self.clicks, is_certain: true }
     }
 
-    fn spawn_numbered(
-        &mut self,
-        step: u64,
-        span: &Range<usize>,
-        is_infinite: bool,
-        is_certain: bool,
-    ) -> Result<(), ErrorReported> {
+    fn spawn_numbered(&mut self, step: u64, lifetime: Lifetime) -> Result<(), ErrorReported> {
         if !self.numbers_are_certain {
             return Ok(());
         }
-        let lifetime = self.lifetime(span, is_infinite, is_certain);
         self.spawn(step, Name::Number(self.spawned), lifetime)
     }
 
@@ -262,7 +253,7 @@ impl Lifetimes<'_> {
         self.numbers_are_certain = false;
         match name {
             NameField::Given(name) => {
-                let lifetime = self.lifetime(span, false, false);
+                let lifetime = Lifetime { is_certain: false, ..self.lifetime(span) };
                 self.bodies.entry(Name::Given(name.clone())).or_insert(lifetime);
             }
             NameField::Absent => {}

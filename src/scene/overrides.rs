@@ -46,8 +46,8 @@ impl Override {
     /// Returns the value. Numbers are floats, except those of keys that take integers; infinite ones are text, as in
     /// tables.
     pub fn json(&self) -> serde_json::Value {
-        let takes_integer = self.keys.last().is_some_and(|key| INTEGER_KEYS.contains(&key.as_str()));
-        json(&self.value, takes_integer)
+        let takes_integers = self.keys.last().is_some_and(|key| INTEGER_KEYS.contains(&key.as_str()));
+        json(&self.value, if takes_integers { NumberType::Integer } else { NumberType::Float })
     }
 }
 
@@ -209,18 +209,26 @@ fn joined(keys: &[String]) -> String {
     keys.iter().map(part).collect::<Vec<String>>().join(".")
 }
 
-fn json(value: &Value, takes_integer: bool) -> serde_json::Value {
-    match value {
-        Value::Integer(number) if takes_integer => (*number.value()).into(),
-        Value::Integer(number) => (*number.value() as f64).into(),
-        Value::Float(number) if number.value().is_finite() => (*number.value()).into(),
-        Value::Float(number) => number.value().to_string().to_lowercase().into(),
-        Value::Boolean(value) => (*value.value()).into(),
-        Value::String(text) => text.value().as_str().into(),
-        Value::Array(values) => values.iter().map(|value| json(value, takes_integer)).collect(),
-        Value::Datetime(_) | Value::InlineTable(_) => value.to_string().trim().into(),
+/// The type of the numbers that a key takes.
+#[derive(Clone, Copy)]
+enum NumberType {
+    Integer,
+    Float,
+}
+
+fn json(value: &Value, numbers: NumberType) -> serde_json::Value {
+    match (value, numbers) {
+        (Value::Integer(number), NumberType::Integer) => (*number.value()).into(),
+        (Value::Integer(number), NumberType::Float) => (*number.value() as f64).into(),
+        (Value::Float(number), _) if number.value().is_finite() => (*number.value()).into(),
+        (Value::Float(number), _) => number.value().to_string().to_lowercase().into(),
+        (Value::Boolean(value), _) => (*value.value()).into(),
+        (Value::String(text), _) => text.value().as_str().into(),
+        (Value::Array(values), _) => values.iter().map(|value| json(value, numbers)).collect(),
+        (Value::Datetime(_) | Value::InlineTable(_), _) => value.to_string().trim().into(),
     }
 }
+
 /// The keys and values of overrides that a recording stores.
 pub fn settings(overrides: &[[String; 2]]) -> Vec<(String, serde_json::Value)> {
     let setting = |[key, value]: &[String; 2]| match format!("{key}={value}").parse::<Override>() {
