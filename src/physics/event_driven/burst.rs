@@ -5,6 +5,7 @@ use super::EventDriven;
 use super::body_state::Slot;
 use super::collapse::decay_threshold;
 use super::double_double::DoubleDouble;
+use super::event_limit::LimitExceeded;
 use super::exact::{Resolution, VELOCITY_ROUNDING};
 use super::impact::Impact;
 use super::impact_record::ImpactRecord;
@@ -15,10 +16,6 @@ use std::cmp::Ordering;
 
 /// The impacts between two searches for chains that infinite masses squeeze.
 const SQUEEZE_INTERVAL: u64 = 64;
-
-/// Of the impacts of an instant that lose energy, one in this number counts against the limit of events. Their sequence
-/// ends in any case, but can be long: rows of 50 touching boxes at e = 0.9 hit a wall in 2·10⁷ impacts.
-const LOSSY_IMPACTS_PER_EVENT: u64 = 1000;
 
 /// One side of an impact: the body and all that it pushes.
 #[derive(Clone, Debug, Default)]
@@ -37,7 +34,8 @@ impl EventDriven {
         world: &World,
         observer: &mut O,
     ) -> Result<(), StepError> {
-        let [mut count, mut lossy] = [0_u64; 2];
+        let mut count = 0_u64;
+        self.event_limit.begin_burst();
         while let Some(index) = patch.first_approaching() {
             if count.is_multiple_of(SQUEEZE_INTERVAL) {
                 self.check_squeezed(patch, world)?;
@@ -50,10 +48,9 @@ impl EventDriven {
                 TouchKind::Corner => patch.blocked_axes(&touch, CornerMotion::Moving),
             };
             let restitution = self.restitution(patch, &touch, world);
-            lossy += u64::from(restitution.high < 1.0);
-            if restitution.high == 1.0 || lossy.is_multiple_of(LOSSY_IMPACTS_PER_EVENT) {
-                self.count_event(world, touch.bodies.map(|body| patch.bodies[body as usize].slot))?;
-            }
+            self.event_limit.count_impact(restitution.high).map_err(|LimitExceeded| {
+                self.too_many_events(world, touch.bodies.map(|body| patch.bodies[body as usize].slot))
+            })?;
             for axis in Axis::BOTH.into_iter().filter(|axis| axes[*axis]) {
                 self.collide(patch, index, axis, restitution, world, observer)?;
             }

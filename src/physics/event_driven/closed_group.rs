@@ -83,7 +83,7 @@ impl EventDriven {
         observer: &mut O,
     ) {
         let are_few = !self.window_lists.is_active() && self.cell_lists.uses_all_pairs();
-        if !are_few || !self.events.is_multiple_of(self.search_interval) {
+        if !are_few || !self.event_limit.events().is_multiple_of(self.search_interval) {
             return;
         }
         let Some(mut group) = self.find_closed_group(world, axis, last) else { return };
@@ -91,13 +91,9 @@ impl EventDriven {
             return;
         }
         self.enter(&mut group);
-        // The event that exceeds the limit is carried out, or reported, outside of the group.
-        while self.events < self.max_events {
-            let Some(index) = group.next_gap(last.high) else { break };
-            if !self.collide_in_group(&mut group, index, observer) {
-                break;
-            }
-        }
+        while let Some(index) = group.next_gap(last.high)
+            && self.collide_in_group(&mut group, index, observer)
+        {}
         self.leave(&group);
     }
 
@@ -113,10 +109,11 @@ impl EventDriven {
         let are_receding = after[1].high - after[0].high > speed * CLEAR;
         let sizes = references.map(|reference| reference.size);
         let are_extended = self.coarsest_resolution(references, at) < 0.25 * (sizes[0].high + sizes[1].high);
-        if !(are_receding && are_extended && group.is_isolated(index)) {
+        // The event that exceeds the limit is carried out, or reported, outside of the group.
+        if !(are_receding && are_extended && group.is_isolated(index) && self.event_limit.count_allowed_event()) {
             return false;
         }
-        (self.events, self.now) = (self.events + 1, at);
+        self.now = at;
         let impulse = impact.impulse_with(approach_speed) / MASS_SCALE;
         observer.collision_of(impulse, || {
             let positions = references.map(|reference| reference.drifted_position_at(at));

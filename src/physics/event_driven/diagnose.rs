@@ -31,7 +31,7 @@ impl EventDriven {
         // A cell crossing concerns one body.
         let slots = if pair[0] == pair[1] { &pair[..1] } else { &pair[..] };
         let bodies = slots.iter().map(|slot| self.name_of(world, *slot)).collect();
-        StepError::TooManyEvents { step, limit: self.max_events, bodies }
+        StepError::TooManyEvents { step, limit: self.event_limit.max_events(), bodies }
     }
 
     /// The error of a burst without end.

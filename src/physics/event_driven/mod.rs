@@ -84,6 +84,7 @@ mod decimal;
 mod diagnose;
 mod dirty_states;
 mod double_double;
+mod event_limit;
 mod event_queue;
 mod exact;
 mod face_alignment;
@@ -123,6 +124,7 @@ use contact::ContactGraph;
 use decimal::stated;
 use dirty_states::DirtyStates;
 use double_double::DoubleDouble;
+use event_limit::{EventLimit, LimitExceeded};
 use event_queue::{EventQueue, Precision, ScheduledEvent};
 use impact::LatestShares;
 use instant::{Clock, Instant};
@@ -136,11 +138,6 @@ use std::num::NonZero;
 use swept_aabb::SweptAabb;
 use threads::Threads;
 use window_lists::WindowLists;
-
-/// Repetitions allowed per body and step beyond the limit of events: predictions after cell crossings, of invalidated
-/// events and of events whose order doubles cannot decide, and captured bounces. No speed requires nearly as many; the
-/// limit ensures that every step ends.
-const MAX_REPETITIONS_PER_BODY: u64 = 1000;
 
 /// The vicinity of an instant, as a fraction of the time since step 0: the rounding of times in doubles. Events within
 /// it are compared by their gaps.
@@ -156,8 +153,6 @@ const VICINITY: f64 = 1.0 + 4.0 * COMPARED_TIMES;
 #[derive(Clone, Debug)]
 pub struct EventDriven {
     clock: Clock,
-    /// The number of events allowed in a step.
-    max_events: u64,
     threads: Threads,
     bodies: Bodies,
     /// The coefficients of restitution as the decimals that they stand for, by `Restitution::index`.
@@ -177,10 +172,7 @@ pub struct EventDriven {
     step_start: Instant,
     /// The instant of the state after it.
     step_end: Instant,
-    /// The number of events in the present step.
-    events: u64,
-    /// The number of repetitions in the present step; see [`MAX_REPETITIONS_PER_BODY`].
-    repetitions: u64,
+    event_limit: EventLimit,
     /// In use outside windows.
     cell_lists: CellLists,
     window_lists: WindowLists,
@@ -221,7 +213,6 @@ impl EventDriven {
         let gravity = config.gravity.map_or([0.0; 2], |gravity| [gravity.x, gravity.y]);
         EventDriven {
             clock,
-            max_events: config.events_per_step,
             threads: Threads::new(None),
             bodies: Bodies::new(gravity),
             restitutions: config.restitution.table().iter().map(|restitution| stated(*restitution)).collect(),
@@ -233,8 +224,7 @@ impl EventDriven {
             step: 0,
             step_start: Instant::START,
             step_end: clock.start_of(1),
-            events: 0,
-            repetitions: 0,
+            event_limit: EventLimit::new(config.events_per_step),
             cell_lists: CellLists::new(1.0),
             window_lists: WindowLists::default(),
             event_queue: EventQueue::new(clock, 0, 0),
@@ -388,7 +378,7 @@ impl EventDriven {
             self.step_end = self.clock.start_of(step + 1);
             self.step = step;
         }
-        (self.events, self.repetitions) = (0, 0);
+        self.event_limit.begin_step();
         self.advance_clock(self.step_start);
     }
 
@@ -434,7 +424,7 @@ impl EventDriven {
                 return Ok(());
             }
             self.advance_clock(event.at);
-            self.count_event(world, pair)?;
+            self.event_limit.count_event().map_err(|LimitExceeded| self.too_many_events(world, pair))?;
             self.changed.push(slot);
             let others = match end_of_vicinity(event.at).is_before(self.event_queue.next_time()) {
                 true => Vec::new(),
@@ -451,11 +441,9 @@ impl EventDriven {
                 self.receding = None;
             } else {
                 let concerned = self.concerned_by(&event, others, last);
-                // An instant counts as many events as it has impacts, at least one.
-                let counted = self.events;
-                self.events -= 1;
+                let instant = self.event_limit.begin_instant();
                 self.process_instant(world, &concerned, observer)?;
-                self.events = self.events.max(counted);
+                self.event_limit.end_instant(instant);
             }
             // An event that coincides with `last` does not delay the inputs then.
             if last.is_before(self.now) {
@@ -542,20 +530,10 @@ impl EventDriven {
         None
     }
 
-    /// Counts an event against the limit of the step.
-    fn count_event(&mut self, world: &World, pair: [Slot; 2]) -> Result<(), StepError> {
-        self.events += 1;
-        if self.events > self.max_events { Err(self.too_many_events(world, pair)) } else { Ok(()) }
-    }
-
     /// Counts a repetition for a pair of bodies against its limit.
     fn count_repetition(&mut self, world: &World, pair: [Slot; 2]) -> Result<(), StepError> {
-        self.repetitions += 1;
-        let allowed = self.max_events.saturating_add(MAX_REPETITIONS_PER_BODY * self.bodies.len() as u64);
-        if self.repetitions > allowed.saturating_add(self.events) {
-            return Err(self.too_many_events(world, pair));
-        }
-        Ok(())
+        let counted = self.event_limit.count_repetition(self.bodies.len());
+        counted.map_err(|LimitExceeded| self.too_many_events(world, pair))
     }
 
     /// The present instant for a pair of bodies: the later one of the clock and their references. If an instant
