@@ -275,7 +275,7 @@ impl EventDriven {
                 {
                     let slots = [body, wall, opposite].map(|body| patch.bodies[body as usize].slot);
                     let [body, between @ ..] = slots.map(|slot| self.name_of(world, slot));
-                    return Err(StepError::Crushed { step: self.step, body, between });
+                    return Err(StepError::Crushed { step: self.timeline.step(), body, between });
                 }
             }
         }

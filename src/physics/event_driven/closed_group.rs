@@ -10,16 +10,16 @@
 //! makes Galperin's billiard 1.4 times as fast as with the general functions (`cargo bench --bench event_driven`, rows
 //! `Galperin N`).
 
+use super::EventDriven;
 use super::axis_trajectory::StateDd;
 use super::body_state::Slot;
 use super::double_double::DoubleDouble;
 use super::exact::VELOCITY_ROUNDING;
-use super::instant::Instant;
+use super::instant::{Instant, VICINITY};
 use super::isolated::ImpactPair;
 use super::least_change::MASS_SCALE;
 use super::predict::ordered_pair;
 use super::reference::Reference;
-use super::{EventDriven, VICINITY};
 use crate::physics::{Axis, Observer, Side, World, larger, smaller};
 
 /// The events of a step between two searches for a group, so that unsuccessful searches cost little.
@@ -113,7 +113,7 @@ impl EventDriven {
         if !(are_receding && are_extended && group.is_isolated(index) && self.event_limit.count_allowed_event()) {
             return false;
         }
-        self.now = at;
+        self.timeline.advance_to_later(at);
         let impulse = impact.impulse_with(approach_speed) / MASS_SCALE;
         observer.collision_of(impulse, || {
             let positions = references.map(|reference| reference.drifted_position_at(at));
@@ -144,7 +144,7 @@ impl EventDriven {
         if !self.bodies.are_free() || self.bodies.rounding().is_random() {
             return None;
         }
-        let seconds = self.now.seconds_until(last);
+        let seconds = self.timeline.now().seconds_until(last);
         let mut slots = receding.to_vec();
         for slot in self.cell_lists.few().iter().copied().filter(|slot| !receding.contains(slot)) {
             match self.overlap([receding[0], slot], axis.other(), seconds) {
@@ -154,7 +154,7 @@ impl EventDriven {
             }
         }
         let seconds = self.seconds_of_closure(&slots, axis.other(), seconds)?;
-        let position = |slot: &Slot| self.bodies[*slot].trajectory.at(self.now)[0][axis];
+        let position = |slot: &Slot| self.bodies[*slot].trajectory.at(self.timeline.now())[0][axis];
         slots.sort_unstable_by(|a, b| position(a).total_cmp(&position(b)).then(a.cmp(b)));
         let mut gaps = Vec::with_capacity(slots.len() - 1);
         for pair in slots.windows(2) {
@@ -169,11 +169,12 @@ impl EventDriven {
             let has_collided = receding.contains(&slot) && !self.bodies[slot].infinite;
             Member { slot, reference, has_collided }
         });
-        let mut group = ClosedGroup { axis, members: members.collect(), gaps, until: self.now.after(seconds).high };
+        let mut group =
+            ClosedGroup { axis, members: members.collect(), gaps, until: self.timeline.now().after(seconds).high };
         // Not even −0, so that all bits of the trajectories stay.
         let is_zero = |number: DoubleDouble| number.high.to_bits() == 0 && number.low.to_bits() == 0;
         // If an instant consists of several groups of bodies, some references are later than the clock by rounding.
-        let has_begun = |member: &Member| !self.now.is_before(self.bodies[member.slot].since);
+        let has_begun = |member: &Member| !self.timeline.now().is_before(self.bodies[member.slot].since);
         if !group.members.iter().all(|member| is_zero(member.reference.state.acceleration) && has_begun(member)) {
             return None;
         }
@@ -212,14 +213,15 @@ impl EventDriven {
     /// the rounding can be greater.
     fn overlap(&self, pair: [Slot; 2], axis: Axis, horizon: f64) -> Overlap {
         let [first, second] = pair.map(|slot| &self.bodies[slot]);
-        let [[from, from_velocity], [to, to_velocity]] = [first, second].map(|body| body.trajectory.at(self.now));
+        let [[from, from_velocity], [to, to_velocity]] =
+            [first, second].map(|body| body.trajectory.at(self.timeline.now()));
         if first.trajectory.acceleration[axis] != 0.0 || second.trajectory.acceleration[axis] != 0.0 {
             return Overlap::Unclear;
         }
         let (offset, velocity) = (to[axis] - from[axis], to_velocity[axis] - from_velocity[axis]);
         let [ahead, behind] = [offset - first.size[axis], -offset - second.size[axis]];
         let speeds = from_velocity[axis].abs() + to_velocity[axis].abs();
-        let magnitudes = [first, second].map(|body| body.trajectory.magnitude_at(self.now)[axis]);
+        let magnitudes = [first, second].map(|body| body.trajectory.magnitude_at(self.timeline.now())[axis]);
         let scale = magnitudes[0] + magnitudes[1] + (first.size[axis] + second.size[axis]);
         let rounding = (scale + speeds * horizon) * CLEAR;
         // The seconds until a distance is used up at a speed.
@@ -271,7 +273,7 @@ impl EventDriven {
         let [keeps_low, keeps_high] = group.gaps[index].impact_pair.is_immovable;
         group.gaps[index].closes = Instant::NEVER;
         for (neighbour, is_kept) in [(index.wrapping_sub(1), keeps_low), (index + 1, keeps_high)] {
-            if neighbour < group.gaps.len() && !is_kept && !self.predict_gap(group, neighbour, self.now) {
+            if neighbour < group.gaps.len() && !is_kept && !self.predict_gap(group, neighbour, self.timeline.now()) {
                 return false;
             }
         }
@@ -300,7 +302,7 @@ impl EventDriven {
         } else {
             Instant::NEVER
         };
-        is_apart && self.now.is_before(gap.closes)
+        is_apart && self.timeline.now().is_before(gap.closes)
     }
 
     /// An upper bound of the resolution of the gap between two members at an instant, m.

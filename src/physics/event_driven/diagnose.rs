@@ -12,7 +12,7 @@ impl EventDriven {
         let between = [(first, Side::Low), (second, Side::High)];
         let between = between.map(|(slot, side)| self.contacts.supporting_wall(slot, axis, side));
         let between = between.map(|slot| self.name_of(world, slot));
-        StepError::Crushed { step: self.step, body: self.name_of(world, body), between }
+        StepError::Crushed { step: self.timeline.step(), body: self.name_of(world, body), between }
     }
 
     /// The error of a step that exceeds the limit of events.
@@ -20,7 +20,7 @@ impl EventDriven {
     /// A body that bounces without loss between closing walls has infinitely many impacts before it is
     /// crushed; it is reported as crushed.
     pub(super) fn too_many_events(&self, world: &World, pair: [Slot; 2]) -> StepError {
-        let step = self.step;
+        let step = self.timeline.step();
         let finite = pair.into_iter().find(|slot| !self.bodies[*slot].infinite);
         if let Some(slot) = finite
             && let Some(between) = Axis::BOTH.into_iter().find_map(|axis| self.closing_walls(slot, axis))
@@ -36,7 +36,7 @@ impl EventDriven {
 
     /// The error of a burst without end.
     pub(super) fn endless_error(&self, world: &World, pair: [Slot; 2]) -> StepError {
-        StepError::Endless { step: self.step, bodies: pair.map(|slot| self.name_of(world, slot)) }
+        StepError::Endless { step: self.timeline.step(), bodies: pair.map(|slot| self.name_of(world, slot)) }
     }
 
     /// True if two boxes overlap along an axis by more than rounding.
@@ -55,7 +55,7 @@ impl EventDriven {
         let size = self.bodies[low].size[axis] + self.bodies[slot].size[axis];
         let room = (second.position - first.position).high - size;
         let speed = (first.velocity - second.velocity).high;
-        (speed > 0.0 && room <= speed * self.clock.period).then_some([low, high])
+        (speed > 0.0 && room <= speed * self.timeline.clock().period).then_some([low, high])
     }
 
     /// The nearest infinite mass on a side of a body.
@@ -106,24 +106,28 @@ impl EventDriven {
                 let contacts = self.contacts.axes_between(pair);
                 for axis in Axis::BOTH.into_iter().filter(|axis| contacts[*axis]) {
                     let [gap, speed, acceleration] = self.motion_now(pair, axis);
-                    assert!(gap == 0.0, "contact of {pair:?} along {axis:?} at {:?} with gap {gap:e}", self.now);
+                    assert!(
+                        gap == 0.0,
+                        "contact of {pair:?} along {axis:?} at {:?} with gap {gap:e}",
+                        self.timeline.now()
+                    );
                     assert!(
                         speed == 0.0,
                         "contact of {pair:?} along {axis:?} at {:?} with approach speed {speed:e}",
-                        self.now
+                        self.timeline.now()
                     );
                     assert!(
                         acceleration == 0.0,
                         "contact of {pair:?} along {axis:?} at {:?}: {acceleration:e}",
-                        self.now
+                        self.timeline.now()
                     );
                 }
-                assert!(!self.overlaps(pair), "{pair:?} overlap at {:?}, contacts {contacts:?}", self.now);
+                assert!(!self.overlaps(pair), "{pair:?} overlap at {:?}, contacts {contacts:?}", self.timeline.now());
                 if contacts == [false; 2]
                     && let Some(event) = self.approach_now(pair)
                 {
                     let is_queued = pair.iter().any(|slot| self.event_queue.holds(*slot, pair));
-                    assert!(is_queued, "{pair:?} approach at {:?}: {event:?}", self.now);
+                    assert!(is_queued, "{pair:?} approach at {:?}: {event:?}", self.timeline.now());
                 }
             }
         }

@@ -279,7 +279,7 @@ impl EventDriven {
         let references = [self.bodies.reference(pair[0], axis), self.bodies.reference(pair[1], axis)];
         let relative = ExactAxis::between(&self.bodies, &references, from);
         let at = relative.contact(side, from, self.bodies.rounding())?;
-        self.now.max(from).is_before(at).then_some(at)
+        self.timeline.now().max(from).is_before(at).then_some(at)
     }
 
     /// True if the gap or the overlap of an event is 0 already at an instant: then it happens at that instant.
@@ -296,7 +296,7 @@ impl EventDriven {
     #[cold]
     pub(super) fn predict_exactly(&self, pair: [Slot; 2]) -> Option<(Instant, PairEvent)> {
         let from = self.bodies.common_reference(pair);
-        let now = self.now.max(from);
+        let now = self.timeline.now().max(from);
         let axes = Axis::BOTH.map(|axis| self.bodies.exact_axis(pair, axis, from));
         let contacts = self.contacts.axes_between(pair);
         let mut first: Option<(Instant, PairEvent)> = None;

@@ -72,7 +72,8 @@ impl EventDriven {
         let [from, to] = [[low[0] - reach[0], low[1] - reach[1]], [high[0] + reach[0], high[1] + reach[1]]];
         self.cell_lists.visit_region(from, to, |other| {
             let BodyState { trajectory, size, .. } = &self.bodies[other];
-            let [position, magnitude] = [trajectory.at(self.now)[0], trajectory.magnitude_at(self.now)];
+            let [position, magnitude] =
+                [trajectory.at(self.timeline.now())[0], trajectory.magnitude_at(self.timeline.now())];
             let is_near = other < slot
                 && Axis::BOTH.into_iter().all(|axis| {
                     let margin = reach[axis] + (magnitude[axis] + size[axis]) * (4.0 * f64::EPSILON);
@@ -149,7 +150,7 @@ impl EventDriven {
         self.bodies.adjust_size(slot, axis, size);
         let state = self.state_dd(slot, axis);
         if state.position != position {
-            self.set_trajectory(slot, axis, StateDd { position, ..state }, self.now);
+            self.set_trajectory(slot, axis, StateDd { position, ..state }, self.timeline.now());
         }
     }
 }

@@ -30,8 +30,8 @@ impl EventDriven {
         let ImpactRecord { slots, axis, side, at, rects, velocities, along, impulse, restitution } = impact;
         let [before, after] = velocities;
         Collision {
-            step: self.step,
-            time: self.step_start.seconds_until(at).clamp(0.0, self.clock.period),
+            step: self.timeline.step(),
+            time: self.timeline.step_start().seconds_until(at).clamp(0.0, self.timeline.clock().period),
             instant: at.high,
             axis,
             bodies: slots.map(|slot| self.bodies.params(slot).id),

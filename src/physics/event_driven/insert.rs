@@ -23,7 +23,7 @@ impl EventDriven {
             self.bodies.params(**slot).free_acceleration.iter().all(|acceleration| acceleration.high.is_finite())
         };
         if let Some(slot) = self.pending_spawns.iter().find(|slot| !accelerates(slot)) {
-            return Err(StepError::NotFinite { step: self.step, body: self.name_of(world, *slot) });
+            return Err(StepError::NotFinite { step: self.timeline.step(), body: self.name_of(world, *slot) });
         }
         let spawned = std::mem::take(&mut self.pending_spawns);
         let is_outgrown =
@@ -42,7 +42,7 @@ impl EventDriven {
             spawned
         } else {
             for slot in &spawned {
-                self.cell_lists.insert(&self.clock, *slot, &self.bodies[*slot], self.now);
+                self.cell_lists.insert(self.timeline.clock(), *slot, &self.bodies[*slot], self.timeline.now());
             }
             self.changed.extend(&spawned);
             spawned
@@ -61,8 +61,8 @@ impl EventDriven {
         let mut found = Vec::new();
         for slot in spawned.iter().filter(|slot| self.bodies[**slot].infinite) {
             let state = &self.bodies[*slot];
-            let low = state.trajectory.at(self.now)[0];
-            let magnitude = state.trajectory.magnitude_at(self.now);
+            let low = state.trajectory.at(self.timeline.now())[0];
+            let magnitude = state.trajectory.magnitude_at(self.timeline.now());
             let [from, to] = [-1.0, 1.0].map(|sign| {
                 Axis::BOTH.map(|axis| {
                     let margin = (magnitude[axis] + state.size[axis]) * (16.0 * f64::EPSILON);
@@ -71,8 +71,8 @@ impl EventDriven {
             });
             self.cell_lists.visit_region(from, to, |other| {
                 let other_state = &self.bodies[other];
-                let position = other_state.trajectory.at(self.now)[0];
-                let magnitude = other_state.trajectory.magnitude_at(self.now);
+                let position = other_state.trajectory.at(self.timeline.now())[0];
+                let magnitude = other_state.trajectory.magnitude_at(self.timeline.now());
                 let is_near = Axis::BOTH.into_iter().all(|axis| {
                     let margin = (magnitude[axis] + other_state.size[axis]) * (16.0 * f64::EPSILON);
                     position[axis] - margin <= to[axis]
@@ -88,19 +88,19 @@ impl EventDriven {
 
     /// Removes the slots of deleted bodies: in a restored snapshot the slots are consecutive.
     fn compact(&mut self, world: &World) {
-        let snapshot = self.snapshot(self.step);
-        self.deserialize(world, self.step, &snapshot).expect("the snapshot was taken of this world");
+        let snapshot = self.snapshot(self.timeline.step());
+        self.deserialize(world, self.timeline.step(), &snapshot).expect("the snapshot was taken of this world");
     }
 
     /// Rebuilds cell lists and event queue for the present number and sizes of bodies.
     pub(super) fn rebuild_indices(&mut self) {
-        self.window_lists.end(self.step);
+        self.window_lists.end(self.timeline.step());
         self.indexed_bodies = self.bodies.len();
         self.cell_lists = CellLists::new(self.bodies.largest_usual_size());
-        self.event_queue = EventQueue::new(self.clock, self.step, self.bodies.len());
+        self.event_queue = EventQueue::new(*self.timeline.clock(), self.timeline.step(), self.bodies.len());
         for slot in self.bodies.alive() {
             if self.pending_spawns.binary_search(&slot).is_err() {
-                self.cell_lists.insert(&self.clock, slot, &self.bodies[slot], self.now);
+                self.cell_lists.insert(self.timeline.clock(), slot, &self.bodies[slot], self.timeline.now());
             }
         }
     }

@@ -1,6 +1,13 @@
 use super::double_double::DoubleDouble;
 use std::cmp::Ordering;
 
+/// The vicinity of an instant, as a fraction of the time since step 0: the rounding of times in doubles. Events within
+/// it are compared by their gaps.
+const COMPARED_TIMES: f64 = 1.0 / (1_u64 << 50) as f64;
+
+/// The factor from a time to one that is certainly after the end of its vicinity.
+pub const VICINITY: f64 = 1.0 + 4.0 * COMPARED_TIMES;
+
 /// An instant of simulated time: the seconds since step 0 in double-double precision.
 ///
 /// It is independent of the steps and of their rate. Instants between which no coordinate changes by more than its
@@ -60,6 +67,11 @@ impl Instant {
     pub fn after_exactly(self, seconds: DoubleDouble) -> Instant {
         let DoubleDouble { high, low } = self.as_number() + seconds;
         if high.is_finite() && low.is_finite() { Instant { high, low } } else { Instant::NEVER }
+    }
+
+    /// The last time that is compared with this instant by gaps.
+    pub fn end_of_vicinity(self) -> Instant {
+        self.after(self.high * COMPARED_TIMES)
     }
 
     /// The seconds since step 0.

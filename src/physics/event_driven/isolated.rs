@@ -92,7 +92,7 @@ impl EventDriven {
             return false;
         }
         let references = [self.bodies.reference(low, axis), self.bodies.reference(high, axis)];
-        let states = Reference::scaled_states_at(&references, self.now, self.bodies.rounding());
+        let states = Reference::scaled_states_at(&references, self.timeline.now(), self.bodies.rounding());
         let Some(impact) = self.impact_of(&impact_pair, &states) else { return false };
         let gives_way = impact_pair.is_immovable.map(|is_immovable| !is_immovable);
         let mut neighbours = std::mem::take(&mut self.neighbour_buffer);
@@ -192,11 +192,11 @@ impl EventDriven {
         let velocities = after.map(|velocity| velocity.or_zero(speed * VELOCITY_ROUNDING));
         if !is_immovable[0] {
             let changed = StateDd { position: positions[0], velocity: velocities[0], ..low };
-            self.bodies.set_trajectory(bodies[0], axis, changed, self.now);
+            self.bodies.set_trajectory(bodies[0], axis, changed, self.timeline.now());
         }
         if !is_immovable[1] {
             let changed = StateDd { position: positions[1], velocity: velocities[1], ..high };
-            self.bodies.set_trajectory(bodies[1], axis, changed, self.now);
+            self.bodies.set_trajectory(bodies[1], axis, changed, self.timeline.now());
         }
         let impulse = impact.impulse() / MASS_SCALE;
         let before = states.map(|state| state.state.position);
@@ -231,7 +231,7 @@ impl EventDriven {
             slots: impact_pair.slots(),
             axis,
             side,
-            at: self.now,
+            at: self.timeline.now(),
             rects: impact_pair.in_creation_order([rect(0), rect(1)]),
             velocities: [velocities(impact.velocity), velocities(after)],
             along: [impact.velocity, after],
@@ -242,7 +242,7 @@ impl EventDriven {
 
     /// True if a body certainly touches no other now, or only `partner`.
     pub(super) fn touches_none_but(&self, slot: Slot, partner: Option<Slot>, buffer: &mut NeighbourBuffer) -> bool {
-        let sample = Sample::new(&self.bodies[slot], self.now);
+        let sample = Sample::new(&self.bodies[slot], self.timeline.now());
         self.find_touching(slot, &sample, buffer);
         let mut others = buffer.slots().iter();
         others.all(|other| Some(*other) == partner || !sample.may_touch(&self.bodies[*other]))

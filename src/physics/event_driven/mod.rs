@@ -111,6 +111,7 @@ mod solver_snapshot;
 mod spatial_hash;
 mod swept_aabb;
 mod threads;
+mod timeline;
 mod trajectory;
 mod window_lists;
 
@@ -127,7 +128,7 @@ use double_double::DoubleDouble;
 use event_limit::{EventLimit, LimitExceeded};
 use event_queue::{EventQueue, Precision, ScheduledEvent};
 use impact::LatestShares;
-use instant::{Clock, Instant};
+use instant::{Clock, Instant, VICINITY};
 use least_change::ContactGroup;
 use neighbour_buffer::NeighbourBuffer;
 use pair_event::PairEvent;
@@ -137,14 +138,8 @@ use std::hint::black_box;
 use std::num::NonZero;
 use swept_aabb::SweptAabb;
 use threads::Threads;
+use timeline::Timeline;
 use window_lists::WindowLists;
-
-/// The vicinity of an instant, as a fraction of the time since step 0: the rounding of times in doubles. Events within
-/// it are compared by their gaps.
-const COMPARED_TIMES: f64 = 1.0 / (1_u64 << 50) as f64;
-
-/// The factor from a time to one that is certainly after the end of its vicinity.
-const VICINITY: f64 = 1.0 + 4.0 * COMPARED_TIMES;
 
 /// The event-driven solver.
 ///
@@ -152,7 +147,6 @@ const VICINITY: f64 = 1.0 + 4.0 * COMPARED_TIMES;
 /// Cell lists, window lists and event queue are derived from them and influence no result.
 #[derive(Clone, Debug)]
 pub struct EventDriven {
-    clock: Clock,
     threads: Threads,
     bodies: Bodies,
     /// The coefficients of restitution as the decimals that they stand for, by `Restitution::index`.
@@ -162,16 +156,9 @@ pub struct EventDriven {
     pending_spawns: Vec<Slot>,
     /// Bodies that lost a contact because another was deleted since the last step.
     pending_wakes: Vec<Slot>,
-    /// The present instant.
-    now: Instant,
     /// True to assert the invariants between instants, in debug builds.
     asserts_invariants: bool,
-    /// The present step.
-    step: u64,
-    /// The instant of the state before the present step.
-    step_start: Instant,
-    /// The instant of the state after it.
-    step_end: Instant,
+    timeline: Timeline,
     event_limit: EventLimit,
     /// In use outside windows.
     cell_lists: CellLists,
@@ -212,18 +199,14 @@ impl EventDriven {
         let clock = Clock::new(config.rate);
         let gravity = config.gravity.map_or([0.0; 2], |gravity| [gravity.x, gravity.y]);
         EventDriven {
-            clock,
             threads: Threads::new(None),
             bodies: Bodies::new(gravity),
             restitutions: config.restitution.table().iter().map(|restitution| stated(*restitution)).collect(),
             contacts: ContactGraph::default(),
             pending_spawns: Vec::new(),
             pending_wakes: Vec::new(),
-            now: Instant::START,
             asserts_invariants: false,
-            step: 0,
-            step_start: Instant::START,
-            step_end: clock.start_of(1),
+            timeline: Timeline::new(clock),
             event_limit: EventLimit::new(config.events_per_step),
             cell_lists: CellLists::new(1.0),
             window_lists: WindowLists::default(),
@@ -255,7 +238,7 @@ impl EventDriven {
     pub fn add_spawned(&mut self, world: &World, step: u64) {
         self.disturb_window(step);
         let last = world.bodies.len() - 1;
-        let slot = self.push_body(&world.bodies[last], last, self.now.max(self.clock.start_of(step)));
+        let slot = self.push_body(&world.bodies[last], last, self.timeline.now_in(step));
         self.pending_spawns.push(slot);
     }
 
@@ -310,8 +293,8 @@ impl EventDriven {
     pub fn step<O: Observer>(&mut self, world: &mut World, step: u64, observer: &mut O) -> Result<(), StepError> {
         self.begin_at(step);
         self.apply_inputs(world, observer)?;
-        self.process_events(world, self.step_end, observer)?;
-        self.dirty_states.sample(&self.bodies, world, step, self.step_end, self.threads)?;
+        self.process_events(world, self.timeline.step_end(), observer)?;
+        self.dirty_states.sample(&self.bodies, world, step, self.timeline.step_end(), self.threads)?;
         self.cross_cells(step + 1);
         Ok(())
     }
@@ -338,7 +321,7 @@ impl EventDriven {
         offset: f64,
         observer: &mut O,
     ) -> Result<World, StepError> {
-        let instant = self.step_start.after(offset);
+        let instant = self.timeline.step_start().after(offset);
         self.process_events(world, instant, observer)?;
         Ok(self.dirty_states.world_at(&self.bodies, world, instant))
     }
@@ -357,7 +340,7 @@ impl EventDriven {
     /// The greatest difference between the positions of the bodies along an axis here and in `other` in the state of
     /// `step`, m, in double-double precision; infinite if the bodies are not the same.
     pub fn distance_to(&self, other: &EventDriven, step: u64) -> f64 {
-        let at = self.clock.start_of(step);
+        let at = self.timeline.clock().start_of(step);
         let [slots, other_slots] = [self, other].map(|solver| solver.bodies.alive().collect::<Vec<Slot>>());
         if slots.len() != other_slots.len() {
             return f64::INFINITY;
@@ -373,13 +356,8 @@ impl EventDriven {
 
     /// Sets the present step and instant.
     fn begin_at(&mut self, step: u64) {
-        if step != self.step {
-            self.step_start = if step == self.step + 1 { self.step_end } else { self.clock.start_of(step) };
-            self.step_end = self.clock.start_of(step + 1);
-            self.step = step;
-        }
         self.event_limit.begin_step();
-        self.advance_clock(self.step_start);
+        self.timeline.begin_at(step);
     }
 
     /// Inserts the bodies spawned since the last step and processes the instant for all that the inputs concern.
@@ -397,7 +375,7 @@ impl EventDriven {
             self.predict_changed();
             return Ok(());
         }
-        let at = self.now;
+        let at = self.timeline.now();
         let concerned: Vec<Concerned> = concerned.into_iter().map(|slot| Concerned { slot, at }).collect();
         self.process_instant(world, &concerned, observer)
     }
@@ -407,11 +385,11 @@ impl EventDriven {
         if self.event_queue.next_time().high > last.high * VICINITY {
             return Ok(());
         }
-        let end = end_of_vicinity(last);
+        let end = last.end_of_vicinity();
         while let Some((slot, event)) = self.event_queue.pop(end) {
             self.read_ahead();
             if event.pair_event.is_none() {
-                self.advance_clock(if last.is_before(event.at) { last } else { event.at });
+                self.timeline.advance_to(if last.is_before(event.at) { last } else { event.at });
             }
             let pair = event.pair;
             let Some(event) = self.next_exact_event(slot, event, end) else {
@@ -423,15 +401,15 @@ impl EventDriven {
                 self.predict_changed();
                 return Ok(());
             }
-            self.advance_clock(event.at);
+            self.timeline.advance_to(event.at);
             self.event_limit.count_event().map_err(|LimitExceeded| self.too_many_events(world, pair))?;
             self.changed.push(slot);
-            let others = match end_of_vicinity(event.at).is_before(self.event_queue.next_time()) {
+            let others = match event.at.end_of_vicinity().is_before(self.event_queue.next_time()) {
                 true => Vec::new(),
                 false => self.collect_simultaneous(world, event.at)?,
             };
             if others.is_empty()
-                && event.at == self.now
+                && event.at == self.timeline.now()
                 && !last.is_before(event.at)
                 && let Some(PairEvent::FaceImpact(axis, side)) = event.pair_event
                 && self.collide_isolated(world, pair, axis, side, observer)
@@ -446,9 +424,7 @@ impl EventDriven {
                 self.event_limit.end_instant(instant);
             }
             // An event that coincides with `last` does not delay the inputs then.
-            if last.is_before(self.now) {
-                self.now = last;
-            }
+            self.timeline.return_to(last);
             #[cfg(debug_assertions)]
             if self.asserts_invariants {
                 self.assert_consistent();
@@ -541,24 +517,19 @@ impl EventDriven {
     /// rounding.
     #[inline]
     fn now_of(&self, pair: [Slot; 2]) -> Instant {
-        self.now.max(self.bodies.common_reference(pair))
+        self.timeline.now().max(self.bodies.common_reference(pair))
     }
 
     /// The state of a body along an axis at the present instant.
     #[inline]
     fn state_dd(&self, slot: Slot, axis: Axis) -> StateDd {
-        self.bodies.state_at(slot, axis, self.now)
+        self.bodies.state_at(slot, axis, self.timeline.now())
     }
 
     /// Sets the trajectory of a body along one axis from an instant on, and invalidates its predictions.
     fn set_trajectory(&mut self, slot: Slot, axis: Axis, state: StateDd, at: Instant) {
         self.bodies.set_trajectory(slot, axis, state, at);
         self.invalidate(slot);
-    }
-
-    /// Sets the present instant, unless the given one is in the past.
-    fn advance_clock(&mut self, instant: Instant) {
-        self.now = self.now.max(instant);
     }
 
     /// Invalidates all predictions that involve a body of finite mass, because its trajectory or
@@ -593,9 +564,4 @@ impl EventDriven {
     fn name_of(&self, world: &World, slot: Slot) -> String {
         world.bodies[self.bodies[slot].world_index as usize].name.clone()
     }
-}
-
-/// The last time that is compared with an instant by gaps.
-fn end_of_vicinity(instant: Instant) -> Instant {
-    instant.after(instant.high * COMPARED_TIMES)
 }

@@ -90,7 +90,7 @@ impl<'a> Predictor<'a> {
             return false;
         }
         let order = if self.slot < other { Side::Low } else { Side::High };
-        match predict_pair_event(&self.sample, partner, order, self.horizon, self.solver.now) {
+        match predict_pair_event(&self.sample, partner, order, self.horizon, self.solver.timeline.now()) {
             Prediction::None => false,
             prediction => self.keep(other, prediction),
         }
@@ -168,7 +168,7 @@ impl<'a> Predictor<'a> {
     fn predict_contact_ends(&mut self) {
         for contact in self.own_contacts {
             let [first, second] = ordered_pair(self.slot, contact.other).map(|slot| &self.solver.bodies[slot]);
-            let prediction = predict_contact_end(contact.axis, first, second, self.solver.now);
+            let prediction = predict_contact_end(contact.axis, first, second, self.solver.timeline.now());
             self.keep(contact.other, prediction);
         }
     }
@@ -204,7 +204,7 @@ impl EventDriven {
             (true, true) => return,
             (true, false) => return self.predict_in_window(slot, precision, neighbours),
             (false, true) => {
-                let aabb = SweptAabb::new(&Sample::new(body, self.now), 0.0);
+                let aabb = SweptAabb::new(&Sample::new(body, self.timeline.now()), 0.0);
                 return self.cell_lists.set_swept_aabb(slot, aabb);
             }
             (false, false) => {}
@@ -215,14 +215,14 @@ impl EventDriven {
             let others = self.cell_lists.few().iter().filter(|other| **other != slot);
             others.for_each(|other| _ = predictor.predict_pair(*other));
         } else {
-            let sample = predictor.sample.at_time(self.now);
+            let sample = predictor.sample.at_time(self.timeline.now());
             exit_time = self.cell_lists.cell_exit_time(slot, &sample);
-            predictor.limit_horizon(predictor.sample.at.seconds_until(self.now) + exit_time);
+            predictor.limit_horizon(predictor.sample.at.seconds_until(self.timeline.now()) + exit_time);
             swept = SweptAabb::new(&sample, exit_time);
             self.cell_lists.find_neighbours(slot, body, &swept, neighbours);
             for other in neighbours.slots() {
                 if !swept.is_disjoint_from(self.cell_lists.swept_aabb(*other)) && predictor.predict_pair(*other) {
-                    swept = SweptAabb::new(&sample, predictor.seconds_to_horizon(self.now, exit_time));
+                    swept = SweptAabb::new(&sample, predictor.seconds_to_horizon(self.timeline.now(), exit_time));
                 }
             }
         }
@@ -234,8 +234,8 @@ impl EventDriven {
 
     /// Predicts the next event of a body among those in its list, up to the end of the window.
     fn predict_in_window(&mut self, slot: Slot, precision: Precision, neighbours: &mut NeighbourBuffer) {
-        let sample = Sample::new(&self.bodies[slot], self.now);
-        let path = self.window_lists.set_path(slot, &sample, self.step);
+        let sample = Sample::new(&self.bodies[slot], self.timeline.now());
+        let path = self.window_lists.set_path(slot, &sample, self.timeline.step());
         self.window_lists.find_neighbours(slot, &path, neighbours);
         let mut predictor = Predictor::new(self, slot, precision);
         predictor.limit_horizon(predictor.sample.at.seconds_until(self.window_lists.valid_until()));
@@ -298,9 +298,9 @@ impl EventDriven {
 
     /// Moves a body to its next cell and predicts its next event there.
     pub(super) fn handle_cell_crossing(&mut self, slot: Slot) {
-        let sample = Sample::new(&self.bodies[slot], self.now);
-        let remaining = self.clock.period - self.step_start.seconds_until(self.now);
-        self.cell_lists.move_to_next_cell(&self.clock, slot, &sample, remaining);
+        let sample = Sample::new(&self.bodies[slot], self.timeline.now());
+        let remaining = self.timeline.clock().period - self.timeline.elapsed();
+        self.cell_lists.move_to_next_cell(self.timeline.clock(), slot, &sample, remaining);
         self.predict(slot);
     }
 
@@ -317,11 +317,11 @@ impl EventDriven {
     /// Schedules the next event of a body: its first pair event or the exit from its cell in `exit_time`
     /// seconds. A cell exit after the current step is a crossing before a later step.
     fn schedule_next(&mut self, slot: Slot, pair_event: Option<ScheduledEvent>, exit_time: f64) {
-        let offset = self.step_start.seconds_until(self.now) + exit_time;
+        let offset = self.timeline.elapsed() + exit_time;
         let (mut crossing, mut next_prediction) = (None, f64::INFINITY);
-        if offset <= self.clock.period {
+        if offset <= self.timeline.clock().period {
             crossing = Some(ScheduledEvent {
-                at: self.now.after(exit_time),
+                at: self.timeline.now().after(exit_time),
                 pair: [slot, slot],
                 pair_event: None,
                 partner_generation: 0,
@@ -330,10 +330,11 @@ impl EventDriven {
         } else if offset == f64::INFINITY {
             self.event_queue.set_crossing(slot, None);
         } else {
-            let steps = (offset * self.clock.rate) as u32;
+            let steps = (offset * self.timeline.clock().rate) as u32;
             let steps = if steps > 1 { steps } else { 1 };
             self.event_queue.set_crossing(slot, Some(steps));
-            next_prediction = self.step_start.high + f64::from(steps) * self.clock.period * HORIZON_MARGIN;
+            next_prediction =
+                self.timeline.step_start().high + f64::from(steps) * self.timeline.clock().period * HORIZON_MARGIN;
         }
         let pair_event = pair_event.filter(|event| event.at.high <= next_prediction * HORIZON_MARGIN);
         let is_crossing_first = match (&pair_event, &crossing) {

@@ -67,11 +67,16 @@ impl EventDriven {
                 self.cell_lists.remove(slot);
                 for axis in Axis::BOTH {
                     let state = self.state_dd(slot, axis);
-                    self.set_trajectory(slot, axis, StateDd { position: low[axis].into(), ..state }, self.now);
+                    self.set_trajectory(
+                        slot,
+                        axis,
+                        StateDd { position: low[axis].into(), ..state },
+                        self.timeline.now(),
+                    );
                 }
-                self.cell_lists.insert(&self.clock, slot, &self.bodies[slot], self.now);
+                self.cell_lists.insert(self.timeline.clock(), slot, &self.bodies[slot], self.timeline.now());
                 // At its new position it may touch bodies that touched none before.
-                let sample = Sample::new(&self.bodies[slot], self.now);
+                let sample = Sample::new(&self.bodies[slot], self.timeline.now());
                 self.find_touching(slot, &sample, &mut neighbours);
                 touching.extend(neighbours.slots());
             }
@@ -105,7 +110,7 @@ impl EventDriven {
     /// The bounding box of a body at the present instant.
     fn aabb_of(&self, slot: Slot) -> Aabb {
         let body = &self.bodies[slot];
-        Aabb { low: body.trajectory.at(self.now)[0], size: body.size }
+        Aabb { low: body.trajectory.at(self.timeline.now())[0], size: body.size }
     }
 
     /// The nearest free position of a body that overlaps another; none if it overlaps none, or if

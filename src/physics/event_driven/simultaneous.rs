@@ -8,6 +8,7 @@
 //! Only what depends on the bodies concerned is visited (`patch`): a body joins when its velocity, acceleration or
 //! contacts may change, and brings all that it touches.
 
+use super::EventDriven;
 use super::body_state::Slot;
 use super::event_queue::ScheduledEvent;
 use super::exact::VELOCITY_ROUNDING;
@@ -15,7 +16,6 @@ use super::instant::Instant;
 use super::neighbour_buffer::NeighbourBuffer;
 use super::pair_event::Sample;
 use super::patch::{Local, LocalBody, Patch, TouchKind};
-use super::{EventDriven, end_of_vicinity};
 use crate::physics::{Axis, Observer, Side, StepError, World};
 use std::collections::{BTreeMap, BTreeSet};
 use std::iter::repeat;
@@ -56,7 +56,7 @@ impl EventDriven {
         world: &World,
         at: Instant,
     ) -> Result<Vec<ScheduledEvent>, StepError> {
-        let (mut events, last) = (Vec::new(), end_of_vicinity(at));
+        let (mut events, last) = (Vec::new(), at.end_of_vicinity());
         while let Some((other, event)) = self.event_queue.pop(last) {
             let pair = event.pair;
             match self.next_exact_event(other, event, last) {

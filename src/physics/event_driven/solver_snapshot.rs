@@ -24,8 +24,7 @@ impl EventDriven {
         let mut snapshot = SolverSnapshot::default();
         let alive: Vec<Slot> = self.bodies.alive().collect();
         snapshot.integers.extend([LAYOUT_VERSION, alive.len() as u64]);
-        // Steps in which nothing happens do not advance the clock.
-        let now = self.now.max(self.clock.start_of(step));
+        let now = self.timeline.now_in(step);
         snapshot.numbers.extend([now.high, now.low]);
         let mut contacts: Vec<[u64; 3]> = Vec::new();
         for slot in alive {
@@ -120,8 +119,8 @@ impl EventDriven {
             }
         }
         reader.end()?;
-        self.now = now;
-        self.begin_at(step);
+        self.event_limit.begin_step();
+        self.timeline.restore(now, step);
         self.rebuild_derived_state();
         Ok(())
     }
@@ -209,7 +208,7 @@ impl SnapshotReader<'_> {
         let since = Instant { high, low: self.number()? };
         let size = self.number()?;
         // By rounding, a reference can be later than the clock, see `EventDriven::now_of`.
-        if super::end_of_vicinity(now).is_before(since) {
+        if now.end_of_vicinity().is_before(since) {
             return Err(format!("the reference instant {high} s of a body is in the future"));
         }
         Ok((AxisTrajectory { position, velocity, acceleration, since }, AxisLowParts { size, ..low_parts }))

@@ -263,7 +263,7 @@ impl WindowLists {
             self.skin = larger(displacement * self.tuning.skin, self.size * MIN_SKIN);
             self.end = Some(end);
             // Events at the end may be a little later than it.
-            self.valid_until = super::end_of_vicinity(clock.start_of(end)).after(clock.period / 16.0);
+            self.valid_until = clock.start_of(end).end_of_vicinity().after(clock.period / 16.0);
             self.set_homes(bodies, now, threads);
             // In a gas, almost no body is more than twice as fast along an axis.
             let side = widening * (self.size + 2.0 * (self.skin + displacement));
@@ -430,7 +430,13 @@ impl EventDriven {
     /// Begins a window at the start of a step if the last one is over, or if one may begin and pays.
     pub(super) fn begin_window(&mut self, step: u64) {
         if self.window_lists.is_over(step) {
-            if self.window_lists.begin(&self.bodies, &self.clock, step, self.now, self.threads_of_window()) {
+            if self.window_lists.begin(
+                &self.bodies,
+                self.timeline.clock(),
+                step,
+                self.timeline.now(),
+                self.threads_of_window(),
+            ) {
                 self.predict_close_pairs();
             } else {
                 self.leave_window(RETRY_STEPS);
@@ -441,14 +447,14 @@ impl EventDriven {
             let size = self.bodies.largest_usual_size();
             let tuning = self.window_lists.tuning;
             let mut lists = WindowLists { tuning, size, moving, statics, ..WindowLists::default() };
-            if !lists.begin(&self.bodies, &self.clock, step, self.now, self.threads_of_window()) {
+            if !lists.begin(&self.bodies, self.timeline.clock(), step, self.timeline.now(), self.threads_of_window()) {
                 self.window_lists.end(step + RETRY_STEPS);
                 return;
             }
             self.changed.extend(&lists.moving);
             self.window_lists = lists;
             self.cell_lists = CellLists::new(1.0);
-            self.event_queue = EventQueue::new(self.clock, step, self.bodies.len());
+            self.event_queue = EventQueue::new(*self.timeline.clock(), step, self.bodies.len());
             self.predict_changed();
         }
     }
@@ -461,7 +467,7 @@ impl EventDriven {
     /// Returns to cell lists, for a number of steps at least. All bodies must predict again.
     pub(super) fn leave_window(&mut self, steps: u64) {
         self.rebuild_indices();
-        self.window_lists.end(self.step + steps);
+        self.window_lists.end(self.timeline.step() + steps);
         let is_inserted = |slot: &Slot| self.pending_spawns.binary_search(slot).is_err();
         self.changed.extend(self.bodies.alive().filter(is_inserted));
     }
@@ -485,7 +491,7 @@ impl EventDriven {
     pub(super) fn assert_lists(&self) {
         let lists = &self.window_lists;
         for slot in lists.moving.iter().chain(&lists.statics) {
-            let body = SweptAabb::new(&Sample::new(&self.bodies[*slot], self.now), 0.0);
+            let body = SweptAabb::new(&Sample::new(&self.bodies[*slot], self.timeline.now()), 0.0);
             let home = lists.residents[*slot as usize].home;
             assert!(home.contains(&lists.paths[*slot as usize]), "the path of {slot} leaves its home");
             assert!(
