@@ -214,7 +214,7 @@ impl Engine {
     /// The error of a body spawned since the last step whose faces coincide in the precision of its position.
     fn thin_spawn(&self) -> Option<StepError> {
         let Solver::EventDriven(solver) = &self.solver else { return None };
-        let mut spawned = solver.pending_spawns().map(|index| &self.world.bodies[index]);
+        let mut spawned = solver.pending_spawns().filter_map(|id| self.world.body(id));
         let thin = spawned.find(|body| !body.rect.is_resolved());
         thin.map(|body| StepError::TooThin { step: self.step, body: body.name.clone() })
     }

@@ -1,7 +1,7 @@
 //! The bodies of the solver.
 
 use super::axis_trajectory::{AxisLowParts, AxisTrajectory, StateDd};
-use super::body_state::{BodyDetails, BodyParams, BodyState, Load, Slot};
+use super::body_state::{BodyDetails, BodyParams, BodyState, Load, NONE, Slot};
 use super::decimal::stated;
 use super::double_double::DoubleDouble;
 use super::exact::Resolution;
@@ -15,9 +15,10 @@ use std::ops::Index;
 
 /// The bodies in creation order: trajectories and sizes in double-double arithmetic, masses, free accelerations.
 ///
-/// Invariants: a body keeps its slot, also after it was deleted, until all are cleared. Ids ascend. The bodies alive
-/// have the world indices 0, 1, 2 and so on. The reference of a body is the later of the reference instants of its
-/// axes. The high parts of a trajectory, which predictions read, are those of the double-double numbers.
+/// Invariants: a body keeps its slot, also after it was deleted, until all are cleared. Ids ascend. Until
+/// the next deletion after an [update](Self::update_world_indices), the bodies alive have the world indices 0, 1, 2 and
+/// so on. The reference of a body is the later of the reference instants of its axes. The high parts of a trajectory,
+/// which predictions read, are those of the double-double numbers.
 #[derive(Clone, Debug)]
 pub struct Bodies {
     /// Acceleration along x and y, m/s².
@@ -35,6 +36,8 @@ pub struct Bodies {
     load_counts: [u32; 2],
     /// The number of moving infinite masses alive.
     moving_walls: u32,
+    /// The first of the slots deleted since the last update of the world indices; [`NONE`] if there is none.
+    first_deleted: Slot,
     /// Random rounding, by which the accuracy of a run is estimated; usually none.
     rounding: RandomRounding,
     resolution: Resolution,
@@ -55,6 +58,7 @@ impl Bodies {
             force_counts: [0; 2],
             load_counts: [0; 2],
             moving_walls: 0,
+            first_deleted: NONE,
             rounding: RandomRounding::default(),
             resolution: Resolution::default(),
         }
@@ -170,7 +174,8 @@ impl Bodies {
         slot
     }
 
-    /// Deletes a body alive; its slot stays.
+    /// Deletes a body alive; its slot stays. The world indices of later bodies must be
+    /// [updated](Self::update_world_indices).
     pub fn delete(&mut self, slot: Slot) {
         let state = &self.states[slot as usize];
         self.moving_walls -= u32::from(state.infinite && !state.is_static());
@@ -180,10 +185,21 @@ impl Bodies {
             self.load_counts[axis] -= u32::from(self.states[slot as usize].load[axis] == Load::OwnForces);
             self.force_counts[axis] -= u32::from(params.has_force[axis]);
         }
-        for later in &mut self.states[slot as usize + 1..] {
-            later.world_index = later.world_index.saturating_sub(1);
-        }
+        self.first_deleted = self.first_deleted.min(slot);
         self.invalidate(slot);
+    }
+
+    /// Updates the world indices after deletions: once for all of a step, since this visits all later bodies.
+    pub fn update_world_indices(&mut self) {
+        let first = std::mem::replace(&mut self.first_deleted, NONE);
+        let Some(deleted) = self.states.get(first as usize) else { return };
+        let mut next = deleted.world_index;
+        for (state, details) in self.states.iter_mut().zip(&self.details).skip(first as usize) {
+            if details.params.alive {
+                state.world_index = next;
+                next += 1;
+            }
+        }
     }
 
     /// Invalidates the predictions that involve a body.
@@ -361,6 +377,7 @@ mod tests {
         let mut bodies = bodies(5);
         bodies.delete(1);
         bodies.delete(3);
+        bodies.update_world_indices();
         let alive: Vec<(Slot, u32)> = bodies.alive().map(|slot| (slot, bodies[slot].world_index)).collect();
         assert_eq!(alive, [(0, 0), (2, 1), (4, 2)]);
         assert_eq!((bodies.len(), bodies.slot_of(4), bodies.slot_of(5)), (5, Some(4), None));

@@ -22,7 +22,8 @@ pub struct BodyState {
     pub since: Instant,
     /// The number of changes of its trajectory and contacts, by which invalidated predictions are detected.
     pub generation: u32,
-    /// Its index in [`World::bodies`](crate::physics::World::bodies).
+    /// Its index in [`World::bodies`](crate::physics::World::bodies) when the indices were last
+    /// [updated](super::bodies::Bodies::update_world_indices).
     pub world_index: u32,
     /// True if its mass is infinite.
     pub infinite: bool,

@@ -115,7 +115,7 @@ mod timeline;
 mod trajectory;
 mod window_lists;
 
-use super::{Axis, Body, EngineConfig, Observer, StepError, World, larger};
+use super::{Axis, Body, BodyId, EngineConfig, Observer, StepError, World, larger};
 use axis_trajectory::StateDd;
 use bodies::Bodies;
 use body_state::Slot;
@@ -154,7 +154,8 @@ pub struct EventDriven {
     contacts: ContactGraph,
     /// Bodies spawned since the last step, which may still overlap others.
     pending_spawns: Vec<Slot>,
-    /// Bodies that lost a contact because another was deleted since the last step.
+    /// Bodies that lost a contact because another was deleted since the last step; some may have been deleted after
+    /// that.
     pending_wakes: Vec<Slot>,
     /// True to assert the invariants between instants, in debug builds.
     asserts_invariants: bool,
@@ -242,9 +243,9 @@ impl EventDriven {
         self.pending_spawns.push(slot);
     }
 
-    /// The indices in the world of the bodies spawned since the last step.
-    pub fn pending_spawns(&self) -> impl Iterator<Item = usize> + '_ {
-        self.pending_spawns.iter().map(|slot| self.bodies[*slot].world_index as usize)
+    /// The bodies spawned since the last step.
+    pub fn pending_spawns(&self) -> impl Iterator<Item = BodyId> + '_ {
+        self.pending_spawns.iter().map(|slot| self.bodies.params(*slot).id)
     }
 
     /// Appends a body without contacts, whose trajectory starts at `since`.
@@ -267,7 +268,6 @@ impl EventDriven {
         self.cell_lists.remove(slot);
         self.event_queue.remove(slot);
         self.dirty_states.remove(slot);
-        self.pending_wakes.retain(|pending| *pending != slot);
         self.pending_wakes.extend(self.contacts.remove_all(slot));
     }
 
@@ -362,6 +362,7 @@ impl EventDriven {
 
     /// Inserts the bodies spawned since the last step and processes the instant for all that the inputs concern.
     fn apply_inputs<O: Observer>(&mut self, world: &World, observer: &mut O) -> Result<(), StepError> {
+        self.bodies.update_world_indices();
         if self.pending_spawns.is_empty() && self.pending_wakes.is_empty() && self.changed.is_empty() {
             return Ok(());
         }

@@ -27,6 +27,10 @@ impl EventDriven {
         let now = self.timeline.now_in(step);
         snapshot.numbers.extend([now.high, now.low]);
         let mut contacts: Vec<[u64; 3]> = Vec::new();
+        let mut world_indices = vec![0; self.bodies.len()];
+        for (index, slot) in alive.iter().enumerate() {
+            world_indices[*slot as usize] = index as u64;
+        }
         for slot in alive {
             let state = &self.bodies[slot];
             for axis in Axis::BOTH {
@@ -42,27 +46,24 @@ impl EventDriven {
                 ]);
                 snapshot.numbers.extend([low.position, low.velocity, low.acceleration, since.low, low.size]);
             }
-            contacts.extend(self.stored_contacts(slot));
+            contacts.extend(self.stored_contacts(slot, &world_indices));
         }
         snapshot.integers.push(contacts.len() as u64);
         snapshot.integers.extend(contacts.iter().flatten());
         for pending in [&self.pending_spawns, &self.pending_wakes] {
-            snapshot.integers.push(pending.len() as u64);
-            snapshot.integers.extend(pending.iter().map(|slot| self.world_index(*slot)));
+            let pending = pending.iter().filter(|slot| self.bodies.params(**slot).alive);
+            snapshot.integers.push(pending.clone().count() as u64);
+            snapshot.integers.extend(pending.map(|slot| world_indices[*slot as usize]));
         }
         snapshot
     }
 
-    fn world_index(&self, slot: Slot) -> u64 {
-        u64::from(self.bodies[slot].world_index)
-    }
-
     /// The contacts to store with a body, sorted. Each contact is stored with one of its bodies: the one on
-    /// the low side, or the one of finite mass.
-    fn stored_contacts(&self, slot: Slot) -> Vec<[u64; 3]> {
+    /// the low side, or the one of finite mass. `world_indices` are the indices of the bodies in the world, by slot.
+    fn stored_contacts(&self, slot: Slot, world_indices: &[u64]) -> Vec<[u64; 3]> {
         let mut contacts: Vec<[u64; 3]> = Vec::new();
         for contact in self.contacts.of(slot) {
-            let [own, other] = [slot, contact.other].map(|slot| self.world_index(slot));
+            let [own, other] = [slot, contact.other].map(|slot| world_indices[slot as usize]);
             let pair = match contact.side {
                 Side::High => [own, other],
                 Side::Low => [other, own],
