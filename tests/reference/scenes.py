@@ -5,10 +5,9 @@
 
 A scene is made of whole multiples of a unit of length. With a binary unit (1, 1/2, 1/4, 1/8 m) every number is an exact f64;
 with a decimal one (0.1, 0.2, 0.8 m) flush faces are flush in the decimals that the file contains, but differ by some ulps in f64.
-The attribute `reading` says how a reference has to take the numbers:
-  binary    as the f64 that the engine reads
-  decimal   as the decimals that the file contains
-  ideal     as they were before gaps of some ulps were added; the engine's file is `toml()`, the reference's `toml(ideal=True)`
+In a few scenes, gaps of some ulps are added to the positions that the engine reads; they count as touching where bodies are
+spawned at each other, and are true elsewhere: `toml()` is the engine's file, and the simulator reads `ideal_toml()`, without these
+gaps, or `exact_toml()`, with all digits of the doubles.
 Events before the last step only; no spawn overlaps a body of the same step (one that overlaps a body in flight may occur).
 """
 
@@ -17,6 +16,7 @@ import math
 import random
 import sys
 from dataclasses import dataclass, field
+from decimal import Decimal
 from fractions import Fraction
 
 INFINITE = math.inf
@@ -37,6 +37,9 @@ class Body:
     step: int = 0
     ulps: tuple = (0, 0)  # by how many ulps the engine's position differs from the ideal one
 
+    def moved(self):
+        return tuple(move(x, n) for x, n in zip(self.at, self.ulps))
+
 
 @dataclass
 class Scene:
@@ -48,10 +51,22 @@ class Scene:
     rate: float = 32.0
     steps: int = 64
     restitution: dict = field(default_factory=lambda: {"default": 1.0})
-    reading: str = "binary"
+    is_decimal: bool = False  # the unit of length is
     events_per_step: int = 200000
 
-    def toml(self, ideal=False):
+    def toml(self):
+        return self.text(lambda body: pair(body.moved()))
+
+    def ideal_toml(self):
+        return self.text(lambda body: pair(body.at))
+
+    def exact_toml(self):
+        return self.text(lambda body: "[" + ", ".join(format(Decimal(x), ".1100g") for x in body.moved()) + "]")
+
+    def has_gaps_of_ulps(self):
+        return any(any(body.ulps) for body in self.bodies)
+
+    def text(self, position):
         lines = ["[world]", "size = [16.0, 9.0]"]
         if any(self.gravity):
             lines.append(f"gravity = {pair(self.gravity)}")
@@ -59,11 +74,10 @@ class Scene:
         lines += [f"events_per_step = {self.events_per_step}", "[restitution]"]
         lines += [f"{key if key == 'default' else quoted(key)} = {e!r}" for key, e in self.restitution.items()]
         for body in self.bodies:
-            at = body.at if ideal else tuple(move(x, n) for x, n in zip(body.at, body.ulps))
             mass = "inf" if math.isinf(body.mass) else repr(body.mass)
             lines += ["[[spawn]]", f"name = {quoted(body.name)}"]
             lines += [f"step = {body.step}"] * (body.step > 0)
-            lines += [f"at = {pair(at)}", f"size = {pair(body.size)}", f"mass = {mass}"]
+            lines += [f"at = {position(body)}", f"size = {pair(body.size)}", f"mass = {mass}"]
             lines += [f"velocity = {pair(body.velocity)}"] * any(body.velocity)
             lines += [f"force = {pair(body.force)}"] * any(body.force)
             lines += [f"material = {quoted(body.material)}"] * bool(body.material)
@@ -73,17 +87,6 @@ class Scene:
 
     def copy(self):
         return copy.deepcopy(self)
-
-    def in_decimetres(self):
-        """The same scene with all lengths ten times as large, so that decimal ones are exact f64: what coincides in decimals does so
-        in f64, too. Without the gaps of some ulps."""
-        scene = self.copy()
-        ten = lambda numbers: tuple(float(Fraction(repr(x)) * 10) for x in numbers)
-        scene.gravity, scene.reading = ten(scene.gravity), "binary"
-        for body in scene.bodies:
-            body.at, body.size, body.velocity, body.force = map(ten, (body.at, body.size, body.velocity, body.force))
-            body.ulps = (0, 0)
-        return scene
 
     def extent(self):
         """The largest extent of the scene: coordinates of finite bodies, and all sizes."""
@@ -125,7 +128,7 @@ class Builder:
             self.unit = Fraction(r.choice(["0.1", "0.2", "0.8", "0.3"])) * r.choice([1, 1, 2])
             self.speed = Fraction(r.choice(["0.1", "0.5", "0.3", "1"]))
             self.scene.rate = r.choice([60.0, 50.0, 64.0])
-            self.scene.reading = "decimal"
+            self.scene.is_decimal = True
         else:
             self.unit = Fraction(1, r.choice([1, 1, 2, 4, 8]))
             self.speed = Fraction(1, r.choice([1, 2, 4]))
@@ -193,8 +196,7 @@ class Builder:
                 mirror(scene, axis, self.unit)
         if r.random() < 0.5:
             r.shuffle(scene.bodies)
-        if scene.reading == "binary" and r.random() < 0.08:
-            scene.reading = "ideal"
+        if not scene.is_decimal and r.random() < 0.08:
             for body in scene.bodies:
                 if body.step == 0:
                     body.ulps = tuple(r.randint(-1, 1) if abs(x) >= s else 0 for x, s in zip(body.at, body.size))
@@ -289,7 +291,7 @@ def row(b):
     n = r.randint(2, 10)
     gaps = r.choice(["touching", "touching", "lattice", "nanometres", "mixed"])
     if gaps in ("nanometres", "mixed"):
-        b.unit, b.scene.reading = Fraction(1, 4), "binary"
+        b.unit, b.scene.is_decimal = Fraction(1, 4), False
     speed = -r.randint(1, 4)
     wall = r.random()
     if wall < 0.7:
@@ -511,7 +513,7 @@ def graze(b):
     sideways = r.random() < 0.5
     a = Fraction(r.choice([1, 2, 4, 8]))
     distance = r.choice([1, 2, 4])  # in quarters of a metre; v²/2a = distance
-    b.unit = Fraction(1, 4) if b.scene.reading == "binary" else Fraction(1, 5)
+    b.unit = Fraction(1, 5) if b.scene.is_decimal else Fraction(1, 4)
     v = 2 * a * distance * b.unit
     root = Fraction(math.isqrt(int(v * 3600)), 60)
     if root * root != v:  # make it exact by another acceleration
@@ -569,6 +571,6 @@ if __name__ == "__main__":
             print(f"{name:10}{f.__doc__}")
     elif len(sys.argv) == 3:
         made = random_scene(sys.argv[1], int(sys.argv[2]))
-        print(f"# {made.kind} {made.seed}, reading: {made.reading}\n{made.toml()}", end="")
+        print(f"# {made.kind} {made.seed}\n{made.toml()}", end="")
     else:
         sys.exit(__doc__)

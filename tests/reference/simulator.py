@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """Simulates the model of coincident events (README.md) in 400-bit arithmetic, testing all pairs on both axes.
 
-    simulator.py SCENE.toml [--binary] [--log] [--decay] > states.csv
+    simulator.py SCENE.toml [--log] [--decay] > states.csv
 
 Prints step,name,x,y,vx,vy to 17 digits, and on standard error the number of collisions (with --log also each of them).
-Numbers of the scene are taken as the decimals they are; --binary rounds them to f64 first; --decay carries bursts out
-until they have decayed, without looking for a repetition. Overlapping spawns, clicks and scatter are not supported.
+Numbers of the scene are taken as the decimals they are. --decay carries bursts out until they have decayed, without looking
+for a repetition. Overlapping spawns, clicks and scatter are not supported.
 It checks itself: no overlap, no pulling, energy never rises. It shares no code with rebond.
 """
 import sys, tomllib, math
@@ -339,8 +339,8 @@ def least_change(comp, f, m, order, zb, za, tiny):
         done = q
     return a
 
-def load(text, binary=False):
-    d = tomllib.loads(text, parse_float=(lambda t: mpfr(float(t))) if binary else mpfr)
+def load(text):
+    d = tomllib.loads(text, parse_float=mpfr)
     w, run = d.get('world', {}), d['run']; rest = {k: mpfr(v) for k, v in d.get('restitution', {}).items()}; rest.setdefault('default', mpfr(1))
     s = Sim(w.get('gravity', [0, 0]), rest); rate = mpfr(run.get('rate', 60)); steps = run.get('steps') or int(gmpy2.ceil(mpfr(run['duration']) * rate))
     s.ET = P(-140) * steps / rate; ev = []
@@ -351,8 +351,8 @@ def load(text, binary=False):
     for n, b in enumerate(d.get('delete', [])): ev.append((b['step'], 0, n, b))
     return s, rate, steps, sorted(ev, key=lambda q: q[:3])
 
-def simulate(text, binary=False, sample=None):
-    s, rate, steps, ev = load(text, binary); n = 0
+def simulate(text, sample=None):
+    s, rate, steps, ev = load(text); n = 0
     for k in range(steps + 1):
         if k: s.run_to(k / rate)
         happened = k == 0
@@ -371,7 +371,7 @@ if __name__ == '__main__':
         for i in range(len(s.name)):
             if s.alive[i]: print(k, s.name[i], *('{:.17g}'.format(float(q)) for q in s.x[i] + s.v[i]), sep=',')
     print('step,name,x,y,vx,vy'); keep = []
-    try: s = simulate(open(sys.argv[1]).read(), '--binary' in sys.argv, lambda k, s: (keep.append(s), show(k, s))); rc = 0
+    try: s = simulate(open(sys.argv[1]).read(), lambda k, s: (keep.append(s), show(k, s))); rc = 0
     except (Crushed, Endless) as err: s, rc = keep[-1], 1; print(type(err).__name__, err, file=sys.stderr)
     if '--log' in sys.argv:
         for t, i, j, k, vb, va, J in s.log: print(f'{float(t):.17g},{s.name[i]},{s.name[j]},{"xy"[k]},{float(vb):.17g},{float(va):.17g},{float(J):.17g}', file=sys.stderr)

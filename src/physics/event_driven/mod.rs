@@ -397,13 +397,11 @@ impl EventDriven {
                 self.count_repetition(world, pair)?;
                 continue;
             };
-            if last.is_before(event.at) && !self.coincides(&event, last) {
-                self.event_queue.set(slot, Some(event));
-                self.predict_changed();
-                return Ok(());
+            let is_due = self.is_due(&event, last);
+            if is_due {
+                self.timeline.advance_to(event.at);
+                self.event_limit.count_event().map_err(|LimitExceeded| self.too_many_events(world, pair))?;
             }
-            self.timeline.advance_to(event.at);
-            self.event_limit.count_event().map_err(|LimitExceeded| self.too_many_events(world, pair))?;
             self.changed.push(slot);
             let others = match event.at.end_of_vicinity().is_before(self.event_queue.next_time()) {
                 true => Vec::new(),
@@ -420,6 +418,15 @@ impl EventDriven {
                 self.receding = None;
             } else {
                 let concerned = self.concerned_by(&event, others, last);
+                if concerned.is_empty() {
+                    self.predict_changed();
+                    return Ok(());
+                }
+                // The first event, which is after `last`, must wait.
+                if !is_due {
+                    self.timeline.advance_to(last);
+                    self.event_limit.count_event().map_err(|LimitExceeded| self.too_many_events(world, pair))?;
+                }
                 let instant = self.event_limit.begin_instant();
                 self.process_instant(world, &concerned, observer)?;
                 self.event_limit.end_instant(instant);

@@ -28,6 +28,13 @@ pub struct Concerned {
     pub at: Instant,
 }
 
+/// Bodies that are connected by touching when the earliest of their events in a vicinity is due.
+struct Group<'a> {
+    earliest: &'a ScheduledEvent,
+    /// True until an event of the group does not coincide with the earliest one.
+    accepts_events: bool,
+}
+
 impl EventDriven {
     /// Processes the present instant for the bodies concerned, and predicts their next events.
     pub(super) fn process_instant<O: Observer>(
@@ -47,7 +54,8 @@ impl EventDriven {
         result
     }
 
-    /// Takes the other events in the vicinity of an instant, the time of the next event, from the queue.
+    /// Takes the other events in the vicinity of an instant, the time of the next event, and in the vicinities of these
+    /// events, from the queue. They are in the order of their times.
     ///
     /// # Errors
     /// [`StepError::TooManyEvents`] if bodies predict again too often.
@@ -56,11 +64,15 @@ impl EventDriven {
         world: &World,
         at: Instant,
     ) -> Result<Vec<ScheduledEvent>, StepError> {
-        let (mut events, last) = (Vec::new(), at.end_of_vicinity());
+        let (mut events, end) = (Vec::new(), at.end_of_vicinity());
+        let mut last = end;
         while let Some((other, event)) = self.event_queue.pop(last) {
             let pair = event.pair;
             match self.next_exact_event(other, event, last) {
                 Some(event) => {
+                    if !end.is_before(event.at) {
+                        last = event.at.end_of_vicinity();
+                    }
                     self.changed.push(other);
                     events.push(event);
                 }
@@ -70,54 +82,53 @@ impl EventDriven {
         Ok(events)
     }
 
-    /// The bodies of the first event and of all others at the same instant, given those in its vicinity.
+    /// Returns true if an event is at most at the instant `last`, or coincides with it.
+    pub(super) fn is_due(&self, event: &ScheduledEvent, last: Instant) -> bool {
+        !last.is_before(event.at) || self.coincides(event, last)
+    }
+
+    /// The bodies of the next instant, given the next event and those in its vicinity. They are none if no event is due.
     ///
-    /// Bodies that touch share the time of the earliest of their events. Times that differ by less than the resolution
-    /// of positions are one instant also for bodies that do not touch, so that the order of their impacts does not
-    /// follow from rounding, but each group keeps its own time, so that it does not depend on the other groups.
-    ///
-    /// If the first event is after `last` and coincides with it, groups whose earliest event does not must wait.
+    /// Bodies that touch form a group. The events of a group that coincide with the earliest of them share its time,
+    /// whatever the events of other groups. Groups whose earliest events coincide are processed in one instant, so that
+    /// the order of their impacts does not follow from rounding, but each at its own time. A group whose earliest event
+    /// is not due until `last` is left out.
     pub(super) fn concerned_by(
         &self,
         first: &ScheduledEvent,
         others: Vec<ScheduledEvent>,
         last: Instant,
     ) -> Vec<Concerned> {
-        if others.is_empty() {
-            return first.pair.map(|slot| Concerned { slot, at: first.at }).to_vec();
-        }
-        let events = [vec![*first], others].concat();
-        // The instant ends before the first event that does not coincide: one of the two gaps is not 0 at the time of
-        // the other event.
-        let is_simultaneous = |event: &ScheduledEvent| {
-            event.at == first.at || (self.coincides(event, first.at) && self.coincides(first, event.at))
-        };
-        let end = events.iter().position(|event| !is_simultaneous(event)).unwrap_or(events.len());
-        let simultaneous = &events[..end];
         let mut concerned: Vec<Concerned> = Vec::new();
         let mut add = |pair: [Slot; 2], at: Instant| concerned.extend(pair.map(|slot| Concerned { slot, at }));
-        let is_due = |event: &ScheduledEvent| !last.is_before(event.at) || self.coincides(event, last);
-        if simultaneous.iter().all(|event| event.at == first.at && is_due(event)) {
-            simultaneous.iter().for_each(|event| add(event.pair, first.at));
+        let events = [vec![*first], others].concat();
+        if events.iter().all(|event| event.at == first.at && self.is_due(event, last)) {
+            events.iter().for_each(|event| add(event.pair, event.at));
         } else {
-            let finite_of = |pair: [Slot; 2]| if self.bodies[pair[0]].infinite { pair[1] } else { pair[0] };
-            let (mut group_of, mut earliest) = (BTreeMap::new(), Vec::new());
-            for event in simultaneous {
-                let start = finite_of(event.pair);
+            // Events coincide if both gaps are 0 at both times.
+            let coincide = |earlier: &ScheduledEvent, later: &ScheduledEvent| {
+                earlier.at == later.at
+                    || (!earlier.at.end_of_vicinity().is_before(later.at)
+                        && self.coincides(later, earlier.at)
+                        && self.coincides(earlier, later.at))
+            };
+            let (mut group_of, mut groups) = (BTreeMap::new(), Vec::<Group>::new());
+            // The first event of the instant, and true until an event does not coincide with it.
+            let (mut lead, mut accepts_groups) = (None, true);
+            for event in &events {
+                let start = if self.bodies[event.pair[0]].infinite { event.pair[1] } else { event.pair[0] };
+                accepts_groups &= lead.is_none_or(|lead| coincide(lead, event));
                 if !group_of.contains_key(&start) {
-                    let group = self.connected_by_touching(start, first.at);
-                    group_of.extend(group.into_iter().zip(repeat(earliest.len())));
-                    earliest.push(event);
+                    let bodies = self.connected_by_touching(start, event.at);
+                    group_of.extend(bodies.into_iter().zip(repeat(groups.len())));
+                    let is_accepted = accepts_groups && self.is_due(event, last);
+                    groups.push(Group { earliest: event, accepts_events: is_accepted });
+                    lead = lead.or(is_accepted.then_some(event));
                 }
-                let known = &mut earliest[group_of[&start]];
-                *known = if event.at.is_before(known.at) { event } else { known };
-            }
-            for event in simultaneous {
-                if let Some(group) = group_of.get(&finite_of(event.pair))
-                    && is_due(earliest[*group])
-                    && (event.at == earliest[*group].at || self.coincides(event, earliest[*group].at))
-                {
-                    add(event.pair, earliest[*group].at);
+                let group = &mut groups[group_of[&start]];
+                group.accepts_events &= coincide(group.earliest, event);
+                if group.accepts_events {
+                    add(event.pair, group.earliest.at);
                 }
             }
         }
