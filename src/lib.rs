@@ -113,8 +113,8 @@ pub use replay::{LiveEvents, NO_LIVE_EVENTS, OnBadEvent, RecordOptions, Recorded
 
 // The engine and its world.
 pub use physics::{
-    Axis, Body, BodyId, Collision, CollisionCount, Engine, EngineConfig, Event, Observer, Rect, Restitution,
-    RestitutionPair, SolverKind, Spawn, StepError, Vector, World,
+    Axis, Body, BodyId, Collision, CollisionCount, Engine, EngineConfig, Event, Material, Observer, Rect, Restitution,
+    RestitutionPair, Snapshot, SnapshotError, SolverKind, Spawn, StepError, Vector, WithinStep, World,
 };
 
 /// Reading recordings.
@@ -124,9 +124,10 @@ pub use physics::{
 /// that is intact from a damaged file to a new one.
 pub mod recordings {
     pub use crate::recording::{
-        BodyInfo, Change, Color, Damage, Error, Gap, Header, Health, Identity, Item, Keyframe, Paint, Playback,
-        RecordedEvent, RecordedState, Recording, Recovery, SampledBody, SampledState, SceneImage, SceneText,
-        StateDigest, Trailer, Versions, open, recover,
+        BodyInfo, BodyTable, Bounds, Change, Color, Damage, Error, Gap, Header, Health, Identity, Item, Keyframe,
+        KeyframeBody, Missing, MissingEnd, Paint, Playback, RecordedError, RecordedEvent, RecordedState, Recording,
+        Recovery, SampledBody, SampledState, SceneImage, SceneText, StateBounds, StateDigest, Summary, Trailer,
+        Versions, open, recover,
     };
 }
 
@@ -137,8 +138,8 @@ pub use replay::{ALL_STEPS, Difference, Divergence, Replayer, Verdict};
 pub use body_selector::BodySelector;
 #[cfg(feature = "draw")]
 pub use picture::{
-    AnimationFormat, Error as PictureError, FigureOptions, Provenance, Source, StillFormat, SubjectOptions,
-    draw_to_vec, redraw,
+    AnimationFormat, CollisionFigure, Error as PictureError, FigureOptions, Provenance, Source, StatesFigure,
+    StillFormat, SubjectOptions, draw_to_vec, redraw,
 };
 pub use picture_options::{
     ColorBy, Language, Overlay, Overlays, PictureOptions, Quantity, ReferenceFrame, StepOrTime, Theme, Window,
