@@ -139,7 +139,11 @@ enum Solver {
 
 impl Engine {
     /// Creates an engine with an empty world at step 0.
+    ///
+    /// # Panics
+    /// Panics if the rate is not a positive number.
     pub fn new(config: EngineConfig) -> Engine {
+        assert!(config.rate > 0.0 && config.rate.is_finite(), "a rate of {} Hz", config.rate);
         let solver = match config.solver {
             SolverKind::Handout => Solver::Handout,
             SolverKind::EventDriven => Solver::EventDriven(Box::new(EventDriven::new(&config))),
@@ -174,7 +178,10 @@ impl Engine {
 
     /// Applies an event at the current step.
     ///
-    /// The numbers of a spawn must be [valid](Spawn::is_valid). The deletion of a body that is not alive has no effect.
+    /// The deletion of a body that is not alive has no effect.
+    ///
+    /// # Panics
+    /// Panics if the numbers of a spawn are not [valid](Spawn::is_valid).
     pub fn apply(&mut self, event: &Event) {
         match event {
             Event::Spawn(spawn) => self.spawn(spawn),
@@ -183,6 +190,7 @@ impl Engine {
     }
 
     fn spawn(&mut self, spawn: &Spawn) {
+        assert!(spawn.is_valid(), "the body {:?} has invalid numbers", spawn.name);
         let body = Body {
             id: self.next_id,
             name: spawn.name.clone(),

@@ -31,7 +31,12 @@ pub struct RestitutionPair {
 impl Restitution {
     /// Creates a table in which every pair not listed has e = `default`. If a pair is listed twice, the
     /// later entry applies.
+    ///
+    /// # Panics
+    /// Panics if a coefficient is not between 0 and 1.
     pub fn new(default: f64, pairs: &[RestitutionPair]) -> Restitution {
+        let mut coefficients = pairs.iter().map(|pair| pair.restitution).chain([default]);
+        assert!(coefficients.all(|e| (0.0..=1.0).contains(&e)), "a coefficient of restitution is not between 0 and 1");
         let mut names: Vec<String> = pairs.iter().flat_map(|pair| pair.materials.clone()).collect();
         names.sort();
         names.dedup();
@@ -78,6 +83,9 @@ impl Restitution {
     }
 
     /// The coefficient of restitution of two materials, in either order.
+    ///
+    /// # Panics
+    /// May panic if a material is of another table.
     pub fn between(&self, a: Material, b: Material) -> f64 {
         self.table[self.index(a, b)]
     }
