@@ -208,7 +208,7 @@ fn positions_after_a_day_are_as_exact_as_after_a_second() {
     bodies.push(spec([1.0, 2.0], [0.5, 0.5], 1.0).with_velocity(0.75, 0.0));
     let mut engine = world(Conditions { rate: 0.1, ..Conditions::default() }, &bodies);
     run(&mut engine, 8640);
-    assert_close(body(&engine, 4).rect.origin.x, reflected(1.0 + 0.75 * 86400.0, 7.5), 1e-10);
+    assert_close(body(&engine, 4).rect.origin.x, reflected(1.0 + 0.75 * 86400.0, 7.5), 1e-15);
 }
 
 #[test]

@@ -143,8 +143,8 @@ proptest! {
         for (id, body) in (0..).zip(&engine.world().bodies) {
             let [mirrored, original] = [position(&image, id), body.rect.origin].map(|v| [v.x, v.y]);
             let size = [body.rect.width(), body.rect.height()][axis];
-            prop_assert!((mirrored[axis] + size + original[axis] - ROOM).abs() <= 1e-6);
-            prop_assert!((mirrored[1 - axis] - original[1 - axis]).abs() <= 1e-6);
+            prop_assert!((mirrored[axis] + size + original[axis] - ROOM).abs() <= 1e-9);
+            prop_assert!((mirrored[1 - axis] - original[1 - axis]).abs() <= 1e-9);
         }
     }
 

@@ -1,0 +1,59 @@
+//! All integration tests, in one binary because linking takes most of their time.
+
+mod accuracy;
+mod altered_fields;
+mod altered_recordings;
+mod animations;
+mod bundled;
+mod check;
+mod check_formats;
+mod check_update;
+mod clicks;
+mod coincident_events;
+mod command_line;
+mod command_line_errors;
+mod crashes;
+mod damaged_recordings;
+mod digests;
+mod event_driven_contacts;
+mod event_driven_impacts;
+mod event_driven_laws;
+mod event_driven_oracle;
+mod figures;
+mod forge;
+mod frames;
+mod fuzz_corpus;
+mod handout_limits;
+mod hard_scenes;
+#[cfg(target_os = "linux")]
+mod hostile_lengths;
+mod images;
+mod laws;
+mod legibility;
+mod library;
+mod limits;
+mod live_events;
+#[cfg(unix)]
+mod output_files;
+#[cfg(unix)]
+mod pipes;
+mod portability;
+mod provenance;
+mod rebond;
+mod reference_image;
+mod released;
+mod report;
+mod run_states;
+mod scene_errors;
+mod shards;
+mod side_by_side;
+mod slow_motion;
+mod snapshot;
+mod stills;
+mod student_engine;
+mod studies;
+mod testing;
+mod threads;
+mod videos;
+mod viewer;
+mod world_builder;
