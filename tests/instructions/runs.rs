@@ -1,4 +1,4 @@
-//! Five fixed workloads whose instructions the script tests/instructions/run counts: `instructions NAME`
+//! Six fixed workloads whose instructions the script tests/instructions/run counts: `instructions NAME`
 
 use rebond::internals::{
     physics::CollisionCount,
@@ -11,11 +11,12 @@ use std::io;
 fn main() {
     match std::env::args().nth(1).as_deref() {
         Some("gas") => _ = run_scene(&gas("event-driven", 1000, 120)),
-        Some("pile") => _ = run_scene(&pile(300, 240)),
+        Some("pile") => _ = run_scene(&pile(300, 240, "")),
+        Some("pile-beside-forces") => _ = run_scene(&pile(300, 240, PRESSED_PAIR)),
         Some("handout") => _ = run_scene(&gas("handout", 100, 600)),
         Some("recording") => recording(&gas("event-driven", 300, 120)),
         Some("drawing") => drawing(&gas("event-driven", 50, 1)),
-        Some(_) | None => panic!("expected gas, pile, handout, recording or drawing"),
+        Some(_) | None => panic!("expected gas, pile, pile-beside-forces, handout, recording or drawing"),
     }
 }
 
@@ -29,14 +30,18 @@ fn gas(solver: &str, bodies: u32, steps: u32) -> scene::Scene {
     ))
 }
 
-/// Boxes of sides 0.6–1.4 m that fall into a bin, e = 0.3.
-fn pile(bodies: u32, steps: u32) -> scene::Scene {
+/// Two distant boxes that are pressed together by forces of their own.
+const PRESSED_PAIR: &str = "[[spawn]]\nat = [1000.0, 0.0]\nsize = [1.0, 1.0]\nmass = 1.0\nforce = [2.0, 0.0]\n\
+                            [[spawn]]\nat = [1001.0, 0.0]\nsize = [1.0, 1.0]\nmass = 1.0\nforce = [1.0, 0.0]\n";
+
+/// Boxes of sides 0.6–1.4 m that fall into a bin, e = 0.3, and other bodies.
+fn pile(bodies: u32, steps: u32, others: &str) -> scene::Scene {
     let (width, height) = ((f64::from(bodies) * 3.6).sqrt(), (f64::from(bodies) * 2.3).sqrt());
     parse(&format!(
         "[world]\nsize = [{width}, {height}]\nwalls = true\ngravity = [0.0, 9.81]\n[run]\nrate = 60\nsteps = {steps}\n\
          solver = \"event-driven\"\n[restitution]\ndefault = 0.3\n\
          [[scatter]]\ncount = {bodies}\nseed = 1\nregion = [0.0, 0.0, {width}, {height}]\nsize = [[0.6, 0.6], [1.4, 1.4]]\n\
-         mass = [1.0, 1.0]\nvelocity = [[-3.0, 0.0], [3.0, 0.0]]\n"
+         mass = [1.0, 1.0]\nvelocity = [[-3.0, 0.0], [3.0, 0.0]]\n{others}"
     ))
 }
 
