@@ -1,4 +1,4 @@
-use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::collections::{BTreeMap, VecDeque};
 
 use mcap::records::op;
 
@@ -28,8 +28,8 @@ pub struct Decoder {
     /// The topics that each schema fits.
     schemas: BTreeMap<u16, Vec<Topic>>,
     channels: BTreeMap<u16, Option<Topic>>,
-    /// The topics that have a channel.
-    topics: BTreeSet<Topic>,
+    /// The channels of topics that were declared.
+    declared: BTreeMap<u16, Topic>,
     /// The first channel of another name that has the schema of a topic.
     renamed: BTreeMap<Topic, (Location, String)>,
     step: OpenStep,
@@ -113,7 +113,7 @@ impl Decoder {
             trailer: None,
             header: header.clone(),
             schemas: BTreeMap::new(),
-            topics: BTreeSet::new(),
+            declared: BTreeMap::new(),
             renamed: BTreeMap::new(),
             channels: default_channels(),
             step: OpenStep::default(),
@@ -145,16 +145,22 @@ impl Decoder {
     }
 
     /// Decodes a record of the data section, inside or outside of a chunk.
-    pub fn decode_record(&mut self, location: Location, record: &ChunkRecord<'_>) {
+    ///
+    /// # Errors
+    /// If a message cannot be decoded, which is reported as damage: outside of a chunk, its length may be damaged, too.
+    pub fn decode_record(&mut self, location: Location, record: &ChunkRecord<'_>) -> Result<(), Malformed> {
         let added = match record.opcode {
-            op::MESSAGE => {
-                match self.decode_message(record) {
-                    Ok(Some(message)) => self.add_message(location, message),
-                    Ok(None) => {}
-                    Err(reason) => self.mark_lost(location, reason),
+            op::MESSAGE => match self.decode_message(record) {
+                Ok(Some(message)) => {
+                    self.add_message(location, message);
+                    Ok(())
                 }
-                Ok(())
-            }
+                Ok(None) => Ok(()),
+                Err(reason) => {
+                    self.mark_lost(location, reason);
+                    return Err(Malformed);
+                }
+            },
             op::SCHEMA => self.add_schema(record.body),
             op::CHANNEL => self.add_channel(Some(location), record.body),
             0x80.. => Ok(()), // Private records of other programs.
@@ -166,6 +172,7 @@ impl Decoder {
         if let Err(reason) = added {
             self.report_damage(location, reason);
         }
+        Ok(())
     }
 
     /// Continues after the items in `ready` were returned. Returns false if there was nothing to do.
@@ -372,7 +379,7 @@ impl Decoder {
     /// Reports topics that are missing while a channel of another name has their schema. No message follows.
     pub fn report_renamed_topics(&mut self) {
         for (topic, (location, name)) in std::mem::take(&mut self.renamed) {
-            if !self.topics.contains(&topic) {
+            if !self.declared.values().any(|declared| *declared == topic) {
                 let topic = topic.name();
                 let reason = format!("the topic {topic} is missing, but the topic {name:?} has its schema");
                 self.report_damage(location, reason);
@@ -416,6 +423,9 @@ impl Decoder {
         let mut read = || Ok((fields.u16()?, fields.u16()?, fields.text()?, fields.text()?));
         let (id, schema, name, encoding) = read().map_err(damaged)?;
         let topic = Topic::from_name(name);
+        if self.declared.get(&id).is_some_and(|declared| Some(*declared) != topic) {
+            return Err(format!("the channel {id} is declared again, for another topic"));
+        }
         // Its messages can be read even if its metadata cannot.
         self.channels.insert(id, topic);
         fields.map().map_err(damaged)?;
@@ -426,7 +436,7 @@ impl Decoder {
             }
             return Ok(());
         };
-        self.topics.insert(topic);
+        self.declared.insert(id, topic);
         if topic.message_encoding() != encoding {
             let encoding: String = encoding.chars().take(32).collect();
             return Err(format!("the topic {name} has the unexpected encoding {encoding:?}"));

@@ -169,7 +169,8 @@ impl<R: Read + Seek> ItemReader<R> {
                 continue;
             }
             let Ok(Some(record)) = self.chunks.next_record() else { return None };
-            self.decoder.decode_record(self.chunk, &record);
+            // Its length is certain, because the checksum of the chunk was verified.
+            let _ = self.decoder.decode_record(self.chunk, &record);
         }
         self.decoder.ready.pop_front()
     }
@@ -184,7 +185,7 @@ impl<R: Read + Seek> ItemReader<R> {
                 self.tally.iter_mut().for_each(|tally| tally.add_record(&record));
                 let is_skipped = self.survey.is_some() && record.opcode == op::MESSAGE;
                 if !is_skipped {
-                    self.decoder.decode_record(self.chunk, &record);
+                    let _ = self.decoder.decode_record(self.chunk, &record);
                 }
             }
             Ok(None) => self.next_record()?,
@@ -282,7 +283,11 @@ impl<R: Read + Seek> ItemReader<R> {
                 self.tally.iter_mut().for_each(|tally| tally.add_record(&record));
                 match (&mut self.survey, record.message()) {
                     (Some(parts), Some(message)) => parts.add_message(offset, message.log_time)?,
-                    _ => self.decoder.decode_record(location, &record),
+                    _ => {
+                        if self.decoder.decode_record(location, &record).is_err() {
+                            self.records.resume_within(offset).map_err(Error::Read)?;
+                        }
+                    }
                 }
             }
             op::METADATA => {

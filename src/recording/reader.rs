@@ -147,7 +147,10 @@ impl<R: Read + Seek> Recording<R> {
             match &mut self.order {
                 Order::Stored | Order::ByTime(None) => items.next_stored()?,
                 Order::ByTime(Some((merge, end))) => match merge.next_message(items.records.source())? {
-                    Some((location, message)) => items.decoder.decode_record(location, &message),
+                    Some((location, message)) => {
+                        // The merge has found where its records end.
+                        let _ = items.decoder.decode_record(location, &message);
+                    }
                     None => {
                         items.phase = *end;
                         items.finish();

@@ -6,7 +6,11 @@ use mcap::{
     sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions},
 };
 
-use super::{Error, limits, metadata::Map, resync};
+use super::{
+    Error, limits,
+    metadata::Map,
+    resync::{self, MessagePlace},
+};
 
 /// Reads the top-level records of a file in order, without opening chunks.
 ///
@@ -17,6 +21,8 @@ pub struct RecordReader<R> {
     next_offset: u64,
     /// The number of bytes to read next.
     read_bytes: usize,
+    /// The place of the messages, which determines what is searched for after damage.
+    messages: MessagePlace,
     /// The start and the result of the last search for a record.
     searched: Option<(u64, Option<u64>)>,
     /// The offset at which reading last continued although no record was found.
@@ -62,6 +68,7 @@ impl<R: Read + Seek> RecordReader<R> {
             reader: reader_at_start(),
             next_offset: MAGIC.len() as u64,
             read_bytes: READ_BYTES,
+            messages: MessagePlace::OutsideOfChunks,
             searched: None,
             unfounded: None,
             body: Vec::new(),
@@ -73,6 +80,8 @@ impl<R: Read + Seek> RecordReader<R> {
         self.source.rewind()?;
         self.reader = reader_at_start();
         self.next_offset = MAGIC.len() as u64;
+        self.messages = MessagePlace::OutsideOfChunks;
+        self.searched = None;
         Ok(())
     }
 
@@ -90,7 +99,7 @@ impl<R: Read + Seek> RecordReader<R> {
     /// trusted. If no record is found, continues where that length points, but only once: returns false if the record
     /// there is damaged, too, because then nothing follows.
     pub fn resume_after(&mut self, offset: u64) -> io::Result<bool> {
-        let found = self.find_record(offset + 1)?;
+        let found = self.find_record_after(offset)?;
         let has_ended = found.is_none() && self.unfounded == Some(offset);
         let next = found.unwrap_or(self.next_offset);
         self.unfounded = found.is_none().then_some(next);
@@ -98,18 +107,32 @@ impl<R: Read + Seek> RecordReader<R> {
         Ok(!has_ended)
     }
 
-    /// Returns the offset of the next chunk, scene attachment or metadata of rebond at or after `from`.
+    /// Continues at the first record found within the one at `offset` that was just read, whose length is then damaged.
+    /// Without one, continues after it.
+    pub fn resume_within(&mut self, offset: u64) -> io::Result<()> {
+        match self.find_record_after(offset)? {
+            Some(found) if found < self.next_offset => self.seek(found),
+            Some(_) | None => Ok(()),
+        }
+    }
+
+    /// Returns the offset of the next chunk, scene attachment or metadata of rebond after the damaged record at
+    /// `offset`, or of the next message, schema or channel, if those are outside of chunks.
     ///
     /// Keeps the result, which is also that of a search from any place between: otherwise a long damaged part, in which
     /// many places are tried, would be searched to its end from each of them.
-    pub fn find_record(&mut self, from: u64) -> io::Result<Option<u64>> {
+    pub fn find_record_after(&mut self, offset: u64) -> io::Result<Option<u64>> {
+        let from = offset + 1;
         if let Some((start, found)) = self.searched
             && start <= from
             && found.is_none_or(|found| from <= found)
         {
             return Ok(found);
         }
-        let found = resync::find_record(&mut self.source, from)?;
+        if resync::is_chunk(&mut self.source, offset)? {
+            self.messages = MessagePlace::InChunks;
+        }
+        let found = resync::find_record(&mut self.source, from, self.messages)?;
         self.searched = Some((from, found));
         Ok(found)
     }
@@ -143,6 +166,9 @@ impl<R: Read + Seek> RecordReader<R> {
                     self.body.clear();
                     self.body.extend_from_slice(data);
                     self.next_offset = offset + (PREFIX_BYTES + data.len()) as u64;
+                    if opcode == op::CHUNK {
+                        self.messages = MessagePlace::InChunks;
+                    }
                     return Ok(Some(RecordHeader { offset, opcode }));
                 }
             }

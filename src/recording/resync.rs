@@ -5,8 +5,9 @@ use std::io::{self, Read, Seek, SeekFrom};
 use mcap::{MAGIC, McapError, records::op};
 
 use super::{
-    limits, metadata,
+    cdr, limits, metadata,
     record_reader::{FieldReader, Malformed, PREFIX_BYTES, ReadFault, RecordReader},
+    topic::Topic,
 };
 
 /// The way to continue after a place without a valid record.
@@ -20,12 +21,21 @@ pub enum Resync {
     Corrupt,
 }
 
+/// The place of the messages of a file, as far as is known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MessagePlace {
+    /// A chunk was read: reading never continues inside of a damaged one, whose records are not verified.
+    InChunks,
+    /// No chunk was read.
+    OutsideOfChunks,
+}
+
 /// Searches for the next record after a fault.
 ///
 /// # Errors
 /// Returns an error if the file cannot be read.
 pub fn resync<R: Read + Seek>(records: &mut RecordReader<R>, fault: &ReadFault) -> io::Result<Resync> {
-    match records.find_record(fault.offset + 1)? {
+    match records.find_record_after(fault.offset)? {
         Some(next) => Ok(Resync::ContinueAt(next)),
         None => truncated_or_corrupt(records.source(), fault),
     }
@@ -40,14 +50,31 @@ pub fn truncated_or_corrupt<R: Read + Seek>(source: &mut R, fault: &ReadFault) -
     Ok(if is_cut { Resync::Truncated } else { Resync::Corrupt })
 }
 
-/// Returns the offset of the next chunk, scene attachment or metadata of rebond at or after `from`.
+/// Returns the offset of the next chunk, scene attachment or metadata of rebond at or after `from`, or of the next
+/// message, schema or channel of rebond, if messages are outside of chunks.
 ///
 /// The bytes there only resemble a record: its checksum is not yet verified.
 ///
 /// # Errors
 /// Returns an error if the file cannot be read.
-pub fn find_record<R: Read + Seek>(source: &mut R, from: u64) -> io::Result<Option<u64>> {
-    find(source, from, |bytes| resembles_record(bytes).unwrap_or(false))
+pub fn find_record<R: Read + Seek>(source: &mut R, from: u64, messages: MessagePlace) -> io::Result<Option<u64>> {
+    match messages {
+        MessagePlace::InChunks => find(source, from, |bytes| resembles_record(bytes).unwrap_or(false)),
+        MessagePlace::OutsideOfChunks => find(source, from, |bytes| {
+            resembles_record(bytes) == Ok(true) || resembles_record_of_chunk(bytes) == Ok(true)
+        }),
+    }
+}
+
+/// Returns true if the bytes at `offset` resemble a chunk.
+///
+/// # Errors
+/// Returns an error if the file cannot be read.
+pub fn is_chunk<R: Read + Seek>(source: &mut R, offset: u64) -> io::Result<bool> {
+    let mut bytes = [0; LOOKAHEAD];
+    source.seek(SeekFrom::Start(offset))?;
+    let length = read_up_to(source, &mut bytes)?;
+    Ok(bytes[0] == op::CHUNK && resembles_record(&bytes[..length]) == Ok(true))
 }
 
 /// Returns the offset of the next metadata of rebond at or after `from`.
@@ -126,6 +153,31 @@ fn resembles_record(bytes: &[u8]) -> Result<bool, Malformed> {
         [op::CHUNK] => resembles_chunk(fields, length)?,
         [op::METADATA] => [metadata::HEADER, metadata::TRAILER].contains(&fields.text()?),
         _ => fields.bytes(16)? == [0; 16], // Both times of an attachment of rebond are zero.
+    };
+    Ok(matches && length <= limits::RECORD_BYTES as u64)
+}
+
+/// Returns true for a schema, channel or message of rebond, which are outside of chunks in the files of other programs.
+fn resembles_record_of_chunk(bytes: &[u8]) -> Result<bool, Malformed> {
+    let mut fields = FieldReader::new(bytes);
+    let opcode = fields.bytes(1)?;
+    if ![[op::MESSAGE], [op::SCHEMA], [op::CHANNEL]].iter().any(|candidate| candidate == opcode) {
+        return Ok(false); // The most frequent case.
+    }
+    let (length, _id) = (fields.u64()?, fields.u16()?);
+    let matches = match opcode {
+        [op::MESSAGE] => {
+            let (_sequence, times) = (fields.u32()?, [fields.u64()?, fields.u64()?]);
+            times[0] == times[1] && fields.bytes(4)? == cdr::HEADER
+        }
+        [op::SCHEMA] => {
+            let name = fields.text()?;
+            Topic::ALL.iter().any(|topic| topic.schema_name() == name)
+        }
+        _ => {
+            let (_schema, name) = (fields.u16()?, fields.text()?);
+            Topic::from_name(name).is_some()
+        }
     };
     Ok(matches && length <= limits::RECORD_BYTES as u64)
 }

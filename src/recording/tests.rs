@@ -8,9 +8,14 @@ use std::{
     ops::RangeInclusive,
 };
 
+use mcap::{MAGIC, records::op};
+
 use super::{
     BodyInfo, Change, Damage, Error, Gap, Health, Item, MissingEnd, Playback, RecordedEvent, RecordedState, Recording,
-    Recovery, recover,
+    Recovery,
+    chunk_reader::{ChunkReader, RawMessage},
+    record_reader::{PREFIX_BYTES, RecordHeader, RecordReader},
+    recover,
     testing::{body, bounce, drop_and_delete, record, record_altered, record_in_small_chunks, record_with_processors},
 };
 use crate::{
@@ -178,6 +183,71 @@ fn every_flipped_bit_is_detected_and_costs_at_most_one_chunk() {
     }
     println!("\n{:>7} {:>20}   reason", "flips", "states kept, of 13");
     table.iter().for_each(|(reason, (flips, least))| println!("{flips:>7} {least:>17} up   {reason}"));
+}
+
+/// Writes the records of all chunks outside of chunks, without checksums, index and summary.
+fn without_chunks(bytes: &[u8]) -> Vec<u8> {
+    fn push(file: &mut Vec<u8>, opcode: u8, body: &[u8]) {
+        file.push(opcode);
+        file.extend_from_slice(&(body.len() as u64).to_le_bytes());
+        file.extend_from_slice(body);
+    }
+    let (mut file, mut chunks) = (MAGIC.to_vec(), ChunkReader::new());
+    let mut records = RecordReader::new(Cursor::new(bytes)).unwrap();
+    while let Some(RecordHeader { offset, opcode }) = records.next_record().unwrap() {
+        match opcode {
+            op::CHUNK => {
+                chunks.open(offset, &records.body).unwrap();
+                while let Some(record) = chunks.next_record().unwrap() {
+                    push(&mut file, record.opcode, record.body);
+                }
+            }
+            op::MESSAGE_INDEX => {}
+            op::DATA_END => break,
+            _ => push(&mut file, opcode, &records.body),
+        }
+    }
+    push(&mut file, op::DATA_END, &[0; 4]);
+    push(&mut file, op::FOOTER, &[0; 20]);
+    file.extend_from_slice(MAGIC);
+    file
+}
+
+/// Outside of chunks, only opcode and length of a record have no check of their own that finds where the next one
+/// starts.
+#[test]
+fn a_flipped_bit_before_a_message_outside_of_chunks_costs_the_states_up_to_the_next_keyframe() {
+    const STEPS: u64 = 70;
+    const STEPS_PER_KEYFRAME: u64 = 20;
+    let bytes = without_chunks(&record(&bounce(STEPS)));
+    let (complete, health) = items(&bytes);
+    assert_eq!((states(&complete).len(), health), (STEPS as usize + 1, Health::Whole));
+    let mut records = RecordReader::new(Cursor::new(&bytes)).unwrap();
+    let mut tried = 0;
+    while let Some(record) = records.next_record().unwrap() {
+        if record.opcode != op::MESSAGE {
+            continue;
+        }
+        let message = RawMessage::parse(&records.body).unwrap();
+        let step = message.log_time * 20 / 1_000_000_000;
+        for bit in 0..8 * PREFIX_BYTES {
+            let mut flipped = bytes.clone();
+            flipped[record.offset as usize + bit / 8] ^= 1 << (bit % 8);
+            let (part, health) = items(&flipped);
+            let what = format!("bit {bit} of byte {} in step {step}", record.offset);
+            assert!(health.damage().is_some(), "{what}: {health:?}");
+            let kept = states(&part);
+            let next_keyframe = (step + 1).next_multiple_of(STEPS_PER_KEYFRAME);
+            let lost =
+                (0..=STEPS).filter(|step| !kept.contains(step)).find(|lost| *lost < step || *lost >= next_keyframe);
+            assert_eq!(lost, None, "{what}: {kept:?}, {health:?}");
+            for item in part.iter().filter(|item| !matches!(item, Item::Damaged(_) | Item::Gap(_))) {
+                assert!(complete.contains(item), "{what} creates {item:?}");
+            }
+            tried += 1;
+        }
+    }
+    assert!(tried > 72 * STEPS, "{tried} bits");
 }
 
 /// Removes the numbers from a reason, so that equal kinds of damage are counted together.
