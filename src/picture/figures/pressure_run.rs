@@ -120,25 +120,39 @@ impl PressureRun {
         self.last = None;
     }
 
-    /// The rectangle that contains the gas: it is bounded on each side by the nearest wall that extends along the whole
-    /// gas. `None` if there is no gas, or a side has no such wall.
+    /// The rectangle that contains the gas: the smallest one each of whose sides lies on a wall along its whole length,
+    /// up to gaps at its ends through which no body of the gas fits. A body inside of it, which the gas can pass, is no
+    /// bound, wherever the gas is. `None` if there is no gas, or a side has no such wall.
     fn enclosure(&self, world: &World) -> Option<Rect> {
         let is_bound = |body: &&Body| body.is_infinite() || self.walls.contains_key(&body.id);
-        let centers = world.bodies.iter().filter(|body| !is_bound(body)).map(|body| body.rect.center());
-        let gas = centers.map(|at| Rect::new(at, 0.0, 0.0)).reduce(|all, at| all.union(&at))?;
-        let bounds = Axis::BOTH.map(|axis| {
-            let ([low, high], [from, to]) = (gas.along(axis), gas.along(axis.other()));
-            let spans = |body: &&Body| {
-                let [start, end] = body.rect.along(axis.other());
-                start <= from && end >= to
-            };
-            let walls = || world.bodies.iter().filter(is_bound).filter(spans).map(|body| body.rect.along(axis));
-            let before = walls().map(|wall| wall[1]).filter(|end| *end <= low).reduce(larger);
-            let after = walls().map(|wall| wall[0]).filter(|start| *start >= high).reduce(smaller);
-            before.zip(after)
+        let gas = || world.bodies.iter().filter(|body| !is_bound(body)).map(|body| body.rect);
+        let centers = gas().map(|rect| Rect::new(rect.center(), 0.0, 0.0)).reduce(|all, at| all.union(&at))?;
+        let smallest = Axis::BOTH.map(|axis| {
+            let sizes = gas().map(|rect| rect.along(axis)).map(|[from, to]| to - from);
+            sizes.fold(f64::INFINITY, smaller)
         });
-        let [(left, right), (top, bottom)] = [bounds[0]?, bounds[1]?];
-        Some(Rect::new(Vector::new(left, top), right - left, bottom - top))
+        // First the walls along the gas bound it. Those that do not extend along the rectangle that they bound are then
+        // left out, which enlarges it.
+        let mut enclosure = centers;
+        loop {
+            let bounds = Axis::BOTH.map(|axis| {
+                let ([low, high], [from, to]) = (centers.along(axis), enclosure.along(axis.other()));
+                let spans = |body: &&Body| {
+                    let [start, end] = body.rect.along(axis.other());
+                    larger(start - from, to - end) < smallest[axis.other()]
+                };
+                let walls = || world.bodies.iter().filter(is_bound).filter(spans).map(|body| body.rect.along(axis));
+                let before = walls().map(|wall| wall[1]).filter(|end| *end <= low).reduce(larger);
+                let after = walls().map(|wall| wall[0]).filter(|start| *start >= high).reduce(smaller);
+                before.zip(after)
+            });
+            let [(left, right), (top, bottom)] = [bounds[0]?, bounds[1]?];
+            let next = Rect::new(Vector::new(left, top), right - left, bottom - top);
+            if next == enclosure {
+                return Some(enclosure);
+            }
+            enclosure = next;
+        }
     }
 
     /// The area that the gas can take, m²: that of the enclosure without the walls inside it.
@@ -426,6 +440,37 @@ mod tests {
         run.lengths.values_mut().flatten().for_each(|lengths| lengths[SLICES * 5 / 7 + 90..].fill(0.0));
         let spans = run.spans_of(&side, 7);
         assert_eq!((&spans[5], spans[6].len()), (&vec![[5.0, 5.25]], 0));
+    }
+
+    #[test]
+    fn a_block_inside_of_the_room_is_no_bound_and_a_piston_with_a_narrow_gap_is_one() {
+        let wall = |name: &str, [x, y, width, height]: [f64; 4]| {
+            Spawn::new(name, Rect::new(Vector::new(x, y), width, height), f64::INFINITY)
+        };
+        let area = |inside: Spawn, gas: [f64; 2]| {
+            let spawns = [
+                wall("left", [-1.0, 0.0, 1.0, 3.0]),
+                wall("right", [4.0, 0.0, 1.0, 3.0]),
+                wall("top", [0.0, -1.0, 4.0, 1.0]),
+                wall("bottom", [0.0, 3.0, 4.0, 1.0]),
+                inside,
+                Spawn::new("a", Rect::new(Vector::new(gas[0], gas[1]), 0.1, 0.1), 1.0),
+            ];
+            let mut engine = Engine::new(EngineConfig::new(SolverKind::EventDriven, 10.0));
+            spawns.into_iter().for_each(|spawn| _ = engine.apply(&Event::Spawn(spawn)));
+            let time = Range { from: 0.0, to: 1.0 };
+            PressureRun::new(String::new(), Vector::new(4.0, 3.0), time, BTreeMap::new()).gas_area(engine.world())
+        };
+        // The gas is beside the block, above it and below it: it can go around it.
+        for gas in [[0.5, 1.4], [3.5, 1.4], [2.4, 0.2], [2.4, 2.7]] {
+            assert_eq!(area(wall("block", [2.0, 1.0, 1.0, 1.0]), gas), Some(11.0), "{gas:?}");
+        }
+        // A divider leaves no gap that is as wide as the body.
+        for (top, height) in [(0.0, 3.0), (0.0625, 2.875)] {
+            let divider = || wall("divider", [2.0, top, 1.0, height]);
+            assert_eq!([area(divider(), [0.5, 1.4]), area(divider(), [3.5, 1.4])], [Some(6.0), Some(3.0)]);
+        }
+        assert_eq!(area(wall("divider", [2.0, 0.125, 1.0, 2.875]), [0.5, 1.4]), Some(12.0 - 2.875));
     }
 
     #[test]
