@@ -1,10 +1,10 @@
 //! Collisions of a recording, which are found by a replay.
 
 use super::figures::CollisionSubject;
-use super::{AnimationSchedule, Appearance, CollisionSelector, Error, Moment, Progress, Source};
+use super::{AnimationSchedule, Appearance, CollisionSelector, Error, Moment, Progress, Source, TraceGap};
 use crate::physics::{BodyId, Collision, Observer, larger};
 use crate::picture_options::StepOrTime;
-use crate::recording::{Health, Missing};
+use crate::recording::{Health, Item, Missing};
 use crate::replay::{ALL_STEPS, Replayer};
 use crate::text::counted;
 use std::collections::{BTreeMap, BTreeSet};
@@ -74,6 +74,19 @@ pub fn find_collision(
         };
         source.nothing_to_show(format!("no collision{between} {range}, in a run of {run}"))
     })
+}
+
+/// The parts before a step that the recording lacks. Whatever collisions they had are unknown, so that the one in the
+/// step is the first only of those that are known. They are read from the start, so that they do not depend on where
+/// the search for the collision began.
+pub fn gaps_before(source: &Source, step: u64) -> Result<Vec<TraceGap>, Error> {
+    let mut recording = source.recording()?;
+    while let Some(item) = recording.next().transpose().map_err(|error| source.read_error(error))? {
+        if matches!(item, Item::State(state) if state.step >= step) {
+            break;
+        }
+    }
+    Ok(source.missing_in(&(0..=step), &recording.health()))
 }
 
 /// The health of the part of a recording that was read: whatever is missing at its end is not known yet.

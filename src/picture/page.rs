@@ -1,6 +1,6 @@
 //! The content of pages: states, collisions and traces of recordings, as the figures need them.
 
-use super::collisions::find_collision;
+use super::collisions::{find_collision, gaps_before};
 use super::draw::{grid, speed_of_most, state};
 use super::figures::{
     self, CollisionSubject, EnergyRun, FigureRun, LineRun, LineSubject, MissingInstant, PressureRun, Range,
@@ -94,6 +94,7 @@ impl Composer<'_> {
             let start = selector.step.into();
             let (collision, health) = find_collision(source, start, Some(&selector.pair), self.progress)?;
             subjects.push(CollisionSubject { title, ..collision });
+            self.style.gaps.extend(gaps_before(source, selector.step)?);
             let declared = source.declared_health()?;
             // Only the index gives the end of the recording, and only reading finds damaged records.
             statuses.push(match (&health, &declared.health) {

@@ -188,7 +188,7 @@ fn a_gap_reaches_to_the_next_keyframe() {
     }
 }
 
-/// The kinds that show one collision show no part of a run.
+/// Of the kinds that show one collision, see below.
 #[test]
 fn every_kind_of_figure_of_a_run_shows_a_gap_with_its_reason() {
     let workplace = damaged();
@@ -331,6 +331,23 @@ fn a_collision_after_a_damaged_part_is_shown_with_the_damage() {
         let line = format!("figure {figure} flip.mcap --step 25 -o {name}");
         let drawn = workplace.rebond(&line);
         assert!(drawn.code == 4 && drawn.errors.contains("steps 20 to 39 are missing"), "{line}: {drawn:?}");
+    }
+}
+
+/// The collision shown may not be the first one, which the picture itself says.
+#[test]
+fn a_figure_of_a_collision_names_the_steps_before_it_that_are_missing() {
+    let workplace = damaged();
+    for figure in ["collision", "minkowski"] {
+        for (file, reason) in [("gap.mcap", "lost in a damaged recording"), ("flip.mcap", "unreadable")] {
+            let line = format!("figure {figure} {file} --step 25 -o {figure}.svg --force");
+            let drawn = workplace.rebond(&line);
+            let picture = String::from_utf8(workplace.read(&format!("{figure}.svg"))).unwrap();
+            assert!(drawn.code == 4 && picture.contains(&format!("steps 20–39 {reason}</text>")), "{line}: {drawn:?}");
+        }
+        workplace.done(&format!("figure {figure} run.mcap --step 0 -o whole.svg --force"));
+        let whole = String::from_utf8(workplace.read("whole.svg")).unwrap();
+        assert!(!whole.contains("steps 20–39"), "{figure}");
     }
 }
 

@@ -3,7 +3,7 @@ use super::formula::{FORMULA_BASELINE, FORMULA_HEIGHT, Formula, FormulaLine, Ter
 use super::momenta::{Momenta, TO_OTHERS};
 use super::pair::{ARROW_WIDTH, Pair, seen_from};
 use super::panels::{Layout, Panels, TITLE, caption, captioned_panels, dashed, joined_lines, outline};
-use super::{CollisionSubject, ReferenceFrame};
+use super::{CollisionSubject, ReferenceFrame, legend_of_collisions};
 use crate::physics::{Collision, Rect, Vector, larger, smaller};
 use crate::picture::layers::arrows::{LabeledArrow, key_entries};
 use crate::picture::layers::bodies::border_color;
@@ -59,7 +59,7 @@ pub fn collision(
     };
     let titles: Vec<&str> = subjects.iter().map(|subject| subject.title.as_str()).collect();
     let layout = Layout {
-        legend: &|_| Legend::of_colors(style),
+        legend: &|metrics| legend_of_collisions(style, metrics),
         shape: Vector::new(4.2, 1.0),
         text_height: TITLE,
         ..Layout::new(style, &titles, &fits)

@@ -1,9 +1,8 @@
-use super::CollisionSubject;
 use super::pair::Pair;
 use super::panels::{Layout, Panels, TITLE, caption, captioned_panels, dashed, joined_lines, outline};
+use super::{CollisionSubject, legend_of_collisions};
 use crate::physics::{Axis, Rect, Vector, larger, smaller};
 use crate::picture::layers::bodies::border_color;
-use crate::picture::layers::footer::Legend;
 use crate::picture::layers::labels::{Halo, LabelPlacer};
 use crate::picture::number::{Unit, format_significant, nice_spacing};
 use crate::picture::text::Line;
@@ -31,7 +30,7 @@ pub fn minkowski(subjects: &[CollisionSubject], style: &Style) -> Result<Display
     };
     let titles: Vec<&str> = subjects.iter().map(|subject| subject.title.as_str()).collect();
     let layout = Layout {
-        legend: &|_| Legend::of_colors(style),
+        legend: &|metrics| legend_of_collisions(style, metrics),
         shape: Vector::new(3.0, 1.0),
         text_height: TITLE,
         ..Layout::new(style, &titles, &fits)

@@ -46,7 +46,7 @@ pub use velocity_space::{Velocities, VelocityPath, VelocityRun, velocity_space};
 
 use crate::physics::{BodyId, Collision, Vector};
 use crate::picture::ColorBy;
-use crate::picture::layers::footer::{Entry, Legend, marks, quoted};
+use crate::picture::layers::footer::{Entry, Legend, gap_entries, marks, quoted};
 use crate::picture::{Appearance, CameraTarget, Color, DrawingMetrics, Frame, Palette, Sprite, Style, TraceGap, color};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -95,6 +95,13 @@ pub fn legend(runs: &[FigureRun], style: &Style, metrics: &DrawingMetrics) -> Le
     let bodies = visible.map(|sprite| (&*sprite.appearance, color::body_color(sprite, style)));
     let mut legend = legend_of_bodies(bodies, runs.len(), style);
     legend.entries.extend(marks(style, metrics));
+    legend
+}
+
+/// The legend of a figure of collisions: the meaning of the colours, and the parts before them that a recording lacks.
+fn legend_of_collisions(style: &Style, metrics: &DrawingMetrics) -> Legend {
+    let mut legend = Legend::of_colors(style);
+    legend.entries.extend(gap_entries(&style.gaps, style.look.language, metrics.palette.muted));
     legend
 }
 
