@@ -101,10 +101,11 @@ fn find_images(node: &Node, places: &mut BTreeMap<String, Range<usize>>) {
 /// Reads an image file, and its width and height.
 fn read_image(path: &Path) -> Result<(Vec<u8>, [u64; 2]), String> {
     let mut png = Vec::new();
-    let file = File::open(path).map_err(|error| error.to_string())?;
-    if !file.metadata().is_ok_and(|metadata| metadata.is_file()) {
+    // Opening a named pipe would wait for its writer.
+    if !path.metadata().map_err(|error| error.to_string())?.is_file() {
         return Err("it is no regular file".into());
     }
+    let file = File::open(path).map_err(|error| error.to_string())?;
     file.take(limits::IMAGE_BYTES as u64 + 1).read_to_end(&mut png).map_err(|error| error.to_string())?;
     if png.len() > limits::IMAGE_BYTES {
         return Err("it has more than 4 MiB".into());

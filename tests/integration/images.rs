@@ -43,6 +43,21 @@ fn animated(still: &[u8]) -> Vec<u8> {
     file
 }
 
+#[cfg(unix)]
+#[test]
+fn an_image_that_is_a_pipe_is_refused_and_not_waited_for() {
+    let workplace = workplace(SCENE, &car(8));
+    workplace.done("record scene.toml -o scene.mcap");
+    std::fs::remove_file(workplace.path("img/car.png")).unwrap();
+    let status = std::process::Command::new("mkfifo").arg(workplace.path("img/car.png")).status().unwrap();
+    assert!(status.success());
+    for line in ["record scene.toml -o new.mcap", "check scene.mcap"] {
+        let refused = workplace.rebond(line);
+        let text = refused.output.clone() + &refused.errors;
+        assert!(refused.code == 1 && text.contains("it is no regular file"), "{line}: {refused:?}");
+    }
+}
+
 fn workplace(scene: &str, png: &[u8]) -> Workplace {
     let workplace = Workplace::with_scene(scene);
     std::fs::create_dir(workplace.path("img")).unwrap();
