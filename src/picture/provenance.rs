@@ -194,9 +194,12 @@ fn description(picture: &ResolvedPicture) -> String {
     } else {
         ". "
     };
+    let steps = steps(&picture.subject);
+    let is_single = !steps.contains(" to ") && !steps.contains(", ");
     let steps = match picture.look.language {
-        Language::English => format!("Steps {}", steps(&picture.subject)),
-        Language::French => format!("Pas {}", in_french(&steps(&picture.subject))),
+        Language::English if is_single => format!("Step {steps}"),
+        Language::English => format!("Steps {steps}"),
+        Language::French => format!("Pas {}", in_french(&steps)),
     };
     in_one_line(&format!("{caption}{separator}{steps}"))
 }
