@@ -178,10 +178,8 @@ impl Engine {
 
     /// Applies an event at the current step.
     ///
-    /// The deletion of a body that is not alive has no effect.
-    ///
-    /// # Panics
-    /// Panics if the numbers of a spawn are not [valid](Spawn::is_valid).
+    /// The deletion of a body that is not alive has no effect. If the numbers of a spawn are not
+    /// [valid](Spawn::is_valid), the states are unspecified and a step may return an error.
     pub fn apply(&mut self, event: &Event) {
         match event {
             Event::Spawn(spawn) => self.spawn(spawn),
@@ -190,7 +188,6 @@ impl Engine {
     }
 
     fn spawn(&mut self, spawn: &Spawn) {
-        assert!(spawn.is_valid(), "the body {:?} has invalid numbers", spawn.name);
         let body = Body {
             id: self.next_id,
             name: spawn.name.clone(),
