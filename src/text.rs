@@ -30,6 +30,14 @@ impl<N: Display + PartialEq + From<u8>> Display for Counted<N> {
     }
 }
 
+/// The steps from 0 to the last one: "the steps 0 to 5", or "only the step 0".
+pub(crate) fn steps_up_to(last: u64) -> String {
+    match last {
+        0 => "only the step 0".into(),
+        last => format!("the steps 0 to {last}"),
+    }
+}
+
 /// A CSV field, quoted as in RFC 4180 if necessary.
 #[cfg(any(feature = "draw", feature = "report"))]
 pub(crate) fn csv_field(text: &str) -> Cow<'_, str> {

@@ -231,7 +231,7 @@ by rebond must be redrawn the same. More recordings and pictures are listed in a
 manifest NAME.check, one command per line, with paths relative to its folder:
   rebond record fall.toml -o slow.mcap --set run.rate=30
   rebond figure strobe fall.mcap -o fall.svg
-  skip large.toml        no recording is kept
+  skip large.toml        # no recording is kept
 Exit codes: 0 same, 3 something differs or is missing, 4 a recording is
 incomplete or corrupt, 1 a check failed. If several apply: 1 before 4 before 3.
 
@@ -311,7 +311,7 @@ Examples:
   rebond report --growth --plot growth.pdf")]
 pub struct ReportOptions {
     /// Measure these scenes instead of the built-in ones
-    #[arg(value_name = "SCENE.toml", conflicts_with_all = ["growth", "read"])]
+    #[arg(value_name = "SCENE.toml", conflicts_with_all = ["growth", "read", "only"])]
     pub scenes: Vec<PathBuf>,
     /// Override scene values; KEY=[A | B] are two runs
     #[arg(long, value_name = "KEY=VALUE", requires = "scenes")]
@@ -329,7 +329,7 @@ pub struct ReportOptions {
     #[arg(long, value_name = "I/N", default_value = "1/1", hide_default_value = true)]
     pub shard: Shard,
     /// Read results of --json instead of measuring; repeatable
-    #[arg(long, value_name = "FILE.json", conflicts_with_all = ["full", "growth"])]
+    #[arg(long, value_name = "FILE.json", conflicts_with_all = ["full", "growth", "shard"])]
     pub read: Vec<PathBuf>,
     /// Print a JSON list instead of a table
     #[arg(long, conflicts_with = "csv")]

@@ -7,7 +7,7 @@ use crate::{
     recording::{self, error_text},
     replay::RunError,
     scene::SceneError,
-    text::counted,
+    text::{counted, steps_up_to},
 };
 use miette::{Diagnostic, MietteHandlerOpts};
 use std::{
@@ -102,7 +102,7 @@ pub enum CommandError {
         source: super::states_table::TableError,
     },
     /// The table and the recording have no step in common.
-    #[error("{} has no rows for the compared steps; the recording has the steps 0 to {last}", path.display())]
+    #[error("{} has no rows for the compared steps; the recording has {}", path.display(), steps_up_to(*last))]
     NoCommonSteps {
         /// The table.
         path: PathBuf,
@@ -142,8 +142,9 @@ pub enum CommandError {
     },
     /// Writing a recording failed after its file had appeared.
     #[error(
-        "cannot write {}: {source}; it is unfinished and has the steps 0 to {last}",
-        path.display()
+        "cannot write {}: {source}; it is unfinished and has {}",
+        path.display(),
+        steps_up_to(*last)
     )]
     #[diagnostic(help(
         "free some space and make a recording of these steps with rebond recover, or record again with --force"
@@ -179,6 +180,14 @@ pub enum CommandError {
     /// The output is a folder.
     #[error("cannot write {}: it is a folder; name a file in it", .0.display())]
     IsFolder(PathBuf),
+    /// A file of an output folder would replace something else than a file.
+    #[error("cannot replace {}: it is {kind}; remove it, or choose another folder", path.display())]
+    Irreplaceable {
+        /// The place of the file.
+        path: PathBuf,
+        /// The kind of what is there, with its article.
+        kind: &'static str,
+    },
     /// The output must be a folder and is a file.
     #[error("cannot write files into {}: it is not a folder; choose another name", .0.display())]
     IsNoFolder(PathBuf),
@@ -319,7 +328,7 @@ pub enum CommandError {
     #[error("the scene did not replay the same; this is a bug in rebond, please report it with the scene")]
     NotReproducible,
     /// The engine failed in a step. The recording ends with the same error.
-    #[error("{}; the steps before it are recorded in {}", error_text(error), path.display())]
+    #[error("{}; {} has {}", error_text(error), path.display(), steps_up_to(error.step()))]
     Step {
         /// The recording.
         path: PathBuf,
@@ -437,5 +446,5 @@ fn reports(error: &CommandError) -> Vec<ErrorReport> {
 
 /// Says which steps an unfinished recording has.
 fn unfinished_recording(path: &Path, last: u64) -> String {
-    format!("; {} is unfinished and has the steps 0 to {last}", path.display())
+    format!("; {} is unfinished and has {}", path.display(), steps_up_to(last))
 }

@@ -86,7 +86,7 @@ type Settings = Vec<(String, Option<Value>)>;
 
 /// Writes the states of one source as an MCAP file with one topic per body.
 fn export_topics(options: &ExportOptions) -> Result<Exit, CommandError> {
-    let sources = SourceArgument::all(&options.sources, &options.set)?;
+    let sources = SourceArgument::all(&with_recordings_of_folders(&options.sources)?, &options.set)?;
     let ([source @ SourceArgument { path, .. }], Table::States, Shard::WHOLE) =
         (&sources[..], options.table, options.shard)
     else {

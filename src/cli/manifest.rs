@@ -183,6 +183,17 @@ fn first_paragraph(text: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use clap::CommandFactory;
+
+    #[test]
+    fn the_example_in_the_help_is_a_manifest() {
+        let help = Arguments::command().find_subcommand("check").unwrap().get_after_help().unwrap().to_string();
+        let (_, example) = help.split_once("relative to its folder:\n").unwrap();
+        let (example, _) = example.split_once("Exit codes").unwrap();
+        let found: Vec<_> = lines(example).into_iter().map(|(_, line)| parse(&line).unwrap()).collect();
+        let [Line::Record { .. }, Line::Draw { .. }, Line::Skip(scenes)] = &found[..] else { panic!("{found:?}") };
+        assert_eq!(scenes, &[PathBuf::from("large.toml")]);
+    }
 
     #[test]
     fn a_manifest_has_commands_comments_and_continued_lines() {

@@ -337,9 +337,15 @@ impl OutputFolder {
 
     fn refuse_existing(&self, place: &Path) -> Result<(), CommandError> {
         match place.symlink_metadata() {
-            Ok(metadata) if self.overwrite == Overwrite::Refused || !metadata.is_file() => {
-                Err(CommandError::Exists(place.into()))
+            Ok(metadata) if !metadata.is_file() => {
+                let kind = match metadata.file_type() {
+                    kind if kind.is_dir() => "a folder",
+                    kind if kind.is_symlink() => "a symbolic link",
+                    _ => "no regular file",
+                };
+                Err(CommandError::Irreplaceable { path: place.into(), kind })
             }
+            Ok(_) if self.overwrite == Overwrite::Refused => Err(CommandError::Exists(place.into())),
             Ok(_) => Handle::from_path(place).map_or(Ok(()), |output| refuse_input(output, place, &self.inputs)),
             Err(_) => Ok(()),
         }

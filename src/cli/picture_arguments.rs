@@ -324,7 +324,8 @@ impl std::str::FromStr for HoldWord {
             "collisions" => Ok(HoldWord::Collisions),
             text => match text.parse() {
                 Ok(seconds) if (MIN_HOLD..=MAX_HOLD).contains(&seconds) => Ok(HoldWord::Seconds(seconds)),
-                Ok(_) | Err(_) => Err("expected 0.05 to 60 seconds, for example 0.5 at collisions".into()),
+                Ok(_) => Err(format!("expected {MIN_HOLD} to {MAX_HOLD} seconds, for example 0.5 at collisions")),
+                Err(_) => Err("expected seconds, or seconds at collisions, for example 0.5 at collisions".into()),
             },
         }
     }

@@ -7,6 +7,7 @@ use crate::recording;
 use crate::replay::{ALL_STEPS, NO_LIVE_EVENTS, RecordOptions, Verdict};
 use crate::scene::{self, Override, Sweep};
 use crate::temporary::TemporaryFolder;
+use crate::text::steps_up_to;
 use std::collections::BTreeMap;
 use std::fmt::{self, Display, Formatter};
 use std::io::Read;
@@ -150,7 +151,7 @@ impl SourceFile {
         let file = File::create(&recording).map_err(CommandError::unwritable(&recording))?;
         let recorded = record::record(&scene, RecordOptions::complete(&scene), NO_LIVE_EVENTS, file, &recording)?;
         if let Some(error) = &recorded.error {
-            output::error(format_args!("{prefix}{error}; using the steps before it"));
+            output::error(format_args!("{prefix}{error}; using {}", steps_up_to(error.step())));
         }
         if verification == Verification::Replay {
             verify(prefix, &recording)?;

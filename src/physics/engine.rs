@@ -442,3 +442,16 @@ pub enum StepError {
         bodies: Vec<String>,
     },
 }
+
+impl StepError {
+    /// Returns the step that failed: its state is the last one of the run.
+    pub fn step(&self) -> u64 {
+        match self {
+            StepError::NotFinite { step, .. }
+            | StepError::Crushed { step, .. }
+            | StepError::TooThin { step, .. }
+            | StepError::Endless { step, .. }
+            | StepError::TooManyEvents { step, .. } => *step,
+        }
+    }
+}

@@ -521,7 +521,7 @@ pub(super) fn text_warnings(look: &Look, titles: &[String], sources: &[Source], 
     let more = missing.len().saturating_sub(MAX_LISTED);
     let more = if more > 0 { format!(" and {more} more") } else { String::new() };
     vec![format!(
-        "the font has no glyphs for {listed:?}{more}; each is drawn as an empty box: use Latin or Greek names"
+        "the font has no glyphs for {listed:?}{more}; each is drawn as an empty box: use Latin, Greek or Cyrillic names"
     )]
 }
 

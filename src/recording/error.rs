@@ -1,5 +1,7 @@
 use std::{io, path::PathBuf};
 
+use crate::text::steps_up_to;
+
 /// The reason why a recording cannot be written, or cannot be read at all.
 ///
 /// Damage inside a recording is not an error: the readable part is read, and
@@ -70,7 +72,7 @@ pub enum Error {
         found: u32,
     },
     /// No state is recorded in the steps that were asked for.
-    #[error("there is no state {}: the recording has the steps 0 to {last}", steps_in_words(*from, *to))]
+    #[error("there is no state {}: the recording has {}", steps_in_words(*from, *to), steps_up_to(*last))]
     NoStates {
         /// The first step asked for.
         from: u64,

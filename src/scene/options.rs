@@ -146,9 +146,10 @@ pub const DEFAULT_RATE: f64 = 60.0;
 /// The default solver.
 pub const DEFAULT_SOLVER: SolverKind = SolverKind::EventDriven;
 
-const RATE: Key = Key { name: "rate", accepts: "a positive number of steps per second" };
-const STEPS: Key = Key { name: "steps", accepts: "a whole number of steps, at most 584 simulated years" };
-const DURATION: Key = Key { name: "duration", accepts: "a number of seconds, 0 or more and at most 584 years" };
+const RATE: Key = Key { name: "rate", accepts: "a positive number of steps per second whose reciprocal is finite" };
+const STEPS: Key = Key { name: "steps", accepts: "a whole number of steps, at most 2⁵³ and 584 simulated years" };
+const DURATION: Key =
+    Key { name: "duration", accepts: "a number of seconds, 0 or more, at most 584 years and 2⁵³ steps" };
 const SOLVER: Key = Key { name: "solver", accepts: "\"handout\" or \"event-driven\"" };
 const EVENTS_PER_STEP: Key = Key { name: "events_per_step", accepts: "a whole number of events, 1 or more" };
 

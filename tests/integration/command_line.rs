@@ -323,6 +323,19 @@ fn an_exported_range_equals_that_part_of_the_whole_table() {
 }
 
 #[test]
+fn a_folder_with_one_recording_is_exported_as_topics() {
+    let workplace = recorded();
+    std::fs::create_dir(workplace.path("one")).unwrap();
+    std::fs::copy(workplace.path("run.mcap"), workplace.path("one/run.mcap")).unwrap();
+    workplace.done("export one -o folder.mcap");
+    workplace.done("export run.mcap -o file.mcap");
+    assert_eq!(workplace.read("folder.mcap"), workplace.read("file.mcap"));
+    std::fs::copy(workplace.path("run.mcap"), workplace.path("one/second.mcap")).unwrap();
+    let refused = workplace.rebond("export one -o two.mcap");
+    assert!(refused.code == 2 && refused.errors.contains("states of one source"), "{refused:?}");
+}
+
+#[test]
 fn a_range_that_the_run_never_had_is_refused() {
     let workplace = recorded();
     workplace.done("record scene.toml -o thin.mcap --every 10");

@@ -131,6 +131,9 @@ fn a_negative_number_is_refused_with_what_is_expected() {
         ("render scene.toml -o out.gif --fps -1", "expected a positive number"),
         ("render scene.toml -o out.gif --slow -2", "expected a number from"),
         ("render scene.toml -o out.gif --hold -1 at collisions", "expected 0.05 to 60 seconds"),
+        ("render scene.toml -o out.gif --hold 0.5 at start", "expected seconds, or seconds at collisions"),
+        ("report --read a.json --shard 1/2", "cannot be used with"),
+        ("report scene.toml --only zeno", "cannot be used with"),
         ("figure collision scene.toml -o out.svg --step -1", "expected a step such as 90"),
         ("export scene.toml --to -1", "expected a step such as 90"),
         ("record scene.toml -o out.mcap --every -1", "invalid value '-1' for '--every <N>'"),
@@ -200,6 +203,19 @@ fn an_error_inside_a_step_names_step_and_body_and_leaves_a_recording() {
     assert_text("replay-of-an-error", &replayed.output);
     workplace.done("export run.mcap");
     workplace.done("info run.mcap");
+}
+
+#[test]
+fn an_error_in_the_first_step_leaves_only_the_step_0() {
+    let scene = "[run]\nsteps = 5\nsolver = \"handout\"\n[[spawn]]\nname = \"rocket\"\nat = [1.0, 1.0]\n\
+                 size = [1.0, 1.0]\nmass = 1.0\nvelocity = [1e308, 0.0]\nforce = [1e308, 0.0]\n";
+    let workplace = Workplace::with_scene(&scene.replace("steps = 5", "steps = 5\nrate = 0.01"));
+    let failed = workplace.rebond("record scene.toml -o run.mcap");
+    assert!(failed.code == 1 && failed.errors.contains("; run.mcap has only the step 0"), "{failed:?}");
+    let table = workplace.rebond("export scene.toml");
+    assert!(table.errors.contains("; using only the step 0") && table.output.contains("\n0,"), "{table:?}");
+    let beyond = workplace.rebond("export run.mcap --from 9");
+    assert!(beyond.code != 0 && !beyond.errors.contains("0 to 0"), "{beyond:?}");
 }
 
 #[test]

@@ -123,7 +123,7 @@ fn a_run_has_up_to_two_to_the_53_steps_and_584_years() {
     let with_rate =
         |rate: &str, steps: &str| scene("").replace("steps = 6", &format!("rate = {rate}\nsteps = {steps}"));
     assert_refused(&with_rate("1e9", "9007199254740993"), "", "a whole number of steps");
-    assert_refused(&with_rate("60", "1200000000000"), "", "584 simulated years");
+    assert_refused(&with_rate("60", "1200000000000"), "", "2⁵³ and 584 simulated years");
     assert_refused(&with_rate("1e9", "6"), "--steps 9007199254740993", "at most 9007199254740992");
     assert_refused(&scene(""), "--steps 1200000000000", "simulated time in seconds is 20000000000");
 }

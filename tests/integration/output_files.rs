@@ -187,6 +187,25 @@ fn an_existing_file_is_replaced_only_with_force_and_keeps_its_permissions() {
 }
 
 #[test]
+fn a_frame_never_replaces_what_is_no_file() {
+    let workplace = workplace();
+    let line = "render scene.toml --to 5 --size 160x120 -o frames/";
+    workplace.done(line);
+    let frame = workplace.path("frames/000003.png");
+    fs::remove_file(&frame).unwrap();
+    symlink("elsewhere.png", &frame).unwrap();
+    let is_refused = |kind: &str| {
+        let refused = workplace.rebond(&format!("{line} --force"));
+        let reason = format!("000003.png: it is {kind}; remove it, or choose another folder");
+        assert!(refused.code == 1 && refused.errors.contains(&reason), "{refused:?}");
+    };
+    is_refused("a symbolic link");
+    fs::remove_file(&frame).unwrap();
+    fs::create_dir(&frame).unwrap();
+    is_refused("a folder");
+}
+
+#[test]
 fn a_symbolic_link_stays_and_the_file_behind_it_is_written() {
     let workplace = workplace();
     fs::create_dir(workplace.path("elsewhere")).unwrap();
