@@ -457,7 +457,7 @@ mod tests {
                 Spawn::new("a", Rect::new(Vector::new(gas[0], gas[1]), 0.1, 0.1), 1.0),
             ];
             let mut engine = Engine::new(EngineConfig::new(SolverKind::EventDriven, 10.0));
-            spawns.into_iter().for_each(|spawn| _ = engine.apply(&Event::Spawn(spawn)));
+            spawns.into_iter().for_each(|spawn| engine.apply(&Event::Spawn(spawn)));
             let time = Range { from: 0.0, to: 1.0 };
             PressureRun::new(String::new(), Vector::new(4.0, 3.0), time, BTreeMap::new()).gas_area(engine.world())
         };
