@@ -249,16 +249,12 @@ fn collisions(
     if let Some(error) = table.take_failure() {
         return Err(CommandError::unwritable(&options.output)(error));
     }
-    let verdict = replayer.verdict();
-    match verdict.health() {
-        Some(health) => Ok((health, ReadExtent::End)),
-        None => Err(picture::Error::Diverged { path: path.into(), verdict: Box::new(verdict) }.into()),
-    }
+    Ok((picture::Error::unless_diverged(replayer.verdict(), path)?, ReadExtent::End))
 }
 
 /// The bodies of a recording, and when they were spawned and deleted.
 #[derive(Default)]
-struct Lifetimes {
+struct BodyLifetimes {
     bodies: BTreeMap<BodyId, Lifetime>,
     /// The step after the last state.
     next_step: u64,
@@ -266,7 +262,7 @@ struct Lifetimes {
     lost_since: Option<u64>,
 }
 
-impl Lifetimes {
+impl BodyLifetimes {
     /// Follows the next item of the recording.
     fn add(&mut self, item: Item) {
         match item {
@@ -312,7 +308,7 @@ fn bodies(
     options: &ExportOptions,
     rows: &mut Rows,
 ) -> Result<(Health, ReadExtent), CommandError> {
-    let mut lifetimes = Lifetimes::default();
+    let mut lifetimes = BodyLifetimes::default();
     while let Some(item) = recording.next().transpose().map_err(CommandError::in_recording(path))? {
         lifetimes.add(item);
     }

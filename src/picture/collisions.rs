@@ -45,10 +45,7 @@ pub fn find_collision(
         has_states = true;
         progress(step, steps);
     }
-    let verdict = replayer.verdict();
-    let Some(health) = verdict.health() else {
-        return Err(Error::Diverged { path: source.path.clone(), verdict: Box::new(verdict) });
-    };
+    let health = Error::unless_diverged(replayer.verdict(), &source.path)?;
     let health = if search.found.is_some() { up_to_here(health) } else { health };
     if !has_states && health != Health::Whole {
         return Err(source.missing_states(&(first..=u64::MAX), health));

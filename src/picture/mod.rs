@@ -46,7 +46,7 @@ mod visibility;
 use crate::recording::{self, Health, error_text};
 use crate::replay::Verdict;
 use crate::scene::SceneError;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 pub use crate::picture_options::{
     CameraTarget, ColorBy, Language, Look, Overlay, Overlays, PictureOptions, Quantity, ReferenceFrame, TextAs, Theme,
@@ -176,6 +176,17 @@ pub enum Error {
 }
 
 impl Error {
+    /// Returns the health of the recording at `path` after its replay.
+    ///
+    /// # Errors
+    /// If the replay diverged.
+    pub(crate) fn unless_diverged(verdict: Verdict, path: &Path) -> Result<Health, Error> {
+        match verdict.health() {
+            Some(health) => Ok(health),
+            None => Err(Error::Diverged { path: path.into(), verdict: Box::new(verdict) }),
+        }
+    }
+
     /// The same error, which names its recording if there are several.
     fn of_source(self, source: &Source, sources: &[Source]) -> Error {
         match self {

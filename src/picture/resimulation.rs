@@ -7,7 +7,7 @@ use crate::physics::{
 };
 use crate::picture::{AnimationSchedule, Appearance, Frame, Moment, Sprite, Trails};
 use crate::recording::{BodyInfo, Health};
-use crate::replay::{ALL_STEPS, Replayer, Verdict};
+use crate::replay::{ALL_STEPS, Replayer};
 use std::collections::{BTreeMap, VecDeque, btree_map::Entry};
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
@@ -93,24 +93,14 @@ impl Resimulation {
             let next = self.replayer.next_state(&mut self.recorder);
             let step = next.map_err(|source| Error::Recording { path: self.path.clone(), source })?;
             if step.is_none() {
-                self.finish(self.replayer.verdict())?;
+                self.is_finished = true;
+                self.health = Error::unless_diverged(self.replayer.verdict(), &self.path)?;
             } else if let Some(engine) = self.replayer.engine() {
                 let recorded = self.recorder.record_state(engine);
                 recorded.map_err(|source| Error::Step { path: self.path.clone(), source })?;
             }
         }
         Ok(())
-    }
-
-    fn finish(&mut self, verdict: Verdict) -> Result<(), Error> {
-        self.is_finished = true;
-        match verdict.health() {
-            Some(health) => {
-                self.health = health;
-                Ok(())
-            }
-            None => Err(Error::Diverged { path: self.path.clone(), verdict: Box::new(verdict) }),
-        }
     }
 }
 
