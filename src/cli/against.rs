@@ -92,27 +92,46 @@ struct Comparison {
     gaps: Vec<(u64, u64)>,
     /// The last recorded step.
     last: u64,
-    first: Option<Divergence>,
+    first: Option<FirstDifference>,
     growth: Growth,
     /// The parts that the recording itself lacks.
     missing_in_recording: Option<Missing>,
 }
 
 /// The first difference, and what happened before it.
-struct Divergence {
+struct FirstDifference {
     step: u64,
-    difference: Difference,
+    difference: TableDifference,
     last_event: Option<String>,
     last_collision: Option<LatestCollision>,
 }
 
-enum Difference {
+enum TableDifference {
     /// A number of a body.
     Number { body: String, is_infinite: bool, field: usize, row: StateRow, recorded: [f64; 4] },
     /// The table has no row for a body that is alive.
     MissingBody { body: String },
     /// The table has a row for a body that is not alive.
     UnknownBody { body: String, line: u64 },
+}
+
+/// The conclusion of a comparison.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Conclusion {
+    Same,
+    /// The states that both have are the same, but the table or the recording lacks some.
+    Incomplete,
+    Diverged,
+}
+
+impl Conclusion {
+    const fn word(self) -> &'static str {
+        match self {
+            Conclusion::Same => "same",
+            Conclusion::Incomplete => "incomplete",
+            Conclusion::Diverged => "diverged",
+        }
+    }
 }
 
 impl Comparison {
@@ -153,13 +172,13 @@ impl Comparison {
         let mut largest = Deviation::default();
         for body in expected {
             let Some(row) = rows.get(&body.name) else {
-                difference.get_or_insert((Some(body.id), Difference::MissingBody { body: body.name.clone() }));
+                difference.get_or_insert((Some(body.id), TableDifference::MissingBody { body: body.name.clone() }));
                 continue;
             };
             self.bodies.insert(body.id);
             largest = largest.max(Deviation::between(row, body));
             if let Some(field) = self.table.fields.iter().find(|field| !self.is_same(row, body, **field)) {
-                let number = || Difference::Number {
+                let number = || TableDifference::Number {
                     body: body.name.clone(),
                     is_infinite: body.is_infinite(),
                     field: *field,
@@ -171,7 +190,7 @@ impl Comparison {
         }
         let alive: BTreeSet<&String> = bodies.iter().map(|body| &body.name).collect();
         if let Some((name, row)) = rows.iter().find(|(name, _)| !alive.contains(name)) {
-            let unknown = Difference::UnknownBody { body: name.clone(), line: row.line };
+            let unknown = TableDifference::UnknownBody { body: name.clone(), line: row.line };
             difference.get_or_insert((None, unknown));
         }
         self.growth.add(step, largest, self.first.as_ref().map(|first| first.step));
@@ -182,7 +201,7 @@ impl Comparison {
                 let last_event = last_event.map(str::to_owned);
                 self.growth = Growth::default();
                 self.growth.add(step, largest, Some(step));
-                self.first = Some(Divergence { step, difference, last_event, last_collision });
+                self.first = Some(FirstDifference { step, difference, last_event, last_collision });
             }
             Some(_) => {}
         }
@@ -197,19 +216,19 @@ impl Comparison {
             || (given - recorded).abs() <= self.tolerance.unwrap_or(0.0)
     }
 
-    fn word(&self) -> &'static str {
+    fn conclusion(&self) -> Conclusion {
         match (&self.first, self.gaps.is_empty() && self.missing_in_recording.is_none()) {
-            (Some(_), _) => "diverged",
-            (None, false) => "incomplete",
-            (None, true) => "same",
+            (Some(_), _) => Conclusion::Diverged,
+            (None, false) => Conclusion::Incomplete,
+            (None, true) => Conclusion::Same,
         }
     }
 
     fn exit(&self) -> Exit {
-        match self.word() {
-            "same" => Exit::Done,
-            "diverged" => Exit::Diverged,
-            _ => Exit::Damaged,
+        match self.conclusion() {
+            Conclusion::Same => Exit::Done,
+            Conclusion::Incomplete => Exit::Damaged,
+            Conclusion::Diverged => Exit::Diverged,
         }
     }
 
@@ -268,7 +287,7 @@ impl Comparison {
     fn json(&self) -> Value {
         let first = self.first.as_ref();
         json!({
-            "verdict": self.word(), "same_states": self.same, "states": self.states, "bodies": self.bodies.len(),
+            "verdict": self.conclusion().word(), "same_states": self.same, "states": self.states, "bodies": self.bodies.len(),
             "columns": self.table.fields.iter().map(|field| FIELDS[*field]).collect::<Vec<_>>(),
             "tolerance": self.tolerance,
             "divergence": first.map(|first| first.difference.json(first.step)),
@@ -281,23 +300,25 @@ impl Comparison {
     }
 
     fn outcome(&self) -> TestOutcome {
-        match self.word() {
-            "same" => TestOutcome::Passed,
-            _ => TestOutcome::Failed { message: self.verdict(), details: self.text() },
+        match self.conclusion() {
+            Conclusion::Same => TestOutcome::Passed,
+            Conclusion::Incomplete | Conclusion::Diverged => {
+                TestOutcome::Failed { message: self.verdict(), details: self.text() }
+            }
         }
     }
 }
 
-impl Difference {
+impl TableDifference {
     fn text(&self) -> String {
         match self {
-            Difference::Number { body, field, row, recorded, .. } => {
+            TableDifference::Number { body, field, row, recorded, .. } => {
                 let (recorded, given) = (recorded[*field], row.values[*field]);
                 let (field, distance) = (FIELDS[*field], distance(recorded, given));
                 format!("body {body:?} {field} recorded {recorded:?} given {given:?}{distance}")
             }
-            Difference::MissingBody { body } => format!("the table has no row for body {body:?}"),
-            Difference::UnknownBody { body, line } => {
+            TableDifference::MissingBody { body } => format!("the table has no row for body {body:?}"),
+            TableDifference::UnknownBody { body, line } => {
                 format!("the table has body {body:?} on line {line}, which is not alive in the recording")
             }
         }
@@ -305,7 +326,7 @@ impl Difference {
 
     /// All numbers of the body side by side.
     fn lines(&self, fields: &[usize]) -> Vec<String> {
-        let Difference::Number { body, is_infinite, row, recorded, .. } = self else { return Vec::new() };
+        let TableDifference::Number { body, is_infinite, row, recorded, .. } = self else { return Vec::new() };
         let mass = if *is_infinite { ", of infinite mass" } else { "" };
         let mut lines = vec![format!("body {body:?}{mass}, line {} of the table:", row.line)];
         let mut rounded = None;
@@ -327,15 +348,15 @@ impl Difference {
 
     fn json(&self, step: u64) -> Value {
         match self {
-            Difference::Number { body, field, row, recorded, .. } => {
+            TableDifference::Number { body, field, row, recorded, .. } => {
                 let (recorded, given) = (recorded[*field], row.values[*field]);
                 json!({
                     "step": step, "body": body, "field": FIELDS[*field], "recorded": recorded, "given": given,
                     "difference": given - recorded, "ulps": ulps(recorded, given), "line": row.line,
                 })
             }
-            Difference::MissingBody { body } => json!({ "step": step, "body": body, "what": self.text() }),
-            Difference::UnknownBody { body, line } => {
+            TableDifference::MissingBody { body } => json!({ "step": step, "body": body, "what": self.text() }),
+            TableDifference::UnknownBody { body, line } => {
                 json!({ "step": step, "body": body, "line": line, "what": self.text() })
             }
         }
