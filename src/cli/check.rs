@@ -220,7 +220,7 @@ impl Session<'_> {
         if self.options.github && severity != Severity::Same {
             let annotation = github::annotation(result);
             // Workflow commands are read from both streams.
-            if self.options.json { output::warn(&annotation) } else { output::print(&annotation)? }
+            if self.options.json { output::print_to_stderr(&annotation) } else { output::print(&annotation)? }
         }
         if self.options.json {
             return output::print(&format!("{}\n", json(result, files, decision)));

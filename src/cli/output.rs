@@ -43,17 +43,17 @@ pub fn is_quiet() -> bool {
 /// Prints a line on standard error, unless `--quiet` is given.
 pub fn info(text: std::fmt::Arguments) {
     if !is_quiet() {
-        error(text);
+        print_line_to_stderr(text);
     }
 }
 
-/// Prints a line about an error after which the command goes on, on standard error.
-pub fn error(text: std::fmt::Arguments) {
+/// Prints a line on standard error, also with `--quiet`.
+pub fn print_line_to_stderr(text: std::fmt::Arguments) {
     let _ = writeln!(io::stderr(), "{}", printable(&text.to_string()));
 }
 
-/// Prints text on standard error.
-pub fn warn(text: &str) {
+/// Prints text on standard error, also with `--quiet`.
+pub fn print_to_stderr(text: &str) {
     let _ = write!(io::stderr(), "{}", Printable(text));
 }
 
@@ -69,7 +69,7 @@ pub fn print_result(path: &Path, text: &str) -> Result<(), CommandError> {
 /// Prints a text about the result at `path` where [`print_result`] prints it, also with `--quiet`.
 pub fn print_beside(path: &Path, text: &str) -> Result<(), CommandError> {
     if goes_to_standard_output(path) {
-        warn(&format!("{text}\n"));
+        print_to_stderr(&format!("{text}\n"));
         return Ok(());
     }
     print(&format!("{text}\n"))
@@ -80,7 +80,7 @@ pub fn warn_of_damage(statuses: &[ReadStatus]) -> Exit {
     let mut exit = Exit::Done;
     for ReadStatus { path, health, .. } in statuses {
         if *health != Health::Whole {
-            error(format_args!("{} is {health}", path.display()));
+            print_line_to_stderr(format_args!("{} is {health}", path.display()));
             exit = Exit::Damaged;
         }
     }

@@ -292,7 +292,7 @@ pub fn recover(options: &RecoverOptions) -> Result<Exit, CommandError> {
     let problem = if exit == Exit::Damaged { replay_problem(&options.output.output) } else { None };
     let result: Vec<String> = iter::once(recovery.to_string()).chain(problem).collect();
     if output::is_quiet() && exit == Exit::Damaged {
-        output::warn(&format!("{}\n", result.join("\n")))
+        output::print_to_stderr(&format!("{}\n", result.join("\n")))
     } else {
         output::print_result(&options.output.output, &result.join("\n"))?
     }

@@ -80,7 +80,7 @@ impl Review<'_> {
             return Ok(Answer::Skip);
         }
         let answer = loop {
-            output::warn(&format!("{question}\n  (a)ccept, (r)eject, (s)kip or (q)uit? "));
+            output::print_to_stderr(&format!("{question}\n  (a)ccept, (r)eject, (s)kip or (q)uit? "));
             let line = read_line().map_err(CommandError::unreadable(Path::new("standard input")))?;
             match line.trim() {
                 "a" | "accept" => break Answer::Accept,
@@ -88,7 +88,7 @@ impl Review<'_> {
                 "s" | "skip" => break Answer::Skip,
                 "q" | "quit" => self.is_ended = true,
                 "" if line.is_empty() => {
-                    output::warn("\n");
+                    output::print_to_stderr("\n");
                     self.is_ended = true;
                 }
                 _ => {}

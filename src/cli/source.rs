@@ -151,7 +151,7 @@ impl SourceFile {
         let file = File::create(&recording).map_err(CommandError::unwritable(&recording))?;
         let recorded = record::record(&scene, RecordOptions::complete(&scene), NO_LIVE_EVENTS, file, &recording)?;
         if let Some(error) = &recorded.error {
-            output::error(format_args!("{prefix}{error}; using {}", steps_up_to(error.step())));
+            output::print_line_to_stderr(format_args!("{prefix}{error}; using {}", steps_up_to(error.step())));
         }
         if verification == Verification::Replay {
             verify(prefix, &recording)?;
