@@ -58,7 +58,9 @@ impl Scene {
                 bytes += png.len();
                 pixels += width * height;
                 if bytes > limits::IMAGES_BYTES || pixels > limits::IMAGES_PIXELS {
-                    Err(TOO_MANY.to_owned())
+                    let mebibytes = limits::IMAGES_BYTES >> 20;
+                    let pixels = limits::IMAGES_PIXELS;
+                    Err(format!("the images of the scene together have more than {mebibytes} MiB or {pixels} pixels"))
                 } else {
                     Ok(SceneImage::new(&name, png))
                 }
@@ -77,8 +79,6 @@ impl Scene {
         Ok(())
     }
 }
-
-const TOO_MANY: &str = "the images of the scene together have more than 16 MiB or 8388608 pixels";
 
 /// The place of the first mention of each image.
 fn find_images(node: &Node, places: &mut BTreeMap<String, Range<usize>>) {
@@ -108,12 +108,12 @@ fn read_image(path: &Path) -> Result<(Vec<u8>, [u64; 2]), String> {
     let file = File::open(path).map_err(|error| error.to_string())?;
     file.take(limits::IMAGE_BYTES as u64 + 1).read_to_end(&mut png).map_err(|error| error.to_string())?;
     if png.len() > limits::IMAGE_BYTES {
-        return Err("it has more than 4 MiB".into());
+        return Err(format!("it has more than {} MiB", limits::IMAGE_BYTES >> 20));
     }
     let [width, height] = png_size(&png).ok_or("it is not a PNG file")?;
     let sides = 1..=u64::from(limits::IMAGE_SIDE);
     if !sides.contains(&width) || !sides.contains(&height) {
-        return Err(format!("it has {width} × {height} pixels, but each side must have 1 to 4096"));
+        return Err(format!("it has {width} × {height} pixels, but each side must have 1 to {}", limits::IMAGE_SIDE));
     }
     #[cfg(feature = "draw")]
     {
