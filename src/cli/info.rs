@@ -210,7 +210,7 @@ impl Info {
         Ok(info.with_totals())
     }
 
-    /// Takes the information from the trailer and the index of a finished recording.
+    /// Takes the information from the end record and the index of a finished recording.
     fn from_index(header: &Header, summary: Summary, bytes: u64) -> Info {
         let Summary { trailer, states, keyframes, chunks } = summary;
         let mut info = Info::from_header(header, bytes);
@@ -221,7 +221,7 @@ impl Info {
         info.keyframes = keyframes;
         info.chunks = chunks;
         info.verified = false;
-        info.set_trailer(&trailer);
+        info.set_end_record(&trailer);
         info.with_totals()
     }
 
@@ -293,11 +293,11 @@ impl Info {
                 self.spawns = Some(keyframe.next_id.into());
             }
             Item::SceneUpdate { .. } | Item::Damaged(_) | Item::Gap(_) => {}
-            Item::Trailer(trailer) => self.set_trailer(trailer),
+            Item::Trailer(trailer) => self.set_end_record(trailer),
         }
     }
 
-    fn set_trailer(&mut self, trailer: &Trailer) {
+    fn set_end_record(&mut self, trailer: &Trailer) {
         self.collisions = trailer.collisions;
         self.error = trailer.error.as_ref().map(RecordedError::to_string);
         if let Some(accuracy) = &trailer.accuracy {

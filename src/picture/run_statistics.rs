@@ -27,8 +27,8 @@ pub struct RunStatistics {
 }
 
 impl RunStatistics {
-    /// Reads the statistics from the trailer and the events of a recording, or from all states if the
-    /// trailer is missing or incomplete; both give the same result. `world` is the size of the world, m.
+    /// Reads the statistics from the end record and the events of a recording, or from all states if the
+    /// end record is missing or incomplete; both give the same result. `world` is the size of the world, m.
     ///
     /// # Errors
     /// If the recording cannot be read.
@@ -36,14 +36,14 @@ impl RunStatistics {
         let summary = recording.summary()?;
         let state_bounds = summary.as_ref().and_then(|summary| summary.trailer.state_bounds);
         match (summary, state_bounds) {
-            (Some(summary), Some(state_bounds)) => from_trailer(recording, &summary, &state_bounds, world),
+            (Some(summary), Some(state_bounds)) => from_end_record(recording, &summary, &state_bounds, world),
             (Some(_), None) | (None, _) => from_states(recording, world),
         }
     }
 }
 
-/// The statistics of a finished recording, from its trailer and events.
-fn from_trailer<R: Read + Seek>(
+/// The statistics of a finished recording, from its end record and events.
+fn from_end_record<R: Read + Seek>(
     mut recording: Recording<R>,
     summary: &Summary,
     state_bounds: &StateBounds,
@@ -234,21 +234,24 @@ name = "b"
         let options = RecordOptions { every, ..RecordOptions::complete(&scene) };
         replay::record(&scene, options, replay::NO_LIVE_EVENTS, File::create(&path).unwrap(), |_| ()).unwrap();
         let summary = recording::open(&path).unwrap().summary().unwrap();
-        assert!(summary.unwrap().trailer.state_bounds.is_some(), "the trailer has no state bounds");
+        assert!(summary.unwrap().trailer.state_bounds.is_some(), "the end record has no state bounds");
         let world = Vector::new(scene.size[0], scene.size[1]);
-        let from_trailer = RunStatistics::read(recording::open(&path).unwrap(), world).unwrap();
-        assert_eq!(from_trailer, from_states(recording::open(&path).unwrap(), world).unwrap());
-        assert_eq!(from_trailer.has_body_in_world, expected_in_world);
-        assert_eq!((from_trailer.names.len(), from_trailer.materials.join(" ").as_str()), (3, "steel stone wood"));
+        let from_end_record = RunStatistics::read(recording::open(&path).unwrap(), world).unwrap();
+        assert_eq!(from_end_record, from_states(recording::open(&path).unwrap(), world).unwrap());
+        assert_eq!(from_end_record.has_body_in_world, expected_in_world);
+        assert_eq!(
+            (from_end_record.names.len(), from_end_record.materials.join(" ").as_str()),
+            (3, "steel stone wood")
+        );
         assert!(
-            from_trailer.top_speed > 9.0
-                && from_trailer.top_force > 490.0
-                && from_trailer.last_step == Some(50 - 50 % every)
+            from_end_record.top_speed > 9.0
+                && from_end_record.top_force > 490.0
+                && from_end_record.last_step == Some(50 - 50 % every)
         );
     }
 
     #[test]
-    fn the_trailer_and_the_states_give_the_same_statistics() {
+    fn the_end_record_and_the_states_give_the_same_statistics() {
         compare(SCENE, 1, true);
         compare(SCENE, 7, true);
     }
