@@ -308,8 +308,9 @@ pub enum CommandError {
     ReversedRange(#[from] ReversedRange),
     /// None of the states in a range is recorded in full.
     #[error(
-        "{} has no full state in the steps {from} to {to}: only those of every {every} steps are recorded in full",
-        path.display()
+        "{} has no full state {}: only those of every {every} steps are recorded in full",
+        path.display(),
+        recording::steps_in_words(*from, *to)
     )]
     NoFullState {
         /// The recording.

@@ -157,7 +157,8 @@ impl Error {
     }
 }
 
-fn steps_in_words(from: u64, to: u64) -> String {
+/// The steps from `from` to `to`, which may have no end, in words that follow a noun.
+pub fn steps_in_words(from: u64, to: u64) -> String {
     match to {
         u64::MAX => format!("from step {from} on"),
         to if to == from => format!("at step {from}"),

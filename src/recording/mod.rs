@@ -52,7 +52,7 @@ mod writer_thread;
 pub use crate::{color::Color, paint::Paint};
 pub use body_table::{BodyInfo, BodyTable};
 pub use digest::{Identity, StateDigest};
-pub use error::Error;
+pub use error::{Error, steps_in_words};
 pub use health::{Damage, Gap, Health, Missing, MissingEnd};
 pub use index::Summary;
 pub use model::{
