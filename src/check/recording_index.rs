@@ -1,4 +1,4 @@
-use crate::picture::Provenance;
+use crate::picture::{Provenance, lacking_states, with_states};
 use crate::recording::{self, Health, Identity};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -44,13 +44,18 @@ impl RecordingIndex {
     /// # Errors
     /// A sentence about the first one that is not found.
     pub fn find(&self, provenance: &Provenance) -> Result<Vec<&Path>, String> {
-        provenance.recordings.iter().map(|identity| self.find_one(identity, provenance.recorded_every)).collect()
+        let recordings = provenance.recordings.iter().zip(&provenance.recorded_every);
+        recordings.map(|(identity, &every)| self.find_one(identity, every)).collect()
     }
 
     fn find_one(&self, identity: &str, every: u64) -> Result<&Path, String> {
         let found = self.found.get(identity).map(Vec::as_slice).unwrap_or_default();
-        if let Some(recording) = found.iter().find(|found| found.every <= every) {
+        if let Some(recording) = with_states(found.iter(), every, |found| found.every) {
             return Ok(&recording.path);
+        }
+        if let [other, ..] = found {
+            let (path, lacking) = (other.path.display(), lacking_states(other.every, every));
+            return Err(format!("its recording with identity {identity} may be {path}, but that {lacking}"));
         }
         if Identity::from_str(identity).is_err() {
             return Err("its recording was unfinished and has no identity to find it by".into());

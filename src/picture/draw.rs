@@ -4,7 +4,7 @@ use super::encode::{PngEffort, write_apng, write_gif, write_png_sequence};
 use super::layers::body_labels::MAX_PLACED;
 use super::layers::lanes::Lanes;
 use super::number::TimeFormat;
-use super::page::{compose_page, run_names, titles};
+use super::page::compose_page;
 use super::resimulation::Resimulation;
 use super::text::Font;
 use super::visibility::Visibility;
@@ -153,21 +153,41 @@ impl Provenance {
 /// If the file has no provenance or one of its recordings is missing, or as for [`draw`].
 pub fn redraw(file: &[u8], recordings: &[Source]) -> Result<Vec<u8>, Error> {
     let provenance = Provenance::read(file)?;
-    let find = |identity: &String| {
+    let find = |(identity, &every): (&String, &u64)| {
         let found = recordings.iter().filter(|source| source.statistics.identity.as_ref() == Some(identity));
-        let usable = found.clone().find(|source| source.header.every <= provenance.recorded_every);
-        match (usable, found.count()) {
+        match (with_states(found.clone(), every, |source| source.header.every), found.clone().next()) {
             (Some(source), _) => Ok(source.clone()),
-            (None, 0) => {
+            (None, None) => {
                 Err(Error::CannotRedraw { reason: format!("recording {identity} is not among the given recordings") })
             }
-            (None, _) => Err(Error::CannotRedraw {
-                reason: format!("recording {identity} stores fewer full states than the one that was drawn"),
-            }),
+            (None, Some(other)) => {
+                let lacking = lacking_states(other.header.every, every);
+                Err(Error::CannotRedraw { reason: format!("recording {identity} {lacking}") })
+            }
         }
     };
-    let sources = provenance.recordings.iter().map(find).collect::<Result<Vec<Source>, Error>>()?;
+    let recorded = provenance.recordings.iter().zip(&provenance.recorded_every);
+    let sources = recorded.map(find).collect::<Result<Vec<Source>, Error>>()?;
     provenance.draw_to_vec(&sources)
+}
+
+/// Of recordings of one run, the one that stores every `every`-th state in full, as that of a picture, or else the first
+/// one that stores these states, too.
+pub(crate) fn with_states<R>(
+    mut recordings: impl Iterator<Item = R> + Clone,
+    every: u64,
+    every_of: impl Fn(&R) -> u64,
+) -> Option<R> {
+    let same = recordings.clone().find(|recording| every_of(recording) == every);
+    same.or_else(|| recordings.find(|recording| every.is_multiple_of(every_of(recording).max(1))))
+}
+
+/// The reason why a recording that stores every `found`-th state in full does not replace one that stores every
+/// `every`-th.
+pub(crate) fn lacking_states(found: u64, every: u64) -> String {
+    format!(
+        "stores every {found} steps in full, and the one that was drawn every {every}: states of the picture are missing"
+    )
 }
 
 /// Draws each picture of a sequence and passes its step and its PNG file to `output`, in order. Each file carries the
@@ -426,11 +446,9 @@ pub(super) fn state(
 fn warnings(picture: &ResolvedPicture, sources: &[Source]) -> Vec<String> {
     let is_of_pair = matches!(&picture.subject, Subject::Page { page: Page::Collision { .. }, .. });
     let is_of_lines = matches!(&picture.subject, Subject::Page { page: Page::Lines { .. }, .. });
-    let is_of_state = matches!(&picture.subject, Subject::Page { page: Page::State { .. }, .. });
     let titles = match sources.len() {
         0 | 1 => Vec::new(),
-        _ if is_of_lines || is_of_state => run_names(&picture.titles, sources),
-        _ => titles(&picture.titles, sources),
+        _ => picture.subject.names()(&picture.titles, sources),
     };
     let is_of_pressure = matches!(&picture.subject, Subject::Page { page: Page::Pressure { .. }, .. });
     let names = if is_of_pair || is_of_lines || is_of_pressure { BodyNames::Shown } else { BodyNames::IfOverlay };

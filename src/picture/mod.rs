@@ -54,6 +54,7 @@ pub use crate::picture_options::{
 };
 pub use clip::{Clip, Instant, Instants, Shot};
 pub use draw::{Drawn, body_color, draw, draw_options, draw_sequence, draw_to_vec, redraw};
+pub(crate) use draw::{lacking_states, with_states};
 pub(crate) use encode::ordered_parallel_map;
 pub use encode::{
     AnimationDecoder, DecodedFrame, Metadata, PngEffort, RenderError, apng, compare, draw_frames, gif, pdf, png, svg,

@@ -11,7 +11,7 @@ use super::visibility::Visibility;
 use super::{
     AnimationSchedule, Appearance, CollisionFigure, CollisionSelector, DisplayList, EnergySample, Error, Frame, Frames,
     GapReason, Page, Progress, Quantity, ReadExtent, ReadStatus, ResolvedPicture, Source, Sprite, StatesFigure,
-    StepGrid, StepRange, Style, TraceGap, color,
+    StepGrid, StepRange, Style, Subject, TraceGap, color,
 };
 use crate::body_selector::BodySelector;
 use crate::physics::{Axis, BodyId, Collision, Engine, Observer, Rect, Vector, larger};
@@ -389,8 +389,12 @@ fn velocity_path(
     let mut replayer = Replayer::new(source.recording()?, steps).map_err(|error| source.read_error(error))?;
     let mut expected = state.step;
     loop {
-        let mut shown = FromStep { first: state.step, path: &mut path };
+        let mut shown = InSteps { steps: state.step..last, path: &mut path };
         let Some(step) = replayer.next_state(&mut shown).map_err(|error| source.read_error(error))? else { break };
+        // The rest of the file is read for its health alone.
+        if step > last {
+            continue;
+        }
         if let Some(world) = replayer.engine().map(Engine::world) {
             let velocities = world.bodies.iter().filter(|body| bodies.contains_key(&body.id));
             let velocities = velocities.map(|body| (body.id, body.velocity));
@@ -438,15 +442,17 @@ fn first_common_state(
     Err(source.nothing_to_show(reason))
 }
 
-/// Passes on the collisions in a step and after it. A replay also has those since the keyframe before.
-struct FromStep<'a> {
-    first: u64,
+/// Passes on the collisions between the states of a range. A replay also has those since the keyframe before, and those
+/// in the rest of the file.
+struct InSteps<'a> {
+    /// From the first state to the last one, in which no collision is shown any more.
+    steps: std::ops::Range<u64>,
     path: &'a mut VelocityPath,
 }
 
-impl Observer for FromStep<'_> {
+impl Observer for InSteps<'_> {
     fn collision(&mut self, collision: &Collision) {
-        if collision.step >= self.first {
+        if self.steps.contains(&collision.step) {
             self.path.collision(collision);
         }
     }
@@ -485,6 +491,22 @@ fn velocity_cloud(
     };
     let time = state.step as f64 / grid.rate;
     Ok(Velocities::Cloud { time, bodies: state.bodies.iter().filter_map(of_body).collect() })
+}
+
+/// Names recordings in a picture, given the titles that the user chose, if any.
+pub type Names = fn(&[String], &[Source]) -> Vec<String>;
+
+impl Subject {
+    /// The names of several recordings in a picture of this subject: short ones in a legend and above states, and
+    /// titles above figures.
+    pub(super) const fn names(&self) -> Names {
+        match self {
+            Subject::Animation { .. } | Subject::Page { page: Page::Lines { .. } | Page::State { .. }, .. } => {
+                run_names
+            }
+            Subject::Page { .. } => titles,
+        }
+    }
 }
 
 /// The names of recordings in a common legend or side by side in an animation: titles, or the values given with `--set`

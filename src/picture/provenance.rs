@@ -18,8 +18,8 @@ pub struct Provenance {
     pub software: String,
     /// The identity of each recording shown.
     pub recordings: Vec<String>,
-    /// The largest interval, in steps, at which one of the recordings stores full states.
-    pub recorded_every: u64,
+    /// The interval, in steps, at which each recording stores full states.
+    pub recorded_every: Vec<u64>,
     /// The picture drawn from the recordings.
     pub picture: ResolvedPicture,
     /// Title and description for readers and search; `None` in pictures of older versions.
@@ -47,7 +47,7 @@ impl Provenance {
         Provenance {
             software: SOFTWARE.to_owned(),
             recordings: sources.iter().map(identity).collect(),
-            recorded_every: sources.iter().map(|source| source.header.every).max().unwrap_or(1),
+            recorded_every: sources.iter().map(|source| source.header.every).collect(),
             picture: picture.clone(),
             texts: Some([title(picture, sources), description(picture)]),
         }
@@ -71,8 +71,13 @@ impl Provenance {
         write_subject(subject, &mut options);
         options.extend(look.texts(Written::Always));
         write_camera_target(&look.camera_target, &mut options);
-        if self.recorded_every > 1 {
-            options.push("recorded_every", self.recorded_every);
+        let mut every: Vec<String> = self.recorded_every.iter().map(u64::to_string).collect();
+        // One number if it applies to all, and none if all recordings store all states.
+        if every.iter().all(|one| *one == every[0]) {
+            every.truncate(1);
+        }
+        if every.iter().any(|every| every != "1") {
+            options.push("recorded_every", every.join(","));
         }
         if !titles.is_empty() {
             options.push_strings("title", titles);
@@ -131,6 +136,12 @@ impl Provenance {
         if !recordings.iter().all(is_identity) {
             return Err(invalid(RECORDING));
         }
+        let every = options.get("recorded_every").unwrap_or("1").split(',').map(read_interval);
+        let recorded_every = match every.collect::<Option<Vec<u64>>>().as_deref() {
+            Some(&[every]) => vec![every; recordings.len()],
+            Some(every) if every.len() == recordings.len() => every.to_vec(),
+            Some(_) | None => return Err(invalid(OPTIONS)),
+        };
         let software = get(DRAWN_BY)?.clone();
         if software.len() > MAX_SOFTWARE {
             return Err(invalid(DRAWN_BY));
@@ -140,10 +151,7 @@ impl Provenance {
         Ok(Provenance {
             software,
             recordings,
-            recorded_every: options
-                .get("recorded_every")
-                .map_or(Some(1), read_interval)
-                .ok_or_else(|| invalid(OPTIONS))?,
+            recorded_every,
             picture: ResolvedPicture { subject, look, titles },
             texts: text(Metadata::TITLE).zip(text(Metadata::DESCRIPTION)).map(<[String; 2]>::from),
         })
@@ -417,7 +425,7 @@ mod tests {
         Provenance {
             software: "rebond 0".into(),
             recordings: IDENTITIES.map(str::to_owned).into(),
-            recorded_every: 5,
+            recorded_every: vec![5, 5],
             picture: ResolvedPicture { subject, look, titles: vec!["one".into(), "and two".into()] },
             texts: Some(["State: one; and two".into(), "Step 3".into()]),
         }

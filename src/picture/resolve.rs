@@ -1,5 +1,6 @@
 use super::clip::clock;
 use super::collisions::{collision_selector, find_collision};
+use super::page::{Names, run_names};
 use super::{
     Animation, AnimationFormat, CameraTarget, CollisionFigure, Error, Look, MAX_FRAMES_PER_STEP, Moment, Page,
     PictureOptions, Progress, Quantity, ResolvedPicture, Source, StatesFigure, StepGrid, StepRange, StillFormat,
@@ -117,7 +118,8 @@ impl PictureOptions {
             }
         };
         let look = self.sized_look(&options, sources)?;
-        Ok(ResolvedPicture { subject, look, titles: options.resolved_titles(sources)? })
+        let titles = options.resolved_titles(sources, subject.names())?;
+        Ok(ResolvedPicture { subject, look, titles })
     }
 
     /// The look of a picture with these options, which `options` complete: larger for many recordings, unless a size is
@@ -141,7 +143,7 @@ impl PictureOptions {
         }
         let grid = self.grid(sources, self.fps)?;
         let options = self.clone().or_scene(sources)?;
-        let (look, titles) = (self.sized_look(&options, sources)?, options.resolved_titles(sources)?);
+        let (look, titles) = (self.sized_look(&options, sources)?, options.resolved_titles(sources, run_names)?);
         Ok(Sequence { steps: grid.steps, every: grid.every, look, titles })
     }
 
@@ -152,7 +154,8 @@ impl PictureOptions {
     pub fn resolve_video(&self, sources: &[Source]) -> Result<(Animation, Look, Vec<String>), Error> {
         let options = self.clone().or_scene(sources)?;
         let animation = options.animation(sources, f64::INFINITY)?;
-        Ok((animation, self.sized_look(&options, sources)?, options.resolved_titles(sources)?))
+        let titles = options.resolved_titles(sources, run_names)?;
+        Ok((animation, self.sized_look(&options, sources)?, titles))
     }
 
     /// These options, with the open ones taken from the scene of the first recording.
@@ -167,8 +170,15 @@ impl PictureOptions {
         Ok(options)
     }
 
-    fn resolved_titles(&self, sources: &[Source]) -> Result<Vec<String>, Error> {
+    /// The titles of several recordings: those that are given, or `names` if one of these is the name of a file, which
+    /// the identity of a recording does not determine.
+    fn resolved_titles(&self, sources: &[Source], names: Names) -> Result<Vec<String>, Error> {
         let titles = self.titles.clone().unwrap_or_default();
+        if titles.is_empty() && sources.len() > 1 && sources.iter().any(|source| source.scene.title.is_none()) {
+            let names = names(&[], sources);
+            check_extent("", &names, sources.len()).map_err(|reason| Error::Incompatible { reason })?;
+            return Ok(names);
+        }
         if titles.is_empty() || titles.len() == sources.len() {
             return Ok(titles);
         }
@@ -220,7 +230,7 @@ impl PictureOptions {
             1
         };
         let timing = Timing { slow, frames_per_step, hold: self.hold.unwrap_or(0.0) };
-        Ok(Animation { steps: grid.steps, every: grid.every, timing })
+        Ok(Animation { every: within_run(&grid, desired, sources), steps: grid.steps, timing })
     }
 
     /// The steps to draw, in those of the [`clock`], thinned by `every`, else to `fps` frames per simulated second.
@@ -254,14 +264,15 @@ impl PictureOptions {
 
     /// The page of one state: a step of the [`clock`], or the one nearest to a time.
     fn state(step: StepOrTime, sources: &[Source]) -> Result<Page, Error> {
-        let clock = clock(sources)?;
-        let common = PictureOptions::default().clock_steps(sources)?;
-        let (step, last) = (step.step(clock.header.config.rate), *common.end());
-        let grid = StepGrid::new(step..=step, clock.header.config.rate, Thinning::All);
-        if last < step || step < *common.start() {
-            return Err(no_frames(&grid, last, sources));
+        let rate = clock(sources)?.header.config.rate;
+        let step = step.step(rate);
+        let grid = StepGrid::new(step..=step, rate, Thinning::All);
+        for source in sources {
+            let last = Moment { step: last_step(source)?, offset: 0.0 }.at_rate(source.header.config.rate, rate).step;
+            if last < step || restricted(grid.clone(), std::slice::from_ref(source)).is_err() {
+                return Err(no_frames_of(&grid, last, source, sources));
+            }
         }
-        restricted(grid, sources)?;
         Ok(Page::State { step, every: None })
     }
 
@@ -301,35 +312,44 @@ impl PictureOptions {
             // A filmstrip or strobe shows few instants; a diagram keeps all states that its page can show.
             FigureOptions::States(figure) => {
                 let steps = match figure {
-                    StatesFigure::Filmstrip => self.common_steps(Some(6), sources),
-                    StatesFigure::Strobe => self.common_steps(Some(16), sources),
-                    StatesFigure::Spacetime(_) => self.common_steps(None, sources),
+                    StatesFigure::Filmstrip => self.common_steps(ShownStates::Instants(6), sources),
+                    StatesFigure::Strobe => self.common_steps(ShownStates::Instants(16), sources),
+                    StatesFigure::Spacetime(_) => self.common_steps(ShownStates::OfRun, sources),
                 };
                 Ok(Page::States { figure: *figure, steps: steps? })
             }
-            FigureOptions::Energy => Ok(Page::Energy { steps: self.common_steps(None, sources)? }),
-            FigureOptions::Speeds => Ok(Page::Speeds { steps: self.common_steps(None, sources)? }),
-            FigureOptions::Pressure => Ok(Page::Pressure { steps: self.common_steps(None, sources)? }),
+            FigureOptions::Energy => Ok(Page::Energy { steps: self.common_steps(ShownStates::OfRun, sources)? }),
+            FigureOptions::Speeds => Ok(Page::Speeds { steps: self.common_steps(ShownStates::Full, sources)? }),
+            FigureOptions::Pressure => Ok(Page::Pressure { steps: self.common_steps(ShownStates::Full, sources)? }),
             FigureOptions::VelocitySpace(axis) => {
-                Ok(Page::VelocitySpace { axis: *axis, steps: self.common_steps(None, sources)? })
+                Ok(Page::VelocitySpace { axis: *axis, steps: self.common_steps(ShownStates::Full, sources)? })
             }
             FigureOptions::Lines(quantity) => {
-                Ok(Page::Lines { quantity: *quantity, steps: self.common_steps(None, sources)? })
+                Ok(Page::Lines { quantity: *quantity, steps: self.common_steps(ShownStates::OfRun, sources)? })
             }
         }
     }
 
-    /// The steps of each recording in the time that all of them contain: all steps, or about `count` at common
-    /// instants, unless `every` is given. Returns one range if it applies to all.
-    fn common_steps(&self, count: Option<u64>, sources: &[Source]) -> Result<Vec<StepRange>, Error> {
+    /// The steps of each recording in the time that all of them contain. Returns one range if it applies to all.
+    fn common_steps(&self, shown: ShownStates, sources: &[Source]) -> Result<Vec<StepRange>, Error> {
         // Runs shown side by side end with the one that is the shortest in time.
         // Steps are those of the clock, as in animations.
         let rate = clock(sources)?.header.config.rate;
         self.refuse_reversed_range(rate)?;
         let from = self.from.map_or(0, |from| from.step(rate)) as f64 / rate;
         let mut to = self.to.map_or(f64::INFINITY, |to| to.step(rate) as f64 / rate);
+        let mut shortest = clock(sources)?;
         for source in sources {
-            to = smaller(last_step(source)? as f64 / source.header.config.rate, to);
+            let end = shown.last_step(source)? as f64 / source.header.config.rate;
+            if end < to {
+                (to, shortest) = (end, source);
+            }
+        }
+        let steps = |rate: f64| (from * rate - 1e-9).ceil() as u64..=(to * rate * (1.0 + 1e-12) + 1e-9) as u64;
+        let rate = shortest.header.config.rate;
+        if steps(rate).is_empty() {
+            let grid = StepGrid::new(steps(rate), rate, Thinning::All);
+            return Err(no_frames_of(&grid, shown.last_step(shortest)?, shortest, sources));
         }
         let slowest = sources.iter().map(|source| source.header.config.rate).fold(f64::INFINITY, smaller);
         let interval = |count: u64| {
@@ -339,15 +359,21 @@ impl PictureOptions {
         let mut ranges = Vec::new();
         for source in sources {
             let rate = source.header.config.rate;
-            let steps = (from * rate - 1e-9).ceil() as u64..=(to * rate * (1.0 + 1e-12) + 1e-9) as u64;
-            let every = match (self.every, count) {
+            let every = match (self.every, shown) {
                 (Some(every), _) => every,
-                (None, Some(count)) => (interval(count) * rate).round() as u64,
-                (None, None) => 1,
+                (None, ShownStates::Instants(count)) => (interval(count) * rate).round() as u64,
+                (None, ShownStates::Full | ShownStates::OfRun) => 1,
             };
-            let grid = StepGrid::new(steps, rate, Thinning::Every(every)).restrict_to_every(source.header.every);
-            let grid = non_empty(grid, source, sources)?;
-            if count.is_some() && grid.count() > MAX_INSTANTS {
+            let grid = StepGrid::new(steps(rate), rate, Thinning::Every(every));
+            let grid = grid.restrict_to_every(shown.recorded_every(source));
+            if grid.count() == 0 {
+                let last = shown.last_step(source)?;
+                return Err(match shown.recorded_every(source) {
+                    1 => too_coarse(&grid, last).of_source(source, sources),
+                    _ => no_frames_of(&grid, last, source, sources),
+                });
+            }
+            if matches!(shown, ShownStates::Instants(_)) && grid.count() > MAX_INSTANTS {
                 return Err(too_many_instants(&grid));
             }
             let StepGrid { steps, every, .. } = grid;
@@ -357,6 +383,40 @@ impl PictureOptions {
             ranges.truncate(1);
         }
         Ok(ranges)
+    }
+}
+
+/// The states that a figure shows, unless `every` is given.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum ShownStates {
+    /// About this many at common instants, of those that are recorded in full.
+    Instants(u64),
+    /// All that are recorded in full.
+    Full,
+    /// All states of the run, which is replayed if possible.
+    OfRun,
+}
+
+impl ShownStates {
+    /// The last step that a figure can show.
+    ///
+    /// # Errors
+    /// If no state is readable.
+    fn last_step(self, source: &Source) -> Result<u64, Error> {
+        match self {
+            ShownStates::OfRun if source.is_replayable() => {
+                source.statistics.end_step.ok_or_else(|| source.read_error(recording::Error::NoReadableState))
+            }
+            ShownStates::Instants(_) | ShownStates::Full | ShownStates::OfRun => last_step(source),
+        }
+    }
+
+    /// The interval of the states that a figure can show.
+    fn recorded_every(self, source: &Source) -> u64 {
+        match self {
+            ShownStates::OfRun if source.is_replayable() => 1,
+            ShownStates::Instants(_) | ShownStates::Full | ShownStates::OfRun => source.header.every,
+        }
     }
 }
 
@@ -400,6 +460,17 @@ fn restricted(grid: StepGrid, sources: &[Source]) -> Result<StepGrid, Error> {
     }
 }
 
+/// The interval of a grid. If it shows step 0 alone, that is shown as long as the run, or as the interval of `fps`
+/// frames per simulated second if that is longer.
+fn within_run(grid: &StepGrid, fps: f64, sources: &[Source]) -> u64 {
+    if grid.every <= *grid.steps.end() {
+        return grid.every;
+    }
+    let duration = sources.iter().map(Source::duration).fold(f64::INFINITY, smaller);
+    let run = (duration * grid.rate).round() as u64;
+    grid.every.min(run.max(*grid.steps.end() + 1).max((grid.rate / fps).round() as u64))
+}
+
 /// The step of the last full state.
 ///
 /// # Errors
@@ -408,15 +479,9 @@ fn last_step(source: &Source) -> Result<u64, Error> {
     source.statistics.last_step.ok_or_else(|| source.read_error(recording::Error::NoReadableState))
 }
 
-/// Returns `grid` if it contains a step of `source`, which is one of `sources`.
-fn non_empty(grid: StepGrid, source: &Source, sources: &[Source]) -> Result<StepGrid, Error> {
-    match grid.count() {
-        0 => {
-            let last = source.statistics.last_step.unwrap_or(0);
-            Err(no_frames(&grid, last, std::slice::from_ref(source)).of_source(source, sources))
-        }
-        _ => Ok(grid),
-    }
+/// The error for a grid without a state of `source`, which is one of `sources` and whose last one is `last`.
+fn no_frames_of(grid: &StepGrid, last: u64, source: &Source, sources: &[Source]) -> Error {
+    no_frames(grid, last, std::slice::from_ref(source)).of_source(source, sources)
 }
 
 /// The error for a grid without a full state, of recordings whose common last one is `last`. If the end of one of them
@@ -424,7 +489,8 @@ fn non_empty(grid: StepGrid, source: &Source, sources: &[Source]) -> Result<Step
 fn no_frames(grid: &StepGrid, last: u64, sources: &[Source]) -> Error {
     let (from, to) = (*grid.steps.start(), *grid.steps.end());
     let lacks = |source: &&Source| {
-        source.statistics.last_step == Some(last) && (last + 1..=source.header.steps).contains(&from)
+        let ends = [source.statistics.last_step, source.statistics.end_step];
+        ends.contains(&Some(last)) && (last + 1..=source.header.steps).contains(&from)
     };
     let cut = sources.iter().find(lacks).and_then(|source| Some((source, source.declared_health().ok()?.health)));
     if let Some((source, health)) = cut.filter(|(_, health)| *health != recording::Health::Whole) {
@@ -436,13 +502,17 @@ fn no_frames(grid: &StepGrid, last: u64, sources: &[Source]) -> Error {
     if from <= last && recorded.count() > 0 {
         return too_coarse(grid, last);
     }
+    let is_in_run = sources.iter().any(|source| source.statistics.end_step >= Some(from));
     let steps = match recorded.every {
+        every if from == to && every > 1 && is_in_run => format!("at step {from}, but one every {every} steps"),
         _ if from == to => format!("at step {from}"),
         _ if from > last => format!("from step {from} on"),
         1 => format!("in the steps {from} to {to}"),
         every => format!("in the steps {from} to {to} by {every}"),
     };
-    Error::NothingToShow { reason: format!("the recording has no full state {steps}; its last one is at step {last}") }
+    let is_full = sources.iter().any(|source| source.statistics.last_step == Some(last));
+    let state = if is_full { "full state" } else { "state" };
+    Error::NothingToShow { reason: format!("the recording has no {state} {steps}; its last one is at step {last}") }
 }
 
 /// The error for a grid between whose steps all chosen steps are.

@@ -10,7 +10,9 @@ use std::io::{Read, Seek};
 pub struct RunStatistics {
     /// The step of the last full state; `None` if the recording contains no state.
     pub last_step: Option<u64>,
-    /// The highest speed in any state, m/s.
+    /// The step of the last state, recorded in full or as a digest, up to which the run can be replayed.
+    pub end_step: Option<u64>,
+    /// The highest speed in any full state, m/s.
     pub top_speed: f64,
     /// The largest sum of weight and constant force of a body, N.
     pub top_force: f64,
@@ -18,9 +20,9 @@ pub struct RunStatistics {
     pub materials: Vec<String>,
     /// The names of all bodies that ever exist.
     pub names: Vec<String>,
-    /// The bounding box of all bodies of finite mass in all states, m.
+    /// The bounding box of all bodies of finite mass in all full states, m.
     pub bounds: Option<Rect>,
-    /// True if a body of finite mass is ever inside the world of the scene.
+    /// True if a body of finite mass is inside the world of the scene in a full state.
     pub has_body_in_world: bool,
     /// The identity of the recording in pictures; `None` if the recording is unfinished.
     pub identity: Option<String>,
@@ -56,15 +58,22 @@ fn from_end_record<R: Read + Seek>(
         Some(bounds) if overlaps_world(&bounds.rect(), world) => ever_in_world(&mut recording, world)?,
         Some(_) | None => false,
     };
-    let last_step = (summary.states > 0).then(|| summary.trailer.steps - summary.trailer.steps % every);
-    Ok(stats.statistics(last_step, state_bounds, has_body_in_world, Some(summary.trailer.identity.to_string())))
+    let end_step = (summary.states > 0).then_some(summary.trailer.steps);
+    let identity = Some(summary.trailer.identity.to_string());
+    Ok(RunStatistics {
+        last_step: end_step.map(|step| step - step % every),
+        end_step,
+        has_body_in_world,
+        identity,
+        ..stats.statistics(state_bounds)
+    })
 }
 
 /// The statistics from all states of a recording.
 fn from_states<R: Read + Seek>(mut recording: Recording<R>, world: Vector) -> Result<RunStatistics, recording::Error> {
     let mut stats = BodyStats::new(recording.header.config.gravity);
     let mut state_bounds = StateBounds::default();
-    let (mut last_step, mut has_body_in_world) = (None, false);
+    let (mut last_step, mut end_step, mut has_body_in_world) = (None, None, false);
     while let Some(item) = recording.next() {
         let item = item?;
         stats.add_item(&item);
@@ -73,9 +82,14 @@ fn from_states<R: Read + Seek>(mut recording: Recording<R>, world: Vector) -> Re
             has_body_in_world = has_body_in_world || is_body_in_world(info, numbers, world);
         });
         last_step = full_state(&recording, &item).map(|state| state.step).or(last_step);
+        if let Item::State(state) = &item
+            && recording.table().is_some()
+        {
+            end_step = Some(state.step);
+        }
     }
     let identity = recording.trailer().map(|end| end.identity.to_string());
-    Ok(stats.statistics(last_step, &state_bounds, has_body_in_world, identity))
+    Ok(RunStatistics { last_step, end_step, has_body_in_world, identity, ..stats.statistics(&state_bounds) })
 }
 
 /// Returns true if a body of finite mass is ever inside the world. Usually the first state decides.
@@ -163,22 +177,14 @@ impl BodyStats {
         }
     }
 
-    fn statistics(
-        self,
-        last_step: Option<u64>,
-        state_bounds: &StateBounds,
-        has_body_in_world: bool,
-        identity: Option<String>,
-    ) -> RunStatistics {
+    fn statistics(self, state_bounds: &StateBounds) -> RunStatistics {
         RunStatistics {
-            last_step,
             top_speed: state_bounds.top_speed,
             top_force: self.top_force,
             materials: self.materials,
             names: self.names.into_values().collect(),
             bounds: state_bounds.bounds.map(|bounds| bounds.rect()),
-            has_body_in_world,
-            identity,
+            ..RunStatistics::default()
         }
     }
 }
@@ -247,6 +253,7 @@ name = "b"
             from_end_record.top_speed > 9.0
                 && from_end_record.top_force > 490.0
                 && from_end_record.last_step == Some(50 - 50 % every)
+                && from_end_record.end_step == Some(50)
         );
     }
 

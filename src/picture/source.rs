@@ -106,7 +106,7 @@ impl Source {
 
     /// The time of the last state, s.
     pub fn duration(&self) -> f64 {
-        self.statistics.last_step.unwrap_or(0) as f64 / self.header.config.rate
+        self.statistics.end_step.unwrap_or(0) as f64 / self.header.config.rate
     }
 
     /// The title of the recording in a picture of several recordings: that of its scene, else the scene's file name.
@@ -152,10 +152,15 @@ impl Source {
         Ok(bodies)
     }
 
-    /// The steps of a replay from `first` to `last`: to the end of the file if `last` is the last state, because the
-    /// rest of the file may be damaged.
+    /// Returns true if this engine can run the recording again, so that pictures can show states that it does not store.
+    pub(super) const fn is_replayable(&self) -> bool {
+        self.header.versions.semantics == recording::SEMANTICS_VERSION
+    }
+
+    /// The steps to read for a replay from `first` to `last`: to the end of the file if `last` is the last full state or
+    /// a later one, because the rest of the file may be damaged. What is read after `last` is not shown.
     pub(super) fn steps_to_read(&self, first: u64, last: u64) -> RangeInclusive<u64> {
-        let is_to_the_end = self.statistics.last_step.is_none_or(|end| last >= end);
+        let is_to_the_end = self.statistics.last_step.is_none_or(|full| last >= full);
         first..=if is_to_the_end { u64::MAX } else { last }
     }
 

@@ -28,7 +28,7 @@ pub struct BatchWriter<W: Write> {
     unflushed_events: bool,
     state: RecordedState,
     digest: StateDigest,
-    /// The bounds of all states so far, if the end record stores them.
+    /// The bounds of all full states so far, if the end record stores them.
     state_bounds: Option<StateBounds>,
     /// The colours of the scene updates, if these are enabled.
     color: Option<ColorFn>,

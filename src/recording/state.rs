@@ -105,7 +105,7 @@ pub fn body_state(body: &Body) -> [f64; 4] {
     [position.x, position.y, velocity.x, velocity.y]
 }
 
-/// Bounds of all states of a run, so that pictures drawn separately can share one scale.
+/// Bounds of all full states of a recording, so that pictures drawn separately can share one scale.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StateBounds {
     /// The highest speed of any body, m/s.

@@ -338,7 +338,12 @@ fn a_folder_with_one_recording_is_exported_as_topics() {
 #[test]
 fn a_range_that_the_run_never_had_is_refused() {
     let workplace = recorded();
-    workplace.done("record scene.toml -o thin.mcap --every 10");
+    workplace.done("record scene.toml -o thin.mcap --steps 89 --every 10");
+    workplace.write(
+        "short.toml",
+        "run.steps = 20\n[[spawn]]\nname = \"c\"\nat = [1.0, 1.0]\nsize = [1.0, 1.0]\nmass = 1.0\n",
+    );
+    workplace.done("record short.toml -o short.mcap");
     workplace.done("export run.mcap -o table.csv");
     let names = workplace.names();
     for (range, reason) in [
@@ -383,6 +388,27 @@ fn a_range_that_the_run_never_had_is_refused() {
             "none is in the steps 81 to 89; include step 80",
         ),
         ("render thin.mcap -o new.gif --from 3 --to 5", "no full state in the steps 3 to 5 by 10"),
+        ("export thin.mcap --from 85", "thin.mcap has no full state from step 85 on"),
+        ("export thin.mcap --from 85 --to 85", "thin.mcap has no full state at step 85"),
+        ("figure energy thin.mcap -o new.svg --from 91", "no state from step 91 on; its last one is at step 89"),
+        (
+            "figure energy run.mcap short.mcap -o new.svg --from 30",
+            "short.mcap: the recording has no full state from step 30",
+        ),
+        (
+            "figure strobe run.mcap short.mcap -o new.svg --from 30",
+            "short.mcap: the recording has no full state from step 30",
+        ),
+        ("figure speeds run.mcap short.mcap -o new.svg --from 30", "its last one is at step 20"),
+        (
+            "render run.mcap thin.mcap -o new.png --at 85",
+            "thin.mcap: the recording has no full state at step 85, but one every 10 steps; its last one is at step 80",
+        ),
+        (
+            "render run.mcap thin.mcap -o new.png --at 25",
+            "thin.mcap: the recording has no full state at step 25, but one every 10",
+        ),
+        ("render run.mcap short.mcap -o new.png --at 25", "short.mcap: the recording has no full state at step 25"),
     ] {
         let refused = workplace.rebond(command);
         assert!(refused.code == 1 && refused.errors.contains(message), "{command}: {refused:?}");
@@ -390,6 +416,18 @@ fn a_range_that_the_run_never_had_is_refused() {
     assert_eq!(workplace.names(), names);
     workplace.done("export thin.mcap --from 3 --to 5 --table bodies");
     workplace.done("export run.mcap --from 90 --to 500 --shard 2/2");
+}
+
+#[test]
+fn a_clip_of_one_frame_is_no_longer_than_the_run() {
+    let workplace = recorded();
+    workplace.done("record scene.toml -o thin.mcap --every 1000000");
+    for command in ["render run.mcap --every 1000000", "render thin.mcap", "render thin.mcap --every 3"] {
+        for format in ["gif", "apng"] {
+            let shown = workplace.done(&format!("{command} --force -o clip.{format}")).output;
+            assert!(shown.contains(": 1 frame, every 9"), "{command}: {shown}");
+        }
+    }
 }
 
 #[test]

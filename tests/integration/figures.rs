@@ -1,5 +1,6 @@
 //! Figures of small runs, in both themes.
 
+use crate::command_line::SCENE;
 use crate::rebond::Workplace;
 use crate::reference_image::assert_reference_image;
 use crate::run_states::{BodySpec, WORLD, fall, galperin, pair, piston, run_with};
@@ -201,6 +202,44 @@ fn velocity_space_counts_the_collisions_of_its_steps_alone() {
         assert!(file.contains(&format!(">n = {count}</text>")), "from step {from}: {count}");
     }
     assert_eq!(steps.len(), 31);
+}
+
+/// A replay is read to the end of the file; what happens after the last step is no part of the figure.
+#[test]
+fn velocity_space_of_a_thinned_recording_ends_with_its_last_full_state() {
+    let workplace = Workplace::with_scene(GALPERIN);
+    workplace.done("record scene.toml -o thin.mcap --steps 45 --every 30");
+    let table = workplace.done("export thin.mcap --table collisions").output;
+    let steps = table.lines().skip(1).map(|row| row.split(',').nth(1).unwrap().parse::<u64>().unwrap());
+    let (before, after): (Vec<u64>, Vec<u64>) = steps.partition(|step| *step < 30);
+    assert!(!before.is_empty() && !after.is_empty());
+    workplace.done("figure velocity-space thin.mcap -o figure.svg");
+    let file = String::from_utf8(workplace.read("figure.svg")).unwrap();
+    assert!(file.contains(&format!(">n = {}</text>", before.len())), "{before:?}");
+}
+
+/// Figures of all states of a run are the same, to the byte, whichever of these states the recording stores.
+#[test]
+fn figures_of_all_states_do_not_depend_on_the_interval_of_the_recording() {
+    for solver in ["handout", "event-driven"] {
+        let late = "[[spawn]]\nname = \"fast\"\nstep = 88\nat = [1.0, 0.25]\nsize = [0.5, 0.5]\nmass = 50.0\n\
+            velocity = [30.0, 0.0]\n";
+        let workplace = Workplace::with_scene(&format!("{}{late}", SCENE.replace("handout", solver)));
+        let intervals = [1, 7, 1000];
+        for every in intervals {
+            workplace.done(&format!("record scene.toml -o {every}.mcap --every {every}"));
+        }
+        for figure in ["energy", "lines --quantity E", "lines --bodies c", "spacetime", "spacetime --axis y"] {
+            for range in ["", "--from 10 --to 83", "--from 85 --to 87", "--from 89"] {
+                let drawn = intervals.map(|every| {
+                    workplace.done(&format!("figure {figure} {every}.mcap {range} --force -o figure.svg"));
+                    let file = String::from_utf8(workplace.read("figure.svg")).unwrap();
+                    file.replace(&format!(" recorded_every={every}"), "")
+                });
+                assert!(drawn.iter().all(|file| *file == drawn[0]), "{solver}: {figure} {range}");
+            }
+        }
+    }
 }
 
 #[test]

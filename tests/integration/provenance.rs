@@ -81,6 +81,73 @@ fn still_pictures_and_animations_redraw_byte_for_byte() {
     }
 }
 
+/// The scales of colours and arrows follow from the states that a recording stores, so a picture is drawn again from
+/// the recording that stores the same ones. Only without it, another one that stores the states of the picture is used.
+#[test]
+fn pictures_of_thinned_recordings_redraw_byte_for_byte_among_other_recordings_of_the_run() {
+    let workplace = Workplace::with_scene(SCENE);
+    for (name, every) in [("a2", 2), ("b1", 1), ("c10", 10), ("d15", 15), ("e1000", 1000)] {
+        workplace.done(&format!("record scene.toml -o {name}.mcap --every {every}"));
+    }
+    let names = ["b1", "a2", "c10", "d15", "e1000"];
+    let open = |name: &str| Source::open(&workplace.path(&format!("{name}.mcap"))).unwrap();
+    let all = names.map(open);
+    for name in names {
+        workplace.done(&format!("render {name}.mcap --at 0 -o {name}.png --show velocity --color-by speed"));
+        workplace.done(&format!("figure spacetime {name}.mcap -o {name}.svg --color-by speed"));
+        for file in [format!("{name}.png"), format!("{name}.svg")] {
+            let drawn = workplace.read(&file);
+            assert!(redraw(&drawn, &all).unwrap() == drawn, "{file} is drawn differently");
+        }
+    }
+    workplace.done("figure energy c10.mcap b1.mcap d15.mcap -o mixed.svg");
+    let mixed = workplace.read("mixed.svg");
+    assert!(String::from_utf8_lossy(&mixed).contains("recorded_every=10,1,15"));
+    assert!(redraw(&mixed, &all).unwrap() == mixed);
+    assert!(workplace.done("check .").output.contains("same: 5 recordings, 11 pictures"));
+    workplace.done("render d15.mcap --at 30 -o at30.png");
+    let at_30 = workplace.read("at30.png");
+    assert!(redraw(&at_30, &all[..1]).unwrap().starts_with(b"\x89PNG"));
+    let error = redraw(&at_30, &all[1..3]).unwrap_err().to_string();
+    assert!(error.contains("stores every 2 steps in full, and the one that was drawn every 15:"), "{error}");
+    for name in ["b1", "d15"] {
+        std::fs::remove_file(workplace.path(&format!("{name}.mcap"))).unwrap();
+    }
+    let orphaned = workplace.rebond("check .").output;
+    let line = orphaned.lines().find(|line| line.contains("at30.png")).unwrap_or_default();
+    assert!(line.contains("a2.mcap") && line.contains("stores every 2 steps in full"), "{orphaned}");
+}
+
+/// Two files with the same text, which states no title, have recordings of the same identity.
+#[test]
+fn titles_that_are_names_of_files_are_part_of_the_provenance() {
+    let untitled = SCENE.replace("title = \"A small run\"\n", "");
+    let workplace = Workplace::with_scene(&untitled);
+    std::fs::remove_file(workplace.path("scene.toml")).unwrap();
+    let names = ["alpha", "beta"];
+    for name in names {
+        workplace.write(&format!("{name}.toml"), &untitled);
+        workplace.done(&format!("record {name}.toml -o {name}.mcap"));
+    }
+    let open = |name: &str| Source::open(&workplace.path(&format!("{name}.mcap"))).unwrap();
+    for (command, file) in [
+        ("figure energy", "energy.svg"),
+        ("figure lines", "lines.pdf"),
+        ("figure collision", "collision.svg"),
+        ("render --at 20", "state.png"),
+        ("render --to 10", "clip.gif"),
+    ] {
+        workplace.done(&format!("{command} alpha.mcap beta.mcap -o {file}"));
+        let drawn = workplace.read(file);
+        for sources in [names, ["beta", "alpha"]] {
+            assert!(redraw(&drawn, &sources.map(open)).unwrap() == drawn, "{file} from {sources:?}");
+        }
+        let provenance = workplace.done(&format!("info {file}")).output;
+        assert!(names.iter().all(|name| provenance.contains(name)), "{provenance}");
+    }
+    assert!(workplace.done("check .").output.contains("5 pictures"));
+}
+
 #[test]
 fn a_picture_of_a_sequence_redraws_on_its_own() {
     let workplace = workplace_with_recordings();
@@ -130,7 +197,7 @@ fn the_error_of_a_picture_that_cannot_be_redrawn_gives_the_reason() {
     workplace.done("record scene.toml -o thin.mcap --every 10");
     let thin = Source::open(&workplace.path("thin.mcap")).unwrap();
     let error = redraw(&file, &[thin]).unwrap_err().to_string();
-    assert!(error.contains("stores fewer full states"), "{error}");
+    assert!(error.contains("stores every 10 steps in full, and the one that was drawn every 1:"), "{error}");
     for (content, reason) in [("hello", "neither PNG"), ("<svg xmlns=\"\"></svg>", "no \"rebond options\"")] {
         let error = Provenance::read(content.as_bytes()).unwrap_err().to_string();
         assert!(error.contains(reason), "{error}");
