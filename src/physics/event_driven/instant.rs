@@ -1,3 +1,4 @@
+use super::decimal::stated;
 use super::double_double::DoubleDouble;
 use std::cmp::Ordering;
 
@@ -86,6 +87,8 @@ impl Instant {
 pub struct Clock {
     /// Steps per second, Hz.
     pub rate: f64,
+    /// The rate as the decimal that it stands for.
+    stated_rate: DoubleDouble,
     /// Seconds per step.
     pub period: f64,
 }
@@ -93,12 +96,12 @@ pub struct Clock {
 impl Clock {
     /// Creates a clock of `rate` steps per second.
     pub fn new(rate: f64) -> Clock {
-        Clock { rate, period: 1.0 / rate }
+        Clock { rate, stated_rate: stated(rate), period: 1.0 / rate }
     }
 
     /// The instant of the state of a step.
     pub fn start_of(&self, step: u64) -> Instant {
-        let DoubleDouble { high, low } = DoubleDouble::quotient(step as f64, self.rate);
+        let DoubleDouble { high, low } = DoubleDouble::from(step as f64) / self.stated_rate;
         Instant { high, low }
     }
 }
@@ -111,6 +114,21 @@ mod tests {
     fn rates_that_differ_by_a_power_of_two_sample_at_the_same_instants() {
         for step in [1, 7, 1000, 123_456_789] {
             assert_eq!(Clock::new(60.0).start_of(step), Clock::new(240.0).start_of(4 * step));
+        }
+    }
+
+    #[test]
+    fn decimal_rates_sample_at_the_instants_of_whole_ones() {
+        for (rate, steps, whole_rate, whole_steps) in [
+            (0.1, 864, 1.0, 8640),
+            (0.3, 9, 1.0, 30),
+            (59.94, 2997, 1.0, 50),
+            (1e-3, 7, 1.0, 7000),
+            (12.6, 63, 60.0, 300),
+        ] {
+            let instants = [Clock::new(rate).start_of(steps), Clock::new(whole_rate).start_of(whole_steps)];
+            let [decimal, whole] = instants.map(Instant::as_number);
+            assert!((decimal - whole).high.abs() <= 1e-31 * whole.high, "{rate} Hz: {decimal:?}, not {whole:?}");
         }
     }
 
