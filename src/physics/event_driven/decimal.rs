@@ -59,7 +59,7 @@ mod tests {
     /// The decimal in double-double arithmetic, from its digits and places.
     fn quotient(digits: u64, places: i32) -> DoubleDouble {
         let power = (0..places).fold(1.0, |power, _| power * 10.0);
-        DoubleDouble::quotient(digits as f64, power)
+        DoubleDouble::from(digits as f64) / power.into()
     }
 
     #[test]

@@ -116,21 +116,6 @@ impl DoubleDouble {
         if self.high.abs() <= rounding { DoubleDouble::ZERO } else { self }
     }
 
-    /// The quotient of two doubles: the same number as the quotient of two `DoubleDouble`s, in half the time.
-    #[inline]
-    pub fn quotient(dividend: f64, divisor: f64) -> DoubleDouble {
-        // The rest of a division of doubles is a double.
-        let rest = |dividend: f64, quotient: f64| {
-            let product = DoubleDouble::two_product(divisor, quotient);
-            (dividend - product.high) - product.low
-        };
-        let first = dividend / divisor;
-        let first_rest = rest(dividend, first);
-        let second = first_rest / divisor;
-        let third = rest(first_rest, second) / divisor;
-        DoubleDouble::quick_two_sum(first, second) + third.into()
-    }
-
     /// The number times a power of two.
     #[inline]
     pub fn scaled(self, power_of_two: f64) -> DoubleDouble {
@@ -295,18 +280,6 @@ mod tests {
         assert!(rest.high.abs() < 1e-31);
         let seventh = number(22.0) / number(7.0) * number(7.0) - number(22.0);
         assert!(seventh.high.abs() < 1e-30);
-    }
-
-    #[test]
-    fn a_quotient_of_doubles_is_the_same_as_that_of_double_doubles() {
-        let mut bits = 1_u64;
-        for _ in 0..100_000 {
-            bits = bits.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            let [a, b] = [(bits >> 20) as f64, f64::from((bits >> 7) as u32 % 100_000 + 1) / 16.0];
-            for [a, b] in [[a, b], [a % 10_000.0, b], [a % 1e6, 60.0], [a % 1e6, 1.0 + b.sqrt()]] {
-                assert_eq!(DoubleDouble::quotient(a, b), number(a) / number(b), "{a:?} / {b:?}");
-            }
-        }
     }
 
     #[test]
