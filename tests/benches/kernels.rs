@@ -23,6 +23,7 @@ mod physics {
 mod event_driven {
     pub mod axis_trajectory;
     pub mod body_state;
+    pub mod decimal;
     pub mod double_double;
     pub mod event_queue;
     pub mod instant;

@@ -18,7 +18,7 @@ use super::pair_event::Sample;
 use super::patch::{Local, LocalBody, Patch, TouchKind};
 use crate::physics::{Axis, Observer, Side, StepError, World};
 use std::collections::{BTreeMap, BTreeSet};
-use std::iter::repeat;
+use std::iter::{self, repeat};
 
 /// A body that an instant concerns.
 #[derive(Clone, Copy, Debug)]
@@ -101,21 +101,23 @@ impl EventDriven {
     ) -> Vec<Concerned> {
         let mut concerned: Vec<Concerned> = Vec::new();
         let mut add = |pair: [Slot; 2], at: Instant| concerned.extend(pair.map(|slot| Concerned { slot, at }));
-        let events = [vec![*first], others].concat();
-        if events.iter().all(|event| event.at == first.at && self.is_due(event, last)) {
-            events.iter().for_each(|event| add(event.pair, event.at));
+        // Events coincide if both gaps are 0 at both times.
+        let coincide = |earlier: &ScheduledEvent, later: &ScheduledEvent| {
+            earlier.at == later.at
+                || (!earlier.at.end_of_vicinity().is_before(later.at)
+                    && self.coincides(later, earlier.at)
+                    && self.coincides(earlier, later.at))
+        };
+        let is_first_due = self.is_due(first, last);
+        if is_first_due && !others.iter().any(|event| coincide(first, event)) {
+            add(first.pair, first.at);
+        } else if is_first_due && others.iter().all(|event| event.at == first.at && self.is_due(event, last)) {
+            iter::once(first).chain(&others).for_each(|event| add(event.pair, event.at));
         } else {
-            // Events coincide if both gaps are 0 at both times.
-            let coincide = |earlier: &ScheduledEvent, later: &ScheduledEvent| {
-                earlier.at == later.at
-                    || (!earlier.at.end_of_vicinity().is_before(later.at)
-                        && self.coincides(later, earlier.at)
-                        && self.coincides(earlier, later.at))
-            };
             let (mut group_of, mut groups) = (BTreeMap::new(), Vec::<Group>::new());
             // The first event of the instant, and true until an event does not coincide with it.
             let (mut lead, mut accepts_groups) = (None, true);
-            for event in &events {
+            for event in iter::once(first).chain(&others) {
                 let start = if self.bodies[event.pair[0]].infinite { event.pair[1] } else { event.pair[0] };
                 accepts_groups &= lead.is_none_or(|lead| coincide(lead, event));
                 if !group_of.contains_key(&start) {
