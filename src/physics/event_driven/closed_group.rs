@@ -121,11 +121,11 @@ impl EventDriven {
         });
         let anchor = references[impact_pair.anchor].drifted_position_at(at);
         let positions = impact_pair.positions_in_contact(anchor, &sizes);
-        for place in [0, 1] {
-            if !impact_pair.is_immovable[place] {
-                let member = &mut group.members[index + place];
-                let velocity = after[place].or_zero(speed * VELOCITY_ROUNDING);
-                let state = StateDd { position: positions[place], velocity, acceleration: DoubleDouble::ZERO };
+        for side in Side::BOTH {
+            if !impact_pair.is_immovable[side] {
+                let member = &mut group.members[index + side as usize];
+                let velocity = after[side].or_zero(speed * VELOCITY_ROUNDING);
+                let state = StateDd { position: positions[side], velocity, acceleration: DoubleDouble::ZERO };
                 (member.reference.state, member.reference.since) = (state, at);
                 member.has_collided = true;
             }

@@ -17,7 +17,7 @@ use crate::physics::{Axis, Collision, Observer, Rect, Side, Vector, World, large
 /// Two bodies whose faces collide: the data that stay the same from impact to impact. A body that gives way has no
 /// contacts.
 ///
-/// All pairs have the body on the low side first.
+/// All pairs are indexed by [`Side`]: the body on the low side is the first.
 #[derive(Clone, Copy, Debug)]
 pub struct ImpactPair {
     bodies: [Slot; 2],
@@ -54,8 +54,8 @@ impl ImpactPair {
     /// The greatest of the speeds of the bodies that the impact can move, before and after it.
     #[inline(always)]
     pub fn greatest_speed(&self, before: [f64; 2], after: &[DoubleDouble; 2]) -> f64 {
-        let own_speed = |place: usize| if self.is_immovable[place] { 0.0 } else { before[place] };
-        let speeds = [own_speed(0), own_speed(1), after[0].high.abs(), after[1].high.abs()];
+        let own_speed = |side: Side| if self.is_immovable[side] { 0.0 } else { before[side] };
+        let speeds = [own_speed(Side::Low), own_speed(Side::High), after[0].high.abs(), after[1].high.abs()];
         speeds.iter().fold(0.0, |greatest, speed| larger(*speed, greatest))
     }
 
@@ -63,8 +63,8 @@ impl ImpactPair {
     #[inline(always)]
     pub fn positions_in_contact(&self, anchor: DoubleDouble, sizes: &[DoubleDouble; 2]) -> [DoubleDouble; 2] {
         match self.anchor {
-            Side::Low => [anchor, anchor + sizes[0]],
-            Side::High => [anchor - sizes[0], anchor],
+            Side::Low => [anchor, anchor + sizes[Side::Low]],
+            Side::High => [anchor - sizes[Side::Low], anchor],
         }
     }
 }
@@ -81,30 +81,32 @@ impl EventDriven {
         observer: &mut O,
     ) -> bool {
         let Some(impact_pair) = self.impact_pair(world, pair, axis, side) else { return false };
-        let [low, high] = impact_pair.bodies;
         // A supported body can lose its support or hit an infinite mass in this very instant; infinite masses hold no
         // such events in the queue.
-        let is_firm = |place: usize| {
-            let slot = impact_pair.bodies[place];
-            !impact_pair.is_immovable[place] || self.bodies[slot].infinite || self.bodies.is_at_rest(slot)
+        let is_firm = |side: Side| {
+            let slot = impact_pair.bodies[side];
+            !impact_pair.is_immovable[side] || self.bodies[slot].infinite || self.bodies.is_at_rest(slot)
         };
-        if !is_firm(0) || !is_firm(1) {
+        if !Side::BOTH.into_iter().all(is_firm) {
             return false;
         }
-        let references = [self.bodies.reference(low, axis), self.bodies.reference(high, axis)];
+        let references = impact_pair.bodies.map(|slot| self.bodies.reference(slot, axis));
         let states = Reference::scaled_states_at(&references, self.timeline.now(), self.bodies.rounding());
         let Some(impact) = self.impact_of(&impact_pair, &states) else { return false };
-        let gives_way = impact_pair.is_immovable.map(|is_immovable| !is_immovable);
         let mut neighbours = std::mem::take(&mut self.neighbour_buffer);
-        let is_isolated = (!gives_way[0] || self.touches_none_but(low, Some(high), &mut neighbours))
-            && (!gives_way[1] || self.touches_none_but(high, Some(low), &mut neighbours));
+        let is_isolated = Side::BOTH.into_iter().all(|side| {
+            let [slot, partner] = [impact_pair.bodies[side], impact_pair.bodies[side.opposite()]];
+            impact_pair.is_immovable[side] || self.touches_none_but(slot, Some(partner), &mut neighbours)
+        });
         self.neighbour_buffer = neighbours;
         if !is_isolated {
             return false;
         }
         self.carry_out(&impact_pair, &states, &impact, observer);
-        for (slot, _) in [low, high].into_iter().zip(gives_way).filter(|(_, gives_way)| *gives_way) {
-            self.invalidate(slot);
+        for side in Side::BOTH {
+            if !impact_pair.is_immovable[side] {
+                self.invalidate(impact_pair.bodies[side]);
+            }
         }
         true
     }
@@ -114,19 +116,16 @@ impl EventDriven {
     #[inline(always)]
     pub(super) fn impact_pair(&self, world: &World, pair: [Slot; 2], axis: Axis, side: Side) -> Option<ImpactPair> {
         let bodies = if side == Side::High { pair } else { [pair[1], pair[0]] };
-        let [low, high] = bodies.map(|slot| self.bodies.params(slot));
-        let restitution = self.restitutions[world.restitution.index(low.material, high.material)];
-        let is_immovable = [(0, Side::Low), (1, Side::High)].map(|(place, pushed)| {
-            self.bodies[bodies[place]].infinite || self.contacts.is_supported(bodies[place], axis, pushed)
-        });
-        let has_contacts = |place: usize| !is_immovable[place] && !self.contacts.of(bodies[place]).is_empty();
-        if restitution.high == 0.0 || is_immovable == [true; 2] || has_contacts(0) || has_contacts(1) {
+        let [low, high] = bodies.map(|slot| self.bodies.params(slot).material);
+        let restitution = self.restitutions[world.restitution.index(low, high)];
+        let is_immovable = Side::BOTH
+            .map(|side| self.bodies[bodies[side]].infinite || self.contacts.is_supported(bodies[side], axis, side));
+        let has_contacts = |side: Side| !is_immovable[side] && !self.contacts.of(bodies[side]).is_empty();
+        if restitution.high == 0.0 || is_immovable == [true; 2] || Side::BOTH.into_iter().any(has_contacts) {
             return None;
         }
-        let mass = [(low, is_immovable[0]), (high, is_immovable[1])].map(|(params, is_immovable)| match is_immovable {
-            true => f64::INFINITY.into(),
-            false => params.mass,
-        });
+        let mass = Side::BOTH
+            .map(|side| if is_immovable[side] { f64::INFINITY.into() } else { self.bodies.params(bodies[side]).mass });
         // The earlier body, or that which does not give way.
         let anchor = match (is_immovable, side) {
             ([true, _], _) => Side::Low,
@@ -178,7 +177,7 @@ impl EventDriven {
         let [low, high] = states;
         let after = impact.velocities_with(impact.approach_speed(), || self.latest_shares.of(impact));
         let after = self.bodies.rounding().velocities(impact, after);
-        let sizes = [self.bodies.size(bodies[0], axis), self.bodies.size(bodies[1], axis)];
+        let sizes = bodies.map(|slot| self.bodies.size(slot, axis));
         let acceleration = low.state.acceleration_relative_to(&high.state).high;
         let resolution = self.bodies.resolution().of_gap([sizes[0].high, sizes[1].high], low.length + high.length);
         let speed = impact_pair.greatest_speed([low.speed, high.speed], &after);
@@ -186,17 +185,13 @@ impl EventDriven {
         let is_extended = resolution < 0.25 * (sizes[0].high + sizes[1].high);
         let is_receding = (after[1] - after[0]).high > speed * VELOCITY_ROUNDING && acceleration <= 0.0 && is_extended;
         self.receding = is_receding.then_some(pair);
-        let [low, high] = [low.state, high.state];
-        let anchor = [low.position, high.position][impact_pair.anchor];
-        let positions = impact_pair.positions_in_contact(anchor, &sizes);
-        let velocities = after.map(|velocity| velocity.or_zero(speed * VELOCITY_ROUNDING));
-        if !is_immovable[0] {
-            let changed = StateDd { position: positions[0], velocity: velocities[0], ..low };
-            self.bodies.set_trajectory(bodies[0], axis, changed, self.timeline.now());
-        }
-        if !is_immovable[1] {
-            let changed = StateDd { position: positions[1], velocity: velocities[1], ..high };
-            self.bodies.set_trajectory(bodies[1], axis, changed, self.timeline.now());
+        let positions = impact_pair.positions_in_contact(states[impact_pair.anchor].state.position, &sizes);
+        for side in Side::BOTH {
+            if !is_immovable[side] {
+                let velocity = after[side].or_zero(speed * VELOCITY_ROUNDING);
+                let changed = StateDd { position: positions[side], velocity, ..states[side].state };
+                self.bodies.set_trajectory(bodies[side], axis, changed, self.timeline.now());
+            }
         }
         let impulse = impact.impulse() / MASS_SCALE;
         let before = states.map(|state| state.state.position);
@@ -219,20 +214,20 @@ impl EventDriven {
             Axis::X => Vector::new(along, across),
             Axis::Y => Vector::new(across, along),
         };
-        let rect = |place: usize| {
-            let [width, height] = self.bodies[bodies[place]].size;
-            Rect::new(vector(positions[place].high, across[place].position.high), width, height)
-        };
+        let rects = Side::BOTH.map(|side| {
+            let [width, height] = self.bodies[bodies[side]].size;
+            Rect::new(vector(positions[side].high, across[side].position.high), width, height)
+        });
         let velocities = |along: [DoubleDouble; 2]| {
-            let velocity = |place: usize| vector(along[place].high, across[place].velocity.high);
-            impact_pair.in_creation_order([velocity(0), velocity(1)])
+            let velocity = |side: Side| vector(along[side].high, across[side].velocity.high);
+            impact_pair.in_creation_order(Side::BOTH.map(velocity))
         };
         self.collision(ImpactRecord {
             slots: impact_pair.slots(),
             axis,
             side,
             at: self.timeline.now(),
-            rects: impact_pair.in_creation_order([rect(0), rect(1)]),
+            rects: impact_pair.in_creation_order(rects),
             velocities: [velocities(impact.velocity), velocities(after)],
             along: [impact.velocity, after],
             impulse,
