@@ -7,7 +7,7 @@ use super::body_state::Slot;
 use super::double_double::DoubleDouble;
 use super::event_queue::ScheduledEvent;
 use super::instant::Instant;
-use super::pair_event::PairEvent;
+use super::pair_event::{ImpactKind, PairEvent};
 use super::random_rounding::{RandomRounding, is_exact_path};
 use super::reference::Reference;
 use crate::physics::{Axis, Side, larger};
@@ -171,6 +171,17 @@ impl ExactAxis {
         ]
     }
 
+    /// The impact of the bodies after t seconds, when their gap along the other axis closes, by their overlap along this
+    /// one; `None` if they neither overlap nor enter the corner.
+    fn impact_after(&self, t: DoubleDouble) -> Option<ImpactKind> {
+        let [gap, speed, acceleration] = self.after(t);
+        if gap.high < 0.0 {
+            return Some(ImpactKind::Face);
+        }
+        let is_entering = speed.high > 0.0 || (speed.high == 0.0 && acceleration.high > 0.0);
+        (gap.high == 0.0 && is_entering).then_some(ImpactKind::Corner)
+    }
+
     /// The seconds until a gap closes.
     #[inline(always)]
     fn time_to_contact(&self, side: Side) -> Option<DoubleDouble> {
@@ -320,10 +331,9 @@ impl EventDriven {
                     }
                 } else if contacts == [false; 2]
                     && let Some(time) = axes[axis].time_to_contact(side)
-                    && let Some(is_face) = enters(&axes[axis.other()], time)
+                    && let Some(kind) = axes[axis.other()].impact_after(time)
                 {
-                    let event = if is_face { PairEvent::FaceImpact } else { PairEvent::CornerImpact };
-                    keep(time, event(axis, side));
+                    keep(time, kind.along(axis, side));
                 }
             }
         }
@@ -374,15 +384,4 @@ impl EventDriven {
         let touches = gaps[face] >= -axes[face].deepest_rounding;
         (touches && approaches[face]).then(|| PairEvent::FaceImpact(face, axes[face].nearest_side()))
     }
-}
-
-/// How two boxes overlap on this axis at the time at which their gap on the other closes: true if by more than
-/// rounding, false at a corner that they enter, `None` otherwise.
-fn enters(axis: &ExactAxis, time: DoubleDouble) -> Option<bool> {
-    let [gap, speed, acceleration] = axis.after(time);
-    if gap.high < 0.0 {
-        return Some(true);
-    }
-    let is_entering = speed.high > 0.0 || (speed.high == 0.0 && acceleration.high > 0.0);
-    (gap.high == 0.0 && is_entering).then_some(false)
 }

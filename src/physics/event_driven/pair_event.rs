@@ -28,6 +28,26 @@ impl PairEvent {
     }
 }
 
+/// The impact of two boxes whose gap along an axis closes, by their overlap along the other axis at that time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ImpactKind {
+    /// They overlap by more than rounding.
+    Face,
+    /// Their overlap is 0 to rounding.
+    Corner,
+}
+
+impl ImpactKind {
+    /// The impact as an event along the axis of the gap, on a side of the first box.
+    #[inline]
+    pub fn along(self, axis: Axis, side: Side) -> PairEvent {
+        match self {
+            ImpactKind::Face => PairEvent::FaceImpact(axis, side),
+            ImpactKind::Corner => PairEvent::CornerImpact(axis, side),
+        }
+    }
+}
+
 /// The state of a body at an instant.
 #[derive(Clone, Copy)]
 pub struct Sample<'a> {
@@ -125,6 +145,14 @@ struct BoundedTime {
     error: f64,
 }
 
+/// The time at which a gap closes.
+enum ContactTime {
+    Never,
+    At(BoundedTime),
+    /// Rounding decides whether it closes now.
+    Unclear,
+}
+
 impl Relative {
     #[inline]
     fn new(first: &Sample, second: &BodyState) -> Relative {
@@ -208,37 +236,37 @@ impl Relative {
         BoundedTime { seconds, error: error + 4.0 * f64::EPSILON * seconds }
     }
 
-    /// The time at which a gap closes; `Err` if rounding decides whether it closes now.
-    fn time_to_contact(&self, axis: Axis, side: Side) -> Result<Option<BoundedTime>, ()> {
+    /// The time at which the gap on a side of the first box closes.
+    fn contact_time(&self, axis: Axis, side: Side) -> ContactTime {
         let [gap, speed, acceleration] = self.closing(axis, side);
         if speed <= 0.0 && acceleration <= 0.0 {
-            return Ok(None);
+            return ContactTime::Never;
         }
         let tolerance = self.tolerance[axis];
         if gap.abs() <= tolerance {
             if speed < 0.0 && acceleration > 0.0 && speed * speed > 16.0 * acceleration * tolerance {
-                return Ok(Some(self.bounded(axis, -2.0 * speed / acceleration, speed)));
+                return ContactTime::At(self.bounded(axis, -2.0 * speed / acceleration, speed));
             }
-            return Err(());
+            return ContactTime::Unclear;
         }
         let seconds = closing_time(gap, speed, acceleration);
         if seconds < f64::INFINITY {
-            return Ok(Some(self.bounded(axis, seconds, speed + acceleration * seconds)));
+            return ContactTime::At(self.bounded(axis, seconds, speed + acceleration * seconds));
         }
         if speed > 0.0 && acceleration < 0.0 && gap > 0.0 {
             let turning = -speed / acceleration;
             let distance = gap - 0.5 * speed * turning;
             if distance <= 4.0 * self.rounding_after(axis, turning) {
-                return Ok(Some(self.bounded(axis, turning, 0.0)));
+                return ContactTime::At(self.bounded(axis, turning, 0.0));
             }
         }
-        Ok(None)
+        ContactTime::Never
     }
 
-    /// How the boxes overlap on an axis at a time: true if by more than rounding, false if rounding decides, `None` if
-    /// they do not.
+    /// The impact of the boxes at the time at which their gap along one axis closes, by their overlap along `axis`, the
+    /// other one; `None` if they do not overlap.
     #[inline]
-    fn overlap_at(&self, axis: Axis, time: BoundedTime) -> Option<bool> {
+    fn impact_at(&self, axis: Axis, time: BoundedTime) -> Option<ImpactKind> {
         let t = time.seconds;
         let displacement = t * (self.velocity[axis] + 0.5 * self.acceleration[axis] * t);
         let [ahead, behind] = [self.ahead[axis] + displacement, self.behind[axis] - displacement];
@@ -246,7 +274,13 @@ impl Relative {
         let speed =
             (self.velocity[axis] + self.acceleration[axis] * t).abs() + self.acceleration[axis].abs() * time.error;
         let rounding = self.rounding_after(axis, t) + time.error * speed;
-        if gap > rounding { None } else { Some(gap < -rounding) }
+        if gap > rounding {
+            None
+        } else if gap < -rounding {
+            Some(ImpactKind::Face)
+        } else {
+            Some(ImpactKind::Corner)
+        }
     }
 }
 
@@ -336,9 +370,8 @@ fn predict_uniform(relative: &Relative, elapsed: f64) -> Option<Prediction> {
     let error = (2.0 * relative.rounding_after(axis, seconds)) / speeds[axis] + 4.0 * f64::EPSILON * seconds;
     let time = BoundedTime { seconds, error };
     let side = if relative.ahead[axis] > relative.behind[axis] { Side::High } else { Side::Low };
-    Some(match relative.overlap_at(axis.other(), time) {
-        Some(true) => at_time(time, elapsed, PairEvent::FaceImpact(axis, side)),
-        Some(false) => at_time(time, elapsed, PairEvent::CornerImpact(axis, side)),
+    Some(match relative.impact_at(axis.other(), time) {
+        Some(kind) => at_time(time, elapsed, kind.along(axis, side)),
         None => Prediction::None,
     })
 }
@@ -349,17 +382,16 @@ fn predict_general(relative: &Relative, elapsed: f64) -> Prediction {
     let mut least = f64::INFINITY;
     for axis in Axis::BOTH {
         for side in [Side::High, Side::Low] {
-            let time = match relative.time_to_contact(axis, side) {
-                Ok(None) => continue,
-                Ok(Some(time)) => time,
-                Err(()) => return Prediction::Unclear,
+            let time = match relative.contact_time(axis, side) {
+                ContactTime::Never => continue,
+                ContactTime::At(time) => time,
+                ContactTime::Unclear => return Prediction::Unclear,
             };
             if time.seconds - time.error >= least {
                 continue;
             }
-            let Some(is_face) = relative.overlap_at(axis.other(), time) else { continue };
-            let event = if is_face { PairEvent::FaceImpact(axis, side) } else { PairEvent::CornerImpact(axis, side) };
-            match at_time(time, elapsed, event) {
+            let Some(kind) = relative.impact_at(axis.other(), time) else { continue };
+            match at_time(time, elapsed, kind.along(axis, side)) {
                 Prediction::None => {}
                 Prediction::Unclear => return Prediction::Unclear,
                 prediction => {
