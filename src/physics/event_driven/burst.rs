@@ -187,20 +187,18 @@ impl EventDriven {
     /// Gives the clusters on both sides of an impact their velocities and ends their contacts with bodies of
     /// other velocities.
     fn set_velocities(&mut self, patch: &mut Patch, clusters: &[Cluster; 2], axis: Axis, after: [DoubleDouble; 2]) {
-        let members = clusters.iter().flat_map(|cluster| &cluster.members);
-        let mut speed = 0.0;
-        for body in members {
-            let magnitude = patch.axis(*body, axis).speed;
-            speed = larger(magnitude, speed);
+        let mut magnitude = 0.0;
+        for body in clusters.iter().flat_map(|cluster| &cluster.members) {
+            magnitude = larger(patch.axis(*body, axis).magnitudes.velocity, magnitude);
         }
         for velocity in after {
-            speed = larger(velocity.high.abs(), speed);
+            magnitude = larger(velocity.high.abs(), magnitude);
         }
         for side in Side::BOTH {
             for body in &clusters[side as usize].members {
                 let state = patch.axis_mut(*body, axis);
                 state.state.velocity = after[side];
-                state.speed = speed;
+                state.magnitudes.velocity = magnitude;
                 state.has_changed = true;
             }
         }
@@ -231,7 +229,7 @@ impl EventDriven {
     fn end_contacts_of_other_velocity(&mut self, patch: &mut Patch, body: Local, axis: Axis) {
         self.keep_contacts(patch, body, axis, |patch, other| {
             let [own, others] = [body, other].map(|body| patch.axis(body, axis));
-            let rounding = (own.speed + others.speed) * VELOCITY_ROUNDING;
+            let rounding = (own.magnitudes.velocity + others.magnitudes.velocity) * VELOCITY_ROUNDING;
             let [velocity, others] = [own.state.velocity, others.state.velocity];
             velocity == others || (velocity - others).high.abs() <= rounding
         });
@@ -335,7 +333,7 @@ fn squeezing_wall(patch: &Patch, wall: Local, body: Local, axis: Axis) -> Option
                 continue;
             }
             let [low, high] = [wall, other].map(|body| patch.axis(body, axis));
-            let rounding = (low.speed + high.speed) * VELOCITY_ROUNDING;
+            let rounding = (low.magnitudes.velocity + high.magnitudes.velocity) * VELOCITY_ROUNDING;
             if (low.state.velocity - high.state.velocity).high > rounding {
                 return Some(other);
             }

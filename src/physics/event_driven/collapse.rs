@@ -131,7 +131,7 @@ impl EventDriven {
         for body in members {
             let state = patch.axis_mut(*body, axis);
             state.state.velocity = velocity_after(state.state.velocity);
-            state.speed = larger(state.state.velocity.high.abs(), state.speed);
+            state.magnitudes.velocity = larger(state.state.velocity.high.abs(), state.magnitudes.velocity);
             state.has_changed = true;
         }
         self.velocities_changed(patch, members, axis);
@@ -167,7 +167,8 @@ impl EventDriven {
         let mut history = std::mem::take(&mut patch.bursts[root].histories[axis as usize]);
         let approach_speed = |touch: u32| patch.approach_speed(&patch.touches[touch as usize], axis);
         let rounding = |touch: u32| {
-            let [first, second] = patch.touches[touch as usize].bodies.map(|body| patch.axis(body, axis).speed);
+            let [first, second] =
+                patch.touches[touch as usize].bodies.map(|body| patch.axis(body, axis).magnitudes.velocity);
             (first + second) * VELOCITY_ROUNDING
         };
         let cycle = history.push(index, speed, greatest, approach_speed, rounding);
@@ -317,13 +318,13 @@ fn approached_outsiders(patch: &Patch, collapse: &Collapse, axis: Axis, velocity
                 continue;
             }
             let outside = patch.axis(other, axis);
-            let rounding = (outside.speed + patch.axis(*body, axis).speed) * VELOCITY_ROUNDING;
+            let magnitude = outside.magnitudes.velocity + patch.axis(*body, axis).magnitudes.velocity;
             let side = touch.side_of(*body, axis);
             let speed = match side {
                 Side::High => velocity - outside.state.velocity,
                 Side::Low => outside.state.velocity - velocity,
             };
-            if speed.high > rounding {
+            if speed.high > magnitude * VELOCITY_ROUNDING {
                 outsiders.push(Outsider { touch: *index, member, side, speed: speed.high });
             }
         }
@@ -333,6 +334,6 @@ fn approached_outsiders(patch: &Patch, collapse: &Collapse, axis: Axis, velocity
 
 /// Approach speeds up to this one are rounding in a burst whose greatest was `greatest`, m/s.
 pub fn decay_threshold(patch: &Patch, touch: &Touch, axis: Axis, greatest: f64) -> f64 {
-    let [first, second] = touch.bodies.map(|body| patch.axis(body, axis).speed);
+    let [first, second] = touch.bodies.map(|body| patch.axis(body, axis).magnitudes.velocity);
     larger(greatest * DECAYED, (first + second) * VELOCITY_ROUNDING * UNDECIDED)
 }

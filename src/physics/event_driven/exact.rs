@@ -90,15 +90,16 @@ impl ExactAxis {
         let [first, second] = Reference::scaled_states_at(references, at, bodies.rounding());
         let sizes = [references[0].size, references[1].size];
         let resolution = bodies.resolution();
+        let [a, b] = [first.magnitudes, second.magnitudes];
         ExactAxis {
             offset: second.state.position - first.state.position,
             sizes,
             velocity: second.state.velocity - first.state.velocity,
             acceleration: second.state.acceleration_relative_to(&first.state),
-            gap_rounding: resolution.of_gap([sizes[0].high, sizes[1].high], first.length + second.length),
-            speed_rounding: (first.speed + second.speed) * VELOCITY_ROUNDING,
-            acceleration_rounding: (first.acceleration + second.acceleration) * ACCELERATION_ROUNDING,
-            deepest_rounding: (first.length + second.length) * DEEPEST_ROUNDING,
+            gap_rounding: resolution.of_gap([sizes[0].high, sizes[1].high], a.position + b.position),
+            speed_rounding: (a.velocity + b.velocity) * VELOCITY_ROUNDING,
+            acceleration_rounding: (a.acceleration + b.acceleration) * ACCELERATION_ROUNDING,
+            deepest_rounding: (a.position + b.position) * DEEPEST_ROUNDING,
         }
     }
 

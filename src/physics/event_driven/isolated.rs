@@ -143,7 +143,7 @@ impl EventDriven {
         let &ImpactPair { bodies, axis, restitution, .. } = impact_pair;
         let [low, high] = states;
         let approach_speed = (low.state.velocity - high.state.velocity).high;
-        if approach_speed <= (low.speed + high.speed) * VELOCITY_ROUNDING {
+        if approach_speed <= (low.magnitudes.velocity + high.magnitudes.velocity) * VELOCITY_ROUNDING {
             return None;
         }
         let acceleration = low.state.acceleration_relative_to(&high.state).high;
@@ -179,8 +179,10 @@ impl EventDriven {
         let after = self.bodies.rounding().velocities(impact, after);
         let sizes = bodies.map(|slot| self.bodies.size(slot, axis));
         let acceleration = low.state.acceleration_relative_to(&high.state).high;
-        let resolution = self.bodies.resolution().of_gap([sizes[0].high, sizes[1].high], low.length + high.length);
-        let speed = impact_pair.greatest_speed([low.speed, high.speed], &after);
+        let magnitudes = [low.magnitudes, high.magnitudes];
+        let magnitude = magnitudes[0].position + magnitudes[1].position;
+        let resolution = self.bodies.resolution().of_gap([sizes[0].high, sizes[1].high], magnitude);
+        let speed = impact_pair.greatest_speed(magnitudes.map(|magnitudes| magnitudes.velocity), &after);
         // Boxes below the resolution of their coordinates have no certain sides.
         let is_extended = resolution < 0.25 * (sizes[0].high + sizes[1].high);
         let is_receding = (after[1] - after[0]).high > speed * VELOCITY_ROUNDING && acceleration <= 0.0 && is_extended;

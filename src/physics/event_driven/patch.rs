@@ -9,7 +9,7 @@ use super::impact_history::ImpactHistory;
 use super::instant::Instant;
 use super::neighbour_buffer::NeighbourBuffer;
 use super::pair_event::Sample;
-use super::reference::{Reference, ScaledState};
+use super::reference::{Magnitudes, Reference, ScaledState};
 use super::simultaneous::Placement;
 use super::swept_aabb::SweptAabb;
 use crate::physics::{Axis, Side, larger};
@@ -19,17 +19,13 @@ use std::collections::BinaryHeap;
 /// An index into [`Patch::bodies`].
 pub type Local = u32;
 
-/// The state of a body of a patch along one axis, with the magnitudes of the numbers it was computed from.
+/// The state of a body of a patch along one axis.
 #[derive(Clone, Copy, Debug)]
 pub struct LocalAxis {
     pub state: StateDd,
     pub size: DoubleDouble,
-    /// Magnitude of the position, m.
-    pub length: f64,
-    /// Magnitude of the velocity, m/s.
-    pub speed: f64,
-    /// Magnitude of the acceleration, m/s².
-    pub acceleration: f64,
+    /// The magnitudes of the numbers from which the state was computed.
+    pub magnitudes: Magnitudes,
     /// True if velocity or acceleration changed in this instant.
     pub has_changed: bool,
     /// True if the body waits for its contacts along the axis to be examined.
@@ -41,8 +37,8 @@ pub struct LocalAxis {
 impl LocalAxis {
     #[inline]
     fn of(scaled: &ScaledState, size: DoubleDouble) -> LocalAxis {
-        let &ScaledState { state, length, speed, acceleration } = scaled;
-        LocalAxis { state, size, length, speed, acceleration, has_changed: false, is_dirty: false, is_solved: false }
+        let &ScaledState { state, magnitudes } = scaled;
+        LocalAxis { state, size, magnitudes, has_changed: false, is_dirty: false, is_solved: false }
     }
 }
 
@@ -254,7 +250,8 @@ impl Patch {
     /// The speed at which two touching bodies approach along an axis, m/s; 0 if below rounding.
     pub fn approach_speed(&self, touch: &Touch, axis: Axis) -> DoubleDouble {
         let [low, high] = touch.ordered(axis).map(|body| self.axis(body, axis));
-        (low.state.velocity - high.state.velocity).or_zero((low.speed + high.speed) * VELOCITY_ROUNDING)
+        let rounding = (low.magnitudes.velocity + high.magnitudes.velocity) * VELOCITY_ROUNDING;
+        (low.state.velocity - high.state.velocity).or_zero(rounding)
     }
 
     /// The sign of the [approach speed](Self::approach_speed): greater than 0 if two touching bodies approach along an
@@ -267,7 +264,7 @@ impl Patch {
         }
         let difference = low.state.velocity.high - high.state.velocity.high;
         let exact = || self.approach_speed(touch, axis).high.partial_cmp(&0.0).unwrap_or(Ordering::Equal);
-        if difference.abs() > (low.speed + high.speed) * CLEAR_SIGN {
+        if difference.abs() > (low.magnitudes.velocity + high.magnitudes.velocity) * CLEAR_SIGN {
             let sign = if difference > 0.0 { Ordering::Greater } else { Ordering::Less };
             debug_assert_eq!(sign, exact(), "doubles suffice");
             return sign;
@@ -278,7 +275,7 @@ impl Patch {
     /// The acceleration at which two touching bodies approach along an axis, m/s²; 0 if below rounding.
     pub fn approach_acceleration(&self, touch: &Touch, axis: Axis) -> DoubleDouble {
         let [low, high] = touch.ordered(axis).map(|body| self.axis(body, axis));
-        let rounding = (low.acceleration + high.acceleration) * ACCELERATION_ROUNDING;
+        let rounding = (low.magnitudes.acceleration + high.magnitudes.acceleration) * ACCELERATION_ROUNDING;
         (low.state.acceleration - high.state.acceleration).or_zero(rounding)
     }
 
@@ -312,8 +309,9 @@ impl Patch {
         let [x, y] = motions.map(|motion| motion[order]);
         let mut rounding = (x.high + y.high) * EQUAL_APPROACH;
         if order == 0 {
-            let speeds = touch.bodies.map(|body| self.axis(body, Axis::X).speed + self.axis(body, Axis::Y).speed);
-            rounding += (speeds[0] + speeds[1]) * VELOCITY_ROUNDING;
+            let magnitude = |body: Local, axis: Axis| self.axis(body, axis).magnitudes.velocity;
+            let magnitudes = touch.bodies.map(|body| magnitude(body, Axis::X) + magnitude(body, Axis::Y));
+            rounding += (magnitudes[0] + magnitudes[1]) * VELOCITY_ROUNDING;
         }
         let difference = (x - y).high;
         if difference.abs() <= rounding { [true; 2] } else { [difference < 0.0, difference > 0.0] }
@@ -520,7 +518,8 @@ fn touch_kind(patch: &Patch, first: Local, second: Local, resolution: Resolution
         let offset = b.state.position - a.state.position;
         let [ahead, behind] = [offset - a.size, -offset - b.size];
         let (gap, side) = if behind.is_less(ahead) { (ahead, Side::High) } else { (behind, Side::Low) };
-        (gap.or_zero(resolution.of_gap([a.size.high, b.size.high], a.length + b.length)), side, a.length + b.length)
+        let magnitude = a.magnitudes.position + b.magnitudes.position;
+        (gap.or_zero(resolution.of_gap([a.size.high, b.size.high], magnitude)), side, magnitude)
     });
     let side = [gaps[0].1, gaps[1].1];
     let signs = [gaps[0].0.high, gaps[1].0.high];
@@ -550,7 +549,8 @@ mod tests {
     fn patch_of(count: u32) -> Patch {
         let zero = DoubleDouble::ZERO;
         let state = StateDd { position: zero, velocity: zero, acceleration: zero };
-        let scaled = ScaledState { state, length: 0.0, speed: 0.0, acceleration: 0.0 };
+        let magnitudes = Magnitudes { position: 0.0, velocity: 0.0, acceleration: 0.0 };
+        let scaled = ScaledState { state, magnitudes };
         let axis = LocalAxis::of(&scaled, 1.0.into());
         let mut patch = Patch::default();
         (0..count).for_each(|slot| _ = patch.insert(slot, false, Instant::START, [axis; 2]));

@@ -23,17 +23,25 @@ pub struct Reference {
     pub free_acceleration: f64,
 }
 
+/// The magnitudes of the numbers from which a state along an axis was computed; its rounding errors are proportional to
+/// them.
+#[derive(Clone, Copy, Debug)]
+pub struct Magnitudes {
+    /// Of the position, m.
+    pub position: f64,
+    /// Of the velocity, m/s.
+    pub velocity: f64,
+    /// Of the acceleration, m/s².
+    pub acceleration: f64,
+}
+
 /// The state of a body along an axis with the magnitudes of the numbers it was computed from.
 #[derive(Clone, Copy, Debug)]
 pub struct ScaledState {
     /// The state.
     pub state: StateDd,
-    /// Magnitude of the position, m.
-    pub length: f64,
-    /// Magnitude of the velocity, m/s.
-    pub speed: f64,
-    /// Magnitude of the acceleration, m/s².
-    pub acceleration: f64,
+    /// The magnitudes.
+    pub magnitudes: Magnitudes,
 }
 
 impl Reference {
@@ -84,8 +92,9 @@ impl Reference {
     fn scaled(&self, at: Instant, state: StateDd) -> ScaledState {
         let t = self.since.seconds_until(at);
         let acceleration = self.state.acceleration.high.abs();
-        let speed = self.state.velocity.high.abs() + acceleration * (t + at.high * TIME_SHARE);
-        let length = self.state.position.high.abs() + self.size.high + (t + at.high * TIME_SHARE) * speed;
-        ScaledState { state, length, speed, acceleration: acceleration + self.free_acceleration }
+        let velocity = self.state.velocity.high.abs() + acceleration * (t + at.high * TIME_SHARE);
+        let position = self.state.position.high.abs() + self.size.high + (t + at.high * TIME_SHARE) * velocity;
+        let acceleration = acceleration + self.free_acceleration;
+        ScaledState { state, magnitudes: Magnitudes { position, velocity, acceleration } }
     }
 }

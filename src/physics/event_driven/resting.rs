@@ -12,6 +12,7 @@
 use super::EventDriven;
 use super::body_state::{Load, NONE, Slot};
 use super::double_double::DoubleDouble;
+use super::exact::ACCELERATION_ROUNDING;
 use super::patch::{CornerMotion, Local, LocalBody, Patch, Touch, TouchKind};
 use crate::physics::{Axis, Side, larger};
 use std::cmp::Ordering;
@@ -320,7 +321,7 @@ impl EventDriven {
     fn differs_from_free_fall(&self, patch: &Patch, body: Local, axis: Axis) -> bool {
         let state = patch.axis(body, axis);
         let free = self.bodies.params(patch.bodies[body as usize].slot).free_acceleration[axis];
-        let rounding = state.acceleration * super::exact::ACCELERATION_ROUNDING;
+        let rounding = state.magnitudes.acceleration * ACCELERATION_ROUNDING;
         (state.state.acceleration - free).high.abs() > rounding
     }
 
@@ -438,7 +439,6 @@ fn set_acceleration(patch: &mut Patch, body: Local, axis: Axis, acceleration: Do
     if state.state.acceleration != acceleration {
         state.state.acceleration = acceleration;
         state.has_changed = true;
-        let magnitude = acceleration.high.abs();
-        state.acceleration = larger(magnitude, state.acceleration);
+        state.magnitudes.acceleration = larger(acceleration.high.abs(), state.magnitudes.acceleration);
     }
 }

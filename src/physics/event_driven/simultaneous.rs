@@ -206,7 +206,7 @@ impl EventDriven {
                 if !state.has_changed {
                     continue;
                 }
-                state.state.velocity = state.state.velocity.or_zero(state.speed * VELOCITY_ROUNDING);
+                state.state.velocity = state.state.velocity.or_zero(state.magnitudes.velocity * VELOCITY_ROUNDING);
                 let state = state.state;
                 let LocalBody { slot, at, .. } = patch.bodies[body as usize];
                 self.set_trajectory(slot, axis, state, at);
