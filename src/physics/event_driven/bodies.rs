@@ -1,12 +1,11 @@
 //! The bodies of the solver.
 
 use super::axis_trajectory::{AxisLowParts, AxisTrajectory, StateDd};
-use super::body_state::{BodyDetails, BodyParams, BodyState, Load, NONE, Slot};
+use super::body_state::{BodyDetails, BodyParams, BodyState, Load, MASS_SCALE, NONE, Slot};
 use super::decimal::stated;
 use super::double_double::DoubleDouble;
 use super::exact::Resolution;
 use super::instant::Instant;
-use super::least_change::MASS_SCALE;
 use super::random_rounding::RandomRounding;
 use super::reference::Reference;
 use super::trajectory::Trajectory;

@@ -7,6 +7,10 @@ use crate::physics::{BodyId, Material};
 /// The index of a body within the solver, in creation order.
 pub type Slot = u32;
 
+/// The factor from kilograms to the unit of summed masses, 2²⁴ kg, in which no sum overflows. Forces have the same
+/// factor.
+pub const MASS_SCALE: f64 = 1.0 / (1_u64 << 24) as f64;
+
 /// No body, or no index of a list.
 pub const NONE: u32 = u32::MAX;
 
@@ -68,7 +72,7 @@ pub struct BodyDetails {
 pub struct BodyParams {
     /// Its id in the world.
     pub id: BodyId,
-    /// Mass, kg, times [`MASS_SCALE`](super::least_change::MASS_SCALE).
+    /// Mass, kg, times [`MASS_SCALE`].
     pub mass: DoubleDouble,
     /// Material, for the restitution table.
     pub material: Material,

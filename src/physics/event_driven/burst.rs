@@ -2,14 +2,13 @@
 //! when no faces approach. An infinite sequence is replaced by its limit (`collapse`).
 
 use super::EventDriven;
-use super::body_state::Slot;
+use super::body_state::{MASS_SCALE, Slot};
 use super::collapse::decay_threshold;
 use super::double_double::DoubleDouble;
 use super::event_limit::LimitExceeded;
 use super::exact::{Resolution, VELOCITY_ROUNDING};
 use super::impact::Impact;
 use super::impact_record::ImpactRecord;
-use super::least_change::MASS_SCALE;
 use super::patch::{CornerMotion, Local, Patch, Touch, TouchKind};
 use crate::physics::{Axis, Observer, Rect, Side, StepError, Vector, World, larger};
 use std::cmp::Ordering;

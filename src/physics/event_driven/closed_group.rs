@@ -12,12 +12,11 @@
 
 use super::EventDriven;
 use super::axis_trajectory::StateDd;
-use super::body_state::Slot;
+use super::body_state::{MASS_SCALE, Slot};
 use super::double_double::DoubleDouble;
 use super::exact::VELOCITY_ROUNDING;
 use super::instant::{Instant, VICINITY};
 use super::isolated::ImpactPair;
-use super::least_change::MASS_SCALE;
 use super::predict::ordered_pair;
 use super::reference::Reference;
 use crate::physics::{Axis, Observer, Side, World, larger, smaller};

@@ -3,12 +3,11 @@
 
 use super::EventDriven;
 use super::axis_trajectory::StateDd;
-use super::body_state::Slot;
+use super::body_state::{MASS_SCALE, Slot};
 use super::double_double::DoubleDouble;
 use super::exact::VELOCITY_ROUNDING;
 use super::impact::Impact;
 use super::impact_record::ImpactRecord;
-use super::least_change::MASS_SCALE;
 use super::neighbour_buffer::NeighbourBuffer;
 use super::pair_event::Sample;
 use super::reference::{Reference, ScaledState};

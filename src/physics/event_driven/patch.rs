@@ -98,7 +98,7 @@ pub struct Touch {
     pub side: [Side; 2],
     /// For each axis, true if the corner was found to block along it in this instant.
     pub blocks: [bool; 2],
-    /// True if a block of the corner was released since contacts were last settled.
+    /// True if a block of the corner was released since contacts were last updated.
     pub was_released: bool,
     /// True if the bodies approach each other, so that an impact is due.
     approaches: bool,

@@ -2,7 +2,7 @@
 //!
 //! The constraints along an axis are the pairs that touch on a face without approaching, the contacts that
 //! last, and corners that would be entered otherwise. Under the accelerations of least change
-//! (`least_change`) a constraint is a contact if it is tight and was a contact before, or if its component
+//! (`contact_group`) a constraint is a contact if it is tight and was a contact before, or if its component
 //! is carried, that is, if some acceleration differs from free fall.
 //!
 //! Where no body of a component carries a force of its own, a body is held if constraints lead from it
@@ -19,14 +19,14 @@ use std::cmp::Ordering;
 
 impl EventDriven {
     /// Begins and ends contacts and solves the accelerations, from the positions and velocities of the instant.
-    pub(super) fn settle(&mut self, patch: &mut Patch) {
+    pub(super) fn update_contacts(&mut self, patch: &mut Patch) {
         if patch.has_corners() {
             self.forget_blocks(patch);
         }
         loop {
             for axis in Axis::BOTH {
                 while !patch.dirty[axis].is_empty() {
-                    self.settle_axis(patch, axis);
+                    self.update_contacts_along(patch, axis);
                 }
             }
             if !patch.has_corners() {
@@ -59,7 +59,7 @@ impl EventDriven {
     }
 
     /// Examines the dirty bodies and all that depend on them.
-    fn settle_axis(&mut self, patch: &mut Patch, axis: Axis) {
+    fn update_contacts_along(&mut self, patch: &mut Patch, axis: Axis) {
         let mut examined = std::mem::take(&mut self.examined);
         let falling_side = self.falling_side(axis);
         while let Some(body) = patch.dirty[axis].pop() {
@@ -198,7 +198,7 @@ impl EventDriven {
     /// Solves the accelerations of a whole component, begins and ends its contacts, and adds its bodies to `solved`.
     fn solve_component(&mut self, patch: &mut Patch, start: Local, axis: Axis, solved: &mut Vec<Local>) {
         let (members, constraints) = self.constrained_component(patch, start, axis);
-        let accelerations = self.least_change(patch, &members, &constraints, axis);
+        let accelerations = self.solve_accelerations(patch, &members, &constraints, axis);
         let is_forced = |body: &Local| self.bodies.params(patch.bodies[*body as usize].slot).has_force[axis];
         let load = if members.iter().any(is_forced) { Load::OwnForces } else { Load::GravityOnly };
         for (body, acceleration) in members.iter().zip(accelerations) {
@@ -251,7 +251,13 @@ impl EventDriven {
     }
 
     /// The accelerations of least change of the members of a component.
-    fn least_change(&mut self, patch: &Patch, members: &[Local], constraints: &[u32], axis: Axis) -> Vec<DoubleDouble> {
+    fn solve_accelerations(
+        &mut self,
+        patch: &Patch,
+        members: &[Local],
+        constraints: &[u32],
+        axis: Axis,
+    ) -> Vec<DoubleDouble> {
         let mut group = std::mem::take(&mut self.contact_group);
         group.clear(self.bodies.gravity(axis));
         for body in members {
@@ -269,7 +275,7 @@ impl EventDriven {
                 _ => group.connect([index(low), index(high)]),
             }
         }
-        let accelerations = group.solve();
+        let accelerations = group.accelerations();
         self.contact_group = group;
         accelerations
     }

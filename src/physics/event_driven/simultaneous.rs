@@ -164,10 +164,10 @@ impl EventDriven {
         observer: &mut O,
     ) -> Result<(), StepError> {
         self.add_concerned(patch, concerned);
-        self.settle(patch);
+        self.update_contacts(patch);
         loop {
             self.carry_out_impacts(patch, world, observer)?;
-            self.settle(patch);
+            self.update_contacts(patch);
             match self.capture_bounce(patch) {
                 Some(pair) => self.count_repetition(world, pair)?,
                 None => return Ok(()),

@@ -44,10 +44,6 @@ const ROUNDING: f64 = 1.0 / (1_u128 << 90) as f64;
 /// lighter one would exceed its share in it.
 const HEAVIER: f64 = 1024.0;
 
-/// The factor from kilograms to the unit of summed masses, 2²⁴ kg, in which no sum overflows. Forces have the same
-/// factor.
-pub const MASS_SCALE: f64 = 1.0 / (1_u64 << 24) as f64;
-
 impl ContactGroup {
     /// Removes all bodies and contacts, and sets the gravitational acceleration, m/s².
     pub fn clear(&mut self, gravity: DoubleDouble) {
@@ -59,8 +55,8 @@ impl ContactGroup {
         self.contacts.clear();
     }
 
-    /// Adds a body: free acceleration (m/s²), mass (kg) and force besides gravity (N), both times [`MASS_SCALE`];
-    /// returns its index.
+    /// Adds a body: free acceleration (m/s²), mass and force besides gravity, in units whose quotient is m/s²; returns its
+    /// index.
     pub fn add(&mut self, free: DoubleDouble, mass: DoubleDouble, force: DoubleDouble) -> usize {
         self.force.push(force);
         self.free.push(free);
@@ -80,7 +76,7 @@ impl ContactGroup {
     }
 
     /// The acceleration of each body, m/s².
-    pub fn solve(&self) -> Vec<DoubleDouble> {
+    pub fn accelerations(&self) -> Vec<DoubleDouble> {
         if self.free.iter().all(|free| *free == self.free[0]) {
             return self.solve_equal();
         }
@@ -461,7 +457,7 @@ mod tests {
             Side::BOTH.into_iter().filter(|side| supported[*side]).for_each(|side| group.support(body, side));
         }
         contacts.iter().for_each(|pair| group.connect(*pair));
-        group.solve().iter().map(|acceleration| acceleration.high).collect()
+        group.accelerations().iter().map(|acceleration| acceleration.high).collect()
     }
 
     const FREE: [bool; 2] = [false; 2];
@@ -507,7 +503,7 @@ mod tests {
         bodies.iter().for_each(|(free, mass, _)| _ = group.add((*free).into(), (*mass).into(), (*free * *mass).into()));
         contacts.iter().for_each(|pair| group.connect(*pair));
         let general = group.solve_partial_order();
-        for (chain, general) in group.solve().iter().zip(general) {
+        for (chain, general) in group.accelerations().iter().zip(general) {
             assert!((*chain - general).high.abs() < 1e-28);
         }
     }
@@ -573,7 +569,7 @@ mod tests {
                 Side::BOTH.into_iter().filter(|side| supported[*side]).for_each(|side| group.support(body, side));
             }
             contacts.iter().for_each(|pair| group.connect(*pair));
-            let a = group.solve();
+            let a = group.accelerations();
             // The magnitude of the numbers from which an acceleration is computed: those of the bodies that move as
             // one.
             let magnitude = |i: usize| {
