@@ -34,31 +34,40 @@
 //! event hides an earlier one.
 //!
 //! A later event belongs to the same instant if its gap is 0 already at the time of the first, and that of the first is
-//! still 0 at its time (rule 1). So the length of an instant follows from coordinates and speeds and is no parameter. A
+//! still 0 at its time. So the length of an instant follows from coordinates and speeds and is no parameter. A
 //! pair that still approaches when its computed time is past is due now.
 //!
 //! # Rules
 //!
-//! These rules apply where mechanics leaves a choice:
+//! A gap is *0* if it is below the resolution of positions, an approach speed or an approach acceleration if it is
+//! below the rounding of the numbers from which it was computed (`exact`). Two boxes *touch on a face* if their gap is 0
+//! along one axis and they overlap on the other, *at a corner* if both gaps are 0.
 //!
-//! 1. **Zero.** A gap is 0 if it is below the resolution of positions, an approach speed or an approach acceleration if
-//!    it is below the rounding of the numbers from which it was computed (`exact`). Two boxes *touch on a face* if
-//!    their gap is 0 along one axis and they overlap on the other, *at a corner* if both gaps are 0.
-//! 2. **Corners** block only what enters them (along both axes the boxes approach, or accelerate towards each other
-//!    from rest), and only along the axis of the gentler approach; along both if the approaches are equal. Those that
-//!    are not entered any more because of others are released.
-//! 3. **Contacts.** A pair that touches without approach speed and acceleration along an axis is in contact if it
+//! These rules apply where mechanics leaves a choice. The chapter `solvers` of the guide explains them under the same
+//! numbers.
+//!
+//! 1. **Contacts.** A pair that touches without approach speed and acceleration along an axis is in contact if it
 //!    already was, if a plastic impact or a collapse joined it, or if the accelerations of its component differ from
-//!    free fall. A contact ends when one body slides past the edge of the other; an overlap that shrinks to 0 and grows
-//!    again ends nothing. So a supported box slides over the seams of flush faces.
+//!    free fall (`resting`).
+//! 2. **Impacts on contacts.** On either side of an impact the body acts together with all bodies that it pushes
+//!    through contacts; if these reach an infinite mass, it acts like that mass (`burst`). Bodies that only touch pass
+//!    the impact on. (To pass an impact on through contacts from pair to pair would need infinitely many impacts in a
+//!    resting stack.)
+//! 3. **Simultaneous impacts.** Of all approaching pairs the lowest in creation order collides, again and again until
+//!    none approaches; faces come before corners, so a box that lands on flush faces does not hit the corners between
+//!    them (`burst`).
 //! 4. **Order of an instant**: resting, impacts, resting (`simultaneous`).
-//! 5. **Impacts.** Of all approaching pairs the lowest in creation order collides, again and again until none
-//!    approaches; faces come before corners, so a box that lands on flush faces does not hit the corners between them.
-//!    On either side the body acts together with all bodies that it pushes through contacts; if these reach an infinite
-//!    mass, it acts like that mass. Bodies that only touch pass the impact on. (To pass an impact on through contacts
-//!    from pair to pair would need infinitely many impacts in a resting stack.)
-//! 6. **Inelastic collapse.** An infinite sequence of impacts is replaced by its limit (`collapse`).
-//! 7. **Resolution.** A bounce that does not rise by the resolution of positions is plastic.
+//! 5. **Corners** block only what enters them (along both axes the boxes approach, or accelerate towards each other
+//!    from rest), and only along the axis of the gentler approach; along both if the approaches are equal. Those that
+//!    are not entered any more because of others are released (`resting`).
+//! 6. **Sliding.** A contact ends when one body slides past the edge of the other; an overlap that shrinks to 0 and
+//!    grows again ends nothing. So a supported box slides over the seams of flush faces (`resting`).
+//! 7. **Inelastic collapse.** An infinite sequence of impacts is replaced by its limit (`collapse`).
+//! 8. **Resolution.** A bounce that does not rise by the resolution of positions is plastic (`exact`).
+//! 9. **Overlapping spawns.** A spawned body of finite mass that overlaps others moves to the nearest free position
+//!    (`separation`).
+//! 10. **Faces coincide.** After an instant a body whose motion changed is placed exactly on the faces that it touches
+//!     (`simultaneous`).
 //!
 //! # Invariants
 //!
@@ -72,48 +81,65 @@
 //! The invariants of the parts are documented at `Bodies`, `ContactGraph`, `CellLists`, `WindowLists`, `HomeGrid` and
 //! `EventQueue`.
 
-mod axis_trajectory;
-mod bodies;
-mod body_state;
-mod burst;
-mod cell_lists;
-mod closed_group;
-mod collapse;
-mod contact;
-mod contact_group;
+// Numbers and time.
 mod decimal;
-mod diagnose;
-mod dirty_states;
 mod double_double;
-mod event_limit;
-mod event_queue;
-mod exact;
-mod face_alignment;
-mod home_grid;
-mod impact;
-mod impact_history;
-mod impact_record;
-mod insert;
 mod instant;
-mod isolated;
-mod neighbour_buffer;
-mod pair_event;
-mod patch;
-mod predict;
 #[cfg(test)]
 mod pseudo_random;
 mod random_rounding;
+mod timeline;
+
+// Bodies, their trajectories and their contacts.
+mod axis_trajectory;
+mod bodies;
+mod body_state;
+mod contact;
 mod reference;
-mod resting;
+mod trajectory;
+
+// Phase 1: insert.
+mod face_alignment;
+mod insert;
 mod separation;
+
+// Phase 2: predict events and process them in order.
+mod event_limit;
+mod event_queue;
+mod exact;
+mod pair_event;
+mod predict;
+
+// The impact law, and impacts of two bodies that touch no third.
+mod closed_group;
+mod impact;
+mod impact_record;
+mod isolated;
+
+// Instants of any bodies that touch.
+mod burst;
+mod collapse;
+mod contact_group;
+mod impact_history;
+mod patch;
+mod resting;
 mod simultaneous;
-mod solver_snapshot;
+
+// Phase 3: sample.
+mod dirty_states;
+mod threads;
+
+// Phase 4: find neighbours.
+mod cell_lists;
+mod home_grid;
+mod neighbour_buffer;
 mod spatial_hash;
 mod swept_aabb;
-mod threads;
-mod timeline;
-mod trajectory;
 mod window_lists;
+
+// Snapshots and errors.
+mod diagnose;
+mod solver_snapshot;
 
 use super::{Axis, Body, BodyId, EngineConfig, Observer, StepError, World, larger};
 use axis_trajectory::StateDd;
