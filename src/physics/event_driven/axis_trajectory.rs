@@ -57,8 +57,11 @@ fn closing_root(gap: f64, speed: f64, acceleration: f64, final_speed: f64) -> f6
     }
 }
 
-/// Squares of speeds (m²/s²) below and above which partial results may underflow or overflow.
-const SMALLEST_SQUARE: f64 = 1e-250;
+/// A square of a speed (m²/s²) below this may be rounded by underflow: it is a sum of products, and underflow rounds
+/// each of them by up to 10⁻³²³.
+pub const SMALLEST_SQUARE: f64 = 1e-250;
+
+/// Partial results of a square of a speed (m²/s²) above this may overflow.
 const LARGEST_SQUARE: f64 = 1e250;
 
 /// Like [`closing_time`] where squares underflow or overflow: computed in other units of length.

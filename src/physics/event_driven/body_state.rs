@@ -11,10 +11,10 @@ pub type Slot = u32;
 /// factor.
 pub const MASS_SCALE: f64 = 1.0 / (1_u64 << 24) as f64;
 
-/// No body, or no index of a list.
+/// Stands for no body, or for no index of a list.
 pub const NONE: u32 = u32::MAX;
 
-/// The data of a body that predictions read, and nothing else: two cache lines.
+/// The data of a body that predictions read: two cache lines.
 #[derive(Clone, Copy, Debug)]
 #[repr(C, align(64))]
 pub struct BodyState {
@@ -31,12 +31,13 @@ pub struct BodyState {
     pub world_index: u32,
     /// True if its mass is infinite.
     pub infinite: bool,
-    /// For each axis, the forces that its component carries.
+    /// For each axis, the forces on the bodies connected with it by contacts.
     pub load: [Load; 2],
 }
 
 impl BodyState {
-    /// Reads both cache lines of the record; returns a number that depends on them.
+    /// Reads both cache lines of the record; returns a number that depends on them, so that the reading is not
+    /// optimised away.
     #[inline]
     pub fn read_ahead(&self) -> f64 {
         self.trajectory.position[0] + self.size[0]
@@ -48,7 +49,7 @@ impl BodyState {
     }
 }
 
-/// The forces on a component of bodies in contact along an axis.
+/// The forces on bodies connected by contacts along an axis, besides the contact forces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Load {
     /// Gravity alone.
@@ -80,6 +81,6 @@ pub struct BodyParams {
     pub free_acceleration: [DoubleDouble; 2],
     /// For each axis, true if a constant force acts on it along that axis.
     pub has_force: [bool; 2],
-    /// True until it is deleted.
+    /// False once the body is deleted; its slot stays.
     pub alive: bool,
 }

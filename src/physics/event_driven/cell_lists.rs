@@ -21,7 +21,8 @@ const MAX_FILL: f64 = 0.87;
 /// same border repeatedly.
 const BORDER_SLACK: f64 = 1.0 / 16.0;
 
-/// Ratio of the cell sides of consecutive grids.
+/// Ratio of the cell sides of consecutive grids: a larger one gives fewer grids, a smaller one cells that fit their
+/// boxes better.
 const SIDE_RATIO: f64 = 4.0;
 
 /// Approximate maximum number of cells that a box crosses in a step; a faster one is put in a coarser grid.

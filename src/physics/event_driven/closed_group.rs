@@ -17,18 +17,17 @@ use super::double_double::DoubleDouble;
 use super::exact::VELOCITY_ROUNDING;
 use super::instant::{Instant, VICINITY};
 use super::isolated::ImpactPair;
+use super::pair_event::CLEAR;
 use super::predict::ordered_pair;
 use super::reference::Reference;
 use crate::physics::{Axis, Observer, Side, World, larger, smaller};
 
-/// The events of a step between two searches for a group, so that unsuccessful searches cost little.
+/// The number of events from one search for a group to the next: more than one, so that unsuccessful searches cost
+/// little, and few, so that a group is found soon.
 pub const SEARCH_INTERVAL: u64 = 4;
 
-/// Bodies are certainly apart, or certainly overlap along an axis, by more than this fraction of the magnitudes of the
-/// numbers in doubles that decide it.
-const CLEAR: f64 = 64.0 * f64::EPSILON;
-
-/// The fraction of a time in which bodies stay apart, or overlap, that is relied on.
+/// The fraction of a computed time for which bodies certainly stay apart, or overlap: less than 1 by more than the
+/// rounding of that time.
 const RELIABLE: f64 = 1.0 - 1.0 / (1_u64 << 30) as f64;
 
 /// Bodies in a row along an axis, no two neighbours of infinite mass. They overlap along the other axis, all have

@@ -1,12 +1,15 @@
-//! Inelastic collapse: an infinite sequence of impacts in one instant is replaced by its limit. It is recognised
-//! - by decay: the next approach is slower than [`DECAYED`] of the greatest of the burst, or than [`UNDECIDED`] times
-//!   the rounding of the speeds. The speeds are sums of numbers of that magnitude, of which double-double arithmetic
-//!   keeps 2⁻¹⁰⁴, so slower motion is rounding. Without the second condition, a burst that is slow in a fast frame of
-//!   reference would end without a limit when its approaches become 0 by rounding;
-//! - by a cycle (`impact_history`): three periods hit the same pairs and scale their relative velocities by the
-//!   same factor below 1. Impacts are linear, so all further periods are copies. Where the limit cannot be taken yet,
-//!   because a body outside is approached in it, a number of periods is left out: the velocities relative to the limit
-//!   are multiplied by that power of the factor.
+//! Inelastic collapse: an infinite sequence of impacts in one instant is replaced by its limit. The sequence is
+//! recognised in one of two ways:
+//!
+//! - **Decay**: the next approach is slower than [`DECAYED`] of the greatest of the burst, or than [`UNDECIDED`] times
+//!   the rounding of the velocities. The errors of the velocities in a burst are proportional to its greatest approach
+//!   speed, so slower approaches are rounding errors. The second condition is for a burst that is slow in a fast frame
+//!   of reference: its approach speeds become 0 by rounding before they are below the first bound.
+//! - **Cycle** (`impact_history`): three periods hit the same pairs and scale their relative velocities by the same
+//!   factor below 1. Impacts are linear, so all further periods are scaled copies.
+//!
+//! If a body outside is approached in the limit of a cycle, the limit cannot be taken yet. Then a number of periods is
+//! skipped: the velocities relative to the limit are multiplied by that power of the factor.
 
 use super::EventDriven;
 use super::burst::Cluster;
@@ -17,13 +20,14 @@ use super::impact_history::{Cycle, Decay};
 use super::patch::{Local, LocalBody, Patch, Touch, TouchKind};
 use crate::physics::{Axis, Side, StepError, World, larger, smaller};
 
-/// Approaches below this fraction of the greatest of a burst are rounding.
+/// Approaches below this fraction of the greatest of a burst are rounding errors.
 const DECAYED: f64 = 1.0 / (1_u128 << 80) as f64;
 
-/// Approaches below this multiple of the rounding of velocities are rounding, too.
+/// Approaches below this multiple of the rounding of velocities may be rounding errors.
 const UNDECIDED: f64 = 256.0;
 
-/// A bound of the relative rounding of the speeds that are computed for a period.
+/// A bound of the relative rounding of the speeds that are computed for a period: cycles are proven only from speeds
+/// that are 2³⁰ times the rounding of velocities.
 const PERIOD_ROUNDING: f64 = 1.0 / (1_u64 << 26) as f64;
 
 /// Bodies that take on one velocity, and the touches that become contacts.

@@ -37,7 +37,8 @@ pub struct ContactGroup {
     contacts: Vec<[usize; 2]>,
 }
 
-/// Differences smaller than this fraction of the numbers involved are rounding.
+/// Differences smaller than this fraction of the numbers involved are rounding: 2¹⁴ times that of an operation, since
+/// the errors of all bodies of a group add up.
 const ROUNDING: f64 = 1.0 / (1_u128 << 90) as f64;
 
 /// From this ratio of masses on, a mean is computed from that of the heavier body, because the rounding of that of the
@@ -55,8 +56,8 @@ impl ContactGroup {
         self.contacts.clear();
     }
 
-    /// Adds a body: free acceleration (m/s²), mass and force besides gravity, in units whose quotient is m/s²; returns its
-    /// index.
+    /// Adds a body: free acceleration (m/s²), mass and force besides gravity, in units whose quotient is m/s²; returns
+    /// its index.
     pub fn add(&mut self, free: DoubleDouble, mass: DoubleDouble, force: DoubleDouble) -> usize {
         self.force.push(force);
         self.free.push(free);
@@ -101,11 +102,11 @@ impl ContactGroup {
                 Side::Low => behind[*low].push(*high),
             }
         }
-        let mut held: Vec<usize> = (0..self.free.len()).filter(|body| self.supported[*body][side]).collect();
-        while let Some(body) = held.pop() {
+        let mut at_rest: Vec<usize> = (0..self.free.len()).filter(|body| self.supported[*body][side]).collect();
+        while let Some(body) = at_rest.pop() {
             if accelerations[body].high != 0.0 {
                 accelerations[body] = DoubleDouble::ZERO;
-                held.extend(&behind[body]);
+                at_rest.extend(&behind[body]);
             }
         }
         accelerations

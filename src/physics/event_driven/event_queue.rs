@@ -15,7 +15,7 @@ use std::hint::black_box;
 /// Bodies per slice of a step: few enough to keep the heap small, enough to leave few slices empty.
 const BODIES_PER_SLICE: u64 = 32;
 
-/// Likewise with at least [`MIN_READ_AHEAD`] bodies, so that there is something to read ahead.
+/// Bodies per slice with at least [`MIN_READ_AHEAD`] bodies: enough events to read their records ahead together.
 const BODIES_PER_LONG_SLICE: u64 = 512;
 
 /// From this number of bodies on, their records do not fit into the fast caches, and reading ahead pays.
@@ -42,18 +42,18 @@ pub struct ScheduledEvent {
     pub pair_event: Option<PairEvent>,
     /// The partner's generation at the time of the prediction.
     pub partner_generation: u32,
-    /// How well the time is known.
+    /// The precision of the time.
     pub precision: Precision,
 }
 
-/// How well the time of a scheduled event is known.
+/// The precision of the time of a scheduled event.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Precision {
     /// The event does not happen earlier.
     LowerBound,
     /// The event does not happen earlier, and another one of the body may precede it.
     Contested,
-    /// To the rounding of the state.
+    /// The time is exact to the rounding of the state.
     Exact,
 }
 
@@ -139,7 +139,7 @@ const NO_EVENT: ScheduledEvent = ScheduledEvent {
 /// before it.
 const EARLINESS: f64 = 1.0 - 1.0 / (1_u64 << 40) as f64;
 
-/// The last slice that is filed exactly.
+/// The slice in which all later events are filed, so that the numbers of slices do not overflow.
 const MAX_SLICE: f64 = (1_u64 << 62) as f64;
 
 const EMPTY_ENTRY: QueueEntry =
@@ -229,7 +229,7 @@ impl EventQueue {
         }
     }
 
-    /// True if the body waits for an event of the pair.
+    /// True if the event of a body is one of the pair.
     #[cfg(debug_assertions)]
     pub fn holds(&self, slot: Slot, pair: [Slot; 2]) -> bool {
         self.entries
@@ -288,10 +288,10 @@ impl EventQueue {
         Some(self.heap.iter().map(|Reverse(queued)| queued.pair))
     }
 
-    /// Removes the first event, if it is due by an instant of the current step, and returns it with its body.
+    /// Removes the first event and returns it with its body; `None` if it is after `until`, an instant of the current
+    /// step.
     ///
-    /// Inlined, so that the event is not copied through memory: a gas of 100 boxes is 1.02 times as fast (alternating
-    /// runs).
+    /// Inlined, so that the event is not copied through memory: that makes a gas of 100 boxes 1.02 times as fast.
     #[inline(always)]
     pub fn pop(&mut self, until: Instant) -> Option<(Slot, ScheduledEvent)> {
         if until.is_before(self.next_time()) {

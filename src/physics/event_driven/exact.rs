@@ -1,7 +1,7 @@
 //! Predictions in double-double arithmetic, where doubles cannot decide.
 
 use super::EventDriven;
-use super::axis_trajectory::closing_time;
+use super::axis_trajectory::{SMALLEST_SQUARE, closing_time};
 use super::bodies::Bodies;
 use super::body_state::Slot;
 use super::double_double::DoubleDouble;
@@ -12,7 +12,8 @@ use super::random_rounding::{RandomRounding, is_exact_path};
 use super::reference::Reference;
 use crate::physics::{Axis, Side, larger};
 
-/// The rounding of a coordinate in double-double arithmetic, as a fraction of the numbers it was computed from.
+/// The rounding of a coordinate in double-double arithmetic, as a fraction of the numbers it was computed from: 2¹⁶
+/// times that of an operation, since the errors of earlier events add up.
 pub const POSITION_ROUNDING: f64 = 1.0 / (1_u128 << 88) as f64;
 
 /// The resolution of positions along an axis: boxes whose gap is smaller touch, a bounce that rises less is plastic.
@@ -51,22 +52,22 @@ impl Resolution {
     }
 }
 
-/// The rounding of a velocity in double-double arithmetic, as a fraction of the numbers it was computed from.
+/// The rounding of a velocity in double-double arithmetic, as a fraction of the numbers it was computed from: 2¹² times
+/// that of an operation, since the errors of earlier impacts add up.
 pub const VELOCITY_ROUNDING: f64 = 1.0 / (1_u128 << 92) as f64;
 
-/// The rounding of an acceleration in double-double arithmetic, as a fraction of the numbers it was computed from.
+/// The rounding of an acceleration in double-double arithmetic, as a fraction of the numbers it was computed from: 2¹²
+/// times that of an operation, since it is a mean over all bodies of a component.
 pub const ACCELERATION_ROUNDING: f64 = 1.0 / (1_u128 << 92) as f64;
 
 /// An overlap up to this fraction of the coordinates is an accumulated rounding error. Approaches below the rounding of
-/// doubles are not predicted, so two boxes can come to overlap by as much, and an impact can move one of them onto a
-/// third.
+/// doubles, 2⁻⁵², are not predicted, so two boxes can come to overlap by as much, and an impact can move one of them
+/// onto a third.
 pub const DEEPEST_ROUNDING: f64 = 1.0 / (1_u64 << 44) as f64;
 
-/// A discriminant above this fraction of the square of the speed is certainly not 0.
+/// A discriminant above this fraction of the square of the speed is certainly not 0, although it is computed in
+/// doubles.
 const CLEARLY_TURNS: f64 = 1e-12;
-
-/// Squares of speeds below this may be rounded by underflow, m²/s².
-const SMALLEST_SQUARE: f64 = 1e-250;
 
 /// The second body of a pair relative to the first along an axis, at an instant.
 pub struct ExactAxis {
@@ -172,8 +173,8 @@ impl ExactAxis {
         ]
     }
 
-    /// The impact of the bodies after t seconds, when their gap along the other axis closes, by their overlap along this
-    /// one; `None` if they neither overlap nor enter the corner.
+    /// The impact of the bodies after t seconds, when their gap along the other axis closes, by their overlap along
+    /// this one; `None` if they neither overlap nor enter the corner.
     fn impact_after(&self, t: DoubleDouble) -> Option<ImpactKind> {
         let [gap, speed, acceleration] = self.after(t);
         if gap.high < 0.0 {

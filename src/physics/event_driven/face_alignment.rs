@@ -15,10 +15,12 @@ use super::double_double::DoubleDouble;
 use crate::physics::{Axis, Side, larger};
 use std::collections::BTreeMap;
 
-/// Faces that differ by at most this many units in the last place of the largest number involved coincide.
-const COINCIDING_ULPS: f64 = 2.0;
+/// Faces that differ by at most this fraction of the largest number involved coincide: two units in the last place, the
+/// rounding of a few sums in doubles.
+const COINCIDENCE: f64 = 2.0 * f64::EPSILON;
 
-/// The rounding of a sum of decimals in double-double arithmetic, as a fraction of the largest number involved.
+/// The rounding of a sum of decimals in double-double arithmetic, as a fraction of the largest number involved: each of
+/// a few operations rounds by 2⁻¹⁰⁴.
 const DECIMAL_ROUNDING: f64 = 1.0 / (1_u128 << 100) as f64;
 
 /// A face of a body that takes part in an alignment.
@@ -37,7 +39,7 @@ impl Face {
     /// True if `next`, the face that follows along the axis, differs by rounding alone.
     fn coincides_with(&self, next: &Face) -> bool {
         let are_decimal = self.is_decimal && next.is_decimal;
-        let rounding = if are_decimal { DECIMAL_ROUNDING } else { COINCIDING_ULPS * f64::EPSILON };
+        let rounding = if are_decimal { DECIMAL_ROUNDING } else { COINCIDENCE };
         (next.at - self.at).high <= larger(self.scale, next.scale) * rounding
     }
 }
@@ -67,7 +69,7 @@ impl EventDriven {
     fn older_neighbours(&self, slot: Slot) -> Vec<Slot> {
         let own = Axis::BOTH.map(|axis| self.faces(slot, axis));
         let [low, high] = [0, 1].map(|side| [0, 1].map(|axis| own[axis][side].at.high));
-        let reach = own.map(|faces| faces[1].scale * (4.0 * f64::EPSILON));
+        let reach = own.map(|faces| faces[1].scale * (2.0 * COINCIDENCE));
         let mut found = Vec::new();
         let [from, to] = [[low[0] - reach[0], low[1] - reach[1]], [high[0] + reach[0], high[1] + reach[1]]];
         self.cell_lists.visit_region(from, to, |other| {
@@ -76,7 +78,7 @@ impl EventDriven {
                 [trajectory.at(self.timeline.now())[0], trajectory.magnitude_at(self.timeline.now())];
             let is_near = other < slot
                 && Axis::BOTH.into_iter().all(|axis| {
-                    let margin = reach[axis] + (magnitude[axis] + size[axis]) * (4.0 * f64::EPSILON);
+                    let margin = reach[axis] + (magnitude[axis] + size[axis]) * (2.0 * COINCIDENCE);
                     position[axis] - margin <= to[axis] && position[axis] + size[axis] + margin >= from[axis]
                 });
             if is_near {

@@ -352,7 +352,7 @@ impl HomeGrid {
     }
 
     /// Calls `visit` for the bodies in the cells around a rectangle, with true for those whose homes overlap it. A
-    /// stray is visited with each of its homes, the earlier ones, too.
+    /// stray is visited with each of its homes, also the earlier ones.
     pub fn visit_near(&self, rectangle: &SweptAabb, mut visit: impl FnMut(Slot, bool)) {
         let margin = self.side * MAX_CENTRE_DISTANCE;
         let [low, high] = rectangle.corners();

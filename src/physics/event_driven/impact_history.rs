@@ -16,7 +16,8 @@ const FIRST_LONG_SEARCH: usize = 4 * SHORT_PERIOD;
 /// so that none is longer than half of this.
 const MAX_HITS: usize = 1 << 20;
 
-/// Directions that agree to this, or to the rounding of velocities, are the same.
+/// Directions that agree to this fraction, or to the rounding of velocities, are the same: to so many bits they do not
+/// agree by accident.
 const SAME_DIRECTION: f64 = 1.0 / (1_u64 << 60) as f64;
 
 /// A cycle is proven only from speeds above this multiple of the rounding of velocities, which gives their direction to
@@ -28,7 +29,7 @@ const LEAST_PRECISION: f64 = (1_u64 << 30) as f64;
 /// three periods.
 const SLOWEST: f64 = 1.0 / (1_u64 << 44) as f64;
 
-/// Lengths that agree to this are the same.
+/// Approach speeds that agree to this fraction of the greatest are the same: 64 times the rounding of velocities.
 const SAME_LENGTH: f64 = 1.0 / (1_u128 << 86) as f64;
 
 /// The continuation that a repeated period of impacts proves.

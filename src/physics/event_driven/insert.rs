@@ -4,6 +4,7 @@ use super::EventDriven;
 use super::body_state::Slot;
 use super::cell_lists::CellLists;
 use super::event_queue::EventQueue;
+use super::pair_event::tolerance;
 use crate::physics::{Axis, StepError, World};
 
 impl EventDriven {
@@ -65,7 +66,7 @@ impl EventDriven {
             let magnitude = state.trajectory.magnitude_at(self.timeline.now());
             let [from, to] = [-1.0, 1.0].map(|sign| {
                 Axis::BOTH.map(|axis| {
-                    let margin = (magnitude[axis] + state.size[axis]) * (16.0 * f64::EPSILON);
+                    let margin = 2.0 * tolerance(magnitude[axis] + state.size[axis]);
                     low[axis] + sign * margin + if sign > 0.0 { state.size[axis] } else { 0.0 }
                 })
             });
@@ -74,7 +75,7 @@ impl EventDriven {
                 let position = other_state.trajectory.at(self.timeline.now())[0];
                 let magnitude = other_state.trajectory.magnitude_at(self.timeline.now());
                 let is_near = Axis::BOTH.into_iter().all(|axis| {
-                    let margin = (magnitude[axis] + other_state.size[axis]) * (16.0 * f64::EPSILON);
+                    let margin = 2.0 * tolerance(magnitude[axis] + other_state.size[axis]);
                     position[axis] - margin <= to[axis]
                         && position[axis] + other_state.size[axis] + margin >= from[axis]
                 });

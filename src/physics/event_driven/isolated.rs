@@ -125,7 +125,7 @@ impl EventDriven {
         }
         let mass = Side::BOTH
             .map(|side| if is_immovable[side] { f64::INFINITY.into() } else { self.bodies.params(bodies[side]).mass });
-        // The earlier body, or that which does not give way.
+        // The body that does not give way, or else the earlier one.
         let anchor = match (is_immovable, side) {
             ([true, _], _) => Side::Low,
             ([_, true], _) => Side::High,

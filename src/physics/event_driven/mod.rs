@@ -40,8 +40,8 @@
 //! # Rules
 //!
 //! A gap is *0* if it is below the resolution of positions, an approach speed or an approach acceleration if it is
-//! below the rounding of the numbers from which it was computed (`exact`). Two boxes *touch on a face* if their gap is 0
-//! along one axis and they overlap on the other, *at a corner* if both gaps are 0.
+//! below the rounding of the numbers from which it was computed (`exact`). Two boxes *touch on a face* if their gap is
+//! 0 along one axis and they overlap on the other, *at a corner* if both gaps are 0.
 //!
 //! These rules apply where mechanics leaves a choice. The chapter `solvers` of the guide explains them under the same
 //! numbers.

@@ -71,7 +71,7 @@ impl<'a> Sample<'a> {
         Sample { body, at, position, velocity, magnitude: body.trajectory.magnitude_at(at) }
     }
 
-    /// Returns the sample at another instant; a copy if it is the same.
+    /// Returns the sample at another instant, or a copy of this one if the instant is the same.
     #[inline]
     pub fn at_time(&self, at: Instant) -> Sample<'a> {
         if at == self.at { *self } else { Sample::new(self.body, at) }
@@ -88,7 +88,7 @@ impl<'a> Sample<'a> {
             let [ahead, behind] = [offset - sizes[0], -offset - sizes[1]];
             let gap = if ahead > behind { ahead } else { behind };
             let scale = self.magnitude[axis] + magnitude[axis] + (sizes[0] + sizes[1]);
-            gap <= scale * (64.0 * f64::EPSILON)
+            gap <= scale * CLEAR
         })
     }
 
@@ -130,8 +130,17 @@ struct Relative {
     acceleration_sum: [f64; 2],
 }
 
-/// The rounding of a gap computed in doubles, in units in the last place of the coordinates.
+/// The rounding of a gap or a speed computed in doubles, in units in the last place of the numbers it is computed from:
+/// each of about ten operations rounds by at most half a unit.
 const ROUNDING_ULPS: f64 = 8.0;
+
+/// The rounding of a time or a path computed in doubles, as a fraction of it: each of a few operations rounds by at
+/// most half of [`f64::EPSILON`].
+const PATH_ROUNDING: f64 = 4.0 * f64::EPSILON;
+
+/// A gap or a difference of speeds computed in doubles has certainly the sign of the exact one above this fraction of
+/// the magnitudes of the numbers it is computed from: eight times their rounding.
+pub const CLEAR: f64 = 8.0 * ROUNDING_ULPS * f64::EPSILON;
 
 /// The rounding of a gap if the magnitudes of the coordinates add up to `scale`, both in m.
 pub fn tolerance(scale: f64) -> f64 {
@@ -219,7 +228,7 @@ impl Relative {
     #[inline]
     fn rounding_after(&self, axis: Axis, t: f64) -> f64 {
         let path = t * (self.speed_sum[axis] + 0.5 * self.acceleration_sum[axis] * t);
-        self.tolerance[axis] + 4.0 * f64::EPSILON * path
+        self.tolerance[axis] + PATH_ROUNDING * path
     }
 
     /// The bound of the error of a closing time of `seconds`, at which the gap closes at speed `final_speed`.
@@ -233,7 +242,7 @@ impl Relative {
         } else {
             by_speed
         };
-        BoundedTime { seconds, error: error + 4.0 * f64::EPSILON * seconds }
+        BoundedTime { seconds, error: error + PATH_ROUNDING * seconds }
     }
 
     /// The time at which the gap on a side of the first box closes.
@@ -367,7 +376,7 @@ fn predict_uniform(relative: &Relative, elapsed: f64) -> Option<Prediction> {
     if seconds == f64::INFINITY {
         return Some(Prediction::None);
     }
-    let error = (2.0 * relative.rounding_after(axis, seconds)) / speeds[axis] + 4.0 * f64::EPSILON * seconds;
+    let error = (2.0 * relative.rounding_after(axis, seconds)) / speeds[axis] + PATH_ROUNDING * seconds;
     let time = BoundedTime { seconds, error };
     let side = if relative.ahead[axis] > relative.behind[axis] { Side::High } else { Side::Low };
     Some(match relative.impact_at(axis.other(), time) {

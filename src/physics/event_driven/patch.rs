@@ -28,7 +28,7 @@ pub struct LocalAxis {
     pub magnitudes: Magnitudes,
     /// True if velocity or acceleration changed in this instant.
     pub has_changed: bool,
-    /// True if the body waits for its contacts along the axis to be examined.
+    /// True if the contacts of the body along the axis must be examined.
     pub is_dirty: bool,
     /// True if its component was solved in this examination.
     pub is_solved: bool,
@@ -64,7 +64,7 @@ pub struct LocalBody {
     pub member: u32,
 }
 
-/// How two boxes touch.
+/// The kind of a touch of two boxes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TouchKind {
     /// Their gap along the axis is 0, and they overlap on the other.
@@ -141,7 +141,7 @@ pub struct Burst {
 }
 
 impl Burst {
-    /// Forgets all impacts; keeps the memory.
+    /// Removes all impacts, but keeps the memory for the next instant.
     fn clear(&mut self) {
         self.greatest = 0.0;
         self.histories.iter_mut().for_each(ImpactHistory::clear);
@@ -415,10 +415,11 @@ impl Patch {
     }
 }
 
-/// A difference of the high parts of two velocities above this fraction of the speeds has the sign of the exact one.
+/// A difference of the high parts of two velocities above this fraction of their magnitudes has the sign of the exact
+/// one: the low parts are less than 2⁻⁵³ of them.
 const CLEAR_SIGN: f64 = 1.0 / (1_u64 << 48) as f64;
 
-/// Approaches along two axes that differ by less than this fraction are equal.
+/// Approaches along two axes that differ by less than this fraction are equal: 128 times the rounding of velocities.
 const EQUAL_APPROACH: f64 = 1.0 / (1_u128 << 85) as f64;
 
 impl EventDriven {
@@ -511,7 +512,8 @@ impl EventDriven {
     }
 }
 
-/// How two bodies touch, and for each axis the side of the first on which the second lies.
+/// The kind of the touch of two bodies, and for each axis the side of the first on which the second lies; `None` if
+/// they do not touch.
 fn touch_kind(patch: &Patch, first: Local, second: Local, resolution: Resolution) -> Option<(TouchKind, [Side; 2])> {
     let gaps = Axis::BOTH.map(|axis| {
         let [a, b] = [first, second].map(|body| patch.axis(body, axis));

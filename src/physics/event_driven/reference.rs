@@ -3,8 +3,8 @@ use super::double_double::DoubleDouble;
 use super::instant::Instant;
 use super::random_rounding::RandomRounding;
 
-/// The fraction of the path since step 0 that counts as one of the numbers a coordinate was computed from:
-/// the rounding of the instant is 2⁻¹⁰⁶ of the time.
+/// The fraction of the path since step 0 that counts as one of the numbers a state was computed from: an instant is
+/// rounded to 2⁻¹⁰⁶ of the time since step 0, which is less than this fraction of the rounding of velocities.
 const TIME_SHARE: f64 = 1.0 / (1_u64 << 12) as f64;
 
 /// A body along an axis at its reference instant, from which all its later states follow.

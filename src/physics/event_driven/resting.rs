@@ -5,9 +5,9 @@
 //! (`contact_group`) a constraint is a contact if it is tight and was a contact before, or if its component
 //! is carried, that is, if some acceleration differs from free fall.
 //!
-//! Where no body of a component carries a force of its own, a body is held if constraints lead from it
-//! to an infinite mass in the direction of gravity, and falls freely otherwise. The contact graph stores this, so the
-//! component need not be visited.
+//! Where no body of a component carries a force of its own, a body rests if constraints lead from it to an infinite
+//! mass in the direction of gravity, and falls freely otherwise. The contact graph stores this, so the component need
+//! not be visited.
 
 use super::EventDriven;
 use super::body_state::{Load, NONE, Slot};
@@ -34,7 +34,7 @@ impl EventDriven {
             }
             let has_turned = self.end_turned_contacts(patch);
             let has_blocked = self.block_entered_corners(patch);
-            if !has_turned && !has_blocked && !self.release_left_corners(patch) {
+            if !has_turned && !has_blocked && !self.release_corners_not_entered(patch) {
                 break;
             }
         }
@@ -58,7 +58,7 @@ impl EventDriven {
         }
     }
 
-    /// Examines the dirty bodies and all that depend on them.
+    /// Updates the contacts and accelerations along an axis of the dirty bodies and of all that depend on them.
     fn update_contacts_along(&mut self, patch: &mut Patch, axis: Axis) {
         let mut examined = std::mem::take(&mut self.examined);
         let falling_side = self.falling_side(axis);
@@ -387,16 +387,16 @@ impl EventDriven {
 
     /// Releases the blocked corners that are not entered any more, because others block too: the boxes would part along
     /// one axis, or would not begin to overlap. A corner is released once, so that this ends; it can be blocked again.
-    fn release_left_corners(&mut self, patch: &mut Patch) -> bool {
+    fn release_corners_not_entered(&mut self, patch: &mut Patch) -> bool {
         let mut has_released = false;
         for index in 0..patch.touches.len() {
             let touch = patch.touches[index];
-            let is_left = |axis: Axis| {
+            let is_not_entered = |axis: Axis| {
                 let acceleration = patch.approach_acceleration(&touch, axis).high;
                 let stays = if touch.blocks[axis] { acceleration == 0.0 } else { acceleration > 0.0 };
                 patch.approach_speed(&touch, axis).high == 0.0 && !stays
             };
-            if touch.blocks == [false; 2] || touch.was_released || !Axis::BOTH.into_iter().any(is_left) {
+            if touch.blocks == [false; 2] || touch.was_released || !Axis::BOTH.into_iter().any(is_not_entered) {
                 continue;
             }
             for axis in Axis::BOTH {

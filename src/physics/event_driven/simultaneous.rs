@@ -87,7 +87,8 @@ impl EventDriven {
         !last.is_before(event.at) || self.coincides(event, last)
     }
 
-    /// The bodies of the next instant, given the next event and those in its vicinity. They are none if no event is due.
+    /// The bodies of the next instant, given the next event and those in its vicinity. They are none if no event is
+    /// due.
     ///
     /// Bodies that touch form a group. The events of a group that coincide with the earliest of them share its time,
     /// whatever the events of other groups. Groups whose earliest events coincide are processed in one instant, so that

@@ -28,7 +28,7 @@ use crate::physics::{larger, smaller};
 /// The numbers on which speed depends, but no result.
 #[derive(Clone, Copy, Debug)]
 struct Tuning {
-    /// With fewer bodies, a step costs little with cell lists, too.
+    /// With fewer bodies there is no window, since a step costs little with cell lists.
     min_bodies: usize,
     /// Steps without inputs after which a window may begin.
     calm_steps: u64,
@@ -66,8 +66,10 @@ const SAMPLED_BODIES: usize = 256;
 /// The rounding of homes and of the gaps between them, as a fraction of the coordinates.
 const ROUNDING: f64 = 1.0 / (1_u64 << 20) as f64;
 
-/// The shortest window that pays, and the longest, in steps.
+/// The shortest window, in steps: one of a single step does not pay.
 const MIN_WINDOW: f64 = 2.0;
+
+/// The longest window, in steps.
 const MAX_WINDOW: f64 = 64.0;
 
 /// The factor by which the cells are enlarged if too many homes are larger than they.
@@ -255,7 +257,7 @@ impl WindowLists {
         let seconds = 2.0 * distance / (speed + (speed * speed + 2.0 * acceleration * distance).sqrt());
         let mut steps = smaller(seconds / clock.period, MAX_WINDOW);
         let mut widening = 1.0;
-        // A NaN is too short, too.
+        // False for NaN: then no window begins.
         while steps >= MIN_WINDOW {
             let end = step + steps as u64;
             let seconds = (end - step) as f64 * clock.period;
