@@ -121,17 +121,8 @@ impl Bodies {
     /// Appends the body with the given index in the world, whose trajectory starts at `since` in free fall.
     pub fn push(&mut self, body: &Body, world_index: usize, since: Instant) -> Slot {
         let slot = self.states.len() as Slot;
-        let (force, mass) = (body.constant_force, stated(body.mass));
-        let infinite = body.is_infinite();
-        let free_acceleration = Axis::BOTH.map(|axis| {
-            if infinite {
-                DoubleDouble::ZERO
-            } else if force[axis] == 0.0 {
-                self.gravity[axis]
-            } else {
-                quotient(stated(force[axis]), mass) + self.gravity[axis]
-            }
-        });
+        let (force, infinite) = (body.constant_force, body.is_infinite());
+        let free_acceleration = self.free_acceleration(body);
         let trajectory = Trajectory::new(Axis::BOTH.map(|axis| {
             // Not −0, which some formulas for the state at an instant keep, and others do not.
             let (position, velocity) = (body.rect.origin[axis] + 0.0, body.velocity[axis] + 0.0);
@@ -163,7 +154,7 @@ impl Bodies {
         self.moving_walls += u32::from(infinite && !trajectory.is_at_rest());
         let params = BodyParams {
             id: body.id,
-            mass: mass.scaled(MASS_SCALE),
+            mass: stated(body.mass).scaled(MASS_SCALE),
             material: body.material,
             free_acceleration,
             has_force,
@@ -171,6 +162,20 @@ impl Bodies {
         };
         self.details.push(BodyDetails { low_parts, params });
         slot
+    }
+
+    /// The acceleration of a body without contacts, m/s².
+    fn free_acceleration(&self, body: &Body) -> [DoubleDouble; 2] {
+        let force = body.constant_force;
+        Axis::BOTH.map(|axis| {
+            if body.is_infinite() {
+                DoubleDouble::ZERO
+            } else if force[axis] == 0.0 {
+                self.gravity[axis]
+            } else {
+                quotient(stated(force[axis]), stated(body.mass)) + self.gravity[axis]
+            }
+        })
     }
 
     /// Deletes a body alive; its slot stays. The world indices of later bodies must be

@@ -348,13 +348,10 @@ impl EventDriven {
         {
             return Some((now, event));
         }
-        // The alignment of faces has just ended the overlap. A corner that blocks along both axes does not overlap.
-        let across_contact = Axis::BOTH.into_iter().find(|axis| contacts[axis.other()] && !contacts[*axis]);
         if now == from
-            && let Some(axis) = across_contact
-            && let Some(side) = axes[axis].side_of_ended_overlap()
+            && let Some(event) = contact_end_by_alignment(&axes, contacts)
         {
-            return Some((now, PairEvent::ContactEnd(axis, side)));
+            return Some((now, event));
         }
         first
     }
@@ -386,4 +383,11 @@ impl EventDriven {
         let touches = gaps[face] >= -axes[face].deepest_rounding;
         (touches && approaches[face]).then(|| PairEvent::FaceImpact(face, axes[face].nearest_side()))
     }
+}
+
+/// The end of a contact of two bodies, along the axes `contacts`, that do not overlap any more because faces were aligned
+/// at the end of the instant. A corner that blocks along both axes does not overlap, but stays in contact.
+fn contact_end_by_alignment(axes: &[ExactAxis; 2], contacts: [bool; 2]) -> Option<PairEvent> {
+    let across = Axis::BOTH.into_iter().find(|axis| contacts[axis.other()] && !contacts[*axis])?;
+    Some(PairEvent::ContactEnd(across, axes[across].side_of_ended_overlap()?))
 }
