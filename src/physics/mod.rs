@@ -6,17 +6,22 @@
 //! All input is an [`Event`], applied by [`Engine::apply`]. [`Engine::step`] advances the world by
 //! 1/rate seconds, and [`Engine::world`] returns it. An [`Observer`] receives the collisions.
 
-mod accuracy;
+// Geometry.
 mod axis;
+mod rect;
+mod vector;
+
+// The model: bodies, inputs and collisions.
 mod collision;
-mod engine;
 mod event;
+mod restitution;
+mod world;
+
+// The engine and its two solvers.
+mod accuracy;
+mod engine;
 pub mod event_driven;
 pub mod handout;
-mod rect;
-mod restitution;
-mod vector;
-mod world;
 
 pub use accuracy::{Accuracy, AccuracyProbe};
 pub use axis::{Axis, Side};
