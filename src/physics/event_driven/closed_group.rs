@@ -80,8 +80,12 @@ impl EventDriven {
         last: Instant,
         observer: &mut O,
     ) {
+        #[cfg(test)]
+        let search_interval = self.search_interval;
+        #[cfg(not(test))]
+        let search_interval = SEARCH_INTERVAL;
         let are_few = !self.window_lists.is_active() && self.cell_lists.uses_all_pairs();
-        if !are_few || !self.event_limit.events().is_multiple_of(self.search_interval) {
+        if !are_few || !self.event_limit.events().is_multiple_of(search_interval) {
             return;
         }
         let Some(mut group) = self.find_closed_group(world, axis, last) else { return };
@@ -143,14 +147,7 @@ impl EventDriven {
             return None;
         }
         let seconds = self.timeline.now().seconds_until(last);
-        let mut slots = receding.to_vec();
-        for slot in self.cell_lists.few().iter().copied().filter(|slot| !receding.contains(slot)) {
-            match self.overlap([receding[0], slot], axis.other(), seconds) {
-                Overlap::Overlapping(_) => slots.push(slot),
-                Overlap::Apart(_) => {}
-                Overlap::Unclear => return None,
-            }
-        }
+        let mut slots = self.overlapping(receding, axis.other(), seconds)?;
         let seconds = self.seconds_of_closure(&slots, axis.other(), seconds)?;
         let position = |slot: &Slot| self.bodies[*slot].trajectory.at(self.timeline.now())[0][axis];
         slots.sort_unstable_by(|a, b| position(a).total_cmp(&position(b)).then(a.cmp(b)));
@@ -184,6 +181,20 @@ impl EventDriven {
             }
         }
         Some(group)
+    }
+
+    /// Two bodies that overlap along an axis, and all others that overlap the first of them along it; `None` if that is
+    /// not clear for one of them. `horizon` is that of [`overlap`](Self::overlap).
+    fn overlapping(&self, pair: [Slot; 2], axis: Axis, horizon: f64) -> Option<Vec<Slot>> {
+        let mut slots = pair.to_vec();
+        for slot in self.cell_lists.few().iter().copied().filter(|slot| !pair.contains(slot)) {
+            match self.overlap([pair[0], slot], axis, horizon) {
+                Overlap::Overlapping(_) => slots.push(slot),
+                Overlap::Apart(_) => {}
+                Overlap::Unclear => return None,
+            }
+        }
+        Some(slots)
     }
 
     /// The seconds from now, at most `horizon`, in which some bodies certainly keep overlapping along an axis, and

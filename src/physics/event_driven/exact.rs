@@ -385,8 +385,8 @@ impl EventDriven {
     }
 }
 
-/// The end of a contact of two bodies, along the axes `contacts`, that do not overlap any more because faces were aligned
-/// at the end of the instant. A corner that blocks along both axes does not overlap, but stays in contact.
+/// The end of a contact of two bodies, along the axes `contacts`, that do not overlap any more because faces were
+/// aligned at the end of the instant. A corner that blocks along both axes does not overlap, but stays in contact.
 fn contact_end_by_alignment(axes: &[ExactAxis; 2], contacts: [bool; 2]) -> Option<PairEvent> {
     let across = Axis::BOTH.into_iter().find(|axis| contacts[axis.other()] && !contacts[*axis])?;
     Some(PairEvent::ContactEnd(across, axes[across].side_of_ended_overlap()?))

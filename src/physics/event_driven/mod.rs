@@ -196,13 +196,15 @@ pub struct EventDriven {
     changed: Vec<Slot>,
     /// Two bodies that have just collided and have no event with each other until one of them changes.
     receding: Option<[Slot; 2]>,
-    /// The number of events after which a closed group is looked for.
+    /// The number of events from one search for a closed group to the next.
+    #[cfg(test)]
     search_interval: u64,
-    /// True to examine also the spawned bodies that touch no other.
-    examines_all_spawned: bool,
     /// The number of impacts carried out in closed groups.
     #[cfg(test)]
     impacts_in_groups: u64,
+    /// True to examine also the spawned bodies that touch no other.
+    #[cfg(test)]
+    examines_all_spawned: bool,
     /// The number of slots when cell lists and event queue were last rebuilt.
     indexed_bodies: usize,
     /// Buffer for the bodies concerned by an instant.
@@ -241,10 +243,12 @@ impl EventDriven {
             dirty_states: DirtyStates::default(),
             changed: Vec::new(),
             receding: None,
+            #[cfg(test)]
             search_interval: closed_group::SEARCH_INTERVAL,
-            examines_all_spawned: false,
             #[cfg(test)]
             impacts_in_groups: 0,
+            #[cfg(test)]
+            examines_all_spawned: false,
             indexed_bodies: 0,
             patch: Patch::default(),
             examined: Vec::new(),
@@ -461,8 +465,9 @@ impl EventDriven {
         Ok(())
     }
 
-    /// Carries out the event if it is an isolated impact at the present instant, and the next impacts of its closed group
-    /// up to the instant `last`; returns true if it did. Inlined, since most events of a gas are isolated impacts.
+    /// Carries out the event if it is an isolated impact at the present instant, and the next impacts of its closed
+    /// group up to the instant `last`; returns true if it did. Inlined, since most events of a gas are isolated
+    /// impacts.
     #[inline(always)]
     fn collide_at_once<O: Observer>(
         &mut self,
