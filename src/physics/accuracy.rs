@@ -9,7 +9,8 @@ pub const ACCURACY: f64 = 1e-10;
 /// recorded.
 const LEVELS: [f64; 10] = [1e-28, 1e-26, 1e-24, 1e-22, 1e-20, 1e-18, 1e-16, 1e-14, 1e-12, ACCURACY];
 
-/// The factor by which one copy of a probe resolves positions more finely, and the other one more coarsely.
+/// The factor by which one copy of a probe resolves positions more finely, and the other one more coarsely: large, so
+/// that a result that depends on the resolution differs.
 const RESOLUTION_FACTOR: f64 = 64.0;
 
 /// Impacts up to this fraction of the greatest approach speed are too slow to count in a sequence of collisions.
@@ -18,7 +19,7 @@ const SLOW: f64 = 1e-6;
 /// Likewise those up to this fraction of √(acceleration × largest side), about the speed gained in falling that far.
 const SLOW_IN_FREE_FALL: f64 = 1.0 / (1_u64 << 20) as f64;
 
-/// Impacts up to this fraction of a step apart belong to one instant.
+/// Impacts up to this fraction of a step apart belong to one instant: far more than rounding moves them.
 const SAME_INSTANT: f64 = 1e-8;
 
 /// The part of a run in which rounding cannot have moved a position noticeably or changed the order of collisions.

@@ -138,7 +138,7 @@ impl EventDriven {
     ) -> Impact {
         let pair = touch.ordered(axis);
         for side in Side::BOTH {
-            self.collect_cluster(patch, pair[side], axis, side, &mut clusters[side as usize]);
+            self.collect_cluster(patch, pair[side], axis, side, &mut clusters[side]);
         }
         let velocity = pair.map(|body| patch.axis(body, axis).state.velocity);
         Impact { velocity, mass: [clusters[0].mass, clusters[1].mass], restitution }
@@ -194,7 +194,7 @@ impl EventDriven {
             magnitude = larger(velocity.high.abs(), magnitude);
         }
         for side in Side::BOTH {
-            for body in &clusters[side as usize].members {
+            for body in &clusters[side].members {
                 let state = patch.axis_mut(*body, axis);
                 state.state.velocity = after[side];
                 state.magnitudes.velocity = magnitude;

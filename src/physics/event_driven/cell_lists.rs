@@ -31,6 +31,9 @@ const MAX_CELLS_PER_STEP: f64 = 4.0;
 /// Maximum cell index: beyond it, adjacent cell borders are no longer distinct doubles.
 const MAX_CELL_INDEX: f64 = (1u64 << 40) as f64;
 
+/// The number of buckets of a new grid, which gets more as bodies enter it.
+const MIN_BUCKETS: usize = 64;
+
 /// Up to this number of bodies, all are candidates of each other.
 const ALL_PAIRS_LIMIT: usize = 12;
 
@@ -210,8 +213,8 @@ impl CellLists {
         match self.grids.iter().position(|grid| grid.side == side) {
             Some(grid) => grid,
             None => {
-                self.grids.push(SpatialHash::new(side, 64));
-                self.rebuild(self.grids.len() - 1, 64);
+                self.grids.push(SpatialHash::new(side, MIN_BUCKETS));
+                self.rebuild(self.grids.len() - 1, MIN_BUCKETS);
                 self.grids.len() - 1
             }
         }

@@ -168,7 +168,7 @@ impl EventDriven {
     ) -> Result<(), StepError> {
         let root = patch.root_of_touch(&patch.touches[index as usize]) as usize;
         let greatest = patch.bursts[root].greatest;
-        let mut history = std::mem::take(&mut patch.bursts[root].histories[axis as usize]);
+        let mut history = std::mem::take(&mut patch.bursts[root].histories[axis]);
         let approach_speed = |touch: u32| patch.approach_speed(&patch.touches[touch as usize], axis);
         let rounding = |touch: u32| {
             let [first, second] =
@@ -176,7 +176,7 @@ impl EventDriven {
             (first + second) * VELOCITY_ROUNDING
         };
         let cycle = history.push(index, speed, greatest, approach_speed, rounding);
-        patch.bursts[root].histories[axis as usize] = history;
+        patch.bursts[root].histories[axis] = history;
         match cycle {
             None => Ok(()),
             Some((Cycle::Decays(decay), touches)) => {
@@ -232,7 +232,7 @@ impl EventDriven {
             let later = |now: DoubleDouble| velocity + (now - velocity) * factor;
             self.change_velocities(patch, &collapse.members, axis, later);
         }
-        patch.bursts[root].histories[axis as usize].restart();
+        patch.bursts[root].histories[axis].restart();
     }
 
     /// For each member of the collapse of a cycle and each side, the least speed in the next period by which it moves

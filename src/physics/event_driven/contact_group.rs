@@ -73,7 +73,7 @@ impl ContactGroup {
 
     /// Adds the contact of a body with an infinite mass on a side.
     pub fn support(&mut self, body: usize, side: Side) {
-        self.supported[body][side as usize] = true;
+        self.supported[body][side] = true;
     }
 
     /// The acceleration of each body, m/s².

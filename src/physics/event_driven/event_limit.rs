@@ -50,7 +50,7 @@ impl EventLimit {
         self.events
     }
 
-    /// Forgets the events and repetitions, for the next step.
+    /// Resets the counts of events and repetitions at the start of a step.
     #[inline]
     pub fn begin_step(&mut self) {
         (self.events, self.repetitions) = (0, 0);

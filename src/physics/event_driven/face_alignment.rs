@@ -68,8 +68,8 @@ impl EventDriven {
     /// The older bodies that touch a body within rounding, in creation order.
     fn older_neighbours(&self, slot: Slot) -> Vec<Slot> {
         let own = Axis::BOTH.map(|axis| self.faces(slot, axis));
-        let [low, high] = [0, 1].map(|side| [0, 1].map(|axis| own[axis][side].at.high));
-        let reach = own.map(|faces| faces[1].scale * (2.0 * COINCIDENCE));
+        let [low, high] = Side::BOTH.map(|side| Axis::BOTH.map(|axis| own[axis][side].at.high));
+        let reach = own.map(|faces| faces[Side::High].scale * (2.0 * COINCIDENCE));
         let mut found = Vec::new();
         let [from, to] = [[low[0] - reach[0], low[1] - reach[1]], [high[0] + reach[0], high[1] + reach[1]]];
         self.cell_lists.visit_region(from, to, |other| {
@@ -127,7 +127,7 @@ impl EventDriven {
             let Some(anchor) = group.iter().min_by_key(rank) else { continue };
             for face in group {
                 let index = slots.partition_point(|slot| *slot < face.slot);
-                aligned[index][face.side as usize] = Some(anchor.at);
+                aligned[index][face.side] = Some(anchor.at);
             }
         }
         for (slot, aligned) in slots.iter().zip(aligned) {

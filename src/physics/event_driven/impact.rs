@@ -1,6 +1,7 @@
 //! The impact law as a formula.
 
 use super::double_double::DoubleDouble;
+use crate::physics::Side;
 
 /// Two clusters that collide along an axis; the one on the low side first.
 #[derive(Clone, Copy, Debug)]
@@ -93,7 +94,7 @@ impl Impact {
         }
         let sum = self.mass[0] + self.mass[1];
         let shares = self.shares();
-        [0, 1].iter().all(|side| shares[*side].low == 0.0 && shares[*side] * sum == self.mass[1 - side])
+        Side::BOTH.into_iter().all(|side| shares[side].low == 0.0 && shares[side] * sum == self.mass[side.opposite()])
     }
 
     /// The share of each of the two in the change of relative velocity: the mass fraction of the other.

@@ -111,13 +111,13 @@ struct Probe {
 }
 
 impl ImpactHistory {
-    /// Forgets everything, for the next instant.
+    /// Removes all impacts, for the next instant.
     pub fn clear(&mut self) {
         self.restart();
         self.count = 0;
     }
 
-    /// Forgets the sequence, after the limit of a cycle was taken.
+    /// Begins a new sequence, after the limit of a cycle was taken.
     pub fn restart(&mut self) {
         self.hits.clear();
         self.probe = None;

@@ -534,7 +534,7 @@ fn touch_kind(patch: &Patch, first: Local, second: Local, resolution: Resolution
         (false, true) => TouchKind::Face(Axis::Y),
         (false, false) => {
             let axis = if signs[0] >= signs[1] { Axis::X } else { Axis::Y };
-            if signs[axis as usize] < -gaps[axis].2 * DEEPEST_ROUNDING {
+            if signs[axis] < -gaps[axis].2 * DEEPEST_ROUNDING {
                 return None;
             }
             TouchKind::Face(axis)

@@ -10,6 +10,7 @@ use super::axis_trajectory::StateDd;
 use super::double_double::DoubleDouble;
 use super::impact::Impact;
 use super::instant::Instant;
+use crate::physics::Side;
 
 /// The rounding error of a few operations in double-double arithmetic, as a fraction of the result.
 const UNIT: f64 = 1.0 / (1_u128 << 104) as f64;
@@ -103,7 +104,7 @@ fn round_velocities(
     if after[0] == after[1] {
         return [moved(seed, after[0], speed); 2];
     }
-    [0, 1].map(|side| {
+    Side::BOTH.map(|side| {
         let is_fixed = impact.mass[side].high == f64::INFINITY;
         if is_fixed { after[side] } else { moved(seed ^ side as u64, after[side], speed) }
     })

@@ -129,6 +129,7 @@ impl EventDriven {
         if is_free {
             return None;
         }
+        // At 2⁶⁴ times its size, coordinates do not resolve the body any more.
         for _ in 0..64 {
             let obstacles = self.obstacles(slot, &aabb, radius, unplaced);
             if let Some(position) = nearest_free_corner(&aabb, &obstacles, radius) {

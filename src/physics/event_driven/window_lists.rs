@@ -136,7 +136,7 @@ struct Resident {
 }
 
 impl Resident {
-    /// A body without a list at home somewhere.
+    /// A body with a home and no list.
     fn at(home: SweptAabb) -> Resident {
         Resident { home, list: [0; 2], latest_extra: NONE }
     }
@@ -422,7 +422,7 @@ impl WindowLists {
         }
     }
 
-    /// The greatest number of large homes with which a window pays.
+    /// The greatest number of large homes with which a window pays: each of them is compared with all others.
     fn max_large(&self) -> usize {
         16 + self.moving.len() / 32
     }
