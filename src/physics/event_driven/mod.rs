@@ -12,9 +12,10 @@
 //!    (`face_alignment`). The changes made by inputs are processed as an instant of their own.
 //! 2. **Process events** in the order of their times (`event_queue`). An impact that involves no third body is carried
 //!    out at once (`isolated`), and further impacts of a few bodies in a row follow without the queue (`closed_group`).
-//!    Any other instant (`simultaneous`) is processed on the bodies that it involves (`patch`): contacts (`resting`)
-//!    and impacts (`burst`). A fast body that leaves its cell is moved to the next one (`cell_lists`). Each body whose
-//!    trajectory or contacts changed predicts its next event again (`predict`).
+//!    Any other instant (`simultaneous`) is processed on the bodies that it involves (`patch`): contacts and
+//!    accelerations (`resting`, `contact_group`) and impacts (`burst`). A fast body that leaves its cell is moved to
+//!    the next one (`cell_lists`). Each body whose trajectory or contacts changed predicts its next event again
+//!    (`predict`).
 //! 3. **Sample.** The states of the bodies that moved are written to the world (`dirty_states`).
 //! 4. **Find neighbours.** Without inputs for some steps, each body gets a list of neighbours for a window of several
 //!    steps (`window_lists`, `home_grid`). Otherwise, the bodies that would leave their cells in the next step are
@@ -34,8 +35,8 @@
 //! event hides an earlier one.
 //!
 //! A later event belongs to the same instant if its gap is 0 already at the time of the first, and that of the first is
-//! still 0 at its time. So the length of an instant follows from coordinates and speeds and is no parameter. A
-//! pair that still approaches when its computed time is past is due now.
+//! still 0 at its time. So the length of an instant follows from coordinates and speeds and is no parameter. A pair
+//! that still approaches when its computed time is past is due now.
 //!
 //! # Rules
 //!
