@@ -18,6 +18,7 @@ use super::{Appearance, Color, Palette, color};
 use crate::physics::{BodyId, larger};
 use crate::recording::{BodyInfo, Playback, SEMANTICS_VERSION};
 use crate::scene::WALL_NAMES;
+use crate::text::counted;
 use std::collections::{BTreeMap, BTreeSet};
 use std::io::Write;
 use std::num::NonZero;
@@ -182,12 +183,11 @@ pub(crate) fn with_states<R>(
     same.or_else(|| recordings.find(|recording| every.is_multiple_of(every_of(recording).max(1))))
 }
 
-/// The reason why a recording that stores every `found`-th state in full does not replace one that stores every
-/// `every`-th.
+/// The reason why a recording with a full state every `found` steps does not replace one with a full state every `every`
+/// steps.
 pub(crate) fn lacking_states(found: u64, every: u64) -> String {
-    format!(
-        "stores every {found} steps in full, and the one that was drawn every {every}: states of the picture are missing"
-    )
+    let [found, every] = [found, every].map(|steps| counted(steps, "step"));
+    format!("has a full state every {found} and lacks states of the picture, which was drawn from one every {every}")
 }
 
 /// Draws each picture of a sequence and passes its step and its PNG file to `output`, in order. Each file carries the

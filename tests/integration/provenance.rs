@@ -109,13 +109,16 @@ fn pictures_of_thinned_recordings_redraw_byte_for_byte_among_other_recordings_of
     let at_30 = workplace.read("at30.png");
     assert!(redraw(&at_30, &all[..1]).unwrap().starts_with(b"\x89PNG"));
     let error = redraw(&at_30, &all[1..3]).unwrap_err().to_string();
-    assert!(error.contains("stores every 2 steps in full, and the one that was drawn every 15:"), "{error}");
+    assert!(
+        error.contains("every 2 steps and lacks states of the picture, which was drawn from one every 15 steps"),
+        "{error}"
+    );
     for name in ["b1", "d15"] {
         std::fs::remove_file(workplace.path(&format!("{name}.mcap"))).unwrap();
     }
     let orphaned = workplace.rebond("check .").output;
     let line = orphaned.lines().find(|line| line.contains("at30.png")).unwrap_or_default();
-    assert!(line.contains("a2.mcap") && line.contains("stores every 2 steps in full"), "{orphaned}");
+    assert!(line.contains("a2.mcap") && line.contains("has a full state every 2 steps"), "{orphaned}");
 }
 
 /// Two files with the same text, which states no title, have recordings of the same identity.
@@ -197,7 +200,10 @@ fn the_error_of_a_picture_that_cannot_be_redrawn_gives_the_reason() {
     workplace.done("record scene.toml -o thin.mcap --every 10");
     let thin = Source::open(&workplace.path("thin.mcap")).unwrap();
     let error = redraw(&file, &[thin]).unwrap_err().to_string();
-    assert!(error.contains("stores every 10 steps in full, and the one that was drawn every 1:"), "{error}");
+    assert!(
+        error.contains("every 10 steps and lacks states of the picture, which was drawn from one every 1 step"),
+        "{error}"
+    );
     for (content, reason) in [("hello", "neither PNG"), ("<svg xmlns=\"\"></svg>", "no \"rebond options\"")] {
         let error = Provenance::read(content.as_bytes()).unwrap_err().to_string();
         assert!(error.contains(reason), "{error}");
