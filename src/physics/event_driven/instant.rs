@@ -133,6 +133,14 @@ mod tests {
     }
 
     #[test]
+    fn a_rate_of_any_number_of_thousandths_samples_at_whole_seconds() {
+        for thousandths in 1..=20_000_u32 {
+            let sample = Clock::new(f64::from(thousandths) / 1000.0).start_of(thousandths.into()).as_number();
+            assert!((sample - 1000.0.into()).high.abs() <= 1e-28, "{thousandths}: {sample:?}");
+        }
+    }
+
+    #[test]
     fn a_day_does_not_coarsen_the_difference_of_instants() {
         let late = Instant { high: 86_400.0, low: 0.0 };
         let later = late.after(1e-13);

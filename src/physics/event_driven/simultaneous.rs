@@ -82,9 +82,9 @@ impl EventDriven {
         Ok(events)
     }
 
-    /// Returns true if an event is at most at the instant `last`, or coincides with it.
+    /// Returns true if an event is at most at the instant `last`, or in its vicinity and coincides with it.
     pub(super) fn is_due(&self, event: &ScheduledEvent, last: Instant) -> bool {
-        !last.is_before(event.at) || self.coincides(event, last)
+        !last.is_before(event.at) || (!last.end_of_vicinity().is_before(event.at) && self.coincides(event, last))
     }
 
     /// The bodies of the next instant, given the next event and those in its vicinity. They are none if no event is

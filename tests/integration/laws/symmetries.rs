@@ -252,28 +252,56 @@ fn slow_impacts_elsewhere_at_nearly_the_same_time_change_nothing() {
     });
 }
 
-/// A box reaches another one 9·10⁻¹⁶ s after a sample, and elsewhere one reaches another at the same time, but so slowly that
-/// its gap is 0 at the sample already.
-#[test]
-fn a_slow_impact_at_a_sample_does_not_bring_others_before_it() {
-    let others = [
+/// A pair of boxes that collide 9·10⁻¹⁶ s after a sample at a rate of 8 Hz.
+fn pair_that_collides_after_a_sample() -> [BodySpec; 2] {
+    [
         spec([3.2499999999999996, -1.75], [0.25; 2], 1.0).with_velocity(-0.75, 0.25),
         spec([2.0, -1.2499999999999998], [0.5; 2], 1.0),
-    ];
-    for speed in [1_u64 << 14, 1 << 20, 1 << 40].map(|divisor| 1.0 / divisor as f64) {
-        let slow = [
-            spec([-1.0, 65536.0], [1.0; 2], 1.0).with_velocity(speed, 0.0),
-            spec([speed * (1.0 + 4.0 * f64::EPSILON), 65536.0], [1.0; 2], 1.0),
-        ];
-        let conditions =
-            Conditions { rate: 8.0, restitution: 0.0, gravity: Some([0.0, 10.0]), ..Conditions::default() };
-        let mut engine = world(conditions, &[&slow[..], &others].concat());
+    ]
+}
+
+/// A pair of boxes that collide, so slowly that their gap is 0 at the instant 1 s already, some roundings of doubles
+/// after it.
+fn slow_pair(speed: f64, roundings: f64) -> [BodySpec; 2] {
+    [
+        spec([-1.0, 65536.0], [1.0; 2], 1.0).with_velocity(speed, 0.0),
+        spec([speed * (1.0 + roundings * f64::EPSILON), 65536.0], [1.0; 2], 1.0),
+    ]
+}
+
+const SLOW_SPEEDS: [f64; 3] = [1.0 / (1_u64 << 14) as f64, 1.0 / (1_u64 << 20) as f64, 1.0 / (1_u64 << 40) as f64];
+
+fn conditions_with_sample_at_1_s() -> Conditions {
+    Conditions { rate: 8.0, restitution: 0.0, gravity: Some([0.0, 10.0]), ..Conditions::default() }
+}
+
+#[test]
+fn a_slow_impact_at_a_sample_does_not_bring_others_before_it() {
+    for speed in SLOW_SPEEDS {
+        let bodies = [slow_pair(speed, 4.0), pair_that_collides_after_a_sample()].concat();
+        let mut engine = world(conditions_with_sample_at_1_s(), &bodies);
         let mut collisions = Vec::new();
         (0..8).for_each(|_| engine.step(&mut collisions).unwrap());
         assert_eq!(collisions.iter().map(|collision| collision.bodies).collect::<Vec<_>>(), [[0, 1]], "{speed} m/s");
         assert_eq!(engine.world().bodies[2].velocity, Vector::new(-0.75, 10.25));
         engine.step(&mut collisions).unwrap();
         assert_eq!(collisions[1].bodies, [2, 3]);
+    }
+}
+
+#[test]
+fn an_impact_at_a_sample_is_shown_there_whatever_collides_elsewhere() {
+    for (speed, roundings) in SLOW_SPEEDS.into_iter().flat_map(|speed| (-3..14).map(move |count| (speed, count))) {
+        let slow = slow_pair(speed, f64::from(roundings));
+        let velocity = |bodies: &[BodySpec], index: usize| {
+            let mut engine = world(conditions_with_sample_at_1_s(), bodies);
+            let mut collisions = Vec::new();
+            (0..8).for_each(|_| engine.step(&mut collisions).unwrap());
+            engine.world().bodies[index].velocity
+        };
+        let [alone, others] = [velocity(&slow, 0), velocity(&pair_that_collides_after_a_sample(), 0)];
+        let all = [slow, pair_that_collides_after_a_sample()].concat();
+        assert_eq!([velocity(&all, 0), velocity(&all, 2)], [alone, others], "{speed} m/s, {roundings} roundings");
     }
 }
 
