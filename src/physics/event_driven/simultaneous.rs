@@ -17,6 +17,7 @@ use super::neighbour_buffer::NeighbourBuffer;
 use super::pair_event::Sample;
 use super::patch::{Local, LocalBody, Patch, TouchKind};
 use crate::physics::{Axis, Observer, Side, StepError, World};
+use std::cmp::Ordering;
 use std::collections::{BTreeMap, BTreeSet};
 use std::iter::{self, repeat};
 
@@ -222,44 +223,56 @@ impl EventDriven {
 /// Places the changed bodies exactly on the faces that they touch, so that rounding errors do not accumulate; those
 /// that do not move relative to each other get the same velocity.
 ///
-/// Unchanged bodies and, where there is none, the earliest changed one keep their positions.
+/// Unchanged bodies and, where there is none, the earliest changed one keep their positions. Where faces form a cycle,
+/// some gap may remain; bodies that do not move relative to each other are placed first, because they may be in contact.
 fn place_on_faces(patch: &mut Patch, axis: Axis) {
     if !patch.bodies.iter().any(|body| body.axes[axis].has_changed) {
         return;
     }
     let mut buffers = std::mem::take(&mut patch.placement);
-    let Placement { changed, faces, is_placed, queue } = &mut buffers;
+    let Placement { changed, faces, is_placed, placed, moving } = &mut buffers;
+    let has_changed = |body: &Local| patch.axis(*body, axis).has_changed;
     changed.clear();
-    changed.extend((0..patch.bodies.len() as Local).filter(|body| patch.axis(*body, axis).has_changed));
-    changed.sort_unstable_by_key(|body| patch.bodies[*body as usize].slot);
+    placed.clear();
+    moving.clear();
+    let all = 0..patch.bodies.len() as Local;
+    changed.extend(all.clone().filter(has_changed));
+    placed.extend(all.filter(|body| !has_changed(body)));
+    for bodies in [&mut *changed, placed] {
+        bodies.sort_unstable_by_key(|body| patch.bodies[*body as usize].slot);
+    }
     is_placed.clear();
     is_placed.extend(patch.bodies.iter().map(|body| !body.axes[axis].has_changed));
-    queue.clear();
-    for body in &*changed {
-        find_faces(patch, *body, axis, faces);
-        if let Some((other, touch)) = faces.iter().find(|(other, _)| !patch.axis(*other, axis).has_changed) {
-            place_on(patch, *body, *other, *touch, axis);
-            is_placed[*body as usize] = true;
-            queue.push(*body);
-        }
-    }
-    let mut next = 0;
-    for body in &*changed {
-        loop {
-            while let Some(by) = queue.get(next).copied() {
-                next += 1;
-                find_faces(patch, by, axis, faces);
-                for (other, touch) in &*faces {
-                    if !std::mem::replace(&mut is_placed[*other as usize], true) {
-                        place_on(patch, *other, by, *touch, axis);
-                        queue.push(*other);
-                    }
+    let mut unplaced = changed.iter().copied();
+    let [mut next_placed, mut next_moving] = [0; 2];
+    loop {
+        if let Some(by) = placed.get(next_placed).copied() {
+            next_placed += 1;
+            find_faces(patch, by, axis, faces);
+            for (other, touch) in faces.iter().copied() {
+                if is_placed[other as usize] {
+                    continue;
+                }
+                if patch.approach_speed_sign(&patch.touches[touch as usize], axis) == Ordering::Equal {
+                    place_on(patch, other, by, touch, axis);
+                    is_placed[other as usize] = true;
+                    placed.push(other);
+                } else {
+                    moving.push((other, by, touch));
                 }
             }
-            if std::mem::replace(&mut is_placed[*body as usize], true) {
-                break;
+        } else if let Some((body, by, touch)) = moving.get(next_moving).copied() {
+            next_moving += 1;
+            if !std::mem::replace(&mut is_placed[body as usize], true) {
+                place_on(patch, body, by, touch, axis);
+                placed.push(body);
             }
-            queue.push(*body);
+        } else if let Some(body) = unplaced.next() {
+            if !std::mem::replace(&mut is_placed[body as usize], true) {
+                placed.push(body);
+            }
+        } else {
+            break;
         }
     }
     patch.placement = buffers;
@@ -273,8 +286,10 @@ pub struct Placement {
     faces: Vec<(Local, u32)>,
     /// By local index, true for a body that keeps its position, or has got one.
     is_placed: Vec<bool>,
-    /// The placed bodies, on whose faces others are placed.
-    queue: Vec<Local>,
+    /// The bodies that have their positions, on whose faces others are placed.
+    placed: Vec<Local>,
+    /// Bodies that move relative to one that has its position, with that one and their touch.
+    moving: Vec<(Local, Local, u32)>,
 }
 
 /// Replaces `found` by the bodies that touch one on a face along an axis, in creation order, with their touches.
