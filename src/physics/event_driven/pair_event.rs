@@ -214,6 +214,13 @@ impl Relative {
         separated[0] | separated[1]
     }
 
+    /// Returns true if the boxes certainly overlap along an axis for `seconds`.
+    #[inline]
+    fn stay_overlapping(&self, axis: Axis, seconds: f64) -> bool {
+        let displacement = seconds * (self.velocity[axis].abs() + 0.5 * self.acceleration[axis].abs() * seconds);
+        self.gap(axis) + displacement < -self.tolerance[axis]
+    }
+
     /// The gap on a side of the first box, and the speed (m/s) and acceleration (m/s²) at which it closes.
     #[inline]
     fn closing(&self, axis: Axis, side: Side) -> [f64; 3] {
@@ -414,11 +421,22 @@ fn predict_general(relative: &Relative, elapsed: f64) -> Prediction {
 }
 
 /// Predicts when two boxes in contact along `axis` cease to overlap along the other axis.
-pub fn predict_contact_end(axis: Axis, first: &BodyState, second: &BodyState, now: Instant) -> Prediction {
+///
+/// An end more than `horizon` seconds after the reference times of both may be omitted.
+pub fn predict_contact_end(
+    axis: Axis,
+    first: &BodyState,
+    second: &BodyState,
+    horizon: f64,
+    now: Instant,
+) -> Prediction {
     let from = first.since.max(second.since);
     let relative = Relative::new(&Sample::new(first, from), second);
-    let elapsed = seconds_since(from, now);
     let across = axis.other();
+    if relative.stay_overlapping(across, horizon) {
+        return Prediction::None;
+    }
+    let elapsed = seconds_since(from, now);
     let mut end = Prediction::None;
     let mut least = f64::INFINITY;
     for side in [Side::High, Side::Low] {

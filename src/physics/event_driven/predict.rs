@@ -168,7 +168,9 @@ impl<'a> Predictor<'a> {
     fn predict_contact_ends(&mut self) {
         for contact in self.own_contacts {
             let [first, second] = ordered_pair(self.slot, contact.other).map(|slot| &self.solver.bodies[slot]);
-            let prediction = predict_contact_end(contact.axis, first, second, self.solver.timeline.now());
+            // The start of a window does not predict contact ends again, so only an earlier event limits the time.
+            let horizon = self.first.map_or(f64::INFINITY, |(_, latest)| latest * HORIZON_MARGIN);
+            let prediction = predict_contact_end(contact.axis, first, second, horizon, self.solver.timeline.now());
             self.keep(contact.other, prediction);
         }
     }
