@@ -77,7 +77,8 @@
 //! 2. Each body has at most one event in the queue. The event is invalidated when the generation of the partner
 //!    changes; when an invalidated event is due, the body predicts again.
 //! 3. After an instant, no touching pair approaches, and none without a contact accelerates towards each other from
-//!    rest. Where the alignment of faces makes a pair touch that does, its impact is due at the same time.
+//!    rest. Where the alignment of faces makes a pair touch that does, its impact is due at the same time; where the
+//!    gap of a pair falls below the resolution shortly before its impact, this is still queued.
 //!
 //! The invariants of the parts are documented at `Bodies`, `ContactGraph`, `CellLists`, `WindowLists`, `HomeGrid` and
 //! `EventQueue`.
