@@ -40,6 +40,9 @@ mod side_by_side;
 mod source;
 pub mod text;
 mod trace;
+#[cfg(test)]
+mod trace_tests;
+mod traced_step;
 mod view;
 mod visibility;
 
