@@ -90,6 +90,25 @@ impl TemporaryFolder {
     }
 }
 
+/// A recording in a temporary folder, which is removed when this is dropped.
+#[derive(Debug)]
+pub struct TemporaryRecording(TemporaryFolder);
+
+impl TemporaryRecording {
+    /// Creates the folder in the system's folder for temporary files, without the recording.
+    ///
+    /// # Errors
+    /// Returns the errors of [`TemporaryFolder::create_in_system`].
+    pub fn create() -> io::Result<TemporaryRecording> {
+        TemporaryFolder::create_in_system().map(TemporaryRecording)
+    }
+
+    /// The path of the recording.
+    pub fn path(&self) -> PathBuf {
+        self.0.path().join("scene.mcap")
+    }
+}
+
 /// An open file in a [`TemporaryFolder`], one that was moved out of it, or any other file.
 #[cfg(feature = "cli")]
 #[derive(Debug)]

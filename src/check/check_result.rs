@@ -1,9 +1,10 @@
 use super::case::{ManifestLine, ReferenceRecording};
 use super::scene_mismatch::RunDifference;
-use super::{Mismatch, SceneMismatch, TemporaryRecording, ValueChange};
+use super::{Mismatch, SceneMismatch, ValueChange};
 use crate::picture::Format;
 use crate::recording::SEMANTICS_VERSION;
 use crate::replay::{Difference, Divergence, Verdict};
+use crate::temporary::TemporaryRecording;
 use std::fmt::{self, Display, Formatter};
 use std::path::{Path, PathBuf};
 

@@ -25,7 +25,7 @@ pub use check_result::{Basis, CheckResult, FileKind, Outcome, Replacement, Sever
 pub use files::{Files, normalize, pending_path};
 pub use mismatch::{Mismatch, ShownPicture, mismatch};
 pub use page::Page;
-pub use recording::{TemporaryRecording, make_recording};
+pub use recording::make_recording;
 pub use recording_index::RecordingIndex;
 pub use scene_mismatch::{RunDifference, SceneLine, SceneMismatch, ValueChange};
 

@@ -10,7 +10,7 @@ use crate::replay::{
     self, ALL_STEPS, LiveEvents, NO_LIVE_EVENTS, OnBadEvent, RecordOptions, Replayer, Run, RunError, Verdict,
 };
 use crate::scene::{self, Scene};
-use crate::temporary::TemporaryFolder;
+use crate::temporary::TemporaryRecording;
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{self, BufReader};
@@ -138,25 +138,6 @@ pub fn load(path: &Path, overrides: &[Override]) -> Result<Scene, RunError> {
         [value, ..] => match *value {},
     };
     Ok(scene?)
-}
-
-/// A recording in a temporary folder, which is removed when this is dropped.
-#[derive(Debug)]
-pub struct TemporaryRecording(TemporaryFolder);
-
-impl TemporaryRecording {
-    /// Creates the folder.
-    ///
-    /// # Errors
-    /// If the folder for temporary files is not writable.
-    pub fn create() -> io::Result<TemporaryRecording> {
-        TemporaryFolder::create_in_system().map(TemporaryRecording)
-    }
-
-    /// The path of the recording.
-    pub fn path(&self) -> PathBuf {
-        self.0.path().join("scene.mcap")
-    }
 }
 
 /// A recording of a new run.

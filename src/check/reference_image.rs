@@ -2,13 +2,14 @@
 
 use super::case::{Override, Recipe, ReferenceImage};
 use super::files::is_same_place;
-use super::{CheckResult, Outcome, RecordingIndex, Replacement, Severity, ShownPicture, TemporaryRecording, mismatch};
+use super::{CheckResult, Outcome, RecordingIndex, Replacement, Severity, ShownPicture, mismatch};
 use crate::picture::{
     self, Error, Format, Picture, PictureOptions, Provenance, SOFTWARE, Source, StillFormat, Subject, SubjectOptions,
     draw_options, png,
 };
 use crate::recording::{self, Health};
 use crate::replay::{self, NO_LIVE_EVENTS};
+use crate::temporary::TemporaryRecording;
 use std::fs::File;
 use std::io::{Cursor, ErrorKind};
 use std::num::NonZero;
@@ -76,8 +77,6 @@ struct Redrawn {
     format: Format,
     /// The recordings that it was drawn from.
     sources: Vec<Source>,
-    /// Recordings of scenes; they are removed when this is dropped.
-    _temporaries: Vec<OpenedSource>,
 }
 
 impl Redrawn {
@@ -127,16 +126,13 @@ fn redraw(reference: &ReferenceImage, index: &RecordingIndex, software: &str) ->
     let redrawn = match &reference.recipe {
         Recipe::Listed { subject, options, sources, runs, .. } => {
             require_sources(sources)?;
-            OpenedSource::all(sources, runs, &reference.file).and_then(|opened| {
-                // As the command does, which names the runs of one scene by their values.
+            open_all(sources, runs, &reference.file).and_then(|sources| {
+                let options = PictureOptions::clone(options);
+                // As the commands do; without them there is no `--set`.
                 #[cfg(feature = "cli")]
-                let title = Source::title_with_settings;
-                #[cfg(not(feature = "cli"))]
-                let title = |source: &Source| source.title().to_owned();
-                let has_values = opened.len() > 1 && runs.iter().any(|overrides| !overrides.is_empty());
-                let titles = has_values.then(|| opened.iter().map(|opened| title(&opened.source)).collect());
-                let titles = options.titles.clone().filter(|titles| !titles.is_empty()).or(titles);
-                draw_listed(subject, &PictureOptions { titles, ..PictureOptions::clone(options) }, opened, software)
+                let options =
+                    if runs.iter().all(Vec::is_empty) { options } else { options.with_titles_of_runs(&sources) };
+                draw_listed(subject, &options, sources, software)
             })
         }
         Recipe::Embedded(provenance) => {
@@ -217,14 +213,13 @@ impl Failure {
 fn draw_listed(
     subject: &SubjectOptions,
     options: &PictureOptions,
-    opened: Vec<OpenedSource>,
+    sources: Vec<Source>,
     software: &str,
 ) -> Result<Redrawn, Failure> {
-    let recordings: Vec<Source> = opened.iter().map(|opened| opened.source.clone()).collect();
     let (mut file, threads) = (Vec::new(), NonZero::<usize>::MIN);
-    let (provenance, _) = draw_options(subject, options, &recordings, software, threads, &mut |_, _| (), &mut file)?;
+    let (provenance, _) = draw_options(subject, options, &sources, software, threads, &mut |_, _| (), &mut file)?;
     let format = provenance.picture.format();
-    Ok(Redrawn { file, format, sources: recordings, _temporaries: opened })
+    Ok(Redrawn { file, format, sources })
 }
 
 /// Redraws a picture from its provenance and the recordings as they are now.
@@ -235,45 +230,37 @@ fn draw_embedded(provenance: &Provenance, sources: &[&Path], software: &str) -> 
     let (mut file, threads) = (Vec::new(), NonZero::<usize>::MIN);
     picture::draw(&provenance, &recordings, threads, &mut |_, _| (), &mut file)?;
     let format = provenance.picture.format();
-    Ok(Redrawn { file, format, sources: recordings, _temporaries: Vec::new() })
+    Ok(Redrawn { file, format, sources: recordings })
 }
 
-/// A recording to draw, possibly a temporary one made from a scene.
-struct OpenedSource {
-    source: Source,
-    /// The temporary recording; it is removed when this is dropped.
-    _temporary: Option<TemporaryRecording>,
+/// Opens each recording, and each scene once for every run, to draw `picture`.
+fn open_all(paths: &[PathBuf], runs: &[Vec<Override>], picture: &Path) -> Result<Vec<Source>, Failure> {
+    let mut sources = Vec::new();
+    let mut has_scene = false;
+    for path in paths {
+        // A file that cannot be read is reported by the attempt to open it.
+        if Source::is_recording(path).unwrap_or(true) {
+            sources.push(Source::open(path)?);
+            continue;
+        }
+        has_scene = true;
+        for overrides in runs {
+            sources.push(record(path, overrides, picture)?);
+        }
+    }
+    if has_scene || runs.iter().all(Vec::is_empty) { Ok(sources) } else { Err(Failure::SetOfRecordings) }
 }
 
-impl OpenedSource {
-    /// Opens each recording, and each scene once for every run, to draw `picture`.
-    fn all(paths: &[PathBuf], runs: &[Vec<Override>], picture: &Path) -> Result<Vec<OpenedSource>, Failure> {
-        let mut opened = Vec::new();
-        let mut has_scene = false;
-        for path in paths {
-            // A file that cannot be read is reported by the attempt to open it.
-            if Source::is_recording(path).unwrap_or(true) {
-                opened.push(OpenedSource { source: Source::open(path)?, _temporary: None });
-                continue;
-            }
-            has_scene = true;
-            for overrides in runs {
-                opened.push(OpenedSource::record(path, overrides, picture)?);
-            }
-        }
-        if has_scene || runs.iter().all(Vec::is_empty) { Ok(opened) } else { Err(Failure::SetOfRecordings) }
+/// Records a run of the scene at `path`, to draw `picture`.
+fn record(path: &Path, overrides: &[Override], picture: &Path) -> Result<Source, Failure> {
+    let scene = super::recording::load(path, overrides)?;
+    let images = scene.image_paths(path.parent().unwrap_or(Path::new("")));
+    if images.iter().any(|image| is_same_place(image, picture)) {
+        return Err(Failure::IsImage(path.into()));
     }
-
-    fn record(path: &Path, overrides: &[Override], picture: &Path) -> Result<OpenedSource, Failure> {
-        let scene = super::recording::load(path, overrides)?;
-        let images = scene.image_paths(path.parent().unwrap_or(Path::new("")));
-        if images.iter().any(|image| is_same_place(image, picture)) {
-            return Err(Failure::IsImage(path.into()));
-        }
-        let unwritable = |error| replay::RunError::from(recording::Error::Write(error));
-        let temporary = TemporaryRecording::create().map_err(unwritable)?;
-        let file = File::create_new(temporary.path()).map_err(unwritable)?;
-        replay::record(&scene, replay::RecordOptions::complete(&scene), NO_LIVE_EVENTS, file, |_| ())?;
-        Ok(OpenedSource { source: Source::open(&temporary.path())?, _temporary: Some(temporary) })
-    }
+    let unwritable = |error| replay::RunError::from(recording::Error::Write(error));
+    let temporary = TemporaryRecording::create().map_err(unwritable)?;
+    let file = File::create_new(temporary.path()).map_err(unwritable)?;
+    replay::record(&scene, replay::RecordOptions::complete(&scene), NO_LIVE_EVENTS, file, |_| ())?;
+    Ok(Source::from_temporary(temporary)?)
 }

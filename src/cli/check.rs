@@ -8,9 +8,10 @@ use super::supervisor::{self, Input, Journal};
 use super::{Exit, manifest, output};
 use crate::check::{
     self, Acceptance, Case, Cases, CheckResult, Decision, FileKind, Files, Outcome, Page, Recipe, RecordingIndex,
-    Replacement, Severity, TemporaryRecording,
+    Replacement, Severity,
 };
 use crate::junit::{TestCase, TestOutcome, TestSuite};
+use crate::temporary::TemporaryRecording;
 use crate::text::counted;
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};

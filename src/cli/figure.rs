@@ -20,8 +20,8 @@ pub fn run(options: &FigureCommandOptions) -> Result<Exit, CommandError> {
     let bar = output::progress_bar("drawing", 0);
     let mut on_progress = output::progress_updater(&bar);
     let (mut picture_options, threads) = (options.picture_options(), NonZero::<usize>::MIN);
-    if options.title.is_empty() && recordings.len() > 1 && !options.set.is_empty() {
-        picture_options.titles = Some(recordings.iter().map(picture::Source::title_with_settings).collect());
+    if !options.set.is_empty() {
+        picture_options = picture_options.with_titles_of_runs(&recordings);
     }
     let (_, drawn) = output.write(|output| {
         let (options, progress) = (&picture_options, &mut on_progress);

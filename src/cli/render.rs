@@ -26,8 +26,8 @@ pub fn run(options: &RenderOptions) -> Result<Exit, CommandError> {
     let opened = OpenedSource::open_all(&sources, verification, &mut output)?;
     let sources: Vec<picture::Source> = opened.iter().map(|source| source.recording.clone()).collect();
     let mut picture_options = options.picture_options();
-    if picture_options.titles.is_none() && sources.len() > 1 && !options.set.is_empty() {
-        picture_options.titles = Some(opened.iter().map(|opened| opened.recording.title_with_settings()).collect());
+    if !options.set.is_empty() {
+        picture_options = picture_options.with_titles_of_runs(&sources);
     }
     let threads = options.jobs.threads();
     let bar = output::progress_bar("drawing frames", 0);

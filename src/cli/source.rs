@@ -6,7 +6,7 @@ use crate::picture;
 use crate::recording;
 use crate::replay::{ALL_STEPS, NO_LIVE_EVENTS, RecordOptions, Verdict};
 use crate::scene::{self, Override, Sweep};
-use crate::temporary::TemporaryFolder;
+use crate::temporary::TemporaryRecording;
 use crate::text::steps_up_to;
 use std::collections::BTreeMap;
 use std::fmt::{self, Display, Formatter};
@@ -24,7 +24,7 @@ pub struct SourceArgument {
     content: Content,
 }
 
-/// The content of a source, as far as it was read to know what it is.
+/// The content of a source, as far as it was read to determine its kind.
 #[derive(Clone, Debug)]
 enum Content {
     /// A recording.
@@ -117,8 +117,8 @@ pub struct SourceFile {
     pub path: PathBuf,
     /// The error that ended the run of the scene; its steps before it are used.
     failure: Option<StepError>,
-    /// The folder of the temporary recording; it is removed when this is dropped.
-    _temporary: Option<TemporaryFolder>,
+    /// The recording of the scene; it is removed when this is dropped.
+    _temporary: Option<TemporaryRecording>,
 }
 
 impl SourceFile {
@@ -146,8 +146,8 @@ impl SourceFile {
             Content::SceneText(text) => scene::load_text(path, text, overrides)?,
         };
         output.refuse_inputs(&scene.image_paths(path.parent().unwrap_or(Path::new(""))))?;
-        let folder = TemporaryFolder::create_in_system().map_err(CommandError::TemporaryFiles)?;
-        let recording = folder.path().join("scene.mcap");
+        let temporary = TemporaryRecording::create().map_err(CommandError::TemporaryFiles)?;
+        let recording = temporary.path();
         let file = File::create(&recording).map_err(CommandError::unwritable(&recording))?;
         let recorded = record::record(&scene, RecordOptions::complete(&scene), NO_LIVE_EVENTS, file, &recording)?;
         if let Some(error) = &recorded.error {
@@ -157,7 +157,7 @@ impl SourceFile {
             verify(prefix, &recording)?;
         }
         let failure = recorded.error;
-        Ok(SourceFile { path: recording, failure, _temporary: Some(folder) })
+        Ok(SourceFile { path: recording, failure, _temporary: Some(temporary) })
     }
 
     /// The exit code of a command that has used the source and would return `exit`: an error if the run of the scene

@@ -170,6 +170,17 @@ impl PictureOptions {
         Ok(options)
     }
 
+    /// These options with a title for each of several runs that a command records with `--set`: the title of its scene
+    /// with the values that are set. Titles that are given are kept.
+    #[cfg(feature = "cli")]
+    pub(crate) fn with_titles_of_runs(self, sources: &[Source]) -> PictureOptions {
+        let has_titles = self.titles.as_ref().is_some_and(|titles| !titles.is_empty());
+        if has_titles || sources.len() < 2 {
+            return self;
+        }
+        PictureOptions { titles: Some(sources.iter().map(Source::title_with_settings).collect()), ..self }
+    }
+
     /// The titles of several recordings: those that are given, or `names` if one of these is the name of a file, which
     /// the identity of a recording does not determine.
     fn resolved_titles(&self, sources: &[Source], names: Names) -> Result<Vec<String>, Error> {

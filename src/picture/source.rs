@@ -8,6 +8,7 @@ use crate::recording::{
     SceneImage, limits,
 };
 use crate::scene::{self, Scene, Walls};
+use crate::temporary::TemporaryRecording;
 use crate::text::counted;
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -26,6 +27,8 @@ pub struct Source {
     file: PathBuf,
     /// The file, if it is in memory.
     bytes: Option<Arc<[u8]>>,
+    /// The folder of the file, if it is temporary: it is removed with the last copy of this source.
+    _temporary: Option<Arc<TemporaryRecording>>,
     /// The header of the recording.
     pub header: Header,
     /// The scene stored in the recording.
@@ -46,6 +49,15 @@ impl Source {
     /// If the recording cannot be read or its scene is invalid.
     pub fn open(path: &Path) -> Result<Source, Error> {
         Source::new(path, None)
+    }
+
+    /// Opens a temporary recording, which is removed when the source and all copies of it are dropped.
+    ///
+    /// # Errors
+    /// If the recording cannot be read or its scene is invalid.
+    pub(crate) fn from_temporary(recording: TemporaryRecording) -> Result<Source, Error> {
+        let source = Source::open(&recording.path())?;
+        Ok(Source { _temporary: Some(Arc::new(recording)), ..source })
     }
 
     /// Reads statistics of the run whose recording is `bytes`. Errors call it `name`.
@@ -71,6 +83,7 @@ impl Source {
             path: path.into(),
             file: path.into(),
             bytes,
+            _temporary: None,
             header,
             scene,
             statistics,
@@ -117,7 +130,7 @@ impl Source {
 
     /// The title with the values that were set in the scene, unless the title is one of them.
     #[cfg(feature = "cli")]
-    pub fn title_with_settings(&self) -> String {
+    pub(super) fn title_with_settings(&self) -> String {
         let settings = scene::settings(&self.header.overrides);
         let value = |(key, value): &(String, serde_json::Value)| match value.as_str() {
             Some(text) => format!("{key} = {text}"),
