@@ -4,6 +4,7 @@ use crate::picture::layers::footer::Footer;
 use crate::picture::layers::grid::axis_margin;
 use crate::picture::layers::lanes::Lanes;
 use crate::picture::number::TimeFormat;
+use crate::picture::raster::MAX_COORDINATE;
 use crate::picture::raster::color::Palette;
 use crate::picture::{CameraTarget, ColorBy, Frame, Language, Look, Overlay, RenderError, Theme, TraceGap};
 use crate::picture_options::MAX_SIDE;
@@ -272,10 +273,6 @@ impl Camera {
         Rect::new(near, far.x - near.x, far.y - near.y)
     }
 }
-
-/// Page coordinates are clamped to this magnitude, px: quarter pixels are exact there, and everything beyond is
-/// outside any page.
-const MAX_COORDINATE: f64 = 1e9;
 
 fn round_to_quarter(at: f64) -> f64 {
     (at * 4.0).round().clamp(-MAX_COORDINATE, MAX_COORDINATE) / 4.0

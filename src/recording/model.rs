@@ -307,12 +307,15 @@ impl KeyframeBody {
     }
 }
 
+/// The unit of times in a recording is the nanosecond.
+pub(super) const NANOSECONDS_PER_SECOND: u64 = 1_000_000_000;
+
 /// Returns the simulated time of state `step`, in nanoseconds since the start of the run.
 ///
 /// Exact (rounded down) if `rate` (Hz) is an integer, else to the precision of f64. Saturates at
 /// `u64::MAX` (584 years).
 fn nanoseconds(step: u64, rate: f64) -> u64 {
-    const SECOND: u128 = 1_000_000_000;
+    const SECOND: u128 = NANOSECONDS_PER_SECOND as u128;
     let whole = rate as u64;
     if whole as f64 == rate {
         u64::try_from(u128::from(step) * SECOND / u128::from(whole)).unwrap_or(u64::MAX)

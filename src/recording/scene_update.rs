@@ -9,6 +9,7 @@ use crate::{color::Color, physics::BodyId};
 
 use super::{
     BodyInfo, BodyTable, RecordedState,
+    model::NANOSECONDS_PER_SECOND,
     record_reader::{FieldReader, Malformed},
 };
 
@@ -179,8 +180,8 @@ const DELETE_ALL: u64 = 1;
 
 /// `google.protobuf.Timestamp`.
 fn timestamp(nanoseconds: u64) -> Message {
-    const SECOND: u64 = 1_000_000_000;
-    Message::default().integer(1, nanoseconds / SECOND).integer(2, nanoseconds % SECOND)
+    let (seconds, rest) = (nanoseconds / NANOSECONDS_PER_SECOND, nanoseconds % NANOSECONDS_PER_SECOND);
+    Message::default().integer(1, seconds).integer(2, rest)
 }
 
 /// The `foxglove.CubePrimitive` of a body whose upper-left corner is at `x`, `y` (m). Its depth is its smaller side.

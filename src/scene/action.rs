@@ -143,7 +143,7 @@ const NAME: Key = Key {
 };
 const NAME_OF_BODY: Key =
     Key { name: "name", accepts: "the name of a body, or #K for the K-th body spawned in the run" };
-const SIZE: Key = Key { name: "size", accepts: "two positive finite extents, m" };
+pub const SIZE: Key = Key { name: "size", accepts: "two positive finite extents, m" };
 const MASS: Key = Key { name: "mass", accepts: "a positive number of kg, or inf for a body that nothing can push" };
 const VELOCITY: Key = Key { name: "velocity", accepts: "two finite numbers, m/s" };
 pub const FORCE: Key = Key { name: "force", accepts: "two finite numbers, N" };

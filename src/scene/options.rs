@@ -27,7 +27,7 @@ pub struct WorldOptions {
 /// Default width and height of the world, m.
 pub const DEFAULT_SIZE: [f64; 2] = [16.0, 9.0];
 
-const SIZE: Key = Key { name: "size", accepts: "two positive finite extents, m" };
+const SIZE: Key = action::SIZE;
 const SIZE_WITHIN_WALLS: &str = "extents so small that 1 m, the thickness of the walls, is more than a few units in the last place of them; or walls = false";
 const WALLS: Key = Key { name: "walls", accepts: "true or false" };
 const WALL_MATERIAL: Key = Key { name: "wall_material", accepts: action::MATERIAL.accepts };

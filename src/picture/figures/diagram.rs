@@ -3,8 +3,9 @@ use super::panels::{Layout, Panels};
 use crate::physics::{Rect, Vector, smaller};
 use crate::picture::layers::footer::{Entry, Legend};
 use crate::picture::layers::labels::LabelPlacer;
+use crate::picture::raster::color::CURVE_COLORS;
 use crate::picture::text::Line;
-use crate::picture::{Color, DisplayList, DrawingMetrics, Ink, RenderError, Shape, color};
+use crate::picture::{Color, DisplayList, DrawingMetrics, Ink, RenderError, Shape};
 use crate::picture::{Language, Look, PictureOptions, Theme};
 
 /// A diagram with logarithmic scales.
@@ -41,9 +42,6 @@ pub struct Point {
     /// Label next to the point; none if empty.
     pub label: String,
 }
-
-/// Indices into the body colours in the order of curve names, distinguishable on light and dark backgrounds.
-const COLORS: [usize; 7] = [4, 5, 6, 1, 2, 0, 3];
 
 /// Draws diagrams on one page, with a common legend. Uses size, theme and caption of the options; an open size is
 /// derived from the number of diagrams.
@@ -108,7 +106,7 @@ fn metrics(theme: Theme, [width, height]: [u32; 2], columns: usize, rows: usize)
 }
 
 fn color(number: usize) -> Color {
-    color::BODY_COLORS[COLORS[number % COLORS.len()]]
+    CURVE_COLORS[number % CURVE_COLORS.len()]
 }
 
 fn draw(diagram: &Diagram, cell: &Rect, color_of: impl Fn(&Curve) -> Color, panels: &mut Panels) {

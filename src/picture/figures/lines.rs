@@ -7,7 +7,7 @@ use crate::picture::impacts::{Impact, Impacts};
 use crate::picture::layers::dashes::DashPattern;
 use crate::picture::layers::footer::{Entry, LINE_WIDTH, Legend, quoted};
 use crate::picture::number::Unit;
-use crate::picture::raster::color::SPEED_COLORS;
+use crate::picture::raster::color::{CURVE_COLORS, SPEED_COLORS};
 use crate::picture::text::Line;
 use crate::picture::{
     Appearance, Color, ColorBy, DisplayList, DrawingMetrics, Ink, Palette, Quantity, RenderError, Style, color,
@@ -327,14 +327,11 @@ fn distinguish(lines: &mut [DrawnLine]) {
     }
 }
 
-/// Indices into the body colours for runs, the most distinct ones first.
-const RUN_COLORS: [usize; 7] = [4, 5, 6, 1, 2, 0, 3];
-
 /// The colour of a run: one of a few that differ, or one of a scale from the first to the last run if there are many,
 /// which are usually values of a parameter.
 pub fn run_color(at: usize, count: usize, style: &Style) -> Color {
-    if count <= RUN_COLORS.len() {
-        return color::BODY_COLORS[RUN_COLORS[at]];
+    if count <= CURVE_COLORS.len() {
+        return CURVE_COLORS[at];
     }
     // The part of the scale that contrasts with the page.
     let scale = match style.look.theme {

@@ -4,7 +4,7 @@ use super::panels::{Layout, Panels};
 use super::pressure_run::{PressureRun, WallSide};
 use super::timeline::{draw_timeline, timeline_legend};
 use crate::physics::{Axis, Rect, Side, Vector, larger};
-use crate::picture::layers::footer::{Entry, Legend, quoted};
+use crate::picture::layers::footer::{Entry, Legend, MAX_NAME_CHARS, quoted};
 use crate::picture::number::Unit;
 use crate::picture::text::{Line, truncated};
 use crate::picture::{Color, DisplayList, DrawingMetrics, Ink, Language, Palette, RenderError, Style};
@@ -230,7 +230,6 @@ fn legend(
     style: &Style,
     metrics: &DrawingMetrics,
 ) -> Legend {
-    const MAX_NAME_CHARS: usize = 40;
     let palette = Palette::of(style.look.theme);
     let entry = |(at, (_, _, _, label)): (usize, &(String, Axis, Side, String))| {
         let color = palette.line(run_color(at, names.len(), style));

@@ -238,7 +238,7 @@ pub struct KeyArrow {
 }
 
 /// The largest number of characters of a name in a legend.
-const MAX_NAME_CHARS: usize = 40;
+pub const MAX_NAME_CHARS: usize = 40;
 
 /// The largest number of materials in a legend; the others are counted.
 const MAX_MATERIALS: usize = 60;

@@ -1,3 +1,4 @@
+use super::MAX_COORDINATE;
 use super::canvas::Canvas;
 use super::color::blend;
 use crate::physics::{Rect, larger, smaller};
@@ -98,10 +99,9 @@ pub(super) struct QuarterRect {
 impl QuarterRect {
     /// The rectangle and the pixel of its upper-left corner. `None` if it is empty or beyond all pages.
     pub fn of(rect: &Rect) -> Option<(QuarterRect, [i64; 2])> {
-        const LIMIT: f64 = 1e9;
         let far = rect.far_corner();
         let edges = [rect.origin.x, rect.origin.y, far.x, far.y];
-        if !edges.iter().all(|edge| edge.abs() < LIMIT) {
+        if !edges.iter().all(|edge| edge.abs() < MAX_COORDINATE) {
             return None;
         }
         let [left, top, right, bottom] = edges.map(|edge| (edge * 4.0).round() as i64);

@@ -101,6 +101,12 @@ pub const BODY_COLORS: [Color; 7] = [
     Color::hex(0x009e73),
 ];
 
+/// The colours of curves, the most distinct ones first, on light and dark backgrounds.
+pub const CURVE_COLORS: [Color; 7] = {
+    let [sky, orange, pink, yellow, blue, vermilion, green] = BODY_COLORS;
+    [blue, vermilion, green, orange, pink, sky, yellow]
+};
+
 /// The colour of bodies without a material.
 const DEFAULT_COLOR: Color = Color::hex(0x999999);
 

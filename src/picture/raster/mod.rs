@@ -54,6 +54,10 @@ pub(crate) struct ClipRect {
     bottom: usize,
 }
 
+/// The largest magnitude of page coordinates, px: quarter pixels are exact up to there, and everything beyond is outside
+/// any page.
+pub(crate) const MAX_COORDINATE: f64 = 1e9;
+
 /// The coverage of a fully covered pixel.
 pub(crate) const FULL_COVERAGE: u8 = 16;
 
