@@ -28,7 +28,7 @@ pub struct TestCase {
 pub enum TestOutcome {
     /// The case is as expected.
     Passed,
-    /// The case differs from what is expected.
+    /// The case differs from the expectation.
     Failed {
         /// One line.
         message: String,

@@ -15,8 +15,8 @@ macro_rules! listed {
     };
 }
 
-/// Declares an enum whose values have names in scenes, in command-line options and in provenance. `accepts` says what
-/// a scene accepts; its second part joins the last two names.
+/// Declares an enum whose values have names in scenes, in command-line options and in provenance. `accepts`
+/// describes the values that a scene accepts; its second part joins the last two names.
 macro_rules! named {
     (
         $(#[$doc:meta])* $type:ident { $($(#[$value_doc:meta])* $value:ident = $name:literal,)+ }

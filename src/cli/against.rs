@@ -78,7 +78,7 @@ fn compare(options: &ReplayOptions, states: &Path) -> Result<Comparison, Command
 /// The states of another program beside those of a recording.
 struct Comparison {
     table: StatesTable,
-    /// The recording has a full state every so many steps; the table needs no others.
+    /// The recording has every N-th state in full, N being this number; the table needs no others.
     every: u64,
     tolerance: Option<f64>,
     /// The names in the table; a body of infinite mass is compared if it is one of them.
@@ -98,7 +98,7 @@ struct Comparison {
     missing_in_recording: Option<Missing>,
 }
 
-/// The first difference, and what happened before it.
+/// The first difference, with the last event and the last collision before it.
 struct FirstDifference {
     step: u64,
     difference: TableDifference,

@@ -185,7 +185,7 @@ pub enum CommandError {
     Irreplaceable {
         /// The place of the file.
         path: PathBuf,
-        /// The kind of what is there, with its article.
+        /// The kind of the file, with its article.
         kind: &'static str,
     },
     /// The output must be a folder and is a file.
@@ -432,7 +432,7 @@ pub fn report(error: CommandError) -> Exit {
     }
 }
 
-/// The reports of an error; the first one says what has become of the recording.
+/// The reports of an error; the first one describes the state of the recording.
 fn reports(error: &CommandError) -> Vec<ErrorReport> {
     match error {
         CommandError::Scene(error) => ErrorReport::of_scene(error),

@@ -99,7 +99,7 @@ impl ExistingRun {
     /// Compares the scene with its values, the settings and versions of the run with those of an existing recording.
     ///
     /// # Errors
-    /// Without `--force`, an error that says what differs.
+    /// Without `--force`, an error that names the difference.
     fn find(options: &RecordOptions, scene: &Scene) -> Result<ExistingRun, CommandError> {
         let path = &options.output;
         if !path.is_file() {
@@ -276,7 +276,7 @@ fn print_summary(options: &RecordOptions, recorded: &Recorded, skipped: u64) -> 
     output::print_result(&options.output, &line)
 }
 
-/// Writes the readable part of a damaged recording to a new one, replays that, and prints what was lost and the first
+/// Writes the readable part of a damaged recording to a new one, replays that, and prints the lost parts and the first
 /// damage. The exit code is that of the damaged recording.
 pub fn recover(options: &RecoverOptions) -> Result<Exit, CommandError> {
     let path = &options.recording;

@@ -73,7 +73,7 @@ pub enum TableError {
     /// A column occurs twice.
     #[error("the table has two columns {0:?}")]
     TwoColumns(String),
-    /// A field is not what its column contains.
+    /// A field is not a value of its column.
     #[error("line {line}: {column} is {found:?}; expected {expected}")]
     Field {
         /// The line, from 1.
@@ -82,7 +82,7 @@ pub enum TableError {
         column: String,
         /// The field.
         found: String,
-        /// A description of what is accepted.
+        /// A description of the accepted values.
         expected: &'static str,
     },
     /// Two rows are about the same body and step.

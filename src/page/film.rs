@@ -82,7 +82,8 @@ impl Film {
         self.state.as_ref().map(|state| state.step).ok_or_else(|| format!("no state is recorded from step {step} on"))
     }
 
-    /// The lines of events with which the scene runs as it did: a click is in a recording as what it did.
+    /// The lines of events with which the scene runs as it did. A recording contains the effect of a click, not the
+    /// click itself.
     ///
     /// # Errors
     /// If the recording does not contain the scene, or an event that no line causes.
@@ -154,7 +155,8 @@ impl Film {
     }
 }
 
-/// The lines that cause what of `events`, the recorded ones of the present step of `run`, its scene does not cause.
+/// The lines for those of `events` that the scene does not cause itself. `events` are the recorded ones of the present
+/// step of `run`.
 pub fn added_lines(scene: &Scene, run: &Run, events: &[RecordedEvent]) -> Vec<EventLine> {
     if events.is_empty() {
         return Vec::new();

@@ -302,7 +302,7 @@ impl Session {
         Ok(new_name)
     }
 
-    /// The lines until `step`, before a spawn is added. Clicks of that step are replaced by what they did, if that is
+    /// The lines until `step`, before a spawn is added. Clicks of that step are replaced by their effect if it is
     /// known: clicks come after spawns, so they would hit a body that is spawned at their place later.
     fn lines_before_spawn(&self, step: u64) -> EventLines {
         let mut lines = self.lines.until(step);
@@ -565,8 +565,8 @@ impl Session {
         self.replace(lines, when, |_| true)
     }
 
-    /// Sets the lines, which differ from the present ones from the step of `when` on, and forgets what comes after it.
-    /// The session is as before if they do not make the present step what it is meant to be.
+    /// Sets the lines, which differ from the present ones from the step of `when` on, and forgets all later ones.
+    /// If `is_as_meant` is false for the new present step, the session stays as before.
     fn replace(&mut self, lines: EventLines, when: When, is_as_meant: impl Fn(&Session) -> bool) -> Result<(), String> {
         if lines.len() > MAX_LINES {
             return Err(format!("the page keeps at most {MAX_LINES} events"));
@@ -701,7 +701,7 @@ fn spawned(event: &RecordedEvent) -> Option<Arc<BodyInfo>> {
     }
 }
 
-/// All messages of an error in the text of a scene, each with its line and what would be accepted.
+/// All messages of an error in the text of a scene, each with its line and a description of the accepted values.
 fn all_messages(error: &SceneError) -> String {
     let Some(diagnostics) = error.diagnostics() else { return error.to_string() };
     let text = diagnostics.excerpt().map_or("", |excerpt| &excerpt.text);

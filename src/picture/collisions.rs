@@ -86,7 +86,7 @@ pub fn gaps_before(source: &Source, step: u64) -> Result<Vec<TraceGap>, Error> {
     Ok(source.missing_in(&(0..=step), &recording.health()))
 }
 
-/// The health of the part of a recording that was read: whatever is missing at its end is not known yet.
+/// The health of the part of a recording that was read: its missing end is left out, because it is not known yet.
 fn up_to_here(health: Health) -> Health {
     match health {
         Health::Incomplete(missing) if (Missing { end: None, ..missing.clone() }).is_empty() => Health::Whole,

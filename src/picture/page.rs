@@ -567,8 +567,8 @@ fn grids<'a>(steps: &'a [StepRange], sources: &'a [Source]) -> impl Iterator<Ite
         .filter_map(move |(at, source)| range(at).map(|range| grid(&range.steps, range.every, source)))
 }
 
-/// The titles of recordings shown side by side: those that are given, or the recordings' own with what distinguishes
-/// recordings of one title.
+/// The titles of recordings shown side by side: those that are given, or the recordings' own with the
+/// properties that distinguish recordings of one title.
 pub fn titles(given: &[String], sources: &[Source]) -> Vec<String> {
     if given.len() == sources.len() {
         return given.to_vec();

@@ -55,7 +55,7 @@ impl Stage {
         }
     }
 
-    /// Adds the frames of an instant to what the picture shows.
+    /// Adds the bodies that the frames of an instant show.
     pub(super) fn add_to(&self, visibility: &mut Visibility, instant: &Instant) {
         let views = match self {
             Stage::One(view) => std::slice::from_ref(view),

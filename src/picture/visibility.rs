@@ -35,7 +35,7 @@ impl Visibility {
         self.unfollowed += u64::from(view.follow.as_ref().is_some_and(|name| !is_followed(name)));
     }
 
-    /// Sentences about what is not in the picture.
+    /// Sentences about bodies that are not in the picture.
     pub fn warnings(&self, target: &CameraTarget) -> Vec<String> {
         let hidden = (self.bodies.len() - self.seen.len()) as u64;
         let mut warnings = Vec::new();

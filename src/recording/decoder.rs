@@ -92,7 +92,7 @@ enum Content {
 }
 
 impl Content {
-    /// Returns the step and what it is; a scene update has only a time.
+    /// Returns the step and the kind of the item with its article; `None` for a scene update, which has only a time.
     fn step(&self) -> Option<(u64, &'static str)> {
         match self {
             Content::Event(event, _) => Some((event.step, "an event")),

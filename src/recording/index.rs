@@ -27,7 +27,7 @@ pub struct Index {
     /// True if messages outside of chunks are not in order of time.
     is_disordered: bool,
     /// True if the summary section is damaged, contradicts itself or the end record, or is cut off, or if a scan has
-    /// found damage. The summary is then not used, and only reading everything shows what is wrong.
+    /// found damage. The summary is then not used, and only reading the whole file finds the damage.
     pub is_doubtful: bool,
     /// The end record, if it is readable.
     pub trailer: Option<Trailer>,

@@ -21,8 +21,7 @@ pub fn is_plot_table(path: &Path) -> bool {
 }
 
 impl Error {
-    /// Returns this error of reading the file at `path`, or the one that names what the file is if it is a table for
-    /// plotting.
+    /// Returns this error of reading the file at `path`, or [`Error::PlotTable`] if the file is a table for plotting.
     pub fn or_plot_table(self, path: &Path) -> Error {
         match self {
             Error::NotARecording { .. } if is_plot_table(path) => Error::PlotTable,

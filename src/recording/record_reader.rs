@@ -21,7 +21,7 @@ pub struct RecordReader<R> {
     next_offset: u64,
     /// The number of bytes to read next.
     read_bytes: usize,
-    /// The place of the messages, which determines what is searched for after damage.
+    /// The place of the messages, which determines the kind of record to search for after damage.
     messages: MessagePlace,
     /// The start and the result of the last search for a record.
     searched: Option<(u64, Option<u64>)>,

@@ -7,7 +7,7 @@ use super::{
     digest::IdentityChain, limits,
 };
 
-/// Checks that the items of a recording form a consistent sequence, and notes what is missing.
+/// Checks that the items of a recording form a consistent sequence, and notes the missing ones.
 ///
 /// After damage any later step may follow, and the living bodies are unknown until the next keyframe.
 /// Unknown facts are not checked.
@@ -357,7 +357,7 @@ impl SequenceValidator {
 
     /// Returns true if nothing was lost, but no state has the keyframe that it should have.
     pub fn lacks_keyframes(&self) -> bool {
-        // A keyframe that alone is missing at the start is not the topic.
+        // If only the keyframe at the start is missing, the topic itself is there.
         self.is_complete() && self.has_keyframes == Some(false) && self.missing_keyframe.is_none()
     }
 

@@ -21,7 +21,7 @@ pub struct Tally {
     layout: SummaryLayout,
 }
 
-/// The places of the records after the data section, and what the summary says of them.
+/// The places of the records after the data section, and the places that the summary declares.
 #[derive(Default)]
 struct SummaryLayout {
     /// The first byte after the data section.

@@ -10,7 +10,7 @@ pub fn altered_setting(recorded: &Header) -> Option<String> {
     let scene = scene::parse(file_name, text).ok()?;
     let names = scene.image_names();
     let images = recorded.images.iter().filter(|image| names.contains(&image.name)).cloned().collect();
-    // The text has neither the versions nor what recording added.
+    // The text contains neither the versions nor the entries that recording adds.
     let expected = Header {
         versions: recorded.versions,
         images,

@@ -30,7 +30,7 @@ pub struct IdleClicks {
     pub first: Option<(u64, Vector)>,
 }
 
-/// Formats what there is to report, if there are any.
+/// Formats the number of clicks and the first one; empty if there are none.
 impl Display for IdleClicks {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let Some((step, at)) = self.first else { return Ok(()) };

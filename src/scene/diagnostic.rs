@@ -185,7 +185,7 @@ impl Diagnostic {
 }
 
 impl DiagnosticKind {
-    /// A description of what would be accepted instead.
+    /// A description of the values that would be accepted instead.
     pub fn help(&self) -> String {
         match self {
             DiagnosticKind::Syntax { language: "TOML", message } if message.contains("duplicate key") => {

@@ -10,8 +10,8 @@ use std::path::{Path, PathBuf};
 use std::{env, fs, io};
 
 /// Asserts that all recordings and pictures below the folder `path` are unchanged, as `rebond check` does: recordings
-/// replay the same and match the scenes next to them, pictures are redrawn the same, and what manifests (`*.check`)
-/// list is there.
+/// replay the same and match the scenes next to them, pictures are redrawn the same, and all files that manifests
+/// (`*.check`) list exist.
 ///
 /// ```no_run
 /// #[test]

@@ -17,7 +17,7 @@ pub struct DecodedFrame {
 }
 
 impl DecodedFrame {
-    /// Returns true if both frames have the same display time, in whatever unit.
+    /// Returns true if both frames have the same display time, also in different units.
     pub fn has_same_duration_as(&self, other: &DecodedFrame) -> bool {
         u64::from(self.ticks) * u64::from(other.ticks_per_second)
             == u64::from(other.ticks) * u64::from(self.ticks_per_second)

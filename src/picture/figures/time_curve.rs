@@ -1,4 +1,4 @@
-//! A curve over time, reduced to what a page can show.
+//! A curve over time, reduced to the points that a page can show.
 
 use crate::physics::{larger, smaller};
 
