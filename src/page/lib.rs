@@ -15,6 +15,8 @@ mod pictures;
 mod save;
 mod scene_text;
 mod session;
+mod spawned_bodies;
+mod undo;
 
 pub use columns::{BODY_COLUMNS, COLLISION_COLUMNS, ColorKey};
 pub use event_line::EventLine;
@@ -26,4 +28,10 @@ pub use scene_text::{BUNDLED, SceneText};
 pub use session::{MAX_BODIES, Session, When};
 
 #[cfg(test)]
-mod tests;
+mod recording_tests;
+#[cfg(test)]
+mod session_tests;
+#[cfg(test)]
+mod testing;
+#[cfg(test)]
+mod undo_tests;

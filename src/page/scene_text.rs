@@ -1,5 +1,5 @@
 use crate::EventLine;
-use rebond::{Scene, parse_scene};
+use rebond::{Diagnostic, Scene, SceneError, parse_scene};
 use toml_edit::{ArrayOfTables, DocumentMut, Item, Table, TableLike, Value};
 
 macro_rules! bundled {
@@ -132,4 +132,33 @@ pub fn with_steps(scene: &Scene, steps: u64) -> Result<String, String> {
     let mut text = SceneText::new(&scene.source.text)?;
     text.set_steps(steps)?;
     Ok(text.text())
+}
+
+/// The scene with another value of a key such as `world.gravity`. Events keep their times if it is the rate.
+///
+/// # Errors
+/// The messages of a value that the scene does not accept.
+pub fn with_value(scene: &Scene, path: &str, value: &str) -> Result<Scene, String> {
+    let mut text = SceneText::new(&scene.source.text)?;
+    match path {
+        "run.rate" => {
+            let rate: f64 = value.parse().map_err(|_| format!("{value} is not a rate"))?;
+            text.set_rate(scene, rate)?;
+        }
+        _ => text.set(path, value)?,
+    }
+    parse_scene(&scene.source.path, &text.text()).map_err(|error| all_messages(&error))
+}
+
+/// All messages of an error in the text of a scene, each with its line and a description of the accepted values.
+pub fn all_messages(error: &SceneError) -> String {
+    let Some(diagnostics) = error.diagnostics() else { return error.to_string() };
+    let text = diagnostics.excerpt().map_or("", |excerpt| &excerpt.text);
+    let line = |byte: usize| text.bytes().take(byte).filter(|byte| *byte == b'\n').count() + 1;
+    let message = |diagnostic: &Diagnostic| {
+        let help = diagnostic.kind.help();
+        let help = if help.is_empty() { help } else { format!(" ({help})") };
+        format!("line {}: {diagnostic}{help}", line(diagnostic.span.start))
+    };
+    diagnostics.listed().map(message).collect::<Vec<String>>().join("\n")
 }

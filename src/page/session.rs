@@ -2,17 +2,16 @@ use crate::columns::{ColorKey, push_body, push_collision};
 use crate::event_lines::{EventLines, MAX_LINES};
 use crate::film::added_lines;
 use crate::history::{MAX_RECENT, Row, keep_last};
-use crate::scene_text::{SceneText, retimed, with_events, with_steps};
+use crate::scene_text::{all_messages, retimed, with_events, with_steps, with_value};
+use crate::spawned_bodies::{SpawnedBodies, spawned};
+use crate::undo::{UndoList, UndoPoint};
 use crate::{EnergyStrip, EventLine, FigureKind, History, Save, collision_figure};
 use rebond::internals::picture::{EnergySample, body_color};
 use rebond::internals::replay::RunSnapshot;
 use rebond::internals::scene::{Action, Blueprint, Input, SpawnRequest};
-use rebond::recordings::{BodyInfo, Change, Paint, RecordedEvent};
-use rebond::{
-    Body, BodyId, Collision, Diagnostic, Language, Run, Scene, SceneError, StepError, Theme, Vector, parse_scene,
-};
+use rebond::recordings::{BodyInfo, Change, Paint};
+use rebond::{Body, BodyId, Collision, Language, Run, Scene, SceneError, StepError, Theme, Vector, parse_scene};
 use serde_json::json;
-use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -24,9 +23,6 @@ const MAX_EVENTS_PER_STEP: u64 = 10_000_000;
 
 /// Bytes of snapshots of a session.
 const HISTORY_BYTES: usize = 48 << 20;
-
-/// Sessions that undo can return to.
-const MAX_UNDO: usize = 200;
 
 /// The lines that are listed if none of a file is accepted.
 const MAX_LISTED: usize = 5;
@@ -40,15 +36,6 @@ pub enum When {
     Next,
 }
 
-/// A session that undo returns to.
-#[derive(Clone)]
-struct Before {
-    scene: Rc<Scene>,
-    lines: EventLines,
-    /// If the session was left for one with another scene: the step shown and the last one reached.
-    left_at: Option<[u64; 2]>,
-}
-
 /// A scene and lines of events, and the run that follows from them.
 ///
 /// The states are those that `rebond record` writes for the same scene and lines.
@@ -59,8 +46,7 @@ pub struct Session {
     history: History,
     /// Energy and momentum.
     pub strip: EnergyStrip,
-    /// All bodies that were ever spawned, for their names, materials and colours.
-    infos: BTreeMap<BodyId, Arc<BodyInfo>>,
+    spawned: SpawnedBodies,
     /// The collisions of the last step that changed a velocity or a place.
     pub collisions: Vec<Collision>,
     /// The last ones of all steps until now.
@@ -73,7 +59,7 @@ pub struct Session {
     refused: Vec<String>,
     /// The events after the present step that the last event removed.
     removed: usize,
-    undo: Vec<Before>,
+    undo: UndoList,
     top_speed: f64,
     /// The word for a box without a name, before its number.
     pub box_name: &'static str,
@@ -106,7 +92,7 @@ impl Session {
             lines,
             history: History::new(HISTORY_BYTES),
             strip: EnergyStrip::new(),
-            infos: BTreeMap::new(),
+            spawned: SpawnedBodies::default(),
             collisions: Vec::new(),
             recent: Vec::new(),
             end: 0,
@@ -114,7 +100,7 @@ impl Session {
             failure: None,
             refused: Vec::new(),
             removed: 0,
-            undo: Vec::new(),
+            undo: UndoList::default(),
             top_speed: 0.0,
             box_name: "box",
         };
@@ -212,7 +198,8 @@ impl Session {
             return;
         }
         self.collisions.retain(changes_something);
-        let rows: Vec<Row> = self.collisions.iter().map(|collision| Row::of(&self.as_in_figures(collision))).collect();
+        let rows: Vec<Row> =
+            self.collisions.iter().map(|collision| Row::of(&self.spawned.in_order_of_figures(collision))).collect();
         self.recent.extend(rows);
         keep_last(&mut self.recent, MAX_RECENT);
         self.apply_lines();
@@ -272,7 +259,7 @@ impl Session {
     pub fn throw(&mut self, name: &str, at: [f64; 2], velocity: [f64; 2], when: When) -> Result<String, String> {
         let body =
             self.bodies().iter().find(|body| body.name == name).ok_or_else(|| format!("{name:?} is not alive"))?;
-        let info = self.infos.get(&body.id).ok_or("the body is unknown")?.clone();
+        let info = self.spawned.get(body.id).ok_or("the body is unknown")?.clone();
         let new_name = match name.strip_prefix('#') {
             Some(number) => self.free_name(number.parse().unwrap_or(1)),
             None => name.to_owned(),
@@ -361,7 +348,7 @@ impl Session {
     /// Returns to the session before the last event, setting or scene. The present time stays to be reached, or the
     /// step at which the scene was left; see [`Session::advance`].
     pub fn undo(&mut self) -> bool {
-        let Some(Before { scene, lines, left_at }) = self.undo.pop() else { return false };
+        let Some(UndoPoint { scene, lines, left_at }) = self.undo.pop() else { return false };
         let now = self.target.max(self.step_now());
         if Rc::ptr_eq(&scene, &self.scene) {
             self.change_lines(lines);
@@ -381,11 +368,11 @@ impl Session {
     /// # Errors
     /// The message of a value that the scene does not accept.
     pub fn with_setting(&self, path: &str, value: &str) -> Result<Session, String> {
-        let scene = changed(&self.scene, path, value)?;
+        let scene = with_value(&self.scene, path, value)?;
         let [from, to] = [self.scene.run.rate, scene.run.rate];
         let mut session = Session::with_lines(Rc::new(scene), self.lines.retimed(from, to))?;
         session.undo.clone_from(&self.undo);
-        session.undo.push(Before { scene: self.scene.clone(), lines: self.lines.clone(), left_at: None });
+        session.undo.push(UndoPoint { scene: self.scene.clone(), lines: self.lines.clone(), left_at: None });
         session.target = retimed(self.target.max(self.step_now()), from, to);
         session.end = retimed(self.end, from, to);
         Ok(session)
@@ -396,21 +383,13 @@ impl Session {
     /// # Errors
     /// The message of a scene that the other solver does not accept.
     pub fn beside(&self) -> Result<Session, String> {
-        let other = |scene: &Scene| {
+        let with_other_solver = |scene: &Scene| {
             let solver = if scene.run.solver.name() == "handout" { "\"event-driven\"" } else { "\"handout\"" };
-            changed(scene, "run.solver", solver).map(Rc::new)
+            with_value(scene, "run.solver", solver).map(Rc::new)
         };
-        let scene = other(&self.scene)?;
+        let scene = with_other_solver(&self.scene)?;
         let mut session = Session::with_lines(scene.clone(), self.lines.clone())?;
-        // Sessions that follow each other mostly share their scene.
-        let mut shared = (&self.scene, scene);
-        for before in self.undo.iter().rev() {
-            if !Rc::ptr_eq(&before.scene, shared.0) {
-                shared = (&before.scene, other(&before.scene)?);
-            }
-            session.undo.push(Before { scene: shared.1.clone(), ..before.clone() });
-        }
-        session.undo.reverse();
+        session.undo = self.undo.with_changed_scenes(&self.scene, &scene, with_other_solver)?;
         session.target = self.target.max(self.step_now());
         session.end = self.end;
         Ok(session)
@@ -461,9 +440,9 @@ impl Session {
         let engine = self.run.engine();
         let between = if offset > 0.0 { engine.world_after(offset, &mut Vec::new()).ok() } else { None };
         let bodies = between.as_ref().map_or(self.bodies(), |world| &world.bodies);
-        let materials = if key == ColorKey::Material { self.materials() } else { Vec::new() };
+        let materials = if key == ColorKey::Material { self.spawned.materials() } else { Vec::new() };
         for body in bodies {
-            if let Some(info) = self.infos.get(&body.id) {
+            if let Some(info) = self.spawned.get(body.id) {
                 push_body(columns, info, &body.rect, body.velocity, key, self.top_speed, &materials);
             }
         }
@@ -471,7 +450,7 @@ impl Session {
 
     /// Names and materials of the bodies alive, as JSON.
     pub fn names(&self) -> String {
-        let infos = self.bodies().iter().filter_map(|body| self.infos.get(&body.id));
+        let infos = self.bodies().iter().filter_map(|body| self.spawned.get(body.id));
         let names = infos.map(|info| [info.spawn.name.as_str(), &info.spawn.material]);
         serde_json::to_string(&names.collect::<Vec<_>>()).unwrap_or_default()
     }
@@ -485,35 +464,18 @@ impl Session {
 
     /// Appends the columns of the collisions of the last step.
     pub fn fill_collisions(&self, columns: &mut Vec<f64>) {
-        self.collisions.iter().for_each(|collision| push_collision(columns, &self.as_in_figures(collision)));
+        self.collisions
+            .iter()
+            .for_each(|collision| push_collision(columns, &self.spawned.in_order_of_figures(collision)));
     }
 
     /// The last collisions as JSON: instant, names of c and b, normal on c, e, vn before and after, impulse.
     pub fn recent_collisions(&self) -> String {
-        let name = |id: &BodyId| self.infos.get(id).map_or("", |info| info.spawn.name.as_str());
         let rows = self.recent.iter().map(|row| {
-            let [c, b] = row.bodies.each_ref().map(name);
+            let [c, b] = row.bodies.map(|id| self.spawned.name(id));
             json!([row.instant, c, b, row.normal.x, row.normal.y, row.e, row.vn[0], row.vn[1], row.impulse])
         });
         serde_json::Value::from_iter(rows).to_string()
-    }
-
-    /// The collision with the bodies in the order of the figures: c has a finite mass, else it is the one created
-    /// first.
-    fn as_in_figures(&self, collision: &Collision) -> Collision {
-        let is_infinite = |id: &BodyId| self.infos.get(id).is_some_and(|info| info.spawn.mass.is_infinite());
-        let keys = collision.bodies.each_ref().map(|id| (is_infinite(id), *id));
-        let mut collision = collision.clone();
-        if keys[0] > keys[1] {
-            collision.bodies.reverse();
-            collision.rects.reverse();
-            collision.shares.reverse();
-            collision.before.reverse();
-            collision.after.reverse();
-            collision.normal = collision.normal.mult(-1.0);
-            collision.penetration = collision.penetration.mult(-1.0);
-        }
-        collision
     }
 
     /// Draws a figure of a collision of the last step as SVG.
@@ -522,7 +484,7 @@ impl Session {
     /// If there is no such collision.
     pub fn figure(&self, index: usize, kind: FigureKind, theme: Theme, language: Language) -> Result<Vec<u8>, String> {
         let collision = self.collisions.get(index).ok_or("there is no collision in this step")?;
-        let [c, b] = collision.bodies.map(|id| self.infos.get(&id).map(Arc::as_ref));
+        let [c, b] = collision.bodies.map(|id| self.spawned.get(id).map(Arc::as_ref));
         let (Some(c), Some(b)) = (c, b) else { return Err("the bodies of the collision are unknown".into()) };
         collision_figure(collision, [c, b], self.scene.gravity, kind, theme, language)
     }
@@ -533,17 +495,9 @@ impl Session {
             let is_named = |body: &Blueprint| body.name.as_deref() == Some(name);
             self.bodies().iter().any(|body| body.name == name)
                 || self.lines.iter().any(|line| line.blueprint().is_some_and(is_named))
-                || self.infos.values().any(|info| info.spawn.name == name)
+                || self.spawned.has_name(name)
         };
         (number..).map(|number| format!("{} {number}", self.box_name)).find(|name| !is_taken(name)).unwrap_or_default()
-    }
-
-    fn materials(&self) -> Vec<&str> {
-        let mut materials: Vec<&str> = self.infos.values().map(|info| info.spawn.material.as_str()).collect();
-        materials.retain(|material| !material.is_empty());
-        materials.sort_unstable();
-        materials.dedup();
-        materials
     }
 
     fn step_of(&self, when: When) -> u64 {
@@ -618,10 +572,7 @@ impl Session {
     }
 
     fn remember(&mut self, left_at: Option<[u64; 2]>) {
-        if self.undo.len() == MAX_UNDO {
-            self.undo.remove(0);
-        }
-        self.undo.push(Before { scene: self.scene.clone(), lines: self.lines.clone(), left_at });
+        self.undo.push(UndoPoint { scene: self.scene.clone(), lines: self.lines.clone(), left_at });
     }
 
     /// Goes back to the last snapshot at or before `step`.
@@ -632,8 +583,7 @@ impl Session {
         let is_at_start = restored.is_none();
         self.run = restored.unwrap_or_else(|| Run::new(&self.scene));
         self.recent = if is_at_start { Vec::new() } else { self.history.recent(step) };
-        let next_id = self.run.engine().next_id();
-        self.infos.split_off(&next_id);
+        self.spawned.forget_from(self.run.engine().next_id());
         if is_at_start {
             self.apply_lines();
         }
@@ -657,9 +607,7 @@ impl Session {
             self.refused.push(message);
         }
         match applied {
-            Ok(events) => {
-                self.infos.extend(events.iter().filter_map(spawned).map(|info| (info.id, info)));
-            }
+            Ok(events) => self.spawned.add(&events),
             Err(error) => self.failure = Some(error.to_string()),
         }
         if self.failure.is_none() && self.history.wants(step) {
@@ -673,43 +621,9 @@ impl Session {
     }
 }
 
-/// The scene with a value of a key such as `world.gravity` changed.
-fn changed(scene: &Scene, path: &str, value: &str) -> Result<Scene, String> {
-    let mut text = SceneText::new(&scene.source.text)?;
-    match path {
-        "run.rate" => {
-            let rate: f64 = value.parse().map_err(|_| format!("{value} is not a rate"))?;
-            text.set_rate(scene, rate)?;
-        }
-        _ => text.set(path, value)?,
-    }
-    parse_scene(&scene.source.path, &text.text()).map_err(|error| all_messages(&error))
-}
-
 /// True if a collision changed a velocity, or a place by more than rounding.
 fn changes_something(collision: &Collision) -> bool {
     let corners = collision.rects.iter().flat_map(|rect| [rect.origin, rect.far_corner()]);
     let reach = corners.fold(0.0, |reach, corner| if corner.norm() > reach { corner.norm() } else { reach });
     collision.impulse != 0.0 || collision.penetration.norm() > 1e-12 * reach
-}
-
-/// The body that an event spawns.
-fn spawned(event: &RecordedEvent) -> Option<Arc<BodyInfo>> {
-    match &event.change {
-        Change::Spawn(info) => Some(info.clone()),
-        Change::Delete { .. } => None,
-    }
-}
-
-/// All messages of an error in the text of a scene, each with its line and a description of the accepted values.
-fn all_messages(error: &SceneError) -> String {
-    let Some(diagnostics) = error.diagnostics() else { return error.to_string() };
-    let text = diagnostics.excerpt().map_or("", |excerpt| &excerpt.text);
-    let line = |byte: usize| text.bytes().take(byte).filter(|byte| *byte == b'\n').count() + 1;
-    let message = |diagnostic: &Diagnostic| {
-        let help = diagnostic.kind.help();
-        let help = if help.is_empty() { help } else { format!(" ({help})") };
-        format!("line {}: {diagnostic}{help}", line(diagnostic.span.start))
-    };
-    diagnostics.listed().map(message).collect::<Vec<String>>().join("\n")
 }
