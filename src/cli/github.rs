@@ -107,13 +107,13 @@ mod tests {
     }
 
     #[test]
-    fn annotations_escape_what_ends_a_property_or_a_command() {
+    fn annotations_escape_characters_that_end_a_property_or_a_command() {
         let found = annotation(&failed("a,b:c.png", "100 %\nnext: line"));
         assert_eq!(found, "::error file=a%2Cb%3Ac.png,title=a%2Cb%3Ac.png%3A failed::failed: 100 %25%0Anext: line\n");
     }
 
     #[test]
-    fn the_table_has_one_row_per_difference_whatever_the_texts_contain() {
+    fn the_table_has_one_row_per_difference_for_any_texts() {
         let mut summary = StepSummary::default();
         summary.add(&failed("a|b.png", "<b>\n|x|"), &Decision::Acceptable("rebond check 'a|b.png' --update".into()));
         let text = summary.markdown("not the same: 1 of 2");

@@ -46,7 +46,7 @@ pub fn find_collision(
         progress(step, steps);
     }
     let health = Error::unless_diverged(replayer.verdict(), &source.path)?;
-    let health = if search.found.is_some() { up_to_here(health) } else { health };
+    let health = if search.found.is_some() { without_missing_end(health) } else { health };
     if !has_states && health != Health::Whole {
         return Err(source.missing_states(&(first..=u64::MAX), health));
     }
@@ -87,7 +87,7 @@ pub fn gaps_before(source: &Source, step: u64) -> Result<Vec<TraceGap>, Error> {
 }
 
 /// The health of the part of a recording that was read: its missing end is left out, because it is not known yet.
-fn up_to_here(health: Health) -> Health {
+fn without_missing_end(health: Health) -> Health {
     match health {
         Health::Incomplete(missing) if (Missing { end: None, ..missing.clone() }).is_empty() => Health::Whole,
         Health::Incomplete(missing) => Health::Incomplete(Missing { end: None, ..missing }),

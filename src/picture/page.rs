@@ -117,7 +117,7 @@ impl Composer<'_> {
             let trace = trace(source, &grid, column, Between::Collisions, all.progress, |part| match part {
                 Traced::World(point) => {
                     if point.is_after_gap {
-                        run.lift();
+                        run.interrupt();
                     }
                     for body in &point.world.bodies {
                         if let Some(appearance) = bodies.get(&body.id).filter(is_chosen) {
@@ -170,7 +170,7 @@ impl Composer<'_> {
             let trace = trace(source, &grid, column, Between::Collisions, all.progress, |part| match part {
                 Traced::World(point) => {
                     if point.is_after_gap {
-                        run.lift();
+                        run.interrupt();
                     }
                     if point.is_after_gap || point.is_after_change {
                         run.restart_account();
@@ -202,7 +202,7 @@ impl Composer<'_> {
             let trace = trace(source, &grid, column, Between::Collisions, all.progress, |part| match part {
                 Traced::World(point) => {
                     if point.is_after_gap {
-                        run.lift();
+                        run.interrupt();
                     }
                     run.push(point.time, point.world);
                 }
@@ -270,7 +270,7 @@ impl Composer<'_> {
             let trace = trace(source, &grid, column, Between::Worlds, all.progress, |part| {
                 let Traced::World(point) = part else { return };
                 if point.is_after_gap {
-                    run.lift();
+                    run.interrupt();
                 }
                 run.push(point.time, point.world);
             })?;

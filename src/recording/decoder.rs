@@ -227,13 +227,13 @@ impl Decoder {
     pub fn mark_lost(&mut self, location: Location, reason: String) {
         self.finish_step();
         if self.ready.is_empty() {
-            self.lose(location, reason);
+            self.report_loss(location, reason);
         } else {
             self.deferred = Some((location, Deferred::Lost(reason)));
         }
     }
 
-    fn lose(&mut self, location: Location, reason: String) {
+    fn report_loss(&mut self, location: Location, reason: String) {
         self.validator.mark_lost();
         self.report_damage(location, reason);
     }
@@ -257,7 +257,7 @@ impl Decoder {
         let step = std::mem::take(&mut self.step);
         let location = step.location;
         if let Err(reason) = self.emit_step(step) {
-            self.lose(location, reason);
+            self.report_loss(location, reason);
         }
     }
 
@@ -337,17 +337,17 @@ impl Decoder {
         if let Some((step, what)) = step {
             if let Some(reason) = self.validator.skipped_beyond_plan(step, what) {
                 self.step = OpenStep::default();
-                return self.lose(location, reason);
+                return self.report_loss(location, reason);
             }
             self.step.number = Some(step);
             self.ready.extend(self.validator.cross_gap(step).map(Item::Gap));
             if let Some(reason) = self.validator.missing_before(step, what) {
-                self.lose(location, reason);
+                self.report_loss(location, reason);
             }
         }
         if let Err(reason) = self.add_content(message.content) {
             self.step = OpenStep::default();
-            self.lose(location, reason);
+            self.report_loss(location, reason);
         }
     }
 

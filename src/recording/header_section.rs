@@ -258,7 +258,7 @@ impl SectionReader {
     }
 
     fn recover_from<R: Read + Seek>(&mut self, fault: ReadFault, records: &mut RecordReader<R>) -> Result<(), Error> {
-        let fault = self.suspect.blame(fault)?;
+        let fault = self.suspect.locate(fault)?;
         let (offset, resync) = match fault.error {
             McapError::BadMagic if self.defects.is_empty() => (0, Resync::ContinueAt(MAGIC.len() as u64)),
             _ => (fault.offset, resync::resync(records, &fault).map_err(Error::Read)?),

@@ -361,7 +361,7 @@ impl<R: Read + Seek> ItemReader<R> {
     fn recover_from(&mut self, fault: ReadFault) -> Result<(), Error> {
         self.close_step();
         self.tally = None;
-        let fault = self.suspect.blame(fault)?;
+        let fault = self.suspect.locate(fault)?;
         let resync = match self.data_end {
             Some(_) => resync::truncated_or_corrupt(self.records.source(), &fault),
             None => resync::resync(&mut self.records, &fault),

@@ -247,7 +247,7 @@ impl SuspectLength {
     ///
     /// # Errors
     /// Returns an error if the file cannot be read.
-    pub fn blame(&mut self, fault: ReadFault) -> Result<ReadFault, Error> {
+    pub fn locate(&mut self, fault: ReadFault) -> Result<ReadFault, Error> {
         match fault.error {
             McapError::Io(error) => Err(Error::Read(error)),
             error => Ok(ReadFault { offset: self.0.take().unwrap_or(fault.offset), error }),

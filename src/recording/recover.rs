@@ -102,7 +102,7 @@ fn salvage<R: Read + Seek>(
             }
             Item::Damaged(_) if recording.table().is_some() => continue,
             Item::Damaged(_) | Item::SuspectState(_) | Item::Gap(_) => {
-                restorer.lose();
+                restorer.mark_lost();
                 pending.clear();
                 is_lost = true;
                 continue;

@@ -50,7 +50,7 @@ impl Restorer {
                 if self.events.len() < MAX_EVENTS {
                     self.events.push(event.clone());
                 } else {
-                    self.lose();
+                    self.mark_lost();
                 }
             }
             (Item::SuspectState(state), _) => {
@@ -66,7 +66,7 @@ impl Restorer {
     }
 
     /// Notes that events may be missing until the next keyframe.
-    pub fn lose(&mut self) {
+    pub fn mark_lost(&mut self) {
         self.events.clear();
         if !matches!(self.start, Start::OtherSemantics) {
             self.start = Start::Lost;

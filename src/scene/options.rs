@@ -329,7 +329,7 @@ mod tests {
     }
 
     #[test]
-    fn walls_are_told_from_bodies_of_their_names() {
+    fn walls_and_bodies_of_their_names_are_distinguished() {
         let spawns = Walls { material: None }.spawn_requests([16.0, 9.0]).map(|request| {
             let name = request.blueprint.name.clone().unwrap_or_default();
             Spawn::new(name, request.rect(), request.blueprint.mass)

@@ -101,8 +101,8 @@ impl EnergyRun {
     }
 
     /// Interrupts all curves: the next sample is not joined to the last one.
-    pub fn lift(&mut self) {
-        self.energies.iter_mut().chain(&mut self.momenta).for_each(TimeCurve::lift);
+    pub fn interrupt(&mut self) {
+        self.energies.iter_mut().chain(&mut self.momenta).for_each(TimeCurve::interrupt);
     }
 
     /// Measures the drift of the energy from the next sample on, because bodies were or may have been spawned or

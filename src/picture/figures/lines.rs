@@ -189,8 +189,8 @@ impl LineRun {
     }
 
     /// Interrupts all lines: the next values are not joined to the last ones.
-    pub fn lift(&mut self) {
-        self.lines.values_mut().for_each(|line| line.curve.lift());
+    pub fn interrupt(&mut self) {
+        self.lines.values_mut().for_each(|line| line.curve.interrupt());
         self.last.clear();
     }
 

@@ -116,7 +116,7 @@ impl PressureRun {
     }
 
     /// Interrupts the run: nothing is known of the time before the next state.
-    pub fn lift(&mut self) {
+    pub fn interrupt(&mut self) {
         self.last = None;
     }
 

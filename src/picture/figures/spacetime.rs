@@ -66,7 +66,7 @@ impl SpacetimeRun {
     }
 
     /// Interrupts all bands: the next positions are not joined to the last ones.
-    pub fn lift(&mut self) {
+    pub fn interrupt(&mut self) {
         self.bands.values_mut().for_each(|band| band.started = f64::NEG_INFINITY);
     }
 

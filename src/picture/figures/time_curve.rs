@@ -64,7 +64,7 @@ impl TimeCurve {
     }
 
     /// Ends the present part: the next point is not joined to the last one.
-    pub fn lift(&mut self) {
+    pub fn interrupt(&mut self) {
         self.end_column();
         if self.parts.last().is_some_and(|part| !part.is_empty()) {
             self.parts.push(Vec::new());
@@ -195,12 +195,12 @@ mod tests {
     }
 
     #[test]
-    fn a_lifted_curve_has_a_gap() {
+    fn an_interrupted_curve_has_a_gap() {
         let mut gapped = TimeCurve::new(0.5);
-        gapped.lift();
+        gapped.interrupt();
         for time in [0.0, 1.0, 5.0, 6.0] {
             if time == 5.0 {
-                gapped.lift();
+                gapped.interrupt();
             }
             gapped.push(time, time);
         }
