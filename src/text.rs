@@ -38,7 +38,8 @@ pub(crate) fn steps_up_to(last: u64) -> String {
     }
 }
 
-/// A CSV field, quoted as in RFC 4180 if necessary.
+/// A CSV field, quoted as in RFC 4180 if necessary. The crate csv, which reads tables, is a dependency of the command
+/// alone; tables are also written by the library and by the live page.
 #[cfg(any(feature = "draw", feature = "report"))]
 pub(crate) fn csv_field(text: &str) -> Cow<'_, str> {
     if text.contains(['"', ',', '\n', '\r']) {

@@ -1,8 +1,11 @@
 //! Decompresses the part of the engine with which the page starts: DEFLATE (RFC 1951), of which `inline.mjs` has
-//! written each 13 bits, some 14, as two of 94 characters. A WebAssembly module is made of this file alone. A
-//! decompressor in JavaScript takes ten times as long, because it has not been compiled when the page opens, and
-//! `DecompressionStream` waits for its turn among the tasks that lay out the page. Browsers run the module without
-//! optimisations, so loops are short.
+//! written each 13 bits, some 14, as two of 94 characters. `src/page/build` makes a WebAssembly module of this file
+//! alone.
+//!
+//! The module is the part of the page that cannot be compressed. It has 3.7 kB; with the crate miniz_oxide 0.8.9 and the
+//! same options of the compiler it has 11.4 kB. A decompressor in JavaScript takes ten times as long, because it has not
+//! been compiled when the page opens, and `DecompressionStream` waits for its turn among the tasks that lay out the
+//! page. Browsers run the module without optimisations, so loops are short.
 #![no_std]
 
 use core::slice;

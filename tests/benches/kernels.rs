@@ -1,7 +1,7 @@
 //! Microbenchmarks of the inner loops: `cargo bench --bench kernels [NAME]`
 //!
-//! Private modules of the event-driven solver are compiled again as modules of this program. `rebond report` measures
-//! cost and error of complete runs.
+//! Private modules of the event-driven solver are compiled again as modules of this program, because the library keeps
+//! them private. `rebond report` measures cost and error of complete runs.
 
 #![allow(dead_code, unused_imports)]
 
@@ -9,7 +9,10 @@ use divan::{Bencher, black_box, counter::ItemsCount};
 use physics::{
     CollisionCount, Engine, EngineConfig, Event, Rect, Restitution, Side, SolverKind, Spawn, Vector, handout,
 };
-use rebond::internals::picture::{self, Appearance, Frame, Metadata, Painter, Picture, Sprite, Style, View, png};
+use rebond::internals::picture::encode::{lzw, quantize::IndexedImage};
+use rebond::internals::picture::{
+    self, Appearance, Color, DisplayList, Frame, Metadata, Painter, Picture, Shape, Sprite, Style, View, png,
+};
 use rebond::internals::recording::{Header, SceneText, Versions, Writer};
 use std::{io, sync::Arc};
 
@@ -33,11 +36,6 @@ mod event_driven {
     pub mod pseudo_random;
     pub mod trajectory;
 }
-
-#[path = "../../src/picture/encode/lzw.rs"]
-mod lzw;
-#[path = "../../src/picture/encode/quantize.rs"]
-mod quantize;
 
 use event_driven::axis_trajectory::AxisTrajectory;
 use event_driven::body_state::{BodyState, Load};
@@ -204,17 +202,77 @@ fn frame_draw(bencher: Bencher) {
     bencher.bench_local(move || painter.draw(&picture::compose(&frame, &view)));
 }
 
+/// The ends of the lines of 500 arrows, px.
+fn lines() -> Vec<[[f32; 2]; 2]> {
+    let line = |number: u32| {
+        let [x, y] = [number % 25 * 50, number / 25 * 35].map(|at| 10.0 + at as f32);
+        [[x, y], [x + 20.0 + (number % 7) as f32 * 5.0, y + (number % 11) as f32 * 3.0]]
+    };
+    (0..500).map(line).collect()
+}
+
+/// The width of the lines, px.
+const LINE_WIDTH: f32 = 2.5;
+
+/// Draws 500 lines with round caps on 1280×720 pixels.
+#[divan::bench]
+fn lines_draw(bencher: Bencher) {
+    let shape = |ends: [[f32; 2]; 2]| Shape::Polyline {
+        points: ends.map(|[x, y]| Vector::new(x.into(), y.into())).to_vec(),
+        width: LINE_WIDTH.into(),
+        ink: Color::hex(0).into(),
+    };
+    let shapes = lines().into_iter().map(shape).collect();
+    let list = DisplayList { size: [1280, 720], background: Color::hex(0xffffff), backdrop: Vec::new(), shapes };
+    let mut painter = Painter::new();
+    bencher.bench_local(move || painter.draw(black_box(&list)));
+}
+
+/// The same with tiny-skia, which fills the outline of each line.
+#[divan::bench]
+fn lines_draw_tiny_skia(bencher: Bencher) {
+    use tiny_skia::{LineCap, Paint, PathBuilder, Pixmap, Stroke, Transform};
+    let lines = lines();
+    let (paint, stroke) =
+        (Paint::default(), Stroke { width: LINE_WIDTH, line_cap: LineCap::Round, ..Stroke::default() });
+    bencher.bench(|| {
+        let mut pixmap = Pixmap::new(1280, 720).expect("a size of pictures");
+        pixmap.fill(tiny_skia::Color::WHITE);
+        for [from, to] in black_box(&lines) {
+            let mut path = PathBuilder::new();
+            path.move_to(from[0], from[1]);
+            path.line_to(to[0], to[1]);
+            let path = path.finish().expect("a line of some length");
+            pixmap.stroke_path(&path, &paint, &stroke, Transform::identity(), None);
+        }
+        pixmap
+    });
+}
+
 #[divan::bench]
 fn png_encode(bencher: Bencher) {
     let picture = picture();
     bencher.bench(|| png::encode(&picture, &Metadata::default(), png::PngEffort::Fast, io::sink()));
 }
 
-/// Compresses 1280×720 pixels in bands of colour with LZW, as for GIF.
+/// 1280×720 pixels in bands of seven colours.
+fn bands() -> Vec<u8> {
+    (0..1280 * 720_usize).map(|index| (index / 40 % 7) as u8).collect()
+}
+
+/// Compresses bands of colour with LZW, as for GIF.
 #[divan::bench]
 fn lzw_compress(bencher: Bencher) {
-    let pixels: Vec<u8> = (0..1280 * 720_usize).map(|index| (index / 40 % 7) as u8).collect();
+    let pixels = bands();
     bencher.counter(divan::counter::BytesCount::of_slice(&pixels)).bench(|| lzw::compress(black_box(&pixels)));
+}
+
+/// The same with weezl, of which the gif crate uses an earlier version.
+#[divan::bench]
+fn lzw_compress_weezl(bencher: Bencher) {
+    let pixels = bands();
+    let encode = || weezl::encode::Encoder::new(weezl::BitOrder::Lsb, 3).encode(black_box(&pixels));
+    bencher.counter(divan::counter::BytesCount::of_slice(&pixels)).bench(encode);
 }
 
 /// Boxes with antialiased edges in 1668 colours, 960×540 pixels.
@@ -230,7 +288,7 @@ fn many_colors() -> Vec<[u8; 4]> {
 #[divan::bench]
 fn quantize(bencher: Bencher) {
     let pixels = many_colors();
-    bencher.bench(|| quantize::IndexedImage::quantized(black_box(&pixels)));
+    bencher.bench(|| IndexedImage::quantized(black_box(&pixels)));
 }
 
 /// The same with the quantiser of the gif crate, at its best quality that is usual for GIF.

