@@ -1,7 +1,7 @@
 //! Impacts in the event-driven solver, compared with closed forms.
 
 use crate::world_builder::*;
-use rebond::internals::physics::{Axis, Engine, Event, StepError, Vector};
+use rebond::internals::physics::{Axis, BodyId, Engine, Event, StepError, Vector};
 
 /// The position of a point between elastic walls at 0 and `width` that has moved `distance` from 0.
 fn reflected(distance: f64, width: f64) -> f64 {
@@ -290,6 +290,28 @@ fn a_collision_at_the_instant_of_a_sample_precedes_the_sample() {
         let mut engine = world(Conditions { rate, ..Conditions::default() }, &bodies);
         run(&mut engine, (gap / speed * rate).round() as u64);
         assert_eq!(body(&engine, 1).velocity, Vector::new(-speed, 0.0), "{gap} m at {speed} m/s");
+    }
+}
+
+/// A box that falls onto the edge of a platform is hit away from it just before it lands: far from the origin, the doubles
+/// of the coordinates cannot distinguish whether it still overlaps the platform then.
+#[test]
+fn a_box_hit_away_from_an_edge_lands_if_it_still_overlaps_the_platform() {
+    for far in [0.0, 1.0, 1024.0, 16384.0, 65536.0, 262144.0] {
+        for (overlap, slide) in [(4.0, 1.0), (4.0, 2.0), (16.0, 8.0), (4.0, 8.0), (16.0, 64.0)] {
+            let [overlap, slide] = [overlap, slide].map(|times| times / (1_u64 << 33) as f64);
+            let bodies = [
+                spec([far, 0.0], [1.0, 1.0], INFINITE),
+                spec([far + (1.0 - overlap), -1.5], [1.0, 1.0], 1.0).with_velocity(0.0, 1.0),
+                spec([far + (0.0 - overlap + slide), -0.875], [0.5, 0.5], 1.0).with_velocity(1.0, 0.0),
+            ];
+            let mut engine = world(Conditions { rate: 1.0, ..Conditions::default() }, &bodies);
+            let mut collisions = Vec::new();
+            engine.step(&mut collisions).unwrap();
+            let pairs: Vec<[BodyId; 2]> = collisions.iter().map(|collision| collision.bodies).collect();
+            let expected = if slide < overlap { vec![[1, 2], [0, 1]] } else { vec![[1, 2]] };
+            assert_eq!(pairs, expected, "{overlap} m and {slide} m at {far} m");
+        }
     }
 }
 

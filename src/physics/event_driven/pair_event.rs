@@ -200,13 +200,15 @@ impl Relative {
     #[inline]
     fn stay_separated(&self, seconds: f64) -> bool {
         let positive = |number: f64| if number > 0.0 { number } else { 0.0 };
+        let overlaps = Axis::BOTH.map(|axis| self.gap(axis) < -self.tolerance[axis]);
         let separated = Axis::BOTH.map(|axis| {
             let sign = if self.ahead[axis] > self.behind[axis] { -1.0 } else { 1.0 };
             let (speed, acceleration) = (sign * self.velocity[axis], sign * self.acceleration[axis]);
             let gap = self.gap(axis);
             let is_apart = (gap > self.tolerance[axis]) & (speed <= 0.0);
             // For instance, two boxes that have just collided.
-            let touches_and_recedes = (gap > -self.tolerance[axis]) & (speed < -self.speed_tolerance[axis]);
+            let touches_and_recedes =
+                (gap > -self.tolerance[axis]) & (speed < -self.speed_tolerance[axis]) & overlaps[axis.other()];
             let is_receding = (is_apart | touches_and_recedes) & (acceleration <= 0.0);
             let displacement = seconds * (positive(speed) + 0.5 * positive(acceleration) * seconds);
             is_receding | (gap - displacement > self.tolerance[axis])
