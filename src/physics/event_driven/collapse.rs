@@ -168,15 +168,15 @@ impl EventDriven {
     ) -> Result<(), StepError> {
         let root = patch.root_of_touch(&patch.touches[index as usize]) as usize;
         let greatest = patch.bursts[root].greatest;
-        let mut history = std::mem::take(&mut patch.bursts[root].histories[axis]);
+        let mut bursts = std::mem::take(&mut patch.bursts);
         let approach_speed = |touch: u32| patch.approach_speed(&patch.touches[touch as usize], axis);
         let rounding = |touch: u32| {
             let [first, second] =
                 patch.touches[touch as usize].bodies.map(|body| patch.axis(body, axis).magnitudes.velocity);
             (first + second) * VELOCITY_ROUNDING
         };
-        let cycle = history.push(index, speed, greatest, approach_speed, rounding);
-        patch.bursts[root].histories[axis] = history;
+        let cycle = bursts[root].histories[axis].push(index, speed, greatest, approach_speed, rounding);
+        patch.bursts = bursts;
         match cycle {
             None => Ok(()),
             Some((Cycle::Decays(decay), touches)) => {

@@ -113,8 +113,10 @@ struct Probe {
 impl ImpactHistory {
     /// Removes all impacts, for the next instant.
     pub fn clear(&mut self) {
-        self.restart();
-        self.count = 0;
+        if self.count > 0 {
+            self.restart();
+            self.count = 0;
+        }
     }
 
     /// Begins a new sequence, after the limit of a cycle was taken.

@@ -142,6 +142,7 @@ pub struct Burst {
 
 impl Burst {
     /// Removes all impacts, but keeps the memory for the next instant.
+    #[inline]
     fn clear(&mut self) {
         self.greatest = 0.0;
         self.histories.iter_mut().for_each(ImpactHistory::clear);
