@@ -161,7 +161,7 @@ use instant::{Clock, Instant, VICINITY};
 use neighbour_buffer::NeighbourBuffer;
 use pair_event::PairEvent;
 use patch::{Local, Patch};
-use simultaneous::Concerned;
+use simultaneous::{Concerned, Placement};
 use std::hint::black_box;
 use std::num::NonZero;
 use swept_aabb::SweptAabb;
@@ -211,6 +211,8 @@ pub struct EventDriven {
     indexed_bodies: usize,
     /// Buffer for the bodies concerned by an instant.
     patch: Patch,
+    /// Buffers for the alignment of faces at the end of an instant.
+    placement: Placement,
     /// Buffer for the bodies whose contacts were examined.
     examined: Vec<Local>,
     /// Buffer for a component of bodies in contact.
@@ -253,6 +255,7 @@ impl EventDriven {
             examines_all_spawned: false,
             indexed_bodies: 0,
             patch: Patch::default(),
+            placement: Placement::default(),
             examined: Vec::new(),
             contact_group: ContactGroup::default(),
             latest_shares: LatestShares::default(),

@@ -10,7 +10,6 @@ use super::instant::Instant;
 use super::neighbour_buffer::NeighbourBuffer;
 use super::pair_event::Sample;
 use super::reference::{Magnitudes, Reference, ScaledState};
-use super::simultaneous::Placement;
 use super::swept_aabb::SweptAabb;
 use crate::physics::{Axis, Side, larger};
 use std::cmp::{Ordering, Reverse};
@@ -174,7 +173,6 @@ pub struct Patch {
     pub bursts: Vec<Burst>,
     /// Buffer for the bodies that wait to be explored.
     pub waiting: Vec<Local>,
-    pub placement: Placement,
 }
 
 impl Patch {

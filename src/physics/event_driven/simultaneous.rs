@@ -201,8 +201,9 @@ impl EventDriven {
 
     /// Makes the instant the reference of the bodies that it changed.
     fn write_back(&mut self, patch: &mut Patch) {
+        self.placement.begin(patch);
         for axis in Axis::BOTH {
-            place_on_faces(patch, axis);
+            place_on_faces(patch, &mut self.placement, axis);
             for body in 0..patch.bodies.len() as Local {
                 let state = patch.axis_mut(body, axis);
                 if !state.has_changed {
@@ -225,36 +226,26 @@ impl EventDriven {
 ///
 /// Unchanged bodies and, where there is none, the earliest changed one keep their positions. Where faces form a cycle,
 /// some gap may remain; bodies that do not move relative to each other are placed first, because they may be in contact.
-fn place_on_faces(patch: &mut Patch, axis: Axis) {
-    if !patch.bodies.iter().any(|body| body.axes[axis].has_changed) {
-        return;
-    }
-    let mut buffers = std::mem::take(&mut patch.placement);
-    let Placement { changed, faces, is_placed, placed, moving } = &mut buffers;
-    let has_changed = |body: &Local| patch.axis(*body, axis).has_changed;
-    changed.clear();
-    placed.clear();
-    moving.clear();
-    let all = 0..patch.bodies.len() as Local;
-    changed.extend(all.clone().filter(has_changed));
-    placed.extend(all.filter(|body| !has_changed(body)));
-    for bodies in [&mut *changed, placed] {
-        bodies.sort_unstable_by_key(|body| patch.bodies[*body as usize].slot);
-    }
+fn place_on_faces(patch: &mut Patch, buffers: &mut Placement, axis: Axis) {
+    let Placement { in_order, is_placed, placed, faces, moving } = buffers;
     is_placed.clear();
     is_placed.extend(patch.bodies.iter().map(|body| !body.axes[axis].has_changed));
-    let mut unplaced = changed.iter().copied();
+    if is_placed.iter().all(|is_placed| *is_placed) {
+        return;
+    }
+    placed.clear();
+    placed.extend(in_order.iter().copied().filter(|body| is_placed[*body as usize]));
+    moving.clear();
+    let mut unplaced = in_order.iter().copied();
     let [mut next_placed, mut next_moving] = [0; 2];
     loop {
         if let Some(by) = placed.get(next_placed).copied() {
             next_placed += 1;
-            find_faces(patch, by, axis, faces);
+            find_faces(patch, by, axis, is_placed, faces);
             for (other, touch) in faces.iter().copied() {
-                if is_placed[other as usize] {
-                    continue;
-                }
                 if patch.approach_speed_sign(&patch.touches[touch as usize], axis) == Ordering::Equal {
                     place_on(patch, other, by, touch, axis);
+                    patch.axis_mut(other, axis).state.velocity = patch.axis(by, axis).state.velocity;
                     is_placed[other as usize] = true;
                     placed.push(other);
                 } else {
@@ -275,43 +266,52 @@ fn place_on_faces(patch: &mut Patch, axis: Axis) {
             break;
         }
     }
-    patch.placement = buffers;
 }
 
 /// Buffers for [`place_on_faces`].
 #[derive(Clone, Debug, Default)]
 pub struct Placement {
-    changed: Vec<Local>,
-    /// The faces of a body.
-    faces: Vec<(Local, u32)>,
+    /// All bodies, in creation order.
+    in_order: Vec<Local>,
     /// By local index, true for a body that keeps its position, or has got one.
     is_placed: Vec<bool>,
     /// The bodies that have their positions, on whose faces others are placed.
     placed: Vec<Local>,
+    /// The faces of a body.
+    faces: Vec<(Local, u32)>,
     /// Bodies that move relative to one that has its position, with that one and their touch.
     moving: Vec<(Local, Local, u32)>,
 }
 
-/// Replaces `found` by the bodies that touch one on a face along an axis, in creation order, with their touches.
-fn find_faces(patch: &Patch, body: Local, axis: Axis, found: &mut Vec<(Local, u32)>) {
-    let touches = patch.bodies[body as usize].touches.iter().copied();
-    let faces = touches.filter(|touch| patch.touches[*touch as usize].kind == TouchKind::Face(axis));
+impl Placement {
+    /// Sets the order of the bodies of a patch.
+    fn begin(&mut self, patch: &Patch) {
+        self.in_order.clear();
+        self.in_order.extend(0..patch.bodies.len() as Local);
+        self.in_order.sort_unstable_by_key(|body| patch.bodies[*body as usize].slot);
+    }
+}
+
+/// Replaces `found` by the bodies without a position that touch one on a face along an axis, in creation order, with
+/// their touches.
+fn find_faces(patch: &Patch, body: Local, axis: Axis, is_placed: &[bool], found: &mut Vec<(Local, u32)>) {
     found.clear();
-    found.extend(faces.map(|touch| (patch.touches[touch as usize].other(body), touch)));
+    for index in &patch.bodies[body as usize].touches {
+        let touch = &patch.touches[*index as usize];
+        let other = touch.other(body);
+        if touch.kind == TouchKind::Face(axis) && !is_placed[other as usize] {
+            found.push((other, *index));
+        }
+    }
     found.sort_unstable_by_key(|(other, _)| patch.bodies[*other as usize].slot);
 }
 
 /// Places a body on a face of another that it touches.
 fn place_on(patch: &mut Patch, body: Local, by: Local, touch: u32, axis: Axis) {
-    let fixed = *patch.axis(by, axis);
-    let touch = patch.touches[touch as usize];
-    let is_at_rest = patch.approach_speed(&touch, axis).high == 0.0;
-    let state = patch.axis_mut(body, axis);
-    state.state.position = match touch.side_of(by, axis) {
-        Side::High => fixed.state.position + fixed.size,
-        Side::Low => fixed.state.position - state.size,
+    let [body_state, by_state] = [body, by].map(|body| patch.axis(body, axis));
+    let position = match patch.touches[touch as usize].side_of(by, axis) {
+        Side::High => by_state.state.position + by_state.size,
+        Side::Low => by_state.state.position - body_state.size,
     };
-    if is_at_rest {
-        state.state.velocity = fixed.state.velocity;
-    }
+    patch.axis_mut(body, axis).state.position = position;
 }
