@@ -209,6 +209,8 @@ pub struct EventDriven {
     examines_all_spawned: bool,
     /// The number of slots when cell lists and event queue were last rebuilt.
     indexed_bodies: usize,
+    /// Buffer for the bodies concerned by the next instant, before they are added to the patch.
+    concerned: Vec<Concerned>,
     /// Buffer for the bodies concerned by an instant.
     patch: Patch,
     /// Buffers for the alignment of faces at the end of an instant.
@@ -254,6 +256,7 @@ impl EventDriven {
             #[cfg(test)]
             examines_all_spawned: false,
             indexed_bodies: 0,
+            concerned: Vec::new(),
             patch: Patch::default(),
             placement: Placement::default(),
             examined: Vec::new(),
@@ -412,8 +415,9 @@ impl EventDriven {
             return Ok(());
         }
         let at = self.timeline.now();
-        let concerned: Vec<Concerned> = concerned.into_iter().map(|slot| Concerned { slot, at }).collect();
-        self.process_instant(world, &concerned, observer)
+        self.concerned.clear();
+        self.concerned.extend(concerned.into_iter().map(|slot| Concerned { slot, at }));
+        self.process_instant(world, observer)
     }
 
     /// Processes the events up to the instant `last`, and those that coincide with it, in the order of their times.
@@ -446,8 +450,8 @@ impl EventDriven {
                 self.predict_changed();
                 self.receding = None;
             } else {
-                let concerned = self.concerned_by(&event, others, last);
-                if concerned.is_empty() {
+                self.find_concerned(&event, others, last);
+                if self.concerned.is_empty() {
                     self.predict_changed();
                     return Ok(());
                 }
@@ -457,7 +461,7 @@ impl EventDriven {
                     self.event_limit.count_event().map_err(|LimitExceeded| self.too_many_events(world, pair))?;
                 }
                 let instant = self.event_limit.begin_instant();
-                self.process_instant(world, &concerned, observer)?;
+                self.process_instant(world, observer)?;
                 self.event_limit.end_instant(instant);
             }
             // An event that coincides with `last` does not delay the inputs then.

@@ -37,15 +37,10 @@ struct Group<'a> {
 }
 
 impl EventDriven {
-    /// Processes the present instant for the bodies concerned, and predicts their next events.
-    pub(super) fn process_instant<O: Observer>(
-        &mut self,
-        world: &World,
-        concerned: &[Concerned],
-        observer: &mut O,
-    ) -> Result<(), StepError> {
+    /// Processes the present instant for the bodies [concerned](EventDriven::concerned), and predicts their next events.
+    pub(super) fn process_instant<O: Observer>(&mut self, world: &World, observer: &mut O) -> Result<(), StepError> {
         let mut patch = std::mem::take(&mut self.patch);
-        let result = self.process_patch(&mut patch, world, concerned, observer);
+        let result = self.process_patch(&mut patch, world, observer);
         if result.is_ok() {
             self.write_back(&mut patch);
             self.predict_changed();
@@ -88,20 +83,16 @@ impl EventDriven {
         !last.is_before(event.at) || (!last.end_of_vicinity().is_before(event.at) && self.coincides(event, last))
     }
 
-    /// The bodies of the next instant, given the next event and those in its vicinity. They are none if no event is
-    /// due.
+    /// Finds the bodies [concerned](EventDriven::concerned) by the next instant, given the next event and those in its
+    /// vicinity. They are none if no event is due.
     ///
     /// Bodies that touch form a group. The events of a group that coincide with the earliest of them share its time,
     /// whatever the events of other groups. Groups whose earliest events coincide are processed in one instant, so that
     /// the order of their impacts does not follow from rounding, but each at its own time. A group whose earliest event
     /// is not due until `last` is left out.
-    pub(super) fn concerned_by(
-        &self,
-        first: &ScheduledEvent,
-        others: Vec<ScheduledEvent>,
-        last: Instant,
-    ) -> Vec<Concerned> {
-        let mut concerned: Vec<Concerned> = Vec::new();
+    pub(super) fn find_concerned(&mut self, first: &ScheduledEvent, others: Vec<ScheduledEvent>, last: Instant) {
+        let mut concerned = std::mem::take(&mut self.concerned);
+        concerned.clear();
         let mut add = |pair: [Slot; 2], at: Instant| concerned.extend(pair.map(|slot| Concerned { slot, at }));
         // Events coincide if both gaps are 0 at both times.
         let coincide = |earlier: &ScheduledEvent, later: &ScheduledEvent| {
@@ -138,7 +129,7 @@ impl EventDriven {
         }
         concerned.sort_unstable_by(|a, b| a.slot.cmp(&b.slot).then_with(|| a.at.total_cmp(b.at)));
         concerned.dedup_by_key(|body| body.slot);
-        concerned
+        self.concerned = concerned;
     }
 
     /// A body of finite mass and all that are connected with it by touching, to the precision of doubles.
@@ -162,10 +153,9 @@ impl EventDriven {
         &mut self,
         patch: &mut Patch,
         world: &World,
-        concerned: &[Concerned],
         observer: &mut O,
     ) -> Result<(), StepError> {
-        self.add_concerned(patch, concerned);
+        self.add_concerned(patch);
         self.update_contacts(patch);
         loop {
             self.carry_out_impacts(patch, world, observer)?;
@@ -179,9 +169,9 @@ impl EventDriven {
 
     /// Adds the bodies concerned to the patch, and in turn each body that begins or ceases to touch one of them now:
     /// of several such events of a body, the queue holds only one.
-    fn add_concerned(&mut self, patch: &mut Patch, concerned: &[Concerned]) {
+    fn add_concerned(&mut self, patch: &mut Patch) {
         let mut waiting = std::mem::take(&mut patch.waiting);
-        waiting.extend(concerned.iter().map(|body| self.local_of(patch, body.slot, body.at)));
+        waiting.extend(self.concerned.iter().map(|body| self.local_of(patch, body.slot, body.at)));
         while let Some(body) = waiting.pop() {
             Axis::BOTH.into_iter().for_each(|axis| patch.mark_dirty(body, axis));
             self.explore(patch, body);
