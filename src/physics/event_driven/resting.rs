@@ -124,14 +124,14 @@ impl EventDriven {
         axis: Axis,
         lasts: impl Fn(&Patch, Local) -> bool,
     ) {
-        let slot = patch.bodies[body as usize].slot;
+        let LocalBody { slot, at, .. } = patch.bodies[body as usize];
         let mut next = 0;
         while let Some(contact) = self.contacts.of(slot).get(next).copied() {
             next += 1;
             if contact.axis != axis {
                 continue;
             }
-            let other = self.local_of(patch, contact.other, patch.bodies[body as usize].at);
+            let other = self.local_of(patch, contact.other, at);
             if !lasts(patch, other) {
                 self.remove_contact(patch, [body, other], axis);
                 next -= 1;
@@ -175,12 +175,14 @@ impl EventDriven {
     /// Adds contacts with the immovable bodies below and, if the body is immovable itself, with those above.
     fn add_contacts_with_immovable(&mut self, patch: &mut Patch, body: Local, axis: Axis, side: Side) {
         for index in 0..patch.bodies[body as usize].touches.len() {
-            let touch = patch.touches[patch.bodies[body as usize].touches[index] as usize];
+            let touch = &patch.touches[patch.bodies[body as usize].touches[index] as usize];
             let below = if touch.side_of(body, axis) == side { touch.other(body) } else { body };
-            if self.is_immovable(patch, below, axis, side)
-                && self.is_constraint(patch, &touch, axis)
-                && !self.is_contact(patch, &touch, axis)
+            if touch.acts_along(axis)
+                && self.is_immovable(patch, below, axis, side)
+                && patch.approach_speed_sign(touch, axis) == Ordering::Equal
+                && !self.is_contact(patch, touch, axis)
             {
+                let touch = *touch;
                 self.add_contact(patch, &touch, axis);
             }
         }
@@ -334,9 +336,9 @@ impl EventDriven {
     /// Ends the contacts of a body along an axis whose accelerations separate it.
     fn end_separating_contacts(&mut self, patch: &mut Patch, body: Local, axis: Axis) {
         self.keep_contacts(patch, body, axis, |patch, other| {
-            patch
-                .touch_between(body, other)
-                .is_none_or(|touch| patch.approach_acceleration(&patch.touches[touch as usize], axis).high == 0.0)
+            let [own, others] = [body, other].map(|body| patch.axis(body, axis).state.acceleration);
+            let separates = |touch: u32| patch.approach_acceleration(&patch.touches[touch as usize], axis).high != 0.0;
+            own == others || !patch.touch_between(body, other).is_some_and(separates)
         });
     }
 
