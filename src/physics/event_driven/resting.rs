@@ -140,12 +140,14 @@ impl EventDriven {
     }
 
     /// The load of a component, as far as it is known.
-    #[inline]
+    #[inline(always)]
     fn load_of(&self, patch: &Patch, body: Local, axis: Axis) -> Load {
         if self.bodies.carry_forces(axis) { self.load_with_forces(patch, body, axis) } else { Load::GravityOnly }
     }
 
-    /// The load of a component, as far as it is known, if forces act along the axis.
+    /// The load of a component, as far as it is known, if forces act along the axis. Not inlined, because
+    /// most scenes have no forces: a heap of 10³ boxes needs 0.8 % fewer instructions.
+    #[inline(never)]
     fn load_with_forces(&self, patch: &Patch, body: Local, axis: Axis) -> Load {
         let is_forced = |body: Local| {
             let slot = patch.bodies[body as usize].slot;
