@@ -274,6 +274,9 @@ impl Patch {
     /// The acceleration at which two touching bodies approach along an axis, m/s²; 0 if below rounding.
     pub fn approach_acceleration(&self, touch: &Touch, axis: Axis) -> DoubleDouble {
         let [low, high] = touch.ordered(axis).map(|body| self.axis(body, axis));
+        if low.state.acceleration == high.state.acceleration {
+            return DoubleDouble::ZERO;
+        }
         let rounding = (low.magnitudes.acceleration + high.magnitudes.acceleration) * ACCELERATION_ROUNDING;
         (low.state.acceleration - high.state.acceleration).or_zero(rounding)
     }
@@ -281,7 +284,8 @@ impl Patch {
     /// True if two bodies begin or cease to touch: along an axis whose gap is 0 they move relative to each other.
     pub fn is_changing(&self, touch: &Touch) -> bool {
         let moves = |axis: Axis| {
-            self.approach_speed(touch, axis).high != 0.0 || self.approach_acceleration(touch, axis).high != 0.0
+            self.approach_speed_sign(touch, axis) != Ordering::Equal
+                || self.approach_acceleration(touch, axis).high != 0.0
         };
         match touch.kind {
             TouchKind::Face(axis) => moves(axis),
