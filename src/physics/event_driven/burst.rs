@@ -198,7 +198,7 @@ impl EventDriven {
                 let state = patch.axis_mut(*body, axis);
                 state.state.velocity = after[side];
                 state.magnitudes.velocity = magnitude;
-                state.has_changed = true;
+                patch.mark_changed(*body, axis);
             }
         }
         for cluster in clusters {

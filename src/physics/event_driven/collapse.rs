@@ -136,7 +136,7 @@ impl EventDriven {
             let state = patch.axis_mut(*body, axis);
             state.state.velocity = velocity_after(state.state.velocity);
             state.magnitudes.velocity = larger(state.state.velocity.high.abs(), state.magnitudes.velocity);
-            state.has_changed = true;
+            patch.mark_changed(*body, axis);
         }
         self.velocities_changed(patch, members, axis);
     }

@@ -25,8 +25,10 @@ pub struct LocalAxis {
     pub size: DoubleDouble,
     /// The magnitudes of the numbers from which the state was computed.
     pub magnitudes: Magnitudes,
-    /// True if velocity or acceleration changed in this instant.
+    /// True if velocity or acceleration changed in this instant; set by [`Patch::mark_changed`].
     pub has_changed: bool,
+    /// True once a changed body was placed on the faces that it touches.
+    pub is_placed: bool,
     /// True if the contacts of the body along the axis must be examined.
     pub is_dirty: bool,
     /// True if its component was solved in this examination.
@@ -37,7 +39,7 @@ impl LocalAxis {
     #[inline]
     fn of(scaled: &ScaledState, size: DoubleDouble) -> LocalAxis {
         let &ScaledState { state, magnitudes } = scaled;
-        LocalAxis { state, size, magnitudes, has_changed: false, is_dirty: false, is_solved: false }
+        LocalAxis { state, size, magnitudes, has_changed: false, is_placed: false, is_dirty: false, is_solved: false }
     }
 }
 
@@ -166,6 +168,8 @@ pub struct Patch {
     has_corners: bool,
     /// For each axis, the bodies whose contacts must be examined.
     pub dirty: [Vec<Local>; 2],
+    /// For each axis, the bodies whose velocity or acceleration changed in this instant.
+    pub changed: [Vec<Local>; 2],
     /// Spare lists of touches.
     spare: Vec<Vec<u32>>,
     /// The impacts so far, by local index; only the entries of roots count. Entries beyond `bodies` are kept for their
@@ -189,6 +193,7 @@ impl Patch {
         self.queue.clear();
         self.has_corners = false;
         self.dirty.iter_mut().for_each(Vec::clear);
+        self.changed.iter_mut().for_each(Vec::clear);
         if self.bodies.capacity() > KEPT_BODIES {
             *self = Patch { index: std::mem::take(&mut self.index), ..Patch::default() };
         }
@@ -370,6 +375,16 @@ impl Patch {
         if !is_infinite && !state.is_dirty {
             state.is_dirty = true;
             self.dirty[axis].push(body);
+        }
+    }
+
+    /// Records that the velocity or acceleration of a body along an axis changed.
+    #[inline]
+    pub fn mark_changed(&mut self, body: Local, axis: Axis) {
+        let state = self.axis_mut(body, axis);
+        if !state.has_changed {
+            state.has_changed = true;
+            self.changed[axis].push(body);
         }
     }
 

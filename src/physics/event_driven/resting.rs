@@ -448,7 +448,7 @@ fn set_acceleration(patch: &mut Patch, body: Local, axis: Axis, acceleration: Do
     let state = patch.axis_mut(body, axis);
     if state.state.acceleration != acceleration {
         state.state.acceleration = acceleration;
-        state.has_changed = true;
         state.magnitudes.acceleration = larger(acceleration.high.abs(), state.magnitudes.acceleration);
+        patch.mark_changed(body, axis);
     }
 }

@@ -191,19 +191,18 @@ impl EventDriven {
 
     /// Makes the instant the reference of the bodies that it changed.
     fn write_back(&mut self, patch: &mut Patch) {
-        self.placement.begin(patch);
         for axis in Axis::BOTH {
-            place_on_faces(patch, &mut self.placement, axis);
-            for body in 0..patch.bodies.len() as Local {
-                let state = patch.axis_mut(body, axis);
-                if !state.has_changed {
-                    continue;
-                }
+            let mut changed = std::mem::take(&mut patch.changed[axis]);
+            changed.sort_unstable_by_key(|body| patch.bodies[*body as usize].slot);
+            place_on_faces(patch, &changed, &mut self.placement, axis);
+            for body in &changed {
+                let state = patch.axis_mut(*body, axis);
                 state.state.velocity = state.state.velocity.or_zero(state.magnitudes.velocity * VELOCITY_ROUNDING);
                 let state = state.state;
-                let LocalBody { slot, at, .. } = patch.bodies[body as usize];
+                let LocalBody { slot, at, .. } = patch.bodies[*body as usize];
                 self.set_trajectory(slot, axis, state, at);
             }
+            patch.changed[axis] = changed;
         }
         for body in patch.bodies.iter().filter(|body| body.contacts_changed) {
             self.invalidate(body.slot);
@@ -211,32 +210,25 @@ impl EventDriven {
     }
 }
 
-/// Places the changed bodies exactly on the faces that they touch, so that rounding errors do not accumulate; those
-/// that do not move relative to each other get the same velocity.
+/// Places the changed bodies, in creation order, exactly on the faces that they touch, so that rounding errors do not
+/// accumulate; those that do not move relative to each other get the same velocity.
 ///
 /// Unchanged bodies and, where there is none, the earliest changed one keep their positions. Where faces form a cycle,
 /// some gap may remain; bodies that do not move relative to each other are placed first, because they may be in contact.
-fn place_on_faces(patch: &mut Patch, buffers: &mut Placement, axis: Axis) {
-    let Placement { in_order, is_placed, placed, faces, moving } = buffers;
-    is_placed.clear();
-    is_placed.extend(patch.bodies.iter().map(|body| !body.axes[axis].has_changed));
-    if is_placed.iter().all(|is_placed| *is_placed) {
-        return;
-    }
-    placed.clear();
-    placed.extend(in_order.iter().copied().filter(|body| is_placed[*body as usize]));
+fn place_on_faces(patch: &mut Patch, changed: &[Local], buffers: &mut Placement, axis: Axis) {
+    let Placement { placed, faces, moving } = buffers;
+    find_unchanged_neighbours(patch, changed, axis, placed);
     moving.clear();
-    let mut unplaced = in_order.iter().copied();
+    let mut unplaced = changed.iter().copied();
     let [mut next_placed, mut next_moving] = [0; 2];
     loop {
         if let Some(by) = placed.get(next_placed).copied() {
             next_placed += 1;
-            find_faces(patch, by, axis, is_placed, faces);
+            find_unplaced_neighbours(patch, by, axis, faces);
             for (other, touch) in faces.iter().copied() {
                 if patch.approach_speed_sign(&patch.touches[touch as usize], axis) == Ordering::Equal {
                     place_on(patch, other, by, touch, axis);
                     patch.axis_mut(other, axis).state.velocity = patch.axis(by, axis).state.velocity;
-                    is_placed[other as usize] = true;
                     placed.push(other);
                 } else {
                     moving.push((other, by, touch));
@@ -244,12 +236,12 @@ fn place_on_faces(patch: &mut Patch, buffers: &mut Placement, axis: Axis) {
             }
         } else if let Some((body, by, touch)) = moving.get(next_moving).copied() {
             next_moving += 1;
-            if !std::mem::replace(&mut is_placed[body as usize], true) {
+            if !patch.axis(body, axis).is_placed {
                 place_on(patch, body, by, touch, axis);
                 placed.push(body);
             }
         } else if let Some(body) = unplaced.next() {
-            if !std::mem::replace(&mut is_placed[body as usize], true) {
+            if !std::mem::replace(&mut patch.axis_mut(body, axis).is_placed, true) {
                 placed.push(body);
             }
         } else {
@@ -261,10 +253,6 @@ fn place_on_faces(patch: &mut Patch, buffers: &mut Placement, axis: Axis) {
 /// Buffers for [`place_on_faces`].
 #[derive(Clone, Debug, Default)]
 pub struct Placement {
-    /// All bodies, in creation order.
-    in_order: Vec<Local>,
-    /// By local index, true for a body that keeps its position, or has got one.
-    is_placed: Vec<bool>,
     /// The bodies that have their positions, on whose faces others are placed.
     placed: Vec<Local>,
     /// The faces of a body.
@@ -273,27 +261,34 @@ pub struct Placement {
     moving: Vec<(Local, Local, u32)>,
 }
 
-impl Placement {
-    /// Sets the order of the bodies of a patch.
-    fn begin(&mut self, patch: &Patch) {
-        self.in_order.clear();
-        self.in_order.extend(0..patch.bodies.len() as Local);
-        self.in_order.sort_unstable_by_key(|body| patch.bodies[*body as usize].slot);
+/// Replaces `found` by the unchanged bodies that touch changed ones on a face along an axis, in creation order.
+fn find_unchanged_neighbours(patch: &Patch, changed: &[Local], axis: Axis, found: &mut Vec<Local>) {
+    found.clear();
+    for body in changed {
+        let others = faces_of(patch, *body, axis).map(|(other, _)| other);
+        found.extend(others.filter(|other| !patch.axis(*other, axis).has_changed));
     }
+    found.sort_unstable_by_key(|body| (patch.bodies[*body as usize].slot, *body));
+    found.dedup();
 }
 
-/// Replaces `found` by the bodies without a position that touch one on a face along an axis, in creation order, with
-/// their touches.
-fn find_faces(patch: &Patch, body: Local, axis: Axis, is_placed: &[bool], found: &mut Vec<(Local, u32)>) {
+/// Replaces `found` by the changed bodies without a position that touch one on a face along an axis, in creation order,
+/// with their touches.
+fn find_unplaced_neighbours(patch: &Patch, body: Local, axis: Axis, found: &mut Vec<(Local, u32)>) {
+    let is_unplaced = |other: Local| {
+        let state = patch.axis(other, axis);
+        state.has_changed && !state.is_placed
+    };
     found.clear();
-    for index in &patch.bodies[body as usize].touches {
-        let touch = &patch.touches[*index as usize];
-        let other = touch.other(body);
-        if touch.kind == TouchKind::Face(axis) && !is_placed[other as usize] {
-            found.push((other, *index));
-        }
-    }
+    found.extend(faces_of(patch, body, axis).filter(|(other, _)| is_unplaced(*other)));
     found.sort_unstable_by_key(|(other, _)| patch.bodies[*other as usize].slot);
+}
+
+/// The bodies that touch one on a face along an axis, with their touches.
+fn faces_of(patch: &Patch, body: Local, axis: Axis) -> impl Iterator<Item = (Local, u32)> {
+    let touches = patch.bodies[body as usize].touches.iter().copied();
+    let faces = touches.filter(move |touch| patch.touches[*touch as usize].kind == TouchKind::Face(axis));
+    faces.map(move |touch| (patch.touches[touch as usize].other(body), touch))
 }
 
 /// Places a body on a face of another that it touches.
@@ -303,5 +298,7 @@ fn place_on(patch: &mut Patch, body: Local, by: Local, touch: u32, axis: Axis) {
         Side::High => by_state.state.position + by_state.size,
         Side::Low => by_state.state.position - body_state.size,
     };
-    patch.axis_mut(body, axis).state.position = position;
+    let state = patch.axis_mut(body, axis);
+    state.state.position = position;
+    state.is_placed = true;
 }
