@@ -200,10 +200,18 @@ impl Patch {
     }
 
     /// The local index of a body, if it is in the patch. A moving infinite mass can be in it at several instants.
+    #[inline]
     pub fn find(&self, slot: Slot, at: Instant) -> Option<Local> {
         let first = self.index.get(slot as usize).copied().filter(|index| *index != NONE)?;
+        if self.bodies[first as usize].infinite { self.find_wall(first, slot, at) } else { Some(first) }
+    }
+
+    /// The local index of an infinite mass, of which one is `first`. Not inlined, since most bodies move: a heap of 10³
+    /// boxes needs 0.4 % fewer instructions.
+    #[inline(never)]
+    fn find_wall(&self, first: Local, slot: Slot, at: Instant) -> Option<Local> {
         let body = &self.bodies[first as usize];
-        if !body.infinite || body.at == at || body.axes.iter().all(|axis| axis.state.is_at_rest()) {
+        if body.at == at || body.axes.iter().all(|axis| axis.state.is_at_rest()) {
             return Some(first);
         }
         let is_wanted = |local: &Local| {
@@ -495,7 +503,8 @@ impl EventDriven {
     /// Adds a neighbour to the patch if it touches the body.
     fn examine_neighbour(&self, patch: &mut Patch, body: Local, sample: &Sample, other: Slot) {
         let at = sample.at;
-        if let Some(known) = patch.find(other, at)
+        let known = patch.find(other, at);
+        if let Some(known) = known
             && (patch.bodies[known as usize].explored || patch.touch_between(body, known).is_some())
         {
             return;
@@ -503,7 +512,7 @@ impl EventDriven {
         if !sample.may_touch(&self.bodies[other]) {
             return;
         }
-        let other = self.local_of(patch, other, at);
+        let other = known.unwrap_or_else(|| self.add_local(patch, other, at));
         let [first, second] = if patch.bodies[body as usize].slot < patch.bodies[other as usize].slot {
             [body, other]
         } else {
