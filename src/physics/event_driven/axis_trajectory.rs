@@ -101,7 +101,7 @@ pub struct AxisLowParts {
 }
 
 /// The state of a body along one axis in double-double precision, or of two bodies side by side.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct StateDd<T = f64> {
     /// Position, m.
     pub position: DoubleDouble<T>,

@@ -187,7 +187,7 @@ impl EventDriven {
                 // Infinite masses that approach each other make up for the losses. One of them can act through
                 // contacts.
                 let mut body = 0;
-                while body < patch.bodies.len() {
+                while body < patch.present().len() {
                     self.explore(patch, body as Local);
                     body += 1;
                 }

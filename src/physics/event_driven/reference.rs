@@ -25,7 +25,7 @@ pub struct Reference {
 
 /// The magnitudes of the numbers from which a state along an axis was computed; its rounding errors are proportional to
 /// them.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Magnitudes {
     /// Of the position, m.
     pub position: f64,
@@ -36,7 +36,7 @@ pub struct Magnitudes {
 }
 
 /// The state of a body along an axis with the magnitudes of the numbers it was computed from.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct ScaledState {
     /// The state.
     pub state: StateDd,

@@ -204,7 +204,7 @@ impl EventDriven {
             }
             patch.changed[axis] = changed;
         }
-        for body in patch.bodies.iter().filter(|body| body.contacts_changed) {
+        for body in patch.present().iter().filter(|body| body.contacts_changed) {
             self.invalidate(body.slot);
         }
     }
