@@ -55,6 +55,12 @@ impl Reference {
         rounding.state(self.state, t, self.state.after(t))
     }
 
+    /// The state at an instant with its magnitudes.
+    #[inline(always)]
+    pub fn scaled_state_at(&self, at: Instant, rounding: RandomRounding) -> ScaledState {
+        self.scaled(at, self.state_at(at, rounding))
+    }
+
     /// The states of two bodies at an instant with their magnitudes.
     #[inline(always)]
     pub fn scaled_states_at(references: &[Reference; 2], at: Instant, rounding: RandomRounding) -> [ScaledState; 2] {
