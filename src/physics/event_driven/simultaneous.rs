@@ -39,14 +39,14 @@ struct Group<'a> {
 impl EventDriven {
     /// Processes the present instant for the bodies [concerned](EventDriven::concerned), and predicts their next events.
     pub(super) fn process_instant<O: Observer>(&mut self, world: &World, observer: &mut O) -> Result<(), StepError> {
-        let mut patch = std::mem::take(&mut self.patch);
+        let mut patch = self.patch.take().unwrap_or_default();
         let result = self.process_patch(&mut patch, world, observer);
         if result.is_ok() {
             self.write_back(&mut patch);
             self.predict_changed();
         }
         patch.clear();
-        self.patch = patch;
+        self.patch = Some(patch);
         result
     }
 
