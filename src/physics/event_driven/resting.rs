@@ -124,19 +124,33 @@ impl EventDriven {
         axis: Axis,
         lasts: impl Fn(&Patch, Local) -> bool,
     ) {
+        let mut from = 0;
+        while let Some((place, other)) = self.next_ended_contact(patch, body, axis, from, &lasts) {
+            self.remove_contact(patch, [body, other], axis);
+            from = place;
+        }
+    }
+
+    /// The first contact of a body along an axis, from a place in its list on, for which `lasts` is false: its place and
+    /// the other body.
+    #[inline(always)]
+    fn next_ended_contact(
+        &self,
+        patch: &mut Patch,
+        body: Local,
+        axis: Axis,
+        from: usize,
+        lasts: &impl Fn(&Patch, Local) -> bool,
+    ) -> Option<(usize, Local)> {
         let LocalBody { slot, at, .. } = patch.bodies[body as usize];
-        let mut next = 0;
-        while let Some(contact) = self.contacts.of(slot).get(next).copied() {
-            next += 1;
-            if contact.axis != axis {
-                continue;
-            }
+        let contacts = self.contacts.of(slot).iter().enumerate().skip(from);
+        for (place, contact) in contacts.filter(|(_, contact)| contact.axis == axis) {
             let other = self.local_of(patch, contact.other, at);
             if !lasts(patch, other) {
-                self.remove_contact(patch, [body, other], axis);
-                next -= 1;
+                return Some((place, other));
             }
         }
+        None
     }
 
     /// The load of a component, as far as it is known.
