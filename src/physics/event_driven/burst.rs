@@ -212,16 +212,10 @@ impl EventDriven {
             self.explore(patch, *body);
             patch.mark_dirty(*body, axis);
             self.end_contacts_of_other_velocity(patch, *body, axis);
-            for index in 0..patch.bodies[*body as usize].touches.len() {
-                let touch = patch.bodies[*body as usize].touches[index];
-                // Across the axis, only corners depend on the velocities along it.
-                match patch.touches[touch as usize].kind {
-                    TouchKind::Face(face) if face != axis => continue,
-                    TouchKind::Face(_) => {}
-                    TouchKind::Corner => patch.mark_dirty(*body, axis.other()),
-                }
-                patch.refresh(touch);
+            if patch.touches_corner(*body) {
+                patch.mark_dirty(*body, axis.other());
             }
+            patch.refresh_along(*body, axis);
         }
     }
 

@@ -159,6 +159,51 @@ impl Touch {
     pub fn acts_along(&self, axis: Axis) -> bool {
         self.kind == TouchKind::Face(axis) || self.blocks[axis]
     }
+
+    /// See [`Patch::approach_speed`].
+    fn approach_speed(&self, bodies: &[LocalBody], axis: Axis) -> DoubleDouble {
+        let [low, high] = self.ordered(axis).map(|body| &bodies[body as usize].axes[axis]);
+        let rounding = (low.magnitudes.velocity + high.magnitudes.velocity) * VELOCITY_ROUNDING;
+        (low.state.velocity - high.state.velocity).or_zero(rounding)
+    }
+
+    /// See [`Patch::approach_speed_sign`].
+    #[inline]
+    fn approach_speed_sign(&self, bodies: &[LocalBody], axis: Axis) -> Ordering {
+        let [low, high] = self.ordered(axis).map(|body| &bodies[body as usize].axes[axis]);
+        if low.state.velocity == high.state.velocity {
+            return Ordering::Equal;
+        }
+        let difference = low.state.velocity.high - high.state.velocity.high;
+        let exact = || self.approach_speed(bodies, axis).high.partial_cmp(&0.0).unwrap_or(Ordering::Equal);
+        if difference.abs() > (low.magnitudes.velocity + high.magnitudes.velocity) * CLEAR_SIGN {
+            let sign = if difference > 0.0 { Ordering::Greater } else { Ordering::Less };
+            debug_assert!(sign == exact() || difference.is_infinite(), "doubles suffice");
+            return sign;
+        }
+        exact()
+    }
+
+    /// Determines whether the bodies approach each other; returns true if the touch must be queued for that.
+    #[inline(always)]
+    fn refresh(&mut self, bodies: &[LocalBody]) -> bool {
+        let approaches_along = |axis: Axis| self.approach_speed_sign(bodies, axis) == Ordering::Greater;
+        let approaches = match self.kind {
+            TouchKind::Face(axis) => approaches_along(axis),
+            TouchKind::Corner => Axis::BOTH.into_iter().all(approaches_along),
+        };
+        let must_queue = approaches && !self.is_queued;
+        self.approaches = approaches;
+        self.is_queued |= must_queue;
+        must_queue
+    }
+
+    /// The place of the touch in the order of impacts.
+    #[inline]
+    fn order(&self, bodies: &[LocalBody]) -> ImpactOrder {
+        let slots = self.bodies.map(|body| bodies[body as usize].slot);
+        ImpactOrder { is_corner: self.kind == TouchKind::Corner, slots }
+    }
 }
 
 /// The impacts of an instant among bodies connected by touching.
@@ -285,27 +330,14 @@ impl Patch {
 
     /// The speed at which two touching bodies approach along an axis, m/s; 0 if below rounding.
     pub fn approach_speed(&self, touch: &Touch, axis: Axis) -> DoubleDouble {
-        let [low, high] = touch.ordered(axis).map(|body| self.axis(body, axis));
-        let rounding = (low.magnitudes.velocity + high.magnitudes.velocity) * VELOCITY_ROUNDING;
-        (low.state.velocity - high.state.velocity).or_zero(rounding)
+        touch.approach_speed(&self.bodies, axis)
     }
 
     /// The sign of the [approach speed](Self::approach_speed): greater than 0 if two touching bodies approach along an
     /// axis.
     #[inline]
     pub fn approach_speed_sign(&self, touch: &Touch, axis: Axis) -> Ordering {
-        let [low, high] = touch.ordered(axis).map(|body| self.axis(body, axis));
-        if low.state.velocity == high.state.velocity {
-            return Ordering::Equal;
-        }
-        let difference = low.state.velocity.high - high.state.velocity.high;
-        let exact = || self.approach_speed(touch, axis).high.partial_cmp(&0.0).unwrap_or(Ordering::Equal);
-        if difference.abs() > (low.magnitudes.velocity + high.magnitudes.velocity) * CLEAR_SIGN {
-            let sign = if difference > 0.0 { Ordering::Greater } else { Ordering::Less };
-            debug_assert!(sign == exact() || difference.is_infinite(), "doubles suffice");
-            return sign;
-        }
-        exact()
+        touch.approach_speed_sign(&self.bodies, axis)
     }
 
     /// The acceleration at which two touching bodies approach along an axis, m/s²; 0 if below rounding.
@@ -433,29 +465,28 @@ impl Patch {
         None
     }
 
-    /// Queues a touch if its bodies approach each other.
-    pub fn refresh(&mut self, index: u32) {
-        let touch = &self.touches[index as usize];
-        let approaches_along = |axis: Axis| self.approach_speed_sign(touch, axis) == Ordering::Greater;
-        let approaches = match touch.kind {
-            TouchKind::Face(axis) => approaches_along(axis),
-            TouchKind::Corner => Axis::BOTH.into_iter().all(approaches_along),
-        };
-        let must_queue = approaches && !touch.is_queued;
-        if must_queue {
-            self.queue.push(Reverse((self.order_of(index), index)));
+    /// Queues the touches of a body whose velocity along an axis changed, if they approach.
+    pub fn refresh_along(&mut self, body: Local, axis: Axis) {
+        let Patch { bodies, touches, queue, .. } = self;
+        for index in &bodies[body as usize].touches {
+            let touch = &mut touches[*index as usize];
+            // Across the axis, only corners depend on the velocities along it.
+            if touch.kind != TouchKind::Face(axis.other()) && touch.refresh(bodies) {
+                queue.push(Reverse((touch.order(bodies), *index)));
+            }
         }
-        let touch = &mut self.touches[index as usize];
-        touch.approaches = approaches;
-        touch.is_queued |= must_queue;
+    }
+
+    /// True if a body touches another at a corner.
+    pub fn touches_corner(&self, body: Local) -> bool {
+        let mut touches = self.bodies[body as usize].touches.iter();
+        self.has_corners && touches.any(|touch| self.touches[*touch as usize].kind == TouchKind::Corner)
     }
 
     /// The place of a touch in the order of impacts.
     #[inline]
     pub fn order_of(&self, index: u32) -> ImpactOrder {
-        let touch = &self.touches[index as usize];
-        let slots = touch.bodies.map(|body| self.bodies[body as usize].slot);
-        ImpactOrder { is_corner: touch.kind == TouchKind::Corner, slots }
+        self.touches[index as usize].order(&self.bodies)
     }
 
     /// True if two of the bodies touch at a corner.
@@ -552,7 +583,7 @@ impl EventDriven {
         };
         let Some((kind, side)) = touch_kind(patch, first, second, self.bodies.resolution()) else { return };
         let index = patch.touches.len() as u32;
-        patch.touches.push(Touch {
+        let mut touch = Touch {
             bodies: [first, second],
             kind,
             side,
@@ -560,14 +591,17 @@ impl EventDriven {
             was_released: false,
             approaches: false,
             is_queued: false,
-        });
+        };
+        if touch.refresh(&patch.bodies) {
+            patch.queue.push(Reverse((touch.order(&patch.bodies), index)));
+        }
+        patch.touches.push(touch);
         patch.has_corners |= kind == TouchKind::Corner;
         patch.bodies[first as usize].touches.push(index);
         patch.bodies[second as usize].touches.push(index);
         if !patch.bodies[first as usize].infinite && !patch.bodies[second as usize].infinite {
             patch.join(first, second);
         }
-        patch.refresh(index);
     }
 }
 
