@@ -11,6 +11,7 @@ use super::pair_event::{ImpactKind, PairEvent};
 use super::random_rounding::{RandomRounding, is_exact_path};
 use super::reference::Reference;
 use crate::physics::{Axis, Side, larger};
+use std::ops::Range;
 
 /// The rounding of a coordinate in double-double arithmetic, as a fraction of the numbers it was computed from: 2¹⁶
 /// times that of an operation, since the errors of earlier events add up.
@@ -68,6 +69,13 @@ pub const DEEPEST_ROUNDING: f64 = 1.0 / (1_u64 << 44) as f64;
 /// A discriminant above this fraction of the square of the speed is certainly not 0, although it is computed in
 /// doubles.
 const CLEARLY_TURNS: f64 = 1e-12;
+
+/// A gap above this fraction of the numbers that it was computed from in doubles has certainly the sign of the exact
+/// one.
+const CLEAR_GAP: f64 = 1.0 / (1_u64 << 40) as f64;
+
+/// Times (s) and lengths (m) of which no product with a speed or an acceleration underflows or overflows.
+const MODERATE: Range<f64> = 1e-100..1e100;
 
 /// The second body of a pair relative to the first along an axis, at an instant.
 pub struct ExactAxis {
@@ -176,6 +184,34 @@ impl ExactAxis {
     /// The impact of the bodies after t seconds, when their gap along the other axis closes, by their overlap along
     /// this one; `None` if they neither overlap nor enter the corner.
     fn impact_after(&self, t: DoubleDouble) -> Option<ImpactKind> {
+        match self.clear_gap_after(t.high) {
+            Some(gap) => {
+                let impact = (gap < 0.0).then_some(ImpactKind::Face);
+                debug_assert_eq!(impact, self.exact_impact_after(t), "doubles suffice");
+                impact
+            }
+            None => self.exact_impact_after(t),
+        }
+    }
+
+    /// The greater gap after t seconds in doubles, m; `None` if they do not decide its sign. They mostly do, so that a
+    /// heap of 10³ boxes needs 0.5 % fewer instructions.
+    #[inline]
+    fn clear_gap_after(&self, t: f64) -> Option<f64> {
+        let [offset, velocity, acceleration] =
+            [self.offset, self.velocity, self.acceleration].map(|number| number.high);
+        // The low part of a size can exceed the rounding of the high part.
+        let sizes = self.sizes.map(|size| size.high + size.low);
+        let displacement = t * (velocity + 0.5 * acceleration * t);
+        let path = t * (velocity.abs() + 0.5 * acceleration.abs() * t);
+        let gap = larger(-offset - sizes[1] - displacement, offset - sizes[0] + displacement);
+        let scale = offset.abs() + sizes[0] + sizes[1] + path;
+        let is_clear = gap.abs() > scale * CLEAR_GAP + 2.0 * self.gap_rounding;
+        (is_clear && MODERATE.contains(&t) && MODERATE.contains(&scale)).then_some(gap)
+    }
+
+    /// The same as [`impact_after`](Self::impact_after) in double-double arithmetic.
+    fn exact_impact_after(&self, t: DoubleDouble) -> Option<ImpactKind> {
         let [gap, speed, acceleration] = self.after(t);
         if gap.high < 0.0 {
             return Some(ImpactKind::Face);
