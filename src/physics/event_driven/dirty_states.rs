@@ -104,9 +104,11 @@ impl DirtyStates {
         // Variants, so that unused fields are not read: memory access dominates the cost.
         let are_finite = match (bodies.are_free(), are_slots_dense) {
             (true, _) if do_most_move => {
-                self.write_moving(bodies, world, threads, |trajectory| trajectory.drifted(end))
+                self.write_moving(bodies, world, threads, move |trajectory| trajectory.drifted(end))
             }
-            (false, _) if do_most_move => self.write_moving(bodies, world, threads, |trajectory| trajectory.at(end)),
+            (false, _) if do_most_move => {
+                self.write_moving(bodies, world, threads, move |trajectory| trajectory.at(end))
+            }
             (true, true) => {
                 self.write_states(bodies, world, &stopped, |slot, _| slot, |trajectory| trajectory.drifted(end))
             }
@@ -136,20 +138,11 @@ impl DirtyStates {
         bodies: &Bodies,
         world: &mut World,
         threads: Threads,
-        state: impl Fn(&Trajectory) -> [[f64; 2]; 2] + Sync,
+        state: impl Fn(&Trajectory) -> [[f64; 2]; 2] + Copy + Sync,
     ) -> bool {
         let are_finite = AtomicBool::new(true);
         let write_part = |((written, states), moving_indices): ((&mut [Body], &[BodyState]), &[u32])| {
-            let mut zero = [0.0; 2];
-            for ((body, source), index) in written.iter_mut().zip(states).zip(moving_indices) {
-                if *index != NONE {
-                    let [[x, y], [vx, vy]] = state(&source.trajectory);
-                    body.rect.origin = Vector::new(x, y);
-                    body.velocity = Vector::new(vx, vy);
-                    zero = [zero[0] + 0.0 * (x + vx), zero[1] + 0.0 * (y + vy)];
-                }
-            }
-            if zero != [0.0; 2] {
+            if !write_states_of_part(written, states, moving_indices, state) {
                 are_finite.store(false, Ordering::Relaxed);
             }
         };
@@ -200,6 +193,31 @@ impl DirtyStates {
         }
         sampled
     }
+}
+
+/// Writes the states of the bodies in motion among those of consecutive slots, given their indices in
+/// [`DirtyStates::moving`]; returns true if all numbers are certainly finite.
+///
+/// Not inlined, since the compiler knows the alignment of records that are arguments; with the plain sum, that saves a
+/// gas of 10³ boxes 1.5 % of its instructions.
+#[inline(never)]
+fn write_states_of_part(
+    written: &mut [Body],
+    states: &[BodyState],
+    moving_indices: &[u32],
+    state: impl Fn(&Trajectory) -> [[f64; 2]; 2],
+) -> bool {
+    // Not finite if one of its terms is not.
+    let mut sum = [0.0; 2];
+    for ((body, source), index) in written.iter_mut().zip(states).zip(moving_indices) {
+        if *index != NONE {
+            let [[x, y], [vx, vy]] = state(&source.trajectory);
+            body.rect.origin = Vector::new(x, y);
+            body.velocity = Vector::new(vx, vy);
+            sum = [sum[0] + (x + vx), sum[1] + (y + vy)];
+        }
+    }
+    sum[0].is_finite() & sum[1].is_finite()
 }
 
 fn has_finite_state(body: &Body) -> bool {
