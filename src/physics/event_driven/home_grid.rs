@@ -275,6 +275,9 @@ impl HomeGrid {
     /// Finds the pairs of a body in a band and a later one whose homes overlap. Adds to `lengths` the number of pairs
     /// of each body in the band. If the homes overlap by more than `distance` (m), the paths may overlap.
     fn find_pairs(&self, band: &mut Band, lengths: &mut [u32], distance: f32) {
+        // Of one length, so that an index that fits one fits the other.
+        let slots = &self.slots[..];
+        let homes = &self.homes[..slots.len()];
         let mut count = 0;
         for row in band.rows.clone() {
             band.counts[0] = count;
@@ -288,12 +291,12 @@ impl HomeGrid {
                 }
                 let pairs = &mut band.pairs[..];
                 for first in own {
-                    let (home, start) = (&self.homes[first], count);
-                    let right = end - (first + 1);
-                    for index in 0..right + below.len() {
-                        let second = index + if index < right { first + 1 } else { below.start - right };
+                    let (home, start) = (homes[first], count);
+                    let mut second = first;
+                    for _ in 0..end - (first + 1) + below.len() {
+                        second = if second + 1 == end { below.start } else { second + 1 };
                         pairs[count] = [first as u32, second as u32];
-                        count += usize::from(!home.is_disjoint_from(&self.homes[second]));
+                        count += usize::from(!home.is_disjoint_from(&homes[second]));
                     }
                     lengths[first - band.bodies.start] += (count - start) as u32;
                 }
@@ -308,9 +311,9 @@ impl HomeGrid {
             if let Some(length) = lengths.get_mut(second - band.bodies.start) {
                 *length += 1;
             }
-            let [slot, other] = [self.slots[first], self.slots[second]];
+            let [slot, other] = [slots[first], slots[second]];
             band.close_pairs[found] = if slot < other { [slot, other] } else { [other, slot] };
-            found += usize::from(!self.homes[first].is_farther_from(&self.homes[second], -distance));
+            found += usize::from(!homes[first].is_farther_from(&homes[second], -distance));
         }
         band.close_pair_count = found;
     }

@@ -97,7 +97,11 @@ impl SweptAabb {
     /// Returns true if the rectangles have no point in common; false if a border is NaN.
     #[inline]
     pub fn is_disjoint_from(&self, other: &SweptAabb) -> bool {
-        self.is_farther_from(other, 0.0)
+        let [left, top, right, bottom] = self.borders.map(|border| -border);
+        let borders = other.borders;
+        // Written so that it compiles to one comparison of four numbers, without arithmetic if `self` is the same
+        // several times.
+        (borders[0] > right) | (borders[1] > bottom) | (borders[2] > left) | (borders[3] > top)
     }
 
     /// Returns true if the gap between the rectangles along an axis is greater than a distance in m, negative for an
