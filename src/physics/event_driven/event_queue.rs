@@ -199,16 +199,19 @@ impl EventQueue {
 
     /// Replaces the event of a body, which happens at `latest` seconds since step 0 at the latest; `None` removes it.
     pub fn set_until(&mut self, slot: Slot, event: Option<ScheduledEvent>, latest: f64) {
-        let event = event.unwrap_or(NO_EVENT);
         let entry = self.entry(slot);
         entry.latest = latest;
-        if entry.event == event {
-            return;
-        }
-        entry.stamp = entry.stamp.wrapping_add(1);
-        entry.event = event;
-        if !event.is_none() {
-            self.insert_event(slot);
+        match event {
+            Some(event) if entry.event != event => {
+                entry.stamp = entry.stamp.wrapping_add(1);
+                entry.event = event;
+                self.insert_event(slot);
+            }
+            None if !entry.event.is_none() => {
+                entry.stamp = entry.stamp.wrapping_add(1);
+                entry.event = NO_EVENT;
+            }
+            Some(_) | None => {}
         }
     }
 
@@ -254,11 +257,18 @@ impl EventQueue {
         self.insert_crossing(slot);
     }
 
+    #[inline]
     fn entry(&mut self, slot: Slot) -> &mut QueueEntry {
         if self.entries.len() <= slot as usize {
-            self.entries.resize(slot as usize + 1, EMPTY_ENTRY);
+            self.add_entries(slot);
         }
         &mut self.entries[slot as usize]
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn add_entries(&mut self, last: Slot) {
+        self.entries.resize(last as usize + 1, EMPTY_ENTRY);
     }
 
     const fn current_step(&self) -> u64 {
@@ -332,8 +342,10 @@ impl EventQueue {
         self.current_slice = step << self.log2_slices;
         let index = (step % STEP_BINS) as usize;
         if !self.step_bins[index].is_empty() {
-            let bin = std::mem::take(&mut self.step_bins[index]);
-            self.step_bins[index] = self.redistribute(bin, due);
+            let mut bin = std::mem::take(&mut self.step_bins[index]);
+            self.redistribute(&bin, due);
+            bin.clear();
+            self.step_bins[index] = bin;
         }
     }
 
@@ -353,20 +365,24 @@ impl EventQueue {
         let last = self.current_slice | (self.slice_bins.len() as u64 - 1);
         self.current_slice = if self.binned == 0 { last } else { self.current_slice + 1 };
         let index = (self.current_slice & (self.slice_bins.len() as u64 - 1)) as usize;
-        let bin = std::mem::take(&mut self.slice_bins[index]);
-        self.binned -= bin.len();
-        self.slice_bins[index] = self.redistribute(bin, &mut Vec::new());
+        if !self.slice_bins[index].is_empty() {
+            let mut bin = std::mem::take(&mut self.slice_bins[index]);
+            self.binned -= bin.len();
+            self.redistribute(&bin, &mut Vec::new());
+            bin.clear();
+            self.slice_bins[index] = bin;
+        }
     }
 
     /// Inserts again the bodies that are still listed in the current bin, or appends them to `due` if their crossings
-    /// are due; returns the emptied bin.
-    fn redistribute(&mut self, mut bin: Vec<Slot>, due: &mut Vec<Slot>) -> Vec<Slot> {
+    /// are due.
+    fn redistribute(&mut self, bin: &[Slot], due: &mut Vec<Slot>) {
         let current_step = self.current_step();
         if self.entries.len() >= MIN_READ_AHEAD {
             // Reads the records at the same time, see `EventDriven::read_ahead`.
             black_box(bin.iter().fold(0, |sum, slot| sum ^ self.entries[*slot as usize].bin));
         }
-        for slot in bin.drain(..) {
+        for &slot in bin {
             let entry = &mut self.entries[slot as usize];
             if entry.bin != self.current_slice {
                 continue;
@@ -377,12 +393,14 @@ impl EventQueue {
                 continue;
             }
             entry.bin = NO_BIN;
+            let has_crossing = entry.crossing != NEVER;
             if !entry.event.is_none() {
                 self.insert_event(slot);
             }
-            self.insert_crossing(slot);
+            if has_crossing {
+                self.insert_crossing(slot);
+            }
         }
-        bin
     }
 
     /// Removes the invalidated events from the heap. The heap may double before the next call, so the
@@ -424,11 +442,11 @@ impl EventQueue {
         }
     }
 
-    /// Enters a body, unless it is in an earlier bin, in the bin of its cell crossing.
+    /// Enters a body that has a cell crossing in the bin of that, unless it is in an earlier bin.
     fn insert_crossing(&mut self, slot: Slot) {
         let QueueEntry { crossing, bin: present, .. } = self.entries[slot as usize];
         let bin = self.step_bin(crossing);
-        if crossing != NEVER && bin < present {
+        if bin < present {
             self.entries[slot as usize].bin = bin;
             self.step_bins[((bin >> self.log2_slices) % STEP_BINS) as usize].push(slot);
         }
