@@ -153,7 +153,8 @@ const EMPTY_ENTRY: QueueEntry =
 /// then, so the bins do not grow however often a body predicts again.
 #[derive(Clone, Debug)]
 pub struct EventQueue {
-    clock: Clock,
+    /// Slices per second, Hz, less by [`EARLINESS`].
+    slice_rate: f64,
     /// Base-2 logarithm of the number of slices per step.
     log2_slices: u32,
     /// The slice whose events are in the heap, counted from step 0.
@@ -179,7 +180,7 @@ impl EventQueue {
         let bodies_per_slice = if bodies < MIN_READ_AHEAD { BODIES_PER_SLICE } else { BODIES_PER_LONG_SLICE };
         let log2_slices = (bodies as u64 / bodies_per_slice).clamp(1, 1 << 10).next_power_of_two().trailing_zeros();
         EventQueue {
-            clock,
+            slice_rate: clock.rate * f64::from(1_u32 << log2_slices) * EARLINESS,
             log2_slices,
             current_slice: step << log2_slices,
             slice_read_ahead: 0,
@@ -415,8 +416,10 @@ impl EventQueue {
     /// Enters a body in the heap or, unless it is in an earlier bin, in the bin of its event.
     fn insert_event(&mut self, slot: Slot) {
         let entry = &self.entries[slot as usize];
-        let slice = entry.event.at.high * self.clock.rate * f64::from(1_u32 << self.log2_slices) * EARLINESS;
-        let slice = if slice < MAX_SLICE { slice as u64 } else { MAX_SLICE as u64 };
+        let slice = entry.event.at.high * self.slice_rate;
+        // No time is negative, and the conversion to a signed number is shorter.
+        debug_assert!(slice.is_nan() || slice >= 0.0);
+        let slice = (if slice < MAX_SLICE { slice as i64 } else { MAX_SLICE as i64 }) as u64;
         let step = slice >> self.log2_slices;
         if slice <= self.current_slice {
             let ScheduledEvent { at, pair, .. } = entry.event;
