@@ -49,7 +49,12 @@ const READ_AHEAD: usize = 64;
 impl<'a> Predictor<'a> {
     fn new(solver: &'a EventDriven, slot: Slot, precision: Precision) -> Predictor<'a> {
         let body = &solver.bodies[slot];
-        let sample = Sample::new(body, body.since);
+        Predictor::with(solver, slot, precision, Sample::new(body, body.since))
+    }
+
+    /// The same, given the state at the later of the body's reference times.
+    #[inline(always)]
+    fn with(solver: &'a EventDriven, slot: Slot, precision: Precision, sample: Sample<'a>) -> Predictor<'a> {
         let own_contacts = solver.contacts.of(slot);
         let receding = match solver.receding {
             Some([first, second]) if first == slot => Some(second),
@@ -195,22 +200,25 @@ impl EventDriven {
     /// Predicts the next event of a body, its time in doubles ([`Precision::LowerBound`]) or in double-double
     /// arithmetic ([`Precision::Exact`]).
     pub(super) fn predict_to(&mut self, slot: Slot, precision: Precision) {
-        let mut neighbours = std::mem::take(&mut self.neighbour_buffer);
-        self.predict_with(slot, precision, &mut neighbours);
-        self.neighbour_buffer = neighbours;
-    }
-
-    fn predict_with(&mut self, slot: Slot, precision: Precision, neighbours: &mut NeighbourBuffer) {
         let body = &self.bodies[slot];
         match (self.window_lists.is_active(), body.is_static()) {
-            (true, true) => return,
-            (true, false) => return self.predict_in_window(slot, precision, neighbours),
+            (true, true) => {}
+            (true, false) => self.predict_in_window(slot, precision),
             (false, true) => {
                 let aabb = SweptAabb::new(&Sample::new(body, self.timeline.now()), 0.0);
-                return self.cell_lists.set_swept_aabb(slot, aabb);
+                self.cell_lists.set_swept_aabb(slot, aabb);
             }
-            (false, false) => {}
+            (false, false) => {
+                let mut neighbours = std::mem::take(&mut self.neighbour_buffer);
+                self.predict_in_cell(slot, precision, &mut neighbours);
+                self.neighbour_buffer = neighbours;
+            }
         }
+    }
+
+    /// Predicts the next event of a body among those in its cell and the adjacent ones.
+    fn predict_in_cell(&mut self, slot: Slot, precision: Precision, neighbours: &mut NeighbourBuffer) {
+        let body = &self.bodies[slot];
         let mut predictor = Predictor::new(self, slot, precision);
         let (mut exit_time, mut swept) = (f64::INFINITY, SweptAabb::EVERYWHERE);
         if self.cell_lists.uses_all_pairs() {
@@ -235,13 +243,14 @@ impl EventDriven {
     }
 
     /// Predicts the next event of a body among those in its list, up to the end of the window.
-    fn predict_in_window(&mut self, slot: Slot, precision: Precision, neighbours: &mut NeighbourBuffer) {
-        let sample = Sample::new(&self.bodies[slot], self.timeline.now());
+    fn predict_in_window(&mut self, slot: Slot, precision: Precision) {
+        let body = &self.bodies[slot];
+        let sample = Sample::new(body, self.timeline.now());
         let path = self.window_lists.set_path(slot, &sample, self.timeline.step());
-        self.window_lists.find_neighbours(slot, &path, neighbours);
-        let mut predictor = Predictor::new(self, slot, precision);
+        self.window_lists.find_neighbours(slot, &path, &mut self.neighbour_buffer);
+        let mut predictor = Predictor::with(self, slot, precision, sample.at_time(body.since));
         predictor.limit_horizon(predictor.sample.at.seconds_until(self.window_lists.valid_until()));
-        neighbours.slots().iter().for_each(|other| _ = predictor.predict_pair(*other));
+        self.neighbour_buffer.slots().iter().for_each(|other| _ = predictor.predict_pair(*other));
         predictor.predict_contact_ends();
         let (first, latest) = (predictor.first(), predictor.latest());
         self.event_queue.set_until(slot, first, latest);
