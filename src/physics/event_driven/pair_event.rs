@@ -309,15 +309,13 @@ impl Relative {
 /// `horizon` seconds after the reference times of both may be omitted.
 #[inline]
 pub fn predict_pair_event(first: &Sample, second: &BodyState, order: Side, horizon: f64, now: Instant) -> Prediction {
-    if first.at.is_before(second.since) {
-        predict_from_sample(&Sample::new(first.body, second.since), second, order, horizon, now)
+    let later;
+    let first = if first.at.is_before(second.since) {
+        later = Sample::new(first.body, second.since);
+        &later
     } else {
-        predict_from_sample(first, second, order, horizon, now)
-    }
-}
-
-#[inline]
-fn predict_from_sample(first: &Sample, second: &BodyState, order: Side, horizon: f64, now: Instant) -> Prediction {
+        first
+    };
     let relative = Relative::new(first, second);
     if relative.stay_separated(horizon) {
         return Prediction::None;

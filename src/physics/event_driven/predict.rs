@@ -81,12 +81,17 @@ impl<'a> Predictor<'a> {
     }
 
     /// Predicts the next event with another body; returns true if that lowered the horizon.
-    #[inline]
+    #[inline(always)]
     fn predict_pair(&mut self, other: Slot) -> bool {
         if Some(other) == self.receding {
             debug_assert_eq!(self.solver.predict_exactly(ordered_pair(self.slot, other)), None);
             return false;
         }
+        self.predict_candidate(other)
+    }
+
+    /// The same for a body from which it does not recede.
+    fn predict_candidate(&mut self, other: Slot) -> bool {
         let partner = &self.solver.bodies[other];
         if self.sample.is_infinite() && partner.infinite {
             return false;
