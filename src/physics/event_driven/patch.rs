@@ -549,7 +549,9 @@ impl EventDriven {
         self.neighbour_buffer = neighbours;
     }
 
-    /// Finds all bodies that may touch one at the instant of a sample, and possibly others.
+    /// Finds all bodies that may touch one at the instant of a sample, and possibly others. Always inlined, see
+    /// [`WindowLists::find_neighbours`](super::window_lists::WindowLists::find_neighbours).
+    #[inline(always)]
     pub(super) fn find_touching(&self, slot: Slot, sample: &Sample, neighbours: &mut NeighbourBuffer) {
         let is_in_window = self.window_lists.is_active();
         if !is_in_window && self.cell_lists.uses_all_pairs() {
