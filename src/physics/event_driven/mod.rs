@@ -443,10 +443,10 @@ impl EventDriven {
                 self.event_limit.count_event().map_err(|LimitExceeded| self.too_many_events(world, pair))?;
             }
             self.changed.push(slot);
-            let others = match event.at.end_of_vicinity().is_before(self.event_queue.next_time()) {
-                true => Vec::new(),
-                false => self.collect_simultaneous(world, event.at)?,
-            };
+            let next = self.event_queue.next_time();
+            // The first comparison mostly decides, without arithmetic in double-double.
+            let is_alone = event.at.high * VICINITY < next.high || event.at.end_of_vicinity().is_before(next);
+            let others = if is_alone { Vec::new() } else { self.collect_simultaneous(world, event.at)? };
             if others.is_empty() && self.collide_at_once(world, &event, last, observer) {
                 self.predict_changed();
                 self.receding = None;
