@@ -98,8 +98,11 @@ impl Band {
 
     /// Adds a pair whose paths may overlap.
     pub fn add_close_pair(&mut self, pair: [Slot; 2]) {
-        self.close_pairs.truncate(self.close_pair_count);
-        self.close_pairs.push(pair);
+        // The spare space remains for the next window.
+        match self.close_pairs.get_mut(self.close_pair_count) {
+            Some(spare) => *spare = pair,
+            None => self.close_pairs.push(pair),
+        }
         self.close_pair_count += 1;
     }
 
