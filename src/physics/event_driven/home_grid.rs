@@ -25,6 +25,9 @@ const MAX_CELLS_PER_BODY: f64 = 4.0;
 /// boxes, lists do not pay.
 const MAX_CANDIDATES_PER_BODY: usize = 128;
 
+/// The number of cells in which the candidates of a body are counted.
+const CELLS_OF_CANDIDATES: usize = 5;
+
 /// The number of bodies in the parts that are sorted independently.
 const BODIES_PER_PART: usize = 4096;
 
@@ -171,7 +174,14 @@ impl HomeGrid {
         });
         self.sort_by_bucket(&mut entries, large);
         self.entries = entries;
-        self.candidates() <= bodies.len() * MAX_CANDIDATES_PER_BODY
+        self.most_in_a_cell() <= MAX_CANDIDATES_PER_BODY / CELLS_OF_CANDIDATES
+            || self.candidates() <= bodies.len() * MAX_CANDIDATES_PER_BODY
+    }
+
+    /// The greatest number of bodies in a cell.
+    fn most_in_a_cell(&self) -> usize {
+        let counts = self.starts.iter().zip(&self.starts[1..]).map(|(start, end)| end - start);
+        counts.fold(0, |most, count| if count > most { count } else { most }) as usize
     }
 
     /// Sorts the bodies by counting; in a cell they keep their order.
