@@ -44,6 +44,8 @@ pub struct HomeGrid {
     origin: [f64; 2],
     /// The number of columns and rows, without the margin.
     cells: [u32; 2],
+    /// The last column and row, without the margin.
+    last: [f64; 2],
     /// The number of columns with the margin.
     columns: usize,
     /// By bucket, the index in `slots` of its first body; the last entry is the number of bodies.
@@ -165,6 +167,7 @@ impl HomeGrid {
         }
         (self.side, self.origin) = (side, low);
         self.cells = spans.map(|span| span as u32);
+        self.last = self.cells.map(|count| f64::from(count - 1));
         self.columns = self.cells[0] as usize + 2;
         threads.share(entries.chunks_mut(BODIES_PER_PART), |entries: &mut [Entry]| {
             for entry in entries {
@@ -396,7 +399,7 @@ impl HomeGrid {
     #[inline]
     fn bucket(&self, point: [f64; 2]) -> usize {
         // A cast rounds negative numbers to 0.
-        let index = |axis: Axis| (((point[axis] - self.origin[axis]) / self.side) as u32).min(self.cells[axis] - 1);
+        let index = |axis: Axis| smaller((point[axis] - self.origin[axis]) / self.side, self.last[axis]) as u32;
         let [x, y] = Axis::BOTH.map(|axis| index(axis) as usize + 1);
         y * self.columns + x
     }
