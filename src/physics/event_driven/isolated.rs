@@ -102,6 +102,11 @@ impl EventDriven {
             return false;
         }
         self.carry_out(&impact_pair, &states, &impact, observer);
+        if impact_pair.is_immovable == [false; 2] {
+            // Both are listed below, and a list without duplicates need not be sorted.
+            debug_assert!(self.changed.iter().all(|slot| pair.contains(slot)));
+            self.changed.clear();
+        }
         for side in Side::BOTH {
             if !impact_pair.is_immovable[side] {
                 self.invalidate(impact_pair.bodies[side]);
